@@ -18,6 +18,8 @@ set(batches
     quoin_host_law:5:law_trial.cpp
     quoin_host_path:3
     quoin_members:6
+    quoin_analysis:5
+    quoin_modes:3:modes.cpp
     quoin_results:5:report.cpp,vtk.cpp,vtk_file.cpp
     quoin_validate:4
     quoin_ensemble:4:page.cpp,run_sample.cpp,sensitivity.cpp,statistics.cpp
@@ -36,6 +38,7 @@ set(batches
     geometry_test:3:mesh_file_test.cpp
     random_test:3:correlation_test.cpp
     ensemble_test:3
+    validate_test:4
     reproduce_test:2:whole_studies_test.cpp)
 foreach(entry IN LISTS batches)
   string(REPLACE ":" ";" entry ${entry})
@@ -62,7 +65,8 @@ set(precompiled
     quoin_model:${PROJECT_SOURCE_DIR}/host/model/world.h
     quoin_step:${PROJECT_SOURCE_DIR}/host/step/state.h
     quoin_results:<nlohmann/json.hpp>
-    host_test:<gmock/gmock.h>,${PROJECT_SOURCE_DIR}/tests/host/support.h)
+    host_test:<gmock/gmock.h>,${PROJECT_SOURCE_DIR}/tests/host/support.h
+    members_test:<gmock/gmock.h>,${PROJECT_SOURCE_DIR}/tests/members/scenes.h)
 foreach(entry IN LISTS precompiled)
   string(REPLACE ":" ";" entry ${entry})
   list(GET entry 0 target)

@@ -16,7 +16,7 @@ body { font: 9.5pt/1.35 'DejaVu Serif', serif; }
 h1, h2, h3, h4 { font-family: 'DejaVu Sans', sans-serif; line-height: 1.15; break-after: avoid; }
 h1 { font-size: 17pt; } h2 { font-size: 12.5pt; } h3 { font-size: 10.5pt; } h4 { font-size: 9.5pt; }
 article { break-before: page; }
-a { color: #1a4a7a; text-decoration: none; } a.headerlink { display: none; }
+a { color: #1a4a7a; text-decoration: none; }
 code { font: 8.2pt 'DejaVu Sans Mono', monospace; overflow-wrap: break-word; }
 pre { font: 7pt/1.3 'DejaVu Sans Mono', monospace; white-space: pre-wrap; overflow-wrap: break-word; background: #f4f4f2; padding: 2mm; }
 table { border-collapse: collapse; width: 100%; font-size: 7.8pt; margin: 2mm 0; }
@@ -51,6 +51,13 @@ def page_id(folder, path):
     return "page-" + re.sub(r"\W+", "-", os.path.relpath(path, folder)[:-len(".html")])
 
 
+def without_marks(text):
+    """A page without what shows in HTML alone: colours of code, links beside headings. Each would be a box of its own."""
+    text = re.sub(r'<a class="headerlink"[^>]*>[^<]*</a>', "", text)
+    text = re.sub(r'<span class="pre">([^<]*)</span>', r"\1", text)
+    return re.sub(r"<pre>.*?</pre>", lambda code: re.sub(r"</?span[^>]*>", "", code[0]), text, flags=re.S)
+
+
 def article(folder, path, known):
     """A page with its anchors and links as those of one document; pictures by their files."""
     own, here = page_id(folder, path), os.path.dirname(path)
@@ -65,7 +72,8 @@ def article(folder, path, known):
             return ""
         return f'href="#{page_id(folder, place)}{"--" + fragment if fragment else ""}"'
 
-    text = re.sub(r'\bid="([^"]*)"', lambda found: f'id="{own}--{found[1]}"', body_of(path))
+    text = without_marks(body_of(path))
+    text = re.sub(r'\bid="([^"]*)"', lambda found: f'id="{own}--{found[1]}"', text)
     text = re.sub(r'\bhref="([^"]*)"', link, text)
     text = re.sub(r'\bsrc="([^"]*)"', lambda found: f'src="{os.path.normpath(os.path.join(here, found[1]))}"', text)
     return f'<article id="{own}">{text}</article>'

@@ -15,7 +15,8 @@ with open(FILE, encoding="utf-8", newline="") as file:
 lines = ["# Verification, case by case", "",
          "Each line is a comparison in `tests/verification`, as the tests wrote it (`python3 manual/verification.py` makes this page).",
          "The error is the difference over the expected value, or over a scale of the problem where that is 0 or as the note says.",
-         "Sources and convergence are in [Verification of the general path](../tests/verification/README.md).", "",
+         "Sources and convergence are in [Verification of the general path](../tests/verification/README.md).",
+         "Paths of the laws are in [LAW_CASES.md](LAW_CASES.md).", "",
          f"{len(cases)} cases.", "", "| case | expected | measured | unit | error | allowed | note |", "|---|---|---|---|---|---|---|"]
 for what, rest in sorted(cases.items()):
     lines.append("| " + " | ".join(field.replace("|", "\\|") for field in [what, *rest]) + " |")

@@ -22,3 +22,15 @@ install_packages() {
   # shellcheck disable=SC2086  # a list of packages
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing
 }
+
+# build PRESET [ARGUMENT...]: configures the preset in build/release where nothing is built yet, and builds. There files are
+# compiled in batches, in about six tenths of the time (cmake/quick_build.cmake); a tree that is built keeps its way.
+build() {
+  local preset=$1; shift
+  if [ -e build/release/build.ninja ]; then cmake --preset "$preset" >/dev/null; else cmake --preset "$preset" -DQUOIN_QUICK_BUILD=ON >/dev/null; fi
+  cmake --build build/release "$@" && return
+  grep -q '^QUOIN_QUICK_BUILD:BOOL=ON' build/release/CMakeCache.txt || return 1
+  echo "Compiled again, file by file: names that clash within a batch are no fault of the code (cmake/quick_build.cmake)."
+  cmake --preset "$preset" -DQUOIN_QUICK_BUILD=OFF >/dev/null
+  cmake --build build/release "$@"
+}

@@ -1,5 +1,5 @@
-// Texts that people have read and approved, in files beside the tests: what a program says as a whole, where tests of
-// single numbers would miss a word, a unit, a label or a colour. QUOIN_APPROVE=1 writes the files: read the
+// Texts that people have read and approved, in files beside the tests. They are what a program says as a whole, where
+// tests of single numbers would miss a word, a unit, a label or a colour. QUOIN_APPROVE=1 writes the files: read the
 // difference (git diff) before it is committed.
 #pragma once
 

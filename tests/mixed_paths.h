@@ -1,5 +1,5 @@
 // Cyclic paths of opening, sliding in two directions and pressure, a different one for every point, for joints of
-// mortar.h: what tests and benchmarks of convergence drive.
+// mortar.h. Tests and benchmarks of convergence drive them.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ inline const std::array<double, 6>& numbers(std::size_t point) {
   return all[point];
 }
 
-// Pressure, then opening to a third of the ultimate 150 um and back, growing from cycle to cycle, with sliding to and
+// Pressure, then opening to a third of the ultimate 150 um and back, growing from cycle to cycle. Sliding goes to and
 // fro in both directions, to half of the ultimate 830 um. x from 0 to 1; openings larger by the share `wider`.
 inline Jump path(std::size_t point, double x, double wider = 0.0) {
   const auto& r = numbers(point);

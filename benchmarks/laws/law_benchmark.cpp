@@ -1,5 +1,5 @@
 // Nanoseconds per contact point of the fracture-energy law, through the C ABI: by population of states, batch size and
-// instruction set, beside the same equations compiled as scalar code, and the cyclic joint law, in the same run.
+// instruction set. Beside it, in the same run, the same equations compiled as scalar code, and the cyclic joint law.
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -21,9 +21,9 @@ using quoin::benchmarks::mortar_joint;
 using quoin::benchmarks::Points;
 using quoin::benchmarks::Population;
 
-// What the equations ask for a point, counted by hand in equations.h and kernel.cpp (linear softening, shared, with
-// crushing, without dilation; outputs apart from inputs): an addition, multiplication, minimum, maximum, comparison,
-// division or root is one operation, a multiply-add two; selections and masks are none.
+// What the equations ask for a point, counted by hand in equations.h and kernel.cpp. The case is linear softening,
+// shared, with crushing, without dilation; outputs apart from inputs. An addition, multiplication, minimum, maximum,
+// comparison, division or root is one operation, a multiply-add two; selections and masks are none.
 //   elastic     e 2, sigma 1, trial 4, f 2, mu 2, S 3, squares 5, F 5, limits 6
 //   softening   the elastic test 30, and the step: sliding 73, opening 67, half of the points each
 // Bytes: 8 columns in, then 1 more in and 7 out; softening reads its columns a second time.

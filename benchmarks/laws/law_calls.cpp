@@ -1,6 +1,6 @@
 // Nanoseconds of a call through the C ABI, few points and many, by law, shape of softening and state of the points. No
 // optional output. cyclic_joint beside fracture_energy, each pair in turn, states in place as in a host and apart. With
-// another build of the laws beside it, both in turn: law_calls [--beside=FOLDER] [--only=LAW]
+// another build of the laws beside it, both in turn: law_calls [--beside=FOLDER] [--only=LAW].
 //
 // A neighbour only ever adds time, in bursts longer than these windows: the smallest of many short windows counts.
 #include <fmt/format.h>

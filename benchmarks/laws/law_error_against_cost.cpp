@@ -1,8 +1,8 @@
-// Run time against error of fracture_energy and cyclic_joint: 256 points on cyclic paths of opening, sliding in two
-// directions and varying pressure, each cut into more and more increments, against the same paths in 2^20
-// (cyclic_joint: 2^16) increments; and the monotonic paths of fracture_energy against their closed forms. cyclic_joint
-// has the page's starting values, so that every branch acts, and a second kind of path that crushes as well. Writes CSV
-// to the standard output:
+// Run time against error of fracture_energy and cyclic_joint on 256 cyclic paths of opening, sliding in two directions
+// and varying pressure. Each is cut into more and more increments and compared with the same path in 2^20
+// (cyclic_joint: 2^16). Monotonic paths of fracture_energy are compared with their closed forms. cyclic_joint has the
+// page's starting values, so that every branch acts, and a second kind of path that crushes as well. Writes CSV to the
+// standard output:
 //   law_error_against_cost > law_error_against_cost.csv && gnuplot law_error_against_cost.gp
 #include <fmt/format.h>
 #include <time.h>
@@ -38,8 +38,8 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// All points along their paths in the given number of increments: the answers at every check, and the seconds that
-// the law took for tractions and states alone (a second drive, without the energies).
+// All points along their paths in the given number of increments: the answers at every check, and the law's seconds.
+// These are for tractions and states alone (a second drive, without the energies).
 struct Drive {
   std::vector<Answer> answers;  // check by check, point by point
   double seconds = 0.0;

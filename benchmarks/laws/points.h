@@ -19,7 +19,7 @@ namespace mortar = quoin::test::mortar;
 
 constexpr double kFriction = 0.7002075382;  // tan 35 deg
 
-// A law of a file with what it knows of the mortar of Table 1.
+// A law of a file with its properties for the mortar of Table 1.
 inline api::Material mortar_joint(const std::string& path, const char* softening = nullptr) {
   const quoin_law& law = test::load_law_file(path);
   test::Values values;
@@ -32,12 +32,12 @@ inline api::Material mortar_joint(const std::string& path, const char* softening
 }
 
 // softening: joints of eight points that slide with decaying cohesion, or open on the envelope, in turn. crushing: on
-// the softening branch without slip; corner: with a slip far beyond both surfaces of cyclic_joint, where crushing alone
-// brings it back. Both: from the edge of both on, by pressure and slip, where it slips and crushes at once.
+// the softening branch without slip. corner: with a slip far beyond both surfaces of cyclic_joint, from where crushing
+// alone returns it. Both: from the edge of both on, by pressure and slip, where it slips and crushes at once.
 enum class Population { elastic, sliding, opening, softening, damaged, crushing, corner, both, mixed, random };
 
-// Columns on cache lines, as a host that cares lays them out (a vector that crosses a line costs two accesses), and an
-// odd number of lines apart, so that they do not share the sets of a cache.
+// Columns on cache lines, as a host that cares lays them out: a vector that crosses a line costs two accesses. They are
+// an odd number of lines apart, so that they do not share the sets of a cache.
 struct Points {
   std::size_t states, length;
   hwy::AlignedFreeUniquePtr<double[]> memory;

@@ -1,5 +1,5 @@
-// What one core of this machine can do at best, measured at the instruction set that the kernels are dispatched to, in
-// the same run as whatever is compared with it (a roofline: machines that are shared drift).
+// What one core of this machine can do at best (a roofline), at the instruction set that the kernels are dispatched to.
+// It is measured in the same run as whatever is compared with it, since machines that are shared drift.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // Time per step and by phase on the paper's solid wall (11,520 zones, 3,447 contact points) and its 576-block wall,
 // under shear. Arguments: courses, half units a course, threads, displacement before the measurement in um (0: nothing
-// has cracked). The same on the walls of rigid cubes, while cracks run: size, threads, 1 for the kernels of blocks of
-// any shape in place of those of the lattice.
+// has cracked). The same on the walls of rigid cubes, while cracks run. Arguments: size, threads, 1 for the kernels of
+// blocks of any shape in place of those of the lattice.
 #include <benchmark/benchmark.h>
 
 #include "machine_limits.h"
@@ -117,8 +117,8 @@ BENCHMARK(cubes)
     ->Unit(benchmark::kMicrosecond)
     ->UseRealTime();
 
-// The product with the stiffness alone, over all blocks of the 576-block wall, on one thread: of what the machine can
-// do at best, measured just before.
+// The product with the stiffness alone, over all blocks of the 576-block wall, on one thread. It is compared with what
+// the machine can do at best, measured just before.
 void internal_forces(benchmark::State& state) {
   const benchmarks::Limits limits = benchmarks::measure_limits();
   const Scene scene = wall(32, 9.0);

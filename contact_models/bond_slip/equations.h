@@ -69,7 +69,8 @@ struct Equations {
       const V slip2 = hn::MulAdd(j.s_s, j.s_s, hn::Mul(j.s_t, j.s_t));
       const V opening = positive_part(j.d_n);
       energies->stored = hn::Mul(half, hn::MulAdd(normal, hn::Mul(j.d_n, j.d_n), hn::Mul(shear, slip2)));
-      // -dD of the energy that an undamaged bond would store: e lambda^2/2 with e of the end of the step.
+      // Spent: the growth of damage times the energy that an undamaged bond would store, e lambda^2/2 with e of the end
+      // of the step.
       const V over = hn::IfThenElseZero(r.grows, hn::Div(one, hn::Max(trial, one)));
       const V e_n = hn::Mul(hn::Mul(p.kn, hn::Mul(opening, opening)), hn::Mul(over, over));
       const V e_s = hn::Mul(hn::Mul(p.ks, slip2), hn::Mul(over, over));

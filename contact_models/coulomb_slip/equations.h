@@ -49,8 +49,8 @@ struct Equations {
     return positive_part(hn::NegMulAdd(sigma, mu, select(failed, residual, p.c0)));
   }
 
-  // Recoverable energy of the normal spring cut off at the tensile strength: a cut-off without memory of its opening,
-  // so that the joint always closes at d_n = 0.
+  // Recoverable energy of the normal spring cut off at the tensile strength. The cut-off has no memory of its opening,
+  // so the joint always closes at d_n = 0.
   HWY_INLINE V normal_energy(V d_n, V cut_off) const {
     const V elastic = hn::Min(d_n, hn::Div(cut_off, p.kn));
     const V beyond = hn::Sub(d_n, elastic);

@@ -1,6 +1,6 @@
 // The cyclic joint law, top to bottom as in LAW.md: parameters, derived quantities, opening, slip of an open joint,
-// slip of a closed joint, cap, the order of the update, energies, tangent.
-// One vector lane is one contact point. Symbols are LAW.md's; all in SI units, sigma > 0 is tension, d_n > 0 opens.
+// slip of a closed joint. Then the cap, the order of the update, energies, tangent. One vector lane is one contact
+// point. Symbols are LAW.md's; all in SI units, sigma > 0 is tension, d_n > 0 opens.
 #if defined(QUOIN_CYCLIC_JOINT_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_CYCLIC_JOINT_EQUATIONS_H
 #undef QUOIN_CYCLIC_JOINT_EQUATIONS_H
@@ -265,10 +265,10 @@ struct Equations {
 
   static HWY_INLINE M untouched(const State& s) { return hn::Or(hn::Or(s.q, s.l), s.v_m) == zero(); }  // bit by bit
 
-  // True, and the traction filled in, when every lane is elastic at full stiffness: closed and not at the end of a
-  // residual opening, or not yet opened beyond u0; and |tau*| within the strength. The same bits as evaluate gives.
-  // kOpeningFirst: an opening joint is told at once. kUntouched: only where q, l and v_m are 0, and no more is read of
-  // the seat.
+  // True, and the traction filled in, when every lane is elastic at full stiffness. Each is closed and not at the end
+  // of a residual opening, or not yet opened beyond u0; and |tau*| is within the strength. The same bits as evaluate
+  // gives. kOpeningFirst: an opening joint is found at once. kUntouched: only where q, l and v_m are 0, and no more is
+  // read of the seat.
   template <bool kOpeningFirst, bool kUntouched>
   HWY_INLINE bool elastic(const Increment& in, const State& old, Traction& traction) const {
     V h, virgin = hn::IfThenElseZero(old.xi == zero(), p.u0);
@@ -369,8 +369,8 @@ struct Equations {
         });
   }
   // Exponential softening: with x = rate gamma, D = S_drop f and k = ks/rate, k x - D (1 - exp(-x)) = c, the excess of
-  // |tau*|. Its series in q = c/(k - D) up to the fourth power: the slip to rounding for the short steps of an explicit
-  // analysis, a first guess for others and for tables.
+  // |tau*|. Its series in q = c/(k - D) goes up to the fourth power. That is the slip to rounding for the short steps
+  // of an explicit analysis, a first guess for others and for tables.
   HWY_INLINE V short_slip(const Line& line, V factor, V t) const {
     const V D = line.S_drop * factor * line.rate;
     const V inv_b = splat(1.0) / (p.ks - D);
@@ -483,10 +483,10 @@ struct Equations {
     c.P = pressure * c.inv_a, c.Q = T1 * c.inv_k;
     return c;
   }
-  HWY_INLINE V cap_fall(const Cap& c) const {  // of R^2/2 with D, R^2 = P^2 + Cs Q^2, 1 on the cap
+  HWY_INLINE V cap_fall(const Cap& c) const {  // derivative of -R^2/2 by D; R^2 = P^2 + Cs Q^2, 1 on the cap
     return hn::MulAdd(c.P * c.P, c.a_rate, p.Cs * (c.Q * c.Q) * c.k_rate);
   }
-  // R - 1 and its slope, both times the larger of R^2 and 1: Newton's step is that of 1/R, which is nearly straight in
+  // R - 1 and its slope, both times the larger of R^2 and 1. Newton's step is that of 1/R, which is nearly straight in
   // D, and the division does not wait for the root.
   struct Beyond {
     V value, slope;
@@ -516,7 +516,7 @@ struct Equations {
   HWY_INLINE Cap crush_from(M active, const Step& s, V pressure, V T1, V N, V guess) const {
     const V one = splat(1.0);
     const V highest = N / (s.crushed.E * hn::NegMulAdd(p.half_chi, p.fc, one));
-    // P and Q of a joint without strength are not told at D = 0.
+    // P and Q of a joint without strength are not distinguished at D = 0.
     const V lowest = hn::IfThenElseZero(s.crushed.F == zero(), splat(0.5) * highest);
     Cap c;
     find_root(
@@ -533,8 +533,8 @@ struct Equations {
     return hn::IfThenElseZero(c.D > zero(), hn::MulAdd(c.P, P_by, p.Cs * c.Q * Q_by) / cap_fall(c));
   }
 
-  // J = (tau1 - c1 - mu p1)/F1 after crushing, told from 0 where F1 = 0. Its change with D; and its change and that of
-  // D along the cap, where p, T1 and f change so.
+  // J = (tau1 - c1 - mu p1)/F1 after crushing, measured from 0 where F1 = 0. Its change with D; and its change and that
+  // of D along the cap, where p, T1 and f change so.
   struct Corner {
     V J, J_D, J_by, D_by;
   };
@@ -600,8 +600,8 @@ struct Equations {
     return corner(crushed, factor, p_by, zero() - p.ks, factor_by);
   }
 
-  // Where slip and crushing meet: Newton's method on both at once, from no slip. Lanes that it does not bring there in
-  // a few steps, or to where the cap is not met, are left to a bracket.
+  // Where slip and crushing meet: Newton's method on both at once, from no slip. Lanes that it does not lead there in a
+  // few steps, or to where the cap is not met, are left to a bracket.
   struct Meeting {
     V gamma;
     Cap cap;
@@ -671,8 +671,8 @@ struct Equations {
     return either(slips, m.cap, no_slip);
   }
 
-  // 1 to 5, after 0 has told what is open: h > 0. As a mask of lanes for any joints. As Nowhere or Everywhere for plain
-  // ones, none of them crushed: false, and no result, where a lane slips on its seat or meets the cap.
+  // 1 to 5, once 0 has found what is open: h > 0. As a mask of lanes for any joints. As Nowhere or Everywhere for plain
+  // ones, none of them crushed. False, and no result, where a lane slips on its seat or meets the cap.
   template <bool kEnergies, bool kTangent, class Open>
   HWY_INLINE bool evaluate(const Step& s, Open open, Result& r, Energies* energies, Tangent* tangent) const {
     constexpr bool kPlain = !std::is_same_v<Open, M>;

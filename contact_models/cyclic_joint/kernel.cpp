@@ -27,7 +27,7 @@ HWY_INLINE Lanes material_lanes(const Parameters& m) {
 
 // Per-point properties where a column is given, the material's value elsewhere. Without a column of their own the
 // residual friction follows the friction column down and the yield stress the compressive strength, as their defaults
-// do: one with no hardening length all the way.
+// do. A yield stress of its own follows all the way where there is no hardening length.
 inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) {
   const Properties& g = m.given;
   const auto number = [&](int k, V value) {

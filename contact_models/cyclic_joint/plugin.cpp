@@ -248,8 +248,8 @@ struct CyclicJointLaw {
     return true;
   }
 
-  // While a seat falls, more pressure holds it up; and the wider an open joint stands, the less of its bond a slip
-  // spends: LAW.md, "Stiffness bounds".
+  // While a seat falls, more pressure holds it up. The wider an open joint stands, the less of its bond a slip spends:
+  // LAW.md, "Stiffness bounds".
   static void stiffness_bounds(const Material& material, double& normal, double& shear) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;
@@ -276,9 +276,9 @@ struct CyclicJointLaw {
     material.one(material, columns, 1, summary);
   }
 
-  // Traction stays as it is: h is chosen so that sigma(h) equals it, and a point whose traction lies outside the
-  // strength that its history leaves is refused. A joint that another law has failed comes in without bond. From a law
-  // without a seat the faces are seated where they stand, and its closure beyond the peak is crushing beyond the peak.
+  // Traction stays as it is: h is chosen so that sigma(h) equals it. A point whose traction lies outside the strength
+  // that its history leaves is refused. A joint that another law has failed comes in without bond. From a law without a
+  // seat the faces are seated where they stand, and its closure beyond the peak is crushing beyond the peak.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;

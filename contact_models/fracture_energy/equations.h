@@ -301,7 +301,7 @@ struct Equations {
     return a;
   }
 
-  // Slip that brings |tau*| - ks slip down to S(slip). Beyond the end of softening S is constant. Before it, linear
+  // Slip that lowers |tau*| - ks slip to S(slip). Beyond the end of softening S is constant. Before it, linear
   // softening without dilation has S falling in a straight line, but for an open joint whose sigma falls too. All else
   // is the root of a falling function. start: everything at no slip. xi_start: where the slip starts, the end for a
   // cohesion without drop. True where end is filled in with everything at the slip.
@@ -361,8 +361,8 @@ struct Equations {
         });
   }
   // Exponential softening under a sigma that stays: with x = slip/su and D = S_drop f, ks su x - D (1 - exp(-x)) = c,
-  // the excess of |tau*|. Its series in q = c/b, b = ks su - D > 0, up to the fourth power: the slip to rounding for
-  // the short steps of an explicit analysis, a first guess for others.
+  // the excess of |tau*|. Its series in q = c/b, b = ks su - D > 0, goes up to the fourth power. That is the slip to
+  // rounding for the short steps of an explicit analysis, a first guess for others.
   HWY_INLINE V short_slip(V trial, const AtSlip& start) const {
     const V D = hn::Mul(start.S_drop, start.factor);
     const V inv_b = hn::Div(splat(1.0), hn::MulSub(p.ks, p.su, D));
@@ -398,8 +398,9 @@ struct Equations {
 
   // ---- Nothing yields: the short path ---------------------------------------------------------------------------
 
-  // True, and the result filled in, when every lane is elastic at its full stiffness: closed above -F or not yet opened
-  // beyond u0, and |tau*| within S. The same bits as evaluate gives. kOpeningFirst: an opening joint is told at once.
+  // True, and the result filled in, when every lane is elastic at its full stiffness. Each is closed above -F or not
+  // yet opened beyond u0, and |tau*| is within S. The same bits as evaluate gives. kOpeningFirst: an opening joint is
+  // found at once.
   template <bool kOpeningFirst>
   HWY_INLINE bool elastic(const Increment& in, const State& old, Result& r) const {
     const V e = hn::Add(hn::Sub(in.d_n, old.v), old.w);
@@ -545,9 +546,9 @@ struct Equations {
     } else {
       cohesion_open = hn::NegMulAdd(r.sigma, friction_path, hn::Mul(p.c0, softened));
     }
-    // A cohesion that is lost at once (the residual when a joint opens, a mode that completes at its first movement, a
-    // point that is crushed out) frees what the old tau stored above the strength. Not so a change of pressure: it
-    // comes gradually, whatever the step.
+    // A cohesion that is lost at once frees what the old tau stored above the strength. It is the residual when a joint
+    // opens, a mode that completes at its first movement, or a point that is crushed out. Not so a change of pressure:
+    // it comes gradually, whatever the step.
     V start = S_before_slip;
     V lost = hn::IfThenElseZero(
         r.open, hn::Sub(hn::MulAdd(p.c_drop, f.factor(old.xi_s), p.cr), hn::Mul(p.c0, f.factor(step.xi_s))));

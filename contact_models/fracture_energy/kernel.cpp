@@ -24,8 +24,8 @@ HWY_INLINE Lanes material_lanes(const Parameters& m) {
 }
 
 // Per-point properties where a column is given, the material's value elsewhere. Without a column of their own the
-// residual friction follows the friction column down, as its default does. p: the material's own, or what this made of
-// other points: what does not depend on columns is left as it is.
+// residual friction follows the friction column down, as its default does. p is the material's own, or what this made
+// of other points: what does not depend on columns is left as it is.
 HWY_INLINE void put_columns(const Parameters& m, const Lanes& own, const Columns& c, std::size_t i, Lanes& p) {
   const auto given = [&](int k) { return c.in[kProperty + k] != nullptr; };
   const auto put = [&](int k, V& value) HWY_ATTR {

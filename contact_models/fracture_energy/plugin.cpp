@@ -197,8 +197,8 @@ struct FractureEnergyLaw {
     material.one(material, columns, 1, summary);
   }
 
-  // Traction stays as it is: e is chosen so that sigma(e) equals it, and a point whose traction lies outside the
-  // strength that its history leaves is refused. A joint that another law has failed comes in fully softened.
+  // Traction stays as it is: e is chosen so that sigma(e) equals it. A point whose traction lies outside the strength
+  // that its history leaves is refused. A joint that another law has failed comes in fully softened.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;

@@ -1,6 +1,6 @@
-// Masks known when the code is compiled. What is written once for a mask of any of the three kinds, Nowhere, Everywhere
-// or M, is compiled for vectors of which no lane, every lane or any lane takes a branch: in the first two, what cannot
-// act is not there. A lane computes the same numbers in all three.
+// Masks known when the code is compiled. What is written once for a mask of the three kinds Nowhere, Everywhere and M
+// is compiled for three kinds of vectors. In these no lane, every lane or any lane takes a branch. In the first two,
+// what cannot act is not there. A lane computes the same numbers in all three.
 #if defined(QUOIN_SHIM_KNOWN_MASK_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_SHIM_KNOWN_MASK_H
 #undef QUOIN_SHIM_KNOWN_MASK_H

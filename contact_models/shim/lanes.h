@@ -27,8 +27,8 @@ HWY_INLINE bool all(M mask) { return hn::AllTrue(D(), mask); }
 HWY_INLINE V load(const double* column, std::size_t i) { return hn::LoadU(D(), column + i); }
 HWY_INLINE void store(V value, double* column, std::size_t i) { hn::StoreU(value, D(), column + i); }
 
-// How a kernel reaches its columns: a vector of points, or the one point of a call in every lane, read and written
-// where the caller keeps it.
+// How a kernel reaches its columns. It is a vector of points, or the one point of a call in every lane, read and
+// written where the caller keeps it.
 struct Vectors {
   static constexpr bool kOnePoint = false;
   static HWY_INLINE V load(const double* column, std::size_t i) { return hn::LoadU(D(), column + i); }

@@ -41,8 +41,8 @@ HWY_NOINLINE void step_vectors(const Law& law, const Columns& c, const std::size
 // First all vectors of a tile that are elastic, then the others. A tile's columns fit into the first cache.
 inline constexpr std::size_t kLoopTile = 256;
 
-// Tractions and states only. elastic(i) takes the short path for the points from i on, as step_elastic does;
-// prepare(i) comes before those from i on that take the whole step.
+// Tractions and states only. elastic(i) takes the short path for the points from i on, as step_elastic does. For those
+// from i on that take the whole step prepare(i) comes first.
 template <bool kColumns, class Law, class Elastic, class Prepare>
 HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, const Elastic& elastic,
                          const Prepare& prepare, Summary& summary) {

@@ -1,4 +1,4 @@
-// The C ABI around a law written in C++. A law's plugin.cpp is the only file of the law that sees the ABI: it
+// The C ABI around a law written in C++. A law's plugin.cpp is the only file of the law that sees the ABI. It
 // describes the law to Plugin<L>, where L provides
 //   struct Material;                                             immutable, made from validated properties
 //   static constexpr ... properties, states, initial_states;     spans of metadata; per-point properties first

@@ -12,10 +12,10 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin::shim::HWY_NAMESPACE {
 
 // Newton's method kept inside a shrinking bracket, for the active lanes; x is the first guess, for other lanes the
-// answer. function(x, value, slope) gives value > 0 at low and <= 0 at high, and need not fall all the way. Its last
+// answer. function(x, value, slope) gives value > 0 at low and <= 0 at high. It need not fall all the way. Its last
 // call is at the answer. A lane stops when |value| <= tolerance or its bracket has no number left inside; a lane's
 // result does not depend on its neighbours. Every fourth step bisects, so that kinks (ends of branches, tables) cannot
-// stall it: 216 steps are beyond the 4 x 53 halvings of any bracket and only bound the loop.
+// stall it. 216 steps are beyond the 4 x 53 halvings of any bracket and only bound the loop.
 template <class Function>
 HWY_INLINE V find_root(M active, V x, V low, V high, V tolerance, const Function& function) {
   M running = active;

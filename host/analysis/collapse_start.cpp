@@ -19,8 +19,9 @@ namespace {
 
 // Of the multiplier without dilation: on 27 dry assemblies runs lie within 4 % of it.
 constexpr double kOfSettled = 0.9;
-// Of the associated one where the other is not known: stones that would have to lift to slide put runs below it, a dome
-// by a sixth, a bonded wall that cannot dilate by more than half. Such a start is too high, which the run notices.
+// Of the associated one where the other is not found. Stones that would have to lift to slide put runs below it: a dome
+// by a sixth. A bonded wall that cannot dilate lies below it by more than half. Such a start is too high, which the run
+// reports.
 constexpr double kOfAssociated = 0.5;
 // Largest model whose multiplier without dilation is looked for, in contact points: a minute.
 constexpr long kMostPoints = 12000;

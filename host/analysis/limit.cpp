@@ -163,8 +163,9 @@ class Programme {
     for (const auto& [row, coefficient] : sum) linear_.add(row, coefficient);
   }
 
-  // Traction inside a pyramid with its apex at sigma = tension: normal force tension - N, shear = sum of e_i d_i over
-  // the edges d_i with sum of e_i <= c + mu N. Without cohesion at the apex each edge carries its compression along.
+  // Traction inside a pyramid with its apex at sigma = tension. Normal force is tension - N, shear the sum of e_i d_i
+  // over the edges d_i with sum of e_i <= c + mu N. Without cohesion at the apex each edge carries its compression
+  // along.
   void add_rows(const LimitPoint& p) {
     Columns columns;
     const double tension = p.friction > 0.0 ? std::min(p.tension, p.cohesion / p.friction) : p.tension;

@@ -1,5 +1,5 @@
-// Limit analysis of assemblies of rigid blocks by the static theorem: the largest multiplier of loads for which contact
-// forces exist that are in equilibrium and within strength everywhere.
+// Limit analysis of assemblies of rigid blocks by the static theorem. It is the largest multiplier of loads for which
+// contact forces exist that are in equilibrium and within strength everywhere.
 //
 // Livesley (1978): a linear programme where friction cones are pyramids, a second-order cone programme where they are
 // whole. Flow is associated: sliding lifts by the friction
@@ -88,8 +88,8 @@ struct LimitResult {
   // On block a along n, s, t at each point, N: n > 0 is tension.
   std::vector<std::array<double, 3>> force;
   std::vector<double> member_force;  // by LimitProblem::forces
-  // Mechanism: virtual velocity of the centre and spin of each block, scaled so that the largest velocity of a centre
-  // or contact point is 1 (m/s, rad/s).
+  // Mechanism: virtual velocity of the centre and spin of each block. The largest velocity of a centre or contact point
+  // is 1 (m/s, rad/s).
   std::vector<Wrench> velocity;  // force: velocity, moment: spin
   // Blocks that cannot be held (no_equilibrium), or on which the load acts that moves nothing (unbounded); ascending.
   std::vector<int> blocks_concerned;

@@ -92,7 +92,8 @@ struct SceneLimit {
 };
 
 // Throws Error(bad_input) where the scene has no gravity, no support, blocks that touch nothing that is held, or laws
-// without a limit; Error(numerical) where no multiple of the load moves anything, or the programme was not solved.
+// without a limit. Throws Error(numerical) where no multiple of the load moves anything, or the programme was not
+// solved.
 SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options = {});
 
 // Blocks of a mechanism that needs no load beyond what is given: where the margin is 0.

@@ -61,7 +61,7 @@ MatrixXd orthonormalize(const Eigen::Ref<const MatrixXd>& basis, MatrixXd* block
   return r;
 }
 
-// Lanczos's method with blocks of vectors, all kept orthogonal, on (K + shift)^-1: blocks find frequencies that are
+// Lanczos's method with blocks of vectors, all kept orthogonal, on (K + shift)^-1. Blocks find frequencies that are
 // equal, and read the factor once for all their columns.
 Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGroups& groups, double shift,
                      Index count) {

@@ -16,7 +16,7 @@ bool carried_with(LimitProblem problem, const LimitSettings& settings, double fa
   return result.status == LimitStatus::solved && result.multiplier >= kAll;
 }
 
-// What stands with little friction stands with more, so halving finds the least: a cone lies within a wider one, but
+// What stands with little friction stands with more. So halving finds the least: a cone lies within a wider one, but
 // for tension that cohesion over friction limits.
 std::optional<double> smallest_friction(const LimitProblem& problem, const LimitSettings& settings, bool stands) {
   double holds = stands ? 1.0 : kMostFriction, falls = stands ? 0.0 : 1.0;

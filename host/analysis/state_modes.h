@@ -10,7 +10,7 @@ namespace quoin {
 Vibrating vibrating_now(const Simulation& simulation, Tangent tangent);
 
 // state: "weight", with the loads and supports of the stage of that name (empty: the first that has a load;
-// rest_scene.h), or the folder of a run of this scene with output.end_state = true. Throws Error as a run of kind rest,
+// rest_scene.h). Or the folder of a run of this scene with output.end_state = true. Throws Error as a run of kind rest,
 // or as take_start.
 Vibrating vibrating_about(const Scene& scene, const std::string& state, const std::string& stage);
 

@@ -205,8 +205,8 @@ void World::draw(Vibrating* v) const {
   }
 }
 
-// Linear elasticity, constant strain: gradients g of the shape functions give the nodes i and j
-// V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
+// Linear elasticity, constant strain. Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T +
+// mu g_j g_i^T + mu (g_i . g_j) I).
 void World::add_zones(std::vector<Triplet>* entries) const {
   for (const blocks::Zone& zone : zones()) {
     for (int i = 0; i < 4; ++i) {

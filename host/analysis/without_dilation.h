@@ -1,6 +1,6 @@
 // Limit analysis without dilation: sliding does not lift.
 //
-// Gilbert, Casapulla and Ahmed (2006): associated problems one after the other, in which the shear strength of a point
+// Gilbert, Casapulla and Ahmed (2006): associated problems one after the other. In each the shear strength of a point
 // is that of the normal force of the last one, and sinks a little with its own. Where they settle, forces are within
 // Coulomb's friction and the mechanism slides without lifting. There may be several such states, for normal forces
 // depend on the way that led to them: two starts, of which the lower multiplier counts.
@@ -33,8 +33,8 @@ struct LimitWithoutDilation {
 // Of a problem for which limit_multiplier() finds a multiplier.
 LimitWithoutDilation limit_without_dilation(const LimitProblem& problem, const LimitSettings& settings = {});
 
-// Smallest factor on friction with which dead loads are carried, from the same two starts: problems in which shear
-// strengths are that factor times friction times the normal forces of the last one. `multiplier` is the factor; the
+// Smallest factor on friction with which dead loads are carried, from the same two starts. Shear strengths of each
+// problem are that factor times friction times the normal forces of the last one. `multiplier` is the factor; the
 // larger one of those that settle counts.
 LimitWithoutDilation friction_without_dilation(const LimitProblem& problem, const LimitSettings& settings = {});
 

@@ -13,7 +13,7 @@
 namespace quoin {
 
 // smaller: what to do where memory is missing; std::filesystem and threads report that as a std::system_error. with:
-// what a report of a fault of the program or of a law carries. An Error stays as it is.
+// what the report of a fault of the program or of a law has beside it. An Error stays as it is.
 inline Error any_error(const std::exception& error, std::string_view smaller = "make the scene smaller",
                        std::string_view with = "the scene") {
   if (const auto* known = dynamic_cast<const Error*>(&error)) return *known;

@@ -1,4 +1,4 @@
-// Bytes of a checkpoint: written and read by one and the same list of fields, so that neither can forget one.
+// Bytes of a checkpoint, written and read by one and the same list of fields: nothing is left out on one side alone.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Memory that is soon read, brought near meanwhile. Changes no result.
+// Memory that is soon read, fetched ahead. Changes no result.
 #pragma once
 
 #include <cstddef>

@@ -26,19 +26,19 @@ constexpr bool has(Part part, Part field) { return field <= part && (part != Par
 // Bytes of all ranks together that are on their way at a time.
 inline constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
 
-// Memories by the rank that knows them. All ranks add the same ones in the same order.
+// Memories by the rank that has them. All ranks add the same ones in the same order.
 class RankRows {
  public:
   explicit RankRows(Ranks& ranks) : ranks_(ranks), of_rank_(static_cast<std::size_t>(ranks.count())) {}
 
-  // wanted: here, if it is another rank's.
+  // needed: here, if it is another rank's.
   void add(int rank, void* first, std::size_t bytes, bool wanted) {
     Row& row = of_rank_[static_cast<std::size_t>(rank)];
     row.parts.push_back({{static_cast<std::byte*>(first), bytes}, wanted});
     row.rest += bytes;
   }
 
-  // Afterwards all who want them have them. Returns the bytes of all ranks.
+  // Afterwards all ranks that need them have them. Returns the bytes of all ranks.
   std::size_t exchange() {
     std::size_t whole = 0, longest = 0;
     for (const Row& row : of_rank_) whole += row.rest, longest = std::max(longest, row.rest);
@@ -105,7 +105,7 @@ std::vector<T> of_all_ranks(Ranks& ranks, const T& own) {
   return all;
 }
 
-// Each value by the rank that knows it: rank_of(index). null: one process alone, which knows all.
+// Each value by the rank that has it: rank_of(index). null: one process alone, which has all.
 template <class T, class RankOf>
 void all_gather(Ranks* ranks, std::span<T> values, const RankOf& rank_of) {
   if (!ranks) return;

@@ -27,7 +27,7 @@ inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
 inline constexpr std::size_t kLineBytes = 64;  // of the cache
 
-// The address sanitizer knows the bounds of what new gives alone.
+// The bounds of what new gives are the only ones of the address sanitizer.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kSparse = false;
 #elif defined(__has_feature)
@@ -39,8 +39,8 @@ inline constexpr bool kSparse = true;
 // With ranks: room is counted where it is written to, and never by more than one small page.
 inline std::atomic<bool> sparse_memory_wanted = false;
 
-// Pieces of large arrays that were given back. Contact detection replaces arrays by others of about the same size;
-// pages from the system would take several times as long as what is written into them.
+// Pieces of large arrays that were given back. Contact detection replaces arrays by others of about the same size.
+// Pages from the system would take several times as long as what is written into them.
 class KeptPieces {
  public:
   // Sizes in steps of an eighth at most, so that arrays that grow a little fit into the piece of before, bytes.

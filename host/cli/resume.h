@@ -11,8 +11,8 @@
 
 namespace quoin {
 
-// Notes in FOLDER/run.json what a run was asked for, the hash of the text of its scene, and its working folder, from
-// which its paths count.
+// Notes in FOLDER/run.json what a run was asked for, the hash of the text of its scene, and its working folder. Its
+// paths count from there.
 void write_run_record(const std::filesystem::path& folder, const SceneOptions& options, const std::string& scene_text);
 
 // The same read, and the working directory changed to where the run was started. Throws Error(bad_input): no run was

@@ -59,9 +59,9 @@ extern "C" void stop_running(int) {
   if (Simulation* simulation = running.load()) simulation->request_stop();
 }
 
-// Ctrl-C asks the simulation to stop. So do a terminal that closes, a closed pipe of our output, and SIGUSR1, which
-// mpirun hands on (SIGTERM it follows by SIGKILL within a second). A second time ends the program at once; but a reader
-// that is gone will be written to again.
+// Ctrl-C asks the simulation to stop. A terminal that closes, a closed pipe of our output, and SIGUSR1 do so, too.
+// SIGUSR1 is handed on by mpirun, which follows SIGTERM by SIGKILL within a second. A second time ends the program at
+// once; but a reader that is gone will be written to again.
 class StopOnSignal {
  public:
   explicit StopOnSignal(Simulation& simulation) {

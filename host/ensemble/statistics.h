@@ -42,9 +42,9 @@ struct SobolIndex {
   double first = 0.0, total = 0.0;
   Interval of_first{}, of_total{};
 };
-// Rows by rows: the output of independent draws a and b of all inputs, and of a with this input taken from b. first as
-// Saltelli et al. (2010) estimate it, total as Jansen (1999). Rows in which one of the three is missing are left out;
-// nothing where fewer than 8 are left, or where the output does not vary.
+// Rows by rows: the output of independent draws a and b of all inputs, and of a with this input taken from b. The first
+// index is as Saltelli et al. (2010) estimate it, total as Jansen (1999). Rows in which one of the three is missing are
+// left out; nothing where fewer than 8 are left, or where the output does not vary.
 std::optional<SobolIndex> sobol_index_of(const std::vector<double>& a, const std::vector<double>& b,
                                          const std::vector<double>& mixed);
 
@@ -57,8 +57,8 @@ struct Fragility {
 };
 Fragility fragility_of(const std::vector<double>& values);
 
-// Bounds from one run, or several, of the intensity at which a wall reaches a limit: above low, and not above high. low
-// 0: it may be anything up to high; high infinite: it was not reached at low.
+// Bounds from one run, or several, of the intensity at which a wall reaches a limit. It lies above low, and not above
+// high. low 0: it may be anything up to high; high infinite: it was not reached at low.
 struct Capacity {
   double low, high;
   std::size_t record;  // of which runs depend on each other

@@ -65,7 +65,7 @@ struct Study {
 Study read_study(const std::string& file);
 
 // What does not go together and no sample would report: fragilities of what is no column of samples.csv, columns of one
-// name, keys that are set and drawn. Throws Error(bad_input) with every fault.
+// name. Keys that are both set and drawn, too. Throws Error(bad_input) with every fault.
 void check_study(const Study& study, const Scene& scene);
 
 }  // namespace quoin::ensemble

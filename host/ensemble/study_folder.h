@@ -38,7 +38,7 @@ class Claim {
 class StudyFolder {
  public:
   // Makes the folder, or enters one of the same study. The same are quantities and keys set, the text of the scene, the
-  // bytes of the files and laws that it names, and the build of quoin. Keeps in the folder what `request` reads
+  // files and laws that it names, byte by byte. So is the build of quoin. Keeps in the folder what `request` reads
   // (kept_study.h). Throws Error(bad_input), naming what differs.
   StudyFolder(std::filesystem::path path, const Study& study, const Scene& scene, const StudyRequest& request);
 

@@ -72,7 +72,7 @@ void finish_file(const std::filesystem::path& path);
 // PATH.TOKEN.part. The token is this process's own, so that two processes never write into one file.
 std::filesystem::path part_name(const std::filesystem::path& path);
 const std::string& part_token();
-// Of processes that write other files of the same folder: its manifest knows one token. Before any file is written.
+// Of processes that write other files of the same folder: its manifest has one token. Before any file is written.
 void use_part_token(const std::string& token);
 
 }  // namespace quoin

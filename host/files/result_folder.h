@@ -29,8 +29,8 @@ class FolderLock {
 // gives its results.
 class ResultFolder {
  public:
-  // For a run that goes on: held, the lock of the folder if it is taken already. kept: whether a name of the manifest,
-  // relative to the folder, stays.
+  // For a run that goes on: held is the lock of the folder if it is taken already. kept: whether a name of the
+  // manifest, relative to the folder, stays.
   explicit ResultFolder(const std::filesystem::path& folder, std::shared_ptr<FolderLock> held = nullptr,
                         const std::function<bool(const std::string&)>& kept = {});
   ~ResultFolder();

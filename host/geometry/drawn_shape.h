@@ -39,8 +39,8 @@ struct DrawnShape {
 // beyond the bound.
 DrawnShape from_drawn(const RawShape& shape);
 
-// A plate behind a flat face: of the face's hull, a tenth of its extent thick, away from `others`, the middle of the
-// blocks before it. Throws Error(bad_input) for a face that is not convex.
+// A plate behind a flat face, a tenth of the extent of the face's hull thick. It lies away from `others`, the middle of
+// the blocks before it. Throws Error(bad_input) for a face that is not convex.
 ConvexPolyhedron plate(const RawShape& shape, const Vector& others);
 
 }  // namespace quoin::geometry

@@ -18,10 +18,10 @@ struct NamedShape {
   bool plate = false;    // a support that is drawn as a flat face, with a thickness behind it
 };
 
-// One block a body: a closed surface of an object ("o" or "g" of OBJ, "solid" of STL, a block of an assembly; an OFF
-// file is one object). An object of several bodies gives NAME/0, NAME/1 ...; blocks that share a name get the file's
-// number for each, NAME#7, or their place. Those without one that of the file and their place. Lengths are multiplied
-// by `scale` to give m. Which way round faces run is no matter, and faces may be warped within warp_bound
+// One block a body: a closed surface of an object. An object is "o" or "g" of OBJ, "solid" of STL, a block of an
+// assembly, or an OFF file. An object of several bodies gives NAME/0, NAME/1 ...; blocks that share a name get the
+// file's number for each, NAME#7, or their place. Those without one that of the file and their place. Lengths are
+// multiplied by `scale` to give m. Which way round faces run is no matter, and faces may be warped within warp_bound
 // (drawn_shape.h). fixed: whether the block of a name is a support. A support may be one flat face, and is a plate
 // behind it. Throws Error(bad_input) with file and line for text it cannot read, and with the blocks for shapes that
 // are not convex and closed.

@@ -28,9 +28,9 @@ struct Separation {
   Vector normal;                   // unit, from a to b
 };
 
-// `previous` (same pair, an earlier time) is tried first. When it still separates by more than `stop_beyond` nothing
-// else is looked at, and between axes that agree within `preference` (m) the feature of `previous` is kept, then faces
-// before edges, so that the reference does not flicker. A positive distance is a lower bound of the true distance.
+// `previous` (same pair, an earlier time) is tried first. When it still separates by more than `stop_beyond` no other
+// axis is tried. Between axes that agree within `preference` (m) the feature of `previous` is kept, then faces before
+// edges, so that the reference does not flicker. A positive distance is a lower bound of the true distance.
 Separation separate(const Placed& a, const Placed& b, double stop_beyond, double preference,
                     const Separation* previous = nullptr);
 

@@ -16,8 +16,8 @@ struct CsvTable {
 };
 
 // The first line names the columns; '#' begins a comment line; blank lines are skipped. Throws Error(bad_input) with
-// file, line and value for a missing file, a number that is none or not finite, a row of another length, a column
-// twice, or no row.
+// file, line and value for a missing file, or a number that is none or not finite. So it does for a row of another
+// length, a column twice, or no row.
 CsvTable read_csv(const std::string& file);
 
 // Shortest decimal that reads back as the same double would be unreadable in columns: 17 significant digits.

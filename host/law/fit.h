@@ -42,12 +42,12 @@ struct FitResult {
   std::vector<PropertySetting> settings;  // given and fitted, ready to make the material
 };
 
-// Fits the properties that the curves determine: couplets tensile_strength and fracture_energy_tension; triplets
-// cohesion, friction_angle (two confinements at least, or curves that reach their residual) and fracture_energy_shear;
-// prisms compressive_strength and fracture_energy_compression. given: all others, the stiffnesses at least. A property
-// that is given is not fitted. Levenberg-Marquardt in the logarithm of each property (of tan for the angle), curves
-// weighted by their own noise. Throws Error(bad_input): curves that determine nothing; Error(numerical): no
-// convergence.
+// Fits the properties that the curves determine. Couplets give tensile_strength and fracture_energy_tension, prisms
+// compressive_strength and fracture_energy_compression. Triplets give cohesion, fracture_energy_shear and
+// friction_angle, this one with two confinements at least, or curves that reach their residual. given: all others, the
+// stiffnesses at least. A property that is given is not fitted. Levenberg-Marquardt in the logarithm of each property
+// (of tan for the angle), curves weighted by their own noise. Throws Error(bad_input): curves that determine nothing;
+// Error(numerical): no convergence.
 FitResult fit_properties(const Law& law, const std::vector<MeasuredCurve>& curves,
                          const std::vector<PropertySetting>& given);
 

@@ -9,8 +9,8 @@ namespace quoin {
 
 using Variables = std::map<std::string, double>;
 
-// Numbers, names, + - * / ^, parentheses, < > <= >= (1 or 0), if(condition, a, b), and
-// sqrt exp log sin cos tan atan atan2 abs min max hypot deg (degrees to radians); `pi` is known.
+// Numbers, names, + - * / ^, parentheses, < > <= >= (1 or 0), if(condition, a, b), and functions. These are sqrt exp
+// log sin cos tan atan atan2 abs min max hypot deg (degrees to radians); `pi` is known.
 class Formula {
  public:
   Formula() = default;

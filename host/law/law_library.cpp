@@ -116,8 +116,8 @@ std::string resolve(const std::string& name_or_path) {
                      did_you_mean(name_or_path, known), fmt::join(tried, "\n  "), remedy));
 }
 
-// The bytes in memory, as a file for the loader; -1: this machine makes none. Who overwrites the law while we compute
-// does not pull its code from under us, and a rebuilt law is another file (dlopen identifies files by their inodes).
+// The bytes in memory, as a file for the loader; -1: this machine makes none. Who overwrites the law meanwhile does not
+// pull its code from under the run. A rebuilt law is another file (dlopen identifies files by their inodes).
 int copy_in_memory(const std::string& bytes) {
   const int copy = memfd_create("law", MFD_CLOEXEC);
   for (std::size_t done = 0; copy >= 0 && done < bytes.size();) {

@@ -15,7 +15,7 @@ class LawProcess;
 // A loaded library; unloaded when the last owner lets go. Laws and materials keep their library alive.
 class LawLibrary {
  public:
-  // name_or_path: a path (contains '/') or the name of a law: searched as NAME.so in $QUOIN_LAW_PATH (colon separated),
+  // name_or_path: a path (contains '/') or the name of a law. NAME.so is searched in $QUOIN_LAW_PATH (colon separated),
   // laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) naming what was tried and the reason:
   // missing file, not a shared library, not all of one, no quoin_library_v1, other ABI version. The library runs from a
   // copy in memory, made again where the file has changed since the last load. What happens to the file later has no

@@ -132,7 +132,7 @@ struct LawProcess::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  // False in a process that was forked from the one that started the law's.
+  // False in a fork of the process that started the process of the law.
   bool is_ours() const { return owner == getpid(); }
   void start();
 

@@ -10,8 +10,9 @@ namespace quoin {
 // What a law may take to be loaded, s, before it is refused; 0: any time.
 inline double law_loading_seconds = 10.0;
 
-// How `load` ended there: "crashed (SIGSEGV)", or empty where it came back, by an Error too, which our own process then
-// meets itself. seconds: that it may take (0: any time). Empty as well where the system starts no process.
+// How `load` ended there: "crashed (SIGSEGV)", or empty where it came back. An Error there is empty, too: our own
+// process then meets it itself. seconds: that it may take (0: any time). Empty as well where the system starts no
+// process.
 std::string fault_of_loading(const std::function<void()>& load, double seconds);
 
 }  // namespace quoin

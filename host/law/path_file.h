@@ -20,8 +20,8 @@
 //             source = "..."}]                  # checked at its end
 //
 // A check is `quantity = formula`, `<=` or `>=`. Quantities: dn ds dt sigma tau_s tau_t tau, every state of the law,
-// energy_stored, dissipated (sum) dissipated_tension ... dissipated_crushing, work, flags (bits) and open, slipping,
-// tension_damaged, ... (0 or 1). A check holds when |got - formula| <= tolerance * max(|formula|, scale).
+// energy_stored, dissipated (sum), dissipated_tension to dissipated_crushing, work. Then flags (bits) and open,
+// slipping, tension_damaged, ... (0 or 1). A check holds when |got - formula| <= tolerance * max(|formula|, scale).
 #pragma once
 
 #include <map>

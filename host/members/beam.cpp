@@ -52,9 +52,9 @@ double Beam::length() const {
   return sum;
 }
 
-// Masses, and rotary inertia that lets rotations vibrate no faster than ways do: by the sum of the sizes in the rows of
-// the stiffness, which eigenvalues do not pass. Rotations count by the way that they make over a piece, or over
-// the arm of a support.
+// Masses, and rotary inertia that lets rotations vibrate no faster than displacements do. It comes from sums of the
+// sizes in the rows of the stiffness, which bound eigenvalues. Rotations count by the way that they make over a piece,
+// or over the arm of a support.
 void Beam::find_inertia() {
   const std::size_t n = x_.size();
   std::vector<double> turning(n), arm(n);

@@ -31,7 +31,7 @@ struct ConnectorLaw {
   double axial = 0.0, shear = 0.0;                                  // N/m2
   double axial_strength = 0.0;                                      // N/m, of anchors in tension
   double shear_strength = std::numeric_limits<double>::infinity();  // N/m
-  double friction = 0.0;                                            // of the weight that a connector brings
+  double friction = 0.0;                                            // of the weight that a connector carries
   double pull_out = std::numeric_limits<double>::infinity();        // m, at which anchors are out
   bool bearing = true;                                              // the wall's push comes through
 };
@@ -72,8 +72,8 @@ class Floor {
   // Forces on the blocks, and the floor on by a step.
   void pull(std::vector<Node>& nodes, const Surroundings& step);
 
-  // Upper bounds: of the stiffness of a connector, N/m; of what its own nodes vibrate with while blocks stand still and
-  // connectors are twice as stiff, 1/s2.
+  // Upper bounds: of the stiffness of a connector, N/m. Of the squared frequency of its own nodes while blocks stand
+  // still and connectors are twice as stiff, 1/s2.
   double stiffness_of(const Connector& c) const;
   double own_eigenvalue(double mass_scaling) const;
 

@@ -1,5 +1,5 @@
-// Floors and beams in small motion about the start, for modes: their own nodes, and each of their deformations as a
-// linear function of the motion of nodes and blocks.
+// Floors and beams in small motion about the start, for modes. They are their own nodes, and each of their deformations
+// as a linear function of the motion of nodes and blocks.
 #pragma once
 
 #include <limits>

@@ -143,8 +143,8 @@ class Members {
   // Share of the pretension that jacks have given, from the next step on.
   void jack(double share) { jack_ = share; }
   void pull(const Surroundings& step);  // before a step
-  // Upper bound of what own nodes of members vibrate with, 1/s2, while blocks stand still and what joins both is twice
-  // as stiff: with each_spring it bounds the whole.
+  // Upper bound of the squared frequency of members' own nodes, 1/s2, while blocks stand still and what joins both is
+  // twice as stiff. With each_spring it bounds the whole.
   double own_eigenvalue(double mass_scaling) const;
   // Time step that dashpots are to be stable with, s.
   void reckon_with(double dt) { reckoned_step_ = dt; }

@@ -25,7 +25,7 @@ struct Node {
   Vector force;           // on the block, N
 };
 
-// What a step brings to nodes that members have of their own.
+// What a step adds to nodes that members have of their own.
 struct Surroundings {
   double dt = 0.0;             // s
   Vector ground_way;           // since the last step, m

@@ -71,7 +71,7 @@ void World::leave_frames_of_deformed() {
   }
 }
 
-// The foot goes to below the point, vectors of the joint are turned into the axes of the triangle; the opening stays,
+// The foot goes to below the point, vectors of the joint are turned into the axes of the triangle. The opening stays,
 // and what the law has not seen yet of the slip.
 void World::leave_gridpoints(Family& f, size_t i) {
   Point& p = f.point[i];

@@ -1,27 +1,27 @@
 // Rigid motion of deformable blocks as they stand, and inertia that is scaled apart from it.
 //
-// With P_b and P_u the projections of motion on rigid motions of blocks and of units in two halves (orthogonal in the
-// mass matrix M; P_u P_b = P_u), taken of the gridpoints where they are now, kinetic energy is
+// P_b and P_u are the projections of motion on rigid motions of blocks and of units in two halves. They are of the
+// gridpoints where they are now. They are orthogonal in the mass matrix M, and P_u P_b = P_u. Kinetic energy is
 //   T = 1/2 v . M' v,  M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)),
-// as on the lattice (model/rigid_motion.h). M' depends on the place, and Lagrange's equations of T are, with a = M^-1
-// f,
+// as on the lattice (model/rigid_motion.h). M' depends on the place, and Lagrange's equations of T are, with
+// a = M^-1 f,
 //   v' = P_u a + (P_b - P_u) (a/s_u + (1 - 1/s_u) g_u)
 //      + (1 - P_b) (a/s_b + (1 - s_u/s_b) g_b + (s_u - 1)/s_b g_u),
-//   g = w x (w x r) + 2 w x (v - P v),  w the spin of the block or of the unit:
-// what turns along with a block needs no more force than its true mass does, so a spinning block is stretched as if
+//   g = w x (w x r) + 2 w x (v - P v),  w the spin of the block or of the unit.
+// What turns along with a block needs no more force than its true mass does. So a spinning block is stretched as if
 // nothing had been scaled. The second part of g does no work and is w over the slowed frequency of the vibration beside
-// the forces of stiffness; it is left out. Mass, moments of inertia, momentum and angular momentum are the true ones.
+// the forces of stiffness. It is left out. Mass, moments of inertia, momentum and angular momentum are the true ones.
 // Limits: s = 1 is M v' = f; s -> infinity a rigid block or unit; no rotation: the lattice's scaled inertia.
 //
-// In a step, P is that of the positions x_n at its forces, and g the mean of those of both velocities beside it, whose
-// rigid parts are known at once. A block that turns by theta in the step has the spin sin(theta)/dt there; its
-// velocity changes by 4 sin^2(theta/2)/dt r, so g counts (w dt)^2 as 2 (1 - cos(theta)): steady spin is the same for
-// all s to rounding. The step can be taken backwards, so that energy swings and does not drift.
+// In a step, P is that of the positions x_n at its forces. g is the mean of those of both velocities beside it, whose
+// rigid parts are found at once. A block that turns by theta in the step has the spin sin(theta)/dt there; its velocity
+// changes by 4 sin^2(theta/2)/dt r. So g counts (w dt)^2 as 2 (1 - cos(theta)): steady spin is the same for all s to
+// rounding. The step can be taken backwards, so that energy swings and does not drift.
 //
-// Damping by block: eq. 1 on the forces and moments of rigid motion, component by component along the axes of space as
-// for rigid blocks and on the lattice, -gamma |F_k| sgn(v_k). In whatever axes its size is gamma |F|, it never does
-// positive work, and along a motion that goes with or against the force it is the same vector; only the direction
-// beside an oblique motion depends on the axes.
+// Damping by block: eq. 1 on the forces and moments of rigid motion, component by component along the axes of space,
+// -gamma |F_k| sgn(v_k). Rigid blocks and the lattice have the same. In whatever axes its size is gamma |F| and it
+// never does positive work. Along a motion that goes with or against the force it is the same vector. Only the
+// direction beside an oblique motion depends on the axes.
 #pragma once
 
 #include <cstdint>

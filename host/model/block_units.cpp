@@ -98,10 +98,10 @@ void World::scale_motion(std::span<const int> blocks, const std::vector<UnitIner
   }
 }
 
-// Whether a point of the joint between halves can close before the next look, as each of them moves by less than a
-// quarter of the way until then (motion_checks.cpp), or holds them: what is left of its stiffness, sigma over opening,
-// is more than 1/s_u of kn, so that without the added inertia it would vibrate faster than a closed joint does with it.
-// What has come apart is farther away.
+// Whether a point of the joint between halves can close before the next check. Until then each of them moves by less
+// than a quarter of the way (motion_checks.cpp). Or whether it holds them: what is left of its stiffness, sigma over
+// opening, is more than 1/s_u of kn. Without the added inertia it would then vibrate faster than a closed joint does
+// with it. What has come apart is farther away.
 bool World::are_together(int a, int b) const {
   const Pair pair{a, b};
   const auto c = std::lower_bound(contacts_.begin(), contacts_.end(), pair,
@@ -117,7 +117,7 @@ bool World::are_together(int a, int b) const {
 }
 
 // The added inertia of halves against each other is there to slow the vibration of their joint, which would set the
-// time step, so it stays as long as a point of the joint can close. Where nothing holds them together it would slow
+// time step. So it stays as long as a point of the joint can close. Where nothing holds them together it would slow
 // their fall apart. Inertia that goes or comes back takes no momentum with it, as velocities stay and P_b - P_u has
 // none. Its kinetic energy, (s_u - 1)/2 v . M (P_b - P_u) v, is booked.
 void World::part_units() {

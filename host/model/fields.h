@@ -1,7 +1,6 @@
 // The table of what changes in a run: every array once, with what it is and whose. Checkpoints, state hashes, what
-// ranks gather in steps, exchange when blocks change their rank and give back, and what new contact points take over,
-// are loops over it; nobody else lists arrays. Blocks on the lattice: step/lattice_fields.h. Single numbers, which only
-// checkpoints want, are listed there.
+// ranks gather, exchange and release, and what new contact points inherit are loops over it. No other list of arrays
+// exists. Blocks on the lattice: step/lattice_fields.h. Single numbers, which only checkpoints have, are listed there.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Sums over a vector whose numbers ranks share, in the order of one process.
 //
 // All ranks gather all terms, a few megabytes at a time, and each adds up all of them. So the number of messages does
-// not depend on how often numbers in a row change their rank (step/rank_sums.h hands the sum on instead).
+// not depend on how often numbers in a row change their rank. step/rank_sums.h hands the sum on instead.
 #pragma once
 
 #include <vector>

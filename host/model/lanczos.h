@@ -26,9 +26,9 @@ struct LargestEigenvalue {
 // y = A x; returns the scalar product of x and y, which costs little where y is formed.
 using SymmetricProduct = std::function<double(const LaneVector<double>& x, LaneVector<double>* y)>;
 
-// Lanczos iteration without reorthogonalisation: the largest Ritz value converges all the same, lost orthogonality only
-// makes copies of it. start: of any length but 0, with a share of the eigenvector sought. The value is a lower bound
-// to rounding. shared: who has only rows of each vector, as the product does; null: all of them. The bits are the same.
+// Lanczos iteration without reorthogonalisation. The largest Ritz value converges all the same, lost orthogonality only
+// makes copies of it. start: of any length but 0, with a share of the eigenvector sought. The value is a lower bound to
+// rounding. shared: who has only rows of each vector, as the product does; null: all of them. The bits are the same.
 LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector<double> start,
                                      const LanczosSettings& settings, SharedVectors* shared = nullptr);
 

@@ -193,8 +193,8 @@ class ModelBuilder {
     }
   }
 
-  // Unit i of n goes to lane i / G of unit group i mod G, G = ceil(n/8): neighbours in the order of the assembly share
-  // a lane, so that a joint which a regular wall repeats joins the same two gridpoints in all lanes and needs no
+  // Unit i of n goes to lane i / G of unit group i mod G, G = ceil(n/8). So neighbours in the order of the assembly
+  // share a lane. A joint which a regular wall repeats then joins the same two gridpoints in all lanes and needs no
   // gathers.
   void group_units() {
     for (const UnitClass& kind : unit_classes(m.assembly, template_of_)) {

@@ -35,7 +35,7 @@ struct UnitGroup {
 };
 
 // Where the contact points of a template's gridpoint come from: the same for all its groups. A slot is one possible
-// contact point; the sign says on which side the block is (normals point along +axis, so a +face is always side a).
+// contact point. The sign says on which side the block is (normals point along +axis, so a +face is always side a).
 struct ContactSlots {
   std::vector<std::int32_t> slot_end;  // per gridpoint: slots [slot_end[i-1], slot_end[i])
   std::vector<double> sign;            // per slot: +1 side a, -1 side b

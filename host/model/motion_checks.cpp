@@ -1,8 +1,8 @@
 // When blocks have moved enough for contact detection. A pair, and a block since the last broad phase, may move
 // by some way. From how fast it moves follows the step before which it cannot have, and until then nobody looks at it.
 // What is reckoned with is the motion that a block was seen in. A block that leaves it by more than a small speed,
-// which is reckoned with too, deviates (rigid_kernels.cpp), and all that it belongs to is looked at in that very
-// step. So no rigid block comes further than it may unseen, whatever hits it, and a look costs only those that are due.
+// which is allowed for, deviates (rigid_kernels.cpp). All that it belongs to is checked in that very step. So no rigid
+// block comes further than it may unseen, whatever hits it, and a look costs only those that are due.
 //
 // Deformable blocks are not seen so closely: theirs is a rule of thumb, by the fastest of all blocks.
 #include <algorithm>
@@ -16,8 +16,8 @@ using namespace geometry;
 
 namespace {
 
-// The speed that a block may gain unnoticed is such that a pair of the smallest ones would use up its way in so many
-// steps: at first, and of blocks that deviate all the time.
+// The speed that a block may gain unnoticed uses up the way of a pair of the smallest ones in so many steps. One number
+// is for the first check, one for blocks that deviate all the time.
 constexpr double kCalmSteps = 1000.0, kBusySteps = 50.0;
 // Blocks that deviate sooner than this may gain twice as much from then on, those later than that half of it,
 // steps.
@@ -137,8 +137,8 @@ long World::steps_of_gridpoints() const {
   return std::clamp(long(0.25 * detection_fraction() * size_ / (speed * dt_)), 1l, 100l);
 }
 
-// Small displacement also means that no block has come near others that are not its neighbours, and that frozen frames
-// on deformable blocks still point the right way.
+// Small displacement also means that no block has come near others that are not its neighbours. And frozen frames on
+// deformable blocks still point the right way.
 bool World::check_block_motion(int i, long& step) const {
   const ModelBlock& b = blocks_[size_t(i)];
   double moved, turned = 0.0;

@@ -2,7 +2,7 @@
 // place that a joint had at the start keeps its last contact point: law columns and axes.
 //
 // A place of a joint moves along with both blocks. It is in contact while a contact point of the pair lies beside one
-// of its two sides, nearer than half of the distance between the points of the start.
+// of its two sides. That means nearer than half of the distance between the points of the start.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -1,4 +1,4 @@
-// Where contact points of the lattice are, whether they are laid out or not: what is drawn or damaged by place asks for
+// Where contact points of the lattice are, whether they are laid out or not. What is drawn or damaged by place needs
 // points of whole joints, of which a rank may hold a part.
 #pragma once
 

@@ -14,8 +14,8 @@ struct PointEnds {
 };
 
 // Indices in the order of storage: families, in them axes, in them chains of points whose gridpoints lie in one lane
-// after the other, on both sides where that is possible, else on one: vectors then load what lies side by side instead
-// of gathering. Chains that fill lines of lanes come first: the others must not break their alignment.
+// after the other. They do so on both sides where that is possible, else on one: vectors then load what lies side by
+// side instead of gathering. Chains that fill lines of lanes come first: the others must not break their alignment.
 std::vector<std::uint32_t> point_order(const std::vector<PointEnds>& points);
 
 }  // namespace quoin

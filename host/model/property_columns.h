@@ -33,9 +33,9 @@ struct PropertyColumn {
 // Of the properties of the family that scatter, without values; none in the sample 0.
 std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material);
 
-// The same with the values of these points: all of the family, or all in some of its joints; where a property is
-// correlated along courses, all in some courses. Throws Error(bad_input) for values that the law does not allow, with
-// the place and what to do.
+// The same with the values of these points. They are all of the family, or all in some of its joints; where a property
+// is correlated along courses, all in some courses. Throws Error(bad_input) for values that the law does not allow,
+// with the place and what to do.
 std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Material& material,
                                             std::span<const PlacedPoint> points, std::span<const PlacedBlock> blocks);
 

@@ -1,5 +1,5 @@
-// Properties that scatter over the contact points of the lattice: drawn where a model is laid out, for a value depends
-// on the sample and the place of its point, or of its course, alone.
+// Properties that scatter over the contact points of the lattice, drawn where a model is laid out. A value depends on
+// the sample and the place of its point, or of its course, alone.
 #pragma once
 
 #include <span>

@@ -1,5 +1,6 @@
-// What one of several processes has of vectors in generalised coordinates (gridpoints in lane layout, then 6 numbers a
-// rigid body), and what it hears of the others: enough for K u and for sums in the order of one process.
+// What one of several processes has of vectors in generalised coordinates, and what it receives of the others. These
+// are gridpoints in lane layout, then 6 numbers a rigid body. It is enough for K u and for sums in the order of one
+// process.
 #pragma once
 
 #include <cstddef>

@@ -18,7 +18,7 @@ struct Zone {
   std::array<Vec3, 4> shape_gradient;  // grad N of each corner, 1/m
 };
 
-// K, the three rows of a gridpoint together: gridpoint i has the columns [column_end[i - 1], column_end[i]), an even
+// K, the three rows of a gridpoint together. Gridpoint i has the columns [column_end[i - 1], column_end[i]), an even
 // number, each with its coefficients in the rows x, y, z. Coefficients that cancel are kept as zeros: loops of
 // irregular length cost more in mispredicted branches than the multiply-adds.
 struct Stiffness {

@@ -88,8 +88,8 @@ class UndamagedSystem {
   }
 
   // Row sums of |K|, the diagonal of K and the part of it that contact points add. Rotations are measured in units of
-  // the radius of gyration (any positive scale gives a valid bound), so that mass goes with all six of a body.
-  // Those of the bodies and of the gridpoints of these unit groups that no other contact points touch.
+  // the radius of gyration, so that mass goes with all six of a body. Any positive scale gives a valid bound. Those of
+  // the bodies and of the gridpoints of these unit groups that no other contact points touch.
   struct Rows {
     LaneVector<double> sum, diagonal, contact_diagonal;
     LaneVector<std::int32_t> next_family;  // one more than that of the stiffest contact point of a row, 0: none
@@ -695,7 +695,7 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
                 "the model has no stiffness (no deformable block, no contact point), so no time step follows "
                 "from it; give solver.selective_time_step");
   }
-  // Damping proportional to velocity is taken from the velocity of half a step ago, which costs stability:
+  // Damping proportional to velocity is taken from the velocity of half a step ago, which costs stability. The bound is
   // dt <= 2/omega (sqrt(1 + xi^2) - xi) with the damping ratio xi at the highest frequency.
   double xi = 0.0;
   const double omega = 2.0 / report.critical.value;

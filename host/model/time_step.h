@@ -26,7 +26,7 @@ struct TimeStepReport {
   int lanczos_steps = 0;
   double time_step = 0.0;  // s, in use
   // Local damping adds up to gamma times the force of a degree of freedom to it, which acts like that much more
-  // stiffness: above this fraction of the critical step, 1/sqrt(1 + gamma), stiff modes chatter. 1 without it.
+  // stiffness. Above this fraction of the critical step, 1/sqrt(1 + gamma), stiff modes chatter. 1 without it.
   double quiet_fraction = 1.0;
   std::string warning() const;     // of a step above the quiet one or above 2/omega_max; else empty
   double stiffness_damping = 0.0;  // s, of viscous damping in use
@@ -44,15 +44,15 @@ struct Inertia {
   RigidMotions rigid;                    // empty when neither scaling nor damping asks for it
 };
 
-// Contents of a report: critical.value alone, nodal.value with it, or also where they are set and the third limit, for
-// twice the time and of a whole model.
+// Contents of a report: critical.value alone, or nodal.value with it. Or also where they are set, and the third limit,
+// for twice the time and of a whole model.
 enum class Limits { critical, nodal, all };
 
 // Inertia with the scaling of the settings: of what is laid out of the model. shared: as in choose_time_step.
 Inertia inertia_in_use(const Model& model, const SolverSettings& settings, SharedModel* shared = nullptr);
 
 // The time step that goes with it. stages: whose whiffletrees are springs. shared: this process has a part of the
-// model, and the masses of all that touches it where the settings need rows; null: all of it.
+// model, and the masses of all that touches it where the settings need rows. null: all of it.
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia,
                                 Limits wanted = Limits::all, const std::vector<Stage>& stages = {},
                                 SharedModel* shared = nullptr);
@@ -61,8 +61,8 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
 bool needs_rows(const SolverSettings& settings);
 
 // Eigenvalue of the stiffest whiffletree on what it pulls, 1/s2. Its energy K/(2 n) (sum of the n floors'
-// displacements)^2 gives every floor the same force; with the mean over the m_f blocks of a floor,
-// lambda = K/n sum 1/(m_f^2 mass). compliances: 1/mass of each block of that name, 1/kg.
+// displacements)^2 gives every floor the same force. With the mean over the m_f blocks of a floor, lambda = K/n sum
+// 1/(m_f^2 mass). compliances: 1/mass of each block of that name, 1/kg.
 double whiffletree_eigenvalue(const std::vector<Stage>& stages,
                               const std::function<std::vector<double>(const Stage&, const std::string&)>& compliances);
 

@@ -94,8 +94,8 @@ struct UnitView {
   }
 };
 
-// Reads the gridpoints of a unit in order, scales their motion, hands it on: get(i) gives the three components at
-// offset i, put(i, of them) takes the scaled ones, for one vector of lanes.
+// Reads the gridpoints of a unit in order, scales their motion, hands it on, for one vector of lanes. get(i) gives the
+// three components at offset i, put(i, of them) takes the scaled ones.
 template <class Get, class Put>
 HWY_INLINE void scale_lanes(const UnitView& unit, const MotionScaling& scaling, int lane, Get get, Put put) {
   const D d;

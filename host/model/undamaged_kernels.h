@@ -1,6 +1,5 @@
-// The inner loops of K u for the undamaged system, compiled for every instruction set that Highway knows and chosen at
-// run time. Without fused multiply-adds and with sums in the order of memory: the time step has the same bits on every
-// machine.
+// Inner loops of K u for the undamaged system, compiled for every instruction set of Highway and chosen at run time.
+// Without fused multiply-adds and with sums in the order of memory: the time step has the same bits on every machine.
 #pragma once
 
 #include <cstdint>

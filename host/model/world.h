@@ -3,8 +3,8 @@
 //
 // Rigid blocks: position, quaternion, linear and angular momentum. Deformable blocks: zones, constant-strain
 // tetrahedra. Contacts: block a owns the plane (a face, or the plane of two crossing edges), block b carries the
-// points. Jumps are measured in a frame that rides on a: d_n is the distance from the plane less its reference, the
-// slip increment is the change of b's position in that frame; so traction turns with a, spin about n included, and a
+// points. Jumps are measured in a frame that rides on a. d_n is the distance from the plane less its reference, the
+// slip increment is the change of b's position in that frame. So traction turns with a, spin about n included, and a
 // rigid rotation of both changes no bit of physics. The pair of forces acts at one point in space: force and moment
 // balance exactly.
 #pragma once
@@ -83,7 +83,7 @@ struct ZoneLanes {
   int count;
 };
 
-// A contact point. Everything in the frame of block a: body frame for rigid blocks; for deformable ones BlockFrame
+// A contact point. Everything is in the frame of block a. Rigid blocks have the body frame; deformable ones BlockFrame
 // where both sides are gridpoints, else that of a triangle.
 struct Point {
   int32_t a, b;                        // blocks
@@ -223,8 +223,8 @@ struct Touch {
   uint32_t point;
   bool side_a;
 };
-// One side of a point of two deformable blocks, as its block sees it: the one that owns the plane; the one that carries
-// the point on a triangle; one where it sits on a gridpoint.
+// One side of a point of two deformable blocks, as its block sees it. It owns the plane, carries the point on a
+// triangle, or has it on a gridpoint.
 struct OwnerTouch {
   uint32_t row;
   int32_t node[3];
@@ -269,9 +269,9 @@ struct Piece {
   bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
 };
 
-// What steps seldom change of the gridpoints of up to kLanes deformable blocks, side by side: a line a gridpoint, three
-// numbers a lane of vectors, one of others. Gridpoints that a block does not have are without mass and stand where its
-// first one does; lanes without a block repeat the last one.
+// What steps seldom change of the gridpoints of up to kLanes deformable blocks, side by side. A line is a gridpoint:
+// three numbers a lane of vectors, one of others. Gridpoints that a block does not have are without mass and stand
+// where its first one does; lanes without a block repeat the last one.
 template <class Number>
 struct FixedColumns {
   Number *mass, *over_mass;  // of inertia, kg, 1/kg or 0
@@ -292,8 +292,8 @@ struct FixedColumns {
   }
 };
 
-// The motion that the next looks at a rigid block reckon with (motion_checks.cpp): it moves as it was seen to, but for
-// so much of the speed of any part of it. In the order in which kernels read it.
+// Motion that the next checks of a rigid block assume (motion_checks.cpp). It moves as at the last one, but for so much
+// of the speed of any part of it. In the order in which kernels read it.
 struct SeenMotion {
   Vector v;                // m/s
   double radius = 0.0;     // m
@@ -332,7 +332,7 @@ struct PointHistory {
   std::vector<double> properties{};  // that scatter, in the order of the family's columns
 };
 
-// Two blocks close to each other: what every process knows.
+// Two blocks close to each other: what every process has of them.
 struct Contact {
   geometry::Pair pair;
   int family = -1;
@@ -403,8 +403,8 @@ struct Energies {        // J
   }
 };
 
-// What belongs to the energies of the next step: work of forces in the second half of their own, and what is lost with
-// points that are placed again and units that come apart at its end.
+// What belongs to the energies of the next step. It is the work of forces in the second half of their own, and what is
+// lost at its end. That is lost with points that are placed again and with units that come apart.
 struct HalfStep {
   double damping = 0.0, external = 0.0, detection = 0.0;  // J
 };
@@ -463,7 +463,7 @@ class World {
  public:
   // Discretises blocks and finds the initial joints. materials: one a family, or empty to load the laws by their names.
   // Throws Error(bad_input): blocks that overlap at the start (names, place, depth), bad shapes, materials or settings.
-  // ranks: that share the model; then all is numbered, and nothing more there before begin().
+  // ranks: those that share the model; then all is numbered, and nothing more exists before begin().
   World(const Assembly& assembly, const SolverSettings& solver,
         std::vector<std::shared_ptr<const Material>> materials = {}, Ranks* ranks = nullptr);
 
@@ -492,7 +492,7 @@ class World {
   void settle(bool on) { settling_ = on; }
   // The law alone, for a state that is about to be restored.
   void take_law(int family, std::shared_ptr<const Material> material);
-  // Another law for all points of a family, between two steps. state: columns of the new law one after the other;
+  // Another law for all points of a family, between two steps. state: columns of the new law one after the other.
   // opening_shift: by point, m, added to the opening that the law sees, so that tractions can stay. Points born later
   // start in the new law's dry state; the time step becomes shorter if the new law is stiffer.
   void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
@@ -528,17 +528,17 @@ class World {
 
   // For ranks that share the model (world_parts.cpp). All have its outline: blocks, pairs that are close, how many
   // contact points they have. Arrays have the numbers of the whole model; laid out, and in memory, is what a rank works
-  // with: its own blocks, the chunks of points that touch them, and what those and close pairs touch of others.
+  // with. It is its own blocks, the chunks of points that touch them, and what those and close pairs touch of others.
   void begin(std::vector<int> rank_of_block);
   // Blocks go to these ranks from now on. known: blocks that every rank is to have besides.
   void hold(std::vector<int> rank_of_block, std::span<const int> known);
   void exchange_blocks(std::span<const int> blocks);  // to all
-  void exchange_joints(std::span<const int> blocks);  // to all: the contact points of these blocks, and whom they touch
+  void exchange_joints(std::span<const int> blocks);  // to all: the contact points of these blocks, and what they touch
   size_t gather_everything(bool to_all);              // or to rank 0 alone; bytes
   bool is_laid_out(int block) const { return laid_out_[size_t(block)]; }
   bool owns(int block) const { return !ranks_ || rank_of_block_[size_t(block)] == ranks_->rank(); }
   Vector rough_place(int block) const { return rough_place_[size_t(block)]; }  // the same on all ranks, m
-  // visit(rank, first byte, bytes): what steps change of blocks and points, by the rank that knows it.
+  // visit(rank, first byte, bytes): what steps change of blocks and points, by the rank that has it.
   using VisitOwned = std::function<void(int, void*, size_t)>;
   void each_owned_memory(const VisitOwned& visit);
   // Called before contacts are detected or blocks go with others: where other processes have advanced some of them,
@@ -786,8 +786,8 @@ class World {
   Stiffness stiffness() const;        // Pa/m, 1
   Stiffness impact_dashpots() const;  // Pa s/m, s
   Stiffness with_dashpots(double share, double dt) const;
-  // Of these over the inertia, by the largest eigenvalue. mode: by 6 of bodies, 3 of gridpoints. alone: of this unit on
-  // springs twice as stiff to all others, held.
+  // Of these over the inertia, by the largest eigenvalue. mode: by 6 of bodies, 3 of gridpoints. alone: of this unit,
+  // held, on springs to all others that are twice as stiff.
   double largest_over_inertia(const Stiffness& stiffness, LaneVector<double>* mode = nullptr,
                               const Unit* alone = nullptr) const;
   double highest_frequency(LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) const;  // rad/s

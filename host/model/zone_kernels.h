@@ -1,7 +1,7 @@
 // Internal forces of deformable blocks of any shape, zone by zone, eight zones a vector: total Lagrangian with the
 // Green strain E and a St. Venant-Kirchhoff law. With the displacement gradient H, S = lambda tr(E) 1 + 2 mu E and P =
-// (1 + H) S, a corner with the shape gradient g gets -volume P g. Compiled for every instruction set that Highway knows
-// and chosen at run time.
+// (1 + H) S. A corner with the shape gradient g gets -volume P g. Compiled for every instruction set of Highway and
+// chosen at run time.
 #pragma once
 
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace quoin::blocks {
 
-// How a step wants them.
+// What a step asks for.
 struct ZoneStep {
   double beta;    // stiffness-proportional viscosity of zones, s; 0: none
   double dt;      // s
-  bool energies;  // viscous forces by themselves, and the strain energy, are wanted
+  bool energies;  // viscous forces by themselves, and the strain energy, are asked for
 };
 
 // Of a block, by gridpoint: four doubles each, the last of no meaning.
@@ -25,11 +25,11 @@ struct ZoneColumns {
   double* viscous;             // N, is added to: the viscous part; with beta > 0 and energies
 };
 
-// The strain energy, J, when energies are wanted; else 0.
+// Strain energy, J, where energies are asked for; else 0.
 double zone_forces(std::span<const ZoneLanes> zones, const ZoneStep& step, const ZoneColumns& columns);
 
-// K w of small strain, in the frame in which the zones were made: rows of four doubles, the last of no meaning; product
-// is set.
+// K w of small strain, in the frame in which the zones were made. Rows have four doubles, the last of no meaning;
+// product is set.
 void stiffness_times(std::span<const ZoneLanes> zones, std::span<const double> w, double* product);
 
 }  // namespace quoin::blocks

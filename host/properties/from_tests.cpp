@@ -48,8 +48,8 @@ constexpr double kUnitFriction = 35.0;          // deg, Table 1 and Table 3
 constexpr double kUnitShearLength = 0.1 * kMm;  // G2/c, Angelillo et al. (2014)
 constexpr double kUnitStiffness = 6.0;          // of joints inside units over that of bed joints, Table 3
 constexpr double kUnfilledStiffness = 0.1;      // of head joints that only touch over that of filled ones [assumed]
-// Stiffness of dry joints at 0.5 MPa, Pa/m; elsewhere by the root of the pressure, as pressure grows with the square of
-// the closure of rough faces. Both are from six dry walls taken together (host/validate/dry_walls.csv).
+// Stiffness of dry joints at 0.5 MPa, Pa/m. Elsewhere it follows the root of the pressure, as pressure grows with the
+// square of the closure of rough faces. Both are from six dry walls taken together (host/validate/dry_walls.csv).
 constexpr double kDryStiffness = 8e9, kDryPressure = 0.5 * kMPa;
 constexpr double kLeastDryPressure = 0.05 * kMPa;
 

@@ -55,7 +55,7 @@ Hashes hashes_of(const quoin::Scene& scene) {
 }
 
 // As `quoin run` prepares a scene: of a document, or of the text of the file of that name, so that messages have its
-// lines. files: as hashes_of had them when the scene was loaded.
+// lines. files: those of hashes_of when the scene was loaded.
 quoin::Scene scene_of(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
                       bool runs = false) {
   quoin::SceneOptions options;

@@ -37,9 +37,9 @@ struct Frame {
 // Every method throws quoin::Error, and std::runtime_error while another thread steps the simulation.
 class Session : private Observer {
  public:
-  // threads 0: as many as the machine has. folder: where the results go as files too; empty: nowhere. A law that has
-  // not returned from a batch after law_seconds (0: any time) is ended with its process where laws are isolated, and is
-  // an Error(numerical); elsewhere it ends the program as the command line does.
+  // threads 0: as many as the machine has. folder: where the results go as files too; empty: nowhere. Where laws are
+  // isolated, a law that has not returned from a batch after law_seconds (0: any time) is ended with its process, an
+  // Error(numerical). Elsewhere it ends the program as the command line does.
   Session(Scene scene, int threads, bool keep_frames, const std::string& folder, bool isolate_law, double law_seconds);
 
   // So many steps, or fewer when the last stage ends or, with stop_at_stage_end, any. True: there are more to come.

@@ -49,9 +49,9 @@ struct Length {
   std::vector<Term> terms;
 };
 
-// At the point x where the planes of b, c and d meet, by the plane of e: with n_e = sum l_i n_i the plane's value there
-// is r_e - sum l_i r_i at any x, whose derivative by p_b is that of r_b, -2 (x - p_b), times -l_b, and so on. None:
-// three planes that meet in no point.
+// At the point x where the planes of b, c and d meet, by the plane of e with n_e = sum l_i n_i. There the plane's value
+// is r_e - sum l_i r_i at any x. Its derivative by p_b is that of r_b, -2 (x - p_b), times -l_b, and so on. None: three
+// planes that meet in no point.
 std::optional<Length> length_of(const PowerDiagram& diagram, const Edge& edge) {
   const auto [a, b, c, d, e] = edge;
   Vector x = diagram.seeds[static_cast<std::size_t>(a)];

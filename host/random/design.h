@@ -7,7 +7,7 @@
 namespace quoin::random {
 
 // monte_carlo: independent. latin_hypercube: of N samples one in each N-th of every quantity. sobol: the sequence of
-// Sobol (directions of Joe and Kuo), moved by a random vector (modulo 1) so that its mean has no bias.
+// Sobol (directions of Joe and Kuo). It is moved by a random vector (modulo 1) so that its mean has no bias.
 enum class Method { monte_carlo, latin_hypercube, sobol };
 
 const char* method_name(Method method);  // "latin_hypercube"

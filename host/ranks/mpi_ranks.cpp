@@ -1,5 +1,5 @@
-// Ranks by MPI. A library of its own, which join.cpp loads where mpirun has started the program, so that who runs alone
-// neither needs nor waits for it.
+// Ranks by MPI. A library of its own, which join.cpp loads where mpirun has started the program. Without mpirun it is
+// neither needed nor waited for.
 #include <mpi.h>
 #include <unistd.h>
 

@@ -18,7 +18,8 @@ constexpr int kBeams = 22, kWindowWidth = 5, kBearing = 1;
 // Half units that one lintel saves in the number of blocks.
 int saved(int opening_width) { return opening_width + 2 * kBearing - 1; }
 
-// Half units of A and C from the back of the wall to 4 m over all, or 4 m beside the corner: what is nearer to 0.2 m.
+// Half units of A and C from the back of the wall to 4 m over all, or 4 m beside the corner. The nearer to 0.2 m is
+// taken.
 double half_unit_a(int columns) {
   const double within = (4.0 - kThickness) / columns, beside = 4.0 / columns;
   return std::abs(within - kHalfUnit) <= std::abs(beside - kHalfUnit) ? within : beside;

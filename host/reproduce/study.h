@@ -151,8 +151,8 @@ bool all_reproduced(const StudyReport& report);
 RunSpec shear_run(const Quality& quality, const std::string& name, const std::string& scene,
                   std::vector<std::string> overrides = {}, double cost = 1.0);
 
-// A run as the paper's equations read: eq. 1 with gamma = 0.8 at every gridpoint, true inertia, and the velocity (m/s)
-// of the top beam there at once, until it has moved by `displacement` (m). fraction: time step over 2/omega_max. Eq. 1
+// A run as the paper's equations read: eq. 1 with gamma = 0.8 at every gridpoint, and true inertia. The top beam has
+// its velocity (m/s) at once, until it has moved by `displacement` (m). fraction: time step over 2/omega_max. Eq. 1
 // acts like up to gamma times more stiffness, so that a step above 1/sqrt(1 + gamma) = 0.745 never settles. The
 // pressure then lasts 30 ms in place of equilibrium, and the run may fail.
 RunSpec printed_run(const std::string& name, const std::string& scene, double velocity, double displacement,

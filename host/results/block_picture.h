@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-inline constexpr int kMostBlocks = 3000;  // gnuplot takes seconds for each thousand polygons more
+inline constexpr int kMostBlocks = 3000;  // each further thousand polygons takes gnuplot seconds
 
 // Of fewer blocks, all of which this process must have, at the moment of the last of the rows. Return a one-line notice
 // when there is no picture, otherwise nothing. label: of warnings.h, or nothing.

@@ -24,7 +24,7 @@ struct Identity {
 // other files) and every law of every stage.
 Identity identity_of(const Simulation& simulation, const Provenance& provenance);
 
-// Where the state lies in a file that was found whole: what other ranks need to know of it.
+// Place of the state in a file that was found whole, which other ranks receive.
 struct StoredState {
   std::uint64_t begin = 0, bytes = 0;
   std::uint64_t checksum = 0;  // by which files are compared

@@ -47,8 +47,8 @@ std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector
 
 class History {
  public:
-  // Rows go to the partial file of PATH (file.h) as they come; finish() renames it.
-  // before: rows of a run that this one goes on with.
+  // Rows go to the partial file of PATH (file.h) as they come, which finish() renames. before: rows of a run that this
+  // one goes on with.
   History(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& before = {});
   // Both throw Error(bad_input) where the file cannot be written.
   void add(const HistoryRow& row);

@@ -157,7 +157,7 @@ void MonitorFile::add(const HistoryRow& row) {
   std::vector<double> values{static_cast<double>(row.step), row.time};
   const std::vector<double>* const before = rows_.empty() ? nullptr : &rows_.back();
   const auto append = [&](const Vec3& of_axes) { values.insert(values.end(), of_axes.begin(), of_axes.end()); };
-  // Acceleration: the mean since the row before, by its velocity.
+  // Acceleration is the change of velocity since the row before over the time between.
   const auto append_motion = [&](const Motion& motion) {
     append(motion.displacement);
     const std::size_t of_velocity = values.size();

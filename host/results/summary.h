@@ -46,7 +46,7 @@ std::string overdue_text(const Simulation& simulation, const Material& material,
 // The laws in use: one name, or "mortar: a, unit: b" when families differ.
 std::string law_names(const Assembly& assembly);
 
-// Why the errors of the quality do not speak of this run: what it is, or how it went. Empty when they do.
+// Reason why the stated errors of the quality do not apply to this run: its kind, or its course. Empty where they do.
 std::string why_error_unknown(const Scene& scene, const RunInfo& info);
 
 // As the file has it.

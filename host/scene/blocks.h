@@ -58,9 +58,9 @@ struct ContactSettings {
   // smaller one's least extent. From then on contacts are detected again whenever a pair has moved by that much again.
   // 0: large displacement at once.
   double small_displacement = 0.005;
-  // A joint of the start keeps its contact points, which move with their blocks, until these have moved against each
-  // other by this fraction of the smaller one's least extent. Points that are placed again inherit their history from
-  // their nearest neighbours; that serves friction and blurs cracks. 0: as other contacts.
+  // A joint of the start keeps its contact points, which move with their blocks. They end when these have moved against
+  // each other by this fraction of the smaller one's least extent. Points that are placed again inherit their history
+  // from their nearest neighbours; that serves friction and blurs cracks. 0: as other contacts.
   double joint_motion = 0.0;
 };
 
@@ -72,7 +72,7 @@ struct Assembly {
   std::function<int(const Meeting&)> family_of;  // index into families; empty: family 0 for all
   ContactSettings contact;
   bool shared_names = false;       // several blocks of one name move and are loaded together
-  std::vector<std::string> notes;  // how shapes differ from what mesh files have
+  std::vector<std::string> notes;  // of the reader: how shapes differ from those of mesh files
   bool symmetry_plane_z0 = false;  // what touches z = 0 at the start stays there: u_z = 0, no rotation out of it
 
   // Adds a block of its own shape; its index.

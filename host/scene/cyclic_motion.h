@@ -19,8 +19,8 @@ struct Cycles {
 };
 std::string text_of(const Cycles& cycles);  // "2 cycles of 1 mm, 3 of 2 mm"
 
-// Every half cycle starts and ends at rest and is never faster than |velocity|. One too short for the ramps reaches
-// less: its way over ramp_time.
+// Every half cycle starts and ends at rest and is never faster than |velocity|. If it is too short for the ramps it
+// reaches less: its way over ramp_time.
 class CyclicMotion {
  public:
   explicit CyclicMotion(const Cycles& cycles);

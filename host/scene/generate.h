@@ -21,9 +21,9 @@ Assembly assemble(const Scene& scene);
 
 // Gross area of a bed joint, m2, over the whole thickness.
 double bed_area(const WallSpec& wall);
-// Of all walls of a building and their corners, in plan.
+// The same of all walls of a building and their corners.
 double bed_area(const BuildingSpec& building);
-// Of a scene that is a wall or building and nothing else; else 0.
+// The same of a scene that is a wall or building alone; 0 of any other.
 double bed_area(const Scene& scene);
 
 }  // namespace quoin

@@ -1,5 +1,5 @@
-// Ranges of a scene's keys on which the errors of the qualities were measured: the walls of
-// benchmarks/error_against_cost (host/scenes/README.md lists the ranges). Outside nothing is known of them.
+// Ranges of a scene's keys on which the errors of the qualities were measured. They are those of the walls of
+// benchmarks/error_against_cost (host/scenes/README.md lists them). Outside nothing is known of them.
 #pragma once
 
 #include <string>

@@ -8,7 +8,7 @@ namespace {
 // Damping by block, and inertia that slows what vibrates inside units: time steps of a unit on its joints, five times
 // those of zones. Little damping, because local damping multiplies the inertia of what speeds up by 1/(1 - gamma). A
 // wall whose cracks run late takes another path after its drops (benchmarks/README.md). And a step at which no motion
-// has a period of 4 steps or less: eq. 1 would drive such motion in what drifts, as the units of a rocking pier do.
+// has a period of 4 steps or less. Eq. 1 would drive such motion in what drifts, as the units of a rocking pier do.
 // With damping ratio d at omega_max the step is 0.86 (sqrt(1 + d^2) - d) = 0.705 of 2/omega_max, below 1/sqrt(2).
 SolverSettings by_block() {
   SolverSettings s;

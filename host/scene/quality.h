@@ -15,8 +15,8 @@ struct Quality {
   double velocity = 0.0;           // of the top beam in a shear stage, m/s
   double equilibrium_ratio = 0.0;  // at the end of a pressure stage
   // Expected errors against a converged run, as fractions, at least the largest seen on the measured walls. Of the peak
-  // force; of the curve, root of the mean square of the difference over that of the force, where later drops count
-  // whole; of the work up to the end. Only for scenes within what was measured: scene/measured.h.
+  // force. Of the curve, root of the mean square of the difference over that of the force, where later drops count
+  // whole. Of the work up to the end. Only for scenes within what was measured: scene/measured.h.
   double peak_error = 0.0, curve_error = 0.0, work_error = 0.0;
 };
 

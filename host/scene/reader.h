@@ -302,14 +302,14 @@ JointFamily read_joint(const std::string& name, Table t);
 
 // Keys that stages of every kind of scene have: name, gravity, ramp, ends, rows.
 void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
-// displacement (m), and the monitor and direction that it is measured on.
 void read_rest(Table& t, Stage& stage);  // of kind rest, after read_stage_basics
+// Keys of what ends a stage by motion: displacement (m), and the monitor and direction that it is measured on.
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
 void read_law_swaps(Table& t, const Scene& scene, Stage& stage);
 
 // path: what messages call the text. Throws Error(bad_input): it is not TOML.
 toml::table parse(const std::string& text, const std::string& path);
-// The scene that these tables are. path: their name in messages; its folder is that of the files that they name.
+// The scene that these tables are. path: their name in messages, whose folder is that of the files that they name.
 // scene.text is left to the caller.
 Scene read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides = {});
 // Lays one --set over the table. The path is made of keys, list numbers from 1, or names of list elements.

@@ -25,8 +25,8 @@ struct Source {
   std::string text;
 };
 
-// What of a family has one value: a contact point; a joint between two units; a unit, with the joints below and beside
-// it; a course of units; the wall.
+// What of a family has one value. It is a contact point; a joint between two units; a unit, with the joints below and
+// beside it; a course of units; the wall.
 enum class ScatterLevel { point, joint, unit, course, wall };
 
 // A property that scatters from place to place.
@@ -87,25 +87,25 @@ struct BlockMaterial {
 };
 
 // local: eq. 1 at every degree of freedom. block: eq. 1 on the rigid motion of each block and viscous damping of its
-// deformation, so that the vibration of a block brakes no motion of the block. impact: on closed contacts alone, in
-// proportion to their stiffness, near critical for a block that lands on an edge.
+// deformation, so that its vibration brakes no motion of it. impact: on closed contacts alone, in proportion to their
+// stiffness, near critical for a block that lands on an edge.
 enum class DampingKind { none, local, viscous, block, impact };
 
-// Internal forces of deformable blocks. assembled: the template's assembled stiffness on 8 blocks at a time. zones:
-// zone by zone and block by block, as for blocks without companions. automatic: zones where a group has few blocks.
+// Internal forces of deformable blocks. assembled is the template's assembled stiffness on 8 blocks at a time. zones is
+// zone by zone and block by block, as for blocks without companions. automatic is zones where a group has few blocks.
 enum class InternalForces { automatic, assembled, zones };
 
-// What a fraction of the time step refers to. assembled: 2/omega_max, the true limit. nodal: eq. 3 read literally,
+// What a fraction of the time step refers to. assembled is 2/omega_max, the true limit. nodal is eq. 3 read literally,
 // 2 sqrt(m/k) with the diagonal stiffness of a gridpoint, which blocks of several zones do not survive.
 enum class CriticalTimeStep { assembled, nodal };
 
-// What a run does about large motion. automatic: walls and buildings with small displacements, and a warning past the
-// bound; blocks of any shape as they move. never: small displacements, and a stop past the bound. always: large motion
-// from the start.
+// What a run does about large motion. automatic is small displacements of walls and buildings with a warning past the
+// bound, and blocks of any shape as they move. never is small displacements, and a stop past the bound. always is large
+// motion from the start.
 enum class LargeMotion { automatic, never, always };
 
-// Which kernels move the blocks. lattice: vectorised ones of conforming bricks in small displacements. general: those
-// of blocks of any shape. automatic: walls and buildings on the lattice, all else as blocks/motion.h says.
+// Which kernels move the blocks. lattice is vectorised ones of conforming bricks in small displacements. general is
+// those of blocks of any shape. automatic is the lattice for walls and buildings, all else as model/motion.h has it.
 enum class Kernels { automatic, lattice, general };
 
 // Up to here small displacements give curves within 1 % of those of large motion (benchmarks/README.md).
@@ -201,7 +201,7 @@ struct Collapse {
   std::optional<double> limit = 2.0;  // of alpha: gives up; none: limit analysis finds it, too
 };
 
-// A virtual whiffletree: every floor gets the same force along x, F = stiffness (u - mean of the floors'
+// A virtual whiffletree. Every floor gets the same force along x, F = stiffness (u - mean of the floors'
 // displacements), where u moves with the given velocity. The bodies of a floor share it equally. So floors are pushed
 // by equal forces while a displacement is imposed, and what softens can be followed. The displacement of a floor is
 // that of its bodies, on average. The last floor is the roof; the history records it against the shear force at the
@@ -325,7 +325,7 @@ struct BuildingSpec {
   };
   std::vector<Wall> walls;
   // A square of the wall's thickness between the ends of two walls. In the bottom course and every other one it is part
-  // of a unit of the wall `first`, in the courses between of one of the wall `second`.
+  // of a unit of the wall `first`. In the courses between it is part of one of the wall `second`.
   struct Corner {
     std::array<double, 2> at{};  // x and z of its lowest corner, m
     int first = 0, second = 0;   // indices of walls

@@ -275,8 +275,8 @@ std::string text_of(const BodyControl& control) {
   return text;
 }
 
-// Bodies that all stages control alike share a name, and so the lanes of a group; those that nothing controls or
-// watches have none.
+// Bodies that all stages control in the same way share a name, and so the lanes of a group. Those that nothing controls
+// or watches have none.
 void share_names(std::vector<Stage>* stages, std::vector<Brick>* bricks) {
   std::map<std::string, std::string> controls;  // by body, of all stages
   for (size_t i = 0; i < stages->size(); ++i) {

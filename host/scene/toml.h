@@ -16,7 +16,7 @@
 namespace quoin {
 
 // The number of a node, or nothing. An integer that no double equals is rounded to the nearest one, as the same digits
-// with a decimal point are. toml++'s own value<double>() gives nothing for it.
+// with a decimal point are. The function value<double>() of toml++ gives nothing for it.
 inline std::optional<double> number_of(const toml::node& node) {
   if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
   if (const auto* decimal = node.as_floating_point()) return decimal->get();

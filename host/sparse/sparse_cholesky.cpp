@@ -21,7 +21,7 @@ using Matrix = Eigen::SparseMatrix<double>;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Unknowns from which on a part of the masonry is cut no further: a front of that size is quick, and a small one is
+// Unknowns from which on a part of the masonry is cut no further. A front of that size is quick, and a small one is
 // mostly overhead.
 constexpr int kLeaf = 200;
 

@@ -1,8 +1,8 @@
 // Cholesky factors of sparse stiffness matrices, for many solutions with one matrix.
 //
 // Multifrontal (Duff and Reid 1983), with dense fronts by BLAS, on one thread: Debian's serial OpenBLAS gives wrong
-// numbers when several threads call it at once. Unknowns are ordered by nested dissection in space (George 1973):
-// masonry is cut along planes, and what lies on a cut is eliminated after both sides of it.
+// numbers when several threads call it at once. Unknowns are ordered by nested dissection in space (George 1973).
+// Masonry is cut along planes, and what lies on a cut is eliminated after both sides of it.
 #pragma once
 
 #include <Eigen/Dense>

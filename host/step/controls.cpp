@@ -167,8 +167,8 @@ void Simulation::Impl::control_body(std::size_t b, const Stage& settings, const 
     ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
     ramps[b].in_cycles[c] = controlled && control->in_cycles == static_cast<int>(c) ? 1.0 : 0.0;
     const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = ground || (controlled && !control->may_turn);
-    // The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to
-    // the support.
+    // The motion of what is driven is no kinetic energy: what is let go has its own, what is caught leaves it to the
+    // support.
     const double linear = 0.5 * model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
     const double angular = 0.5 * model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];
     energy_external += (was_prescribed - prescribed) * linear + (was_held - held) * angular;

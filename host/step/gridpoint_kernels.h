@@ -1,11 +1,11 @@
 // Contact points that sit on gridpoints of both blocks, pair by pair and eight side by side. Compiled for every
-// instruction set that Highway knows and chosen at run time.
+// instruction set of Highway and chosen at run time.
 //
-// The axes e_k = R_a E_k turn with the frame of block a (deformable_kernels.h). With d the way from the gridpoint of a
-// to that of b, the opening is e_n . d less the reference, and the slip of a step the change of e_s . d and e_t . d.
-// The force f = A (sigma e_n + tau_s e_s + tau_t e_t) acts on both gridpoints. As R_a is a function of all gridpoints
-// of a, the work of f on a change of d in turning axes needs the moment d x f on the frame of a besides. With it
-// forces, moments and energy balance to rounding, however far b has slid.
+// The axes e_k = R_a E_k turn with the frame of block a (deformable_kernels.h). d is the way from the gridpoint of a to
+// that of b. The opening is e_n . d less the reference, and the slip of a step the change of e_s . d and e_t . d. The
+// force f = A (sigma e_n + tau_s e_s + tau_t e_t) acts on both gridpoints. R_a is a function of all gridpoints of a. So
+// the work of f on a change of d in turning axes needs the moment d x f on the frame of a besides. With it forces,
+// moments and energy balance to rounding, however far b has slid.
 #pragma once
 
 #include <span>

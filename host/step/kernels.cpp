@@ -463,8 +463,8 @@ HWY_INLINE Rigid difference(const Rigid& x, const Rigid& y) {
   return each(x, y, [](V a, V b) HWY_ATTR { return hn::Sub(a, b); });
 }
 
-// Rigid part of the acceleration of each block that M'^-1 gives beyond net/(s_b m), and with damping by block the
-// damping: gamma |a| sgn(v) on the motion of the unit, and on that of its halves beside it.
+// Rigid part of the acceleration of each block that M'^-1 gives beyond net/(s_b m). With damping by block also the
+// damping, gamma |a| sgn(v): on the motion of the unit, and on that of its halves beside it.
 struct RigidStep {
   Rigid extra[kUnitBlocks];    // m/s2, 1/s2
   Rigid damping[kUnitBlocks];  // the same, before the inertia of unit motion
@@ -646,8 +646,8 @@ HWY_INLINE void add_product(double factor, const Rigid& x, const Rigid& y, V (&s
   }
 }
 
-// v M' w = s_b v M w - (s_b - s_u) (P_b v) M (P_b w) - (s_u - 1) (P_u v) M (P_u w), of which measure_group has summed
-// the first part; and the work of damping by block.
+// Energies of v M' w, of which measure_group has summed the first part, and the work of damping by block.
+//   v M' w = s_b v M w - (s_b - s_u) (P_b v) M (P_b w) - (s_u - 1) (P_u v) M (P_u w)
 template <DampingKind kDamping>
 HWY_INLINE void measure_rigid_motion(const UnitData& unit, const RigidStep& rigid, LaneSums* sums) {
   const StepData& step = unit.step;

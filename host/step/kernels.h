@@ -1,4 +1,4 @@
-// The inner loops of a step, compiled for every instruction set that Highway knows and chosen at run time. Every lane
+// The inner loops of a step, compiled for every instruction set of Highway and chosen at run time. Every lane
 // does the same operations in the same order whatever the vector length.
 #pragma once
 
@@ -25,8 +25,8 @@ struct StepData {
   double* displacement = nullptr;        // lane layout
   double* velocity = nullptr;            // lane layout, of half a step ago
   const double* dt_over_mass = nullptr;  // lane layout, s/kg; 0 for held components
-  // By block group: the same by gridpoint and component where all blocks of the group share it, which is a third less
-  // to read; else null.
+  // By block group: the same by gridpoint and component where all blocks of the group share it, a third less to read.
+  // Else null.
   const double* const* shared_dt_over_mass = nullptr;
   double deformation_inertia = 1.0;           // s_b of model/rigid_motion.h; dt_over_mass has its factor
   double unit_inertia = 1.0;                  // s_u
@@ -40,8 +40,8 @@ struct StepData {
   double* force[3] = {};                 // x, y, z on side a by contact point, then a dummy that stays 0
 };
 
-// What a measured step records of a unit group or a rigid body. Work is split into the half step that ends at the
-// time of the displacements and the half step that begins there, so that energies belong to one time.
+// What a measured step records of a unit group or a rigid body. Work is split into the half step that ends at the time
+// of the displacements and the half step that begins there. So energies belong to one time.
 struct Measured {
   double unbalanced_squared = 0.0;  // largest over gridpoints, N2
   double kinetic = 0.0;             // m v(-1/2) v(+1/2) / 2, which is what central differences conserve
@@ -64,14 +64,14 @@ void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData
 void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step,
                     const double* const* viscous = nullptr);
 
-// Internal forces, sums of contact forces, weight, damping, central differences. scratch: kUnitBlocks times
+// Internal forces, sums of contact forces, weight, damping, central differences. scratch has kUnitBlocks times
 // scratch_doubles, which are kScratchColumns times the doubles of the largest group. measured may be null.
 inline constexpr int kScratchColumns = 7;
 void advance_units(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                    Measured* measured);
 
-// K u alone, as advance_units forms it from the assembled stiffness; in lane layout, the groups of the unit one after
-// the other, which must have one template. For benchmarks.
+// K u alone, as advance_units forms it from the assembled stiffness. It is in lane layout, the groups of the unit one
+// after the other, which must have one template. For benchmarks.
 void internal_force(const Model& model, const UnitGroup& units, const StepData& step, double* force);
 
 const char* kernel_instruction_set();  // "AVX2"

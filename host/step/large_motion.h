@@ -1,9 +1,9 @@
 // Blocks of any shape that move on in time, without bound.
 //
-// Rigid blocks: central differences in translation; in rotation the angular momentum is the unknown and the orientation
-//   follows by the implicit midpoint rule, so that a free block keeps its angular momentum to rounding and its energy
-//   without drift.
-// Deformable blocks: linear elasticity at small strain, exactly indifferent to rotation. By a stiffness in their own
+// - Rigid blocks: central differences in translation. In rotation the angular momentum is the unknown and the
+//   orientation follows by the implicit midpoint rule. So a free block keeps its angular momentum to rounding and its
+//   energy without drift.
+// - Deformable blocks: linear elasticity at small strain, exactly indifferent to rotation. By a stiffness in their own
 //   frame (deformable_kernels.h), which congruent blocks share; those that deform much zone by zone, total Lagrangian
 //   (zone_kernels.h).
 #pragma once
@@ -35,14 +35,14 @@ class Model : public World {
   // sums are taken in a fixed order: the bits do not depend on the number of threads. Throws Error(numerical): the law
   // failed at a point, or the position of a block is no longer a finite number.
   void step();
-  // What a law has answered last that it must not, where and to whom; nothing: all is well.
+  // What a law has answered last that it must not, where and for which points; nothing: all is well.
   std::optional<WrongAnswer> wrong_law(std::span<const int> chunks) const;
   std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
-  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end; then, when
-  // end_step() says that blocks have moved enough, find_contacts. clock: of the thread, started; null: not timed.
-  // measured: the energies of the step are wanted.
+  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end. Then
+  // find_contacts, when end_step() says that blocks have moved enough. clock: of the thread, started; null: not timed.
+  // measured: the energies of the step are asked for.
   void begin_step(bool measured = false) {
     measured_ = measured || energy_;
     follow_held();
@@ -70,9 +70,9 @@ class Model : public World {
   }
 
   // Everything that changes during a run. The families must have the laws that they had at the time. restore() throws
-  // Error(bad_input) when the bytes come from another model, which then is in no state to go on from; bits after it are
-  // those of an uninterrupted run, whatever the number of threads.
-  // give: takes the bytes of long arrays, in their order, in place of the writer; empty: the writer has all.
+  // Error(bad_input) when the bytes come from another model, which then is in no state to go on from. Bits after it are
+  // those of an uninterrupted run, whatever the number of threads. give takes the bytes of long arrays, in their order,
+  // in place of the writer; empty: the writer has all.
   using GiveArray = std::function<void(ArchiveWriter& writer, const void* first, size_t bytes)>;
   void save(ArchiveWriter& writer, const GiveArray& give = {});
   void restore(ArchiveReader& reader);

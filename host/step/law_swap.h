@@ -41,7 +41,7 @@ struct MigratedFamily {
   SwapSums sums(std::size_t first, std::size_t count) const;  // of points in a row, in their order
 };
 
-// The material of the law that takes over a family: with those of the family's properties that the law knows. Throws
+// The material of the law that takes over a family, with those of the family's properties that the law has. Throws
 // Error(law_refused): no such law, properties that it refuses, or a law that cannot take over the state of another one.
 std::shared_ptr<const Material> successor(const JointFamily& family, const std::string& law);
 

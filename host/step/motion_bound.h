@@ -22,9 +22,9 @@ struct MotionSeen {
   int near_block[2] = {-1, -1};
 };
 
-// Largest MotionSeen of what has no setting. A joint that has opened by its shorter side lets a block that turns by the
-// default rotation_bound pass across by 1.3 % of that side, less than sliding_bound allows. What has moved further than
-// the model is large has left all that could hold it.
+// Largest MotionSeen of what has no setting. A joint that has opened by its shorter side lets a block pass across by
+// 1.3 % of that side if it turns by the default rotation_bound. That is less than sliding_bound allows. What has moved
+// further than the model is large has left all that could hold it.
 inline constexpr double kOpeningBound = 1.0, kTranslationBound = 1.0, kNearnessBound = 1.0;
 
 Vec3 centre_of(const Brick& brick);  // m
@@ -43,12 +43,12 @@ inline bool exceeds(double value, double bound) { return !(value <= bound); }
 
 double diagonal_of(const std::vector<Brick>& bricks);  // of the box around them, m
 
-// Of a box from the displacements of its 8 corners (x fastest, then y, then z), m: means over opposite faces, so that
-// deformation that is the same all over the block is no rotation.
+// Of a box from the displacements of its 8 corners (x fastest, then y, then z), m. They are means over opposite faces,
+// so that deformation that is the same all over the block is no rotation.
 WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner_displacement);
 
-// The joints of an assembly, which must outlive it, with what their sliding and opening are measured by: kept, which is
-// 0.3 kB a block, or found again at each look.
+// Joints of an assembly, which must outlive it, with what their sliding and opening are measured by. That is kept, 0.3
+// kB a block, or found again at each check.
 class JointSliding {
  public:
   enum class Places { kept, recomputed };

@@ -28,7 +28,7 @@ struct LaneSum {
   }
 };
 
-// visit(i, part of the sums, load, store), a vector of points at a time; lanes beyond the last point are loaded as 0
+// visit(i, part of the sums, load, store), a vector of points at a time. Lanes beyond the last point are loaded as 0
 // and not stored.
 template <class Visit>
 HWY_INLINE void for_each_vector(std::size_t count, const Visit& visit) {

@@ -1,6 +1,6 @@
-// What every contact point in large motion has, whatever it lies between, vector by vector: the traction of
-// stiffness-proportional damping, and the energies of its law. Compiled for every instruction set that Highway knows
-// and chosen at run time; sums go by eight lanes on all of them.
+// What every contact point in large motion has, whatever it lies between, vector by vector. It is the traction of
+// stiffness-proportional damping, and the energies of its law. Compiled for every instruction set of Highway and chosen
+// at run time; sums go by eight lanes on all of them.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 // When blocks are worth being divided among ranks again, by what their own work of steps has taken.
 //
 // Unevenness costs what the slowest rank takes beyond the mean, for all wait for it; dividing costs what it took last
-// time. Blocks are divided once the first has reached the second, so that no more is spent on dividing than was lost
-// without it, however costs drift. A division that leaves the ranks uneven doubles what the next one asks for.
+// time. Blocks are divided once the first has reached the second. So no more is spent on dividing than was lost without
+// it, however costs drift. A division that leaves the ranks uneven doubles what the next one asks for.
 #pragma once
 
 #include <span>

@@ -1,7 +1,7 @@
 // What each rank holds of a model on the lattice, where it is held in parts, and the highest frequency of all of it.
 //
-// Arrays have the numbers of the whole model; memory they have where this rank works (base/sparse_memory.h): own items,
-// the chunks that touch them, and what those chunks touch of others.
+// Arrays have the numbers of the whole model; memory they have where this rank works (base/sparse_memory.h). That is
+// for own items, the chunks that touch them, and what those chunks touch of others.
 #include <algorithm>
 
 #include "model/scattered_points.h"

@@ -1,7 +1,7 @@
-// What one of several processes does of a step (base/ranks.h): whole items and whole chunks, as one process alone has
-// them, so that every sum keeps its order and every number its bits.
+// What one of several processes does of a step (base/ranks.h). It does whole items and whole chunks, as one process
+// alone has them, so that every sum keeps its order and every number its bits.
 //
-// A rank advances its own items and evaluates all chunks of contact points that touch one of them: those on a border
+// A rank advances its own items and evaluates all chunks of contact points that touch one of them. Those on a border
 // are evaluated on both sides, from the same numbers, so that no forces travel.
 #pragma once
 

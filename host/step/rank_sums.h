@@ -1,7 +1,7 @@
 // Vectors of a model whose items ranks share: sums over all of them in the order of one process.
 //
-// A sum goes from the rank of the first items to that of the next, and so on, as often as items in a row change hands:
-// it takes as long as in one process, but no rank needs the numbers of another.
+// A sum goes from the rank of the first items to that of the next, as often as items in a row change hands.
+// It takes as long as in one process, but no rank needs the numbers of another.
 #pragma once
 
 #include <vector>

@@ -161,9 +161,9 @@ RankShare Simulation::Impl::share_of_this_rank() const {
     for (const int b : blocks) sum += measured_over_estimated[at(b)];
     cost[at(i)] *= sum / static_cast<double>(blocks.size());
   }
-  // The blocks of an item on the lattice lie in eight places of the assembly, of which their mean or the first may
-  // stand better for all of them; and chunks of contact points are long along courses, so that it may be better to cut
-  // as if one side were shorter. What leaves the fewest points on borders is taken, by all ranks in the same way.
+  // The blocks of an item on the lattice lie in eight places of the assembly. Their mean or the first may stand better
+  // for all. Chunks of contact points are long along courses, so it may be better to cut as if one side were shorter.
+  // What leaves the fewest points on borders is taken, by all ranks in the same way.
   std::vector<Vec3> mean, first;
   for (int i = 0; i < items; ++i) {
     mean.emplace_back();

@@ -30,11 +30,12 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // Iterations at most, and the unbalanced ratio that ends them: a hundredth of the stage's, for its steps look at that.
 constexpr int kMostIterations = 100;
 constexpr double kOfWanted = 1e-2;
-// Of the stiffness of a closed point, what an open one and a sliding one keep: enough to find a factor, too little to
-// carry anything.
+// Of the stiffness of a closed point, what an open one and a sliding one keep. It is enough to find a factor, too
+// little to carry anything.
 constexpr double kOpen = 1e-6, kSlides = 1e-3;
-// What they keep in the first iterations: all of it. Each that has brought forces closer to balance keeps a third of
-// the last one's, each that has not ten times as much: too stiff a system only moves too little, too soft a one flies.
+// What they keep in the first iterations: all of it. A correction that has moved forces closer to balance keeps a third
+// of the last one's, one that has not ten times as much. Too stiff a system only moves too little, too soft a one
+// flies.
 constexpr double kSofter = 1.0 / 3.0, kStiffer = 10.0;
 // Of the largest entry of the stiffness, what holds that nothing else holds.
 constexpr double kHeld = 1e-12;

@@ -1,7 +1,7 @@
 // The state under constant loads, found directly: at the start of a stage of kind rest.
 //
 // Newton's method: out-of-balance forces of now, divided by the stiffness of what is closed and does not slide, move
-// the blocks; laws follow each move as they follow a step. Steps of the stage settle what is left.
+// the blocks. Laws follow each move as they follow a step. Steps of the stage settle what is left.
 #pragma once
 
 #include "step/simulation.h"

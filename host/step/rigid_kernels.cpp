@@ -233,8 +233,8 @@ struct SumLanes {
   alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes], beyond[kLanes];
 };
 
-// Positive where some part of a body may move otherwise than it was seen to by more than goes unnoticed: (a + b)^2 is
-// at most 2 (a^2 + b^2), which needs no roots.
+// Positive where some part of a body may deviate from the motion of the last check by more than goes unnoticed. (a +
+// b)^2 is at most 2 (a^2 + b^2), which needs no roots.
 HWY_INLINE V beyond_seen(const SeenMotion* const (&seen)[kLanes], const Lanes3& v, const Lanes3& omega) {
   V linear[kFour], angular[kFour];
   load_rows([&](int l) { return &seen[l]->v.x; }, linear);

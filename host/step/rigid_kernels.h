@@ -1,10 +1,9 @@
 // Rigid blocks in large motion, vector by vector: contact points of a pair side by side, bodies side by side. Compiled
-// for every instruction set that Highway knows and chosen at run time.
+// for every instruction set of Highway and chosen at run time.
 //
-// Once a pair, with R_a, R_b the orientations, x_a, x_b the centres and e_n, e_s, e_t the axes of the plane in a's
-// frame:
+// Once a pair, with R_a, R_b the orientations, x_a, x_b the centres and e_n, e_s, e_t the plane's axes in a's frame:
 //   place of a point along axis k = base_k + col_k . arm,  base_k = e_k . R_a^T (x_b - x_a),  col_k = R_b^T R_a e_k,
-// so a point costs nine multiplications; and its force, in the same axes at the same place, adds to one wrench a pair.
+// So a point costs nine multiplications. Its force, in the same axes at the same place, adds to one wrench a pair.
 #pragma once
 
 #include <cstdint>
@@ -34,11 +33,11 @@ struct BodyStep {
   double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
   Vector ground;     // whose velocity damping leaves, m/s
   Vector gravity;    // m/s2
-  bool energies;     // work and kinetic energy are wanted
+  bool energies;     // work and kinetic energy are asked for
 };
 
 // Central differences for bodies[index[0 .. count - 1]], kBodies at most, from force and torque in them. sums: of each,
-// beside it, all set. seen: beside the bodies; null: nobody has looked yet.
+// beside it, all set. seen: beside the bodies; null: there was no check yet.
 void advance_rigid(Body* bodies, const SeenMotion* seen, const std::int32_t* index, int count, const BodyStep& step,
                    BlockSums* const* sums);
 

@@ -1,5 +1,5 @@
 // Rigid motion of deformable blocks as they stand, apart from their deformation, eight a vector: the equations of
-// model/block_inertia.h. Compiled for every instruction set that Highway knows and chosen at run time.
+// model/block_inertia.h. Compiled for every instruction set of Highway and chosen at run time.
 #pragma once
 
 #include <span>

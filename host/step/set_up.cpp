@@ -122,7 +122,7 @@ void Simulation::Impl::follow_solver() {
   bind_step();
 }
 
-// Of contact points that are laid out. No rate is known before the first step.
+// Impact damping of contact points that are laid out. It begins without a rate, as there was no step yet.
 void Simulation::Impl::begin_damping() {
   const std::size_t points = time_step.impacts.viscosity.empty() ? 0 : static_cast<std::size_t>(model.point_count);
   for (auto& column : viscous) column.assign(points, 0.0);

@@ -155,12 +155,12 @@ struct RankTraffic {
   double gathering_seconds = 0.0;
   double blocks = 0.0;                       // that it advances
   double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
-  double peak_memory = 0.0;                  // bytes of its process until the end of run(), set-up included
+  double peak_memory = 0.0;                  // bytes: most of its process until the end of run(), set-up included
   double repartitions = 0.0;                 // times, because the ranks' own work was uneven
   double uneven_before = 0.0, uneven = 0.0;  // most / mean of it: before the first of them, in the last window; 0: none
 };
 
-// What wants to know. All calls come from the thread that runs the simulation, between steps.
+// What the caller asks for. All calls come from the thread that runs the simulation, between steps.
 struct Observer {
   virtual ~Observer() = default;
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
@@ -173,8 +173,8 @@ struct Observer {
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
-  // Scene::frames_in of each stage, numbered in it. With ranks and OutputSettings::pieces a rank then knows of its own
-  // blocks alone, and of the joints that touch them.
+  // Scene::frames_in of each stage, numbered in it. With ranks and OutputSettings::pieces a rank then has its own
+  // blocks alone, and the joints that touch them.
   virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {}
   virtual void on_stage_end(const Simulation&, int /*stage*/, const HistoryRow& /*last*/) {}
 };
@@ -215,10 +215,10 @@ class Simulation {
  public:
   // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
   // ranks: this is one of several processes that advance the model together, each made from the same scene. The bits
-  // are those of one process. run() then calls observers of all ranks at the same steps. Each rank has what it holds:
-  // results of all are brought to rank 0 (collect_at_first), or it has all after gather_at_first(), after a failure
-  // that all ranks have found, and in large motion. Only run() may be used to step. Throws Error(bad_input): the ranks
-  // have different models. Ranks must outlive the simulation; null: one process.
+  // are those of one process. run() then calls observers of all ranks at the same steps. Each rank has what it holds;
+  // results of all are gathered on rank 0 (collect_at_first). It has all after gather_at_first(), after a failure that
+  // all ranks have found, and in large motion. Only run() may be used to step. Throws Error(bad_input): the ranks have
+  // different models. Ranks must outlive the simulation; null: one process.
   explicit Simulation(Scene scene, int threads = 1, Ranks* ranks = nullptr);
   // An assembly of conforming bricks; or pass materials, one a joint family.
   Simulation(Scene scene, Assembly assembly, int threads = 1);
@@ -270,7 +270,7 @@ class Simulation {
   std::string batch_text(const quoin_batch& batch) const;
   std::string past_motion_bound() const;  // what is exceeded, where; empty: nothing
 
-  // What a stage holds or drives, "base: x y z" each, and the blocks that no joint of the start ties to anything that
+  // What a stage holds or drives, "base: x y z" each. And the blocks that no joint of the start ties to anything that
   // is held against gravity.
   struct Supports {
     std::vector<std::string> held;
@@ -353,12 +353,12 @@ class Simulation {
   std::vector<Run> runs_of_points() const;  // whole batches of their laws
   std::vector<Run> runs_of_joints() const;  // on the lattice, with all of their points
   bool brings(const Run& run) const;        // this rank makes of it what rank 0 takes
-  // make: by the rank that brings the run; take: by rank 0, in the order of runs. All ranks call it at the same moment:
+  // make: by the rank that has the run; take: by rank 0, in the order of runs. All ranks call it at the same moment:
   // in on_frame, or after run(). Where rank 0 has all of the state it makes everything, and others do nothing.
   void collect_at_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
                         const std::function<void(const std::string&)>& take) const;
   bool ranks_collect() const;                 // false: one process, or rank 0 has all
-  double sum_of_ranks(double brought) const;  // of what each brings
+  double sum_of_ranks(double brought) const;  // of what each gives
   double largest_of_ranks(double brought) const;
   // So that rank 0 has all from now on. All ranks call it at the same moment.
   void gather_at_first();

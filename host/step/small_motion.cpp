@@ -1,4 +1,4 @@
-// Whether a run may go on in small displacements: when that is looked at, and what follows.
+// Whether a run may go on in small displacements: when that is checked, and what follows.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -94,8 +94,8 @@ void Simulation::Impl::check_motion() {
   const MotionBound& bound = scene.solver.motion_bound;
   const double until_near = unjoined.look(
       motions, bound.sliding, [this](int a, int b, int axis) { return have_contact(a, b, axis); }, &motion_seen);
-  // Half of what is left of the way to a bound, a sixteenth of all of it at least, even if two blocks go against each
-  // other.
+  // Half of what is left of the way to a bound, even if two blocks go against each other. It is a sixteenth of all of
+  // it at least.
   double least = std::numeric_limits<double>::infinity(), fastest = 0.0;
   for (const Brick& brick : model.assembly.bricks)
     least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));

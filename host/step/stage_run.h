@@ -20,7 +20,7 @@ class StageRun {
   // What the next step is asked for.
   struct Due {
     bool stop = false, check = false;   // check: of equilibrium
-    bool planned = false, row = false;  // planned: a row by the interval of the stage; a stop brings one, too
+    bool planned = false, row = false;  // planned: a row by the interval of the stage; a stop has one, too
     bool frame = false;
   };
 

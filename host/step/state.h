@@ -50,7 +50,7 @@ struct BodyLanes {
 
 struct CrackedBlock;
 
-// Control of a body through a stage: from what was to what shall be, over the ramp.
+// Control of a body through a stage: over the ramp from the velocity and force before it to those of the stage.
 struct BodyRamp {
   Vec3 velocity_from{}, velocity_to{};
   Vec3 force_from{}, force_to{};
@@ -65,9 +65,9 @@ struct LoadedBlock {
   double mass = 0.0;  // kg, without scaling
 };
 
-// Whether the first multiplier of a collapse stage is carried: whether after its ramp the blocks have stood for as long
-// as the multiplier takes to grow by a hundredth, and four times as long as a fall by what counts as collapse. Else
-// what moves them later may be what the ramp has set in motion.
+// Whether the first multiplier of a collapse stage is carried. After its ramp the blocks then have stood for as long as
+// the multiplier takes to grow by a hundredth. They have stood four times as long as a fall by what counts as collapse,
+// too. Else what moves them later may be what the ramp has set in motion.
 struct FirstLoad {
   double since = -1.0;                 // s, in the stage; < 0: not looked at yet
   double lowest = 0.0, highest = 0.0;  // largest displacement of a block since then, m
@@ -170,7 +170,7 @@ struct Simulation::Impl {
   void apply_controls();
   void follow_ramps();
   void pull_whiffletree();
-  // Along x, of the floor's bodies and blocks on average, m: as displacements are now; and at the time of the last
+  // Along x, of the floor's bodies and blocks on average, m. As displacements are now; and at the time of the last
   // forces, a step before.
   double floor_displacement_now(std::size_t floor) const;
   double floor_displacement(std::size_t floor) const;
@@ -273,7 +273,7 @@ struct Simulation::Impl {
   double opening_at_traction(std::int32_t point) const;  // as its law has it, with the shift of laws swapped in
   Vec3 mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const;  // over bodies
   double stage_fraction() const;  // by duration or displacement
-  // Over the coming step, of what moved at this velocity when the cycles of the stage began, m/s: its displacements add
+  // Over the coming step, of what moved at this velocity when the cycles of the stage began, m/s. Its displacements add
   // up to the closed form.
   double velocity_in_cycles(double initial_velocity) const;
   bool force_lost();  // by the half cycle that has just ended, as the stage defines it
@@ -416,7 +416,7 @@ struct Simulation::Impl {
   double largest_of_ranks(double here) const;
   void send_motion();
   void receive_motion(bool measure_step);  // after the blocks have moved
-  bool any_rank(bool here);                // wants it
+  bool any_rank(bool here);                // needs it
   // All ranks throw what the first of them has found that has found anything.
   void throw_together(const std::optional<Error>& fault);
   void collect_traffic();

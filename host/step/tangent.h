@@ -1,6 +1,6 @@
 // Small vibrations about the present state of a simulation: stiffness and mass of all that can move.
 //
-// Contact points have the stiffness with which their laws answer a small motion of now: joints that are open carry
+// Contact points have the stiffness with which their laws answer a small motion of now. Joints that are open carry
 // nothing, damaged ones unload as their law has it, sliding ones stick when the motion turns back. Zones are linearly
 // elastic. Stresses of zones and forces on the arms of rigid blocks add to stiffness as they turn (P-delta).
 #pragma once

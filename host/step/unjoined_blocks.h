@@ -1,4 +1,4 @@
-// Blocks of small displacements that no joint joins: whether two of them come so near that they may touch, which the
+// Blocks of small displacements that no joint joins. Two of them may come so near that they may touch, which the
 // contacts of the start do not have.
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace quoin {
 
-// Two blocks at the distance g0 at the start may come as near as min(g0, h)/2, h half of the least extent of a block.
-// Two that touch at an edge or a corner then may overlap by sliding_bound of the smaller one's least extent, as their
-// neighbours may slide.
+// Two blocks at the distance g0 at the start may come as near as min(g0, h)/2. h is half of the least extent of a
+// block. Two that touch at an edge or a corner then may overlap by sliding_bound of the smaller one's least extent, as
+// their neighbours may slide.
 class UnjoinedBlocks {
  public:
   UnjoinedBlocks() = default;
@@ -22,7 +22,7 @@ class UnjoinedBlocks {
   // Whether two blocks that meet across this axis have contact by the rules of the scene.
   using HaveContact = std::function<bool(int a, int b, int axis)>;
   // Adds the motion of now. motion: one a brick. Returns the time until which no two blocks come from farther than they
-  // may be to half of that, s, if none speeds up by more than kAcceleration: when to look again.
+  // may be to half of that, s. No block is taken to speed up by more than kAcceleration. The next check is due then.
   double look(const std::vector<WholeMotion>& motion, double sliding_bound, const HaveContact& have_contact,
               MotionSeen* seen);
 

@@ -224,7 +224,7 @@ void Unknowns::for_each_stressed_zone(int b, const Visit& visit) const {
   }
 }
 
-// Of a zone V (g_i . stress g_j) I. A force F on the arm r turns by theta: its work of second order is F . theta x
+// Of a zone V (g_i . stress g_j) I. A force F on the arm r turns by theta. Its work of second order is F . theta x
 // (theta x r)/2, whose stiffness is (F . r) I - (F r^T + r F^T)/2.
 void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {

@@ -151,7 +151,7 @@ std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
 }
 
 // A block that is as fast as after a fall of some of its least extent, and whose forces are not balanced, moves by
-// inertia: it falls, slides or topples.
+// inertia. It falls, slides or topples.
 std::string Simulation::Impl::damped_motion() const {
   constexpr double kFall = 0.05, kUnbalanced = 0.05;  // of the least extent; of the weight
   const auto now_in = static_cast<std::size_t>(stage);

@@ -23,8 +23,8 @@ struct Watch {
   static constexpr double kAllowedOverlap = 0.05;          // of the least extent of a block
   static constexpr double kAllowedMissing = 0.05;          // of the energy that was moved about
   static constexpr double kAllowedStiffness = 1.0 + 1e-6;  // of what the time step was chosen with
-  // Between two looks at the energies of a step and the next, or at the flags of points, at least; and a twentieth of
-  // the steps until then: a law is asked for all that it can return, which costs ten to twenty steps.
+  // Least interval between two checks of the energies of a step and the next, or of the flags of points. It is at least
+  // a twentieth of the steps until then. A law is asked for all that it can return, which costs ten to twenty steps.
   static constexpr long kOutputSteps = 200;
   static long after(long step) { return step + std::max(kOutputSteps, step / 20); }
   static constexpr long kStiffnessSteps = 2000;  // between two looks at tangents and bounds of states, at least

@@ -656,8 +656,8 @@ void check_failed_points(Report& report, const Subject& subject) {
       const bool is_bad = i % 5 == 2;
       if (is_bad) {
         report.clause("C7.1");
-        // The old sigma and the states may be of no use to a law (sigma follows from d_n, a mode may be switched off):
-        // then the point does not fail, and nothing but the column itself shows the bad value.
+        // The old sigma and the states may be of no use to a law (sigma follows from d_n, a mode may be switched off).
+        // Then the point does not fail, and nothing but the column itself shows the bad value.
         const bool may_be_unused = input == 3 || input >= 6;
         if (may_be_unused && result.point_status[i] == QUOIN_POINT_OK) {
           bool same = true;

@@ -223,7 +223,7 @@ Point varied_point(const Library& library, std::size_t number) {
   return point;
 }
 
-// A field in which every point has its own values, more than get a material each: bit for bit the law with these
+// A field in which every point has its own values, more than get a material each. It is bit for bit the law with these
 // values, in any order. What is refused or not finite says so.
 void check_varied_field(const Library& library, Integrate integrate, const quoin_law& law) {
   constexpr std::size_t count = 1500;  // PropertySets::kept is 1024

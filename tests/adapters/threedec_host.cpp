@@ -200,8 +200,8 @@ void check_stiffness_before_properties(const JointModel& prototype) {
   CHECK(model->getMaxShearStiffness() == ks);
 }
 
-// 3DEC 7 takes the stiffness for the time step: the largest there can be. 3DEC 9 also damps by it: of a damaged open
-// joint the secant to the origin, sigma/d_n, by the law's own forces; closed again, the full one.
+// 3DEC 7 takes the stiffness for the time step: the largest there can be. 3DEC 9 also damps by it. So it has, of a
+// damaged open joint, the secant to the origin, sigma/d_n, by the law's own forces; closed again, the full one.
 void check_stiffness_of_damaged_joint(const JointModel& prototype) {
   Contact contact(mortar_joint(prototype));
   contact.move({-1e-6, 0, 0});
@@ -266,7 +266,7 @@ DVect3 turned(const DVect3& v, const DVect3& axis, double angle) {
 }
 
 // A contact whose plane leans over and spins by a milliradian a step, about an axis that is neither its normal nor in
-// its plane. 3DEC turns the shear force along, and in its own axes the law has the path of a contact that stands. With
+// its plane. 3DEC turns the shear force along. In its own axes the law has the path of a contact that stands. With
 // dilation, so that cyclic_joint climbs its seat, a vector of the plane, and comes down it again.
 void check_turning(const JointModel& prototype, const quoin_law& law) {
   const auto joint = [&] {
@@ -404,7 +404,7 @@ void check_energy_activation(const JointModel& prototype) {
   CHECK(active.model->getEnergy(JointModel::kwEStrainCompression) == 3.0);
 }
 
-// Opening, closing and sliding at random, in and beyond the softening: forces are the law's, and the state bits, which
+// Opening, closing and sliding at random, in and beyond the softening. Forces are the law's, and the state bits, which
 // follow from the forces, are what the law's flags and states say at every step.
 void check_random_path(const JointModel& prototype, const quoin_law& law) {
   Contact contact(mortar_joint(prototype));

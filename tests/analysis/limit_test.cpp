@@ -307,7 +307,7 @@ TEST(Limit, FlatArchThinnerThanItsLeastThicknessFalls) {
 }
 
 // One way out of plane: a parapet turns over at t/h. A wall of two halves whose top is held, with N in the middle of
-// its top: 4 (t/h) (1 + 1.5 N/W), by virtual work of its two halves.
+// its top. 4 (t/h) (1 + 1.5 N/W), by virtual work of its two halves.
 TEST(Limit, WallsOutOfPlane) {
   constexpr double t = 0.2, h = 2.4;
   Boxes parapet;
@@ -368,8 +368,8 @@ TEST(Limit, FacadesHeldBySideWalls) {
   EXPECT_NEAR(multiplier(free), 0.1, 1e-6);
 }
 
-// A bonded block under a moment: the joint of 1 m x 1 m with points at its corners opens at M = ft A/2 + W/2 (about the
-// toe: half of the tension acts at a distance of 1). Lever 1 m above the joint.
+// A bonded block under a moment. The joint of 1 m x 1 m with points at its corners opens at M = ft A/2 + W/2. (About
+// the toe: half of the tension acts at a distance of 1.) Lever 1 m above the joint.
 TEST(Limit, TensionAndCohesionHold) {
   Boxes one;
   one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);

@@ -52,7 +52,7 @@ std::string cube(const char* joint, const char* points = "") {
 }
 
 // Slender beam built into a fixed block: E I (1.8751/L)^2 and (4.6941/L)^2 over sqrt(E I m), each twice, as the section
-// is square. 1 %: rotary inertia by the polar moment, and masses at 40 nodes, (h/L)^2.
+// is square. 1 % is for rotary inertia by the polar moment, and masses at 40 nodes, (h/L)^2.
 TEST(Modes, BeamBuiltIntoABlock) {
   constexpr double kLength = 4.0, kModulus = 1e9, kArea = 0.01, kInertia = 1e-4 / 12, kDensity = 500.0;
   const std::string text =
@@ -205,13 +205,13 @@ TEST(Modes, NothingThatMovesIsRefused) {
   EXPECT_THROW(modes_of(cube("bond"), settings), Error);
 }
 
-// Cantilevers by Timoshenko (1921), with rotary inertia: roots of the determinant of clamped and free end.
-// bending EI, N m2; shear kappa GA, N; mass m, kg/m; rotary inertia j, kg m; length.
+// Cantilevers by Timoshenko (1921), with rotary inertia: roots of the determinant of clamped and free end. bending is
+// EI, N m2; shear kappa GA, N; mass m, kg/m; rotary inertia j, kg m; length.
 struct Beam {
   double bending, shear, mass, rotary, length;
 };
 double determinant(const Beam& beam, double w) {
-  // u = shape, t = rotation: shear (u' - t)' + mass w2 u = 0, bending t'' + shear (u' - t) + rotary w2 t = 0,
+  // u = shape, t = rotation: shear (u' - t)' + mass w2 u = 0, bending t'' + shear (u' - t) + rotary w2 t = 0. They are
   // integrated from the clamped end for two starts by Runge and Kutta's fourth order.
   using State = std::array<double, 4>;  // u, t, bending moment, shear force
   const auto slope = [&](const State& y) {
@@ -254,8 +254,8 @@ TEST(Modes, TheTestsBeamIsEulersWhereItIsSlender) {
   EXPECT_NEAR(2.0 * pi * frequencies_of(slender, 2)[1], 22.0345, 1e-3);
 }
 
-// A pillar of 40 rigid blocks of 0.5 x 0.1 x 0.3 m, joints exact in bending: a beam with EI = kn h I, kappa GA = ks h
-// A. 1 %: 40 blocks for a continuum.
+// A pillar of 40 rigid blocks of 0.5 x 0.1 x 0.3 m, joints exact in bending. It is a beam with EI = kn h I, kappa GA =
+// ks h A. 1 %: 40 blocks for a continuum.
 TEST(Modes, PillarOfRigidBlocksIsTimoshenkosBeam) {
   constexpr int kBlocks = 40;
   constexpr double h = 0.1, kn = 1e9, ks = 4e8, density = 1800.0;
@@ -283,9 +283,9 @@ TEST(Modes, PillarOfRigidBlocksIsTimoshenkosBeam) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(bending[i], expected[i], 0.002 * expected[i]) << i;
 }
 
-// A wall in running bond, 0.8 x 4 m, of deformable half units, along its plane. Joints are in series with units:
-// 1/E' = 1/E + 1/(kn h), 1/G' = 1/G + 1/(ks h) + 1/(ks l) with half units of l (shear goes through head joints, too).
-// 2 %: zones of constant strain, and Timoshenko's shear coefficient.
+// A wall in running bond, 0.8 x 4 m, of deformable half units, along its plane. Joints are in series with units: 1/E' =
+// 1/E + 1/(kn h), 1/G' = 1/G + 1/(ks h) + 1/(ks l) with half units of l. Shear goes through head joints, too. 2 % is
+// for zones of constant strain, and Timoshenko's shear coefficient.
 TEST(Modes, SolidWallIsTimoshenkosBeam) {
   constexpr double E = 3e9, G = 1.25e9, kn = 20e9, ks = 8e9, h = 0.1, l = 0.2, width = 0.8, depth = 0.2,
                    density = 1800.0;

@@ -110,8 +110,8 @@ ground_motion = { direction = [1, 0, 0], time = [0, 0.4], acceleration = [5.886,
 )";
 };
 
-// Newmark's block: on a rectangular pulse A of length T it is left behind by A T^2/2 (A/(mu g) - 1) = 0.47088 m, and
-// then moves with the ground. 0.5 %: what the ramp of friction (mu g / ks over the block's weight, 2e-6 m) and the
+// Newmark's block: on a rectangular pulse A of length T it is left behind by A T^2/2 (A/(mu g) - 1) = 0.47088 m. It
+// then moves with the ground. 0.5 % is what the ramp of friction (mu g / ks over the block's weight, 2e-6 m) and the
 // steps leave.
 TEST_F(GroundMotion, ASlidingBlockIsLeftBehindAsFarAsNewmarkSays) {
   ASSERT_EQ(run(kShake, "block"), 0) << error_;
@@ -165,8 +165,8 @@ TEST_F(GroundMotion, AFixedBlockWithAVelocityOfItsOwnFollowsThat) {
 }
 
 // A mode on the ground: the block on an elastic joint, up and down, w^2 = kn A/m. Relative amplitude over a0/w_n^2:
-// 1/sqrt((1 - r^2)^2 + (2 zeta r)^2); zeta 0.05: 1.3304, 10.000, 0.33260 at r = 0.5, 1, 2. 1 %: a hundred points a
-// cycle of the record, and exp(-2 pi zeta 24) = 5e-4 of what the start has set in motion.
+// 1/sqrt((1 - r^2)^2 + (2 zeta r)^2). zeta 0.05 has 1.3304, 10.000, 0.33260 at r = 0.5, 1, 2. 1 % is for a hundred
+// points a cycle of the record, and exp(-2 pi zeta 24) = 5e-4 of what the start has set in motion.
 TEST_F(GroundMotion, AModeIsAmplifiedAsTheoryHasIt) {
   constexpr double kSize = 0.3;  // m/s2: so little that the weight keeps the joint closed, whose damping never pulls
   constexpr double kZeta = 0.05, kMass = 32.0, kStiffness = 1e6 * 0.16;
@@ -257,13 +257,13 @@ TEST_F(GroundMotion, MassDampingActsOnTheMotionOnTheGround) {
 }
 
 // Housner: a block of 1 x 3 m let go at half of alpha on a ground that stands still in a stage that could move it. With
-// the default damping each landing keeps r = 1 - 1.5 sin^2(alpha) = 0.850 of the velocity, so r^2 of the energy, the
-// height of the centre of mass over its place at rest. 0.005: what landings on springs of 1e9 Pa/m take (measured 0.1
-// to 0.4 % in REFERENCE_DYNAMICS).
+// the default damping each landing keeps r = 1 - 1.5 sin^2(alpha) = 0.850 of the velocity, so r^2 of the energy. That
+// is the height of the centre of mass over its place at rest. 0.005 is what landings on springs of 1e9 Pa/m take
+// (measured 0.1 to 0.4 % in REFERENCE_DYNAMICS).
 class Rocking : public GroundMotion {
  protected:
-  // A block 1 m wide, let go at half of alpha: how high its centre comes over its place at rest, at the start and
-  // between landings, m.
+  // A block 1 m wide, let go at half of alpha. Heights of its centre over its place at rest, at the start and between
+  // landings, m.
   std::vector<double> heights_of(double height) {
     const double alpha = std::atan(1.0 / height), radius = 0.5 * std::hypot(1.0, height);
     const std::string path = (folder_ / "rocking.toml").string();
@@ -338,8 +338,8 @@ TEST_F(Rocking, TheDefaultIsRightAtFiveSlendernesses) {
   }
 }
 
-// Base shear and overturning moment of a block that moves with the ground at 1 m/s2: its mass times that, and times the
-// height of its centre as well. The vertical force is its weight. 32 kg, 0.05 m. 0.5 %: ringing of the joint.
+// Base shear and overturning moment of a block that moves with the ground at 1 m/s2. They are its mass times that, and
+// times the height of its centre as well. The vertical force is its weight. 32 kg, 0.05 m. 0.5 %: ringing of the joint.
 TEST_F(GroundMotion, BaseShearAndOverturningMomentAreThoseOfInertia) {
   ASSERT_EQ(run("[[stage]]\nname = \"shake\"\nduration = 1.0\nground_motion = { direction = [1, 0, 0], time = [0, 0.5, "
                 "1.2], acceleration = [0, 1, 1] }\n",

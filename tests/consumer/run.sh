@@ -79,6 +79,16 @@ case $way in
       [ -s "$work/usr/share/$file" ] || { echo "not installed: share/$file"; exit 1; }
     done
     grep -q "$(echo "$work" | sed 's/-/.-/g')/usr/share/quoin/scenes/solid_wall_030.toml" "$work/usr/share/man/man1/quoin.1"
+    # The reference, and every page that it leads to.
+    share=$work/usr/share/quoin
+    grep -o '](\.\./[^)#]*' "$share/manual/REFERENCE.md" | cut -c6- | sort -u >"$work/pages"
+    while read -r page; do
+      [ -s "$share/$page" ] || { echo "named in manual/REFERENCE.md, not installed: $page"; exit 1; }
+    done <"$work/pages"
+    [ "$(wc -l <"$work/pages")" -ge 6 ]
+    for file in CHANGELOG.md CITATION.cff copyright; do
+      [ -s "$work/usr/share/doc/quoin/$file" ] || { echo "not installed: share/doc/quoin/$file"; exit 1; }
+    done
     "$quoin" check "$work/usr/share/quoin/scenes/solid_wall_030.toml"
     "$quoin" path "$work/usr/share/quoin/paths/couplet.toml"
     "$quoin" ensemble "$work/usr/share/quoin/studies/solid_wall_030.toml" --out "$work/out" --samples 1 --no-pictures \
@@ -100,11 +110,13 @@ case $way in
     has() {
       grep -q "^$1: " "$work/targets"
     }
-    for order in first again; do
+    program_alone() {
       configure demo ON
-      has quoin && has fracture_energy && ! has cli_test || { echo "demo, $order: not the program alone"; exit 1; }
-      configure release OFF
-      has quoin && has cli_test && has law_benchmark || { echo "release after demo, $order: not everything"; exit 1; }
-    done
+      has quoin && has fracture_energy && ! has cli_test || { echo "demo, $1: not the program alone"; exit 1; }
+    }
+    program_alone first
+    configure release OFF
+    has quoin && has cli_test && has law_benchmark || { echo "release after demo: not everything"; exit 1; }
+    program_alone again
     ;;
 esac

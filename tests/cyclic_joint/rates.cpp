@@ -164,7 +164,7 @@ void Point::move_seat(Real gamma, const std::array<Real, 2>& n) {
   }
 }
 
-// Slip along tau, dxi = dgamma/su; crushing with dgamma_c = dl Cs tau/F, dw = dl p (1/F - chi/(2 fc)), where N stands
+// Slip along tau, dxi = dgamma/su. Crushing with dgamma_c = dl Cs tau/F, dw = dl p (1/F - chi/(2 fc)), where N stands
 // for F, which it is on the cap. Both from the same traction.
 void Point::flow_closed() {
   const Real tau = length(tau_), p = pressure(), f0 = f(xi_), mu_drop = p_.mu0 - p_.mur;

@@ -1,7 +1,7 @@
 // The rate equations of contact_models/cyclic_joint/LAW.md ("Free energy", "Surfaces", "Evolution") integrated in time,
 // for tests only: one point, long double. Jumps grow in small pieces. After each, slip and crushing flow along the
-// page's directions by a part of what the traction is beyond its surfaces, a few times. No step is solved, nothing of
-// "ORDER of the update" is here, and no code of the law or of its other tests: of first order in the piece.
+// page's directions by a part of what the traction is beyond its surfaces, a few times. No step is solved, and nothing
+// of "ORDER of the update", of the law's code or of its other tests is here. It is of first order in the piece.
 #pragma once
 
 #include <array>

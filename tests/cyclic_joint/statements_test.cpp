@@ -118,8 +118,8 @@ TEST_P(EveryShape, CrushingEnclosesGcHardeningIncluded) {
   EXPECT_NEAR(p.spent[kCrushing], expected, 1e-11 * expected);
 }
 
-// 1: Gc when crushed under slip, in any mix of pressure and shear: what is spent on crushing is Gc when F has come down
-// to fcr, and outside work is what is stored and spent, to first order.
+// 1: Gc when crushed under slip, in any mix of pressure and shear. What is spent on crushing is Gc when F has come down
+// to fcr. Outside work is what is stored and spent, to first order.
 TEST(Statement1, GcIsSpentUnderSlipToo) {
   for (const double angle : {0.2, 0.6, 1.1}) {
     Joint j = plain(Shape::linear);
@@ -349,8 +349,8 @@ TEST(StiffnessBounds, SlipOfAnOpenJointReachesItsBound) {
   EXPECT_LE(points.tangent(0, 0), bound);
 }
 
-// 5: at the cap, at the corner, where contact is lost on the seat, and while the residual opening gives way, increments
-// of 1e-18 m move nothing.
+// 5: increments of 1e-18 m move nothing. They are at the cap, at the corner, where contact is lost on the seat, and
+// while the residual opening gives way.
 TEST(Statement5, NoCreep) {
   struct Place {
     const char* name;

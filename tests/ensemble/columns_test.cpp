@@ -192,8 +192,8 @@ TEST(Columns, DoNotDependOnTheKernels) {
   EXPECT_EQ(found, family.size());
 }
 
-// Over many walls: mean and scatter of a joint's average are those given (scatter_of = "joint"), and neighbours in a
-// course go together by exp(-distance/length).
+// Over many walls mean and scatter of a joint's average are those given (scatter_of = "joint"). Neighbours in a course
+// go together by exp(-distance/length).
 TEST(Columns, JointAveragesScatterAsGivenAndNeighboursGoTogether) {
   constexpr double kLength = 0.3;
   constexpr int kWalls = 60;

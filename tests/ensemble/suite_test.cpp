@@ -152,7 +152,7 @@ plots = false
       "first = 3.0\nlargest = 50.0\ntolerance = 0.02\nfree_time = 1.0\ncollapse_displacement = 0.1\n";
 };
 
-// A block on a rectangular pulse a of length T is left behind by a T^2/2 (a/(mu g) - 1), so it comes to the limit D at
+// A block on a rectangular pulse a of length T is left behind by a T^2/2 (a/(mu g) - 1). So it comes to the limit D at
 // a = mu g/2 (1 + sqrt(1 + 8 D/(mu g T^2))). The bracket is 2 % wide, the slide right to 0.5 %.
 TEST_F(Suite, AnIncrementalAnalysisFindsWhereNewmarksBlockHasSlidTooFar) {
   ASSERT_EQ(ensemble(study(hunt_, pulses_), "a", {"--jobs", "2"}), 0) << error_;
@@ -199,8 +199,8 @@ TEST_F(Suite, KilledAndResumedItGivesTheSameTables) {
     EXPECT_EQ(read_all(folder_ / "cut" / table), read_all(folder_ / "whole" / table)) << table;
 }
 
-// The ground ends at x = 0.5 m: a block that has slid beyond falls. Without a limit of displacement in reach that is
-// told by the support.
+// The ground ends at x = 0.5 m: a block that has slid beyond falls. Without a limit of displacement in reach the
+// support shows that.
 TEST_F(Suite, ABlockThatFallsHasLostItsSupport) {
   const std::string stripes =
       "method = \"stripes\"\nlevels = [2.0, 12.0]\nfree_time = 1.5\ncollapse_displacement = 100.0\n";
@@ -283,9 +283,9 @@ plots = false
   void write_scene(const std::string& blocks) const { std::ofstream(folder_ / "scene.toml") << blocks << stages_; }
 };
 
-// One full sine of amplitude a over a block of 1 x 3 m, w = 5 p, a in g tan(alpha): it overturns with one impact
-// from 3.58 to 6.15, is safe from there to 7.44, and overturns without any from 7.45 on (by integration of Housner's
-// equation; Zhang and Makris 2001). 5 %: what the joint of 1e9 Pa/m and the landing over some steps leave.
+// One full sine of amplitude a over a block of 1 x 3 m, w = 5 p, a in g tan(alpha). It overturns with one impact from
+// 3.58 to 6.15, is safe from there to 7.44, and overturns without any from 7.45 on. (By integration of Housner's
+// equation; Zhang and Makris 2001.) 5 %: what the joint of 1e9 Pa/m and the landing over some steps leave.
 TEST_F(Overturning, ASpectrumOfFullSinesHasItsSafeGap) {
   write_scene(
       head("1e9", 80.0) + ground_ +
@@ -342,9 +342,9 @@ TEST_F(Overturning, AColumnOfDrumsFallsWhereThreeCodesHaveIt) {
   }
 }
 
-// Oppenheim's arch under a rectangular pulse: four-hinge linkage of rigid ring sectors, least a/g 1.129, 0.582 and
-// 0.424 of 0.2, 0.5 and 1.0 s. 5 %: straight voussoirs in place of sectors (1 % of the static multiplier), joints of
-// 1e11 Pa/m, and a bracket of 2 %.
+// Oppenheim's arch under a rectangular pulse, a four-hinge linkage of rigid ring sectors. Least a/g are 1.129, 0.582
+// and 0.424 of 0.2, 0.5 and 1.0 s. 5 %: straight voussoirs in place of sectors (1 % of the static multiplier), joints
+// of 1e11 Pa/m, and a bracket of 2 %.
 TEST_F(Overturning, AnArchOnAMovingBaseFallsAsItsLinkageDoes) {
   write_scene(
       head("1e11", 60.0) +

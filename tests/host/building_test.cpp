@@ -134,8 +134,9 @@ TEST(Building, TheWhiffletreeAddsNoStrength) {
   }
 }
 
-// A tree so stiff that it sets the time step is a spring like others: stable to its limit. Were its force a step late,
-// u(t + dt) - 2 u(t) + u(t - dt) = -(omega dt)^2 u(t - dt) would grow by sqrt(1 + (omega dt)^2) a step, at any step.
+// A tree so stiff that it sets the time step is a spring like others: stable to its limit. If its force were a step
+// late, u(t + dt) - 2 u(t) + u(t - dt) = -(omega dt)^2 u(t - dt). That would grow by sqrt(1 + (omega dt)^2) a step, at
+// any step.
 TEST(Building, TheWhiffletreeIsASpringWithinTheTimeStep) {
   const auto kinetic_energy = [](double fraction, bool rigid_beams, LargeMotion motion) {
     Scene scene = small_building(4, rigid_beams);
@@ -294,8 +295,9 @@ TEST(Building, LintelsMayEndAtCorners) {
 
 // Eq. 1 makes the springs of what moves one way throughout uneven: (1 - gamma) k where they push it ahead, (1 + gamma)
 // k where they hold it back. Near four steps a period, from omega dt/2 = 1/sqrt(2) to 1/sqrt(2 (1 - gamma^2)), uneven
-// springs feed drift into vibration until that is as fast as the drift and brakes it. Beams that were halves of units
-// vibrated there against the other halves, along the drift and without viscosity. What remained of a blow did not die.
+// springs feed drift into vibration. It grows until it is as fast as the drift and brakes it. Beams that were halves of
+// units vibrated there against the other halves, along the drift and without viscosity. What remained of a blow did not
+// die.
 TEST(Building, BeamsThatDriftComeToRestAfterABlow) {
   Scene scene = small_building(12);
   scene.building->zones = {2, 2, 2};
@@ -355,8 +357,9 @@ double brake_on_the_door_wall(const std::vector<std::string>& overrides) {
   return mean.sum / static_cast<double>(mean.count) - mean.weight;
 }
 
-// At 0.8 of 2/omega_max, the step of quality standard until motions with a period of four steps were left out, uneven
-// springs (benchmarks/README.md) fed the drift of a building into vibration, which braked it by 10 kN already here.
+// At 0.8 of 2/omega_max uneven springs (benchmarks/README.md) fed the drift of a building into vibration, which braked
+// it by 10 kN already here. That was the step of quality standard until motions with a period of four steps were left
+// out.
 TEST(Building, DampingDoesNotBrakeTheDoorWall) {
   EXPECT_LT(std::abs(brake_on_the_door_wall({})), 1e3);
   EXPECT_GT(std::abs(brake_on_the_door_wall({"solver.time_step_fraction=0.88", "solver.deformation_damping=0.1"})),

@@ -56,8 +56,8 @@ TEST(CubeWall, FourPointsAFace) {
 }
 
 // One column of n + 1 cubes of edge a, both ends kept from turning: n joints in series, with M = V times the height
-// above mid-height. Four points at the corners give a joint the second moment A (a/2)^2, so
-// 1/K = n/(ks A) + sum of (height)^2/(kn A a^2/4) = n/(ks A) + n (n^2 - 1)/(3 kn A).
+// above mid-height. Four points at the corners give a joint the second moment A (a/2)^2. So 1/K = n/(ks A) + sum of
+// (height)^2/(kn A a^2/4) = n/(ks A) + n (n^2 - 1)/(3 kn A).
 TEST(CubeWall, ColumnHasTheStiffnessOfRigidBlocksInSeries) {
   Scene scene = cube_wall(10, {"wall.units_per_course=1"});
   scene.joints["mortar"] = elastic_family();

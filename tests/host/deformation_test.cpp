@@ -24,7 +24,8 @@ Scene scaled_units(double deformation_inertia, double unit_inertia, DampingKind 
   return scene;
 }
 
-// M' = s M - (s - 1) M R (R^T M R)^-1 R^T M with R the null space of K: rigid motions, found without knowing them.
+// M' = s M - (s - 1) M R (R^T M R)^-1 R^T M with R the null space of K. These are rigid motions, found by linear
+// algebra alone.
 TEST(Deformation, CriticalStepAgreesWithAnIndependentMassMatrix) {
   for (const std::array<int, 3> zones : {std::array{4, 2, 2}, std::array{2, 1, 1}}) {
     const Assembly assembly = brick_grid({1, 1, 1}, kBrick, zones);
@@ -45,8 +46,8 @@ TEST(Deformation, CriticalStepAgreesWithAnIndependentMassMatrix) {
   }
 }
 
-// The same for units: M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)), rigid motions of blocks from the null space of
-// their stiffness, of units from that of blocks and joint together. With and without a plane of symmetry.
+// The same for units: M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)). Rigid motions of blocks are the null space of
+// their stiffness, of units that of blocks and joint together. With and without a plane of symmetry.
 TEST(Deformation, CriticalStepOfUnitsAgreesWithAnIndependentMassMatrix) {
   for (const bool symmetric : {false, true}) {
     Assembly assembly = in_units(brick_grid({2, 1, 1}, kBrick, {2, 2, 1}));

@@ -50,9 +50,9 @@ box = { lower = [0, 3, 0], size = [0.1, 0.1, 0.1] }
 )" + stages;
 }
 
-// On a step of 3e-5 s the sum of the velocities of half steps is the integral up to dt^2/24 times what the acceleration
-// has changed by, 6 m/s2 a change: 1e-9 m. Half a step late is 5e-6 m, rectangles are off by centimetres. Direction
-// [2, -3, 6] is 7 long: it is a direction, and no factor.
+// On a step of 3e-5 s the sum of velocities of half steps is the integral up to dt^2/24 times the change of the
+// acceleration. That is 6 m/s2 a change: 1e-9 m. Half a step late is 5e-6 m, rectangles are off by centimetres.
+// Direction [2, -3, 6] is 7 long: it is a direction, and no factor.
 class MovingGround : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(MovingGround, IsTheDoubleIntegralOfTheRecordAtEveryStep) {

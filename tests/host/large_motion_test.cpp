@@ -146,7 +146,7 @@ TEST(LargeMotion, TimeStepIsThatOfTheLattice) {
 }
 
 // Turning of a part of a millimetre over the wall's height. Both are the same wall up to what small displacements leave
-// out. 0.5 mm over 125 mm is a drift of 0.004, of which the peak takes about a fifth. So 0.5 % at the peak, and 1 % of
+// out. 0.5 mm over 125 mm is a drift of 0.004; the peak comes at about a fifth of it. So 0.5 % at the peak, and 1 % of
 // it along the curve, where cracks may run a step sooner or later.
 void expect_same_curve(const std::vector<std::string>& more, bool by_block) {
   Rows of_small, of_large;

@@ -57,7 +57,7 @@ TEST(Lintel, CountsOfPoints) {
   EXPECT_EQ(model.point_count, 15 * beds + 9 * heads);
 }
 
-// Under a uniform vertical pressure a lintel of the units' material among half units strains as they do, and the joints
+// Under a uniform vertical pressure a lintel of the units' material among half units strains as they do. The joints
 // close by pressure over stiffness. Nothing of it may be out of balance.
 TEST(Lintel, PatchTestAcrossALintel) {
   for (const std::array<int, 3>& zones : {std::array{4, 2, 2}, std::array{3, 1, 1}}) {
@@ -122,7 +122,7 @@ TEST(Lintel, PatchTestAcrossALintel) {
   }
 }
 
-// Moments of inertia of a lintel as its gridpoints have them: of the box, and a little more, as half of the mass of a
+// Moments of inertia of a lintel as its gridpoints have them, those of the box and a little more. Half of the mass of a
 // layer sits at each of its ends: (1 + 2/n^2) of it along an edge of n hexahedra.
 TEST(Lintel, MassAndMomentsOfInertia) {
   Brick lintel;

@@ -201,8 +201,8 @@ TEST(SmallMotion, RowsAndFramesDoNotDecideWhenARunGoesOver) {
 }
 
 // Compression is positive in vertical_force_N on either side of a joint, in small displacements and in large motion.
-// The base carries blocks a and b of 2000 * 0.008 * 9.81 = 157 N each, block b bears its own weight. 30 %: they bounce
-// as they begin to slide, by up to 23 %; a wrong sign is 200 % away.
+// The base carries blocks a and b of 2000 * 0.008 * 9.81 = 157 N each, block b bears its own weight. 30 % is for
+// bounces of up to 23 % as they begin to slide; a wrong sign is 200 % away.
 TEST(SmallMotion, TheVerticalForceKeepsItsSignInLargeMotion) {
   const double weight = 2000.0 * 0.008 * 9.81;
   const std::string text =

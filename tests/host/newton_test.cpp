@@ -73,7 +73,7 @@ TEST_P(ScaledMass, FallsBySoMuchLess) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(v[c], g[c] / 16 * t, 1e-9 * t) << c;
 }
 
-// Stones on springs of k = 1e8 Pa/m x their base, on which their weight comes at once: they swing about m g/k, whatever
+// Stones on springs of k = 1e8 Pa/m x their base, on which their weight comes at once. They swing about m g/k, whatever
 // the scaling, four times slower: y = -(m g/k) (1 - cos w t), w = sqrt(k/16 m). A dozen congruent ones, which the
 // lattice moves in SIMD groups, and one of its own shape. Half a step: central differences begin with the velocity of
 // half a step before. Zones give by 1 % more, on the springs of gridpoints inside the face.
@@ -298,8 +298,8 @@ TEST(SpunBlock, APressureFollowsItsFace) {
   }
 }
 
-// Driven round an axis that is none of its own, then let go, it keeps its spin momentum and the energy of the spin,
-// both from the support. Caught, it gives both up, and does not spin when it is let go again.
+// Driven round an axis that is none of its own, then let go, it keeps its spin momentum and the energy of the spin.
+// Both come from the support. Caught, it gives both up, and does not spin when it is let go again.
 TEST(SpunBlock, SpinsOnWhereItIsLetGoAndRestsWhereItWasCaught) {
   const std::string hold = "[[stage.velocity]]\nblock = \"spun\"\nvelocity = [0, 0, 0]\nomega = ";
   const std::string stage = "[[stage]]\nduration = 0.02\nramp_time = 0.01\n";
@@ -382,8 +382,8 @@ equilibrium_ratio = 1e-6
 // ---- Collapse ------------------------------------------------------------------------------------------------------
 
 // A pillar 0.1 m wide and 0.4 m high rocks from a quarter of its weight on. A slab beside it on a base of friction 0.1
-// has slid by then, by the double integral of (alpha - 0.1) g with alpha = r t: r g t^3/6, t counted from alpha = 0.1.
-// It does so along x, along z and between them.
+// has slid by then, by the double integral of (alpha - 0.1) g with alpha = r t. That is r g t^3/6, t counted from alpha
+// = 0.1. It does so along x, along z and between them.
 TEST(CollapseStage, SlipOfTheBaseCountsAlongEveryDirection) {
   const double rate = 0.5;
   for (const auto& [name, direction, x, z] : {std::tuple{"along x", "[1, 0, 0]", 0.1, 0.4},

@@ -227,7 +227,7 @@ TEST(RunInParts, IsThatOfOneProcess) {
   }
 }
 
-// Counts what is looked at of a state.
+// Counts the bytes of a state that are read.
 struct CountedBytes : BytesInMemory {
   using BytesInMemory::BytesInMemory;
   std::size_t taken = 0;

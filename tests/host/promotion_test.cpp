@@ -26,8 +26,8 @@ Scene wall(const std::string& large_motion, std::vector<std::string> more = {}) 
   return read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml", more);
 }
 
-// A contact point whatever its two blocks are called first: place and blocks, then what acts on the block of the lower
-// number, along fixed axes.
+// A contact point whatever its two blocks are called first. It has place and blocks, then what acts on the block of the
+// lower number, along fixed axes.
 struct Seen {
   double sigma;
   Vec3 shear;
@@ -122,8 +122,9 @@ double peak(const std::vector<HistoryRow>& rows) {
 }
 
 // The beam goes at 0.1 m/s. Its motion is imposed, no kinetic energy, and the work of the second half of the last step
-// before the promotion is not lost. The balance is as good as in the run that stays with small displacements. With the
-// beam's m v^2/2 = 0.05 J, or half a step of work at 20 kN, in the books once it is off by 2e-3 of the work.
+// before the promotion is not lost. The balance is as good as in the run that stays with small displacements. The
+// beam's m v^2/2 is 0.05 J, or half a step of work at 20 kN. With it in the books once the sum is off by 2e-3 of the
+// work.
 TEST(Promotion, KeepsTheBalanceOfEnergyWithADrivenBeam) {
   for (const char* large_motion : {"never", "automatic", "always"}) {
     Scene scene =
@@ -242,8 +243,8 @@ TEST(Promotion, KeepsPlaceAndVelocityOfEveryGridpoint) {
   EXPECT_GT(fastest, 1e-3);
 }
 
-// To 0.5 mm the two are the same wall up to what small displacements leave out, as for large motion from the start
-// (large_motion_test): 0.5 % of the peak.
+// To 0.5 mm the two are the same wall up to what small displacements leave out. 0.5 % of the peak, as for large motion
+// from the start (large_motion_test).
 TEST(Promotion, GoesOnAlongTheSameCurve) {
   Scene stays = wall("never");
   stays.solver.motion_bound.stop = false;
@@ -348,9 +349,9 @@ TEST(Promotion, HalfOfTheThicknessKeepsItsPlane) {
   }
 }
 
-// Floors under a whiffletree and deformable blocks with loads go on as they were driven: the roof follows the same way
-// and the same force, which rises by 15 kN in a millimetre when the tree starts again (seen once: elapsed time counted
-// in steps of the new length). 2 % of the peak, as above.
+// Floors under a whiffletree and deformable blocks with loads go on as they were driven. The roof follows the same way
+// and the same force. It rose by 15 kN in a millimetre when the tree started again (seen once: elapsed time counted in
+// steps of the new length). 2 % of the peak, as above.
 TEST(Promotion, WhiffletreeGoesOn) {
   const std::vector<std::string> more = {"solver.rotation_bound=5e-4", "stage.push.displacement=0.0025",
                                          "stage.push.record_interval=50", "output.frames=0"};

@@ -62,10 +62,10 @@ ground_motion = { direction = [0, 1, 0], time = [0, 1], acceleration = [5, 5] }
 energy = true
 )";
 
-// Ground that begins to rise with acceleration a under a mass of 2 + 6 kg on 1e6 N/m: a lag of (a/w^2) (1 - cos w t),
+// Ground that begins to rise with acceleration a under a mass of 2 + 6 kg on 1e6 N/m. The lag is (a/w^2) (1 - cos w t),
 // w half of that of the block alone. Steps of a hundredth of a period are off by (w dt)^2/24 of w. A mass above the
-// block, in line with its centre, is the same as one that is spread; so it is on gridpoints of a block that deforms,
-// but for its own compression: 6 kg on 1e9 Pa through 0.05 m of it, 0.5 % of the way of the joint, so a quarter of a
+// block, in line with its centre, is the same as one that is spread. So it is on gridpoints of a block that deforms,
+// but for its own compression. 6 kg on 1e9 Pa through 0.05 m of it is 0.5 % of the way of the joint, so a quarter of a
 // percent of its frequency. That is 6 % of the swing after three and a half cycles.
 TEST(Masses, SwingWithTheirBlockAndBalanceItsEnergy) {
   const double w = std::sqrt(1e6 / 8.0), swing = 5.0 / (w * w);
@@ -95,8 +95,8 @@ TEST(Masses, SwingWithTheirBlockAndBalanceItsEnergy) {
 }
 
 // Weight: block and mass press on the ground with (2 + 6) g. A mass 0.04 m beside the middle puts the moment m g 0.04
-// on the joint. It tilts by 9e-4, which brings the mass 0.1 m above 1e-4 m farther out, 0.2 % of its lever; 1 % with
-// the tilt of a block that deforms.
+// on the joint. It tilts by 9e-4, which moves the mass 0.1 m above 1e-4 m farther out, 0.2 % of its lever; 1 % with the
+// tilt of a block that deforms.
 TEST(Masses, HaveWeightWhereTheyAre) {
   const std::string stage =
       "[[stage]]\nname = \"stand\"\ngravity = [0, -9.81, 0]\nkind = \"rest\"\n"
@@ -248,7 +248,7 @@ duration = 0.1
   EXPECT_EQ(resumed.hash(), simulation.hash());
 }
 
-// The spline through three samples that begins and ends at rest is in closed form: u = 0, 1, 0 at t = 0, 1, 2 has the
+// The spline through three samples that begins and ends at rest is in closed form. u = 0, 1, 0 at t = 0, 1, 2 has the
 // accelerations 6, -6, 6 (clamped: 2 a0 + a1 = 6, a0 + 4 a1 + a2 = -12, a1 + 2 a2 = 6).
 TEST(Supports, DisplacementsAreSplines) {
   const Scene scene = read_scene_text(

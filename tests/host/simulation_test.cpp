@@ -71,7 +71,7 @@ TEST(Simulation, PressedColumnIsASeriesOfSprings) {
   EXPECT_EQ(counts[static_cast<std::size_t>(Condition::elastic)], simulation.model().point_count);
 }
 
-// Four times as stiff, heavy and loaded, a wall moves in the same way: forces are four times as large, and a ratio of
+// Four times as stiff, heavy and loaded, a wall moves in the same way. Forces are four times as large, and a ratio of
 // them is not.
 TEST(Simulation, UnbalancedRatioHasNoUnit) {
   for (const Kernels kernels : {Kernels::lattice, Kernels::general}) {

@@ -8,7 +8,7 @@
 namespace quoin {
 namespace {
 
-// A uniform stress over a grid of blocks: every block has the same strain, and each joint opens and slides by its
+// A uniform stress over a grid of blocks. Every block has the same strain, and each joint opens and slides by its
 // traction over its stiffness. Nothing in the middle may be out of balance.
 TEST(PatchTest, UniformStressIsReproduced) {
   const double cases[][6] = {{0, -1e6, 0, 0, 0, 0}, {0, 0, 0, 1e6, 0, 0}, {3e5, -1e6, 2e5, 4e5, -3e5, 7e5}};

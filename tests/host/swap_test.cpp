@@ -26,8 +26,8 @@ struct SwapRecorder : Observer {
   void on_law_swap(const LawSwap& swap) override { swaps.push_back(swap); }
 };
 
-// A small wall, pressed and sheared, whose mortar joints change their law from stage to stage. swaps[k] is the law of
-// stage k, or empty.
+// A small wall, pressed and sheared, whose mortar joints change their law from stage to stage. The law of stage k is
+// swaps[k], or empty.
 Scene swapped_wall(const std::string& first_law, const std::vector<std::string>& swaps, double shear) {
   Scene scene = wall_scene(4, 2.5);
   JointFamily& mortar = scene.joints["mortar"];

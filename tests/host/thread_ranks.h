@@ -29,7 +29,7 @@ class ThreadRanks : public Ranks {
     bool ended = false;
     std::mutex mutex;
     std::condition_variable changed;
-    std::vector<std::vector<std::byte>> slot;                             // what each brings to a round
+    std::vector<std::vector<std::byte>> slot;                             // what each gives to a round
     std::map<std::pair<int, int>, std::deque<std::vector<double>>> mail;  // from, to
     long messages = 0;
   };
@@ -110,13 +110,13 @@ class ThreadRanks : public Ranks {
     if (!done()) throw std::runtime_error(in_time ? "another rank has ended" : "ranks wait for each other for ever");
   }
 
-  // What every rank brings, once all have come.
+  // What every rank gives, once all have come.
   std::vector<std::vector<std::byte>> meet(std::span<const std::byte> own) {
     std::unique_lock lock(shared_.mutex);
     shared_.slot[static_cast<std::size_t>(rank_)].assign(own.begin(), own.end());
     arrive(lock);
     const auto all = shared_.slot;
-    arrive(lock);  // nobody brings anything new before all have read
+    arrive(lock);  // nobody gives anything new before all have read
     return all;
   }
   void arrive(std::unique_lock<std::mutex>& lock) {

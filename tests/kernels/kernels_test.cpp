@@ -388,8 +388,7 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
 // Tractions and states take a shorter way through the law when nothing else is asked for, with properties point by
 // point too. They have the same bits, and the same points fail. With all outputs a law derives what it needs at every
 // point. Without, shorter ways may do: of strengths and energies alone, with stiffnesses, with angles. Energies of one
-// point in eight reach far into what snaps back and is refused, and the first steps are so small that all else is
-// elastic.
+// point in eight reach far into what snaps back and is refused. The first steps are so small that all else is elastic.
 TEST(Batches, PropertyColumnsGiveTheSameBitsWhateverIsAskedFor) {
   const quoin_law& law = load_law("fracture_energy");
   const char* const ids[] = {"tensile_strength",      "cohesion",         "fracture_energy_tension",

@@ -1,9 +1,9 @@
-// Stress run of the fracture-energy law (contact_models/fracture_energy/LAW.md, statements 3 and 5), of the cyclic
-// joint law (contact_models/cyclic_joint/LAW.md, statements 4 and 7) and of the two laws of fracture_energy/LAW.md,
-// "The other laws that ship": random steps with extreme admissible parameters, jumps from 1e-15 to 1 m, not a number
-// and infinity among the inputs. For finite input nothing but finite numbers may come out, no traction outside the
-// current strength, no negative dissipation, no state beyond its bound. Bad input must fail its point and return the
-// old state. The strengths are computed here from the states that come back, not by the law.
+// Stress run of the fracture-energy law (contact_models/fracture_energy/LAW.md, statements 3 and 5) and of the two laws
+// of its section "The other laws that ship". Also of the cyclic joint law (contact_models/cyclic_joint/LAW.md,
+// statements 4 and 7). Random steps have extreme admissible parameters, jumps from 1e-15 to 1 m, not a number and
+// infinity among the inputs. For finite input nothing but finite numbers may come out, no traction outside the current
+// strength, no negative dissipation, no state beyond its bound. Bad input must fail its point and return the old state.
+// The strengths are computed here from the states that come back, not by the law.
 //
 //   law_stress [--law fracture_energy] [--steps 1e8] [--seed 20261121] [--set AVX2]
 //

@@ -139,7 +139,7 @@ TEST(Fit, OneTripletShowsFrictionAtItsEnd) {
 }
 
 // A curve of constant shear: its cohesion is within 1e-4 of the residual, less than which the law refuses. What it
-// brings is then measured on the other side alone; the interval is that of a mean, by Student's t of 39 degrees.
+// gives is then measured on the other side alone; the interval is that of a mean, by Student's t of 39 degrees.
 TEST(Fit, MeasuresAtTheEdgeOfWhatTheLawAdmits) {
   constexpr double kPressure = 0.4e6, kResidual = 0.3e6, kCohesion = kResidual * (1 + 2e-5), kNoise = 1e3;  // Pa
   const double plateau = 0.75 * kPressure + kCohesion;

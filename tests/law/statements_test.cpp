@@ -706,8 +706,8 @@ TEST(Statement7, CurvesTendToTheBrittleLaw) {
         ASSERT_NEAR(a.now().traction[0], b.now().traction[0], 1e-9 * real(c.p.ft)) << excess << " at " << dn / c.u0();
       }
     }
-    // Shear. With cr > 0 the bound belongs to the open joint (c0): closed, the branch spans slips of su down to
-    // ds = su + (cr + mu p)/ks, beyond the peak by (c0/ks)(1 + excess) - drop/ks.
+    // Shear. With cr > 0 the bound belongs to the open joint (c0). Closed, the branch spans slips of su down to ds = su
+    // + (cr + mu p)/ks, beyond the peak by (c0/ks)(1 + excess) - drop/ks.
     for (const double pressure : {0.0, 1e6}) {
       MaterialPoint a = c.point(), b(brittle, "bonded");
       const double dn = -pressure / real(c.p.kn), peak = (real(c.p.c0) + c.mu0() * pressure) / real(c.p.ks);

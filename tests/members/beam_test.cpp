@@ -63,7 +63,7 @@ TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
     EXPECT_NEAR(p.force, kModulus * kArea * total / 2.0, 1e-3 * p.force);
     EXPECT_NEAR(p.moment[0][0], 0.0, 1e-6 * p.force);
   }
-  // Each block turns about its own centre, 0.5 m behind the end: along y its end then moves, alike on both sides.
+  // Each block turns about its own centre, 0.5 m behind the end: along y its end then moves by the same on both sides.
   const auto bent =
       driven("velocity = [0, 0, 0]\nomega = [0, 0, -1e-3]\n", "velocity = [0, 0, 0]\nomega = [0, 0, 1e-3]\n");
   const double moment = beam_of(*bent).pieces().front().moment[0][0];
@@ -136,8 +136,8 @@ TEST(Beams, HingeYieldsAtItsMoment) {
   EXPECT_LT(std::abs(e.balance_error(0.0)), 5e-3 * e.external);
 }
 
-// A chain from a triangle falls into the catenary: sag of a length s over a span c is a (cosh(c/2a) - 1) with
-// 2 a sinh(c/2a) = s. 1 %: chords of 60 pieces, and elongation of 1e-5.
+// A chain from a triangle falls into the catenary. Sag of a length s over a span c is a (cosh(c/2a) - 1) with 2 a
+// sinh(c/2a) = s. 1 %: chords of 60 pieces, and elongation of 1e-5.
 TEST(Beams, CableHangsInACatenary) {
   const double span = 4.0, length = 5.0;
   double a = span / 2;

@@ -60,8 +60,8 @@ double rested(const std::string& scene, Simulation** kept = nullptr) {
   return sag(*simulation);
 }
 
-// Shear beam under its own inertia: q L^2/(8 G B) at midspan, and what the connectors give by along the walls,
-// q L/(2 ks B). 1 %: motion that is left, and bending, which is 1e-3 of it.
+// Shear beam under its own inertia: q L^2/(8 G B) at midspan, and what the connectors give by along the walls, q L/(2
+// ks B). 1 % is for motion that is left, and for bending, which is 1e-3 of it.
 TEST(Floors, DiaphragmIsAShearBeam) {
   const double q = kMass * kBreadth * 1.0;
   const double shear = q * kLength * kLength / (8 * 1e6 * kBreadth);
@@ -75,8 +75,8 @@ TEST(Floors, DiaphragmIsAShearBeam) {
   }
 }
 
-// A membrane that is not much stiffer along than in shear bends as a beam that is built in, + q L^4/(384 E I), E I = Ka
-// B^3/12, and its shear is parabolic: 6/5 of the deflection. 3 %: its ends do not warp.
+// A membrane that is not much stiffer along than in shear bends as a beam that is built in. That adds q L^4/(384 E I),
+// E I = Ka B^3/12. Its shear is parabolic: 6/5 of the deflection. 3 %: its ends do not warp.
 TEST(Floors, DiaphragmBendsInItsPlane) {
   Floor f;
   f.axial = 2e6, f.spacing = 0.25;

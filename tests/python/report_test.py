@@ -90,6 +90,7 @@ const look = async () => {
   told.fits = document.documentElement.scrollWidth <= window.innerWidth;
   told.tops = quoinRuns.map(r => [r.model.holder.getBoundingClientRect().top, r.curves[0].svg.getBoundingClientRect().bottom]);
   told.window = window.innerHeight;
+  told.headings = [...document.querySelectorAll('h2')].map(h => h.textContent);
   for (let f = 0; f <= Number(slider.max); ++f) {
     send('time', f);
     told.frames.push(quoinRuns.map(r => [r.model.frame, ...pixels(r), dotOf(r), r.model.cracked, r.momentOf(r.model.frame)]));
@@ -349,7 +350,9 @@ class Report(Folder):
         done = self.command("report", "wall", "brittle")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stdout.strip(), "wall/report.html")
-        self.assert_works(told_by(self.path("wall/report.html")), runs=2)
+        told = told_by(self.path("wall/report.html"))
+        self.assert_works(told, runs=2)
+        self.assertEqual([h.rsplit(" ", 1)[1] for h in told["headings"]], ["(wall)", "(brittle)"])  # of one title
 
     def test_without_frames_it_is_refused_before_the_run(self):
         done = self.command("run", SMALL_WALL, "--out", "none", "--set", "output.frames=0", "--report")

@@ -41,8 +41,8 @@ TEST(Design, TheirMeansAreAsCloseAsTheirMethod) {
   EXPECT_LT(error(Method::sobol), independent / 4);
 }
 
-// Of 2^k points in a row one lies in every 2^-k-th of each side, wherever the shift has moved them (modulo 1), and in
-// every quarter of any two sides as many as in another.
+// Of 2^k points in a row one lies in every 2^-k-th of each side, wherever the shift has moved them (modulo 1). Every
+// quarter of any two sides has as many as another.
 TEST(Design, SobolFillsTheCubeEvenly) {
   const Design design{Method::sobol, 5, 0, 6}, still{Method::sobol, 6, 0, 6};
   for (std::uint64_t d = 0; d < 6; ++d) {

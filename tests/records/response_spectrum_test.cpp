@@ -31,8 +31,8 @@ TEST(ResponseSpectrum, StepDoublesTheStaticResponse) {
   }
 }
 
-// Undamped, under one full sine of period P: u = (A/w^2)/(1 - r^2) (sin Ot - r sin wt) to its end (r = O/w), free after
-// it.
+// Undamped, under one full sine of period P: u = (A/w^2)/(1 - r^2) (sin Ot - r sin wt) to its end (r = O/w). It is free
+// after it.
 TEST(ResponseSpectrum, SinePulseHasItsClosedForm) {
   const double a = 1.0, pulse = 0.5;
   const TimeSeries series = sine_pulse(a, pulse, pulse / 2000);

@@ -95,7 +95,7 @@ TEST_F(Reproduce, OneProgramAtATimeWritesAFolder) {
   EXPECT_EQ(quoin("law " + results()), 0) << error_;
 }
 
-// Notices quote names of folders and messages of programs; a legend may quote what a scene says.
+// Messages quote names of folders and texts of programs; a legend may quote what a scene says.
 TEST_F(Reproduce, TextIsNeitherMarkupNorCommand) {
   using namespace quoin::reproduce;
   const std::string hostile =

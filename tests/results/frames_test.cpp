@@ -25,8 +25,8 @@ TEST_F(Frames, AreAsLargeAsWasTold) {
     VtkSeries(folder_, surfaces).add_frame(simulation);
     const double bytes = static_cast<double>(std::filesystem::file_size(folder_ / "blocks_0000.vtu") +
                                              std::filesystem::file_size(folder_ / "joints_0000.vtu"));
-    // Never too little. 10 kB are set aside for the heads of the two files, of which some 5 kB are used, and every
-    // state of a law counts, though some are not kept: one or two of some 40 numbers a point.
+    // Never too little. 10 kB are set aside for the heads of the two files, of which some 5 kB are used. Every state of
+    // a law counts, though some are not kept: one or two of some 40 numbers a point.
     EXPECT_GE(frame_bytes(simulation, surfaces), bytes) << scene;
     EXPECT_LE(frame_bytes(simulation, surfaces), 1.05 * bytes + 8000.0) << scene;
   }

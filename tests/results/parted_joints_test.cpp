@@ -80,8 +80,8 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   EXPECT_GE(gaps, static_cast<long>(2 * parted.size()));  // both sides of each
 }
 
-// Of a file of joints: the points that have lost more than 0.9 of their bond, the widest opening, and the place of each
-// joint of the start.
+// Of a file of joints. They are the points that have lost more than 0.9 of their bond, the widest opening, and the
+// place of each joint of the start.
 struct Damaged {
   long points = 0;
   double opening = 0.0, area = 0.0;  // m, m2

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 const Cycles kCycles{{0.001, 0.003}, {2, 1}, 0.01, 0.05, {}};
 
-// One half cycle of a way L at v with ramps of r lasts L/v + r, as either ramp covers half of what v would. Ways: 1, 2,
+// One half cycle of a way L at v with ramps of r lasts L/v + r. Either ramp covers half of what v would. Ways: 1, 2,
 // 2, 2, then 4 (from -1 to 3), 6 and 3 mm.
 TEST(CyclicMotion, LastsAsLongAsItsWays) {
   const CyclicMotion motion(kCycles);

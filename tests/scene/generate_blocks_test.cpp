@@ -140,7 +140,7 @@ TEST(DryWall, SliversBetweenGivenEndsStay) {
   EXPECT_THAT(pieces(2), are({0.95, 2.0, 2.0, 3.0, 3.0, 4.0}));
 }
 
-// A lintel from 0.53 to 1.47 units' lengths: head joints of the course at 0.5 and 1.5, closer to its ends than a tenth
+// A lintel from 0.53 to 1.47 units' lengths. Head joints of the course at 0.5 and 1.5, closer to its ends than a tenth
 // of a unit, give way to them.
 TEST(DryWall, LintelsKeepTheirEnds) {
   const Assembly wall =

@@ -142,7 +142,7 @@ TEST_F(ReadBlockScene, RecordsStandBesideTheScene) {
               AllOf(HasSubstr("ground_motion.time"), HasSubstr("only without file")));
 }
 
-// A file that states its unit is read in it: who converts g once more has ten times the earthquake, and is told.
+// A file that states its unit is read in it: who converts g once more has ten times the earthquake, and gets a message.
 TEST_F(ReadBlockScene, RecordsThatStateTheirUnitAreConvertedOnce) {
   write("stated.csv", "time (s), x (g)\n0, 0\n1, 0.1\n");
   const auto keys = [](const std::string& scale) {

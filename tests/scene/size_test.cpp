@@ -89,8 +89,8 @@ TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
   expect(size(block + corners + soft + "tetrahedra = [[0, 1, 2, 3]]\n"), 1, 1, 4);
 }
 
-// Against the most memory that runs took beside that of a run of six blocks (VmHWM, one thread, of a few steps, on a
-// machine with pages of 4 kB; benchmarks/RANKS.md has the list). By a third: the program changes, and this test says
+// Against the most memory that runs took beside that of a run of six blocks. (VmHWM, one thread, of a few steps, on a
+// machine with pages of 4 kB; benchmarks/RANKS.md has the list.) By a third: the program changes, and this test says
 // when the estimate has to follow.
 TEST(Size, OfMemoryIsWhatRunsTake) {
   const auto reported = [](const std::vector<std::string>& overrides) {

@@ -1,10 +1,10 @@
 // Contact points that are placed again in large motion: what energy they take or give, and that they are no stiffer
 // than what touches.
 //
-// The balance of a run closes up to the second order of the step: central differences do the work of the mean of two
-// forces over a step, which is exact while a contact stays elastic, and off by k d1 d2 / 2 where it closes, opens or
-// begins to slip within a step (d1, d2: the parts of the motion before and after). A blow of a few steps is made of
-// that, so the bounds below are for the steps of the runs, and fall by 25 when the step is a fifth.
+// The balance of a run closes up to the second order of the step. Central differences do the work of the mean of two
+// forces over a step, which is exact while a contact stays elastic. It is off by k d1 d2 / 2 where it closes, opens or
+// begins to slip within a step. Parts of the motion before and after are d1 and d2. A blow of a few steps is made of
+// that. So the bounds below are for the steps of the runs, and fall by 25 when the step is a fifth.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -143,7 +143,7 @@ TEST(EnergyBalance, CrackedWallPushedToCollapse) {
 // does on points that stay, up to rounding. (Points that forgot the rate of their traction were not damped.)
 TEST(PlacedAnew, SameBounceAsOnPointsThatStay) {
   double height[2];
-  for (const bool anew : {false, true}) {
+  for (const bool placed_again : {false, true}) {
     Scene scene(dry_joint(1e8, 1e8, 33));
     scene.brick({-1, -0.2, -1}, {2, 0.2, 2}, true);
     const int b = scene.brick({0, 0, 0}, {0.2, 0.2, 0.2});
@@ -153,9 +153,9 @@ TEST(PlacedAnew, SameBounceAsOnPointsThatStay) {
     m->set_gravity({0, -gravity, 0});
     for (int i = 0; i < 400; ++i) {
       m->step();
-      if (anew) m->detect_now();
+      if (placed_again) m->detect_now();
     }
-    height[anew] = m->position(b).y - 0.1;
+    height[placed_again] = m->position(b).y - 0.1;
   }
   EXPECT_GT(height[0], 1e-3);
   EXPECT_NEAR(height[1], height[0], 1e-9 * height[0]);
@@ -199,9 +199,9 @@ TEST(PlacedAnew, HalfUnitsStandOnWhatTheyTouchWhereFourMeet) {
   check("four half units: pressed down", pressed / (kn * (wall.size.x + slid) * wall.size.z), given, 0.01, "m");
 }
 
-// States of a law that are a vector keep their direction in space, as tractions do, whatever triangle of the block a
-// new point stands on. Faces that have slid along x stand on their seat at a place along x. (They kept the components,
-// which is another vector: the first edges of two triangles of a face stand at 45 or 90 degrees.)
+// States of a law that are a vector keep their direction in space, as tractions do. It does not matter on which
+// triangle of the block a new point stands. Faces that have slid along x stand on their seat at a place along x. (They
+// kept the components, which is another vector: the first edges of two triangles of a face stand at 45 or 90 degrees.)
 TEST(PlacedAnew, VectorsAmongTheStatesKeepTheirDirection) {
   JointFamily rough = joint("cyclic_joint", {{"normal_stiffness", 1e10},
                                              {"shear_stiffness", 1e10},

@@ -5,13 +5,13 @@
 namespace quoin::verification {
 namespace {
 
-enum class Kind { congruent, distinct };
+enum class Zones { same, own };
 
 // Three bricks in a row along x, whose joints give way along themselves; unlike ones differ in their zones.
-Scene row_of_bricks(Kind kind) {
+Scene row_of_bricks(Zones zones) {
   Scene scene(elastic_joint(1e8, 1e6), 2000, 1e10, 0.2);
   for (int i = 0; i < 3; ++i)
-    scene.soft({0.2 * i, 0.0, 0.0}, {0.2, 0.2, 0.2}, {kind == Kind::distinct ? 1 + i : 2, 2, 2});
+    scene.soft({0.2 * i, 0.0, 0.0}, {0.2, 0.2, 0.2}, {zones == Zones::own ? 1 + i : 2, 2, 2});
   scene.assembly.contact.small_displacement = 1e-9;
   scene.assembly.contact.joint_motion = 10.0;  // points are never placed again
   return scene;
@@ -27,12 +27,12 @@ int points_on_gridpoints(const Model& m) {
 
 }  // namespace
 
-// The middle brick slides by a third of its side while all turn. Gridpoints are then far from those of the other side:
-// without the moment on the frame of a, angular momentum would change by slip times force.
+// The middle brick slides by a third of its side while all turn. Gridpoints are then far from those of the other side.
+// Without the moment on the frame of a, angular momentum would change by slip times force.
 TEST(PointsOnGridpoints, KeepMomentaAndEnergyHoweverFarTheySlide) {
-  for (const Kind kind : {Kind::congruent, Kind::distinct}) {
-    const std::string what = kind == Kind::congruent ? "bricks alike" : "bricks unlike";
-    auto m = row_of_bricks(kind).model(undamped(0.5));
+  for (const Zones zones : {Zones::same, Zones::own}) {
+    const std::string what = zones == Zones::same ? "bricks alike" : "bricks unlike";
+    auto m = row_of_bricks(zones).model(undamped(0.5));
     EXPECT_EQ(points_on_gridpoints(*m), 2 * 9) << what;
     for (int i = 0; i < 3; ++i) {
       const Vector spin{3.0, -2.0, 4.0}, slide{0.0, i == 1 ? 4.0 : -2.0, i == 1 ? 2.0 : -1.0};

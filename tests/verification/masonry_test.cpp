@@ -9,7 +9,7 @@ namespace {
 using geometry::rotation;
 
 // Rocking block on a stiff base, released at an angle. Time to the first impact against the exact solution of theta'' =
-// -p^2 sin(alpha - theta), by quadrature, and against Housner's slender formula T/4 = acosh(1/(1 - theta0/alpha)) / p.
+// -p^2 sin(alpha - theta), by quadrature. Also against Housner's slender formula T/4 = acosh(1/(1 - theta0/alpha)) / p.
 double quarter_period(double ratio, double kn, double& impact_ratio) {
   const double b = 0.1, h = 0.5, depth = 0.2, r = std::hypot(b, h), alpha = std::atan2(b, h);
   Scene scene(dry_joint(kn, kn, 60));
@@ -88,7 +88,7 @@ TEST(Toppling, Threshold) {
 }
 
 // A dry pier of rigid courses between a fixed base and a driven cap: V = N D / (2 H0), less the finite stiffness of the
-// joint: a triangular stress block of length c = sqrt(2 N / (kn theta depth)) moves the pivot in by c/3, and the cap's
+// joint. A triangular stress block of length c = sqrt(2 N / (kn theta depth)) moves the pivot in by c/3, and the cap's
 // travel u moves N.
 struct Pier {
   double force, ideal, expected;  // N

@@ -43,8 +43,8 @@ TEST(FreeMotion, SymmetricTop) {
   check_error("free symmetric top: energy, largest relative", energy_error, 1e-6, "-");
 }
 
-// Pressure on a short side of a right-angled prism, whose centre is a third of its sides off the corner: m a = p A,
-// I alpha = p A (h/2 - h/3) with I = m (b^2 + h^2)/18, and its work is what the block moves with.
+// Pressure on a short side of a right-angled prism, whose centre is a third of its sides off the corner. m a = p A, I
+// alpha = p A (h/2 - h/3) with I = m (b^2 + h^2)/18. Its work is what the block moves with.
 TEST(FreeMotion, PressureMovesAndTurnsAPrism) {
   const double b = 0.3, h = 0.4, depth = 0.2, p = 100.0;
   Scene scene(elastic_joint(1e9, 1e9));

@@ -8,15 +8,18 @@ async function unpack(text) {
 }
 
 class Run {
-  constructor(head, buffer) {
+  // beside: whether there are other runs on the page, from which the name of the folder then sets this one apart.
+  constructor(head, buffer, beside = false) {
+    const {title} = head.summary;
     this.head = head;
+    this.heading = title && beside && head.name !== title ? `${title} (${head.name})` : title || head.name;
     const arrays = {};
     const array = name => {
       const a = head.arrays[name];
       return arrays[name] = arrays[name] || (a ? new globalThis[a.type](buffer, a.offset, a.count) : new Float32Array(0));
     };
     const box = this.box = element(byId('runs'), 'div', {className: 'run'});
-    element(box, 'h2', {textContent: head.summary.title || head.name});
+    element(box, 'h2', {textContent: this.heading});
     const holder = element(box, 'div', {className: 'model'});
     this.model = new Model(holder, head, array);
     this.curveBox = element(box, 'div', {className: 'curves'});
@@ -211,7 +214,7 @@ async function paintPicture(runs, canvas, scale) {
   for (const run of runs) {
     const m = run.model;
     c.fillStyle = '#222'; c.font = '600 16px sans-serif';
-    c.fillText(run.head.summary.title || run.head.name, x, 24, m.width);
+    c.fillText(run.heading, x, 24, m.width);
     c.drawImage(m.renderer.domElement, x, 34, m.width, m.height);
     c.drawImage(images.get(m.overlay), x, 34, m.width, m.height);
     let left = x;
@@ -381,7 +384,7 @@ async function open() {
   if (location.hash === '#picture') document.body.className = 'picture';  // the model alone, in the whole window
   if (document.querySelectorAll('script.live').length) return follow();
   const heads = [...document.querySelectorAll('script.head')], data = [...document.querySelectorAll('script.data')], runs = [];
-  for (let i = 0; i < heads.length; ++i) runs.push(new Run(JSON.parse(heads[i].textContent), await unpack(data[i].textContent)));
+  for (let i = 0; i < heads.length; ++i) runs.push(new Run(JSON.parse(heads[i].textContent), await unpack(data[i].textContent), heads.length > 1));
   window.quoinRuns = runs;  // for who looks into the page, as its test does
   window.quoinBar = new Bar(runs);
   document.body.dataset.ready = 'yes';

@@ -27,8 +27,8 @@ double window_of(const Collapse& c, const Vec3& gravity) {
   return 4.0 * std::sqrt(2.0 * std::min(c.displacement, kMostSeen) / norm(geometry::vector(gravity)));
 }
 
-// The next load of a stage that waits. seen: while the load grows since < 0, lowest is when that began, s, and highest
-// how many loads have been reached; while it stands still the window since which it is watched, and the largest
+// Next load of a stage that waits. seen, while the load grows: since < 0, lowest is when that began, s. highest is how
+// many loads have been reached. While it stands still: the window since which it is watched, and the largest
 // displacements of the last window and of this one.
 double waiting_load(FirstLoad* seen, const Stage& stage, double time, double multiplier, double moved) {
   const Collapse& c = *stage.collapse;

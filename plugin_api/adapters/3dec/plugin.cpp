@@ -1,4 +1,4 @@
-// The four functions that 3DEC looks up in a plug-in. One build serves every law: the file's own name says which,
+// The four functions that 3DEC looks up in a plug-in. One build serves every law. The file's own name says which,
 // jmodelNAME007.dll for the law NAME, as 3DEC's naming of plug-ins has it: three digits of the interface's version.
 #include <algorithm>
 #include <cctype>

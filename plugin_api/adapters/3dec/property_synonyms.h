@@ -1,5 +1,5 @@
-// The names by which 3DEC's own joint models, and published ones with fracture energies, know a law's properties: a
-// data file written for them runs with a Quoin law.
+// Names of a law's properties in 3DEC's own joint models, and in published ones with fracture energies. A data file
+// written for them runs with a Quoin law.
 #pragma once
 
 #include <array>

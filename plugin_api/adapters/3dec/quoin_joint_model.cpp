@@ -138,7 +138,7 @@ const adapters::Material* QuoinJointModel::known_material() const {
 double QuoinJointModel::normal_stiffness_now(const adapters::Material& material) const {
   const double bound = material.stiffness().normal;
   if (!memory_.started || (law_.capabilities & QUOIN_CAN_TANGENT) == 0) return bound;
-  return std::clamp(standing(material, adapters::wanted::tangent).tangent[0], 0.0, bound);
+  return std::clamp(standing(material, adapters::outputs::tangent).tangent[0], 0.0, bound);
 }
 
 // Called before the first step and before all properties are set, too.
@@ -190,7 +190,7 @@ const adapters::PointBatch& QuoinJointModel::standing(const adapters::Material& 
 Index QuoinJointModel::step(const std::array<double, 2>& sliding, const jmodels::State& state) {
   using namespace adapters;
   const bool energies = (energy_activated_ || state.trackEnergy()) && (law_.capabilities & QUOIN_CAN_ENERGY) != 0;
-  PointBatch& point = PointBatch::of_thread(law_, energies ? wanted::energies : wanted::nothing);
+  PointBatch& point = PointBatch::of_thread(law_, energies ? outputs::energies : outputs::nothing);
   evaluate(point, *material_, sliding, states_.data());
   const double before[2] = {memory_.traction[1], memory_.traction[2]};
   for (std::size_t k = 0; k < 3; ++k) memory_.traction[k] = point.traction[k];
@@ -273,7 +273,7 @@ bool QuoinJointModel::isSliding(const jmodels::State& state) { return (state.sta
 bool QuoinJointModel::isBonded(const jmodels::State&) {
   const adapters::Material* const material = known_material();
   if (!memory_.started || material == nullptr) return true;
-  const std::uint32_t flags = standing(*material, adapters::wanted::flags).flags;
+  const std::uint32_t flags = standing(*material, adapters::outputs::flags).flags;
   return (flags & (QUOIN_FLAG_TENSION_COMPLETE | QUOIN_FLAG_SHEAR_COMPLETE)) == 0;
 }
 

@@ -1,5 +1,5 @@
-// Two axes s, t of the contact plane, which follow the contact. 3DEC does not give a model the normal of its contact,
-// but the shear force, which it turns with the contact, and the increments of shear displacement lie in the plane. An
+// Two axes s, t of the contact plane, which follow the contact. 3DEC does not give a model the normal of its contact.
+// But the shear force, which it turns with the contact, and the increments of shear displacement lie in the plane. An
 // axis that nothing has shown yet is zero.
 #pragma once
 
@@ -47,7 +47,7 @@ class ShearAxes {
   DVect3 t() const { return vector(0.0, 1.0); }
   static void put(const DVect3& from, double* to) { to[0] = from.x(), to[1] = from.y(), to[2] = from.z(); }
 
-  // What `components` gives, with the axes as v shows them.
+  // As `components`, after axes that are not fixed yet have been chosen so that v lies in their plane.
   std::array<double, 2> shown(const DVect3& v, const std::array<double, 2>& c, const DVect3& held) {
     const DVect3 rest = v - vector(c[0], c[1]);
     constexpr double rounding = 1e-28;  // the square of what it leaves beside an axis

@@ -61,7 +61,7 @@ void put_start(const BehaviourData& data, int components, double* states, adapte
 
 // The tangent of a step that does not move: outputs other than the operator go nowhere.
 void prediction_operator(const PropertySets& sets, const PointMaterial& of, const BehaviourData& data, int components) {
-  adapters::PointBatch& point = adapters::PointBatch::of_thread(sets.law(), adapters::wanted::tangent);
+  adapters::PointBatch& point = adapters::PointBatch::of_thread(sets.law(), adapters::outputs::tangent);
   point.normal_jump = data.s0.gradients[0];
   point.slip[0] = 0.0;
   std::array<double, adapters::max_states> unused;
@@ -74,8 +74,8 @@ int step(const PropertySets& sets, const PointMaterial& of, const BehaviourData&
          bool tangent) {
   energies = energies && (data.s1.stored_energy != nullptr || data.s1.dissipated_energy != nullptr);
   adapters::PointBatch& point = adapters::PointBatch::of_thread(
-      sets.law(), (energies ? adapters::wanted::energies : adapters::wanted::nothing) |
-                      (tangent ? adapters::wanted::tangent : adapters::wanted::nothing));
+      sets.law(), (energies ? adapters::outputs::energies : adapters::outputs::nothing) |
+                      (tangent ? adapters::outputs::tangent : adapters::outputs::nothing));
   put_start(data, components, data.s1.internal_state_variables, point);
   point.normal_jump = data.s1.gradients[0];
   for (int k = 1; k < components; ++k) point.slip[k - 1] = data.s1.gradients[k] - data.s0.gradients[k];

@@ -1,5 +1,6 @@
-// What an MGIS-based host passes to a behaviour: version 1 of MFront's generic behaviour interface (TFEL 3.4.1 and
-// later, 4.x; MGIS 1.2.1 and later, 2.x), declared anew from its public headers. The host owns all memory.
+// What an MGIS-based host passes to a behaviour, declared by ourselves from its public headers. It is version 1 of
+// MFront's generic behaviour interface (TFEL 3.4.1 and later, 4.x; MGIS 1.2.1 and later, 2.x). The host owns all
+// memory.
 #pragma once
 
 #include <cstddef>

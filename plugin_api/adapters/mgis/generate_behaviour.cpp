@@ -49,7 +49,7 @@ class Writer {
 };
 
 // energies: whether the behaviour computes them. Hosts of MGIS hand over memory for the energies of every behaviour
-// that says it does, whether anybody reads them, and energies cost several times the step.
+// that says it does, whether anybody reads them. Energies cost several times the step.
 void print_behaviour(const quoin_law& law, const std::string& name, bool energies) {
   constexpr int scalar = 0, vector = 2;
   const Writer write(name);

@@ -1,4 +1,4 @@
-// From a point's property values to a material of the law: MGIS hands the values over again at every call, and a field
+// From a point's property values to a material of the law. MGIS hands the values over again at every call, and a field
 // of them may differ from point to point.
 #pragma once
 
@@ -20,9 +20,9 @@ struct PointMaterial {
   const quoin_property_column* columns;
 };
 
-// Those of one thread. The first sets of values get a material each, which is found again by its values; further ones
-// share a material and give what they have of their own as property columns, so that a field in which every point
-// differs costs no memory. By C6.9 both give the same result.
+// Those of one thread. The first sets of values get a material each, which is found again by its values. Further ones
+// share a material and give what they have of their own as property columns. So a field in which every point differs
+// costs no memory. By C6.9 both give the same result.
 class PropertySets {
  public:
   static constexpr std::size_t kept = 1024;

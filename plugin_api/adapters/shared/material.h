@@ -17,8 +17,8 @@ using Material = api::Material;
 // out: a law takes its default for them.
 std::vector<const quoin_property_info*> scalar_properties(const quoin_law& law);
 
-// The value that holds for property i of scalar_properties, given all of their values, NaN for the law's default. 0 for
-// one that is required and not given.
+// The value that holds for property i of scalar_properties, given all of their values, NaN for the law's default. It is
+// 0 for one that is required and not given.
 double value_in_force(std::span<const quoin_property_info* const> properties, std::span<const double> values,
                       std::size_t i);
 

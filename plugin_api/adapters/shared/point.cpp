@@ -10,7 +10,7 @@ namespace {
 
 struct LawBatches {
   const quoin_law* law;
-  std::array<std::unique_ptr<PointBatch>, wanted::all + 1> by_wanted;
+  std::array<std::unique_ptr<PointBatch>, outputs::all + 1> by_outputs;
 };
 
 // A plain pointer: a thread_local with a constructor costs a test at every use. Of a fixed place where the loader has
@@ -33,17 +33,17 @@ LawBatches& batches_of(const quoin_law& law) {
 
 PointBatch& PointBatch::of_thread(const quoin_law& law, unsigned asked) {
   if (latest == nullptr || latest->law != &law) latest = &batches_of(law);
-  std::unique_ptr<PointBatch>& batch = latest->by_wanted[asked];
+  std::unique_ptr<PointBatch>& batch = latest->by_outputs[asked];
   if (batch == nullptr) batch = std::make_unique<PointBatch>(law, asked);
   return *batch;
 }
 
 PointBatch::PointBatch(const quoin_law& law, unsigned asked) {
   const auto can = [&](std::uint64_t capability) { return (law.capabilities & capability) != 0; };
-  if (((asked & wanted::energies) != 0 && !can(QUOIN_CAN_ENERGY)) ||
-      ((asked & wanted::tangent) != 0 && !can(QUOIN_CAN_TANGENT)))
+  if (((asked & outputs::energies) != 0 && !can(QUOIN_CAN_ENERGY)) ||
+      ((asked & outputs::tangent) != 0 && !can(QUOIN_CAN_TANGENT)))
     throw std::runtime_error(std::string(law.id) + " offers no " +
-                             ((asked & wanted::energies) != 0 && !can(QUOIN_CAN_ENERGY) ? "energies" : "tangent"));
+                             ((asked & outputs::energies) != 0 && !can(QUOIN_CAN_ENERGY) ? "energies" : "tangent"));
   for (std::uint64_t k = 0; k < law.state_count; ++k) {
     state_old_.push_back({nullptr, 1});
     state_new_.push_back({nullptr, 1});
@@ -58,13 +58,13 @@ PointBatch::PointBatch(const quoin_law& law, unsigned asked) {
   }
   batch_.state_old = state_old_.data();
   batch_.state_new = state_new_.data();
-  if ((asked & wanted::energies) != 0) {
+  if ((asked & outputs::energies) != 0) {
     batch_.energy_stored = {&energy_stored, 1};
     for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch_.dissipated[k] = {dissipated + k, 1};
   }
-  if ((asked & wanted::tangent) != 0)
+  if ((asked & outputs::tangent) != 0)
     for (int k = 0; k < 9; ++k) batch_.tangent[k] = {tangent + k, 1};
-  if ((asked & wanted::flags) != 0 && can(QUOIN_CAN_FLAGS)) batch_.flags = {&flags, 1};
+  if ((asked & outputs::flags) != 0 && can(QUOIN_CAN_FLAGS)) batch_.flags = {&flags, 1};
 }
 
 }  // namespace quoin::adapters

@@ -11,15 +11,15 @@ namespace quoin::adapters {
 constexpr std::uint64_t max_states = 32;
 
 // What a step asks of a law beyond traction and state. What is not asked for is not computed.
-namespace wanted {
+namespace outputs {
 constexpr unsigned nothing = 0, energies = 1, tangent = 2, flags = 4, all = 7;
-}  // namespace wanted
+}  // namespace outputs
 
 // A batch of one point whose columns but for the states lie in this object: they are described once, a step only moves
 // numbers. In the convention of the contract: tension and opening positive, traction in Pa, slip over the step.
 class PointBatch {
  public:
-  // The batch of this thread for this law; asked for: wanted::... It holds the numbers of whoever used it last. Throws
+  // The batch of this thread for this law; request: outputs::... It holds the numbers of whoever used it last. Throws
   // std::runtime_error for a law that does not offer what is asked for; flags that a law does not offer are 0.
   static PointBatch& of_thread(const quoin_law& law, unsigned asked);
 

@@ -153,7 +153,7 @@ static quoin_status make(const quoin_law* self, uint64_t count, const quoin_prop
   }
   return create_material(self, n, values != NULL ? kept : NULL, material, text);
 #elif BROKEN == 10
-  /* Only the first fault is told. */
+  /* Only the first fault is reported. */
   quoin_status status = create_material(self, count, values, material, text);
   char* end = text != NULL && text->data != NULL && text->capacity > 0 ? strchr(text->data, '\n') : NULL;
   if (end != NULL) {

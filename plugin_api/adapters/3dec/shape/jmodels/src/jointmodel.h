@@ -1,5 +1,5 @@
-// A 3DEC joint model as its SDK declares it (member names and arguments, public facts), declared anew: the members that
-// a model implements or calls. Not binary compatible with 3DEC: build against the SDK for that.
+// A 3DEC joint model as its SDK declares it (member names and arguments, public facts), declared by ourselves. These
+// are the members that a model implements or calls. Not binary compatible with 3DEC: build against the SDK for that.
 #pragma once
 
 #include <iostream>

@@ -1,5 +1,5 @@
-// What 3DEC passes to a joint model for one contact point and step. Compression is positive, forces are forces;
-// displacements open positive, and shear vectors lie in the contact plane.
+// What 3DEC passes to a joint model for one contact point and step. Forces are in N, not per area, and positive in
+// compression. Displacements open positive, and shear vectors lie in the contact plane.
 #pragma once
 
 #include "jmodelbase.h"
