@@ -35,7 +35,7 @@ def cell(text):
 
 
 def begin_of_row(name, case):
-    return f"| [{name}](../tests/law/paths/{name}.toml) | `{case['law']}` | {cell(case['title'])} |"
+    return f"| [{cell(case['title'])}](../tests/law/paths/{name}.toml) | `{case['law']}` |"
 
 
 def number(value):
@@ -67,7 +67,7 @@ def write(quoin):
              f"{len(known)} paths of one contact point, each held against a closed form: `build/release/quoin path FILE --verbose`.",
              "An error is the largest of all checks, over the tolerance of its check. Each file has the tolerance and its reason.",
              "`python3 manual/law_cases.py` makes this page. How paths are written: `host/law/path_file.h`.", "",
-             "| case | law | what | checks | steps | error over tolerance |", "|---|---|---|---|---|---|"]
+             "| case | law | checks | steps | error over tolerance |", "|---|---|---|---|---|"]
     for name, case in known.items():
         lines.append(f"{begin_of_row(name, case)} {' | '.join(numbers[name])} |")
     lines += ["", "## Curves", "", "Lines with dots are the law, step by step. Circles are the closed form where it is checked."]
@@ -82,7 +82,7 @@ def check():
         page = file.read()
     known = cases()
     faults = [f"{PAGE}: no row begins with {begin_of_row(n, c)}" for n, c in known.items() if begin_of_row(n, c) not in page]
-    faults += [f"{PAGE}: {n} is no path of tests/law/paths" for n in re.findall(r"^\| \[(\w+)\]", page, re.M) if n not in known]
+    faults += [f"{PAGE}: {n} is no path of tests/law/paths" for n in re.findall(r"^\| \[.*\]\(\.\./tests/law/paths/(\w+)\.toml\)", page, re.M) if n not in known]
     for name in DRAWN:
         faults += [f"{PAGE}: another input or title of {name}"] if "\n".join(curve(name, known[name])) not in page else []
         faults += [] if os.path.exists(f"{PICTURES}/{name}.png") else [f"{PICTURES}/{name}.png is missing"]
