@@ -10,8 +10,7 @@ enum class Zones { same, own };
 // Three bricks in a row along x, whose joints give way along themselves; unlike ones differ in their zones.
 Scene row_of_bricks(Zones zones) {
   Scene scene(elastic_joint(1e8, 1e6), 2000, 1e10, 0.2);
-  for (int i = 0; i < 3; ++i)
-    scene.soft({0.2 * i, 0.0, 0.0}, {0.2, 0.2, 0.2}, {zones == Zones::own ? 1 + i : 2, 2, 2});
+  for (int i = 0; i < 3; ++i) scene.soft({0.2 * i, 0.0, 0.0}, {0.2, 0.2, 0.2}, {zones == Zones::own ? 1 + i : 2, 2, 2});
   scene.assembly.contact.small_displacement = 1e-9;
   scene.assembly.contact.joint_motion = 10.0;  // points are never placed again
   return scene;
