@@ -226,7 +226,7 @@ TEST(Limit, WithoutDilationABondedWallIsNotLocked) {
 // Where many points slide, single ones change sides in any problem: the multiplier stays within half a percent. Both
 // starts agree to 2 %, as normal forces are not unique; below the associated multiplier.
 TEST(Limit, WithoutDilationLargeWallsSettle) {
-  const LimitProblem wall = running_bond(9, 18, 0.65, 0);
+  const LimitProblem wall = running_bond(12, 24, 0.65, 1, 0.2);
   const LimitResult associated = limit_multiplier(wall);
   const LimitWithoutDilation found = without_dilation(wall);
   EXPECT_TRUE(found.settled);
