@@ -157,8 +157,8 @@ TEST(RigidPoints, TheLatticeHasThemToo) {
 // A run that leaves the lattice finds every contact point again, with its history: it would stop otherwise.
 TEST(RigidPoints, TheyGoOverToLargeMotion) {
   Simulation simulation(wall({"contact.cubic_points=true", "solver.rotation_bound=1e-5"}), 1);
-  Rows rows;
-  simulation.run(rows);
+  Peak of_run;
+  simulation.run(of_run);
   EXPECT_TRUE(simulation.outcome().promotion.has_value());
   EXPECT_TRUE(simulation.large_motion());
 }
