@@ -24,8 +24,8 @@ constexpr double kSlope = 0.1, kFollow = 0.5, kFollowPyramids = 0.3;
 // From this problem on normal forces follow by less and less, as a mean of all would: large assemblies go round in
 // circles else.
 constexpr double kMeanFrom = 10.0;
-// Settled: the multiplier changes by less, of itself; and shear goes beyond Coulomb's friction by less, at each point
-// of the mean normal force, or in all of the friction of points that slide. In large assemblies some nearly unloaded
+// Settled: the multiplier changes by less, of itself, and shear is less beyond Coulomb's friction. Either at each
+// point, of the mean normal force, or in all, of the friction of what slides. In large assemblies some nearly unloaded
 // point changes sides in any problem; where little slides, the sum says nothing. What is left shrinks by 1 - kFollow a
 // problem, so 0.1 % of the multiplier is still to come.
 constexpr double kSteady = 1e-3, kBeyond = 0.05, kShareBeyond = 0.02;
@@ -136,8 +136,8 @@ LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<doub
   return next;
 }
 
-void look_beyond_friction(const LimitProblem& problem, const LimitResult& result, double mean, double factor,
-                          SettledLimit* now) {
+void measure_beyond_friction(const LimitProblem& problem, const LimitResult& result, double mean, double factor,
+                             SettledLimit* now) {
   double most = 0.0, sum = 0.0, friction = 0.0;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const LimitPoint& p = problem.points[i];
@@ -192,7 +192,7 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     const double found = of_friction ? std::max(0.0, -result.multiplier) : result.multiplier;
     const double change = std::abs(found - now.multiplier);
     now.multiplier = found, multipliers.push_back(found), factor = of_friction ? found : 1.0;
-    look_beyond_friction(problem, result, mean, factor, &now);
+    measure_beyond_friction(problem, result, mean, factor, &now);
     steady = change <= kSteady * std::max(std::abs(found), of_friction ? kNoFriction : 0.0) ? steady + 1 : 0;
     now.settled = steady >= kSteadyFor && (now.beyond <= kBeyond || now.share_beyond <= kShareBeyond);
     if (now.settled || wanders(multipliers, &now)) return now;

@@ -497,8 +497,8 @@ void World::hand_over(const Before& before, const Finding& finding, const Contac
       for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = values[s];
       if (!bonded) p.reference = 0.0;
     }
-    // The zero of the jumps: d_n counts from the reference gap, slip from here, less what the last step has moved and
-    // the law has not seen yet.
+    // The zero of the jumps. d_n counts from the reference gap. Slip counts from here, less what the last step has
+    // moved and the law has not taken yet.
     if (p.facet_a < 0) p.offset += p.reference;
     const Location now = locate(p, facets_);
     p.at = now.at;
@@ -531,8 +531,7 @@ void World::inherit(const Family& old, size_t from, const Contact& c, Family& f,
   const bool open = old.traction[0][from] == 0.0 && old.traction[1][from] == 0.0 && old.traction[2][from] == 0.0;
   p.reference = c.initial || !open ? q.reference : 0.0;  // an open dry contact starts from the true gap
   // Vectors of the joint keep their direction in space: they are turned from the old axes into the new ones. The roles
-  // of a and b may have changed with the reference face; sigma and the traction on the block that was a change
-  // together with it.
+  // of a and b may have changed with the reference face. Sigma and the traction on the former block a change with it.
   const double sign = q.a == p.a ? 1.0 : -1.0;
   const Vector s = in_space(p, p.s), t = in_space(p, p.t);
   const auto turn = [&](const auto& then_s, const auto& then_t, auto& now_s, auto& now_t) {
@@ -662,8 +661,8 @@ RigidPoints World::rigid_points_of(const Contact& c, const Vector& normal, bool 
 
 void World::make_points(const Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
   // Corners are given a nominal area, which keeps them from sinking in. Not those of blocks that touch along an edge
-  // since the start, as four units around a joint's end do: their neighbours keep them apart, and the nominal area
-  // would lock units that slide past each other by a height of some micrometres.
+  // since the start, as four units around a joint's end do: their neighbours keep them apart. The nominal area would
+  // lock units that slide past each other by a height of some micrometres.
   const double nominal = c.beside_joint ? 0.0 : std::min(blocks_[c.pair.a].corner_area, blocks_[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;
   const RigidPoints rule = rigid_points_of(c, s.normal, at_start);
@@ -817,11 +816,10 @@ bool World::edge_point(const Pair& pair, const Separation& separation, double ar
   return true;
 }
 
-// Ties one side of a point to its block: in the body frame of a rigid block, on the nearest surface triangle of a
-// deformable one.
+// Ties one side of a point to its block: in its body frame, or on the nearest surface triangle of a deformable one.
 namespace {
 
-// A point this close to a gridpoint, as part of an edge, sits on it: far above rounding in the places of points that
+// A point this close to a gridpoint, as part of an edge, sits on it. Far above rounding in the places of points that
 // meet gridpoints, far below anything that a mesh can show.
 constexpr double kAtGridpoint = 1e-9;
 
@@ -874,7 +872,7 @@ void World::anchor(NewPoint& made, int block, const Vector& at, int face, bool p
   }
 }
 
-// The frame of a point whose plane belongs to a deformable block: that of the block where both sides are gridpoints,
+// The frame of a point whose plane belongs to a deformable block. That of the block where both sides are gridpoints,
 // else that of the triangle, which edge contacts keep too.
 void World::choose_frame(NewPoint& made) const {
   Point& p = made.point;

@@ -112,7 +112,7 @@ struct World::Counts {
   std::map<std::array<double, 6>, std::pair<int, int>> zoned;  // gridpoints and zones by zoning_key
 };
 
-// What every process knows: settings, how many gridpoints, zones and corners each block has, and where they begin.
+// What every process has: settings, how many gridpoints, zones and corners each block has, and where they begin.
 void World::number(std::vector<std::shared_ptr<const Material>> materials) {
   if (assembly_.blocks.empty()) throw Error(Exit::bad_input, "the scene has no blocks");
   if (assembly_.families.empty()) throw Error(Exit::bad_input, "the scene has no joint family");
@@ -591,7 +591,7 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
 
 void World::set_gravity(const Vector& g, TimeSeries factor) { gravity_ = g, gravity_factor_ = std::move(factor); }
 
-// The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to the
+// The motion of what is driven is no kinetic energy: what is let go adds its own, what is caught leaves it to the
 // support.
 void World::hold(uint8_t& held, uint8_t next, double mass, const Vector& v) {
   const int changed = held ^ next;

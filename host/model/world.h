@@ -212,7 +212,7 @@ struct Chunk {
 };
 inline constexpr uint32_t kChunk = 256;
 inline constexpr int kBodies = 8;  // blocks that move on side by side
-// Alike blocks from which on one product with the stiffness of all costs less than one of each with its own.
+// Congruent blocks from which on one product with the stiffness of all costs less than one of each with its own.
 inline constexpr size_t kFewestAlike = 3;
 // |u| of a frame over the least extent of its block, beyond which it goes zone by zone: error of its stiffness 1 %.
 inline constexpr double kLargestDeformation = 0.01;

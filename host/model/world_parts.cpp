@@ -99,7 +99,7 @@ void World::each_memory_of_points(int family, size_t first, size_t end, const Vi
 
 struct World::Wanted {
   std::vector<bool> block, contact;            // that are sent
-  std::vector<bool> block_here, contact_here;  // wanted here
+  std::vector<bool> block_here, contact_here;  // asked for here
   std::span<const int> known_by;               // rank of each block
   explicit Wanted(const World& world, std::span<const int> known)
       : block(world.blocks_.size()),
@@ -109,8 +109,8 @@ struct World::Wanted {
         known_by(known) {}
 };
 
-// visit(rank, first byte, bytes, whether it is wanted here). Neighbouring contacts of one rank go together, array by
-// array, in the same order on all ranks, whatever each of them wants of them.
+// visit(rank, first byte, bytes, whether it is asked for here). Neighbouring contacts of one rank go together, array by
+// array, in the same order on all ranks, whatever each of them asks for.
 template <class Visit>
 void World::each_exchanged_memory(const Wanted& w, Visit visit) {
   for (size_t i = 0; i < blocks_.size(); ++i) {
@@ -120,7 +120,7 @@ void World::each_exchanged_memory(const Wanted& w, Visit visit) {
     });
   }
   const auto rank_of_contact = [&](size_t i) { return w.known_by[size_t(contacts_[i].pair.a)]; };
-  // Items of arrays that go together, from some item on: how many of them are wanted here, or not, in turn.
+  // Items of arrays that go together, from some item on: how many of them are asked for here, or not, in turn.
   struct Part {
     size_t items;
     bool here;

@@ -189,7 +189,7 @@ Vector World::linear_momentum() const {
 }
 
 Vector World::angular_momentum(const Vector& about) const {
-  // Velocities live half a step before positions; x - v dt/2 brings both to the same time (cross(v, v) = 0).
+  // Velocities live half a step before positions; x - v dt/2 takes both to the same time (cross(v, v) = 0).
   Vector l;
   for (const Body& b : bodies_) l += b.momentum + b.mass * cross(b.x - about, b.v);
   for (size_t i = 0; i < node_x_.size(); ++i) l += node_mass_[i] * cross(node_x_[i] - about, node_v_[i]);

@@ -28,8 +28,8 @@ void World::each_own_point(Visit visit, const Unit* alone) const {
   }
 }
 
-// Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2: cheap, coarse, and
-// only compared with its own earlier value, to learn whether the frequency must be computed again.
+// Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2. Cheap and coarse:
+// compared with its own earlier value alone, it says whether the frequency must be computed again.
 double World::local_stiffness_bound() const {
   LaneVector<double> body(bodies_.size()), node(node_x_.size());
   each_own_point([&](const Family& f, const Point& p) {
@@ -365,8 +365,8 @@ double World::largest_over_inertia(const Stiffness& stiffness, LaneVector<double
 }
 
 // Whether the stiffness or the inertia that these own blocks have got may ask for a shorter step. Of each unit the
-// highest frequency with all others held still and the springs to them doubled: k (u_a - u_b)^2 <= 2 k u_a^2 + 2 k
-// u_b^2, so that it bounds modes in which the unit and its neighbours take part. The same on any number of ranks.
+// highest frequency with all others held still and the springs to them doubled. As k (u_a - u_b)^2 <= 2 k u_a^2 + 2 k
+// u_b^2, it bounds modes in which the unit and its neighbours take part. The same on any number of ranks.
 bool World::shorten_step(std::span<const int> changed) const {
   return std::any_of(changed.begin(), changed.end(), [&](int block) {
     const Unit unit = unit_of(block);
@@ -477,8 +477,8 @@ void World::choose_impact_damping() {
   impact_beta_.clear();
   impact_zone_beta_ = 0.0, impact_share_ = 1.0;
   if (!impacts_damped()) return;
-  // Joints between the halves of units are glued from the start: nothing lands there, and their stiffness, which is
-  // that of the units, would take all of the step.
+  // Joints between the halves of units are glued from the start: nothing lands there. Their stiffness, which is that of
+  // the units, would take all of the step.
   const auto within_units = [&](size_t f) {
     double any = 0.0, others = 0.0;
     for (const uint32_t i : contacts_of_family_[f]) {

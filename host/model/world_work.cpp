@@ -420,8 +420,8 @@ int World::count_of(Piece::Kind kind) const {
 }
 
 double World::piece_work(int index) const {
-  // A body costs about as much as three sides of contact points, a pair of them as one; zones about as much as two,
-  // with a stiffness of their own one, and a quarter of it as one of up to kBodies congruent blocks.
+  // In sides of contact points, of which a pair of rigid blocks has one. A zone of congruent blocks costs a quarter of
+  // one with a stiffness of its own, as eight blocks share a product.
   constexpr double kZone = 2.0, kDistinctZone = 1.0, kCongruentZone = 4.0, kBody = 3.0;
   const Piece& piece = pieces_[size_t(index)];
   double work = 0.0;
@@ -433,7 +433,7 @@ double World::piece_work(int index) const {
     if (piece.kind == Piece::Kind::by_zone) work += kZone * zones;
   }
   if (piece.kind == Piece::Kind::congruent)
-    work += kCongruentZone * blocks_[size_t(piece_blocks_[piece.first])].zone_count;
+    work += kCongruentZone * double(piece.group_count()) * blocks_[size_t(piece_blocks_[piece.first])].zone_count;
   return work;
 }
 

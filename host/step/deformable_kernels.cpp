@@ -287,7 +287,7 @@ HWY_INLINE void frame_forces(const Frame& frame, std::span<const LaneBlock> bloc
       hn::Store(hn::Mul(hn::Set(d, 0.5), twice_energy), d, sums->strain + p * kWidth);
     }
   }
-  // The same forces to the last bit whether or not energies are wanted.
+  // The same forces to the last bit with and without energies.
   frame.times_stiffness(is_viscous ? c.weighted : c.u, c.node_count, c.product);
   for (int p = 0; p < kParts; ++p)
     add_to_forces(frame, c, p * kWidth, pose[p], load_line(c.moment + p * kWidth), c.force);

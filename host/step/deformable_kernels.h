@@ -1,6 +1,6 @@
-// Deformable blocks in large motion, eight side by side: gridpoints moved on; and the forces inside of blocks from a
-// stiffness in their own frame, which congruent blocks share. Compiled for every instruction set that Highway
-// knows and chosen at run time. What a lane holds does not depend on the others: the bits stay in any company.
+// Deformable blocks in large motion, eight side by side: gridpoints moved on, and the forces inside of blocks. These
+// come from a stiffness in their own frame, which congruent blocks share. Compiled for every instruction set of Highway
+// and chosen at run time. What a lane holds does not depend on the others: the bits stay in any company.
 //
 // Blocks in their frames. X: places of the undeformed shape about its mass centre, m: masses, x: places now;
 //   b = m S^-1 X,  S = sum m X X^T,   F = sum x b^T = R U (polar),   u = R^T (x - c) - X.
@@ -8,10 +8,10 @@
 //   f = -R (g - q x b),  g = K u,  q = (tr(U) 1 - U)^-1 sum (X + u) x g;
 // the second part is what R turns by when a gridpoint moves. A moment on the frame is taken from the sum in q. So
 // forces and moments balance to rounding, and energy stays as it does with any force that has a potential. Viscosity of
-// zones: g = K (u + beta du/dt) with du the whole change of u in the step, which is nothing in rigid motion however
+// zones: g = K (u + beta du/dt) with du the whole change of u in the step. That is nothing in rigid motion however
 // fast. Limits: linear elasticity for small turning, no force in rigid motion. Strain and turning inside of a block
-// have to be small (kLargestDeformation); else zone by zone (zone_kernels.h), which differs by the square of the
-// strain.
+// have to be small (kLargestDeformation). Else it goes zone by zone (zone_kernels.h), which differs by the square of
+// the strain.
 #pragma once
 
 #include <cstdint>
@@ -37,10 +37,10 @@ struct LaneBlock {
 };
 
 // Columns of up to kLanes blocks, a line a gridpoint. Gridpoints that a block does not have are without mass and force
-// where its first one is; lanes without a block hold numbers of no meaning. Scratch of a thread.
+// where its first one is. Lanes without a block hold numbers of no meaning. Scratch of a thread.
 struct LaneColumns {
   int node_count = 0, fewest = 0;            // most and fewest of a block
-  bool viscous = false;                      // viscous_force is wanted: set before load_blocks
+  bool viscous = false;                      // viscous_force is asked for: set before load_blocks
   double *x, *v, *force, *viscous_force;     // m, m/s, N
   double *u, *weighted, *product, *elastic;  // of congruent_forces and distinct_forces
   double* moment;                            // a line, N m
@@ -56,7 +56,7 @@ struct LaneColumns {
 
 void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, LaneColumns* columns);
 
-// By lane: the largest |u|, m; strain energy, J, when energies are wanted.
+// By lane: the largest |u|, m; strain energy, J, in steps with energies.
 struct FrameSums {
   alignas(64) double deformation[kLanes], strain[kLanes];
 };
@@ -75,8 +75,8 @@ struct GridpointStep {
   double inertia_factor;   // of deformation
   double weight_per_mass;  // mass that has weight over mass of inertia
   Vector gravity;          // m/s2
-  bool energies;           // work and kinetic energy are wanted
-  bool measured;           // net forces are, too
+  bool energies;           // work and kinetic energy are summed
+  bool measured;           // and net forces
 };
 
 // Frames follow the gridpoints. gains: of motion that is split; null: true inertia. shared: of congruent blocks, else

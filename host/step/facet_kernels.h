@@ -1,7 +1,7 @@
-// Contact points on triangles of two deformable blocks, eight side by side. Compiled for every instruction set that
-// Highway knows and chosen at run time.
+// Contact points on triangles of two deformable blocks, eight side by side. Compiled for every instruction set of
+// Highway and chosen at run time.
 //
-// Block a owns the plane of a triangle, n its normal, s along its first edge; b carries the point on a triangle of its
+// Block a owns the plane of a triangle, n its normal, s along its first edge. b carries the point on a triangle of its
 // own. The foot of the point on a's triangle follows it, so that the pair of forces stays collinear. The pair acts at
 // the point: shear times the gap is a couple, which a's triangle takes as forces along n.
 #pragma once

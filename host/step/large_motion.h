@@ -105,8 +105,8 @@ class Model : public World {
   void advance_deformable(const Piece& piece, PhaseClock* clock);
   struct LaneGroup;
   void find_forces(const Piece& piece, size_t group_index, LaneGroup& group, LaneColumns& columns, PhaseClock* clock);
-  // By gridpoint of the block, four doubles each: set, but for what is shared by mass, which is returned, m/s2 of the
-  // mass of inertia; added to, viscous part of it apart where that is not null.
+  // force: four doubles a gridpoint of the block, set. Returned: what is shared by mass, m/s2 of the mass of inertia.
+  // zone_forces_of adds to the forces, and to their viscous part where that is not null.
   Vector forces_on_gridpoints(int block, double* force);
   void zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, double* viscous);
   void forces_on_body(int block);

@@ -35,7 +35,7 @@ struct RigidMotionStep {
 };
 
 // What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. Two groups: lane by lane the halves of a unit;
-// one: blocks that stand alone. gains, lanes: of each group; lanes null: not wanted.
+// one: blocks that stand alone. gains, lanes: of each group; lanes may be null.
 void split_motion(std::span<const LaneColumns> groups, int count, const RigidMotionStep& step, RigidGains* gains,
                   RigidLanes* lanes);
 

@@ -223,6 +223,23 @@ TEST(Limit, WithoutDilationABondedWallIsNotLocked) {
   EXPECT_TRUE(found.start[0].settled);
 }
 
+// Where many points slide, single ones change sides in any problem: the multiplier stays within half a percent. Both
+// starts agree to 2 %, as normal forces are not unique; below the associated multiplier.
+TEST(Limit, WithoutDilationLargeWallsSettle) {
+  const LimitProblem wall = running_bond(12, 24, 0.65, 1, 0.2);
+  const LimitResult associated = limit_multiplier(wall);
+  const LimitWithoutDilation found = without_dilation(wall);
+  EXPECT_TRUE(found.settled);
+  ASSERT_EQ(found.start.size(), 2u);
+  for (const SettledLimit& start : found.start) {
+    EXPECT_TRUE(start.settled) << start.from;
+    EXPECT_LE(start.spread, 0.0026) << start.from;
+    EXPECT_LT(start.multiplier, associated.multiplier) << start.from;
+    EXPECT_NEAR(start.multiplier, found.multiplier, 0.02 * found.multiplier) << start.from;
+  }
+  EXPECT_GT(found.multiplier, 0.9 * associated.multiplier);
+}
+
 // What slides on a plane, or turns over, does not need dilation.
 TEST(Limit, WithoutDilationOneBlockIsTheSame) {
   for (const double friction : {0.2, 0.9}) {
