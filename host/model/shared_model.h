@@ -30,7 +30,7 @@ class SharedModel : public SharedVectors {
  public:
   virtual std::span<const int> units() const = 0;   // unit groups of this process, in order
   virtual std::span<const int> chunks() const = 0;  // all that touch them or bodies of this process, in order
-  // Numbers on borders, of those who compute them to those who read them; always of the same vector.
+  // Numbers on borders, of those who compute them to those who read them.
   virtual void exchange(LaneVector<double>& vector) = 0;
   // Number by number, the largest of all processes.
   virtual void largest(std::span<double> values) = 0;

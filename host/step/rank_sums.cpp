@@ -53,7 +53,7 @@ double RankSums::sum(const Add& add) {
 }
 
 void RankSums::exchange(LaneVector<double>& vector) {
-  if (exchanged_ != &vector) halo_ = halo_of_(vector), exchanged_ = &vector;
+  if (numbers_ != vector.data()) halo_ = halo_of_(vector), numbers_ = vector.data();
   halo_.send(ranks_);
   halo_.receive(ranks_);
 }

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
+#include "step/rank_sums.h"
 #include "step/simulation.h"
 #include "support.h"
 #include "thread_ranks.h"
@@ -374,6 +375,33 @@ TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
     EXPECT_NE(words(nowhere, rank).find("no contact point of its joints"), std::string::npos) << words(nowhere, rank);
     EXPECT_NE(words(weak, rank).find("outside the strength"), std::string::npos) << words(weak, rank);
   }
+}
+
+// Each search for an eigenvalue has vectors of its own; one that takes the place of another has other numbers.
+TEST(Ranks, ExchangeTheNumbersOfTheVectorThatIsThere) {
+  constexpr std::size_t kOfBody = 6;
+  on_ranks(2, [](Ranks& ranks) {
+    const auto here = static_cast<std::size_t>(ranks.rank()), there = 1 - here;
+    const auto halo_of = [&](LaneVector<double>& vector) {
+      Border border{static_cast<int>(there), {}, {}, {}, {}};
+      for (std::size_t k = 0; k < kOfBody; ++k) {
+        border.send.push_back(&vector[kOfBody * here + k]);
+        border.receive.push_back(&vector[kOfBody * there + k]);
+      }
+      Halo halo;
+      halo.add(std::move(border));
+      return halo;
+    };
+    const Model model;
+    RankSums sums(model, {}, {}, {0, 1}, ranks, halo_of);
+    LaneVector<double> vector(2 * kOfBody), other(2 * kOfBody);
+    for (const double value : {3.0, 5.0, 7.0}) {
+      std::fill_n(vector.begin() + static_cast<std::ptrdiff_t>(kOfBody * here), kOfBody, value);
+      sums.exchange(vector);
+      for (const double number : vector) EXPECT_EQ(number, value);
+      vector.swap(other);
+    }
+  });
 }
 
 // A rank that cannot go on ends all of them.
