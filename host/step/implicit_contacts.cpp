@@ -126,7 +126,7 @@ HWY_INLINE Pull pull_of(const Lanes& c, int point, int component, int p, V jump)
 }
 
 HWY_INLINE V mass_of(const Lanes& c, int n, int component, int p) {
-  return hn::Load(D(), c.mass + (n * 3 + component) * kLanes + p * kWidth);
+  return hn::Load(D(), c.mass + (n * 3 + (c.any_held ? component : 0)) * kLanes + p * kWidth);
 }
 
 // Two gridpoints and a point between them.
@@ -281,9 +281,8 @@ void ImplicitContacts::fill(int kind, std::vector<Cluster> clusters, const Model
 void ImplicitContacts::add(int kind, std::span<const Cluster* const> clusters, bool side_by_side, const Model& model,
                            const LaneVector<double>& node_mass) {
   const auto nodes = at(kinds_[at(kind)].nodes), points = kinds_[at(kind)].points.size();
-  const Batch batch{kind, static_cast<int>(clusters.size()), side_by_side, node_.size() / kLanes,
-                    point_.size() / kLanes};
-  batches_.push_back(batch);
+  Batch batch{
+      kind, static_cast<int>(clusters.size()), side_by_side, false, node_.size() / kLanes, point_.size() / kLanes};
   node_.resize(node_.size() + nodes * kLanes, 0);
   point_.resize(point_.size() + points * kLanes, 0);
   mass_.resize(mass_.size() + 3 * nodes * kLanes, kHeld);
@@ -297,8 +296,11 @@ void ImplicitContacts::add(int kind, std::span<const Cluster* const> clusters, b
         if (model.node_free[i] != 0.0 && node_mass[i] > 0.0)
           mass_[((batch.first_node + n) * 3 + c) * kLanes + lane] = node_mass[i];
       }
+      const double* const mass = &mass_[(batch.first_node + n) * 3 * kLanes + lane];
+      batch.any_held = batch.any_held || mass[0] != mass[kLanes] || mass[0] != mass[2 * kLanes];
     }
   }
+  batches_.push_back(batch);
 }
 
 void ImplicitContacts::weigh(const ContactChunk& chunk, const Chunk& columns, double time_step) {
@@ -315,6 +317,7 @@ void ImplicitContacts::settle(int piece, const StepData& step) const {
     const Kind& kind = kinds_[at(batch.kind)];
     const Lanes lanes{batch.lanes,
                       batch.side_by_side,
+                      batch.any_held,
                       kind.nodes,
                       static_cast<int>(kind.points.size()),
                       kind.points.data(),

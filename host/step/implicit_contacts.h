@@ -50,6 +50,7 @@ class ImplicitContacts {
   struct Lanes {
     int lanes;
     bool side_by_side;  // the places of each line follow each other
+    bool any_held;      // along some component alone: masses differ by component
     int nodes, points;
     const Point* point_of_kind;
     const std::int32_t *node, *point;       // lines of lanes
@@ -71,7 +72,7 @@ class ImplicitContacts {
   };
   struct Batch {
     int kind, lanes;
-    bool side_by_side;
+    bool side_by_side, any_held;
     std::size_t first_node, first_point;  // in lines of lanes
   };
   struct Cluster {
