@@ -570,6 +570,33 @@ ImpactStep damp_impacts(const Model& model, const SolverSettings& settings, cons
   return step;
 }
 
+// Springs and dashpots of joints that act by the mean of a step (step/implicit_contacts.h) leave the step to the zones.
+// With C = beta K of them central differences are stable where dt^2 + 2 beta dt <= 4/omega^2. Returns that dt, s.
+double step_of_zones(const Model& model, const SolverSettings& settings, const Inertia& inertia, double tree,
+                     SharedModel* shared, TimeStepReport* report) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(Exit::bad_input, "solver.implicit_contacts takes " + what + "; remove it from the stage");
+  };
+  if (shared) refuse("one process");
+  if (inertia.deformation != 1.0 || inertia.unit != 1.0 || settings.selective_time_step > 0.0)
+    refuse("true inertia, not deformation_inertia, unit_inertia or selective_time_step");
+  for (const RigidBody& body : model.bodies) {
+    if (model.assembly.bricks[at(body.block)].fixed) continue;
+    refuse(fmt::format("no rigid block that moves freely, and block {}{} is one", body.block,
+                       body.name.empty() ? "" : " '" + body.name + "'"));
+  }
+  if (model.unit_groups.empty()) refuse("deformable blocks");
+  ImpactDamping& damping = report->impacts;
+  damping.viscosity = impact_viscosities(model, settings);
+  damping.of_zones = least_zone_viscosity(model, settings);
+  damping.in_use = settings.impact_damping;
+  Springs zones{std::vector<std::array<double, 2>>(model.families.size()), 1.0};
+  const UndamagedSystem system(model, chunks_here(model, shared), std::move(zones));
+  const double squared = tree + largest_eigenvalue(model, system, inertia, false, shared).value;
+  report->critical = {2.0 / std::sqrt(squared), {}, ""};
+  return std::sqrt(damping.of_zones * damping.of_zones + 4.0 / squared) - damping.of_zones;
+}
+
 // kg; a body counts where its six numbers begin.
 double mass_in_use(const Model& model, const UndamagedSystem& system, const Inertia& inertia, SharedModel* shared) {
   const auto add = [&](const VectorRow& row, double sum) {
@@ -713,8 +740,11 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   report.time_step = settings.time_step_fraction * reduction * limit;
   if (settings.damping == DampingKind::impact && std::isfinite(report.critical.value)) {
     constexpr double kClose = 0.95;  // of the limit
-    report.time_step = std::min(report.time_step, kClose * limit) *
-                       damp_impacts(model, settings, *inertia, tree, shared, &report).left;
+    report.time_step = settings.implicit_contacts
+                           ? std::min(settings.time_step_fraction, kClose) *
+                                 step_of_zones(model, settings, *inertia, tree, shared, &report)
+                           : std::min(report.time_step, kClose * limit) *
+                                 damp_impacts(model, settings, *inertia, tree, shared, &report).left;
     report.stiffness_damping = report.impacts.of_zones;
   }
   if (settings.selective_time_step > 0.0) report.time_step = std::min(settings.selective_time_step, report.time_step);

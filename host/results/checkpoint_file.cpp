@@ -334,6 +334,7 @@ std::vector<Identity::Part> parts_of(const SolverSettings& s) {
   add("stiffness_damping", s.stiffness_damping);
   add("impact_damping", s.impact_damping);
   add("maxwell_damping", s.maxwell_damping);
+  add("implicit_contacts", s.implicit_contacts ? 1.0 : 0.0);
   add("maxwell_band, lowest", s.maxwell_band[0]);
   add("maxwell_band, highest", s.maxwell_band[1]);
   add("time_step_fraction", s.time_step_fraction);

@@ -105,7 +105,8 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
               {"stiffness_damping_s", used.damping == DampingKind::viscous ? used.stiffness_damping : 0.0},
               {"time_step_fraction", used.time_step_fraction}};
     if (stage.ground) j["ground_motion"] = ground_of(*stage.ground);
-    if (used.damping == DampingKind::impact) j["impact_damping"] = used.impact_damping;
+    if (used.damping == DampingKind::impact)
+      j["impact_damping"] = used.impact_damping, j["implicit_contacts"] = used.implicit_contacts;
     if (stage.solver) j["deformation_inertia"] = used.deformation_inertia, j["unit_inertia"] = used.unit_inertia;
     if (stage.equilibrium_ratio) j["equilibrium_ratio"] = *stage.equilibrium_ratio;
     if (stage.displacement) j["displacement_m"] = *stage.displacement;

@@ -50,6 +50,8 @@ std::string solver_text(const SolverSettings& solver, bool settling) {
   if (solver.damping == DampingKind::impact && solver.maxwell_damping > 0.0)
     text += fmt::format(", Maxwell {:g} from {:g} to {:g} Hz", solver.maxwell_damping, solver.maxwell_band[0],
                         solver.maxwell_band[1]);
+  if (solver.damping == DampingKind::impact && solver.implicit_contacts)
+    text += ", joints implicit while blocks are on the lattice";
   return text + fmt::format(", time_step_fraction {:g}", solver.time_step_fraction);
 }
 

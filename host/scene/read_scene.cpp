@@ -95,6 +95,10 @@ void read_damping_keys(Table& t, SolverSettings& s) {
   const bool flat =
       t.number("maxwell_damping", s.maxwell_damping, between(0, 0.05), "(damping ratio within maxwell_band)");
   if (flat) only_with("maxwell_damping", {DampingKind::impact}, "\"impact\"");
+  if (t.boolean("implicit_contacts", s.implicit_contacts) && s.implicit_contacts) {
+    only_with("implicit_contacts", {DampingKind::impact}, "\"impact\"");
+    if (s.maxwell_damping > 0.0) t.refuse("implicit_contacts", "false with maxwell_damping, or that without this");
+  }
   constexpr double kNarrowest = 10.0, kWidest = 100.0;  // where three elements keep the ratio flat
   if (t.numbers("maxwell_band", s.maxwell_band, kPositive, "Hz (lowest and highest frequency)")) {
     const double width = s.maxwell_band[1] / s.maxwell_band[0];

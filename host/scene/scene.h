@@ -136,6 +136,7 @@ struct SolverSettings {
   double impact_damping = 0.7;
   // impact: damping ratio of vibrations between two frequencies, Hz, by Maxwell elements beside the joints; 0: none.
   double maxwell_damping = 0.0;
+  bool implicit_contacts = false;  // impact: joints by the mean of a step, on the lattice (step/implicit_contacts.h)
   std::array<double, 2> maxwell_band{0.5, 25.0};
   LargeMotion large_motion = LargeMotion::automatic;
   MotionBound motion_bound;

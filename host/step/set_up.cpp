@@ -131,6 +131,11 @@ void Simulation::Impl::begin_damping() {
     const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(c)];
     if (points > 0) std::fill_n(old_jump.begin() + chunk.first_point, chunk.point_count, std::nan(""));
   }
+  const bool implicit = points > 0 && solver_in_use().implicit_contacts;
+  implicit_contacts = implicit ? ImplicitContacts(model, inertia.node) : ImplicitContacts();
+  if (implicit)
+    implicit_end =
+        shares(std::vector<double>(static_cast<std::size_t>(implicit_contacts.pieces()), 1.0), pool.thread_count());
 }
 
 std::vector<int> Simulation::Impl::chunks_here() const {

@@ -28,6 +28,12 @@ void Simulation::Impl::begin_stage(int index) {
     gather(Part::all);
     promote(fmt::format("stage '{}' {}", settings.name, beyond));
   }
+  if (large_motion && !left && settings.solver && settings.solver->implicit_contacts)
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: stage '{}': solver.implicit_contacts is for blocks on the lattice, and this scene runs in "
+                    "the general kernels; remove it from the stage",
+                    settings.source.text, settings.name));
   gather(Part::row);
   const bool swaps_laws = !settings.law_swaps.empty();
   if (!in_parts || (large_motion && swaps_laws))

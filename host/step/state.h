@@ -14,6 +14,7 @@
 #include "base/thread_pool.h"
 #include "law/answers.h"
 #include "model/shared_model.h"
+#include "step/implicit_contacts.h"
 #include "step/kernels.h"
 #include "step/large_motion.h"
 #include "step/motion_bound.h"
@@ -179,6 +180,10 @@ struct Simulation::Impl {
   void evaluate_law(int chunk, const ChunkJumps& jumps, bool measure, bool report);
   void damp_chunk(int chunk, const ChunkJumps& jumps);
   bool damps_impacts() const { return !old_jump.empty(); }  // on the lattice
+  ImplicitContacts implicit_contacts;                       // of the lattice, where the stage has them
+  std::vector<int> implicit_end;                            // of their pieces, per thread
+  void weigh_chunk(int chunk, const ChunkJumps& jumps, const double* normal_way);
+  void settle_contacts();
   [[noreturn]] void report_failed_points();
   std::string batch_text(const quoin_batch& batch) const;
 

@@ -36,6 +36,7 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     advance_item(thread, item, measure_step);
     lap(clock, Phase::motion);
   });
+  if (implicit_contacts.in_use()) settle_contacts();
   end_step(measure_step, report);
 }
 
@@ -65,11 +66,16 @@ void Simulation::Impl::advance_contacts(int thread, int index, bool measure_step
   contact_jumps(model, chunk, data, jump);
   lap(clock, Phase::jumps);
   const bool damped = damps_impacts() && time_step.impacts.viscosity[static_cast<std::size_t>(chunk.family)][0] > 0.0;
-  for (std::size_t k = 0; damped && k < 3; ++k)
+  const bool implicit = implicit_contacts.in_use();
+  for (std::size_t k = 0; (damped || implicit) && k < 3; ++k)
     std::copy_n(traction[k].data() + chunk.first_point, chunk.point_count, jump->old_traction[k]);
   evaluate_law(index, *jump, measure_step, report);
   lap(clock, Phase::law);
+  alignas(64) double way[kChunk];  // normal to the joint, before damping looks at the next step
+  for (int i = 0; implicit && i < chunk.point_count; ++i)
+    way[i] = jump->normal[i] - old_jump[static_cast<std::size_t>(chunk.first_point + i)];
   if (damped) damp_chunk(index, *jump);
+  if (implicit) weigh_chunk(index, *jump, way);
   const double* const of_damping[3] = {viscous[0].data(), viscous[1].data(), viscous[2].data()};
   contact_forces(model, chunk, data, damped ? of_damping : nullptr);
   lap(clock, Phase::contact_forces);

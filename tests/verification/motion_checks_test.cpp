@@ -13,8 +13,11 @@ class Watched : public Model {
   // Motion of the pair that has moved furthest since its contact was found, over what it may.
   double furthest() const {
     double most = 0.0;
-    for (size_t i = 0; i < contacts_.size(); ++i)
-      most = std::max(most, pair_motion(contacts_[i], pair_place_[i]) / allowed_motion(contacts_[i], pair_place_[i]));
+    for (size_t i = 0; i < contacts_.size(); ++i) {
+      const Contact& c = contacts_[i];
+      const double moved = pair_motion(c, pair_place_[i], pose(c.pair.a), pose(c.pair.b));
+      most = std::max(most, moved / allowed_motion(c, pair_place_[i]));
+    }
     return most;
   }
 };
