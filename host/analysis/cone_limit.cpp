@@ -77,8 +77,8 @@ struct Cone {
     lambda = w * z;
     return true;
   }
-  // (G W^-2 G + D)^-1, G = diag(friction, -1, -1), D = diag(normal, shear, shear). In the axes of the turn, with q^2 -
-  // (2 v0 v1)^2 = 1, it has no differences of large numbers, however close to the border s and z are.
+  // (G W^-2 G + D)^-1, G = diag(friction, -1, -1), D = diag(normal, shear, shear). In the axes of the turn q^2 -
+  // (2 v0 v1)^2 = 1. So there are no differences of large numbers, however close to the border s and z are.
   Matrix3d compliance(double friction, double normal, double shear) const {
     const double r = turn.norm(), q = 1.0 + 2.0 * r * r, coupled = 2.0 * std::sqrt(1.0 + r * r) * r;
     const double square = eta * eta, n = square * normal, p = square * shear, mu2 = friction * friction;

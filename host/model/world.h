@@ -33,7 +33,7 @@
 namespace quoin::members {
 struct Node;
 class Members;
-}
+}  // namespace quoin::members
 
 namespace quoin::blocks {
 
@@ -966,7 +966,7 @@ class World {
 
   std::shared_ptr<members::Members> members_;  // null: none
   ExchangeNodes exchange_nodes_;
-  double members_work_ = 0.0;                  // of them, that energies_ has, J
+  double members_work_ = 0.0;  // of them, that energies_ has, J
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;
   std::vector<uint8_t> loaded_;  // by block: some load or pressure acts on it

@@ -1,5 +1,5 @@
 // Members in a model: where their nodes ride, and what they do to blocks. Where several processes share the model, each
-// of them has all members and computes all of them, from places of nodes that the owners of their blocks give.
+// computes all members. Owners of blocks give the others the places of nodes.
 #include <array>
 
 #include "base/rank_rows.h"

@@ -139,8 +139,8 @@ TEST(Modes, RigidCubeOnItsCorners) {
   }
 }
 
-// Sway and rocking of the cube in one plane: both roots, Hz. along, turning: stiffness of its foot; of a face beside
-// its centre: along it and about its middle. N/m, N m.
+// Sway and rocking of the cube in one plane: both roots, Hz. Stiffness of its foot, N/m and N m, and of a face beside
+// its centre, along x and about its middle.
 std::array<double, 2> sway_and_rock(double along, double turning, double beside, double beside_turning) {
   const double m = 1800.0, inertia = m / 6.0;
   const double a = (along + beside) / m, b = (turning + along / 4.0 + beside_turning) / inertia;
