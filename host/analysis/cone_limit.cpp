@@ -17,20 +17,28 @@ using Eigen::VectorXd;
 using geometry::Vector;
 
 constexpr int kMostSteps = 100;
-constexpr double kToBorder = 0.99;  // share of the way to the border of the cones that a step goes
-constexpr double kWanted = 5e-7;    // gap and residuals at which the search ends
-constexpr double kGood = 1e-5;      // at which it may end where numbers give out
-constexpr double kGoodNear = 1e-3;  // of forces near to given ones: what a settled multiplier may change by
-constexpr double kRegular = 1e-13;  // added to the diagonal, of the largest: what no contact holds yet
-constexpr double kNear = 1e-6;      // weight of the distance to given forces: no more than what the gap leaves open
-constexpr double kUnbounded = 1e4;  // bound of forces of members that have none, over all loads
-constexpr double kInside = 1.0;     // distance of the first point from the border of the cones
+constexpr double kToBorder = 0.99;    // share of the way to the border of the cones that a step goes
+constexpr double kShort = 0.1;        // steps below it go to the middle of the cones instead,
+constexpr double kCentre = 0.9;       // with this share of the gap kept
+constexpr double kWanted = 5e-7;      // gap and residuals at which the search ends
+constexpr double kGood = 1e-5;        // at which it may end where numbers give out
+constexpr double kGoodNear = 1e-3;    // of forces near to given ones: what a settled multiplier may change by
+constexpr double kRegular = 1e-13;    // added to the diagonal, of the largest: what no contact holds yet
+constexpr double kNear = 1e-6;        // weight of the distance to given forces: no more than what the gap leaves open
+constexpr double kLeastBound = 1e-8;  // least z/s in the matrix: of forces that nothing bounds; steps have it at 0
+constexpr double kInside = 1.0;       // distance of the first point from the border of the cones
 
 // The cone s[0] >= |(s[1], s[2])|, with slack s and price z.
 struct Cone {
   Vector3d s, z, lambda;
-  Matrix3d w, w_inverse, square, square_inverse;  // Nesterov and Todd's scaling
+  Matrix3d w, w_inverse, square_inverse;  // Nesterov and Todd's scaling
+  double eta = 1.0;                       // W = eta times a hyperbolic rotation,
+  Eigen::Vector2d turn;                   // by these parts of its axis
 
+  void reset() {
+    for (Matrix3d* m : {&w, &w_inverse, &square_inverse}) m->setIdentity();
+    eta = 1.0, turn.setZero();
+  }
   static double determinant(const Vector3d& v) { return (v[0] - v.tail<2>().norm()) * (v[0] + v.tail<2>().norm()); }
   static Vector3d product(const Vector3d& a, const Vector3d& b) {
     Vector3d c;
@@ -51,26 +59,39 @@ struct Cone {
     const double gamma = std::sqrt(0.5 * (1.0 + unit_s.dot(unit_z)));
     unit_z.tail<2>() *= -1.0;
     const Vector3d v = (unit_s + unit_z) / (2.0 * gamma);
-    const double eta = std::sqrt(std::sqrt(of_s / of_z));
-    const Eigen::Vector2d v1 = v.tail<2>();
+    eta = std::sqrt(std::sqrt(of_s / of_z));
+    turn = v.tail<2>();
     Matrix3d root;
     root(0, 0) = v[0];
-    root.block<1, 2>(0, 1) = v1.transpose(), root.block<2, 1>(1, 0) = v1;
-    root.block<2, 2>(1, 1) = Eigen::Matrix2d::Identity() + v1 * v1.transpose() / (1.0 + v[0]);
+    root.block<1, 2>(0, 1) = turn.transpose(), root.block<2, 1>(1, 0) = turn;
+    root.block<2, 2>(1, 1) = Eigen::Matrix2d::Identity() + turn * turn.transpose() / (1.0 + v[0]);
     w = eta * root;
     root.block<1, 2>(0, 1) *= -1.0, root.block<2, 1>(1, 0) *= -1.0;
     w_inverse = root / eta;
     Vector3d mirrored = v;
     mirrored.tail<2>() *= -1.0;
     const Eigen::DiagonalMatrix<double, 3> j(1.0, -1.0, -1.0);
-    square = 2.0 * v * v.transpose();
-    square -= Matrix3d(j);
-    square *= eta * eta;
     square_inverse = 2.0 * mirrored * mirrored.transpose();
     square_inverse -= Matrix3d(j);
     square_inverse /= eta * eta;
     lambda = w * z;
     return true;
+  }
+  // (G W^-2 G + D)^-1, G = diag(friction, -1, -1), D = diag(normal, shear, shear). In the axes of the turn q^2 -
+  // (2 v0 v1)^2 = 1. So there are no differences of large numbers, however close to the border s and z are.
+  Matrix3d compliance(double friction, double normal, double shear) const {
+    const double r = turn.norm(), q = 1.0 + 2.0 * r * r, coupled = 2.0 * std::sqrt(1.0 + r * r) * r;
+    const double square = eta * eta, n = square * normal, p = square * shear, mu2 = friction * friction;
+    const Eigen::Vector2d along = r > 0.0 ? Eigen::Vector2d(turn / r) : Eigen::Vector2d(1.0, 0.0);
+    const Eigen::Vector2d across(-along[1], along[0]);
+    const double over = square / (mu2 + n * q + p * (mu2 * q + n));
+    Matrix3d m;
+    m(0, 0) = over * (q + p);
+    m.block<2, 1>(1, 0) = -over * friction * coupled * along;
+    m.block<1, 2>(0, 1) = m.block<2, 1>(1, 0).transpose();
+    m.block<2, 2>(1, 1) =
+        over * (mu2 * q + n) * along * along.transpose() + square / (1.0 + p) * across * across.transpose();
+    return m;
   }
   static double reach(const Vector3d& v, const Vector3d& d) {
     const double a = determinant(d), b = v[0] * d[0] - v.tail<2>().dot(d.tail<2>()), c = determinant(v);
@@ -106,8 +127,8 @@ struct Element {
   double towards = 0.0;
   Vector3d x = Vector3d::Zero(), dx;
 
-  Matrix3d hessian;
-  Matrix3d inverse;        // of it; 0 for forces that it does not have
+  double of_bounds = 0.0;  // its stiffness of them, z/s, and of the pull
+  Matrix3d inverse;        // of its Hessian H; 0 for forces that it does not have
   Vector3d to_multiplier;  // Hessian between x and the multiplier
   Vector3d rest, left;     // right side, and what is left of it
 
@@ -197,10 +218,8 @@ class ConeProgramme {
   void add_force(const LimitForce& force) {
     Element e;
     for (const LimitForce::Place& place : force.places) act_on(place.block, place.at, place.way, place.turn, 0, e);
-    // Where nothing bounds it, far more than all loads together does: steps need bounds on both sides.
-    const double most = kUnbounded * static_cast<double>(problem_.blocks.size());
-    e.bounds.push_back({1.0, std::min(most, force.high / force_)});
-    e.bounds.push_back({-1.0, std::min(most, -force.low / force_)});
+    if (std::isfinite(force.high)) e.bounds.push_back({1.0, force.high / force_});
+    if (std::isfinite(force.low)) e.bounds.push_back({-1.0, -force.low / force_});
     elements_.push_back(e);
   }
 
@@ -258,37 +277,21 @@ class ConeProgramme {
     return true;
   }
 
-  // The inverse by the scaling itself, which is exact to rounding however close to the border forces are.
   void scale(Element& e, bool identity) {
-    e.hessian.setZero(), e.inverse.setZero(), e.to_multiplier.setZero();
-    double of_bounds = 0.0;
+    e.inverse.setZero(), e.to_multiplier.setZero();
+    double of_bounds = e.pull;
     for (const Bound& b : e.bounds) of_bounds += identity ? 1.0 : b.z / b.s;
-    of_bounds += e.pull;
-    e.hessian(0, 0) = of_bounds;
+    e.of_bounds = of_bounds;
     if (!e.has_cone) {
-      e.inverse(0, 0) = 1.0 / of_bounds;
+      e.inverse(0, 0) = 1.0 / std::max(of_bounds, identity ? 1.0 : kLeastBound);
       return;
     }
-    e.hessian(1, 1) = e.hessian(2, 2) = e.pull;
-    if (identity) {
-      e.cone.w.setIdentity(), e.cone.w_inverse.setIdentity();
-      e.cone.square.setIdentity(), e.cone.square_inverse.setIdentity();
-    }
+    if (identity) e.cone.reset();
     const Eigen::DiagonalMatrix<double, 3> g(e.friction, -1.0, -1.0);
-    e.hessian += g * e.cone.square_inverse * g;
     e.to_multiplier = -e.live * (g * e.cone.square_inverse.col(0));
     own_ += e.live * e.live * e.cone.square_inverse(0, 0);
     whole_own_ += e.live * e.live * e.cone.square_inverse(0, 0);
-    if (e.friction == 0.0) {
-      e.inverse(0, 0) = 1.0 / of_bounds;
-      e.inverse.block<2, 2>(1, 1) = e.hessian.block<2, 2>(1, 1).inverse();
-      return;
-    }
-    // (G W^-2 G + D)^-1 = G^-1 W (1 + W G^-1 D G^-1 W)^-1 W G^-1
-    const Eigen::DiagonalMatrix<double, 3> over(1.0 / e.friction, -1.0, -1.0);
-    const Eigen::DiagonalMatrix<double, 3> d(of_bounds / (e.friction * e.friction), e.pull, e.pull);
-    const Matrix3d middle = Matrix3d::Identity() + e.cone.w * d * e.cone.w, half = over * e.cone.w;
-    e.inverse = half * middle.inverse() * half.transpose();
+    e.inverse = e.cone.compliance(e.friction, of_bounds, e.pull);
   }
 
   void eliminate(const Element& e) {
@@ -309,7 +312,8 @@ class ConeProgramme {
   }
 
   // H dx + A^T dy + to_multiplier dm = rest, A dx + live dm = of_rows, and the row of the multiplier. The residual is
-  // solved for again.
+  // solved for again. Cones have none: H dx loses more digits than their inverse does, and prices follow from
+  // velocities.
   void solve_for(const VectorXd& of_rows, double of_multiplier) {
     for (Element& e : elements_) e.dx.setZero(), e.left = e.rest;
     dy_ = VectorXd::Zero(rows_count_), dm_ = 0.0;
@@ -320,8 +324,8 @@ class ConeProgramme {
       rows = of_rows - dm_ * live_;
       multiplier = of_multiplier - live_.dot(dy_) - whole_own_ * dm_;
       for (Element& e : elements_) {
-        e.left = e.rest - e.hessian * e.dx - forces_from(e, dy_) - dm_ * e.to_multiplier;
-        if (!e.has_cone) e.left[1] = e.left[2] = 0.0;
+        e.left.setZero();
+        if (!e.has_cone) e.left[0] = e.rest[0] - e.of_bounds * e.dx[0] - forces_from(e, dy_)[0];
         multiplier -= e.to_multiplier.dot(e.dx);
         act(e, -e.dx, rows);
       }
@@ -492,13 +496,17 @@ class ConeProgramme {
     return far;
   }
 
-  bool advance() {
-    if (!assemble(false)) return false;
+  void clear_correctors() {
     for (Element& e : elements_) {
       e.corrector.setZero();
       for (Bound& b : e.bounds) b.corrector = 0.0;
     }
     for (Bound& b : multiplier_bounds_) b.corrector = 0.0;
+  }
+
+  bool advance() {
+    if (!assemble(false)) return false;
+    clear_correctors();
     direction(0.0);
     const double centring = std::pow(1.0 - std::min(1.0, reach()), 3);
     for (Element& e : elements_) {
@@ -507,7 +515,12 @@ class ConeProgramme {
     }
     for (Bound& b : multiplier_bounds_) b.corrector = b.ds * b.dz;
     direction(centring);
-    const double by = std::min(1.0, kToBorder * reach());
+    double by = std::min(1.0, kToBorder * reach());
+    if (by < kShort) {
+      clear_correctors();
+      direction(kCentre);
+      by = std::min(1.0, kToBorder * reach());
+    }
     if (!std::isfinite(by) || !std::isfinite(dm_) || by < 1e-10) return false;
     for (Element& e : elements_) {
       e.x += by * e.dx;

@@ -31,8 +31,9 @@
 #include "scene/blocks.h"
 
 namespace quoin::members {
+struct Node;
 class Members;
-}
+}  // namespace quoin::members
 
 namespace quoin::blocks {
 
@@ -503,9 +504,10 @@ class World {
   double dissipated_in_step() const { return dissipated_in_step_; }  // by laws, in the last one, J; with energies
   // Velocity of the ground half a step ago and now, m/s: what mass-proportional and local damping brake against.
   void move_ground(const Vector& half_step_ago, const Vector& now) { ground_then_ = half_step_ago, ground_now_ = now; }
-  // Members that hold blocks beside their joints (world_members.cpp); in one process alone. The time step is chosen
-  // again.
-  void hold_by_members(std::shared_ptr<members::Members> members);
+  // Members that hold blocks beside their joints (world_members.cpp). The time step is chosen again. exchange: gives
+  // places and turns of nodes to ranks that do not have their blocks; empty: one process.
+  using ExchangeNodes = std::function<void(std::vector<members::Node>& nodes)>;
+  void hold_by_members(std::shared_ptr<members::Members> members, ExchangeNodes exchange = {});
   const members::Members* members() const { return members_.get(); }
   members::Members* members() { return members_.get(); }
   // Springs from outside that pull on its blocks, by their eigenvalue on the masses of these, 1/s2: they shorten the
@@ -974,7 +976,8 @@ class World {
   std::function<void()> fetch_ = [] {};
 
   std::shared_ptr<members::Members> members_;  // null: none
-  double members_work_ = 0.0;                  // of them, that energies_ has, J
+  ExchangeNodes exchange_nodes_;
+  double members_work_ = 0.0;  // of them, that energies_ has, J
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;
   std::vector<uint8_t> loaded_;  // by block: some load or pressure acts on it

@@ -1,17 +1,46 @@
-// Members in a model: where their nodes ride, and what they do to blocks.
+// Members in a model: where their nodes ride, and what they do to blocks. Where several processes share the model, each
+// computes all members. Owners of blocks give the others the places of nodes.
+#include <array>
+
+#include "base/rank_rows.h"
 #include "members/members.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
 
-void World::hold_by_members(std::shared_ptr<members::Members> members) {
-  members_ = std::move(members);
-  for (members::Node& node : members_->nodes()) {
-    const Pose& start = start_[size_t(node.block)];
-    if (blocks_[size_t(node.block)].body >= 0)
-      node.arm = transposed_times(start.r, node.start - start.x);
-    else
-      node.share = shares_at(node.block, node.start);
+namespace {
+
+// How a node rides, in a form that ranks exchange: gridpoints below 0 are none.
+struct Ride {
+  Vector arm;
+  std::array<int32_t, 4> gridpoint{-1, -1, -1, -1};
+  std::array<double, 4> weight{};
+};
+
+}  // namespace
+
+void World::hold_by_members(std::shared_ptr<members::Members> members, ExchangeNodes exchange) {
+  members_ = std::move(members), exchange_nodes_ = std::move(exchange);
+  std::vector<members::Node>& nodes = members_->nodes();
+  std::vector<Ride> rides(nodes.size());
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    const int block = nodes[n].block;
+    if (!owns(block)) continue;
+    const Pose& start = start_[size_t(block)];
+    if (blocks_[size_t(block)].body >= 0) {
+      rides[n].arm = transposed_times(start.r, nodes[n].start - start.x);
+      continue;
+    }
+    size_t k = 0;
+    for (const auto& [gridpoint, weight] : shares_at(block, nodes[n].start))
+      rides[n].gridpoint[k] = gridpoint, rides[n].weight[k++] = weight;
+  }
+  all_gather(ranks_, std::span(rides), [&](size_t n) { return rank_of_block_[size_t(nodes[n].block)]; });
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    nodes[n].arm = rides[n].arm;
+    for (size_t k = 0; k < rides[n].gridpoint.size(); ++k) {
+      if (rides[n].gridpoint[k] >= 0) nodes[n].share.push_back({rides[n].gridpoint[k], rides[n].weight[k]});
+    }
   }
   find_time_step(true);
   // Dashpots act with velocities of half a step ago: stable where K + 2 C/dt has dt^2 times its eigenvalue below 4. A
@@ -27,6 +56,7 @@ void World::hold_by_members(std::shared_ptr<members::Members> members) {
 
 void World::follow_members() {
   for (members::Node& node : members_->nodes()) {
+    if (!owns(node.block)) continue;
     const ModelBlock& b = blocks_[size_t(node.block)];
     if (b.body >= 0) {
       const Body& body = bodies_[size_t(b.body)];
@@ -37,6 +67,7 @@ void World::follow_members() {
     }
     if (node.turns) node.turn = orientation(node.block);
   }
+  if (exchange_nodes_) exchange_nodes_(members_->nodes());
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
   members_->pull({dt_, dt_ * ground_then_, braking_ground(), gravity_factor_.at(time_) * gravity_, solver_.mass_scaling,
                   solver_.damping == DampingKind::viscous ? solver_.mass_damping : 0.0, eq1 ? gamma() : 0.0});
@@ -55,25 +86,28 @@ void World::add_member_springs(const Unit* alone, const Columns& velocity, const
     for (const auto& [i, weight] : node.share) v += weight * velocity.node[size_t(i)];
     return v;
   };
+  const auto has = [&](const members::Node& node) { return alone ? alone->has(node.block) : owns(node.block); };
+  std::vector<Vector> moves(nodes.size());  // of blocks outside of a unit: none
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    if (has(nodes[n])) moves[n] = velocity_of(nodes[n]);
+  }
+  if (!alone) all_gather(ranks_, std::span(moves), [&](size_t n) { return rank_of_block_[size_t(nodes[n].block)]; });
   const auto push = [&](const members::Node& node, const Vector& f) {
+    if (!has(node)) return;
     const int32_t body = blocks_[size_t(node.block)].body;
     if (body >= 0) {
       const auto i = size_t(body);
       force.linear[i] += f, force.angular[i] += cross(node.x - bodies_[i].x, f);
+      return;
     }
     for (const auto& [i, weight] : node.share) force.node[size_t(i)] += weight * f;
   };
   members_->each_spring([&](int a, int b, double stiffness) {
     const members::Node& from = nodes[size_t(a)];
-    if (b == members::kGround) {
-      if (!alone || alone->has(from.block)) push(from, stiffness * velocity_of(from));
-      return;
-    }
+    if (b == members::kGround) return push(from, stiffness * moves[size_t(a)]);
     const members::Node& to = nodes[size_t(b)];
-    const bool has_from = !alone || alone->has(from.block), has_to = !alone || alone->has(to.block);
-    if (!has_from && !has_to) return;
-    const double factor = has_from && has_to ? 1.0 : 2.0;
-    const Vector f = factor * stiffness * (velocity_of(to) - velocity_of(from));
+    const double factor = alone && !(has(from) && has(to)) ? 2.0 : 1.0;
+    const Vector f = factor * stiffness * (moves[size_t(b)] - moves[size_t(a)]);
     push(from, -f), push(to, f);
   });
 }

@@ -290,6 +290,7 @@ struct Simulation::Impl {
   // -----------------------------------------------------------------------------
   void build_large_motion(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
   void build_members();  // of the scene
+  void exchange_nodes(std::vector<members::Node>& nodes) const;
   void find_blocks_on_base();
   void find_base_of_lattice();
   bool may_ride_in_parts(const blocks::Assembly& shapes) const;

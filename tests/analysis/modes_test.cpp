@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -136,6 +137,48 @@ TEST(Modes, RigidCubeOnItsCorners) {
     for (const auto& [i, w2] : {std::pair(0u, mean - spread), std::pair(5u, mean + spread)})
       EXPECT_NEAR(modes.mode[i].frequency, std::sqrt(w2) / (2.0 * pi), 1e-6 * modes.mode[i].frequency) << joint;
   }
+}
+
+// Sway and rocking of the cube in one plane: both roots, Hz. Stiffness of its foot, N/m and N m, and of a face beside
+// its centre, along x and about its middle.
+std::array<double, 2> sway_and_rock(double along, double turning, double beside, double beside_turning) {
+  const double m = 1800.0, inertia = m / 6.0;
+  const double a = (along + beside) / m, b = (turning + along / 4.0 + beside_turning) / inertia;
+  const double c = -0.5 * along / std::sqrt(m * inertia);
+  const double mean = (a + b) / 2.0, spread = std::hypot((a - b) / 2.0, c);
+  return {std::sqrt(mean - spread) / (2.0 * pi), std::sqrt(mean + spread) / (2.0 * pi)};
+}
+
+void expect_frequencies(const std::string& text, std::vector<double> expected) {
+  const Modes modes = modes_of(text).modes;
+  ASSERT_EQ(modes.mode.size(), expected.size());
+  std::sort(expected.begin(), expected.end());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(modes.mode[i].frequency, expected[i], 1e-6 * expected[i]) << i;
+}
+
+// A dowel through the middle of the joint: it adds to sway by its shear, to bounce along itself, and to no rotation.
+TEST(Modes, DowelStiffensTheJointOfACube) {
+  const double kn = 1e9, ks = 4e8, m = 1800.0, axial = 7e8, shear = 3e8;
+  const auto [sway, rock] = sway_and_rock(ks + shear, kn / 12.0, 0.0, 0.0);
+  expect_frequencies(
+      cube("bond") + fmt::format("[[dowel]]\npoint = [0.5, 0.0, 0.5]\ndirection = [0, 1, 0]\naxial_stiffness = {}\n"
+                                 "shear_stiffness = {}\nyield_force = 1e4\nyield_shear = 1e4\n",
+                                 axial, shear),
+      {sway, sway, rock, rock, std::sqrt((kn + axial) / m) / (2.0 * pi), std::sqrt(ks / m) / (2.0 * pi)});
+}
+
+// Soil on one side of the cube presses along x alone: sway and rocking in x-y, and twisting, become stiffer. Its points
+// integrate k u over the face exactly.
+TEST(Modes, SoilStiffensOneSideOfACube) {
+  const double kn = 1e9, ks = 4e8, m = 1800.0, soil = 5e8;
+  const auto [sway, rock] = sway_and_rock(ks, kn / 12.0, soil, soil / 12.0);
+  const auto [free_sway, free_rock] = sway_and_rock(ks, kn / 12.0, 0.0, 0.0);
+  const double twist = std::sqrt((ks / 6.0 + soil / 12.0) / (m / 6.0)) / (2.0 * pi);
+  expect_frequencies(cube("bond") + fmt::format("[[fill]]\nblock = \"cube\"\ntowards = [1, 0, 0]\nsurface = [0, 2, "
+                                                "0]\nunit_weight = 18e3\nfriction_angle = 30\nstiffness = {}\n",
+                                                soil),
+                     {sway, rock, free_sway, free_rock, twist, std::sqrt(kn / m) / (2.0 * pi)});
 }
 
 // A mass of 900 kg half a metre over the middle of the cube, and so outside of it. The centre of mass rises; sway,

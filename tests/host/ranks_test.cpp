@@ -53,10 +53,11 @@ struct Rows : Observer {
                            row.unbalanced_ratio, row.kinetic_energy, row.multiplier, row.largest_displacement,
                            row.monitor_displacement[0], row.joint_force[0], row.joint_force[1]})
       bits.push_back(std::bit_cast<std::uint64_t>(x));
+    for (const double x : row.members) bits.push_back(std::bit_cast<std::uint64_t>(x));
     if (!row.energies) return;
     const Energies& e = *row.energies;
     for (const double x : {e.kinetic, e.strain, e.contact_stored, e.dissipated[0], e.dissipated[1], e.dissipated[2],
-                           e.dissipated[3], e.external, e.damping, e.detection})
+                           e.dissipated[3], e.external, e.damping, e.detection, e.members_stored, e.members_dissipated})
       bits.push_back(std::bit_cast<std::uint64_t>(x));
   }
 };
@@ -219,6 +220,16 @@ INSTANTIATE_TEST_SUITE_P(
              kScenes + "mixed.toml",
              {"output.energy=true", "stage.weight.duration=0.05", "stage.push.duration=0.1"},
              Case::detection},
+        Case{"Members", QUOIN_HOST_TESTS "/all_members.toml", {}},
+        Case{"MembersAndScatter",
+             QUOIN_HOST_TESTS "/all_members.toml",
+             {"stage.shake.duration=0.015",
+              "joints.mortar.tensile_strength={distribution='lognormal', mean=2e4, cov=0.3, level='point'}"}},
+        Case{"TiedFacade",
+             kScenes + "tied_facade.toml",
+             {"output.energy=true", "tie.left.pretension=500", "stage.weight.duration=0.2", "stage.push.ramp_time=0.2",
+              "stage.push.collapse.start=0.3"},
+             Case::detection},
         Case{"HalvesThatPart",
              kTests + "host/halves_part.toml",
              {"solver.large_motion=always", "output.energy=true"},
@@ -312,29 +323,36 @@ TEST(Ranks, HoldTheirPartsOfLargeMotion) {
 
 // What three ranks have written in the middle of a collapse, two go on from: the bits of one process.
 TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
-  const auto read = [] {
-    return read_scene(kScenes + "mixed.toml", {"stage.weight.gravity=[20.0, -9.81, 0.0]"});  // the post falls over
+  struct Goes {
+    std::string scene;
+    Overrides overrides;
+    long detections;
   };
   constexpr long kFirst = 2000, kThen = 2000;
-  Simulation alone(read(), 1);
-  alone.advance(kFirst + kThen, true);
-  const auto goes_on = [&](int count, const std::vector<std::uint8_t>& from, long steps) {
-    std::vector<std::uint8_t> state;
-    on_ranks(count, [&](Ranks& ranks) {
-      Simulation simulation(read(), 1, &ranks);
-      if (!from.empty()) simulation.restore(from);
-      simulation.advance(steps, true);
-      simulation.save(
-          [&](std::span<const std::uint8_t> bytes) { state.insert(state.end(), bytes.begin(), bytes.end()); });
-    });
-    return state;
-  };
-  const std::vector<std::uint8_t> last = goes_on(2, goes_on(3, {}, kFirst), kThen);
-  Simulation reader(read(), 1);
-  reader.restore(last);
-  EXPECT_GT(alone.large_motion()->detections(), 2);
-  EXPECT_EQ(reader.step(), alone.step());
-  EXPECT_EQ(reader.hash(), alone.hash());
+  for (const Goes& of :
+       {Goes{kScenes + "mixed.toml", {"stage.weight.gravity=[20.0, -9.81, 0.0]"}, 2},  // the post falls
+        Goes{QUOIN_HOST_TESTS "/all_members.toml", {}, 0}}) {
+    const auto read = [&] { return read_scene(of.scene, of.overrides); };
+    Simulation alone(read(), 1);
+    alone.advance(kFirst + kThen, true);
+    const auto goes_on = [&](int count, const std::vector<std::uint8_t>& from, long steps) {
+      std::vector<std::uint8_t> state;
+      on_ranks(count, [&](Ranks& ranks) {
+        Simulation simulation(read(), 1, &ranks);
+        if (!from.empty()) simulation.restore(from);
+        simulation.advance(steps, true);
+        simulation.save(
+            [&](std::span<const std::uint8_t> bytes) { state.insert(state.end(), bytes.begin(), bytes.end()); });
+      });
+      return state;
+    };
+    const std::vector<std::uint8_t> last = goes_on(2, goes_on(3, {}, kFirst), kThen);
+    Simulation reader(read(), 1);
+    reader.restore(last);
+    EXPECT_GT(alone.large_motion()->detections(), of.detections) << of.scene;
+    EXPECT_EQ(reader.step(), alone.step()) << of.scene;
+    EXPECT_EQ(reader.hash(), alone.hash()) << of.scene;
+  }
 }
 
 // An error of one rank while it makes its part is thrown by all of them, with its message.

@@ -41,6 +41,10 @@ scenes = {
     # Deformable blocks of any shape.
     "deformable": (root / "host/scenes/mixed.toml", ["wall.rigid_units=false", "wall.zones=[2, 2, 1]",
                                                      "stage.weight.duration=0.02", "stage.push.duration=0.02"]),
+    # A facade that ties hold.
+    "members": (root / "host/scenes/tied_facade.toml", ["tie.left.pretension=500", "stage.weight.duration=0.02",
+                                                        "stage.weight.ramp_time=0.01", "stage.push.ramp_time=0.02",
+                                                        "stage.push.duration=0.03", "stage.push.collapse.start=0.3"]),
 }
 
 

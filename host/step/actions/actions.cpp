@@ -1,4 +1,5 @@
 // The actions, and what goes over all of them.
+#include "scene/load_place.h"
 #include "step/actions/action.h"
 
 namespace quoin {
@@ -50,6 +51,11 @@ std::vector<int> Simulation::Impl::blocks_named_in(const Stage& settings) const 
       const std::vector<int> named = blocks_named(name, settings.source.text);
       blocks.insert(blocks.end(), named.begin(), named.end());
     });
+  }
+  if (settings.moving_load) {
+    for (const blocks::LoadPlace& place :
+         blocks::places_of(*settings.moving_load, large_motion->assembly(), settings.source.text))
+      blocks.push_back(place.block);
   }
   return blocks;
 }

@@ -1,11 +1,8 @@
 // Forces at points of blocks: those of the stage before fade while those of this one grow. A moving load is one at each
 // of its positions, which share it by the lever.
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
 #include "step/actions/action.h"
@@ -24,11 +21,6 @@ void Simulation::Impl::add_forces(const Stage& settings) {
     m.add(added);
   }
   if (!settings.moving_load) return;
-  if (ranks)
-    throw Error(Exit::bad_input,
-                fmt::format("{}: moving_load goes over blocks of several processes; run the scene in one process, with "
-                            "as many threads as there are cores",
-                            settings.source.text));
   for (const blocks::LoadPlace& place : blocks::places_of(*settings.moving_load, m.assembly(), settings.source.text)) {
     blocks::Load added{};
     added.block = place.block, added.point = place.at;
