@@ -30,6 +30,7 @@ constexpr double kMeanFrom = 10.0;
 // problem, so 0.1 % of the multiplier is still to come.
 constexpr double kSteady = 1e-3, kBeyond = 0.05, kShareBeyond = 0.02;
 constexpr double kSliding = 0.99;  // of its strength, from which on a point slides
+constexpr double kJump = 1.2;      // of the multiplier, from a state whose shear is within friction
 constexpr int kSteadyFor = 3, kMostProblems = 60;
 // Large assemblies come no closer than this: over so many problems the multiplier stays within this range, and shear
 // beyond friction below this. Then the mean counts, and half of the range is said.
@@ -183,7 +184,10 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     const LimitResult result = limit_multiplier(
         of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones), settings);
     ++now.problems;
-    if (result.status != LimitStatus::solved) {  // too far at once: halfway back
+    // Too far at once: halfway back. Points that lose their load may jump to another state, from one nearly settled.
+    const bool jumps =
+        !of_friction && now.problems > 1 && now.beyond <= kBeyond && result.multiplier > kJump * now.multiplier;
+    if (result.status != LimitStatus::solved || jumps) {
       if (solved.empty()) return now;
       for (std::size_t i = 0; i < normal.size(); ++i) normal[i] = 0.5 * (normal[i] + solved[i]);
       steady = 0;
