@@ -133,6 +133,9 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   if (!folder.empty()) {
     own_ = std::make_unique<ResultFolder>(folder_);
     file_.emplace(folder_ / "history.csv", *simulation_);
+    const Scene& of = simulation_->scene();
+    if (std::vector<Monitor> monitors = monitors_of(of.text, of.file, {}); !monitors.empty())
+      monitors_.emplace(folder_, *simulation_, std::move(monitors), std::vector<std::vector<double>>());
     if (simulation_->scene().has_frames()) series_.emplace(folder_, *surfaces_);
     if (simulation_->scene().has_frames() && simulation_->scene().output.pieces) {
       const py::gil_scoped_acquire lock;
@@ -213,6 +216,7 @@ void Session::on_promotion(const Simulation&) {
 void Session::on_row(const HistoryRow& row) {
   rows_.push_back(row);
   if (file_) file_->add(row);
+  if (monitors_) monitors_->add(row);
 }
 
 void Session::on_pause(const Simulation&, bool) {
@@ -299,6 +303,7 @@ std::string Session::finish(const std::string& status, const std::string& messag
   if (file_ && !finished_) {
     finished_ = true;
     file_->finish();
+    if (monitors_) monitors_->finish();
     if (series_ && status != "done" && info.law_answers) series_->add_frame(simulation);
     if (series_) series_->finish();
     write_summary(folder_ / "summary.json", simulation, rows_, info);

@@ -17,6 +17,7 @@
 #include "law/law_library.h"
 #include "results/checkpoint_file.h"
 #include "results/history.h"
+#include "results/monitors.h"
 #include "results/provenance.h"
 #include "results/summary.h"
 #include "results/surface.h"
@@ -98,6 +99,7 @@ class Session : private Observer {
   std::unique_ptr<ResultFolder> own_;
   std::filesystem::path folder_;
   std::optional<History> file_;
+  std::optional<MonitorFile> monitors_;
   std::optional<VtkSeries> series_;
   py::object progress_ = py::none();
   bool stepping_ = false, finished_ = false;

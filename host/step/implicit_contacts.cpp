@@ -83,17 +83,17 @@ void WeighPoints(const ImplicitContacts::Chunk& c, int count, double dt, double*
 using Lanes = ImplicitContacts::Lanes;
 
 // Of the lanes in use; the others are 0.
-HWY_INLINE V from_line(const Lanes& c, const double* field, const std::int32_t* place, int p) {
+HWY_INLINE V from_line(const Lanes& c, const double* field, const std::int32_t* place, bool row, int p) {
   const D d;
   place += p * kWidth;
-  if (!c.side_by_side) return gather(d, field, place);
+  if (!row) return gather(d, field, place);
   const int used = std::clamp(c.lanes - p * kWidth, 0, kWidth);
   if (used == kWidth) return hn::LoadU(d, field + *place);
   return hn::MaskedLoad(hn::FirstN(d, static_cast<std::size_t>(used)), d, field + *place);
 }
 
 HWY_INLINE V at_nodes(const Lanes& c, const double* field, int n, int component, int p) {
-  return from_line(c, field + component * kLanes, c.node + n * kLanes, p);
+  return from_line(c, field + component * kLanes, c.node + n * kLanes, c.nodes_row[n] != 0, p);
 }
 
 HWY_INLINE void add_at_nodes(const Lanes& c, int n, int component, int p, V velocity, V change) {
@@ -103,7 +103,7 @@ HWY_INLINE void add_at_nodes(const Lanes& c, int n, int component, int p, V velo
   double* const v = c.velocity + component * kLanes;
   double* const u = c.displacement + component * kLanes;
   const V after = hn::Add(velocity, change), dt = hn::Set(d, c.time_step);
-  if (c.side_by_side && used == kWidth) {
+  if (c.nodes_row[n] != 0 && used == kWidth) {
     hn::StoreU(after, d, v + *node);
     hn::StoreU(hn::MulAdd(change, dt, hn::LoadU(d, u + *node)), d, u + *node);
     return;
@@ -121,8 +121,9 @@ struct Pull {
 HWY_INLINE Pull pull_of(const Lanes& c, int point, int component, int p, V jump) {
   const int of = (component - c.point_of_kind[point].axis + 3) % 3;
   const std::int32_t* index = c.point + point * kLanes;
-  const V weight = from_line(c, c.weight[of > 0 ? 1 : 0], index, p);
-  return {weight, hn::NegMulAdd(weight, jump, from_line(c, c.momentum[of], index, p))};
+  const bool row = c.points_row[point] != 0;
+  const V weight = from_line(c, c.weight[of > 0 ? 1 : 0], index, row, p);
+  return {weight, hn::NegMulAdd(weight, jump, from_line(c, c.momentum[of], index, row, p))};
 }
 
 HWY_INLINE V mass_of(const Lanes& c, int n, int component, int p) {
@@ -253,36 +254,32 @@ std::size_t ImplicitContacts::kind_of(const Cluster& cluster, const Model& model
   return kinds_.size() - 1;
 }
 
-// Clusters whose places follow each other in memory need no gathers: they have batches of their own, where at least
-// kRow of them do.
+// Places that follow each other in memory need no gathers. Where the contact points of at least kRow clusters do, so
+// do gridpoints, on one side at least: they have a batch of their own.
 void ImplicitContacts::fill(int kind, std::vector<Cluster> clusters, const Model& model,
                             const LaneVector<double>& node_mass) {
-  constexpr std::size_t kRow = 5;
+  constexpr std::size_t kRow = 6;
   std::sort(clusters.begin(), clusters.end(), [](const auto& x, const auto& y) { return x.points < y.points; });
-  const auto follows = [](const std::vector<int>& before, const std::vector<int>& after) {
-    return std::equal(before.begin(), before.end(), after.begin(), [](int x, int y) { return y == x + 1; });
-  };
   std::vector<const Cluster*> rest;
   for (std::size_t i = 0; i < clusters.size();) {
     std::vector<const Cluster*> row{&clusters[i]};
     for (++i; i < clusters.size() && row.size() < kLanes; ++i) {
-      if (!follows(row.back()->nodes, clusters[i].nodes) || !follows(row.back()->points, clusters[i].points)) break;
+      if (clusters[i].points.front() != row.back()->points.front() + 1) break;
       row.push_back(&clusters[i]);
     }
     if (row.size() >= kRow)
-      add(kind, row, true, model, node_mass);
+      add(kind, row, model, node_mass);
     else
       rest.insert(rest.end(), row.begin(), row.end());
   }
   for (std::size_t i = 0; i < rest.size(); i += kLanes)
-    add(kind, std::span(rest).subspan(i, std::min<std::size_t>(kLanes, rest.size() - i)), false, model, node_mass);
+    add(kind, std::span(rest).subspan(i, std::min<std::size_t>(kLanes, rest.size() - i)), model, node_mass);
 }
 
-void ImplicitContacts::add(int kind, std::span<const Cluster* const> clusters, bool side_by_side, const Model& model,
+void ImplicitContacts::add(int kind, std::span<const Cluster* const> clusters, const Model& model,
                            const LaneVector<double>& node_mass) {
   const auto nodes = at(kinds_[at(kind)].nodes), points = kinds_[at(kind)].points.size();
-  Batch batch{
-      kind, static_cast<int>(clusters.size()), side_by_side, false, node_.size() / kLanes, point_.size() / kLanes};
+  Batch batch{kind, static_cast<int>(clusters.size()), false, node_.size() / kLanes, point_.size() / kLanes};
   node_.resize(node_.size() + nodes * kLanes, 0);
   point_.resize(point_.size() + points * kLanes, 0);
   mass_.resize(mass_.size() + 3 * nodes * kLanes, kHeld);
@@ -300,6 +297,14 @@ void ImplicitContacts::add(int kind, std::span<const Cluster* const> clusters, b
       batch.any_held = batch.any_held || mass[0] != mass[kLanes] || mass[0] != mass[2 * kLanes];
     }
   }
+  const auto follow = [&](const LaneVector<std::int32_t>& places, std::size_t line) {
+    bool row = true;
+    for (std::size_t lane = 1; lane < clusters.size(); ++lane)
+      row = row && places[line * kLanes + lane] == places[line * kLanes + lane - 1] + 1;
+    return row ? std::uint8_t{1} : std::uint8_t{0};
+  };
+  for (std::size_t n = 0; n < nodes; ++n) nodes_row_.push_back(follow(node_, batch.first_node + n));
+  for (std::size_t q = 0; q < points; ++q) points_row_.push_back(follow(point_, batch.first_point + q));
   batches_.push_back(batch);
 }
 
@@ -316,13 +321,14 @@ void ImplicitContacts::settle(int piece, const StepData& step) const {
     const Batch& batch = batches_[i];
     const Kind& kind = kinds_[at(batch.kind)];
     const Lanes lanes{batch.lanes,
-                      batch.side_by_side,
                       batch.any_held,
                       kind.nodes,
                       static_cast<int>(kind.points.size()),
                       kind.points.data(),
                       node_.data() + batch.first_node * kLanes,
                       point_.data() + batch.first_point * kLanes,
+                      nodes_row_.data() + batch.first_node,
+                      points_row_.data() + batch.first_point,
                       mass_.data() + 3 * batch.first_node * kLanes,
                       {weight_[0].data(), weight_[1].data()},
                       {momentum_[0].data(), momentum_[1].data(), momentum_[2].data()},

@@ -49,13 +49,13 @@ class ImplicitContacts {
   // Up to eight of a kind, one a lane.
   struct Lanes {
     int lanes;
-    bool side_by_side;  // the places of each line follow each other
-    bool any_held;      // along some component alone: masses differ by component
+    bool any_held;  // along some component alone: masses differ by component
     int nodes, points;
     const Point* point_of_kind;
-    const std::int32_t *node, *point;       // lines of lanes
-    const double* mass;                     // three lines a gridpoint
-    const double *weight[2], *momentum[3];  // by contact point
+    const std::int32_t *node, *point;            // lines of lanes
+    const std::uint8_t *nodes_row, *points_row;  // by line: 1 where its places follow each other
+    const double* mass;                          // three lines a gridpoint
+    const double *weight[2], *momentum[3];       // by contact point
     double *velocity, *displacement;
     double time_step;
   };
@@ -72,7 +72,7 @@ class ImplicitContacts {
   };
   struct Batch {
     int kind, lanes;
-    bool side_by_side, any_held;
+    bool any_held;
     std::size_t first_node, first_point;  // in lines of lanes
   };
   struct Cluster {
@@ -80,13 +80,13 @@ class ImplicitContacts {
   };
   std::size_t kind_of(const Cluster& cluster, const Model& model);
   void fill(int kind, std::vector<Cluster> clusters, const Model& model, const LaneVector<double>& node_mass);
-  void add(int kind, std::span<const Cluster* const> clusters, bool side_by_side, const Model& model,
-           const LaneVector<double>& node_mass);
+  void add(int kind, std::span<const Cluster* const> clusters, const Model& model, const LaneVector<double>& node_mass);
 
   std::vector<Kind> kinds_;
   std::vector<Batch> batches_;
-  LaneVector<std::int32_t> node_, point_;       // [batch][gridpoint], [batch][point]; lanes
-  LaneVector<double> mass_;                     // [batch][gridpoint][component], kg
+  LaneVector<std::int32_t> node_, point_;             // [batch][gridpoint], [batch][point]; lanes
+  std::vector<std::uint8_t> nodes_row_, points_row_;  // by line of these
+  LaneVector<double> mass_;                           // [batch][gridpoint][component], kg
   LaneVector<double> weight_[2], momentum_[3];  // G by point, normal and along, kg; G times the old velocity, kg m/s
 };
 

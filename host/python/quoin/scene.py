@@ -8,7 +8,7 @@ import numpy as np
 from . import _quoin
 
 # Keys that are lists of tables: they need not be there before something is appended.
-LISTS = ("block", "dry_wall", "arch", "joint_rule", "tie", "spring", "strip", "floor", "beam", "dowel", "fill", "damage", "stage")
+LISTS = ("block", "dry_wall", "arch", "joint_rule", "tie", "spring", "strip", "floor", "beam", "dowel", "fill", "mass", "monitor", "damage", "stage")
 TABLES = ("materials", "joints", "solver", "output", "contact")
 
 
@@ -122,6 +122,14 @@ class Dowel(Table):
 
 class Fill(Table):
     """[[fill]]: soil on faces, its weight and its pressure between active and passive."""
+
+
+class Mass(Table):
+    """[[mass]]: a point mass on a block."""
+
+
+class Monitor(Table):
+    """[[monitor]]: a block or point whose motion monitors.csv has."""
 
 
 class JointRule(Table):

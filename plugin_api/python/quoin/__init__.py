@@ -31,7 +31,7 @@ else:
         from .results import open_results as open  # noqa: F401
         from .run import Frame, Run, run  # noqa: F401
         from .scene import (Arch, Beam, Block, BlockMaterial, Damage, Dowel, DryWall, Fill, Floor, Joint,  # noqa: F401
-                            JointRule, Scene, Spring, Stage, Strip, Table, Tie, Wall)
+                            JointRule, Mass, Monitor, Scene, Spring, Stage, Strip, Table, Tie, Wall)
         from .simulation import Simulation  # noqa: F401
 
 
