@@ -1,15 +1,15 @@
 // Springs and dashpots of joints on the lattice by the mean of a step, so that the step is that of the zones.
 //
-// Central differences with forces F of the displacements u and dashpots C of the velocities of half a step ago are
-//     M a = F - C v,    a = (v' - v)/dt,
-// and unstable past dt^2 K + 2 dt C = 4 M. Here the joints' stiffness K acts on u + dt^2 a/4 and C on (v + v')/2:
+// Central differences have forces F of the displacements u, and dashpots C of the velocities of half a step ago:
+//     M a = F - C v,    a = (v' - v)/dt.
+// They are unstable past dt^2 K + 2 dt C = 4 M. Here the joints' stiffness K acts on u + dt^2 a/4 and C on (v + v')/2:
 //     (M + G) a = F - C v,    G = dt^2 K/4 + dt C/2.
 // Joints then take no part in 4 (M + G) - dt^2 K - 2 dt C, whatever their stiffness. The scheme has second order, keeps
 // momentum, and differs from the other by the factor 1 + omega^2 dt^2/8 at most in frequencies of joints. (Belytschko
 // and Hughes 1983, implicit and explicit elements; beta = 1/4, gamma = 1/2.)
 //
-// Contact points of the lattice lie on gridpoints. G therefore joins only gridpoints that meet at one place: clusters
-// of two within faces, of four along edges in a wall, of eight where walls cross. It is solved for each of them
+// Contact points of the lattice lie on gridpoints. G therefore joins only gridpoints that meet at one place. Clusters
+// have two of them within faces, four along edges in a wall, eight where walls cross. It is solved for each of them
 // exactly. K and C are those of now: of a point that is open, slides or softens they are its secants of the last step.
 #pragma once
 
