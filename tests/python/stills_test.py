@@ -49,7 +49,8 @@ def crossing(path):
     wide, tall, texts = texts_of(path)
     found = [f"{words!r} leaves the picture" for words, left, top, right, bottom in texts
              if left < -1 or top < -1 or right > wide + 1 or bottom > tall + 1]
-    for a, b in itertools.combinations(texts, 2):
+    # A text on a ground of its own is written twice, before the ground and on it.
+    for a, b in itertools.combinations(dict.fromkeys(texts), 2):
         if min(a[3], b[3]) - max(a[1], b[1]) > 1 and min(a[4], b[4]) - max(a[2], b[2]) > 1:
             found.append(f"{a[0]!r} crosses {b[0]!r}")
     return found
