@@ -40,11 +40,12 @@ set(batches
     ensemble_test:3
     validate_test:4
     reproduce_test:2:whole_studies_test.cpp)
+set(QUOIN_FILE_BY_FILE "" CACHE STRING "Targets that the quick build compiles file by file")
 foreach(entry IN LISTS batches)
   string(REPLACE ":" ";" entry ${entry})
   list(GET entry 0 target)
   list(GET entry 1 batch)
-  if(NOT TARGET ${target})
+  if(NOT TARGET ${target} OR target IN_LIST QUOIN_FILE_BY_FILE)
     continue()
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})

@@ -24,13 +24,18 @@ install_packages() {
 }
 
 # build PRESET [ARGUMENT...]: configures the preset in build/release where nothing is built yet, and builds. There files are
-# compiled in batches, in about six tenths of the time (cmake/quick_build.cmake); a tree that is built keeps its way.
+# compiled in batches, in about six tenths of the time (cmake/quick_build.cmake); a tree that is built keeps its way. Names
+# that clash within a batch are no fault of the code: targets where a batch fails are compiled file by file.
 build() {
-  local preset=$1; shift
+  local preset=$1 log apart="" failed; shift
+  log=$(mktemp)
   if [ -e build/release/build.ninja ]; then cmake --preset "$preset" >/dev/null; else cmake --preset "$preset" -DQUOIN_QUICK_BUILD=ON >/dev/null; fi
-  cmake --build build/release "$@" && return
-  grep -q '^QUOIN_QUICK_BUILD:BOOL=ON' build/release/CMakeCache.txt || return 1
-  echo "Compiled again, file by file: names that clash within a batch are no fault of the code (cmake/quick_build.cmake)."
-  cmake --preset "$preset" -DQUOIN_QUICK_BUILD=OFF >/dev/null
-  cmake --build build/release "$@"
+  until cmake --build build/release "$@" 2>&1 | tee "$log"; do
+    failed=$(sed -n 's#^FAILED: .*CMakeFiles/\([^/]*\)\.dir/Unity/.*#\1#p' "$log" | sort -u | paste -sd ';')
+    [ -n "$failed" ] || { rm -f "$log"; return 1; }
+    apart="$apart;$failed"
+    echo "Compiled again, file by file: $failed"
+    cmake --preset "$preset" -DQUOIN_FILE_BY_FILE="$apart" >/dev/null
+  done
+  rm -f "$log"
 }

@@ -113,7 +113,7 @@ TEST(RigidPoints, TheLawSaysWhetherAJointCarriesTension) {
 }
 
 // A bonded wall of rigid units, stiff enough for one step in both kinds of kernels.
-Scene wall(const std::vector<std::string>& settings) {
+Scene wall_of_cubes(const std::vector<std::string>& settings) {
   std::vector<std::string> all = {"wall.units_per_course=4", "wall.courses=5", "output.frames=0",
                                   "stage.shear.displacement=4e-4"};
   all.insert(all.end(), settings.begin(), settings.end());
@@ -130,7 +130,7 @@ TEST(RigidPoints, TheLatticeHasThemToo) {
   constexpr long kJoints = 5 * 3 + 4 * 4, kOfJoint = 17;
   std::map<std::string, double> peak;
   for (const char* kernels : {"lattice", "general"}) {
-    Simulation simulation(wall({"contact.cubic_points=true", fmt::format("solver.kernels={}", kernels)}), 1);
+    Simulation simulation(wall_of_cubes({"contact.cubic_points=true", fmt::format("solver.kernels={}", kernels)}), 1);
     EXPECT_EQ(simulation.large_motion() != nullptr, std::string(kernels) == "general");
     EXPECT_EQ(simulation.point_count(), kJoints * kOfJoint) << kernels;
     double area = 0.0, second = 0.0;  // of a joint between cubes of 0.1 m
@@ -146,17 +146,17 @@ TEST(RigidPoints, TheLatticeHasThemToo) {
   }
   std::printf("peak: lattice %.2f N, general %.2f N\n", peak["lattice"], peak["general"]);
   EXPECT_NEAR(peak["lattice"], peak["general"], 0.01 * peak["lattice"]);
-  Simulation corners(wall({}), 1);  // as the scene asks
+  Simulation corners(wall_of_cubes({}), 1);  // as the scene asks
   EXPECT_EQ(corners.point_count(), kJoints * 4);
   // Without the key this wall, whose joints bond, has them too.
-  Scene asks_nothing = wall({});
+  Scene asks_nothing = wall_of_cubes({});
   asks_nothing.cubic_points.reset();
   EXPECT_EQ(Simulation(asks_nothing, 1).point_count(), kJoints * kOfJoint);
 }
 
 // A run that leaves the lattice finds every contact point again, with its history: it would stop otherwise.
 TEST(RigidPoints, TheyGoOverToLargeMotion) {
-  Simulation simulation(wall({"contact.cubic_points=true", "solver.rotation_bound=1e-5"}), 1);
+  Simulation simulation(wall_of_cubes({"contact.cubic_points=true", "solver.rotation_bound=1e-5"}), 1);
   Peak of_run;
   simulation.run(of_run);
   EXPECT_TRUE(simulation.outcome().promotion.has_value());
