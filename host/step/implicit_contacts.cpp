@@ -236,7 +236,8 @@ ImplicitContacts::ImplicitContacts(const Model& model, const LaneVector<double>&
 }
 
 std::size_t ImplicitContacts::kind_of(const Cluster& cluster, const Model& model) {
-  const auto& [nodes, points] = cluster;
+  const std::vector<int>& nodes = cluster.nodes;
+  const std::vector<int>& points = cluster.points;
   if (nodes.size() > at(kLargest))
     throw Error(Exit::bad_input,
                 fmt::format("solver.implicit_contacts takes {} gridpoints that meet at one place at most, and {} do; "
