@@ -57,17 +57,19 @@ void print_motion(const Model& model) {
   fmt::print("  motion in small displacement: {}\n", text);
 }
 
-// Under damping of impacts the step depends on the blocks and their joints: that of a model that begins in the stage.
+// Under damping of impacts the step depends on the blocks and their joints, and it does on their inertia: that of a
+// model that begins in the stage.
 struct StageStep {
-  double time_step = 0.0, in_use = 0.0;  // s; of critical
+  double time_step = 0.0, critical = 0.0, in_use = 0.0;  // s; 2/omega_max, s; of critical damping
 };
-StageStep step_under_impacts(const Scene& scene, std::size_t stage) {
+StageStep step_of_own_model(const Scene& scene, std::size_t stage) {
   Scene alone = scene;
   alone.solver = scene.solver_in(stage);
   alone.stages = {scene.stages[stage]};
   alone.stages.front().solver.reset();
   const Simulation simulation(std::move(alone), 0);
-  return {simulation.time_step_report().time_step, simulation.time_step_report().impacts.in_use};
+  const TimeStepReport& report = simulation.time_step_report();
+  return {report.time_step, report.critical.value, report.impacts.in_use};
 }
 
 // What ends each stage, and how many steps that takes where it is known. Returns the steps of these stages.
@@ -77,12 +79,15 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
   for (size_t i = 0; i < scene.stages.size(); ++i) {
     const Stage& stage = scene.stages[i];
     const std::string own = own_solver_text(scene, i);
-    const bool impacts = scene.solver_in(i).damping == DampingKind::impact;
-    const StageStep damped = impacts ? step_under_impacts(scene, i) : StageStep{};
-    const double time_step =
-        impacts       ? damped.time_step
-        : own.empty() ? report.time_step
-                      : blocks::step_over_critical(scene.solver_in(i), report.critical.value) * report.critical.value;
+    const SolverSettings& solver = scene.solver_in(i);
+    const bool has_own_model = solver.damping == DampingKind::impact ||
+                               solver.deformation_inertia != scene.solver.deformation_inertia ||
+                               solver.unit_inertia != scene.solver.unit_inertia;
+    const StageStep alone = has_own_model ? step_of_own_model(scene, i) : StageStep{};
+    const double time_step = has_own_model ? alone.time_step
+                             : own.empty()
+                                 ? report.time_step
+                                 : blocks::step_over_critical(solver, report.critical.value) * report.critical.value;
     double seconds = stage.duration.value_or(0.0);
     if (stage.displacement) {
       for (const BodyControl& c : stage.controls) {
@@ -100,9 +105,9 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
     if (stage.ground) fmt::print("      ground motion, {}\n", ground_text(*stage.ground));
     if (!own.empty())
       fmt::print("      {}: time step {:.4g} s, {:.2f} of 2/omega_max{}\n", own, time_step,
-                 time_step / report.critical.value,
-                 damped.in_use > 0.0 && damped.in_use < 0.99 * scene.solver_in(i).impact_damping
-                     ? fmt::format(", at which {:.2g} of critical is in use", damped.in_use)
+                 time_step / (has_own_model ? alone.critical : report.critical.value),
+                 alone.in_use > 0.0 && alone.in_use < 0.99 * solver.impact_damping
+                     ? fmt::format(", at which {:.2g} of critical is in use", alone.in_use)
                      : "");
     if (const std::string warning = ground_damping_warning(scene, i); !warning.empty())
       fmt::print("      warning: {}\n", warning);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <regex>
 #include <sstream>
 
 #include "program.h"
@@ -484,6 +485,21 @@ ground_motion = { direction = [1, 0, 0], time = [0, 0.002], acceleration = [0, 1
   EXPECT_EQ(stage["deformation_inertia"], 1.0);
   EXPECT_EQ(stage["unit_inertia"], 1.0);
   EXPECT_NEAR(last("ground_dx_m"), 1.2 * 0.002 * 0.002 / 6, 1e-8);
+}
+
+// Such a stage has its true inertia under any damping: check finds its step without a run.
+TEST_F(GroundUnderWalls, CheckHasTheStepOfTheRun) {
+  for (const char* solver : {"{}", "{damping='viscous', stiffness_damping=1e-7}"}) {
+    const std::string setting = fmt::format("stage.shake.solver={}", solver);
+    ASSERT_EQ(quoin({"check", QUOIN_TESTS "/host/shaken_wall.toml", "--set", setting}), 0) << error_;
+    std::smatch said;
+    ASSERT_TRUE(std::regex_search(out_, said, std::regex("unit_inertia 1: time step ([0-9.e-]+) s"))) << out_;
+    ASSERT_EQ(quoin({"run", QUOIN_TESTS "/host/shaken_wall.toml", "--out", out(), "--set", setting, "--set",
+                     "stage.shake.duration=0.0002", "--set", "stage.after.duration=0.0002"}),
+              0)
+        << error_;
+    EXPECT_NEAR(std::stod(said[1]) / summary()["time_step_s"].get<double>(), 1.0, 1e-3) << solver;  // printed digits
+  }
 }
 
 }  // namespace
