@@ -57,8 +57,8 @@ void print_motion(const Model& model) {
   fmt::print("  motion in small displacement: {}\n", text);
 }
 
-// Under damping of impacts the step depends on the blocks and their joints, and it does on their inertia: that of a
-// model that begins in the stage.
+// Under damping of impacts the step depends on the blocks and their joints, as it always does on their inertia. It is
+// that of a model that begins in the stage.
 struct StageStep {
   double time_step = 0.0, critical = 0.0, in_use = 0.0;  // s; 2/omega_max, s; of critical damping
 };
