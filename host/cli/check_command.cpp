@@ -80,9 +80,7 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
     const Stage& stage = scene.stages[i];
     const std::string own = own_solver_text(scene, i);
     const SolverSettings& solver = scene.solver_in(i);
-    const bool has_own_model = solver.damping == DampingKind::impact ||
-                               solver.deformation_inertia != scene.solver.deformation_inertia ||
-                               solver.unit_inertia != scene.solver.unit_inertia;
+    const bool has_own_model = solver.damping == DampingKind::impact || has_own_inertia(scene, i);
     const StageStep alone = has_own_model ? step_of_own_model(scene, i) : StageStep{};
     const double time_step = has_own_model ? alone.time_step
                              : own.empty()

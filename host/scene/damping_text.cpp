@@ -55,15 +55,19 @@ std::string solver_text(const SolverSettings& solver, bool settling) {
   return text + fmt::format(", time_step_fraction {:g}", solver.time_step_fraction);
 }
 
+bool has_own_inertia(const Scene& scene, std::size_t stage) {
+  const SolverSettings& solver = scene.solver_in(stage);
+  return solver.deformation_inertia != scene.solver.deformation_inertia ||
+         solver.unit_inertia != scene.solver.unit_inertia;
+}
+
 std::string own_solver_text(const Scene& scene, std::size_t stage) {
   const SolverSettings& solver = scene.solver_in(stage);
   if (&solver == &scene.solver) return "";
-  const bool true_inertia = solver.deformation_inertia != scene.solver.deformation_inertia ||
-                            solver.unit_inertia != scene.solver.unit_inertia;
   return solver_text(solver, scene.stages[stage].equilibrium_ratio.has_value()) +
-         (true_inertia ? fmt::format(", deformation_inertia {:g}, unit_inertia {:g}", solver.deformation_inertia,
-                                     solver.unit_inertia)
-                       : "");
+         (has_own_inertia(scene, stage) ? fmt::format(", deformation_inertia {:g}, unit_inertia {:g}",
+                                                      solver.deformation_inertia, solver.unit_inertia)
+                                        : "");
 }
 
 std::string damping_in_space(const Scene& scene, std::size_t stage) {

@@ -14,6 +14,8 @@ double local_damping_in(const Scene& scene, std::size_t stage);
 
 // "damping local 0.8, time_step_fraction 0.6". settling: of stages that run to equilibrium.
 std::string solver_text(const SolverSettings& solver, bool settling);
+// Whether the inertia that is added to vibrations is another one than that of [solver].
+bool has_own_inertia(const Scene& scene, std::size_t stage);
 // Of stages with a solver table of their own, and of those after them; else empty.
 std::string own_solver_text(const Scene& scene, std::size_t stage);
 

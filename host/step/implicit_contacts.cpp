@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin {
 namespace HWY_NAMESPACE {
 
-constexpr int kMostNodes = 16;
+constexpr int kMostNodes = 16;  // gridpoints of a cluster
 // Motion that moves the traction by less than this share of it says nothing of the stiffness.
 constexpr double kStill = 1e-9;
 
@@ -206,7 +206,6 @@ HWY_EXPORT(SettleCluster);
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double kHeld = 1e30;  // kg, of what moves as prescribed
-constexpr int kLargest = 16;    // gridpoints of a cluster
 }  // namespace
 
 ImplicitContacts::ImplicitContacts(const Model& model, const LaneVector<double>& node_mass) {
@@ -238,11 +237,11 @@ ImplicitContacts::ImplicitContacts(const Model& model, const LaneVector<double>&
 std::size_t ImplicitContacts::kind_of(const Cluster& cluster, const Model& model) {
   const std::vector<int>& nodes = cluster.nodes;
   const std::vector<int>& points = cluster.points;
-  if (nodes.size() > at(kLargest))
+  if (nodes.size() > at(HWY_NAMESPACE::kMostNodes))
     throw Error(Exit::bad_input,
                 fmt::format("solver.implicit_contacts takes {} gridpoints that meet at one place at most, and {} do; "
                             "remove it from the stage",
-                            kLargest, nodes.size()));
+                            HWY_NAMESPACE::kMostNodes, nodes.size()));
   Kind kind{static_cast<int>(nodes.size()), {}};
   const auto place = [&](int node) {
     return static_cast<int>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
