@@ -3,7 +3,7 @@
 1. Thrust line: the largest load for which some line of thrust lies within the joints. Tensile strength acts over a whole
    joint at once, so that a joint carries the moment N t/2 + ft b t^2/2: a linear programme.
 2. Joints of fibres with softening, rigid bricks, small displacements: the point under the load goes down step by step.
-Both know neither contact points, nor inertia, nor Quoin's laws. Needs numpy and scipy.
+Both have neither contact points, nor inertia, nor Quoin's laws. Needs numpy and scipy.
 """
 import numpy as np
 from scipy.optimize import linprog

@@ -1,6 +1,6 @@
 // A scene whose axes change names does the same. With everything that the scene holds x, y, z become y, z, x or z, x,
-// y, and all results have the new names. Neither kernels nor results may know one axis from another, but that sums of
-// floating-point numbers are taken in another order.
+// y, and all results have the new names. Neither kernels nor results may treat one axis unlike another, but that sums
+// of floating-point numbers are taken in another order.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
