@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "geometry/overlap.h"
 #include "model/fields.h"
+#include "model/kept_items.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
@@ -23,6 +24,22 @@ constexpr double preference_fraction = 1e-4;
 constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 // Faces of detected overlap merge points within this fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
+
+// A family of the same law.
+Family without_points(const Family& f) {
+  Family without;
+  without.material = f.material, without.initial = f.initial, without.dry = f.dry, without.kn = f.kn, without.ks = f.ks;
+  without.state.resize(f.state.size());
+  for (const PropertyColumn& c : f.columns) without.columns.push_back({c.id, c.usual, c.most, {}});
+  return without;
+}
+
+// The facets of a contact point have moved.
+void move_facets(Point& p, uint32_t now, uint32_t before) {
+  for (int32_t* facet : {&p.facet_a, &p.facet_b}) {
+    if (*facet >= 0) *facet += int32_t(now) - int32_t(before);
+  }
+}
 
 }  // namespace
 
@@ -124,7 +141,7 @@ struct World::Heir {
   double opening = std::nan("");  // since the last step, m; not known for a point without history
 };
 
-// What contact points were before detection: families without their laws, and where they sat.
+// Contact points that are replaced, or go, as they were before: families without their laws, and where they sat.
 struct World::Before {
   std::vector<Family> families;
   LaneVector<Facet> facets;
@@ -213,9 +230,9 @@ void World::narrow_phase(const std::vector<Pair>& pairs, bool everything, Detect
       PairPlace& place = found.places[now];
       PairCheck& check = found.checks[now];
       if (known) place = pair_place_[then], check = pair_check_[then];
-      if (!known || everything || is_ripe(c, place, check)) {
+      if (!known || everything || check.ripe) {
         detect_pair(c, place, known, finding, found);
-        check_pair_motion(c, place, pose(c.pair.a), pose(c.pair.b), check);
+        check_pair_motion(c, place, checked_motion(c.pair.a), checked_motion(c.pair.b), check);
       }
     }
     found.contacts.push_back(c);
@@ -305,8 +322,19 @@ void World::name_family(Contact& c, const Vector& normal, std::span<const NewPoi
   }
 }
 
-// Families with room for the points of now, in the order of the pairs; facets in the order of points.
-void World::number_points(Detection& found, Before& before) {
+// Points of now, in the order of the pairs; facets in the order of points. Those that are replaced, or go, are set
+// aside.
+World::Before World::number_points(Detection& found) {
+  Before before;
+  for (const Family& f : families_) before.families.push_back(without_points(f));
+  for (size_t i = 0; i < found.contacts.size(); ++i) {
+    Finding& finding = found.findings[i];
+    if (finding.fresh && finding.count > 0 && owns(found.contacts[i]))
+      set_aside(found.contacts[i], finding.first, finding.first_facet, finding.count, before);
+  }
+  for (Contact& c : found.lost) {
+    if (owns(c)) set_aside(c, c.first, c.first_facet, c.count, before);
+  }
   std::vector<uint32_t> points(families_.size(), 0), facets(families_.size(), 0);
   const auto each_contact = [&](const auto& visit) {
     for (size_t i = 0; i < found.contacts.size(); ++i) {
@@ -323,25 +351,32 @@ void World::number_points(Detection& found, Before& before) {
   for (Contact& c : found.contacts) {
     if (c.family < 0) c.count = 0;
   }
-  before.families.resize(families_.size());
   uint32_t all_facets = 0;
-  for (size_t k = 0; k < families_.size(); ++k) {
-    take_points(families_[k], before.families[k]);
-    resize(families_[k], points[k]);
-    all_facets += std::exchange(facets[k], all_facets);
-  }
-  each_contact([&](Contact& c, const Finding&) {
-    c.first_facet = facets[size_t(c.family)];
-    facets[size_t(c.family)] += c.count * uint32_t(facets_a_point(c));
+  for (uint32_t& of_family : facets) all_facets += std::exchange(of_family, all_facets);
+  std::vector<std::vector<KeptItems>> kept(families_.size()), kept_facets(families_.size());
+  each_contact([&](Contact& c, const Finding& finding) {
+    const size_t family = size_t(c.family);
+    const uint32_t of_contact = c.count * uint32_t(facets_a_point(c));
+    c.first_facet = facets[family];
+    facets[family] += of_contact;
+    if (finding.fresh || c.count == 0 || !owns(c)) return;
+    keep_on(kept[family], finding.first, c.first, c.count);
+    keep_on(kept_facets[family], finding.first_facet, c.first_facet, of_contact);
+    for (uint32_t i = finding.first; i < finding.first + c.count; ++i)
+      move_facets(families_[family].point[i], c.first_facet, finding.first_facet);
   });
-  before.facets = std::exchange(facets_, LaneVector<Facet>(all_facets));
+  for (size_t k = 0; k < families_.size(); ++k) keep_points(families_[k], kept[k], points[k]);
+  std::vector<KeptItems> all_kept;
+  for (const std::vector<KeptItems>& of_family : kept_facets)
+    all_kept.insert(all_kept.end(), of_family.begin(), of_family.end());
+  keep_items(facets_, all_kept, all_facets);
+  return before;
 }
 
-// Those that go on are moved, the others made with the history of those nearby. Where several processes share the
-// model, those between own blocks and others.
+// Contact points that go on stay, the others are made with the history of those nearby. Where several processes share
+// the model, those between own blocks and others.
 void World::place_points(Detection& found) {
-  Before before;
-  number_points(found, before);
+  const Before before = number_points(found);
   if (!found.at_start && kept_.empty()) kept_ = LaneVector<double>(start_point_.size() * kept_width());
   const auto keep_of = [&](const Contact& c, uint32_t first, uint32_t count) {
     if (c.initial && count > 0 && owns(c.pair.a))
@@ -358,38 +393,16 @@ void World::place_points(Detection& found) {
     keep_of(c, c.first, c.count);
     free(c, owns(c) ? energy_of_points(before.families[c.family], before.facets, c.first, c.count) : 0.0);
   }
-  // Contacts that go on as they are, one after the other before and now: they are copied together.
-  Finding kept;
-  Contact together;
-  uint32_t facets = 0;
-  const auto keep = [&] {
-    if (together.count > 0) keep_points(before, kept, together, facets);
-    together.count = facets = 0;
-  };
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     const Contact& c = found.contacts[i];
     const Finding& finding = found.findings[i];
-    if (c.family < 0) continue;
-    if (finding.fresh) {
-      const bool own = owns(c);
-      keep();
-      if (!found.at_start) keep_of(c, finding.first, finding.count);
-      free(c, own ? energy_of_points(before.families[c.family], before.facets, finding.first, finding.count) : 0.0);
-      if (own) hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
-      free(c, own ? -energy_of_points(families_[c.family], facets_, c.first, c.count) : 0.0);
-    } else if (c.count > 0 && owns(c)) {
-      const uint32_t of_contact = c.count * uint32_t(facets_a_point(c));
-      const bool goes_on = together.count > 0 && together.family == c.family &&
-                           kept.first + kept.count == finding.first && together.first + together.count == c.first;
-      if (goes_on) {
-        kept.count += c.count, together.count += c.count, facets += of_contact;
-      } else {
-        keep();
-        kept = finding, together = c, facets = of_contact;
-      }
-    }
+    if (c.family < 0 || !finding.fresh) continue;
+    const bool own = owns(c);
+    if (!found.at_start) keep_of(c, finding.first, finding.count);
+    free(c, own ? energy_of_points(before.families[c.family], before.facets, finding.first, finding.count) : 0.0);
+    if (own) hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
+    free(c, own ? -energy_of_points(families_[c.family], facets_, c.first, c.count) : 0.0);
   }
-  keep();
   all_gather(ranks_, std::span(freed), [&](size_t i) { return rank_of(*freed_by[i]); });
   double sum = 0.0;
   for (const double energy : freed) sum += energy;
@@ -400,16 +413,18 @@ void World::place_points(Detection& found) {
   if (found.at_start) note_start_joints();
   divide_work();
   if (found.at_start) return;
-  const double bound = local_stiffness_bound();
+  std::vector<bool> has_changed(blocks_.size());
+  for (size_t i = 0; i < contacts_.size(); ++i) {
+    if (found.findings[i].fresh)
+      has_changed[size_t(contacts_[i].pair.a)] = has_changed[size_t(contacts_[i].pair.b)] = true;
+  }
+  const double bound = local_stiffness_bound([&](int block) { return has_changed[size_t(block)]; });
   // Springs may grow by what the step has in hand, as its frequency costs many steps.
   const double fraction = solver_.time_step_fraction;
   if (bound <= std::clamp(1.0 / (fraction * fraction), kLeastGrowth, kMostGrowth) * stiffness_bound_) return;
   std::set<int> changed;
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    if (!found.findings[i].fresh) continue;
-    for (const int block : {contacts_[i].pair.a, contacts_[i].pair.b}) {
-      if (owns(block)) changed.insert(unit_of(block).block[0]);
-    }
+  for (int block = 0; block < block_count(); ++block) {
+    if (has_changed[size_t(block)] && owns(block)) changed.insert(unit_of(block).block[0]);
   }
   if (any(shorten_step(std::vector<int>(changed.begin(), changed.end()))))
     find_time_step();
@@ -435,28 +450,36 @@ void World::note_start_joints() {
   }
 }
 
-void World::take_points(Family& f, Family& into) {
-  into = std::move(f);
-  f = {};
-  f.material = into.material, f.initial = into.initial, f.dry = into.dry, f.kn = into.kn, f.ks = into.ks;
-  f.state.resize(into.state.size());
-  f.columns = into.columns;
+// Copies points [first, first + count) of a contact, and their facets; first ones are then those of the copies.
+void World::set_aside(const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count, Before& before) const {
+  Family& aside = before.families[size_t(c.family)];
+  const auto put = [](const auto& from, uint32_t at, uint32_t items, auto& to) {
+    const uint32_t end = uint32_t(to.size());
+    if (!from.empty()) to.insert(to.end(), from.begin() + at, from.begin() + at + items);
+    return end;
+  };
+  const uint32_t now = uint32_t(aside.point.size());
+  WorldFields::of_points([&](const Field&, const auto& from, auto& to) { put(from, first, count, to); },
+                         families_[size_t(c.family)], aside);
+  const uint32_t facet_now = put(facets_, first_facet, count * uint32_t(facets_a_point(c)), before.facets);
+  for (uint32_t i = now; i < now + count; ++i) move_facets(aside.point[i], facet_now, first_facet);
+  first = now, first_facet = facet_now;
 }
 
-void World::keep_points(const Before& before, const Finding& finding, const Contact& c, uint32_t facets) {
-  const Family& old = before.families[c.family];
-  Family& f = families_[c.family];
+// An array in parts is laid out again: what other ranks have takes no memory.
+template <class Array>
+void World::keep_items(Array& items, std::span<const KeptItems> kept, size_t count) const {
+  if (!ranks_ && !items.empty() && count > 0) return keep_in_place(items, kept, count);
+  const Array before = std::exchange(items, Array(count));
+  if (before.empty() || count == 0) return;
+  for (const KeptItems& k : kept) std::copy_n(before.begin() + k.from, k.count, items.begin() + k.to);
+}
+
+void World::keep_points(Family& f, std::span<const KeptItems> kept, size_t count) const {
+  // What damping has is of no use without it, and then gone: a stage may have switched it off.
   WorldFields::of_points(
-      [&](const Field& field, const auto& from, auto& to) {
-        if (field.of_step || from.empty() || to.empty()) return;
-        std::copy_n(from.begin() + finding.first, finding.count, to.begin() + c.first);
-      },
-      old, f);
-  std::copy_n(before.facets.begin() + finding.first_facet, facets, facets_.begin() + c.first_facet);
-  const auto carry = [&](int32_t& index) {
-    if (index >= 0) index += int32_t(c.first_facet) - int32_t(finding.first_facet);
-  };
-  for (uint32_t i = c.first; i < c.first + c.count; ++i) carry(f.point[i].facet_a), carry(f.point[i].facet_b);
+      [&](const Field& field, auto& column) { keep_items(column, kept, has_columns(field.when) ? count : 0); }, f);
+  for (PropertyColumn& c : f.columns) fill_others(c.values, kept, c.usual);
 }
 
 // New points take the history of the nearest old one of their contact: old points have moved along with their blocks.
@@ -550,17 +573,6 @@ bool World::has_columns(When when) const {
          : when == When::with_maxwell         ? has_maxwell()
          : when == When::with_energies        ? energy_
                                               : true;
-}
-
-void World::resize(Family& f, size_t n) const {
-  for (PropertyColumn& c : f.columns) c.values.assign(n, c.usual);
-  WorldFields::of_points(
-      [&](const Field& field, auto& column) {
-        if (field.known_to_all || (field.when == When::with_energies && !energy_)) return;
-        // What damping has is of no use without it, and then gone: a stage may have switched it off.
-        column = std::decay_t<decltype(column)>(has_columns(field.when) ? n : 0);
-      },
-      f);
 }
 
 // What a closed point has crushed, or dilated, since it was placed: the law's sigma = kn (d_n + closure), m.

@@ -4,7 +4,7 @@
 // which is allowed for, deviates (rigid_kernels.cpp). All that it belongs to is checked in that very step. So no rigid
 // block comes further than it may unseen, whatever hits it, and a look costs only those that are due.
 //
-// Deformable blocks are not seen so closely: theirs is a rule of thumb, by the fastest of all blocks.
+// Deformable blocks are not seen so closely. Theirs is a rule of thumb: none gains speed faster than at 10 g.
 #include <algorithm>
 #include <bit>
 
@@ -23,6 +23,10 @@ constexpr double kCalmSteps = 1000.0, kBusySteps = 50.0;
 // steps.
 constexpr long kSoon = 30, kLate = 300;
 constexpr long kMostSteps = 1000;  // between two looks at the same
+// Acceleration that looks at deformable blocks reckon with, and the share of their way that each of two may use up
+// until then. More of either: more looks.
+constexpr double kAcceleration = 100.0;  // m/s2, 10 g
+constexpr double kOfWay = 0.25;
 // Of the way of a pair, from where on it is looked at closely together with others that have moved by all of it.
 constexpr double kRipe = 0.8;
 // Of the skin, that a block may move by before the broad phase is looked at.
@@ -33,7 +37,7 @@ constexpr double kSmallRotation = 1e-3;
 }  // namespace
 
 bool World::moved_enough() {
-  const bool all = dt_ != check_dt_ && !bodies_.empty();
+  const bool all = dt_ != check_dt_;
   if (step_count_ < next_check_ && !any_deviates_ && !all) return false;
   if (all) check_dt_ = dt_;
   receive_neighbours();
@@ -45,7 +49,6 @@ bool World::moved_enough() {
     due_[i] = 1, block_sums_[i].deviates = false;
   }
   any_deviates_ = false;
-  calm_steps_ = node_x_.empty() ? 0 : steps_of_gridpoints();
 
   bool moved = false;
   next_check_ = step_count_ + kMostSteps;
@@ -56,20 +59,20 @@ bool World::moved_enough() {
     if (due_[i] || step <= step_count_) moved |= check_block_motion(int(i), step);
     next_check_ = std::min(next_check_, step);
   }
-  // A pose of a deformable block costs more than the rest of a check, and each block is in several pairs.
-  thread_local LaneVector<Pose> poses;
+  // Motion of a deformable block costs more than the rest of a check, and each block is in several pairs.
+  thread_local LaneVector<CheckedMotion> motions;
   thread_local std::vector<uint8_t> known;
-  poses.resize(blocks_.size()), known.assign(blocks_.size(), 0);
-  const auto pose_now = [&](int block) -> const Pose& {
-    if (!known[size_t(block)]) poses[size_t(block)] = pose(block), known[size_t(block)] = 1;
-    return poses[size_t(block)];
+  motions.resize(blocks_.size()), known.assign(blocks_.size(), 0);
+  const auto motion_now = [&](int block) -> const CheckedMotion& {
+    if (!known[size_t(block)]) motions[size_t(block)] = checked_motion(block), known[size_t(block)] = 1;
+    return motions[size_t(block)];
   };
   for (size_t i = 0; i < contacts_.size(); ++i) {
     if (!owns(contacts_[i])) continue;
     PairCheck& check = pair_check_[i];
     if (due_[size_t(check.a)] || due_[size_t(check.b)] || check.step <= step_count_) {
       const Contact& c = contacts_[i];
-      moved |= check_pair_motion(c, pair_place_[i], pose_now(c.pair.a), pose_now(c.pair.b), check);
+      moved |= check_pair_motion(c, pair_place_[i], motion_now(c.pair.a), motion_now(c.pair.b), check);
     }
     next_check_ = std::min(next_check_, check.step);
   }
@@ -89,9 +92,18 @@ bool World::moved_enough() {
   return moved;
 }
 
-bool World::is_ripe(const Contact& c, const PairPlace& place, const PairCheck& check) const {
-  const bool seen = blocks_[size_t(c.pair.a)].body >= 0 && blocks_[size_t(c.pair.b)].body >= 0;
-  return seen ? check.ripe : pair_motion(c, place, pose(c.pair.a), pose(c.pair.b)) > kRipe * allowed_motion(c, place);
+World::CheckedMotion World::checked_motion(int block) const {
+  const ModelBlock& b = blocks_[size_t(block)];
+  double squared = 0.0;
+  if (b.body < 0) {  // its corners are its first gridpoints
+    const size_t corners = b.shape->vertices.size();
+    for (const Vector& v : std::span(node_v_).subspan(size_t(b.first_node), corners))
+      squared = std::max(squared, dot(v, v));
+  } else {
+    const Body& body = bodies_[size_t(b.body)];
+    squared = std::max(dot(body.v, body.v), dot(body.omega, body.omega) * b.radius * b.radius);
+  }
+  return {pose(block), 2 * std::sqrt(squared)};
 }
 
 void World::see(int i) {
@@ -118,23 +130,9 @@ long World::step_after(double way, double speed, double acceleration) const {
   return std::max(step_count_ + 1, last - last % round);
 }
 
-// Long before anything can have moved by the tolerance, even if it speeds up at 10 g meanwhile.
-long World::steps_of_gridpoints() const {
-  double fastest = 0.0;
-  for (int i = 0; i < block_count(); ++i) {
-    if (!owns(i)) continue;
-    const ModelBlock& b = blocks_[size_t(i)];
-    if (b.body >= 0) {
-      const Body& body = bodies_[size_t(b.body)];
-      fastest = std::max({fastest, dot(body.v, body.v), dot(body.omega, body.omega) * b.radius * b.radius});
-    } else {
-      const Vector& v = node_v_[size_t(b.first_node)];
-      fastest = std::max(fastest, dot(v, v));
-    }
-  }
-  fastest = largest(fastest);
-  const double speed = 2 * std::sqrt(fastest) + 100.0 * 100 * dt_;
-  return std::clamp(long(0.25 * detection_fraction() * size_ / (speed * dt_)), 1l, 100l);
+// Long before a deformable block of this speed, m/s, can have moved by the tolerance.
+long World::step_of_gridpoints(double speed) const {
+  return step_after(kOfWay * detection_fraction() * size_, speed, kAcceleration);
 }
 
 // Small displacement also means that no block has come near others that are not its neighbours. And frozen frames on
@@ -153,7 +151,7 @@ bool World::check_block_motion(int i, long& step) const {
   }
   const double way = kOfSkin * skin_;
   if (b.body < 0) {
-    step = step_count_ + calm_steps_;
+    step = step_of_gridpoints(checked_motion(i).speed);
   } else {
     const SeenMotion& seen = seen_[size_t(b.body)];
     const double spin = norm(seen.omega) + seen.unnoticed / b.radius;
@@ -163,10 +161,10 @@ bool World::check_block_motion(int i, long& step) const {
   return moved > way || turned > kSmallRotation;
 }
 
-bool World::check_pair_motion(const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,
-                              PairCheck& check) const {
-  const double moved = pair_motion(c, place, at_a, at_b), way = allowed_motion(c, place);
-  check = {c.pair.a, c.pair.b, moved > kRipe * way, step_count_ + calm_steps_};
+bool World::check_pair_motion(const Contact& c, const PairPlace& place, const CheckedMotion& now_a,
+                              const CheckedMotion& now_b, PairCheck& check) const {
+  const double moved = pair_motion(c, place, now_a.pose, now_b.pose), way = allowed_motion(c, place);
+  check = {c.pair.a, c.pair.b, moved > kRipe * way, step_of_gridpoints(std::max(now_a.speed, now_b.speed))};
   const ModelBlock &a = blocks_[size_t(c.pair.a)], &b = blocks_[size_t(c.pair.b)];
   if (a.body >= 0 && b.body >= 0 && check_dt_ > 0.0) {
     // As pair_motion: of b as seen from a.

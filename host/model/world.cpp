@@ -630,6 +630,7 @@ void World::set_velocity(int block, const Vector& velocity, const Vector& omega)
     body.momentum = body.r * Vector{body.inertia.x * w.x, body.inertia.y * w.y, body.inertia.z * w.z};
     return;
   }
+  check_dt_ = 0.0;  // sooner than its checks have reckoned with
   const Vector centre = position(block);
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
     node_v_[i] = velocity + cross(omega, node_x_[i] - centre);

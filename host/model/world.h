@@ -25,6 +25,7 @@
 #include "model/congruent_blocks.h"
 #include "model/field.h"
 #include "model/halo.h"
+#include "model/kept_items.h"
 #include "model/lanes.h"
 #include "model/maxwell.h"
 #include "model/property_columns.h"
@@ -526,7 +527,7 @@ class World {
   long detections() const { return detections_; }
   long divisions() const { return divisions_; }  // how often the work has been divided again
   // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
-  bool checks_motion() const { return step_count_ + 1 >= next_check_ || (dt_ != check_dt_ && !bodies_.empty()); }
+  bool checks_motion() const { return step_count_ + 1 >= next_check_ || dt_ != check_dt_; }
 
   // For ranks that share the model (world_parts.cpp). All have its outline: blocks, pairs that are close, how many
   // contact points they have. Arrays have the numbers of the whole model; laid out, and in memory, is what a rank works
@@ -659,11 +660,16 @@ class World {
   bool moved_enough();
   void see(int block);
   bool check_block_motion(int block, long& step) const;
-  bool check_pair_motion(const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,
-                         PairCheck& check) const;
-  bool is_ripe(const Contact& c, const PairPlace& place, const PairCheck& check) const;  // to be looked at closely
+  // A block as a check finds it.
+  struct CheckedMotion {
+    Pose pose;
+    double speed;  // twice that of its fastest corner, m/s
+  };
+  CheckedMotion checked_motion(int block) const;
+  bool check_pair_motion(const Contact& c, const PairPlace& place, const CheckedMotion& now_a,
+                         const CheckedMotion& now_b, PairCheck& check) const;
   long step_after(double way, double speed, double acceleration = 0.0) const;
-  long steps_of_gridpoints() const;
+  long step_of_gridpoints(double speed) const;
   void detect_contacts(bool everything = false);
   void draw_columns();  // of properties that scatter, for the points of the start
   // After contacts have changed. One process alone has then all that steps read; ranks are to hold their parts first.
@@ -795,15 +801,15 @@ class World {
   double highest_frequency(LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) const;  // rad/s
   double step_under_impact_damping();                     // over the critical one
   bool shorten_step(std::span<const int> changed) const;  // these own blocks
-  double local_stiffness_bound() const;
+  double local_stiffness_bound(const std::function<bool(int block)>& is_wanted) const;
   double moved_by_now(int block) const { return norm(position(block) - start_position(block)); }
   double turned_by_now(int block) const;
   double force_sum_of(const Chunk& chunk) const;
   Deepest deepest_of(const Chunk& chunk) const;
-  // Points of own blocks, or of this unit, that can close before part_units looks again, in the order of all points:
-  // visit(family, point).
-  template <class Visit>
-  void each_own_point(Visit visit, const Unit* alone = nullptr) const;
+  // Points of own blocks that can close before part_units looks again, in the order of all points: visit(family,
+  // point). Of pairs with a block that is wanted: is_wanted(block).
+  template <class Visit, class IsWanted>
+  void each_own_point(Visit visit, IsWanted is_wanted) const;
   struct FrequencyHalo;
   struct Vibration;
   void place_blocks();
@@ -828,12 +834,14 @@ class World {
   void narrow_phase(const std::vector<geometry::Pair>& pairs, bool everything, Detection& found);
   void detect_pair(Contact& c, PairPlace& place, bool known, Finding& finding, Detection& found);
   void exchange_findings(Detection& found);
-  void number_points(Detection& found, Before& before);
+  Before number_points(Detection& found);
   bool carries(const Contact& c) const;
   void name_family(Contact& c, const Vector& normal, std::span<const NewPoint> points) const;
   void place_points(Detection& found);
-  static void take_points(Family& f, Family& into);
-  void keep_points(const Before& before, const Finding& finding, const Contact& c, uint32_t facets);
+  void set_aside(const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count, Before& before) const;
+  template <class Array>
+  void keep_items(Array& items, std::span<const KeptItems> kept, size_t count) const;
+  void keep_points(Family& f, std::span<const KeptItems> kept, size_t count) const;
   void hand_over(const Before& before, const Finding& finding, const Contact& c, std::span<const NewPoint> points,
                  bool at_start);
   void inherit(const Family& old, size_t from, const Contact& c, Family& f, size_t to) const;
@@ -886,7 +894,6 @@ class World {
     double jump = 0.0, slid[2] = {0.0, 0.0};
   };
   Location locate(const Point& p, const LaneVector<Facet>& facets) const;
-  void resize(Family& f, size_t n) const;
 
   Assembly assembly_;
   SolverSettings solver_;
@@ -910,7 +917,7 @@ class World {
   std::vector<int> rank_of_block_;  // with ranks
   std::vector<bool> laid_out_;      // by block
   std::vector<Vector> rough_place_;
-  Halo neighbours_;                       // motion of whole blocks that are close to those of other ranks
+  Halo neighbours_;                       // motion of blocks that are close to those of other ranks
   std::vector<double> deviating_blocks_;  // by block, as received from neighbours
 
   std::vector<ModelBlock> blocks_;
@@ -997,8 +1004,7 @@ class World {
   double impact_share_ = 1.0;  // of what the settings ask for
   std::array<MaxwellElement, kMaxwellElements> maxwell_{};
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
-  long calm_steps_ = 0;        // between two looks at deformable blocks
-  double check_dt_ = 0.0;      // that looks reckon with, s
+  double check_dt_ = 0.0;      // that checks reckon with, s; another one: all blocks are to be checked
   bool any_deviates_ = false;  // some block in the last step
   double unbalanced_ = 0.0;
   Vector net_;

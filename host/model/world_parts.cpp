@@ -401,6 +401,8 @@ void World::bind_neighbours() {
         numbers.push_back(&deviating_blocks_[size_t(block)]);
       }
       for (int n = b.first_node; n < b.first_node + b.node_count; ++n) add(node_x_[size_t(n)]);
+      const size_t corners = b.body < 0 ? b.shape->vertices.size() : 0;
+      for (Vector& v : std::span(node_v_).subspan(size_t(b.first_node), corners)) add(v);
     }
   };
   for (auto& [rank, blocks] : with) {

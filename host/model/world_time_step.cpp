@@ -15,24 +15,24 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
-template <class Visit>
-void World::each_own_point(Visit visit, const Unit* alone) const {
+template <class Visit, class IsWanted>
+void World::each_own_point(Visit visit, IsWanted is_wanted) const {
   for (size_t k = 0; k < families_.size(); ++k) {
     const Family& f = families_[k];
     for (const uint32_t i : contacts_of_family_[k]) {
       const Contact& c = contacts_[i];
-      if (alone && !alone->has(c.pair.a) && !alone->has(c.pair.b)) continue;
+      if (!is_wanted(c.pair.a) && !is_wanted(c.pair.b)) continue;
       if (!owns(c) || (apart_[size_t(c.pair.a)] && other_half_[size_t(c.pair.a)] == c.pair.b)) continue;
       for (uint32_t p = c.first; p < c.first + c.count; ++p) visit(f, f.point[p]);
     }
   }
 }
 
-// Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2. Cheap and coarse:
-// compared with its own earlier value alone, it says whether the frequency must be computed again.
-double World::local_stiffness_bound() const {
+// Upper bound of the stiffness-to-mass ratio that contacts give to any one of these blocks or their gridpoints, 1/s2.
+// Cheap and coarse: compared with its own earlier value alone, it says whether the frequency must be computed again.
+double World::local_stiffness_bound(const std::function<bool(int block)>& is_wanted) const {
   LaneVector<double> body(bodies_.size()), node(node_x_.size());
-  each_own_point([&](const Family& f, const Point& p) {
+  const auto add = [&](const Family& f, const Point& p) {
     const double k = std::max(f.kn, f.ks);
     const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(p);
     const auto rigid = [&](int block) {
@@ -54,10 +54,11 @@ double World::local_stiffness_bound() const {
       soft(facets_[p.facet_b]);
     else
       rigid(p.b);
-  });
+  };
+  each_own_point(add, is_wanted);
   double bound = 0.0;
   for (int i = 0; i < block_count(); ++i) {
-    if (!owns(i)) continue;
+    if (!owns(i) || !is_wanted(i)) continue;
     const ModelBlock& b = blocks_[size_t(i)];
     if (b.body >= 0) bound = std::max(bound, body[size_t(b.body)]);
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) bound = std::max(bound, node[size_t(n)]);
@@ -109,7 +110,7 @@ struct World::FrequencyHalo {
     const int here = ranks->rank();
     using Side = std::pair<bool, int>;  // whether of a gridpoint, and which; else which body
     std::map<int, std::set<Side>> to, from;
-    world.each_own_point([&](const Family&, const Point& p) {
+    const auto add_sides = [&](const Family&, const Point& p) {
       const int rank_a = world.rank_of_block_[size_t(p.a)], rank_b = world.rank_of_block_[size_t(p.b)];
       if (rank_a == rank_b) return;
       const auto note = [&](int block, int facet, int rank, int other) {
@@ -118,7 +119,8 @@ struct World::FrequencyHalo {
         for (int k = 0; k < 3 && facet >= 0; ++k) sides.insert({true, world.facets_[size_t(facet)].node[k]});
       };
       note(p.a, p.facet_a, rank_a, rank_b), note(p.b, p.facet_b, rank_b, rank_a);
-    });
+    };
+    world.each_own_point(add_sides, [](int) { return true; });
     const auto add = [&](const Side& side, std::vector<double*>& numbers) {
       const auto visit = [&](Vector& v) { numbers.insert(numbers.end(), {&v.x, &v.y, &v.z}); };
       if (side.first)
@@ -209,7 +211,7 @@ struct World::Vibration {
           const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
           springs.push_back({&family, &p, world.place_of(p), world.frame_of(p).row[0], factor * p.area});
         },
-        alone);
+        [&](int block) { return !alone || alone->has(block); });
     if (world.splits_motion()) inertia = world.inertia_of_units(blocks);
   }
 
@@ -528,7 +530,7 @@ void World::find_time_step(bool may_grow) {
   const double omega = highest_frequency();
   if (!std::isfinite(omega))
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
-  stiffness_bound_ = local_stiffness_bound();
+  stiffness_bound_ = local_stiffness_bound([](int) { return true; });
   if (omega == 0) {
     // Nothing is in contact yet: the stiffness that a corner contact will have, taken 4 times for safety.
     double highest = springs_;

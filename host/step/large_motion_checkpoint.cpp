@@ -67,7 +67,6 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.stiffness_bound_);
   archive.value(m.step_count_);
   archive.value(m.next_check_);
-  archive.value(m.calm_steps_);
   archive.value(m.check_dt_);
   archive.value(m.detections_);
   archive.value(m.narrow_calls_);
