@@ -172,7 +172,7 @@ void World::number(Vibrating* v) {
       continue;
     }
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
-      const unsigned held = held_[at(i)] | node_support_[at(n)];
+      const unsigned held = held_[at(i)] | nodes_.support[at(n)];
       for (int c = 0; c < 3; ++c) {
         if ((held >> c & 1u) != 0) continue;
         of_gridpoint_[at(n)][at(c)] = static_cast<int>(v->unknown.size());
@@ -197,10 +197,7 @@ void World::draw(Vibrating* v) const {
       continue;
     }
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) drawn.point.push_back(node_reference()[at(n)]);
-    for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-      auto& zone = drawn.zone.emplace_back();
-      for (std::size_t k = 0; k < 4; ++k) zone[k] = zones()[at(z)].node[k] - b.first_node;
-    }
+    for (int z = 0; z < b.zone_count; ++z) std::ranges::copy(zone(i, z).node, drawn.zone.emplace_back().begin());
     v->zones += b.zone_count;
   }
 }
@@ -208,15 +205,15 @@ void World::draw(Vibrating* v) const {
 // Linear elasticity, constant strain. Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T +
 // mu g_j g_i^T + mu (g_i . g_j) I).
 void World::add_zones(std::vector<Triplet>* entries) const {
-  for (const blocks::Zone& zone : zones()) {
+  each_zone([&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < 4; ++j) {
         const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
         const double along = zone.mu * dot(gi, gj);
         for (int c = 0; c < 3; ++c) {
-          const int row = of_gridpoint_[at(zone.node[i])][at(c)];
+          const int row = of_gridpoint_[at(b.first_node + zone.node[i])][at(c)];
           for (int d = 0; row >= 0 && d < 3; ++d) {
-            const int column = of_gridpoint_[at(zone.node[j])][at(d)];
+            const int column = of_gridpoint_[at(b.first_node + zone.node[j])][at(d)];
             if (column < 0 || column > row) continue;
             const double k = zone.lambda * gi[c] * gj[d] + zone.mu * gj[c] * gi[d] + (c == d ? along : 0.0);
             entries->emplace_back(row, column, zone.volume * k);
@@ -224,7 +221,7 @@ void World::add_zones(std::vector<Triplet>* entries) const {
         }
       }
     }
-  }
+  });
 }
 
 void World::add_side(int block, int facet, const Vector& place, double sign, const Vibrating& v,
@@ -236,7 +233,7 @@ void World::add_side(int block, int facet, const Vector& place, double sign, con
     }
     return;
   }
-  const blocks::Facet& f = facets_[at(facet)];
+  const blocks::Facet& f = contacts_.facets[at(facet)];
   for (int i = 0; i < 3; ++i) {
     for (int c = 0; c < 3; ++c) {
       const int unknown = of_gridpoint_[at(f.node[i])][at(c)];
@@ -261,8 +258,8 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
     };
     for (std::size_t i = 0; i < family.size(); ++i) {
       const blocks::Point& p = family.point[i];
-      const Location here = locate(p, facets_);
-      if (here.jump > joint_tolerance_) continue;  // close to each other, and apart
+      const Location here = locate(p, contacts_.facets);
+      if (here.jump > detection_.joint_tolerance) continue;  // close to each other, and apart
       shares.clear();
       add_side(p.a, p.facet_a, here.at, -1.0, *v, &shares);
       add_side(p.b, p.facet_b, here.at, 1.0, *v, &shares);

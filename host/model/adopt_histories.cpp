@@ -24,14 +24,14 @@ void World::set_pose(int block, const Vector& centre, const Quaternion& turn) {
 }
 
 void World::adopt_histories(const std::vector<PointHistory>& histories) {
-  if (frames_are_old_) find_block_frames();
+  if (frames_.are_old) find_block_frames();
   leave_frames_of_deformed();
   std::map<Pair, std::vector<const PointHistory*>> of_pair;
   for (const PointHistory& h : histories)
     of_pair[{std::min(h.block_a, h.block_b), std::max(h.block_a, h.block_b)}].push_back(&h);
-  const double near2 = kSamePlace * kSamePlace * size_ * size_;
+  const double near2 = kSamePlace * kSamePlace * detection_.size * detection_.size;
   size_t taken = 0;
-  for (Family& f : families_) {
+  for (Family& f : contacts_.families) {
     for (size_t i = 0; i < f.size(); ++i) {
       Point& p = f.point[i];
       const PointHistory* history = nullptr;
@@ -41,11 +41,12 @@ void World::adopt_histories(const std::vector<PointHistory>& histories) {
       }
       // Axes of the start, as the history has them.
       const bool on_triangle = p.facet_a >= 0 && !p.on_gridpoints;
-      const Matrix start = on_triangle ? Matrix{} : (p.on_gridpoints ? start_of_frame(p.a) : start_[size_t(p.a)].r);
+      const Matrix start =
+          on_triangle ? Matrix{} : (p.on_gridpoints ? start_of_frame(p.a) : poses_.start[size_t(p.a)].r);
       const Vector s = start * p.s, t = start * p.t;
-      if (on_triangle) refresh_facet_frame(p, facets_[size_t(p.facet_a)]);
+      if (on_triangle) refresh_facet_frame(p, contacts_.facets[size_t(p.facet_a)]);
 
-      const Location now = locate(p, facets_);
+      const Location now = locate(p, contacts_.facets);
       double opening = std::max(0.0, now.jump), slip[2] = {};
       if (history) {
         ++taken;

@@ -31,34 +31,34 @@ Matrix World::start_of_frame(int block) const {
 }
 
 Matrix World::rotation_of_frame(int block) const {
-  return small_ ? start_of_frame(block) : transposed(frames_[size_t(block)].transposed_r);
+  return small_ ? start_of_frame(block) : transposed(frames_.frame[size_t(block)].transposed_r);
 }
 
 void World::find_block_frames() {
-  frames_are_old_ = false;
+  frames_.are_old = false;
   for (int i = 0; i < block_count(); ++i) {
     const ModelBlock& b = blocks_[size_t(i)];
-    if (b.body >= 0 || !laid_out_[size_t(i)] || (b.congruent < 0 && node_anchor_.empty())) continue;
+    if (b.body >= 0 || !part_.laid_out[size_t(i)] || (b.congruent < 0 && nodes_.anchor.empty())) continue;
     const Vector* const anchor =
-        b.congruent >= 0 ? congruent_[size_t(b.congruent)].anchor.data() : node_anchor_.data() + b.first_node;
+        b.congruent >= 0 ? zones_.congruent[size_t(b.congruent)].anchor.data() : nodes_.anchor.data() + b.first_node;
     Matrix f = Matrix::zero();
     for (int n = 0; n < b.node_count; ++n)
-      f += outer(node_x_[size_t(b.first_node + n)] - node_x_[size_t(b.first_node)], anchor[n]);
-    frames_[size_t(i)] = {transposed(rotation_in(f)), f};
+      f += outer(nodes_.x[size_t(b.first_node + n)] - nodes_.x[size_t(b.first_node)], anchor[n]);
+    frames_.frame[size_t(i)] = {transposed(rotation_in(f)), f};
   }
 }
 
 // The largest |u| beside the first gridpoint, as a step finds it, m.
 double World::deformation(int block) const {
   const ModelBlock& b = blocks_[size_t(block)];
-  const Matrix& back = frames_[size_t(block)].transposed_r;
+  const Matrix& back = frames_.frame[size_t(block)].transposed_r;
   double largest = 0.0;
   for (size_t n = 0; n < size_t(b.node_count); ++n) {
     const size_t first = size_t(b.first_node);
-    const Vector shape = b.congruent >= 0
-                             ? congruent_[size_t(b.congruent)].place[n] - congruent_[size_t(b.congruent)].place[0]
-                             : node_reference_[first + n] - node_reference_[first];
-    largest = std::max(largest, norm(back * (node_x_[first + n] - node_x_[first]) - shape));
+    const Vector shape = b.congruent >= 0 ? zones_.congruent[size_t(b.congruent)].place[n] -
+                                                zones_.congruent[size_t(b.congruent)].place[0]
+                                          : nodes_.reference[first + n] - nodes_.reference[first];
+    largest = std::max(largest, norm(back * (nodes_.x[first + n] - nodes_.x[first]) - shape));
   }
   return largest;
 }
@@ -67,7 +67,7 @@ void World::leave_frames_of_deformed() {
   for (int i = 0; i < block_count(); ++i) {
     const ModelBlock& b = blocks_[size_t(i)];
     if (b.body < 0 && may_have_frame(i) && deformation(i) > kLargestDeformation * b.least_extent)
-      by_zone_[size_t(i)] = 1;
+      frames_.by_zone[size_t(i)] = 1;
   }
 }
 
@@ -75,8 +75,8 @@ void World::leave_frames_of_deformed() {
 // and what the law has not seen yet of the slip.
 void World::leave_gridpoints(Family& f, size_t i) {
   Point& p = f.point[i];
-  Facet& facet = facets_[size_t(p.facet_a)];
-  const Location before = locate(p, facets_);
+  Facet& facet = contacts_.facets[size_t(p.facet_a)];
+  const Location before = locate(p, contacts_.facets);
   const Matrix then = frame_of(p);
   p.on_gridpoints = false;
   refresh_facet_frame(p, facet);
@@ -86,10 +86,10 @@ void World::leave_gridpoints(Family& f, size_t i) {
   turn_joint_vectors(f, f, turn);
   for (int k = 0; k < 2; ++k) f.slid[k][i] -= before.slid[k];
   turn(f.slid[0], f.slid[1], f.slid[0], f.slid[1]);
-  const Location now = locate(p, facets_);
+  const Location now = locate(p, contacts_.facets);
   for (int k = 0; k < 3; ++k)
     facet.weight[k] += facet.gradient[k][0] * now.slid[0] + facet.gradient[k][1] * now.slid[1];
-  p.reference += locate(p, facets_).jump - before.jump;
+  p.reference += locate(p, contacts_.facets).jump - before.jump;
 }
 
 }  // namespace quoin::blocks

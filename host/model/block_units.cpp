@@ -14,34 +14,20 @@ void World::find_units() {
     if (blocks_[size_t(i)].body < 0 && assembly_.blocks[size_t(i)].unit >= 0)
       blocks_of[assembly_.blocks[size_t(i)].unit].push_back(i);
   }
-  other_half_.assign(blocks_.size(), -1), apart_.assign(blocks_.size(), 0);
+  units_.other_half.assign(blocks_.size(), -1), units_.apart.assign(blocks_.size(), 0);
   for (const auto& [unit, blocks] : blocks_of) {
     if (blocks.size() != 2) continue;
-    other_half_[size_t(blocks[0])] = blocks[1];
-    other_half_[size_t(blocks[1])] = blocks[0];
-    ++unit_count_;
+    units_.other_half[size_t(blocks[0])] = blocks[1];
+    units_.other_half[size_t(blocks[1])] = blocks[0];
+    ++units_.count;
   }
-}
-
-Unit World::unit_of(int block, Halves of) const {
-  const int other = other_half_[size_t(block)];
-  if (other < 0 || (of == Halves::together && apart_[size_t(block)])) return {{block, -1}, 1};
-  return {{std::min(block, other), std::max(block, other)}, 2};
-}
-
-Gridpoints World::gridpoints_of(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
-  const auto of_block = [&](const auto& field) {
-    return std::span(field).subspan(size_t(b.first_node), size_t(b.node_count));
-  };
-  return {of_block(node_x_), of_block(node_v_), of_block(node_mass_), of_block(node_held_)};
 }
 
 UnitInertia World::inertia_of(const Unit& unit) const {
   UnitInertia inertia;
   inertia.count = unit.count;
   for (int k = 0; k < unit.count; ++k) {
-    const Gridpoints g = gridpoints_of(unit.block[k]);
+    const BlockGridpoints g = nodes_.of(blocks_[size_t(unit.block[k])]);
     inertia.block[k] = RigidInertia(g.x, g.mass, g.held);
   }
   if (unit.count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
@@ -53,7 +39,7 @@ double World::rigid_kinetic_energy(const Unit& unit) const {
   const UnitInertia inertia = inertia_of(unit);
   Rigid velocity[2];
   for (int k = 0; k < unit.count; ++k) {
-    const Gridpoints g = gridpoints_of(unit.block[k]);
+    const BlockGridpoints g = nodes_.of(blocks_[size_t(unit.block[k])]);
     const RigidInertia& block = inertia.block[k];
     velocity[k] = block.acceleration(sum_about(block.centre(), g.x, g.v, g.mass));
   }
@@ -63,7 +49,7 @@ double World::rigid_kinetic_energy(const Unit& unit) const {
 std::vector<UnitInertia> World::inertia_of_units(std::span<const int> blocks) const {
   std::vector<UnitInertia> inertia(blocks_.size());
   for (const int i : blocks) {
-    if (blocks_[size_t(i)].body < 0 && unit_of(i).block[0] == i) inertia[size_t(i)] = inertia_of(unit_of(i));
+    if (blocks_[size_t(i)].body < 0 && units_.of(i).block[0] == i) inertia[size_t(i)] = inertia_of(units_.of(i));
   }
   return inertia;
 }
@@ -73,14 +59,14 @@ void World::scale_motion(std::span<const int> blocks, const std::vector<UnitIner
                          bool of_forces) const {
   const double of_deformation = 1 / std::sqrt(solver_.deformation_inertia);
   for (const int i : blocks) {
-    const Unit unit = unit_of(i);
+    const Unit unit = units_.of(i);
     if (blocks_[size_t(i)].body >= 0 || unit.block[0] != i) continue;
     const double of_unit = unit.count == 1 ? 1.0 : 1 / std::sqrt(solver_.unit_inertia);
     const UnitInertia& inertia = inertias[size_t(i)];
     Rigid sum[2];
     for (int k = 0; k < unit.count; ++k) {
       const ModelBlock& b = blocks_[size_t(unit.block[k])];
-      const Gridpoints g = gridpoints_of(unit.block[k]);
+      const BlockGridpoints g = nodes_.of(blocks_[size_t(unit.block[k])]);
       const std::span<const Vector> of_block(y.data() + b.first_node, size_t(b.node_count));
       sum[k] = sum_about(inertia.block[k].centre(), g.x, of_block, of_forces ? std::span<const double>{} : g.mass);
     }
@@ -91,8 +77,8 @@ void World::scale_motion(std::span<const int> blocks, const std::vector<UnitIner
       Rigid rigid = (of_unit - of_deformation) * block.acceleration(sum[k]);
       if (unit.count == 2) rigid = rigid + (1 - of_unit) * inertia.at_block(k, whole);
       for (size_t n = size_t(b.first_node); n < size_t(b.first_node + b.node_count); ++n) {
-        const Vector motion = rigid.linear + cross(rigid.angular, node_x_[n] - block.centre());
-        y[n] = of_deformation * y[n] + (of_forces ? node_mass_[n] : 1.0) * motion;
+        const Vector motion = rigid.linear + cross(rigid.angular, nodes_.x[n] - block.centre());
+        y[n] = of_deformation * y[n] + (of_forces ? nodes_.mass[n] : 1.0) * motion;
       }
     }
   }
@@ -104,11 +90,11 @@ void World::scale_motion(std::span<const int> blocks, const std::vector<UnitIner
 // with it. What has come apart is farther away.
 bool World::are_together(int a, int b) const {
   const Pair pair{a, b};
-  const auto c = std::lower_bound(contacts_.begin(), contacts_.end(), pair,
+  const auto c = std::lower_bound(contacts_.list.begin(), contacts_.list.end(), pair,
                                   [](const Contact& contact, const Pair& p) { return contact.pair < p; });
-  if (c == contacts_.end() || pair < c->pair || c->count == 0) return false;
-  const Family& f = families_[size_t(c->family)];
-  const double way = (apart_[size_t(a)] ? 1.0 : 2.0) * detection_fraction() * size_;
+  if (c == contacts_.list.end() || pair < c->pair || c->count == 0) return false;
+  const Family& f = contacts_.families[size_t(c->family)];
+  const double way = (units_.apart[size_t(a)] ? 1.0 : 2.0) * detection_fraction() * detection_.size;
   for (uint32_t p = c->first; p < c->first + c->count; ++p) {
     const double opening = f.normal_jump[p];
     if (opening < way || solver_.unit_inertia * f.traction[0][p] > f.kn * opening) return true;
@@ -121,15 +107,15 @@ bool World::are_together(int a, int b) const {
 // their fall apart. Inertia that goes or comes back takes no momentum with it, as velocities stay and P_b - P_u has
 // none. Its kinetic energy, (s_u - 1)/2 v . M (P_b - P_u) v, is booked.
 void World::part_units() {
-  if (step_count_ < next_check_ || !splits_motion()) return;
+  if (stepping_.count < checks_.next || !splits_motion()) return;
   std::vector<double> freed(blocks_.size(), std::nan(""));  // by the first half of those that part or meet, J
   bool changed = false;
   for (int a = 0; a < block_count(); ++a) {
-    const int b = other_half_[size_t(a)];
-    if (b < a || !owns(a) || are_together(a, b) != bool(apart_[size_t(a)])) continue;
+    const int b = units_.other_half[size_t(a)];
+    if (b < a || !owns(a) || are_together(a, b) != bool(units_.apart[size_t(a)])) continue;
     const double added =
         rigid_kinetic_energy({{a, b}, 2}) - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
-    freed[size_t(a)] = apart_[size_t(a)] ? -added : added;
+    freed[size_t(a)] = units_.apart[size_t(a)] ? -added : added;
     changed = true;
   }
   if (!any(changed)) return;
@@ -137,13 +123,13 @@ void World::part_units() {
   std::vector<int> here;
   for (int a = 0; a < block_count(); ++a) {
     if (std::isnan(freed[size_t(a)])) continue;
-    if (owns(a)) here.insert(here.end(), {a, other_half_[size_t(a)]});
-    const bool part = !apart_[size_t(a)];
-    apart_[size_t(a)] = apart_[size_t(other_half_[size_t(a)])] = part;
-    unit_count_ += part ? -1 : 1;
-    if (energy_) later_.detection += freed[size_t(a)];
+    if (owns(a)) here.insert(here.end(), {a, units_.other_half[size_t(a)]});
+    const bool part = !units_.apart[size_t(a)];
+    units_.apart[size_t(a)] = units_.apart[size_t(units_.other_half[size_t(a)])] = part;
+    units_.count += part ? -1 : 1;
+    if (energy_) step_sums_.later.detection += freed[size_t(a)];
   }
-  fetch_();
+  part_.fetch();
   take_back_facets();
   divide_work();
   if (solver_.unit_inertia != 1.0 && any(shorten_step(here))) find_time_step();

@@ -34,27 +34,27 @@ struct World::NewPoint {
 
 Placed World::placed(int block) const {
   const ModelBlock& b = blocks_[block];
-  const Vector* v = placed_corner_.data() + b.first_corner;
+  const Vector* v = shapes_.placed_corner.data() + b.first_corner;
   Vector centre;
   const size_t n = b.shape->vertices.size();
   for (size_t i = 0; i < n; ++i) centre += v[i];
-  return {b.shape, v, placed_normal_.data() + b.first_normal, centre / double(n)};
+  return {b.shape, v, shapes_.placed_normal.data() + b.first_normal, centre / double(n)};
 }
 
 void World::place_blocks() {
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!laid_out_[i]) continue;
+    if (!part_.laid_out[i]) continue;
     const ModelBlock& b = blocks_[i];
-    Vector* corner = placed_corner_.data() + b.first_corner;
-    Vector* normal = placed_normal_.data() + b.first_normal;
+    Vector* corner = shapes_.placed_corner.data() + b.first_corner;
+    Vector* normal = shapes_.placed_normal.data() + b.first_normal;
     const size_t corners = b.shape->vertices.size(), faces = b.shape->faces.size();
     if (b.body >= 0) {
       const Body& body = bodies_[b.body];
-      for (size_t k = 0; k < corners; ++k) corner[k] = body.x + body.r * corner_[b.first_corner + k];
-      for (size_t f = 0; f < faces; ++f) normal[f] = body.r * body_normal_[b.first_normal + f];
+      for (size_t k = 0; k < corners; ++k) corner[k] = body.x + body.r * shapes_.corner[b.first_corner + k];
+      for (size_t f = 0; f < faces; ++f) normal[f] = body.r * shapes_.normal[b.first_normal + f];
       continue;
     }
-    for (size_t k = 0; k < corners; ++k) corner[k] = node_x_[size_t(b.first_node) + k];
+    for (size_t k = 0; k < corners; ++k) corner[k] = nodes_.x[size_t(b.first_node) + k];
     for (size_t f = 0; f < faces; ++f) {
       const auto& face = b.shape->faces[f];
       Vector m;
@@ -83,7 +83,7 @@ double World::motion_since_broad_phase(int block) const {
   Vector x;
   Matrix r;
   pose(block, x, r);
-  const Pose& broad = broad_[size_t(block)];
+  const Pose& broad = poses_.broad[size_t(block)];
   return norm(x - broad.x) + angle_between(r, broad.r) * b.radius;
 }
 
@@ -132,7 +132,7 @@ struct World::Before {
 
 void World::detect_contacts(bool everything) {
   Detection found;
-  found.at_start = detections_++ == 0;
+  found.at_start = detection_.count++ == 0;
   take_back_facets();
   place_blocks();
   const std::vector<Pair> pairs = close_pairs(everything);
@@ -147,14 +147,14 @@ void World::detect_contacts(bool everything) {
   if (found.changed || found.at_start) {
     place_points(found);
   } else {
-    contacts_ = std::move(found.contacts);
-    pair_place_ = std::move(found.places);
-    pair_check_ = std::move(found.checks);
+    contacts_.list = std::move(found.contacts);
+    contacts_.place = std::move(found.places);
+    checks_.pair = std::move(found.checks);
   }
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    if (owns(contacts_[i])) next_check_ = std::min(next_check_, pair_check_[i].step);
+  for (size_t i = 0; i < contacts_.list.size(); ++i) {
+    if (owns(contacts_.list[i])) checks_.next = std::min(checks_.next, checks_.pair[i].step);
   }
-  next_check_ = -long(largest(double(-next_check_)));
+  checks_.next = -long(largest(double(-checks_.next)));
   bind_neighbours();
 }
 
@@ -162,27 +162,27 @@ void World::detect_contacts(bool everything) {
 std::vector<Pair> World::close_pairs(bool everything) {
   bool stale = everything;
   for (size_t i = 0; i < blocks_.size() && !stale; ++i)
-    stale = owns(int(i)) && motion_since_broad_phase(int(i)) > 0.2 * skin_;
+    stale = owns(int(i)) && motion_since_broad_phase(int(i)) > 0.2 * detection_.skin;
   std::vector<Pair> pairs;
   if (!any(stale)) {
-    for (const Contact& c : contacts_) pairs.push_back(c.pair);
+    for (const Contact& c : contacts_.list) pairs.push_back(c.pair);
     return pairs;
   }
   std::vector<Box> boxes(blocks_.size());
-  const Vector inflate{0.5 * skin_, 0.5 * skin_, 0.5 * skin_};
+  const Vector inflate{0.5 * detection_.skin, 0.5 * detection_.skin, 0.5 * detection_.skin};
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!laid_out_[i]) continue;
+    if (!part_.laid_out[i]) continue;
     const ModelBlock& b = blocks_[i];
-    for (size_t k = 0; k < b.shape->vertices.size(); ++k) boxes[i].include(placed_corner_[b.first_corner + k]);
+    for (size_t k = 0; k < b.shape->vertices.size(); ++k) boxes[i].include(shapes_.placed_corner[b.first_corner + k]);
     boxes[i].lower -= inflate, boxes[i].upper += inflate;
-    pose(int(i), broad_[i].x, broad_[i].r);
+    pose(int(i), poses_.broad[i].x, poses_.broad[i].r);
   }
   gather_by_block(boxes);
-  for (size_t i = 0; i < blocks_.size(); ++i) rough_place_[i] = 0.5 * (boxes[i].lower + boxes[i].upper);
+  for (size_t i = 0; i < blocks_.size(); ++i) part_.rough_place[i] = 0.5 * (boxes[i].lower + boxes[i].upper);
   pairs = overlapping_pairs(boxes);
   const auto held = [&](int i) {  // those that stages drive are laid out everywhere
     return blocks_[i].body >= 0 && assembly_.blocks[i].fixed &&
-           (!laid_out_[size_t(i)] || bodies_[blocks_[i].body].held == 0x3f);
+           (!part_.laid_out[size_t(i)] || bodies_[blocks_[i].body].held == 0x3f);
   };
   std::erase_if(pairs, [&](const Pair& p) { return held(p.a) && held(p.b); });
   receive_new_neighbours(pairs);
@@ -195,15 +195,15 @@ void World::narrow_phase(const std::vector<Pair>& pairs, bool everything, Detect
   found.places = LaneVector<PairPlace>(pairs.size());
   found.checks = LaneVector<PairCheck>(pairs.size());
   found.findings.reserve(pairs.size());
-  auto old = contacts_.begin();
+  auto old = contacts_.list.begin();
   const auto lose = [&] {
     if (old->count > 0) found.lost.push_back(*old);
     ++old;
   };
   for (const Pair& pair : pairs) {
-    while (old != contacts_.end() && old->pair < pair) lose();
-    const bool known = old != contacts_.end() && old->pair == pair;
-    const size_t then = size_t(old - contacts_.begin()), now = found.contacts.size();
+    while (old != contacts_.list.end() && old->pair < pair) lose();
+    const bool known = old != contacts_.list.end() && old->pair == pair;
+    const size_t then = size_t(old - contacts_.list.begin()), now = found.contacts.size();
     Contact c;
     if (known) c = *old++;
     c.pair = pair;
@@ -212,7 +212,7 @@ void World::narrow_phase(const std::vector<Pair>& pairs, bool everything, Detect
     if (owns(c)) {
       PairPlace& place = found.places[now];
       PairCheck& check = found.checks[now];
-      if (known) place = pair_place_[then], check = pair_check_[then];
+      if (known) place = contacts_.place[then], check = checks_.pair[then];
       if (!known || everything || is_ripe(c, place, check)) {
         detect_pair(c, place, known, finding, found);
         check_pair_motion(c, place, pose(c.pair.a), pose(c.pair.b), check);
@@ -221,7 +221,7 @@ void World::narrow_phase(const std::vector<Pair>& pairs, bool everything, Detect
     found.contacts.push_back(c);
     found.findings.push_back(finding);
   }
-  while (old != contacts_.end()) lose();
+  while (old != contacts_.list.end()) lose();
 }
 
 // Where the two blocks of a pair touch, and the points that belong there.
@@ -229,27 +229,28 @@ void World::detect_pair(Contact& c, PairPlace& place, bool known, Finding& findi
   finding.examined = true;
   const Pair pair = c.pair;
   const Placed a = placed(pair.a), b = placed(pair.b);
-  place.separation = separate(a, b, skin_, preference_fraction * size_, known ? &place.separation : nullptr);
+  place.separation =
+      separate(a, b, detection_.skin, preference_fraction * detection_.size, known ? &place.separation : nullptr);
   const double distance = place.separation.distance;
   Vector xa, xb;
   Matrix ra, rb;
   pose(pair.a, xa, ra), pose(pair.b, xb, rb);
   place.relative_x = transposed_times(ra, xb - xa);
   place.relative_r = transposed(ra) * rb;
-  if (found.at_start && distance < -joint_tolerance_) {
+  if (found.at_start && distance < -detection_.joint_tolerance) {
     throw Error(
         Exit::bad_input,
         fmt::format(
             "blocks {} and {} overlap by {:.3g} m near {} (more than the joint tolerance {:.3g} m); move or cut one "
             "of them",
             label(assembly_, pair.a), label(assembly_, pair.b), -distance, geometry::place(0.5 * (a.centre + b.centre)),
-            joint_tolerance_));
+            detection_.joint_tolerance));
   }
   finding.begin = found.points.size();
-  if (distance <= reach_) {
+  if (distance <= detection_.reach) {
     make_points(c, place.separation, found.at_start, found.points);
     finding.fresh = true;
-    c.beside_joint |= found.at_start && found.points.size() == finding.begin && distance <= joint_tolerance_;
+    c.beside_joint |= found.at_start && found.points.size() == finding.begin && distance <= detection_.joint_tolerance;
   } else {
     // Beyond reach the points go, unless one still carries something: a joint that stretches further than the skin.
     c.beside_joint = false;
@@ -268,11 +269,11 @@ void World::exchange_findings(Detection& found) {
     bool examined, fresh, beside_joint;
   };
   std::vector<Exchanged> exchanged;
-  for (size_t i = 0; ranks_ && i < found.contacts.size(); ++i) {
+  for (size_t i = 0; part_.ranks && i < found.contacts.size(); ++i) {
     const Finding& f = found.findings[i];
     exchanged.push_back({found.contacts[i].family, f.fresh_count, f.examined, f.fresh, found.contacts[i].beside_joint});
   }
-  all_gather(ranks_, std::span(exchanged), [&](size_t i) { return rank_of(found.contacts[i]); });
+  all_gather(part_.ranks, std::span(exchanged), [&](size_t i) { return rank_of(found.contacts[i]); });
   for (size_t i = 0; i < exchanged.size(); ++i) {
     Contact& c = found.contacts[i];
     Finding& f = found.findings[i];
@@ -281,14 +282,14 @@ void World::exchange_findings(Detection& found) {
   }
   found.changed = !found.lost.empty();
   for (const Finding& f : found.findings) {
-    narrow_calls_ += f.examined ? 1 : 0;
+    detection_.narrow_calls += f.examined ? 1 : 0;
     found.changed |= f.fresh && (f.fresh_count > 0 || f.count > 0);
   }
 }
 
 bool World::carries(const Contact& c) const {
   for (uint32_t i = c.first; i < c.first + c.count; ++i) {
-    for (const auto& traction : families_[c.family].traction) {
+    for (const auto& traction : contacts_.families[c.family].traction) {
       if (traction[i] != 0.0) return true;
     }
   }
@@ -299,7 +300,7 @@ void World::name_family(Contact& c, const Vector& normal, std::span<const NewPoi
   Vector middle;
   for (const NewPoint& p : points) middle += p.point.at / double(points.size());
   c.family = assembly_.family_of ? assembly_.family_of({c.pair.a, c.pair.b, normal}) : 0;
-  if (c.family >= int(families_.size())) {
+  if (c.family >= int(contacts_.families.size())) {
     throw Error(Exit::bad_input, fmt::format("blocks {} and {} meet near {}, and no joint family is given for them",
                                              label(assembly_, c.pair.a), label(assembly_, c.pair.b), place(middle)));
   }
@@ -307,7 +308,7 @@ void World::name_family(Contact& c, const Vector& normal, std::span<const NewPoi
 
 // Families with room for the points of now, in the order of the pairs; facets in the order of points.
 void World::number_points(Detection& found, Before& before) {
-  std::vector<uint32_t> points(families_.size(), 0), facets(families_.size(), 0);
+  std::vector<uint32_t> points(contacts_.families.size(), 0), facets(contacts_.families.size(), 0);
   const auto each_contact = [&](const auto& visit) {
     for (size_t i = 0; i < found.contacts.size(); ++i) {
       if (found.contacts[i].family >= 0) visit(found.contacts[i], found.findings[i]);
@@ -323,18 +324,18 @@ void World::number_points(Detection& found, Before& before) {
   for (Contact& c : found.contacts) {
     if (c.family < 0) c.count = 0;
   }
-  before.families.resize(families_.size());
+  before.families.resize(contacts_.families.size());
   uint32_t all_facets = 0;
-  for (size_t k = 0; k < families_.size(); ++k) {
-    take_points(families_[k], before.families[k]);
-    resize(families_[k], points[k]);
+  for (size_t k = 0; k < contacts_.families.size(); ++k) {
+    take_points(contacts_.families[k], before.families[k]);
+    resize(contacts_.families[k], points[k]);
     all_facets += std::exchange(facets[k], all_facets);
   }
   each_contact([&](Contact& c, const Finding&) {
     c.first_facet = facets[size_t(c.family)];
     facets[size_t(c.family)] += c.count * uint32_t(facets_a_point(c));
   });
-  before.facets = std::exchange(facets_, LaneVector<Facet>(all_facets));
+  before.facets = std::exchange(contacts_.facets, LaneVector<Facet>(all_facets));
 }
 
 // Those that go on are moved, the others made with the history of those nearby. Where several processes share the
@@ -342,7 +343,8 @@ void World::number_points(Detection& found, Before& before) {
 void World::place_points(Detection& found) {
   Before before;
   number_points(found, before);
-  if (!found.at_start && kept_.empty()) kept_ = LaneVector<double>(start_point_.size() * kept_width());
+  if (!found.at_start && start_joints_.kept.empty())
+    start_joints_.kept = LaneVector<double>(start_joints_.point.size() * kept_width());
   const auto keep_of = [&](const Contact& c, uint32_t first, uint32_t count) {
     if (c.initial && count > 0 && owns(c.pair.a))
       keep_of_joint(c, before.families[c.family], before.facets, first, count);
@@ -376,7 +378,7 @@ void World::place_points(Detection& found) {
       if (!found.at_start) keep_of(c, finding.first, finding.count);
       free(c, own ? energy_of_points(before.families[c.family], before.facets, finding.first, finding.count) : 0.0);
       if (own) hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
-      free(c, own ? -energy_of_points(families_[c.family], facets_, c.first, c.count) : 0.0);
+      free(c, own ? -energy_of_points(contacts_.families[c.family], contacts_.facets, c.first, c.count) : 0.0);
     } else if (c.count > 0 && owns(c)) {
       const uint32_t of_contact = c.count * uint32_t(facets_a_point(c));
       const bool goes_on = together.count > 0 && together.family == c.family &&
@@ -390,46 +392,46 @@ void World::place_points(Detection& found) {
     }
   }
   keep();
-  all_gather(ranks_, std::span(freed), [&](size_t i) { return rank_of(*freed_by[i]); });
+  all_gather(part_.ranks, std::span(freed), [&](size_t i) { return rank_of(*freed_by[i]); });
   double sum = 0.0;
   for (const double energy : freed) sum += energy;
-  if (energy_) later_.detection += sum;
-  contacts_ = std::move(found.contacts);
-  pair_place_ = std::move(found.places);
-  pair_check_ = std::move(found.checks);
+  if (energy_) step_sums_.later.detection += sum;
+  contacts_.list = std::move(found.contacts);
+  contacts_.place = std::move(found.places);
+  checks_.pair = std::move(found.checks);
   if (found.at_start) note_start_joints();
   divide_work();
   if (found.at_start) return;
   const double bound = local_stiffness_bound();
   // Springs may grow by what the step has in hand, as its frequency costs many steps.
   const double fraction = solver_.time_step_fraction;
-  if (bound <= std::clamp(1.0 / (fraction * fraction), kLeastGrowth, kMostGrowth) * stiffness_bound_) return;
+  if (bound <= std::clamp(1.0 / (fraction * fraction), kLeastGrowth, kMostGrowth) * stepping_.stiffness_bound) return;
   std::set<int> changed;
-  for (size_t i = 0; i < contacts_.size(); ++i) {
+  for (size_t i = 0; i < contacts_.list.size(); ++i) {
     if (!found.findings[i].fresh) continue;
-    for (const int block : {contacts_[i].pair.a, contacts_[i].pair.b}) {
-      if (owns(block)) changed.insert(unit_of(block).block[0]);
+    for (const int block : {contacts_.list[i].pair.a, contacts_.list[i].pair.b}) {
+      if (owns(block)) changed.insert(units_.of(block).block[0]);
     }
   }
   if (any(shorten_step(std::vector<int>(changed.begin(), changed.end()))))
     find_time_step();
   else
-    stiffness_bound_ = bound;
+    stepping_.stiffness_bound = bound;
 }
 
 void World::note_start_joints() {
   uint32_t points = 0;
-  for (const Contact& c : contacts_) {
-    if (c.count > 0) start_joints_.push_back({c.pair, c.family, points, c.count});
+  for (const Contact& c : contacts_.list) {
+    if (c.count > 0) start_joints_.joint.push_back({c.pair, c.family, points, c.count});
     points += c.count;
   }
-  start_point_ = LaneVector<StartPoint>(points);
-  auto joint = start_joints_.begin();
-  for (const Contact& c : contacts_) {
+  start_joints_.point = LaneVector<StartPoint>(points);
+  auto joint = start_joints_.joint.begin();
+  for (const Contact& c : contacts_.list) {
     if (c.count == 0) continue;
     for (uint32_t k = 0; k < c.count && owns(c); ++k) {
-      const Point& p = families_[c.family].point[c.first + k];
-      start_point_[joint->first + k] = {p.at, p.area};
+      const Point& p = contacts_.families[c.family].point[c.first + k];
+      start_joints_.point[joint->first + k] = {p.at, p.area};
     }
     ++joint;
   }
@@ -445,14 +447,14 @@ void World::take_points(Family& f, Family& into) {
 
 void World::keep_points(const Before& before, const Finding& finding, const Contact& c, uint32_t facets) {
   const Family& old = before.families[c.family];
-  Family& f = families_[c.family];
+  Family& f = contacts_.families[c.family];
   WorldFields::of_points(
       [&](const Field& field, const auto& from, auto& to) {
         if (field.of_step || from.empty() || to.empty()) return;
         std::copy_n(from.begin() + finding.first, finding.count, to.begin() + c.first);
       },
       old, f);
-  std::copy_n(before.facets.begin() + finding.first_facet, facets, facets_.begin() + c.first_facet);
+  std::copy_n(before.facets.begin() + finding.first_facet, facets, contacts_.facets.begin() + c.first_facet);
   const auto carry = [&](int32_t& index) {
     if (index >= 0) index += int32_t(c.first_facet) - int32_t(finding.first_facet);
   };
@@ -462,18 +464,19 @@ void World::keep_points(const Before& before, const Finding& finding, const Cont
 // New points take the history of the nearest old one of their contact: old points have moved along with their blocks.
 void World::hand_over(const Before& before, const Finding& finding, const Contact& c, std::span<const NewPoint> points,
                       bool at_start) {
-  Family& f = families_[c.family];
+  Family& f = contacts_.families[c.family];
   const Family& old = before.families[c.family];
   double old_area = 0.0;
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) old_area += old.point[j].area;
-  const double radius2 = finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * size_ * size_) : 0.0;
+  const double radius2 =
+      finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * detection_.size * detection_.size) : 0.0;
   std::vector<Vector> then;  // where the old points are by now
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j)
     then.push_back(locate(old.point[j], before.facets).at);
   std::vector<Heir> heirs(points.size());
   uint32_t next_facet = c.first_facet;
   const auto put = [&](const Facet& facet) {
-    facets_[next_facet] = facet;
+    contacts_.facets[next_facet] = facet;
     return int32_t(next_facet++);
   };
   for (size_t k = 0; k < points.size(); ++k) {
@@ -500,7 +503,7 @@ void World::hand_over(const Before& before, const Finding& finding, const Contac
     // The zero of the jumps. d_n counts from the reference gap. Slip counts from here, less what the last step has
     // moved and the law has not taken yet.
     if (p.facet_a < 0) p.offset += p.reference;
-    const Location now = locate(p, facets_);
+    const Location now = locate(p, contacts_.facets);
     p.at = now.at;
     for (int axis = 0; axis < 2; ++axis) f.slid[axis][to] = now.slid[axis];
     if (nearest >= 0) {
@@ -582,13 +585,13 @@ void World::keep_energy(const Before& before, const Finding& finding, const Cont
       deepest = std::max(deepest, d2), largest = std::max(largest, tau2);
     }
   };
-  Family& f = families_[c.family];
+  Family& f = contacts_.families[c.family];
   const Family& old = before.families[c.family];
   Sums then, now;
   for (uint32_t i = finding.first; i < finding.first + finding.count; ++i)
     then.add(old, i, locate(old.point[i], before.facets).jump + plastic_closure(old, i));
   for (uint32_t k = 0; k < c.count; ++k)
-    now.add(f, c.first + k, locate(f.point[c.first + k], facets_).jump + heirs[k].closure);
+    now.add(f, c.first + k, locate(f.point[c.first + k], contacts_.facets).jump + heirs[k].closure);
   const auto scale = [&](double sum_then, double sum_now, double most_then, double most_now) {
     if (sum_now == 0) return 1.0;
     const double most = std::max(1.0, then.area / now.area) * most_then / most_now;
@@ -599,7 +602,7 @@ void World::keep_energy(const Before& before, const Finding& finding, const Cont
   for (uint32_t k = 0; k < c.count; ++k) {
     const uint32_t i = c.first + k;
     Point& p = f.point[i];
-    const double overlap = locate(p, facets_).jump + heirs[k].closure;
+    const double overlap = locate(p, contacts_.facets).jump + heirs[k].closure;
     if (overlap < 0) {
       p.reference += (1 - deeper) * overlap;
       if (p.facet_a < 0) p.offset += (1 - deeper) * overlap;
@@ -607,7 +610,7 @@ void World::keep_energy(const Before& before, const Finding& finding, const Cont
     if (std::isnan(heirs[k].opening)) continue;
     const double pressed = f.traction[0][i];
     // As if the point had been there in the last step: stiffness damping sees motion alone.
-    f.normal_jump[i] = locate(p, facets_).jump - heirs[k].opening;
+    f.normal_jump[i] = locate(p, contacts_.facets).jump - heirs[k].opening;
     if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
     if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
     // Shear goes no further than the pressure goes with it: a traction within its strength stays there.
@@ -719,7 +722,8 @@ void World::face_points(int owner, int owner_face, int carrier, bool at_start, d
       add(polygon);
     } else {
       for (const auto& tri : blocks_[block].surface) {
-        if (tri.face == face) add({flat(node_x_[tri.node[0]]), flat(node_x_[tri.node[1]]), flat(node_x_[tri.node[2]])});
+        if (tri.face == face)
+          add({flat(nodes_.x[tri.node[0]]), flat(nodes_.x[tri.node[1]]), flat(nodes_.x[tri.node[2]])});
       }
     }
     return list;
@@ -755,7 +759,7 @@ void World::face_points(int owner, int owner_face, int carrier, bool at_start, d
     p.n = n, p.s = s, p.t = t;
     p.area = area, p.at = at;
     // a joint of the start: the gap found there is the reference
-    made.joint = at_start && std::abs(gap) <= joint_tolerance_ && cosine > parallel_cosine;
+    made.joint = at_start && std::abs(gap) <= detection_.joint_tolerance && cosine > parallel_cosine;
     p.reference = made.joint ? gap : 0.0;
     anchor(made, owner, at - gap * n, owner_face, true);
     anchor(made, carrier, at, facing_face, false);
@@ -787,7 +791,7 @@ void World::face_points(int owner, int owner_face, int carrier, bool at_start, d
   for (const QuadraturePoint& q : points) {
     const Vector foot = origin + q.at.x * s + q.at.y * t;
     const double gap = dot(on_b - foot, nb) / dot(n, nb);
-    if (!at_start && gap > 20 * reach_) continue;  // far side of a tilted block
+    if (!at_start && gap > 20 * detection_.reach) continue;  // far side of a tilted block
     make(foot + gap * n, q.area * stiffen, gap);
   }
 }
@@ -852,7 +856,7 @@ void World::anchor(NewPoint& made, int block, const Vector& at, int face, bool p
   double best = -1e300;
   for (const auto& tri : mb.surface) {
     if (tri.face != face) continue;
-    const Vector &x1 = node_x_[tri.node[0]], e2 = node_x_[tri.node[1]] - x1, e3 = node_x_[tri.node[2]] - x1;
+    const Vector &x1 = nodes_.x[tri.node[0]], e2 = nodes_.x[tri.node[1]] - x1, e3 = nodes_.x[tri.node[2]] - x1;
     const Vector m = cross(e2, e3);
     const double square = dot(m, m);
     const double w2 = dot(cross(at - x1, e3), m) / square, w3 = dot(cross(e2, at - x1), m) / square, w1 = 1 - w2 - w3;
@@ -888,7 +892,7 @@ void World::choose_frame(NewPoint& made) const {
 
 // The frame of a deformable plane side: n of its triangle, s along its first edge.
 void World::refresh_facet_frame(Point& p, Facet& facet) const {
-  const Vector &x1 = node_x_[facet.node[0]], e2 = node_x_[facet.node[1]] - x1, e3 = node_x_[facet.node[2]] - x1;
+  const Vector &x1 = nodes_.x[facet.node[0]], e2 = nodes_.x[facet.node[1]] - x1, e3 = nodes_.x[facet.node[2]] - x1;
   const double length = norm(e2);
   p.s = e2 / length;
   p.n = normalized(cross(e2, e3));
@@ -900,12 +904,12 @@ void World::refresh_facet_frame(Point& p, Facet& facet) const {
 }
 
 void World::take_back_facets() {
-  for (const int c : own_chunks_) {
-    const Chunk& chunk = chunks_[size_t(c)];
-    Family& f = families_[size_t(chunk.family)];
+  for (const int c : chunks_.own) {
+    const Chunk& chunk = chunks_.all[size_t(c)];
+    Family& f = contacts_.families[size_t(chunk.family)];
     for (const FacetLanes& lanes : chunk.facets) {
       for (size_t l = 0; l < lanes.count; ++l) {
-        Facet& facet = facets_[size_t(lanes.facet_a[l])];
+        Facet& facet = contacts_.facets[size_t(lanes.facet_a[l])];
         for (int k = 0; k < 3; ++k) facet.weight[k] = lanes.weight_a[k][l];
         if (!small_) refresh_facet_frame(f.point[lanes.first + l], facet);
       }
@@ -918,16 +922,16 @@ World::Location World::locate(const Point& p, const LaneVector<Facet>& facets) c
   Location l;
   if (p.facet_b >= 0) {
     const Facet& facet = facets[p.facet_b];
-    l.at = facet.weight[0] * node_x_[facet.node[0]] + facet.weight[1] * node_x_[facet.node[1]] +
-           facet.weight[2] * node_x_[facet.node[2]];
+    l.at = facet.weight[0] * nodes_.x[facet.node[0]] + facet.weight[1] * nodes_.x[facet.node[1]] +
+           facet.weight[2] * nodes_.x[facet.node[2]];
   } else {
     const Body& b = bodies_[blocks_[p.b].body];
     l.at = b.x + b.r * p.arm;
   }
   if (p.facet_a >= 0) {
     const Facet& facet = facets[p.facet_a];
-    Vector d = l.at - (facet.weight[0] * node_x_[facet.node[0]] + facet.weight[1] * node_x_[facet.node[1]] +
-                       facet.weight[2] * node_x_[facet.node[2]]);
+    Vector d = l.at - (facet.weight[0] * nodes_.x[facet.node[0]] + facet.weight[1] * nodes_.x[facet.node[1]] +
+                       facet.weight[2] * nodes_.x[facet.node[2]]);
     if (p.on_gridpoints) d = transposed_times(rotation_of_frame(p.a), d);
     l.jump = dot(p.n, d) - p.reference;
     l.slid[0] = dot(p.s, d), l.slid[1] = dot(p.t, d);

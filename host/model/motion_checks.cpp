@@ -33,28 +33,28 @@ constexpr double kSmallRotation = 1e-3;
 }  // namespace
 
 bool World::moved_enough() {
-  const bool all = dt_ != check_dt_ && !bodies_.empty();
-  if (step_count_ < next_check_ && !any_deviates_ && !all) return false;
-  if (all) check_dt_ = dt_;
+  const bool all = stepping_.dt != checks_.dt && !bodies_.empty();
+  if (stepping_.count < checks_.next && !checks_.any_deviates && !all) return false;
+  if (all) checks_.dt = stepping_.dt;
   receive_neighbours();
-  due_.assign(blocks_.size(), all);
-  seen_.resize(bodies_.size());
+  checks_.due.assign(blocks_.size(), all);
+  checks_.seen.resize(bodies_.size());
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!laid_out_[i] || blocks_[i].body < 0 || !(all || block_sums_[i].deviates)) continue;
+    if (!part_.laid_out[i] || blocks_[i].body < 0 || !(all || step_sums_.of_block[i].deviates)) continue;
     see(int(i));
-    due_[i] = 1, block_sums_[i].deviates = false;
+    checks_.due[i] = 1, step_sums_.of_block[i].deviates = false;
   }
-  any_deviates_ = false;
-  calm_steps_ = node_x_.empty() ? 0 : steps_of_gridpoints();
+  checks_.any_deviates = false;
+  checks_.calm_steps = nodes_.x.empty() ? 0 : steps_of_gridpoints();
 
   bool moved = false;
-  next_check_ = step_count_ + kMostSteps;
-  block_check_.resize(blocks_.size(), 0);
+  checks_.next = stepping_.count + kMostSteps;
+  checks_.block.resize(blocks_.size(), 0);
   for (size_t i = 0; i < blocks_.size(); ++i) {
     if (!owns(int(i))) continue;
-    long& step = block_check_[i];
-    if (due_[i] || step <= step_count_) moved |= check_block_motion(int(i), step);
-    next_check_ = std::min(next_check_, step);
+    long& step = checks_.block[i];
+    if (checks_.due[i] || step <= stepping_.count) moved |= check_block_motion(int(i), step);
+    checks_.next = std::min(checks_.next, step);
   }
   // A pose of a deformable block costs more than the rest of a check, and each block is in several pairs.
   thread_local LaneVector<Pose> poses;
@@ -64,26 +64,26 @@ bool World::moved_enough() {
     if (!known[size_t(block)]) poses[size_t(block)] = pose(block), known[size_t(block)] = 1;
     return poses[size_t(block)];
   };
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    if (!owns(contacts_[i])) continue;
-    PairCheck& check = pair_check_[i];
-    if (due_[size_t(check.a)] || due_[size_t(check.b)] || check.step <= step_count_) {
-      const Contact& c = contacts_[i];
-      moved |= check_pair_motion(c, pair_place_[i], pose_now(c.pair.a), pose_now(c.pair.b), check);
+  for (size_t i = 0; i < contacts_.list.size(); ++i) {
+    if (!owns(contacts_.list[i])) continue;
+    PairCheck& check = checks_.pair[i];
+    if (checks_.due[size_t(check.a)] || checks_.due[size_t(check.b)] || check.step <= stepping_.count) {
+      const Contact& c = contacts_.list[i];
+      moved |= check_pair_motion(c, contacts_.place[i], pose_now(c.pair.a), pose_now(c.pair.b), check);
     }
-    next_check_ = std::min(next_check_, check.step);
+    checks_.next = std::min(checks_.next, check.step);
   }
-  if (ranks_) {
-    double of_all[] = {moved ? 1.0 : 0.0, double(-next_check_)};
-    ranks_->largest(of_all);
-    moved = of_all[0] > 0.0, next_check_ = long(-of_all[1]);
+  if (part_.ranks) {
+    double of_all[] = {moved ? 1.0 : 0.0, double(-checks_.next)};
+    part_.ranks->largest(of_all);
+    moved = of_all[0] > 0.0, checks_.next = long(-of_all[1]);
   }
   if (moved && small_) {
     small_ = false;  // for good: what has moved once will move again
     for (size_t i = 0; i < blocks_.size(); ++i) {
       if (blocks_[i].body < 0) continue;
-      next_check_ = step_count_ + 1;  // its way is another one
-      if (laid_out_[i]) block_check_[i] = next_check_;
+      checks_.next = stepping_.count + 1;  // its way is another one
+      if (part_.laid_out[i]) checks_.block[i] = checks_.next;
     }
   }
   return moved;
@@ -97,25 +97,25 @@ bool World::is_ripe(const Contact& c, const PairPlace& place, const PairCheck& c
 void World::see(int i) {
   const ModelBlock& b = blocks_[size_t(i)];
   const Body& body = bodies_[size_t(b.body)];
-  SeenMotion& seen = seen_[size_t(b.body)];
-  const double way_a_step = detection_fraction() * size_ / dt_;
+  SeenMotion& seen = checks_.seen[size_t(b.body)];
+  const double way_a_step = detection_fraction() * detection_.size / stepping_.dt;
   double unnoticed = seen.unnoticed;
-  const long since = step_count_ - seen.step;
-  if (block_sums_[size_t(i)].deviates && since < kSoon) unnoticed *= 2.0;
+  const long since = stepping_.count - seen.step;
+  if (step_sums_.of_block[size_t(i)].deviates && since < kSoon) unnoticed *= 2.0;
   if (since > kLate) unnoticed *= 0.5;
   unnoticed = std::clamp(unnoticed, way_a_step / kCalmSteps, way_a_step / kBusySteps);
-  seen = {body.v, b.radius, body.omega, unnoticed, step_count_};
+  seen = {body.v, b.radius, body.omega, unnoticed, stepping_.count};
 }
 
 // A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many looks
 // fall into one step.
 long World::step_after(double way, double speed, double acceleration) const {
   // speed t + acceleration t^2/2 = way
-  const double steps = 2 * way / ((speed + std::sqrt(speed * speed + 2 * acceleration * way)) * dt_);
-  if (!(steps >= 2.0)) return step_count_ + 1;
-  const long last = step_count_ + long(std::min(steps, double(kMostSteps)));
-  const long round = long(std::bit_floor(std::uint64_t(last - step_count_) / 4 + 1));
-  return std::max(step_count_ + 1, last - last % round);
+  const double steps = 2 * way / ((speed + std::sqrt(speed * speed + 2 * acceleration * way)) * stepping_.dt);
+  if (!(steps >= 2.0)) return stepping_.count + 1;
+  const long last = stepping_.count + long(std::min(steps, double(kMostSteps)));
+  const long round = long(std::bit_floor(std::uint64_t(last - stepping_.count) / 4 + 1));
+  return std::max(stepping_.count + 1, last - last % round);
 }
 
 // Long before anything can have moved by the tolerance, even if it speeds up at 10 g meanwhile.
@@ -128,13 +128,13 @@ long World::steps_of_gridpoints() const {
       const Body& body = bodies_[size_t(b.body)];
       fastest = std::max({fastest, dot(body.v, body.v), dot(body.omega, body.omega) * b.radius * b.radius});
     } else {
-      const Vector& v = node_v_[size_t(b.first_node)];
+      const Vector& v = nodes_.v[size_t(b.first_node)];
       fastest = std::max(fastest, dot(v, v));
     }
   }
   fastest = largest(fastest);
-  const double speed = 2 * std::sqrt(fastest) + 100.0 * 100 * dt_;
-  return std::clamp(long(0.25 * detection_fraction() * size_ / (speed * dt_)), 1l, 100l);
+  const double speed = 2 * std::sqrt(fastest) + 100.0 * 100 * stepping_.dt;
+  return std::clamp(long(0.25 * detection_fraction() * detection_.size / (speed * stepping_.dt)), 1l, 100l);
 }
 
 // Small displacement also means that no block has come near others that are not its neighbours. And frozen frames on
@@ -146,16 +146,16 @@ bool World::check_block_motion(int i, long& step) const {
     Vector x;
     Matrix r;
     pose(i, x, r);
-    const Pose& start = start_[size_t(i)];
+    const Pose& start = poses_.start[size_t(i)];
     moved = norm(x - start.x), turned = angle_between(r, start.r);
   } else {
     moved = motion_since_broad_phase(i);
   }
-  const double way = kOfSkin * skin_;
+  const double way = kOfSkin * detection_.skin;
   if (b.body < 0) {
-    step = step_count_ + calm_steps_;
+    step = stepping_.count + checks_.calm_steps;
   } else {
-    const SeenMotion& seen = seen_[size_t(b.body)];
+    const SeenMotion& seen = checks_.seen[size_t(b.body)];
     const double spin = norm(seen.omega) + seen.unnoticed / b.radius;
     step = step_after(way - moved, norm(seen.v) + seen.unnoticed + norm(seen.omega) * b.radius);
     if (small_) step = std::min(step, step_after(kSmallRotation - turned, spin));
@@ -166,11 +166,11 @@ bool World::check_block_motion(int i, long& step) const {
 bool World::check_pair_motion(const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,
                               PairCheck& check) const {
   const double moved = pair_motion(c, place, at_a, at_b), way = allowed_motion(c, place);
-  check = {c.pair.a, c.pair.b, moved > kRipe * way, step_count_ + calm_steps_};
+  check = {c.pair.a, c.pair.b, moved > kRipe * way, stepping_.count + checks_.calm_steps};
   const ModelBlock &a = blocks_[size_t(c.pair.a)], &b = blocks_[size_t(c.pair.b)];
-  if (a.body >= 0 && b.body >= 0 && check_dt_ > 0.0) {
+  if (a.body >= 0 && b.body >= 0 && checks_.dt > 0.0) {
     // As pair_motion: of b as seen from a.
-    const SeenMotion &of_a = seen_[size_t(a.body)], &of_b = seen_[size_t(b.body)];
+    const SeenMotion &of_a = checks_.seen[size_t(a.body)], &of_b = checks_.seen[size_t(b.body)];
     const Vector apart = bodies_[size_t(b.body)].x - bodies_[size_t(a.body)].x;
     const double distance = norm(apart), lever = lever_of(c, distance);
     const double seen = norm(of_b.v - of_a.v - cross(of_a.omega, apart)) + lever * norm(of_b.omega - of_a.omega);

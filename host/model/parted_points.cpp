@@ -15,7 +15,7 @@ namespace quoin::blocks {
 
 namespace {
 
-// One row of World::kept_: states, then properties that scatter, follow the head.
+// One row of World::start_joints_.kept: states, then properties that scatter, follow the head.
 struct Head {
   double owner;  // 1: the normal points from the first block of the pair, 2: from the second; 0: still as at the start
   double normal_jump, traction[3];
@@ -65,23 +65,23 @@ double squared_reach(std::span<const StartPoint> points) {
 
 size_t World::kept_width() const {
   size_t most = 0;
-  for (const Family& f : families_) most = std::max(most, f.state.size() + f.columns.size());
+  for (const Family& f : contacts_.families) most = std::max(most, f.state.size() + f.columns.size());
   return kHead + most;
 }
 
 // Before the points of a joint go or are replaced: `count` of `old` from `first` on.
 void World::keep_of_joint(const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
                           uint32_t count) {
-  const auto joint = std::ranges::lower_bound(start_joints_, c.pair, {}, &StartJoint::pair);
-  const auto points = std::span(start_point_).subspan(joint->first, joint->count);
-  Motion a{start_[size_t(c.pair.a)], {}}, b{start_[size_t(c.pair.b)], {}};
+  const auto joint = std::ranges::lower_bound(start_joints_.joint, c.pair, {}, &StartJoint::pair);
+  const auto points = std::span(start_joints_.point).subspan(joint->first, joint->count);
+  Motion a{poses_.start[size_t(c.pair.a)], {}}, b{poses_.start[size_t(c.pair.b)], {}};
   pose(c.pair.a, a.now.x, a.now.r), pose(c.pair.b, b.now.x, b.now.r);
   std::vector<Vector> places;
   for (uint32_t i = first; i < first + count; ++i) places.push_back(locate(old.point[i], facets).at);
   const double reach = squared_reach(points);
   const size_t width = kept_width();
   for (size_t k = 0; k < points.size(); ++k) {
-    double* const row = &kept_[(joint->first + k) * width];
+    double* const row = &start_joints_.kept[(joint->first + k) * width];
     const Nearest nearest = nearest_of(places, a.place(points[k].at), b.place(points[k].at));
     if (nearest.squared > reach && head_of(row).owner != 0.0) continue;  // it keeps what it has
     const size_t i = first + nearest.index;
@@ -102,7 +102,7 @@ void World::keep_of_joint(const Contact& c, const Family& old, const LaneVector<
 std::vector<Vector> World::places_of(const Contact& c) const {
   std::vector<Vector> places;
   for (uint32_t i = c.first; i < c.first + c.count; ++i)
-    places.push_back(place_of(families_[size_t(c.family)].point[i]));
+    places.push_back(place_of(contacts_.families[size_t(c.family)].point[i]));
   return places;
 }
 
@@ -111,21 +111,21 @@ std::vector<PartedPoint> World::parted_points(int first_block, int end_block) co
   if (!has_replaced_points()) return parted;
   const size_t width = kept_width();
   auto joint =
-      std::ranges::lower_bound(start_joints_, first_block, {}, [](const StartJoint& j) { return int(j.pair.a); });
-  for (; joint != start_joints_.end() && joint->pair.a < end_block; ++joint) {
-    if (head_of(&kept_[joint->first * width]).owner == 0.0) continue;
-    const auto contact = std::ranges::lower_bound(contacts_, joint->pair, {}, &Contact::pair);
-    const bool touches = contact != contacts_.end() && contact->pair == joint->pair && contact->count > 0;
+      std::ranges::lower_bound(start_joints_.joint, first_block, {}, [](const StartJoint& j) { return int(j.pair.a); });
+  for (; joint != start_joints_.joint.end() && joint->pair.a < end_block; ++joint) {
+    if (head_of(&start_joints_.kept[joint->first * width]).owner == 0.0) continue;
+    const auto contact = std::ranges::lower_bound(contacts_.list, joint->pair, {}, &Contact::pair);
+    const bool touches = contact != contacts_.list.end() && contact->pair == joint->pair && contact->count > 0;
     const std::vector<Vector> places = touches ? places_of(*contact) : std::vector<Vector>{};
-    const auto points = std::span(start_point_).subspan(joint->first, joint->count);
+    const auto points = std::span(start_joints_.point).subspan(joint->first, joint->count);
     const double reach = squared_reach(points);
-    Motion a{start_[size_t(joint->pair.a)], {}}, b{start_[size_t(joint->pair.b)], {}};
+    Motion a{poses_.start[size_t(joint->pair.a)], {}}, b{poses_.start[size_t(joint->pair.b)], {}};
     pose(joint->pair.a, a.now.x, a.now.r), pose(joint->pair.b, b.now.x, b.now.r);
-    const Family& f = families_[size_t(joint->family)];
+    const Family& f = contacts_.families[size_t(joint->family)];
     for (size_t k = 0; k < points.size(); ++k) {
       const Vector on_a = a.place(points[k].at), on_b = b.place(points[k].at);
       if (nearest_of(places, on_a, on_b).squared <= reach) continue;
-      const double* const row = &kept_[(joint->first + k) * width];
+      const double* const row = &start_joints_.kept[(joint->first + k) * width];
       const Head head = head_of(row);
       const bool from_a = head.owner == 1.0;
       const Motion& owner = from_a ? a : b;
@@ -147,13 +147,13 @@ std::vector<PartedPoint> World::parted_points(int first_block, int end_block) co
 // States go over by their names, as those of points in contact do; others begin as those of a dry joint.
 void World::keep_states_by_id(int family, const quoin_law& old, size_t old_width) {
   if (!has_replaced_points()) return;
-  const Family& f = families_[size_t(family)];
+  const Family& f = contacts_.families[size_t(family)];
   const quoin_law& law = f.material->api();
   const size_t width = kept_width();
-  LaneVector<double> next(start_point_.size() * width);
-  for (const StartJoint& joint : start_joints_) {
+  LaneVector<double> next(start_joints_.point.size() * width);
+  for (const StartJoint& joint : start_joints_.joint) {
     for (size_t point = joint.first; point < size_t(joint.first) + joint.count; ++point) {
-      const double* const from = &kept_[point * old_width];
+      const double* const from = &start_joints_.kept[point * old_width];
       double* const to = &next[point * width];
       if (head_of(from).owner == 0.0) continue;
       std::copy_n(from, std::min(width, old_width), to);
@@ -166,7 +166,7 @@ void World::keep_states_by_id(int family, const quoin_law& old, size_t old_width
       std::copy_n(from + kHead + old.state_count, f.columns.size(), to + kHead + law.state_count);
     }
   }
-  kept_ = std::move(next);
+  start_joints_.kept = std::move(next);
 }
 
 }  // namespace quoin::blocks

@@ -68,36 +68,37 @@ double area_at_corners(const ModelBlock& b, const LaneVector<Vector>& x) {
 
 World::World(const Assembly& assembly, const SolverSettings& solver,
              std::vector<std::shared_ptr<const Material>> materials, Ranks* ranks)
-    : assembly_(assembly), ranks_(ranks) {
+    : assembly_(assembly) {
+  part_.ranks = ranks;
   set_solver(solver);
   number(std::move(materials));
-  if (!ranks_) begin({});
+  if (!part_.ranks) begin({});
 }
 
 void World::set_solver(const SolverSettings& solver) {
   const SolverSettings before = solver_;
-  const bool runs = critical_dt_ > 0, books = runs && energy_;
+  const bool runs = stepping_.critical_dt > 0, books = runs && energy_;
   const double moving = books ? kinetic_energy_of_all() : 0.0;
   solver_ = solver;
   if (runs) solver_.mass_scaling = before.mass_scaling;
-  if (books) later_.detection += moving - kinetic_energy_of_all();  // goes with the added inertia
+  if (books) step_sums_.later.detection += moving - kinetic_energy_of_all();  // goes with the added inertia
   if (solver.damping == DampingKind::local && (solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0)) {
     throw Error(
         Exit::bad_input,
         "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
         "brake their motion; use damping = \"block\"");
   }
-  for (Family& f : families_) {
+  for (Family& f : contacts_.families) {
     const size_t n = viscous_contacts() ? f.size() : 0;
     for (auto& column : f.old_traction) column = LaneVector<double>(n);
     f.old_jump = LaneVector<double>(n);
     for (auto& column : f.viscous) column = LaneVector<double>(n);
     for (auto& column : f.maxwell) column = LaneVector<double>(has_maxwell() ? f.size() : 0);
   }
-  maxwell_ = quoin::maxwell_elements(has_maxwell() ? solver_.maxwell_damping : 0.0, solver_.maxwell_band);
-  for (const Contact& c : contacts_) {
+  impacts_.maxwell = quoin::maxwell_elements(has_maxwell() ? solver_.maxwell_damping : 0.0, solver_.maxwell_band);
+  for (const Contact& c : contacts_.list) {
     if (!viscous_contacts() || c.count == 0 || !owns(c)) continue;
-    std::fill_n(families_[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
+    std::fill_n(contacts_.families[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
   }
   bind_columns();
   choose_impact_damping();
@@ -106,7 +107,7 @@ void World::set_solver(const SolverSettings& solver) {
 
 // Where the next block's numbers begin in each array.
 struct World::Counts {
-  size_t bodies = 0, nodes = 0, zones = 0, zone_lanes = 0, corners = 0, normals = 0;
+  size_t bodies = 0, nodes = 0, zone_lanes = 0, corners = 0, normals = 0;
   std::map<std::array<double, 11>, int32_t>
       lanes_of;  // congruent blocks share them: shape, material, zones, orientation
   std::map<std::array<double, 6>, std::pair<int, int>> zoned;  // gridpoints and zones by zoning_key
@@ -125,14 +126,14 @@ void World::number(std::vector<std::shared_ptr<const Material>> materials) {
   }
   for (size_t i = 0; i < assembly_.families.size(); ++i) {
     const JointFamily& description = assembly_.families[i];
-    adopt(families_.emplace_back(),
+    adopt(contacts_.families.emplace_back(),
           i < materials.size() && materials[i]
               ? materials[i]
               : std::make_shared<const Material>(Law::find(description.law), description.properties),
           description.initial_state);
   }
   for (const ConvexPolyhedron& shape : assembly_.shapes) {
-    ShapeFacts& facts = shape_facts_.emplace_back();
+    ShapeFacts& facts = shapes_.facts.emplace_back();
     facts.mass = mass_properties(shape);
     facts.axes = symmetric_eigen(facts.mass.inertia);
     facts.least_extent = least_extent_of(shape);
@@ -152,10 +153,10 @@ void World::number(std::vector<std::shared_ptr<const Material>> materials) {
   divide_blocks();
   count_sides();
   const ContactSettings& c = assembly_.contact;
-  size_ = least;
-  skin_ = c.skin > 0 ? c.skin : 0.05 * least;
-  reach_ = skin_ / 4;
-  joint_tolerance_ = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
+  detection_.size = least;
+  detection_.skin = c.skin > 0 ? c.skin : 0.05 * least;
+  detection_.reach = detection_.skin / 4;
+  detection_.joint_tolerance = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
   small_ = c.small_displacement > 0;
 }
 
@@ -167,7 +168,7 @@ void World::number_block(int i, Counts& counts) {
   if (input.shape < 0 || input.shape >= int(assembly_.shapes.size())) throw fault("has no shape");
   if (input.material < 0 || input.material >= int(assembly_.materials.size())) throw fault("has no material");
   const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-  const ShapeFacts& facts = shape_facts_[size_t(input.shape)];
+  const ShapeFacts& facts = shapes_.facts[size_t(input.shape)];
   const BlockMaterial& m = assembly_.materials[size_t(input.material)];
   const MassProperties& mp = facts.mass;
   if (!(mp.volume > 0)) throw fault(fmt::format("volume {:.3g} m3 must be > 0", mp.volume));
@@ -176,7 +177,7 @@ void World::number_block(int i, Counts& counts) {
   const Vector centroid = input.position + turned * mp.centroid;
   if (!is_finite(centroid) || !is_finite(turned.row[0]) || !is_finite(turned.row[1]) || !is_finite(turned.row[2]))
     throw fault("its place is no finite number; check its position and rotation");
-  rough_place_.push_back(centroid);
+  part_.rough_place.push_back(centroid);
 
   ModelBlock& b = blocks_[size_t(i)];
   b.shape = &shape;
@@ -186,7 +187,7 @@ void World::number_block(int i, Counts& counts) {
   b.first_normal = uint32_t(counts.normals), counts.normals += shape.normals.size();
   const Vector centre = input.rigid ? rigid_mass(input).centre : mp.centroid;
   for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - centre));
-  b.first_node = int32_t(counts.nodes), b.first_zone = int32_t(counts.zones);
+  b.first_node = int32_t(counts.nodes);
   if (input.rigid) {
     const Body body = body_of(i);
     if (!is_positive(body.mass) || !is_positive(body.inertia.x) || !is_positive(body.inertia.y) ||
@@ -211,50 +212,56 @@ void World::number_block(int i, Counts& counts) {
   } else {
     std::tie(b.node_count, b.zone_count) = known->second;
   }
-  counts.nodes += size_t(b.node_count), counts.zones += size_t(b.zone_count);
+  counts.nodes += size_t(b.node_count);
+  b.first_lanes = int32_t(counts.zone_lanes);
+  if (input.zoning) {
+    counts.zone_lanes += size_t(b.lanes_count());
+    return;
+  }
   const Quaternion& q = input.orientation;
   const auto [lanes, is_new] = counts.lanes_of.try_emplace(
       {double(input.shape), double(input.material), input.zone_edge, double(input.divisions[0]),
        double(input.divisions[1]), double(input.divisions[2]), double(input.parity), q.w, q.v.x, q.v.y, q.v.z},
-      int32_t(counts.zone_lanes));
+      b.first_lanes);
   b.first_lanes = lanes->second;
   if (is_new) counts.zone_lanes += size_t(b.lanes_count());
 }
 
 void World::size_fields(const Counts& counts) {
   bodies_ = LaneVector<Body>(counts.bodies);
-  for (auto* field : {&corner_, &placed_corner_}) *field = LaneVector<Vector>(counts.corners);
-  for (auto* field : {&body_normal_, &placed_normal_}) *field = LaneVector<Vector>(counts.normals);
-  for (auto* field : {&node_x_, &node_reference_, &node_v_, &node_held_v_}) *field = LaneVector<Vector>(counts.nodes);
-  for (auto* field : {&node_mass_, &node_weight_mass_}) *field = LaneVector<double>(counts.nodes);
-  for (auto* field : {&node_held_, &node_support_}) *field = LaneVector<uint8_t>(counts.nodes);
-  zones_ = LaneVector<Zone>(counts.zones);
-  zone_lanes_ = LaneVector<ZoneLanes>(counts.zone_lanes);
-  start_ = broad_ = LaneVector<Pose>(blocks_.size());
-  frames_ = LaneVector<BlockFrame>(blocks_.size());
-  block_contact_force_ = LaneVector<Vector>(blocks_.size());
-  contacts_of_family_.resize(families_.size());
-  laid_out_.resize(blocks_.size());
-  block_mass_.resize(blocks_.size());
+  for (auto* field : {&shapes_.corner, &shapes_.placed_corner}) *field = LaneVector<Vector>(counts.corners);
+  for (auto* field : {&shapes_.normal, &shapes_.placed_normal}) *field = LaneVector<Vector>(counts.normals);
+  for (auto* field : {&nodes_.x, &nodes_.reference, &nodes_.v, &nodes_.held_v})
+    *field = LaneVector<Vector>(counts.nodes);
+  for (auto* field : {&nodes_.mass, &nodes_.weight_mass}) *field = LaneVector<double>(counts.nodes);
+  for (auto* field : {&nodes_.held, &nodes_.support}) *field = LaneVector<uint8_t>(counts.nodes);
+  zones_.lanes = LaneVector<ZoneLanes>(counts.zone_lanes);
+  poses_.start = poses_.broad = LaneVector<Pose>(blocks_.size());
+  frames_.frame = LaneVector<BlockFrame>(blocks_.size());
+  step_sums_.contact_force = LaneVector<Vector>(blocks_.size());
+  contacts_.of_family.resize(contacts_.families.size());
+  part_.laid_out.resize(blocks_.size());
 }
 
 void World::begin(std::vector<int> rank_of_block) {
-  rank_of_block_ = std::move(rank_of_block);
+  part_.rank_of_block = std::move(rank_of_block);
+  std::vector<double> masses(blocks_.size());
   std::optional<Error> fault;
   try {
     for (int i = 0; i < block_count(); ++i) {
       if (!owns(i)) continue;
       lay_out(i);
       const ModelBlock& b = blocks_[size_t(i)];
-      double& mass = block_mass_[size_t(i)];
+      double& mass = masses[size_t(i)];
       if (b.body >= 0) mass = bodies_[size_t(b.body)].weight_mass;
-      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) mass += node_weight_mass_[size_t(n)];
+      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) mass += nodes_.weight_mass[size_t(n)];
     }
   } catch (const Error& error) {
     fault = error;
   }
   fail_together(fault);
-  gather_by_block(block_mass_);
+  gather_by_block(masses);
+  for (size_t i = 0; i < blocks_.size(); ++i) blocks_[i].mass = masses[i];
   detect_contacts(true);
   draw_columns();
   set_solver(SolverSettings(solver_));
@@ -263,11 +270,11 @@ void World::begin(std::vector<int> rank_of_block) {
 
 double World::density_of(const Block& block) const {
   const double own = assembly_.materials[size_t(block.material)].density;
-  return block.spread_mass > 0.0 ? own + block.spread_mass / shape_facts_[size_t(block.shape)].mass.volume : own;
+  return block.spread_mass > 0.0 ? own + block.spread_mass / shapes_.facts[size_t(block.shape)].mass.volume : own;
 }
 
 World::RigidMass World::rigid_mass(const Block& block) const {
-  const ShapeFacts& facts = shape_facts_[size_t(block.shape)];
+  const ShapeFacts& facts = shapes_.facts[size_t(block.shape)];
   const double density = density_of(block);
   RigidMass all{density * facts.mass.volume, facts.mass.centroid, {density * facts.axes.values, facts.axes.vectors}};
   if (block.masses.empty()) return all;
@@ -314,8 +321,8 @@ std::shared_ptr<const Zoning> World::zoning_of(int block) {
   constexpr size_t kFew = 64;
   const Block& input = assembly_.blocks[size_t(block)];
   if (input.zoning) return input.zoning;
-  if (zonings_.size() > kFew) zonings_.clear();
-  auto& zoning = zonings_[zoning_key(input)];
+  if (shapes_.zonings.size() > kFew) shapes_.zonings.clear();
+  auto& zoning = shapes_.zonings[zoning_key(input)];
   if (!zoning) zoning = std::make_shared<const Zoning>(make_zoning(block));
   return zoning;
 }
@@ -330,22 +337,22 @@ Zoning World::make_zoning(int block) const {
 
 // What a block is at the start.
 void World::lay_out(int block) {
-  if (laid_out_[size_t(block)]) return;
-  laid_out_[size_t(block)] = true;
+  if (part_.laid_out[size_t(block)]) return;
+  part_.laid_out[size_t(block)] = true;
   const ModelBlock& b = blocks_[size_t(block)];
   if (b.body >= 0) {
     bodies_[size_t(b.body)] = body_of(block);
     const RigidMass own = rigid_mass(assembly_.blocks[size_t(block)]);
-    auto corner = corner_.begin() + b.first_corner;
+    auto corner = shapes_.corner.begin() + b.first_corner;
     for (const Vector& p : b.shape->vertices) *corner++ = transposed_times(own.axes.vectors, p - own.centre);
-    auto normal = body_normal_.begin() + b.first_normal;
+    auto normal = shapes_.normal.begin() + b.first_normal;
     for (const Vector& n : b.shape->normals) *normal++ = transposed_times(own.axes.vectors, n);
   } else {
     lay_out_zones(block);
   }
-  Pose& start = start_[size_t(block)];
+  Pose& start = poses_.start[size_t(block)];
   pose(block, start.x, start.r);
-  broad_[size_t(block)] = start;
+  poses_.broad[size_t(block)] = start;
 }
 
 void World::lay_out_zones(int block) {
@@ -358,57 +365,44 @@ void World::lay_out_zones(int block) {
   const size_t first = size_t(b.first_node), count = size_t(b.node_count);
   for (size_t n = 0; n < count; ++n) {
     const Vector x = input.position + turned * z->nodes[n];
-    node_x_[first + n] = node_reference_[first + n] = x;
-    node_v_[first + n] = node_held_v_[first + n] = {};
+    nodes_.x[first + n] = nodes_.reference[first + n] = x;
+    nodes_.v[first + n] = nodes_.held_v[first + n] = {};
     const bool on_plane = assembly_.symmetry_plane_z0 && x.z == 0.0;
-    node_support_[first + n] = on_plane ? kPlaneOfNodes : 0;
-    node_held_[first + n] = uint8_t((input.fixed ? 7 : 0) | node_support_[first + n]);
-    node_mass_[first + n] = 0.0;
+    nodes_.support[first + n] = on_plane ? kPlaneOfNodes : 0;
+    nodes_.held[first + n] = uint8_t((input.fixed ? 7 : 0) | nodes_.support[first + n]);
+    nodes_.mass[first + n] = 0.0;
   }
-  for (size_t k = 0; k < z->zones.size(); ++k) {
-    const auto& t = z->zones[k];
-    Zone& zone = zones_[size_t(b.first_zone) + k];
-    for (size_t c = 0; c < 4; ++c) zone.node[c] = b.first_node + t[c];
-    // From the shape, not from the place: congruent blocks have the same bits.
-    const Vector& o = z->nodes[size_t(t[0])];
-    const Vector e1 = turned * (z->nodes[size_t(t[1])] - o), e2 = turned * (z->nodes[size_t(t[2])] - o),
-                 e3 = turned * (z->nodes[size_t(t[3])] - o);
-    const double six = dot(e1, cross(e2, e3));
-    zone.volume = six / 6;
-    zone.gradient[1] = cross(e2, e3) / six;
-    zone.gradient[2] = cross(e3, e1) / six;
-    zone.gradient[3] = cross(e1, e2) / six;
-    zone.gradient[0] = -(zone.gradient[1] + zone.gradient[2] + zone.gradient[3]);
-    zone.lambda = m.young_modulus * m.poisson_ratio / ((1 + m.poisson_ratio) * (1 - 2 * m.poisson_ratio));
-    zone.mu = m.young_modulus / (2 * (1 + m.poisson_ratio));
-    for (const int32_t node : zone.node) node_mass_[size_t(node)] += density * zone.volume / 4;
+  if (zones_in_lanes(b).front().count == 0)
+    blocks::lay_out(*z, turned, m, {zones_.lanes.data() + b.first_lanes, size_t(b.lanes_count())});
+  for (int k = 0; k < b.zone_count; ++k) {
+    const Zone zone = this->zone(block, k);
+    for (const int32_t node : zone.node) nodes_.mass[first + size_t(node)] += density * zone.volume / 4;
   }
   for (const PointMass& point : input.masses) {
-    for (const auto& [node, share] : shares_at(block, point.at)) node_mass_[size_t(node)] += share * point.mass;
+    for (const auto& [node, share] : shares_at(block, point.at)) nodes_.mass[size_t(node)] += share * point.mass;
   }
   for (size_t n = first; n < first + count; ++n) {
-    node_weight_mass_[n] = node_mass_[n];
-    node_mass_[n] *= solver_.mass_scaling;
-    if (!is_positive(node_mass_[n])) {
+    nodes_.weight_mass[n] = nodes_.mass[n];
+    nodes_.mass[n] *= solver_.mass_scaling;
+    if (!is_positive(nodes_.mass[n])) {
       throw Error(Exit::bad_input,
                   fmt::format("a gridpoint has the mass {:.3g} kg, which must be finite and > 0; check densities, "
                               "mass_scaling and the sizes of the blocks",
-                              node_mass_[n]));
+                              nodes_.mass[n]));
     }
   }
-  frames_[size_t(block)].transposed_r = transposed(start_of_frame(block));
-  if (zone_lanes_[size_t(b.first_lanes)].count == 0) put_in_lanes(b);
+  frames_.frame[size_t(block)].transposed_r = transposed(start_of_frame(block));
   b.surface.clear();
   for (Zoning::SurfaceTriangle t : z->surface) {
     if (input.divisions[0] > 0) begin_at_widest_angle(z->nodes, t);
     for (int& n : t.node) n += b.first_node;
     b.surface.push_back(t);
   }
-  b.corner_area = area_at_corners(b, node_reference_) / (3.0 * double(b.shape->vertices.size()));
-  if (b.congruent >= 0 || node_anchor_.empty()) return;
+  b.corner_area = area_at_corners(b, nodes_.reference) / (3.0 * double(b.shape->vertices.size()));
+  if (b.congruent >= 0 || nodes_.anchor.empty()) return;
   std::ranges::copy(
-      anchors_of(std::span(node_reference_).subspan(first, count), std::span(node_mass_).subspan(first, count)),
-      node_anchor_.begin() + b.first_node);
+      anchors_of(std::span(nodes_.reference).subspan(first, count), std::span(nodes_.mass).subspan(first, count)),
+      nodes_.anchor.begin() + b.first_node);
 }
 
 namespace {
@@ -436,7 +430,7 @@ std::vector<int> kinds_of_shapes(const std::vector<ConvexPolyhedron>& shapes) {
 
 // The halves of a unit go together: they are of one kind, or each has its own.
 void World::find_frames(InternalForces wanted) {
-  by_zone_.assign(blocks_.size(), wanted == InternalForces::zones);
+  frames_.by_zone.assign(blocks_.size(), wanted == InternalForces::zones);
   if (wanted == InternalForces::zones) return;
   const std::vector<int> kinds = kinds_of_shapes(assembly_.shapes);
   using Kind = std::array<double, 7>;
@@ -449,7 +443,7 @@ void World::find_frames(InternalForces wanted) {
   std::vector<int> distinct;
   for (int i = 0; i < block_count(); ++i) {
     if (blocks_[size_t(i)].body >= 0) continue;
-    const Unit unit = unit_of(i);
+    const Unit unit = units_.of(i);
     const bool is_made_elsewhere = assembly_.blocks[size_t(i)].zoning != nullptr;  // shapes are compared, not zones
     const auto carries_mass = [&](int block) {
       const Block& b = assembly_.blocks[size_t(block)];
@@ -466,10 +460,10 @@ void World::find_frames(InternalForces wanted) {
       distinct.insert(distinct.end(), blocks.begin(), blocks.end());
       continue;
     }
-    for (const int i : blocks) blocks_[size_t(i)].congruent = int32_t(congruent_.size());
+    for (const int i : blocks) blocks_[size_t(i)].congruent = int32_t(zones_.congruent.size());
     make_congruent(blocks.front());
   }
-  if (!distinct.empty()) node_anchor_ = LaneVector<Vector>(node_x_.size());
+  if (!distinct.empty()) nodes_.anchor = LaneVector<Vector>(nodes_.x.size());
 }
 
 // Turned back to how the shape stands.
@@ -479,52 +473,34 @@ void World::make_congruent(int block) {
   const Matrix turned = matrix(assembly_.blocks[size_t(block)].orientation);
   std::vector<Vector> node;
   for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
-    node.push_back(transposed_times(turned, node_reference_[size_t(n)] - node_reference_[size_t(b.first_node)]));
+    node.push_back(transposed_times(turned, nodes_.reference[size_t(n)] - nodes_.reference[size_t(b.first_node)]));
   std::vector<quoin::Zone> zones;
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    const Zone& from = zones_[size_t(z)];
-    quoin::Zone& zone = zones.emplace_back();
-    zone.volume = from.volume;
+  for (int z = 0; z < b.zone_count; ++z) {
+    const Zone from = zone(block, z);
+    quoin::Zone& to = zones.emplace_back();
+    to.volume = from.volume;
     for (size_t k = 0; k < 4; ++k) {
-      zone.node[k] = from.node[k] - b.first_node;
-      zone.shape_gradient[k] = array(transposed_times(turned, from.gradient[k]));
+      to.node[k] = from.node[k];
+      to.shape_gradient[k] = array(transposed_times(turned, from.gradient[k]));
     }
   }
-  const Zone& first = zones_[size_t(b.first_zone)];
-  congruent_.push_back(make_congruent_blocks(node, {node_mass_.data() + b.first_node, size_t(b.node_count)}, zones,
-                                             first.lambda, first.mu));
+  const Zone first = zone(block, 0);
+  zones_.congruent.push_back(make_congruent_blocks(node, {nodes_.mass.data() + b.first_node, size_t(b.node_count)},
+                                                   zones, first.lambda, first.mu));
 }
 
 void World::draw_columns() {
   std::vector<PlacedBlock> placed;
   for (const Block& b : assembly_.blocks) placed.push_back({b.unit, b.course});
-  for (size_t k = 0; k < families_.size(); ++k) {
+  for (size_t k = 0; k < contacts_.families.size(); ++k) {
     const JointFamily& description = assembly_.families[k];
-    Family& f = families_[k];
+    Family& f = contacts_.families[k];
     if (!description.scatters()) continue;
     std::vector<PlacedPoint> points;
     for (const Point& p : f.point) points.push_back({array(p.at), p.area, p.a, p.b});
     f.columns = draw_properties(description, *f.material, points, placed);
     const quoin_stiffness_bounds bounds = stiffness_bounds_of(description, *f.material, f.columns);
     f.kn = bounds.normal, f.ks = bounds.shear;
-  }
-}
-
-void World::put_in_lanes(const ModelBlock& b) {
-  constexpr int kWide = ZoneLanes::kCount;
-  for (int z = 0; z < b.zone_count; z += kWide) {
-    ZoneLanes& lanes = zone_lanes_[size_t(b.first_lanes + z / kWide)];
-    lanes.count = std::min(kWide, b.zone_count - z);
-    for (int l = 0; l < kWide; ++l) {
-      const bool is_one = l < lanes.count;
-      const Zone& zone = zones_[size_t(b.first_zone + z + (is_one ? l : 0))];
-      for (int k = 0; k < 4; ++k) lanes.node[k][l] = zone.node[k] - b.first_node;
-      for (int k = 0; k < 3; ++k) {
-        for (int c = 0; c < 3; ++c) lanes.gradient[k][c][l] = zone.gradient[k + 1][c];
-      }
-      lanes.volume[l] = is_one ? zone.volume : 0.0;
-      lanes.lambda[l] = zone.lambda, lanes.twice_mu[l] = 2 * zone.mu;
-    }
   }
 }
 
@@ -536,7 +512,7 @@ void World::pose(int block, Vector& x, Matrix& r) const {
   }
   // Deformable: mean of the corners, and axes along the first face. Strains are small, so any material axes do.
   const auto& face = b.shape->faces[0];
-  const Vector* p = node_x_.data() + b.first_node;
+  const Vector* p = nodes_.x.data() + b.first_node;
   x = {};
   const size_t n = b.shape->vertices.size();
   for (size_t i = 0; i < n; ++i) x += p[i];
@@ -549,7 +525,7 @@ void World::pose(int block, Vector& x, Matrix& r) const {
 void World::adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state) {
   f.initial = material->initial_state(initial_state);
   f.dry = knows_initial_state(material->api(), "dry") ? material->initial_state("dry") : f.initial;
-  const size_t index = size_t(&f - families_.data());
+  const size_t index = size_t(&f - contacts_.families.data());
   const quoin_stiffness_bounds bounds = stiffness_bounds_of(assembly_.families[index], *material, f.columns);
   f.kn = bounds.normal, f.ks = bounds.shear;
   f.state.resize(material->api().state_count);
@@ -559,13 +535,13 @@ void World::adopt(Family& f, std::shared_ptr<const Material> material, const std
 void World::take_law(int family, std::shared_ptr<const Material> material) {
   const quoin_law& law = material->api();
   const std::string& wanted = assembly_.families[size_t(family)].initial_state;
-  adopt(families_[size_t(family)], std::move(material),
+  adopt(contacts_.families[size_t(family)], std::move(material),
         knows_initial_state(law, wanted) ? wanted : law.initial_states[0]);
 }
 
 void World::replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                         std::span<const double> opening_shift) {
-  Family& f = families_[size_t(family)];
+  Family& f = contacts_.families[size_t(family)];
   const double kn = f.kn, ks = f.ks;
   take_back_facets();
   const std::shared_ptr<const Material> old = f.material;
@@ -589,34 +565,36 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
   if (f.kn > kn || f.ks > ks) find_time_step();
 }
 
-void World::set_gravity(const Vector& g, TimeSeries factor) { gravity_ = g, gravity_factor_ = std::move(factor); }
+void World::set_gravity(const Vector& g, TimeSeries factor) {
+  actions_.gravity = g, actions_.gravity_factor = std::move(factor);
+}
 
 // The motion of what is driven is no kinetic energy: what is let go adds its own, what is caught leaves it to the
 // support.
 void World::hold(uint8_t& held, uint8_t next, double mass, const Vector& v) {
   const int changed = held ^ next;
   for (int k = 0; changed != 0 && k < 3; ++k)
-    if (changed >> k & 1) energies_.external += (next >> k & 1 ? -0.5 : 0.5) * mass * v[k] * v[k];
+    if (changed >> k & 1) step_sums_.energies.external += (next >> k & 1 ? -0.5 : 0.5) * mass * v[k] * v[k];
   held = next;
 }
 
 void World::prescribe(int block, const Vector& velocity, const Vector& omega, uint8_t held) {
-  if (!laid_out_[size_t(block)]) return;
+  if (!part_.laid_out[size_t(block)]) return;
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) {
     Body& body = bodies_[b.body];
     const auto holds_rotation = [](uint8_t bits) { return (bits & 0x38) == 0x38; };
     const int let_go = int(holds_rotation(body.held)) - int(holds_rotation(held | body.support));
-    energies_.external += let_go * 0.5 * dot(body.momentum, body.omega);
+    step_sums_.energies.external += let_go * 0.5 * dot(body.momentum, body.omega);
     hold(body.held, held | body.support, body.mass, body.v);
     body.held_v = velocity, body.held_omega = omega;
     return;
   }
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
-    hold(node_held_[i], uint8_t((held & 7) | node_support_[i]), node_mass_[i], node_v_[i]);
-    node_held_v_[i] = velocity;
+    hold(nodes_.held[i], uint8_t((held & 7) | nodes_.support[i]), nodes_.mass[i], nodes_.v[i]);
+    nodes_.held_v[i] = velocity;
   }
-  held_blocks_changed_.push_back(block);
+  pieces_.held_changed.push_back(block);
 }
 
 void World::release(int block) { prescribe(block, {}, {}, 0); }
@@ -632,18 +610,18 @@ void World::set_velocity(int block, const Vector& velocity, const Vector& omega)
   }
   const Vector centre = position(block);
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
-    node_v_[i] = velocity + cross(omega, node_x_[i] - centre);
+    nodes_.v[i] = velocity + cross(omega, nodes_.x[i] - centre);
 }
 
 void World::add(Load load) {
   if (blocks_.at(load.block).body >= 0) {
-    const Pose& start = start_[size_t(load.block)];
+    const Pose& start = poses_.start[size_t(load.block)];
     load.arm = transposed_times(start.r, load.point - start.x);
   } else {
     load.share = shares_at(load.block, load.point);
   }
-  loaded_[size_t(load.block)] = 1;
-  loads_.push_back(std::move(load));
+  actions_.loaded[size_t(load.block)] = 1;
+  actions_.loads.push_back(std::move(load));
 }
 
 // Shape functions of the zone that holds the point, or of the nearest one.
@@ -651,16 +629,18 @@ std::vector<std::pair<int32_t, double>> World::shares_at(int block, const Vector
   const ModelBlock& b = blocks_[size_t(block)];
   double best = -1e300;
   std::vector<std::pair<int32_t, double>> share;
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+  for (int z = 0; z < b.zone_count; ++z) {
+    const Zone zone = this->zone(block, z);
+    const Vector from_first = point - nodes_.reference[size_t(b.first_node + zone.node[0])];
     double n[4], least = 1e300;
     for (int k = 0; k < 4; ++k) {
-      n[k] = (k == 0 ? 1.0 : 0.0) + dot(zones_[z].gradient[k], point - node_reference_[zones_[z].node[0]]);
+      n[k] = (k == 0 ? 1.0 : 0.0) + dot(zone.gradient[k], from_first);
       least = std::min(least, n[k]);
     }
     if (least <= best) continue;
     best = least;
     share.clear();
-    for (int k = 0; k < 4; ++k) share.push_back({zones_[z].node[k], n[k]});
+    for (int k = 0; k < 4; ++k) share.push_back({b.first_node + zone.node[k], n[k]});
     if (least >= -1e-9) break;
   }
   return share;
@@ -675,8 +655,8 @@ void World::add(Pressure pressure) {
   }
   if (b.body >= 0) {
     ConvexPolyhedron local = *b.shape;
-    local.vertices.assign(corner_.begin() + b.first_corner,
-                          corner_.begin() + b.first_corner + long(b.shape->vertices.size()));
+    local.vertices.assign(shapes_.corner.begin() + b.first_corner,
+                          shapes_.corner.begin() + b.first_corner + long(b.shape->vertices.size()));
     update_normals(local);
     pressure.arm = face_centroid(local, pressure.face);
     pressure.push = -face_area(local, pressure.face) * local.normals[pressure.face];
@@ -685,20 +665,20 @@ void World::add(Pressure pressure) {
       if (t.face == pressure.face) pressure.triangles.push_back({t.node[0], t.node[1], t.node[2]});
     }
   }
-  loaded_[size_t(pressure.block)] = 1;
-  pressures_.push_back(std::move(pressure));
+  actions_.loaded[size_t(pressure.block)] = 1;
+  actions_.pressures.push_back(std::move(pressure));
 }
 
 void World::apply_force(int block, const Vector& force) {
-  if (applied_.empty()) applied_.resize(blocks_.size());
-  applied_[size_t(block)] = force;
-  loaded_[size_t(block)] = 1;
+  if (actions_.applied.empty()) actions_.applied.resize(blocks_.size());
+  actions_.applied[size_t(block)] = force;
+  actions_.loaded[size_t(block)] = 1;
 }
 
 void World::track_energy(bool on) {
-  energies_ = {};
-  later_ = {};
-  for (Family& f : families_) {
+  step_sums_.energies = {};
+  step_sums_.later = {};
+  for (Family& f : contacts_.families) {
     for (auto& column : f.viscous) column = LaneVector<double>(viscous_contacts() ? f.size() : 0);
   }
   book_energy(on);
@@ -706,7 +686,7 @@ void World::track_energy(bool on) {
 
 void World::book_energy(bool on) {
   energy_ = on;
-  for (Family& f : families_) {
+  for (Family& f : contacts_.families) {
     f.stored = LaneVector<double>(on ? f.size() : 0);
     for (auto& d : f.dissipated) d = LaneVector<double>(on ? f.size() : 0);
   }

@@ -20,13 +20,13 @@ struct Ride {
 }  // namespace
 
 void World::hold_by_members(std::shared_ptr<members::Members> members, ExchangeNodes exchange) {
-  members_ = std::move(members), exchange_nodes_ = std::move(exchange);
-  std::vector<members::Node>& nodes = members_->nodes();
+  held_by_.members = std::move(members), held_by_.exchange = std::move(exchange);
+  std::vector<members::Node>& nodes = held_by_.members->nodes();
   std::vector<Ride> rides(nodes.size());
   for (size_t n = 0; n < nodes.size(); ++n) {
     const int block = nodes[n].block;
     if (!owns(block)) continue;
-    const Pose& start = start_[size_t(block)];
+    const Pose& start = poses_.start[size_t(block)];
     if (blocks_[size_t(block)].body >= 0) {
       rides[n].arm = transposed_times(start.r, nodes[n].start - start.x);
       continue;
@@ -35,7 +35,7 @@ void World::hold_by_members(std::shared_ptr<members::Members> members, ExchangeN
     for (const auto& [gridpoint, weight] : shares_at(block, nodes[n].start))
       rides[n].gridpoint[k] = gridpoint, rides[n].weight[k++] = weight;
   }
-  all_gather(ranks_, std::span(rides), [&](size_t n) { return rank_of_block_[size_t(nodes[n].block)]; });
+  all_gather(part_.ranks, std::span(rides), [&](size_t n) { return part_.rank_of_block[size_t(nodes[n].block)]; });
   for (size_t n = 0; n < nodes.size(); ++n) {
     nodes[n].arm = rides[n].arm;
     for (size_t k = 0; k < rides[n].gridpoint.size(); ++k) {
@@ -46,16 +46,16 @@ void World::hold_by_members(std::shared_ptr<members::Members> members, ExchangeN
   // Dashpots act with velocities of half a step ago: stable where K + 2 C/dt has dt^2 times its eigenvalue below 4. A
   // smaller dt is stable too, so that one that fits is enough.
   constexpr double kTry = 0.95;
-  for (double reckoned = dt_; members_->has_dashpots();) {
-    members_->reckon_with(reckoned);
+  for (double reckoned = stepping_.dt; held_by_.members->has_dashpots();) {
+    held_by_.members->reckon_with(reckoned);
     find_time_step(true);
-    if (dt_ >= reckoned) break;
+    if (stepping_.dt >= reckoned) break;
     reckoned *= kTry;
   }
 }
 
 void World::follow_members() {
-  for (members::Node& node : members_->nodes()) {
+  for (members::Node& node : held_by_.members->nodes()) {
     if (!owns(node.block)) continue;
     const ModelBlock& b = blocks_[size_t(node.block)];
     if (b.body >= 0) {
@@ -63,19 +63,20 @@ void World::follow_members() {
       node.x = body.x + body.r * node.arm;
     } else {
       node.x = {};
-      for (const auto& [i, weight] : node.share) node.x += weight * node_x_[size_t(i)];
+      for (const auto& [i, weight] : node.share) node.x += weight * nodes_.x[size_t(i)];
     }
     if (node.turns) node.turn = orientation(node.block);
   }
-  if (exchange_nodes_) exchange_nodes_(members_->nodes());
+  if (held_by_.exchange) held_by_.exchange(held_by_.members->nodes());
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
-  members_->pull({dt_, dt_ * ground_then_, braking_ground(), gravity_factor_.at(time_) * gravity_, solver_.mass_scaling,
-                  solver_.damping == DampingKind::viscous ? solver_.mass_damping : 0.0, eq1 ? gamma() : 0.0});
+  held_by_.members->pull({stepping_.dt, stepping_.dt * actions_.ground_then, braking_ground(),
+                          actions_.gravity_factor.at(stepping_.time) * actions_.gravity, solver_.mass_scaling,
+                          solver_.damping == DampingKind::viscous ? solver_.mass_damping : 0.0, eq1 ? gamma() : 0.0});
 }
 
 // As springs of the same stiffness in all directions, which bound them however they turn.
 void World::add_member_springs(const Unit* alone, const Columns& velocity, const Columns& force) const {
-  const std::vector<members::Node>& nodes = members_->nodes();
+  const std::vector<members::Node>& nodes = held_by_.members->nodes();
   const auto velocity_of = [&](const members::Node& node) {
     const int32_t body = blocks_[size_t(node.block)].body;
     if (body >= 0) {
@@ -91,7 +92,8 @@ void World::add_member_springs(const Unit* alone, const Columns& velocity, const
   for (size_t n = 0; n < nodes.size(); ++n) {
     if (has(nodes[n])) moves[n] = velocity_of(nodes[n]);
   }
-  if (!alone) all_gather(ranks_, std::span(moves), [&](size_t n) { return rank_of_block_[size_t(nodes[n].block)]; });
+  if (!alone)
+    all_gather(part_.ranks, std::span(moves), [&](size_t n) { return part_.rank_of_block[size_t(nodes[n].block)]; });
   const auto push = [&](const members::Node& node, const Vector& f) {
     if (!has(node)) return;
     const int32_t body = blocks_[size_t(node.block)].body;
@@ -102,7 +104,7 @@ void World::add_member_springs(const Unit* alone, const Columns& velocity, const
     }
     for (const auto& [i, weight] : node.share) force.node[size_t(i)] += weight * f;
   };
-  members_->each_spring([&](int a, int b, double stiffness) {
+  held_by_.members->each_spring([&](int a, int b, double stiffness) {
     const members::Node& from = nodes[size_t(a)];
     if (b == members::kGround) return push(from, stiffness * moves[size_t(a)]);
     const members::Node& to = nodes[size_t(b)];

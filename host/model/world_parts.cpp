@@ -20,7 +20,7 @@ void forget_items(Array& array, size_t first, size_t end) {
 
 template <class Memory>
 void World::gather_by_block(Memory& values) const {
-  all_gather(ranks_, std::span(values), [&](size_t block) { return rank_of_block_[block]; });
+  all_gather(part_.ranks, std::span(values), [&](size_t block) { return part_.rank_of_block[block]; });
 }
 template void World::gather_by_block(std::vector<double>&) const;
 template void World::gather_by_block(std::vector<geometry::Box>&) const;
@@ -28,27 +28,27 @@ template void World::gather_by_block(std::vector<geometry::Box>&) const;
 bool World::any(bool here) const { return largest(here ? 1.0 : 0.0) > 0.0; }
 
 double World::largest(double here) const {
-  if (ranks_) ranks_->largest({&here, 1});
+  if (part_.ranks) part_.ranks->largest({&here, 1});
   return here;
 }
 
 // The fault of the first rank that has one.
 void World::fail_together(const std::optional<Error>& here) const {
-  if (!ranks_) {
+  if (!part_.ranks) {
     if (here) throw *here;
     return;
   }
-  const double first = -largest(here ? -double(ranks_->rank()) : -double(ranks_->count()));
+  const double first = -largest(here ? -double(part_.ranks->rank()) : -double(part_.ranks->count()));
   const int rank = int(first);
-  if (rank == ranks_->count()) return;
-  const bool mine = rank == ranks_->rank();
+  if (rank == part_.ranks->count()) return;
+  const bool mine = rank == part_.ranks->rank();
   const std::string text = mine ? here->what() : "";
   const auto length = size_t(largest(double(text.size())));
   const int code = int(largest(mine ? double(here->exit_code) : 0.0));
-  std::vector<size_t> sizes(size_t(ranks_->count()), 0);
+  std::vector<size_t> sizes(size_t(part_.ranks->count()), 0);
   sizes[size_t(rank)] = length;
   std::string received(length, ' ');
-  ranks_->gather(std::as_bytes(std::span(text)), sizes, std::as_writable_bytes(std::span(received)));
+  part_.ranks->gather(std::as_bytes(std::span(text)), sizes, std::as_writable_bytes(std::span(received)));
   throw Error(Exit(code), received);
 }
 
@@ -75,16 +75,18 @@ void World::each_memory_of_block(int block, const VisitBytes& visit) {
   });
   const Items joints = start_points_of(block, block + 1);
   if (joints.end == joints.first) return;
-  visit(&start_point_[joints.first], (joints.end - joints.first) * sizeof(StartPoint));
+  visit(&start_joints_.point[joints.first], (joints.end - joints.first) * sizeof(StartPoint));
   const size_t width = kept_width();
-  if (!kept_.empty() && width > 0)
-    visit(&kept_[joints.first * width], (joints.end - joints.first) * width * sizeof kept_[0]);
+  if (!start_joints_.kept.empty() && width > 0)
+    visit(&start_joints_.kept[joints.first * width],
+          (joints.end - joints.first) * width * sizeof start_joints_.kept[0]);
 }
 
 World::Items World::start_points_of(int first_block, int end_block) const {
   const auto first_of = [&](int block) {
-    const auto joint = std::ranges::lower_bound(start_joints_, block, {}, [](const StartJoint& j) { return j.pair.a; });
-    return joint == start_joints_.end() ? start_point_.size() : size_t(joint->first);
+    const auto joint =
+        std::ranges::lower_bound(start_joints_.joint, block, {}, [](const StartJoint& j) { return j.pair.a; });
+    return joint == start_joints_.joint.end() ? start_joints_.point.size() : size_t(joint->first);
   };
   return {first_of(first_block), first_of(end_block)};
 }
@@ -94,7 +96,7 @@ void World::each_memory_of_points(int family, size_t first, size_t end, const Vi
       [&](const Field& field, auto& column) {
         if (!field.known_to_all && !column.empty()) visit(&column[first], (end - first) * sizeof column[0]);
       },
-      families_[size_t(family)]);
+      contacts_.families[size_t(family)]);
 }
 
 struct World::Wanted {
@@ -103,7 +105,7 @@ struct World::Wanted {
   std::span<const int> known_by;               // rank of each block
   explicit Wanted(const World& world, std::span<const int> known)
       : block(world.blocks_.size()),
-        contact(world.contacts_.size()),
+        contact(world.contacts_.list.size()),
         block_here(block),
         contact_here(contact),
         known_by(known) {}
@@ -119,7 +121,7 @@ void World::each_exchanged_memory(const Wanted& w, Visit visit) {
       if (bytes > 0) visit(w.known_by[i], first, bytes, bool(w.block_here[i]));
     });
   }
-  const auto rank_of_contact = [&](size_t i) { return w.known_by[size_t(contacts_[i].pair.a)]; };
+  const auto rank_of_contact = [&](size_t i) { return w.known_by[size_t(contacts_.list[i].pair.a)]; };
   // Items of arrays that go together, from some item on: how many of them are asked for here, or not, in turn.
   struct Part {
     size_t items;
@@ -138,47 +140,47 @@ void World::each_exchanged_memory(const Wanted& w, Visit visit) {
       at += part.items * item_bytes;
     }
   };
-  for (size_t i = 0; i < contacts_.size(); ++i) {
+  for (size_t i = 0; i < contacts_.list.size(); ++i) {
     if (!w.contact[i]) continue;
     const size_t first = i;
     rank = rank_of_contact(i), parts.clear();
-    for (; i < contacts_.size() && w.contact[i] && rank_of_contact(i) == rank; ++i) add(1, w.contact_here[i]);
+    for (; i < contacts_.list.size() && w.contact[i] && rank_of_contact(i) == rank; ++i) add(1, w.contact_here[i]);
     WorldFields::of_pairs(*this, [&](const Field&, auto& array) { visit_parts(&array[first], sizeof array[0]); });
     --i;
   }
-  for (size_t k = 0; k < families_.size(); ++k) {
-    const std::vector<uint32_t>& of_family = contacts_of_family_[k];
+  for (size_t k = 0; k < contacts_.families.size(); ++k) {
+    const std::vector<uint32_t>& of_family = contacts_.of_family[k];
     for (size_t i = 0; i < of_family.size(); ++i) {
       if (!w.contact[of_family[i]]) continue;
       const size_t first_of_run = i;
-      const Contact& from = contacts_[of_family[i]];
+      const Contact& from = contacts_.list[of_family[i]];
       rank = rank_of_contact(of_family[i]), parts.clear();
       for (; i < of_family.size() && w.contact[of_family[i]] && rank_of_contact(of_family[i]) == rank; ++i)
-        add(contacts_[of_family[i]].count, w.contact_here[of_family[i]]);
-      const Contact& last = contacts_[of_family[--i]];
+        add(contacts_.list[of_family[i]].count, w.contact_here[of_family[i]]);
+      const Contact& last = contacts_.list[of_family[--i]];
       const size_t points = last.first + last.count - from.first;
       each_memory_of_points(int(k), from.first, from.first + points,
                             [&](void* at, size_t bytes) { visit_parts(at, bytes / points); });
       parts.clear();
       for (size_t c = first_of_run; c <= i; ++c) {
-        const Contact& contact = contacts_[of_family[c]];
+        const Contact& contact = contacts_.list[of_family[c]];
         add(contact.count * size_t(facets_a_point(contact)), w.contact_here[of_family[c]]);
       }
-      if (!facets_.empty()) visit_parts(&facets_[0] + from.first_facet, sizeof(Facet));
+      if (!contacts_.facets.empty()) visit_parts(&contacts_.facets[0] + from.first_facet, sizeof(Facet));
     }
   }
 }
 
 size_t World::exchange(const Wanted& wanted) {
-  RankRows rows(*ranks_);
+  RankRows rows(*part_.ranks);
   each_exchanged_memory(wanted,
                         [&](int rank, void* first, size_t bytes, bool here) { rows.add(rank, first, bytes, here); });
   return rows.exchange();
 }
 
 void World::each_owned_memory(const VisitOwned& visit) {
-  Wanted all(*this, rank_of_block_);
-  all.block.assign(blocks_.size(), true), all.contact.assign(contacts_.size(), true);
+  Wanted all(*this, part_.rank_of_block);
+  all.block.assign(blocks_.size(), true), all.contact.assign(contacts_.list.size(), true);
   each_exchanged_memory(all, [&](int rank, void* first, size_t bytes, bool) { visit(rank, first, bytes); });
 }
 
@@ -202,32 +204,32 @@ struct Need {
 
 void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
   take_back_facets();
-  const std::vector<int> before = std::exchange(rank_of_block_, std::move(rank_of_block));
-  const int here = ranks_->rank();
+  const std::vector<int> before = std::exchange(part_.rank_of_block, std::move(rank_of_block));
+  const int here = part_.ranks->rank();
   Wanted wanted(*this, before);
   Need of_blocks{wanted.block, wanted.block_here, here}, of_contacts{wanted.contact, wanted.contact_here, here};
-  std::vector<bool> stays(blocks_.size()), contact_stays(contacts_.size());
+  std::vector<bool> stays(blocks_.size()), contact_stays(contacts_.list.size());
   const auto need_block = [&](int block, int rank) {
     if (rank == here) stays[size_t(block)] = true;
     of_blocks.add(size_t(block), rank, before[size_t(block)] == rank);
   };
   const auto need_contact = [&](size_t i, int rank) {
-    const auto [a, b] = contacts_[i].pair;
+    const auto [a, b] = contacts_.list[i].pair;
     if (rank == here) contact_stays[i] = true;
     of_contacts.add(i, rank, before[size_t(a)] == rank || before[size_t(b)] == rank);
   };
-  for (int b = 0; b < block_count(); ++b) need_block(b, rank_of_block_[size_t(b)]);
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    const auto [a, b] = contacts_[i].pair;
-    for (const int rank : {rank_of_block_[size_t(a)], rank_of_block_[size_t(b)]})
+  for (int b = 0; b < block_count(); ++b) need_block(b, part_.rank_of_block[size_t(b)]);
+  for (size_t i = 0; i < contacts_.list.size(); ++i) {
+    const auto [a, b] = contacts_.list[i].pair;
+    for (const int rank : {part_.rank_of_block[size_t(a)], part_.rank_of_block[size_t(b)]})
       need_block(a, rank), need_block(b, rank), need_contact(i, rank);
   }
   std::vector<int> evaluate;
   for (int c = 0; c < chunk_count(); ++c) {
     evaluate.clear();
     each_contact_of_chunk(c, [&](size_t i) {
-      for (const int block : {contacts_[i].pair.a, contacts_[i].pair.b}) {
-        const int rank = rank_of_block_[size_t(block)];
+      for (const int block : {contacts_.list[i].pair.a, contacts_.list[i].pair.b}) {
+        const int rank = part_.rank_of_block[size_t(block)];
         if (std::ranges::find(evaluate, rank) == evaluate.end()) evaluate.push_back(rank);
       }
     });
@@ -235,12 +237,12 @@ void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
     each_contact_of_chunk(c, [&](size_t i) {
       for (const int rank : evaluate) {
         need_contact(i, rank);
-        need_block(contacts_[i].pair.a, rank), need_block(contacts_[i].pair.b, rank);
+        need_block(contacts_.list[i].pair.a, rank), need_block(contacts_.list[i].pair.b, rank);
       }
     });
   }
   for (const int block : known) {
-    for (int r = 0; r < ranks_->count(); ++r) need_block(block, r);
+    for (int r = 0; r < part_.ranks->count(); ++r) need_block(block, r);
   }
   for (int b = 0; b < block_count(); ++b) {
     if (stays[size_t(b)]) lay_out(b);
@@ -251,24 +253,24 @@ void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
   each_row(contact_stays, false, [&](size_t first, size_t end) {
     WorldFields::of_pairs(*this, [&](const Field&, auto& array) { forget_part(array, first, end); });
   });
-  for (size_t k = 0; k < families_.size(); ++k) forget_points(k, contact_stays);
+  for (size_t k = 0; k < contacts_.families.size(); ++k) forget_points(k, contact_stays);
   bind_work();
   bind_neighbours();
 }
 
 void World::forget_points(size_t family, const std::vector<bool>& contact_stays) {
-  Family& f = families_[family];
-  const std::vector<uint32_t>& of_family = contacts_of_family_[family];
+  Family& f = contacts_.families[family];
+  const std::vector<uint32_t>& of_family = contacts_.of_family[family];
   for (size_t i = 0; i < of_family.size(); ++i) {
     if (contact_stays[of_family[i]]) continue;
-    const Contact& from = contacts_[of_family[i]];
+    const Contact& from = contacts_.list[of_family[i]];
     while (i + 1 < of_family.size() && !contact_stays[of_family[i + 1]]) ++i;
-    const Contact& last = contacts_[of_family[i]];
+    const Contact& last = contacts_.list[of_family[i]];
     each_memory_of_points(int(family), from.first, last.first + last.count,
                           [](void* first, size_t bytes) { forget(std::span(static_cast<std::byte*>(first), bytes)); });
     for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area})
       forget_items(*column, from.first, last.first + last.count);
-    forget_items(facets_, from.first_facet, last.first_facet + last.count * size_t(facets_a_point(last)));
+    forget_items(contacts_.facets, from.first_facet, last.first_facet + last.count * size_t(facets_a_point(last)));
   }
 }
 
@@ -283,23 +285,22 @@ void World::forget_blocks(size_t first, size_t end) {
   const ModelBlock &from = blocks_[first], &last = blocks_[end - 1];
   const Items nodes = items_of_blocks(Owner::gridpoint, first, end), joints = start_points_of(int(first), int(end));
   const auto forget_nodes = [&](auto&... field) { (forget_items(field, nodes.first, nodes.end), ...); };
-  forget_nodes(node_reference_, node_anchor_, node_mass_, node_weight_mass_, node_support_);
-  forget_items(zones_, size_t(from.first_zone), size_t(last.first_zone + last.zone_count));
-  for (auto* field : {&corner_, &placed_corner_})
+  forget_nodes(nodes_.reference, nodes_.anchor, nodes_.mass, nodes_.weight_mass, nodes_.support);
+  for (auto* field : {&shapes_.corner, &shapes_.placed_corner})
     forget_items(*field, from.first_corner, last.first_corner + last.shape->vertices.size());
-  for (auto* field : {&body_normal_, &placed_normal_})
+  for (auto* field : {&shapes_.normal, &shapes_.placed_normal})
     forget_items(*field, from.first_normal, last.first_normal + last.shape->normals.size());
-  forget_items(start_, first, end);
-  forget_items(start_point_, joints.first, joints.end);
-  forget_items(kept_, joints.first * kept_width(), joints.end * kept_width());
+  forget_items(poses_.start, first, end);
+  forget_items(start_joints_.point, joints.first, joints.end);
+  forget_items(start_joints_.kept, joints.first * kept_width(), joints.end * kept_width());
   for (size_t i = first; i < end; ++i) {
-    laid_out_[i] = false;
+    part_.laid_out[i] = false;
     std::vector<geometry::Zoning::SurfaceTriangle>().swap(blocks_[i].surface);
   }
 }
 
 void World::exchange_blocks(std::span<const int> chosen) {
-  Wanted wanted(*this, rank_of_block_);
+  Wanted wanted(*this, part_.rank_of_block);
   for (const int b : chosen) {
     lay_out(b);
     wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !owns(b);
@@ -308,11 +309,11 @@ void World::exchange_blocks(std::span<const int> chosen) {
 }
 
 void World::exchange_joints(std::span<const int> of_blocks) {
-  Wanted wanted(*this, rank_of_block_);
+  Wanted wanted(*this, part_.rank_of_block);
   std::vector<bool> asked(blocks_.size());
   for (const int b : of_blocks) asked[size_t(b)] = true;
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    const Contact& c = contacts_[i];
+  for (size_t i = 0; i < contacts_.list.size(); ++i) {
+    const Contact& c = contacts_.list[i];
     if (c.count == 0 || !(asked[size_t(c.pair.a)] || asked[size_t(c.pair.b)])) continue;
     wanted.contact[i] = true, wanted.contact_here[i] = !owns(c);
     for (const int b : {c.pair.a, c.pair.b}) {
@@ -325,11 +326,11 @@ void World::exchange_joints(std::span<const int> of_blocks) {
 
 // The rank of a joint's first block may know nothing of the other one any more, or no more than what it touches of it.
 void World::exchange_parted_blocks() {
-  if (!ranks_ || !has_replaced_points()) return;
-  Wanted wanted(*this, rank_of_block_);
-  Need need{wanted.block, wanted.block_here, ranks_->rank()};
-  for (const StartJoint& joint : start_joints_) {
-    const int rank_a = rank_of_block_[size_t(joint.pair.a)], rank_b = rank_of_block_[size_t(joint.pair.b)];
+  if (!part_.ranks || !has_replaced_points()) return;
+  Wanted wanted(*this, part_.rank_of_block);
+  Need need{wanted.block, wanted.block_here, part_.ranks->rank()};
+  for (const StartJoint& joint : start_joints_.joint) {
+    const int rank_a = part_.rank_of_block[size_t(joint.pair.a)], rank_b = part_.rank_of_block[size_t(joint.pair.b)];
     need.add(size_t(joint.pair.b), rank_a, rank_a == rank_b);
   }
   for (int b = 0; b < block_count(); ++b) {
@@ -340,17 +341,17 @@ void World::exchange_parted_blocks() {
 
 size_t World::gather_everything(bool to_all) {
   take_back_facets();
-  Wanted wanted(*this, rank_of_block_);
-  const bool here = to_all || ranks_->rank() == 0;
+  Wanted wanted(*this, part_.rank_of_block);
+  const bool here = to_all || part_.ranks->rank() == 0;
   for (int b = 0; b < block_count(); ++b) {
     if (here) lay_out(b);
     wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = here && !owns(b);
   }
-  for (size_t i = 0; i < contacts_.size(); ++i)
-    wanted.contact[i] = true, wanted.contact_here[i] = here && !owns(contacts_[i]);
+  for (size_t i = 0; i < contacts_.list.size(); ++i)
+    wanted.contact[i] = true, wanted.contact_here[i] = here && !owns(contacts_.list[i]);
   const size_t bytes = exchange(wanted);
-  for (Chunk& chunk : chunks_) {
-    if (here) pack(chunk), bind(families_[size_t(chunk.family)], chunk);
+  for (Chunk& chunk : chunks_.all) {
+    if (here) pack(chunk), bind(contacts_.families[size_t(chunk.family)], chunk);
   }
   return bytes;
 }
@@ -358,11 +359,11 @@ size_t World::gather_everything(bool to_all) {
 // ---- Blocks close to those of other ranks --------------------------------------------------------------------------
 
 void World::receive_new_neighbours(const std::vector<geometry::Pair>& pairs) {
-  if (!ranks_) return;
-  Wanted wanted(*this, rank_of_block_);
-  Need need{wanted.block, wanted.block_here, ranks_->rank()};
+  if (!part_.ranks) return;
+  Wanted wanted(*this, part_.rank_of_block);
+  Need need{wanted.block, wanted.block_here, part_.ranks->rank()};
   for (const auto& [a, b] : pairs) {
-    const int rank_a = rank_of_block_[size_t(a)], rank_b = rank_of_block_[size_t(b)];
+    const int rank_a = part_.rank_of_block[size_t(a)], rank_b = part_.rank_of_block[size_t(b)];
     if (rank_a == rank_b) continue;
     need.add(size_t(a), rank_b, false), need.add(size_t(b), rank_a, false);
   }
@@ -374,14 +375,14 @@ void World::receive_new_neighbours(const std::vector<geometry::Pair>& pairs) {
 }
 
 void World::bind_neighbours() {
-  neighbours_.clear();
-  if (!ranks_) return;
-  const int here = ranks_->rank();
-  deviating_blocks_.resize(blocks_.size(), 0.0);
+  part_.neighbours.clear();
+  if (!part_.ranks) return;
+  const int here = part_.ranks->rank();
+  part_.deviating.resize(blocks_.size(), 0.0);
   std::map<int, std::pair<std::vector<int>, std::vector<int>>> with;  // by rank: blocks sent to it, and received
-  for (const Contact& c : contacts_) {
+  for (const Contact& c : contacts_.list) {
     const auto [a, b] = c.pair;
-    const int rank_a = rank_of_block_[size_t(a)], rank_b = rank_of_block_[size_t(b)];
+    const int rank_a = part_.rank_of_block[size_t(a)], rank_b = part_.rank_of_block[size_t(b)];
     if (rank_a == rank_b || !owns(c)) continue;
     const bool own = rank_a == here;
     auto& [to, from] = with[own ? rank_b : rank_a];
@@ -398,26 +399,26 @@ void World::bind_neighbours() {
         for (Vector* v : {&body.x, &body.v, &body.omega}) add(*v);
         for (Vector& row : body.r.row) add(row);
         for (Vector& row : body.transposed_r.row) add(row);
-        numbers.push_back(&deviating_blocks_[size_t(block)]);
+        numbers.push_back(&part_.deviating[size_t(block)]);
       }
-      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) add(node_x_[size_t(n)]);
+      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) add(nodes_.x[size_t(n)]);
     }
   };
   for (auto& [rank, blocks] : with) {
     Border border{rank, {}, {}, {}, {}};
     numbers_of(blocks.first, border.send), numbers_of(blocks.second, border.receive);
-    neighbours_.add(std::move(border));
+    part_.neighbours.add(std::move(border));
   }
 }
 
 void World::receive_neighbours() {
-  if (!ranks_) return;
+  if (!part_.ranks) return;
   for (size_t i = 0; i < blocks_.size(); ++i)
-    deviating_blocks_[i] = owns(int(i)) && block_sums_[i].deviates ? 1.0 : 0.0;
-  neighbours_.send(*ranks_);
-  neighbours_.receive(*ranks_);
+    part_.deviating[i] = owns(int(i)) && step_sums_.of_block[i].deviates ? 1.0 : 0.0;
+  part_.neighbours.send(*part_.ranks);
+  part_.neighbours.receive(*part_.ranks);
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!owns(int(i))) block_sums_[i].deviates = deviating_blocks_[i] > 0.0;
+    if (!owns(int(i))) step_sums_.of_block[i].deviates = part_.deviating[i] > 0.0;
   }
 }
 

@@ -28,20 +28,20 @@ Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& fiel
 Vector World::position(int block) const {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) return bodies_[b.body].x;
-  return mass_mean(b, node_mass_, node_x_);
+  return mass_mean(b, nodes_.mass, nodes_.x);
 }
 
 Vector World::start_position(int block) const {
   const ModelBlock& b = blocks_[size_t(block)];
-  if (b.body >= 0) return start_[size_t(block)].x;
-  return mass_mean(b, node_mass_, node_reference_);
+  if (b.body >= 0) return poses_.start[size_t(block)].x;
+  return mass_mean(b, nodes_.mass, nodes_.reference);
 }
 
 Matrix World::orientation(int block) const {
   Vector x;
   Matrix r;
   pose(block, x, r);
-  return r * transposed(start_[size_t(block)].r);
+  return r * transposed(poses_.start[size_t(block)].r);
 }
 
 double World::turned_by_now(int block) const {
@@ -60,7 +60,7 @@ double World::turned_by_now(int block) const {
 Vector World::velocity(int block) const {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) return bodies_[b.body].v;
-  return mass_mean(b, node_mass_, node_v_);
+  return mass_mean(b, nodes_.mass, nodes_.v);
 }
 
 Vector World::angular_velocity(int block) const {
@@ -68,7 +68,7 @@ Vector World::angular_velocity(int block) const {
   return b.body >= 0 ? bodies_[b.body].omega : Vector{};
 }
 
-Vector World::contact_force(int block) const { return block_contact_force_[block]; }
+Vector World::contact_force(int block) const { return step_sums_.contact_force[block]; }
 
 Matrix World::frame_of(const Point& p) const {
   if (p.on_gridpoints) {
@@ -77,7 +77,7 @@ Matrix World::frame_of(const Point& p) const {
   }
   if (p.facet_a >= 0 && !small_) {
     Point now = p;
-    Facet facet = facets_[size_t(p.facet_a)];
+    Facet facet = contacts_.facets[size_t(p.facet_a)];
     refresh_facet_frame(now, facet);
     return {{now.n, now.s, now.t}};
   }
@@ -88,9 +88,9 @@ Matrix World::frame_of(const Point& p) const {
 
 Vector World::corner(int block, int vertex) const {
   const ModelBlock& b = blocks_[block];
-  if (b.body < 0) return node_x_[size_t(b.first_node) + size_t(vertex)];
+  if (b.body < 0) return nodes_.x[size_t(b.first_node) + size_t(vertex)];
   const Body& body = bodies_[b.body];
-  return body.x + body.r * corner_[b.first_corner + size_t(vertex)];
+  return body.x + body.r * shapes_.corner[b.first_corner + size_t(vertex)];
 }
 
 std::vector<std::vector<Vector>> World::faces(int block) const {
@@ -103,33 +103,36 @@ std::vector<std::vector<Vector>> World::faces(int block) const {
     }
     return result;
   }
-  for (const auto& t : b.surface) result.push_back({node_x_[t.node[0]], node_x_[t.node[1]], node_x_[t.node[2]]});
+  for (const auto& t : b.surface) result.push_back({nodes_.x[t.node[0]], nodes_.x[t.node[1]], nodes_.x[t.node[2]]});
   return result;
 }
 
-Matrix World::zone_stress(int z) const {
-  const Zone& zone = zones_[z];
+size_t World::zone_count() const {
+  size_t count = 0;
+  for (const ModelBlock& b : blocks_) count += size_t(b.zone_count);
+  return count;
+}
+
+Matrix World::zone_stress(int block, int z) const {
+  const Zone zone = this->zone(block, z);
+  const Vector* const x = nodes_.x.data() + blocks_[size_t(block)].first_node;
   Matrix f = Matrix::zero();
-  for (int k = 0; k < 4; ++k) f += outer(node_x_[zone.node[k]], zone.gradient[k]);
+  for (int k = 0; k < 4; ++k) f += outer(x[zone.node[k]], zone.gradient[k]);
   const Matrix strain = 0.5 * (transposed(f) * f - Matrix{});
   const Matrix second = 2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{};
   return 1 / determinant(f) * (f * second * transposed(f));
 }
 
-double Zone::energy(const Matrix& strain) const {
-  double squares = 0.0;
-  for (const Vector& row : strain.row) squares += dot(row, row);
-  return volume * (0.5 * lambda * trace(strain) * trace(strain) + mu * squares);
-}
-
 double World::strain_energy() const {
   double sum = 0.0;
-  for (const Zone& zone : zones_) {
+  each_zone([&](const ModelBlock& b, const Zone& zone) {
     Matrix h = Matrix::zero();
-    for (int k = 0; k < 4; ++k) h += outer(node_x_[zone.node[k]] - node_reference_[zone.node[k]], zone.gradient[k]);
-    const Matrix e = 0.5 * (h + transposed(h) + transposed(h) * h);
-    sum += zone.energy(e);
-  }
+    for (int k = 0; k < 4; ++k) {
+      const auto node = size_t(b.first_node + zone.node[k]);
+      h += outer(nodes_.x[node] - nodes_.reference[node], zone.gradient[k]);
+    }
+    sum += zone.energy(0.5 * (h + transposed(h) + transposed(h) * h));
+  });
   return sum;
 }
 
@@ -137,7 +140,7 @@ double World::extent() const {
   Box around;
   for (size_t i = 0; i < blocks_.size(); ++i) {
     const double r = blocks_[i].radius;
-    around.include(rough_place_[i] - Vector{r, r, r}), around.include(rough_place_[i] + Vector{r, r, r});
+    around.include(part_.rough_place[i] - Vector{r, r, r}), around.include(part_.rough_place[i] + Vector{r, r, r});
   }
   return norm(around.upper - around.lower);
 }
@@ -172,11 +175,11 @@ double World::kinetic_energy_of(int block) const {
   }
   for (size_t i = size_t(b.first_node); i < size_t(b.first_node + b.node_count); ++i) {
     for (int k = 0; k < 3; ++k) {
-      const double factor = node_held_[i] >> k & 1 ? 0.0 : solver_.deformation_inertia;
-      sum += 0.5 * factor * node_mass_[i] * node_v_[i][k] * node_v_[i][k];
+      const double factor = nodes_.held[i] >> k & 1 ? 0.0 : solver_.deformation_inertia;
+      sum += 0.5 * factor * nodes_.mass[i] * nodes_.v[i][k] * nodes_.v[i][k];
     }
   }
-  const Unit unit = unit_of(block);
+  const Unit unit = units_.of(block);
   if (splits_motion() && unit.block[0] == block) sum += rigid_kinetic_energy(unit);
   return sum;
 }
@@ -184,7 +187,7 @@ double World::kinetic_energy_of(int block) const {
 Vector World::linear_momentum() const {
   Vector p;
   for (const Body& b : bodies_) p += b.mass * b.v;
-  for (size_t i = 0; i < node_x_.size(); ++i) p += node_mass_[i] * node_v_[i];
+  for (size_t i = 0; i < nodes_.x.size(); ++i) p += nodes_.mass[i] * nodes_.v[i];
   return p;
 }
 
@@ -192,19 +195,19 @@ Vector World::angular_momentum(const Vector& about) const {
   // Velocities live half a step before positions; x - v dt/2 takes both to the same time (cross(v, v) = 0).
   Vector l;
   for (const Body& b : bodies_) l += b.momentum + b.mass * cross(b.x - about, b.v);
-  for (size_t i = 0; i < node_x_.size(); ++i) l += node_mass_[i] * cross(node_x_[i] - about, node_v_[i]);
+  for (size_t i = 0; i < nodes_.x.size(); ++i) l += nodes_.mass[i] * cross(nodes_.x[i] - about, nodes_.v[i]);
   return l;
 }
 
 double World::unbalanced_ratio() const {
   double forces = 0.0;
-  for (const Chunk& chunk : chunks_) forces += ranks_ ? chunk.force_sum : force_sum_of(chunk);
-  if (unbalanced_ == 0.0) return 0.0;
-  return forces > 0 ? unbalanced_ * double(point_count()) / forces : std::numeric_limits<double>::infinity();
+  for (const Chunk& chunk : chunks_.all) forces += part_.ranks ? chunk.force_sum : force_sum_of(chunk);
+  if (step_sums_.unbalanced == 0.0) return 0.0;
+  return forces > 0 ? step_sums_.unbalanced * double(point_count()) / forces : std::numeric_limits<double>::infinity();
 }
 
 double World::force_sum_of(const Chunk& chunk) const {
-  const Family& f = families_[size_t(chunk.family)];
+  const Family& f = contacts_.families[size_t(chunk.family)];
   double sum = 0.0;
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     double square = 0.0;
@@ -218,22 +221,22 @@ double World::force_sum_of(const Chunk& chunk) const {
 }
 
 Deepest World::deepest_of(const Chunk& chunk) const {
-  const Family& f = families_[size_t(chunk.family)];
+  const Family& f = contacts_.families[size_t(chunk.family)];
   const auto first = f.normal_jump.begin() + chunk.first, least = std::min_element(first, first + chunk.count);
   return {*least, place_of(f.point[size_t(least - f.normal_jump.begin())])};
 }
 
 size_t World::point_count() const {
   size_t count = 0;
-  for (const Family& f : families_) count += f.size();
+  for (const Family& f : contacts_.families) count += f.size();
   return count;
 }
 
-double World::mass_of(int block) const { return block_mass_[size_t(block)]; }
+double World::mass_of(int block) const { return blocks_[size_t(block)].mass; }
 
 double World::mass() const {
   double m = 0.0;
-  for (const double of_block : block_mass_) m += of_block;
+  for (const ModelBlock& b : blocks_) m += b.mass;
   return m;
 }
 
@@ -257,7 +260,7 @@ uint64_t World::hash(const GiveParts& parts) const {
     });
   };
   WorldFields::each(*this, add_field);
-  if (members_) members_->each_number([&](double x) { hash.add(std::bit_cast<std::uint64_t>(x)); });
+  if (held_by_.members) held_by_.members->each_number([&](double x) { hash.add(std::bit_cast<std::uint64_t>(x)); });
   return hash.value();
 }
 

@@ -17,12 +17,12 @@ using namespace geometry;
 
 template <class Visit>
 void World::each_own_point(Visit visit, const Unit* alone) const {
-  for (size_t k = 0; k < families_.size(); ++k) {
-    const Family& f = families_[k];
-    for (const uint32_t i : contacts_of_family_[k]) {
-      const Contact& c = contacts_[i];
+  for (size_t k = 0; k < contacts_.families.size(); ++k) {
+    const Family& f = contacts_.families[k];
+    for (const uint32_t i : contacts_.of_family[k]) {
+      const Contact& c = contacts_.list[i];
       if (alone && !alone->has(c.pair.a) && !alone->has(c.pair.b)) continue;
-      if (!owns(c) || (apart_[size_t(c.pair.a)] && other_half_[size_t(c.pair.a)] == c.pair.b)) continue;
+      if (!owns(c) || (units_.apart[size_t(c.pair.a)] && units_.other_half[size_t(c.pair.a)] == c.pair.b)) continue;
       for (uint32_t p = c.first; p < c.first + c.count; ++p) visit(f, f.point[p]);
     }
   }
@@ -31,7 +31,7 @@ void World::each_own_point(Visit visit, const Unit* alone) const {
 // Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2. Cheap and coarse:
 // compared with its own earlier value alone, it says whether the frequency must be computed again.
 double World::local_stiffness_bound() const {
-  LaneVector<double> body(bodies_.size()), node(node_x_.size());
+  LaneVector<double> body(bodies_.size()), node(nodes_.x.size());
   each_own_point([&](const Family& f, const Point& p) {
     const double k = std::max(f.kn, f.ks);
     const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(p);
@@ -44,14 +44,14 @@ double World::local_stiffness_bound() const {
     };
     const auto soft = [&](const Facet& facet) {
       for (int i = 0; i < 3; ++i)
-        node[facet.node[i]] += k * p.area * std::abs(facet.weight[i]) / node_mass_[facet.node[i]];
+        node[facet.node[i]] += k * p.area * std::abs(facet.weight[i]) / nodes_.mass[facet.node[i]];
     };
     if (p.facet_a >= 0)
-      soft(facets_[p.facet_a]);
+      soft(contacts_.facets[p.facet_a]);
     else
       rigid(p.a);
     if (p.facet_b >= 0)
-      soft(facets_[p.facet_b]);
+      soft(contacts_.facets[p.facet_b]);
     else
       rigid(p.b);
   });
@@ -73,17 +73,18 @@ void World::add_zone_forces(std::span<const int> blocks, const LaneVector<Vector
   for (const int i : blocks) {
     const ModelBlock& b = blocks_[size_t(i)];
     if (b.body >= 0) continue;
-    if (by_zone_[size_t(i)]) {
-      for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-        const Zone& zone = zones_[size_t(z)];
+    if (frames_.by_zone[size_t(i)]) {
+      const auto first = size_t(b.first_node);
+      for (int z = 0; z < b.zone_count; ++z) {
+        const Zone zone = this->zone(i, z);
         Matrix deformation = Matrix::zero(), h = Matrix::zero();
         for (int k = 0; k < 4; ++k) {
-          deformation += outer(node_x_[zone.node[k]], zone.gradient[k]);
-          h += outer(velocity[zone.node[k]], zone.gradient[k]);
+          deformation += outer(nodes_.x[first + size_t(zone.node[k])], zone.gradient[k]);
+          h += outer(velocity[first + size_t(zone.node[k])], zone.gradient[k]);
         }
         const Matrix raw = transposed(deformation) * h, strain = 0.5 * (raw + transposed(raw));
         const Matrix stress = deformation * (2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{});
-        for (int k = 0; k < 4; ++k) force[zone.node[k]] += zone.volume * (stress * zone.gradient[k]);
+        for (int k = 0; k < 4; ++k) force[first + size_t(zone.node[k])] += zone.volume * (stress * zone.gradient[k]);
       }
       continue;
     }
@@ -110,12 +111,12 @@ struct World::FrequencyHalo {
     using Side = std::pair<bool, int>;  // whether of a gridpoint, and which; else which body
     std::map<int, std::set<Side>> to, from;
     world.each_own_point([&](const Family&, const Point& p) {
-      const int rank_a = world.rank_of_block_[size_t(p.a)], rank_b = world.rank_of_block_[size_t(p.b)];
+      const int rank_a = world.part_.rank_of_block[size_t(p.a)], rank_b = world.part_.rank_of_block[size_t(p.b)];
       if (rank_a == rank_b) return;
       const auto note = [&](int block, int facet, int rank, int other) {
         std::set<Side>& sides = rank == here ? to[other] : from[rank];
         if (facet < 0) sides.insert({false, world.blocks_[size_t(block)].body});
-        for (int k = 0; k < 3 && facet >= 0; ++k) sides.insert({true, world.facets_[size_t(facet)].node[k]});
+        for (int k = 0; k < 3 && facet >= 0; ++k) sides.insert({true, world.contacts_.facets[size_t(facet)].node[k]});
       };
       note(p.a, p.facet_a, rank_a, rank_b), note(p.b, p.facet_b, rank_b, rank_a);
     });
@@ -140,14 +141,15 @@ struct World::FrequencyHalo {
 
 World::Stiffness World::stiffness() const {
   Stiffness springs{{}, 1.0, 1.0};
-  for (const Family& f : families_) springs.of_family.push_back({f.kn, f.ks});
+  for (const Family& f : contacts_.families) springs.of_family.push_back({f.kn, f.ks});
   return springs;
 }
 
 World::Stiffness World::impact_dashpots() const {
-  Stiffness springs{{}, impact_zone_beta_, 0.0};
-  for (size_t f = 0; f < families_.size(); ++f)
-    springs.of_family.push_back({impact_beta_[2 * f] * families_[f].kn, impact_beta_[2 * f + 1] * families_[f].ks});
+  Stiffness springs{{}, impacts_.zone_beta, 0.0};
+  for (size_t f = 0; f < contacts_.families.size(); ++f)
+    springs.of_family.push_back(
+        {impacts_.beta[2 * f] * contacts_.families[f].kn, impacts_.beta[2 * f + 1] * contacts_.families[f].ks});
   return springs;
 }
 
@@ -155,7 +157,7 @@ World::Stiffness World::impact_dashpots() const {
 World::Stiffness World::with_dashpots(double share, double dt) const {
   Stiffness sum = stiffness();
   const Stiffness dashpots = impact_dashpots();
-  for (size_t f = 0; f < families_.size(); ++f) {
+  for (size_t f = 0; f < contacts_.families.size(); ++f) {
     for (size_t k = 0; k < 2; ++k) sum.of_family[f][k] += 2 * share / dt * dashpots.of_family[f][k];
   }
   sum.of_zones += 2 * share / dt * dashpots.of_zones;
@@ -194,12 +196,12 @@ struct World::Vibration {
       : world(of),
         stiffness(k),
         alone(unit),
-        ranks(unit ? nullptr : of.ranks_),
+        ranks(unit ? nullptr : of.part_.ranks),
         v(of.bodies_.size()),
         w(v.size()),
         f(v.size()),
         m(v.size()),
-        nv(of.node_x_.size()),
+        nv(of.nodes_.x.size()),
         nf(nv.size()),
         halo(of, ranks, nv, [this](int body, const auto& visit) { visit(v[size_t(body)]), visit(w[size_t(body)]); }) {
     list_blocks();
@@ -243,7 +245,7 @@ struct World::Vibration {
     }
     if (!ranks) return;
     shared = std::make_unique<GatheredSums>(*ranks);
-    const auto append = [&](size_t i, size_t numbers) { shared->append(world.rank_of_block_[i], numbers); };
+    const auto append = [&](size_t i, size_t numbers) { shared->append(world.part_.rank_of_block[i], numbers); };
     for (size_t i = 0; i < world.blocks_.size(); ++i) append(i, world.blocks_[i].body >= 0 ? 6 : 0);
     for (size_t i = 0; i < world.blocks_.size(); ++i) append(i, 3 * size_t(world.blocks_[i].node_count));
   }
@@ -260,7 +262,7 @@ struct World::Vibration {
     });
     each_node([&](size_t i) {
       for (int k = 0; k < 3; ++k)
-        scale[of_nodes() + 3 * i + k] = world.node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(world.node_mass_[i]);
+        scale[of_nodes() + 3 * i + k] = world.nodes_.held[i] >> k & 1 ? 0.0 : 1 / std::sqrt(world.nodes_.mass[i]);
     });
   }
 
@@ -281,7 +283,7 @@ struct World::Vibration {
   Vector velocity(int block, int32_t facet, const Vector& at) const {
     Vector sum;
     if (facet >= 0) {
-      const Facet& on = world.facets_[facet];
+      const Facet& on = world.contacts_.facets[facet];
       for (int k = 0; k < 3; ++k) sum += on.weight[k] * nv[on.node[k]];
     } else {
       const int i = world.blocks_[block].body;
@@ -293,7 +295,7 @@ struct World::Vibration {
   // sign: 1 on b, -1 on a.
   void add_force(int block, int32_t facet, const Vector& at, double sign, const Vector& force) {
     if (facet >= 0) {
-      const Facet& on = world.facets_[facet];
+      const Facet& on = world.contacts_.facets[facet];
       for (int k = 0; k < 3; ++k) nf[on.node[k]] += sign * (on.weight[k] * force);
     } else {
       const int i = world.blocks_[block].body;
@@ -309,13 +311,13 @@ struct World::Vibration {
     if (stiffness.of_zones != 0.0) world.add_zone_forces(blocks, nv, nf);
     if (stiffness.of_zones != 1.0) each_node([&](size_t i) { nf[i] = stiffness.of_zones * nf[i]; });
     for (const auto& [family, point, at, normal, area] : springs) {
-      const auto& [kn, ks] = stiffness.of_family[size_t(family - world.families_.data())];
+      const auto& [kn, ks] = stiffness.of_family[size_t(family - world.contacts_.families.data())];
       const Vector d = velocity(point->b, point->facet_b, at) - velocity(point->a, point->facet_a, at);
       const Vector force = area * (ks * d + (kn - ks) * dot(normal, d) * normal);
       add_force(point->a, point->facet_a, at, -1.0, force);
       add_force(point->b, point->facet_b, at, 1.0, force);
     }
-    if (world.members_ && stiffness.of_members != 0.0) world.add_member_springs(alone, {v, w, nv}, {f, m, nf});
+    if (world.held_by_.members && stiffness.of_members != 0.0) world.add_member_springs(alone, {v, w, nv}, {f, m, nf});
     if (world.splits_motion()) world.scale_motion(blocks, inertia, nf, true);
     return gather(x, y);
   }
@@ -369,9 +371,9 @@ double World::largest_over_inertia(const Stiffness& stiffness, LaneVector<double
 // u_b^2, it bounds modes in which the unit and its neighbours take part. The same on any number of ranks.
 bool World::shorten_step(std::span<const int> changed) const {
   return std::any_of(changed.begin(), changed.end(), [&](int block) {
-    const Unit unit = unit_of(block);
-    if (!(highest_frequency(nullptr, &unit) * critical_dt_ <= 2.0)) return true;
-    return impacts_damped() && !(largest_over_inertia(impact_dashpots(), nullptr, &unit) <= impact_rate_);
+    const Unit unit = units_.of(block);
+    if (!(highest_frequency(nullptr, &unit) * stepping_.critical_dt <= 2.0)) return true;
+    return impacts_damped() && !(largest_over_inertia(impact_dashpots(), nullptr, &unit) <= impacts_.rate);
   });
 }
 
@@ -392,7 +394,7 @@ StepLimit World::what_sets_time_step() const {
     const ModelBlock& b = blocks_[size_t(i)];
     if (b.body >= 0 && look(6 * size_t(b.body), 6)) limit = {i, bodies_[size_t(b.body)].x}, gridpoint = -1;
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
-      if (look(6 * bodies_.size() + 3 * size_t(n), 3)) limit = {i, node_x_[size_t(n)]}, gridpoint = n - b.first_node;
+      if (look(6 * bodies_.size() + 3 * size_t(n), 3)) limit = {i, nodes_.x[size_t(n)]}, gridpoint = n - b.first_node;
     }
   }
   if (gridpoint < 0) return limit;
@@ -407,8 +409,8 @@ StepLimit World::what_sets_time_step() const {
 }
 
 void World::hold_by_springs(double eigenvalue) {
-  if (eigenvalue == springs_) return;
-  springs_ = eigenvalue;
+  if (eigenvalue == stepping_.springs) return;
+  stepping_.springs = eigenvalue;
   find_time_step();
 }
 
@@ -420,7 +422,7 @@ World::Landing World::landing_frequencies(const Contact& c, int block) const {
   if (input.fixed) return {};
   const RigidMass own_mass = rigid_mass(input);
   const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-  const Family& f = families_[size_t(c.family)];
+  const Family& f = contacts_.families[size_t(c.family)];
   const Matrix turned = orientation(block) * matrix(input.orientation);
   const Vector towards = transposed_times(turned, frame_of(f.point[c.first]).row[0]);
   size_t face = 0;
@@ -451,13 +453,13 @@ World::Landing World::landing_frequencies(const Contact& c, int block) const {
 // Of the lightest block at the joints of a family, 1/s2. Of a family that has none yet, of the lightest block of all
 // on its largest face.
 World::Landing World::landing_frequencies(int family) const {
-  const Family& f = families_[size_t(family)];
+  const Family& f = contacts_.families[size_t(family)];
   Landing highest{};
   const auto add = [&](const Landing& squares) {
     for (size_t k = 0; k < 2; ++k) highest[k] = std::max(highest[k], squares[k]);
   };
-  for (const uint32_t i : contacts_of_family_[size_t(family)]) {
-    const Contact& c = contacts_[i];
+  for (const uint32_t i : contacts_.of_family[size_t(family)]) {
+    const Contact& c = contacts_.list[i];
     if (c.count == 0 || !owns(c)) continue;
     add(landing_frequencies(c, c.pair.a)), add(landing_frequencies(c, c.pair.b));
   }
@@ -465,7 +467,7 @@ World::Landing World::landing_frequencies(int family) const {
   const bool known = highest[0] > 0.0;
   for (const Block& block : assembly_.blocks) {
     if (block.fixed || known) continue;
-    const ShapeFacts& facts = shape_facts_[size_t(block.shape)];
+    const ShapeFacts& facts = shapes_.facts[size_t(block.shape)];
     const double density = density_of(block) * solver_.mass_scaling;
     const double half_over_mass = 0.5 / (density * facts.least_extent);  // A/2 over m, A = V/least extent
     add({4.0 * f.kn * half_over_mass, 4.0 * f.ks * half_over_mass});     // b^2/I and h^2/I are at most 3/m of a box
@@ -474,28 +476,28 @@ World::Landing World::landing_frequencies(int family) const {
 }
 
 void World::choose_impact_damping() {
-  impact_beta_.clear();
-  impact_zone_beta_ = 0.0, impact_share_ = 1.0;
+  impacts_.beta.clear();
+  impacts_.zone_beta = 0.0, impacts_.share = 1.0;
   if (!impacts_damped()) return;
   // Joints between the halves of units are glued from the start: nothing lands there. Their stiffness, which is that of
   // the units, would take all of the step.
   const auto within_units = [&](size_t f) {
     double any = 0.0, others = 0.0;
-    for (const uint32_t i : contacts_of_family_[f]) {
-      const Contact& c = contacts_[i];
+    for (const uint32_t i : contacts_.of_family[f]) {
+      const Contact& c = contacts_.list[i];
       if (c.count == 0 || !owns(c)) continue;
       any = 1.0;
-      if (other_half_[size_t(c.pair.a)] != c.pair.b) others = 1.0;
+      if (units_.other_half[size_t(c.pair.a)] != c.pair.b) others = 1.0;
     }
     return largest(any) > 0.0 && largest(others) == 0.0;
   };
-  for (size_t f = 0; f < families_.size(); ++f) {
+  for (size_t f = 0; f < contacts_.families.size(); ++f) {
     if (within_units(f)) {
-      impact_beta_.insert(impact_beta_.end(), {0.0, 0.0});
+      impacts_.beta.insert(impacts_.beta.end(), {0.0, 0.0});
       continue;
     }
     const auto [normal, along] = impact_viscosity(landing_frequencies(int(f)), solver_.impact_damping);
-    impact_beta_.insert(impact_beta_.end(), {normal, along});
+    impacts_.beta.insert(impacts_.beta.end(), {normal, along});
   }
   for (int i = 0; i < block_count(); ++i) {
     const Block& input = assembly_.blocks[size_t(i)];
@@ -503,17 +505,17 @@ void World::choose_impact_damping() {
     const BlockMaterial& m = assembly_.materials[size_t(input.material)];
     const double speed = std::sqrt(m.young_modulus / (m.density * solver_.mass_scaling));
     const double beta = zone_viscosity(2.0 * blocks_[size_t(i)].radius, speed);
-    impact_zone_beta_ = impact_zone_beta_ > 0.0 ? std::min(impact_zone_beta_, beta) : beta;
+    impacts_.zone_beta = impacts_.zone_beta > 0.0 ? std::min(impacts_.zone_beta, beta) : beta;
   }
 }
 
 double World::step_under_impact_damping() {
-  impact_rate_ = largest_over_inertia(impact_dashpots());
-  const auto [left, share] = step_under_impacts(critical_dt_, impact_rate_, [this](double of_all, double dt) {
-    return springs_ + largest_over_inertia(with_dashpots(of_all, dt));
+  impacts_.rate = largest_over_inertia(impact_dashpots());
+  const auto [left, share] = step_under_impacts(stepping_.critical_dt, impacts_.rate, [this](double of_all, double dt) {
+    return stepping_.springs + largest_over_inertia(with_dashpots(of_all, dt));
   });
-  for (double& beta : impact_beta_) beta *= share;
-  impact_zone_beta_ *= share, impact_rate_ *= share, impact_share_ *= share;
+  for (double& beta : impacts_.beta) beta *= share;
+  impacts_.zone_beta *= share, impacts_.rate *= share, impacts_.share *= share;
   return left;
 }
 
@@ -528,45 +530,45 @@ void World::find_time_step(bool may_grow) {
   const double omega = highest_frequency();
   if (!std::isfinite(omega))
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
-  stiffness_bound_ = local_stiffness_bound();
+  stepping_.stiffness_bound = local_stiffness_bound();
   if (omega == 0) {
     // Nothing is in contact yet: the stiffness that a corner contact will have, taken 4 times for safety.
-    double highest = springs_;
+    double highest = stepping_.springs;
     for (int i = 0; i < block_count(); ++i) {
       const ModelBlock& b = blocks_[size_t(i)];
       if (!owns(i) || b.body < 0 || bodies_[b.body].held == 0x3f) continue;
       const Body& body = bodies_[b.body];
-      for (const Family& f : families_) {
+      for (const Family& f : contacts_.families) {
         const double k = std::max(f.kn, f.ks) * b.corner_area * 4;
         highest = std::max(highest, k / body.mass + k * b.radius * b.radius /
                                                         std::min({body.inertia.x, body.inertia.y, body.inertia.z}));
       }
     }
     highest = largest(highest);
-    critical_dt_ = highest > 0 ? 2 / std::sqrt(highest) : 1e-3;
+    stepping_.critical_dt = highest > 0 ? 2 / std::sqrt(highest) : 1e-3;
   } else {
     // The eigenvalue of a sum of springs is at most the sum of theirs.
-    critical_dt_ = 2 / std::hypot(omega, std::sqrt(springs_));
+    stepping_.critical_dt = 2 / std::hypot(omega, std::sqrt(stepping_.springs));
   }
-  if (members_) {
-    const double own = members_->own_eigenvalue(solver_.mass_scaling);
-    if (own > 0) critical_dt_ = std::min(critical_dt_, 2 / std::sqrt(own));
+  if (held_by_.members) {
+    const double own = held_by_.members->own_eigenvalue(solver_.mass_scaling);
+    if (own > 0) stepping_.critical_dt = std::min(stepping_.critical_dt, 2 / std::sqrt(own));
   }
-  double dt = step_over_critical(solver_, critical_dt_) * critical_dt_;
+  double dt = step_over_critical(solver_, stepping_.critical_dt) * stepping_.critical_dt;
   if (impacts_damped()) {
     const double left = omega > 0 ? step_under_impact_damping() : kLeastImpactStep;
     double stiffer = 1.0;  // joints beyond the band, with Maxwell elements
-    for (const MaxwellElement& e : maxwell_) stiffer += e.share;
+    for (const MaxwellElement& e : impacts_.maxwell) stiffer += e.share;
     // Without these, time_step_fraction leaves room for the stiffness that they add.
     constexpr double kClose = 0.95;
-    dt = std::min(dt, kClose / std::sqrt(stiffer) * critical_dt_) * left;
+    dt = std::min(dt, kClose / std::sqrt(stiffer) * stepping_.critical_dt) * left;
   }
   if (!std::isfinite(dt) || dt <= 0) {
     throw Error(Exit::bad_input, fmt::format("the time step, {:.3g} s, must be finite and > 0; check stiffnesses, "
                                              "densities and stiffness_damping",
                                              dt));
   }
-  dt_ = dt_ > 0 && step_count_ > 0 && !may_grow ? std::min(dt_, dt) : dt;
+  stepping_.dt = stepping_.dt > 0 && stepping_.count > 0 && !may_grow ? std::min(stepping_.dt, dt) : dt;
 }
 
 }  // namespace quoin::blocks

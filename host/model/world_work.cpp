@@ -13,7 +13,8 @@ namespace {
 
 // Sides of something, of own blocks, counted and then filled in block after block.
 template <class Side, class Owns, class ForEach>
-void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& end, Owns owns, ForEach for_each) {
+void by_block(size_t blocks, ByBlock<Side>& sides, Owns owns, ForEach for_each) {
+  std::vector<uint32_t>& end = sides.end;
   end.assign(blocks, 0);
   for_each([&](int block, const Side&) { end[size_t(block)] += owns(block) ? 1 : 0; });
   std::vector<uint32_t> next(blocks, 0);
@@ -22,9 +23,9 @@ void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& en
     sum += end[i];
     end[i] = uint32_t(sum);
   }
-  sides.resize(end.empty() ? 0 : end.back());
+  sides.touch.resize(end.empty() ? 0 : end.back());
   for_each([&](int block, const Side& side) {
-    if (owns(block)) sides[next[size_t(block)]++] = side;
+    if (owns(block)) sides.touch[next[size_t(block)]++] = side;
   });
 }
 
@@ -40,25 +41,25 @@ void World::divide_work() {
   number_chunks();
   count_sides();
   divide_blocks();
-  block_sums_.resize(blocks_.size());
-  loaded_.resize(blocks_.size(), 0);
-  ++divisions_;
-  if (!ranks_) bind_work();
+  step_sums_.of_block.resize(blocks_.size());
+  actions_.loaded.resize(blocks_.size(), 0);
+  ++chunks_.divisions;
+  if (!part_.ranks) bind_work();
 }
 
 void World::number_chunks() {
-  chunks_.clear(), own_chunks_.clear();
-  for (auto& of_family : contacts_of_family_) of_family.clear();
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    if (contacts_[i].count > 0) contacts_of_family_[size_t(contacts_[i].family)].push_back(uint32_t(i));
+  chunks_.all.clear(), chunks_.own.clear();
+  for (auto& of_family : contacts_.of_family) of_family.clear();
+  for (size_t i = 0; i < contacts_.list.size(); ++i) {
+    if (contacts_.list[i].count > 0) contacts_.of_family[size_t(contacts_.list[i].family)].push_back(uint32_t(i));
   }
-  for (size_t k = 0; k < families_.size(); ++k) {
-    Family& f = families_[k];
+  for (size_t k = 0; k < contacts_.families.size(); ++k) {
+    Family& f = contacts_.families[k];
     for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area}) {
       if (column->size() != f.size()) *column = LaneVector<double>(f.size());
     }
     for (uint32_t first = 0; first < f.size(); first += kChunk) {
-      Chunk& chunk = chunks_.emplace_back();
+      Chunk& chunk = chunks_.all.emplace_back();
       chunk.family = int(k), chunk.first = first;
       chunk.count = std::min(kChunk, uint32_t(f.size()) - first);
     }
@@ -67,55 +68,56 @@ void World::number_chunks() {
 
 // What steps read: of the chunks that touch own blocks, and of own blocks.
 void World::bind_work() {
-  own_chunks_.clear(), facet_rows_.clear();
+  chunks_.own.clear(), chunks_.rows.clear();
   for (int c = 0; c < chunk_count(); ++c) {
-    Chunk& chunk = chunks_[size_t(c)];
+    Chunk& chunk = chunks_.all[size_t(c)];
     chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
     chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
-    bool own = !ranks_;
-    if (ranks_) each_block_of_chunk(c, [&](int block) { own |= owns(block); });
+    bool own = !part_.ranks;
+    if (part_.ranks) each_block_of_chunk(c, [&](int block) { own |= owns(block); });
     if (!own) {
       chunk.batch = {};
       continue;
     }
-    own_chunks_.push_back(c);
-    Family& f = families_[size_t(chunk.family)];
+    chunks_.own.push_back(c);
+    Family& f = contacts_.families[size_t(chunk.family)];
     for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
-      if (f.point[i].on_gridpoints && !in_frame_[size_t(f.point[i].a)]) leave_gridpoints(f, i);
+      if (f.point[i].on_gridpoints && !pieces_.in_frame[size_t(f.point[i].a)]) leave_gridpoints(f, i);
     }
     pack(chunk);
     bind_points(chunk);
   }
   bind_columns();
   divide_sides();
-  piece_columns_.clear(), held_blocks_changed_.clear();
-  shared_columns_.assign(2 * congruent_.size(), Piece::kNoColumns);
-  held_changed_ = false;
-  piece_of_block_.assign(blocks_.size(), -1);
-  for (Piece& piece : pieces_) {
+  pieces_.columns.clear(), pieces_.held_changed.clear();
+  pieces_.shared_columns.assign(2 * zones_.congruent.size(), Piece::kNoColumns);
+  pieces_.any_held_changed = false;
+  pieces_.of_block.assign(blocks_.size(), -1);
+  for (Piece& piece : pieces_.all) {
     std::fill(piece.columns, std::end(piece.columns), Piece::kNoColumns);
-    if (piece.kind == Piece::Kind::rigid || !owns(blocks_of(piece).front())) continue;
+    if (piece.kind == Piece::Kind::rigid || !owns(pieces_.blocks_of(piece).front())) continue;
     fill_columns(piece);
-    for (const int32_t block : blocks_of(piece)) piece_of_block_[size_t(block)] = int32_t(&piece - pieces_.data());
+    for (const int32_t block : pieces_.blocks_of(piece))
+      pieces_.of_block[size_t(block)] = int32_t(&piece - pieces_.all.data());
   }
 }
 
 void World::follow_held() {
-  if (!held_changed_ && held_blocks_changed_.empty()) return;
-  if (held_changed_) {
-    for (int i = 0; i < block_count(); ++i) held_blocks_changed_.push_back(i);
+  if (!pieces_.any_held_changed && pieces_.held_changed.empty()) return;
+  if (pieces_.any_held_changed) {
+    for (int i = 0; i < block_count(); ++i) pieces_.held_changed.push_back(i);
   }
   std::set<int32_t> changed;
-  for (const int block : held_blocks_changed_) {
-    if (const int32_t piece = piece_of_block_[size_t(block)]; piece >= 0) changed.insert(piece);
+  for (const int block : pieces_.held_changed) {
+    if (const int32_t piece = pieces_.of_block[size_t(block)]; piece >= 0) changed.insert(piece);
   }
-  for (const int32_t piece : changed) fill_columns(pieces_[size_t(piece)]);
-  held_blocks_changed_.clear();
-  held_changed_ = false;
+  for (const int32_t piece : changed) fill_columns(pieces_.all[size_t(piece)]);
+  pieces_.held_changed.clear();
+  pieces_.any_held_changed = false;
 }
 
 void World::pack(const Chunk& chunk) {
-  Family& f = families_[size_t(chunk.family)];
+  Family& f = contacts_.families[size_t(chunk.family)];
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
     for (int c = 0; c < 3; ++c) f.arm[c][i] = p.arm[c];
@@ -124,7 +126,7 @@ void World::pack(const Chunk& chunk) {
 }
 
 void World::bind_points(Chunk& chunk) {
-  const Family& f = families_[size_t(chunk.family)];
+  const Family& f = contacts_.families[size_t(chunk.family)];
   for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
     if (p.on_gridpoints) {
@@ -152,18 +154,18 @@ void World::bind_points(Chunk& chunk) {
 
 // Each point of a pair has one at both blocks; where these are rigid, all of them together.
 void World::count_sides() {
-  sides_.assign(blocks_.size(), 0.0);
-  for (const Contact& c : contacts_) {
+  sides_.cost.assign(blocks_.size(), 0.0);
+  for (const Contact& c : contacts_.list) {
     if (c.count == 0) continue;
     const double sides = facets_a_point(c) == 0 ? 1.0 : double(c.count);
-    sides_[size_t(c.pair.a)] += sides, sides_[size_t(c.pair.b)] += sides;
+    sides_.cost[size_t(c.pair.a)] += sides, sides_.cost[size_t(c.pair.b)] += sides;
   }
 }
 
 void World::put_on_gridpoints(const Point& p, uint32_t i, Chunk& chunk) {
   const auto put = [&](std::vector<int32_t>& nodes, int32_t facet) {
     nodes.resize(chunk.count + size_t(kLanes) - 1);  // kernels read whole vectors
-    nodes[i - chunk.first] = facets_[size_t(facet)].node[0];
+    nodes[i - chunk.first] = contacts_.facets[size_t(facet)].node[0];
   };
   put(chunk.node_a, p.facet_a), put(chunk.node_b, p.facet_b);
   GridpointPair* const last = chunk.gridpoint_pairs.empty() ? nullptr : &chunk.gridpoint_pairs.back();
@@ -172,13 +174,13 @@ void World::put_on_gridpoints(const Point& p, uint32_t i, Chunk& chunk) {
   if (goes_on) {
     ++last->count;
   } else {
-    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, uint32_t(facet_rows_.size()), {p.n, p.s, p.t}, {}});
+    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, uint32_t(chunks_.rows.size()), {p.n, p.s, p.t}, {}});
     if (small_) {  // they stay so
       const Matrix r = start_of_frame(p.a);
       chunk.pair_axes.push_back(pair_axes(r * p.n, r * p.s, r * p.t));
     }
   }
-  facet_rows_.resize(facet_rows_.size() + 1);
+  chunks_.rows.resize(chunks_.rows.size() + 1);
 }
 
 void World::put_in_lanes(const Point& p, uint32_t i, Chunk& chunk) {
@@ -186,12 +188,12 @@ void World::put_in_lanes(const Point& p, uint32_t i, Chunk& chunk) {
   std::vector<FacetLanes>& all = chunk.facets;
   if (all.empty() || all.back().count == kCount || all.back().first + all.back().count != i) {
     all.emplace_back().first = i;
-    all.back().row = uint32_t(facet_rows_.size());
+    all.back().row = uint32_t(chunks_.rows.size());
     all.back().on_gridpoints = true;
     if (small_) chunk.frames.emplace_back();
   }
   FacetLanes& lanes = all.back();
-  const Facet &a = facets_[size_t(p.facet_a)], &b = facets_[size_t(p.facet_b)];
+  const Facet &a = contacts_.facets[size_t(p.facet_a)], &b = contacts_.facets[size_t(p.facet_b)];
   lanes.on_gridpoints = lanes.on_gridpoints && sits_on_gridpoint(b);
   const double slope[3] = {a.gradient[1][0], a.gradient[1][1], a.gradient[2][1]};
   for (int l = int(lanes.count); l < kCount; ++l) {
@@ -207,56 +209,56 @@ void World::put_in_lanes(const Point& p, uint32_t i, Chunk& chunk) {
     }
   }
   ++lanes.count;
-  facet_rows_.resize(facet_rows_.size() + FacetRow::kCount);
+  chunks_.rows.resize(chunks_.rows.size() + FacetRow::kCount);
 }
 
 void World::divide_sides() {
   const auto own = [this](int block) { return owns(block); };
-  by_block(blocks_.size(), touches_, touch_end_, own, [&](const auto& visit) {
-    for (const int c : own_chunks_) {
-      const Chunk& chunk = chunks_[size_t(c)];
+  by_block(blocks_.size(), sides_.single, own, [&](const auto& visit) {
+    for (const int c : chunks_.own) {
+      const Chunk& chunk = chunks_.all[size_t(c)];
       for (const uint32_t i : chunk.others) {
-        const Point& p = families_[size_t(chunk.family)].point[i];
+        const Point& p = contacts_.families[size_t(chunk.family)].point[i];
         visit(p.a, Touch{chunk.family, i, true});
         visit(p.b, Touch{chunk.family, i, false});
       }
     }
   });
   const auto each_facet_point = [&](const auto& visit) {  // (point, its first row)
-    for (const int c : own_chunks_) {
-      const Chunk& chunk = chunks_[size_t(c)];
+    for (const int c : chunks_.own) {
+      const Chunk& chunk = chunks_.all[size_t(c)];
       for (const FacetLanes& lanes : chunk.facets) {
         for (uint32_t l = 0; l < lanes.count; ++l)
-          visit(families_[size_t(chunk.family)].point[lanes.first + l], lanes.row + FacetRow::kCount * l);
+          visit(contacts_.families[size_t(chunk.family)].point[lanes.first + l], lanes.row + FacetRow::kCount * l);
       }
     }
   };
   const auto each_gridpoint_pair = [&](const auto& visit) {
-    for (const int c : own_chunks_) {
-      for (const GridpointPair& pair : chunks_[size_t(c)].gridpoint_pairs) visit(chunks_[size_t(c)], pair);
+    for (const int c : chunks_.own) {
+      for (const GridpointPair& pair : chunks_.all[size_t(c)].gridpoint_pairs) visit(chunks_.all[size_t(c)], pair);
     }
   };
   const auto node_of = [&](const Facet& f, int corner, int block) {
     return f.node[corner] - blocks_[size_t(block)].first_node;
   };
-  by_block(blocks_.size(), owner_touches_.touch, owner_touches_.end, own, [&](const auto& visit) {
+  by_block(blocks_.size(), sides_.owner, own, [&](const auto& visit) {
     each_facet_point([&](const Point& p, uint32_t row) {
-      const Facet& f = facets_[size_t(p.facet_a)];
+      const Facet& f = contacts_.facets[size_t(p.facet_a)];
       visit(p.a, OwnerTouch{row, {node_of(f, 0, p.a), node_of(f, 1, p.a), node_of(f, 2, p.a)}});
     });
   });
-  by_block(blocks_.size(), carrier_touches_.touch, carrier_touches_.end, own, [&](const auto& visit) {
+  by_block(blocks_.size(), sides_.carrier, own, [&](const auto& visit) {
     each_facet_point([&](const Point& p, uint32_t row) {
-      const Facet& f = facets_[size_t(p.facet_b)];
+      const Facet& f = contacts_.facets[size_t(p.facet_b)];
       if (sits_on_gridpoint(f)) return;
       visit(p.b, CarrierTouch{row,
                               {node_of(f, 0, p.b), node_of(f, 1, p.b), node_of(f, 2, p.b)},
                               {f.weight[0], f.weight[1], f.weight[2]}});
     });
   });
-  by_block(blocks_.size(), gridpoint_touches_.touch, gridpoint_touches_.end, own, [&](const auto& visit) {
+  by_block(blocks_.size(), sides_.gridpoint, own, [&](const auto& visit) {
     each_facet_point([&](const Point& p, uint32_t row) {
-      const Facet& f = facets_[size_t(p.facet_b)];
+      const Facet& f = contacts_.facets[size_t(p.facet_b)];
       if (sits_on_gridpoint(f)) visit(p.b, GridpointTouch{row, node_of(f, 0, p.b)});
     });
     each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
@@ -265,21 +267,21 @@ void World::divide_sides() {
         visit(pair.b, GridpointTouch{pair.row + k, chunk.node_b[pair.first + k - chunk.first] - first});
     });
   });
-  by_block(blocks_.size(), owner_gridpoint_touches_.touch, owner_gridpoint_touches_.end, own, [&](const auto& visit) {
+  by_block(blocks_.size(), sides_.owner_gridpoint, own, [&](const auto& visit) {
     each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
       const int32_t first = blocks_[size_t(pair.a)].first_node;
       for (uint32_t k = 0; k < pair.count; ++k)
         visit(pair.a, GridpointTouch{pair.row + k, chunk.node_a[pair.first + k - chunk.first] - first});
     });
   });
-  by_block(blocks_.size(), moment_touches_.touch, moment_touches_.end, own, [&](const auto& visit) {
+  by_block(blocks_.size(), sides_.moment, own, [&](const auto& visit) {
     each_gridpoint_pair([&](const Chunk&, const GridpointPair& pair) { visit(pair.a, MomentTouch(&pair)); });
   });
-  by_block(blocks_.size(), pair_touches_, pair_touch_end_, own, [&](const auto& visit) {
-    for (const int c : own_chunks_) {
-      const Chunk& chunk = chunks_[size_t(c)];
+  by_block(blocks_.size(), sides_.pair, own, [&](const auto& visit) {
+    for (const int c : chunks_.own) {
+      const Chunk& chunk = chunks_.all[size_t(c)];
       for (const RigidPair& pair : chunk.pairs) {
-        const Point& p = families_[size_t(chunk.family)].point[pair.first];
+        const Point& p = contacts_.families[size_t(chunk.family)].point[pair.first];
         visit(p.a, PairTouch{&pair, true});
         visit(p.b, PairTouch{&pair, false});
       }
@@ -290,14 +292,14 @@ void World::divide_sides() {
 // As many as a vector takes. Units of congruent blocks go by kind, so that most vectors are full; where few are left of
 // a kind they go zone by zone. Of the others those of one size go together, so that lanes are as long as each other.
 void World::divide_blocks() {
-  pieces_.clear(), piece_blocks_.clear();
+  pieces_.all.clear(), pieces_.blocks.clear();
   const auto zones_of = [&](const Unit& unit) {
     int zones = 0;
     for (const int block : unit.blocks()) zones += blocks_[size_t(block)].zone_count;
     return zones;
   };
   // Zones of a piece whose blocks go one by one, so that threads share them.
-  const int most_zones = int(std::clamp(zones_.size() / 16, size_t(500), size_t(4000)));
+  const int most_zones = int(std::clamp(zone_count() / 16, size_t(500), size_t(4000)));
   // Of a list of units, in its order, those that go into one piece after the other. Halves that are apart stay in one
   // piece, so that one rank has both when they meet again.
   const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, int32_t congruent = -1) {
@@ -307,15 +309,15 @@ void World::divide_blocks() {
       int zones = 0;
       const auto put = [&] {
         if (together.empty()) return;
-        pieces_.push_back(
-            {uint32_t(piece_blocks_.size()), uint32_t(count) * uint32_t(together.size()), halves, kind, congruent});
+        pieces_.all.push_back(
+            {uint32_t(pieces_.blocks.size()), uint32_t(count) * uint32_t(together.size()), halves, kind, congruent});
         for (int half = 0; half < count; ++half) {
-          for (const Unit& unit : together) piece_blocks_.push_back(unit.block[half]);
+          for (const Unit& unit : together) pieces_.blocks.push_back(unit.block[half]);
         }
         together.clear(), zones = 0;
       };
       for (const Unit& unit : units) {
-        if (unit.count != count || halves != (count == 2 && !apart_[size_t(unit.block[0])])) continue;
+        if (unit.count != count || halves != (count == 2 && !units_.apart[size_t(unit.block[0])])) continue;
         const bool is_full = int(together.size() + 1) * (halves ? 1 : count) > kBodies;
         if (is_full || (one_by_one && zones + zones_of(unit) > most_zones)) put();
         together.push_back(unit), zones += zones_of(unit);
@@ -331,9 +333,9 @@ void World::divide_blocks() {
       (assembly_.blocks[size_t(i)].fixed ? fixed : rigid).push_back({{i, -1}, 1});
       continue;
     }
-    const Unit unit = unit_of(i, Halves::also_apart);
+    const Unit unit = units_.of(i, Units::Halves::also_apart);
     if (unit.block[0] != i) continue;  // goes with the first half
-    const bool leaves = by_zone_[size_t(i)] || by_zone_[size_t(unit.block[size_t(unit.count) - 1])];
+    const bool leaves = frames_.by_zone[size_t(i)] || frames_.by_zone[size_t(unit.block[size_t(unit.count) - 1])];
     const int32_t kind = blocks_[size_t(i)].congruent;
     (leaves ? by_zone : (kind >= 0 ? of_kind[kind] : distinct)).push_back(unit);
   }
@@ -351,25 +353,25 @@ void World::divide_blocks() {
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
   divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
-  in_frame_.assign(blocks_.size(), 0);
-  for (const Piece& piece : pieces_) {
-    for (const int32_t i : blocks_of(piece)) in_frame_[size_t(i)] = piece.in_frame();
+  pieces_.in_frame.assign(blocks_.size(), 0);
+  for (const Piece& piece : pieces_.all) {
+    for (const int32_t i : pieces_.blocks_of(piece)) pieces_.in_frame[size_t(i)] = piece.in_frame();
   }
 }
 
 int World::most_gridpoints(const Piece& piece) const {
   int most = 0;
-  for (const int32_t i : blocks_of(piece)) most = std::max(most, blocks_[size_t(i)].node_count);
+  for (const int32_t i : pieces_.blocks_of(piece)) most = std::max(most, blocks_[size_t(i)].node_count);
   return most;
 }
 
 // Groups of congruent blocks whose columns agree to the last bit read the same ones. Shapes that are congruent but for
 // rounding have other masses.
 void World::fill_columns(Piece& piece) {
-  const std::span<const int32_t> all = blocks_of(piece);
+  const std::span<const int32_t> all = pieces_.blocks_of(piece);
   const bool some_held = std::any_of(all.begin(), all.end(), [&](int32_t block) {
     const ModelBlock& b = blocks_[size_t(block)];
-    const auto held = std::span(node_held_).subspan(size_t(b.first_node), size_t(b.node_count));
+    const auto held = std::span(nodes_.held).subspan(size_t(b.first_node), size_t(b.node_count));
     return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
   });
   const bool distinct = piece.kind == Piece::Kind::distinct;
@@ -377,21 +379,22 @@ void World::fill_columns(Piece& piece) {
   thread_local LaneVector<double> numbers;
   numbers.assign(FixedColumns<double>::size(most, distinct, some_held), 0.0);
   for (size_t group = 0; group < piece.group_count(); ++group) {
-    fill_columns(blocks_of(piece, group), FixedColumns<double>(numbers.data(), most, distinct, some_held));
+    fill_columns(pieces_.blocks_of(piece, group), FixedColumns<double>(numbers.data(), most, distinct, some_held));
     size_t& columns = piece.columns[group];
-    size_t* const shared =
-        piece.kind == Piece::Kind::congruent ? &shared_columns_[2 * size_t(piece.congruent) + some_held] : nullptr;
+    size_t* const shared = piece.kind == Piece::Kind::congruent
+                               ? &pieces_.shared_columns[2 * size_t(piece.congruent) + some_held]
+                               : nullptr;
     const auto agree = [&](size_t at) {
       return at != Piece::kNoColumns &&
-             std::memcmp(piece_columns_.data() + at, numbers.data(), numbers.size() * sizeof(double)) == 0;
+             std::memcmp(pieces_.columns.data() + at, numbers.data(), numbers.size() * sizeof(double)) == 0;
     };
     if (shared && agree(*shared)) {
       columns = *shared;
       continue;
     }
     const bool stays = columns != Piece::kNoColumns && some_held == piece.some_held && !(shared && columns == *shared);
-    if (!stays) columns = piece_columns_.size(), piece_columns_.resize(columns + numbers.size());
-    std::copy(numbers.begin(), numbers.end(), piece_columns_.begin() + std::ptrdiff_t(columns));
+    if (!stays) columns = pieces_.columns.size(), pieces_.columns.resize(columns + numbers.size());
+    std::copy(numbers.begin(), numbers.end(), pieces_.columns.begin() + std::ptrdiff_t(columns));
     if (shared && *shared == Piece::kNoColumns) *shared = columns;
   }
   piece.some_held = some_held;
@@ -402,12 +405,12 @@ void World::fill_columns(std::span<const int32_t> blocks, const FixedColumns<dou
     const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
     for (size_t n = 0; n < size_t(b.node_count); ++n) {
       const size_t node = size_t(b.first_node) + n;
-      to.mass[n * kLanes + l] = node_mass_[node], to.over_mass[n * kLanes + l] = 1.0 / node_mass_[node];
-      const Vector place = node_reference_[node] - node_reference_[size_t(b.first_node)];
+      to.mass[n * kLanes + l] = nodes_.mass[node], to.over_mass[n * kLanes + l] = 1.0 / nodes_.mass[node];
+      const Vector place = nodes_.reference[node] - nodes_.reference[size_t(b.first_node)];
       for (int c = 0; c < 3; ++c) {
         const size_t at = n * kLine + size_t(c) * kLanes + l;
-        if (to.place) to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
-        if (to.held) to.held[at] = node_held_[node] >> c & 1, to.held_v[at] = node_held_v_[node][c];
+        if (to.place) to.place[at] = place[c], to.anchor[at] = nodes_.anchor[node][c];
+        if (to.held) to.held[at] = nodes_.held[node] >> c & 1, to.held_v[at] = nodes_.held_v[node][c];
       }
     }
   }
@@ -415,7 +418,7 @@ void World::fill_columns(std::span<const int32_t> blocks, const FixedColumns<dou
 
 int World::count_of(Piece::Kind kind) const {
   int count = 0;
-  for (const Piece& piece : pieces_) count += piece.kind == kind ? int(piece.count) : 0;
+  for (const Piece& piece : pieces_.all) count += piece.kind == kind ? int(piece.count) : 0;
   return count;
 }
 
@@ -423,22 +426,23 @@ double World::piece_work(int index) const {
   // In sides of contact points, of which a pair of rigid blocks has one. A zone of congruent blocks costs a quarter of
   // one with a stiffness of its own, as eight blocks share a product.
   constexpr double kZone = 2.0, kDistinctZone = 1.0, kCongruentZone = 4.0, kBody = 3.0;
-  const Piece& piece = pieces_[size_t(index)];
+  const Piece& piece = pieces_.all[size_t(index)];
   double work = 0.0;
-  for (const int32_t i : blocks_of(piece)) {
-    work += sides_[size_t(i)];
+  for (const int32_t i : pieces_.blocks_of(piece)) {
+    work += sides_.cost[size_t(i)];
     const int zones = blocks_[size_t(i)].zone_count;
     if (piece.kind == Piece::Kind::rigid) work += kBody;
     if (piece.kind == Piece::Kind::distinct) work += kDistinctZone * zones;
     if (piece.kind == Piece::Kind::by_zone) work += kZone * zones;
   }
   if (piece.kind == Piece::Kind::congruent)
-    work += kCongruentZone * double(piece.group_count()) * blocks_[size_t(piece_blocks_[piece.first])].zone_count;
+    work += kCongruentZone * double(piece.group_count()) * blocks_[size_t(pieces_.blocks[piece.first])].zone_count;
   return work;
 }
 
 void World::bind_columns() {
-  for (const int c : own_chunks_) bind(families_[size_t(chunks_[size_t(c)].family)], chunks_[size_t(c)]);
+  for (const int c : chunks_.own)
+    bind(contacts_.families[size_t(chunks_.all[size_t(c)].family)], chunks_.all[size_t(c)]);
 }
 
 void World::bind(Family& f, Chunk& chunk) const {

@@ -46,8 +46,8 @@ class Model : public World {
   void begin_step(bool measured = false) {
     measured_ = measured || energy_;
     follow_held();
-    if (frames_are_old_) find_block_frames();
-    if (members_) follow_members();
+    if (frames_.are_old) find_block_frames();
+    if (held_by_.members) follow_members();
   }
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
@@ -55,14 +55,14 @@ class Model : public World {
   // What it does to joints and zones.
   ImpactDamping impact_damping() const {
     ImpactDamping damping;
-    for (std::size_t f = 0; 2 * f < impact_beta_.size(); ++f)
-      damping.viscosity.push_back({impact_beta_[2 * f], impact_beta_[2 * f + 1]});
-    damping.of_zones = impact_zone_beta_, damping.in_use = impact_damping_in_use();
+    for (std::size_t f = 0; 2 * f < impacts_.beta.size(); ++f)
+      damping.viscosity.push_back({impacts_.beta[2 * f], impacts_.beta[2 * f + 1]});
+    damping.of_zones = impacts_.zone_beta, damping.in_use = impact_damping_in_use();
     return damping;
   }
   // At the time of the forces of the last step, which was measured, J.
   double measured_kinetic_energy() const { return measured_kinetic_; }
-  void mark_deviation() { any_deviates_ = true; }  // for a block of another process
+  void mark_deviation() { checks_.any_deviates = true; }  // for a block of another process
   void find_contacts();
   void run(double duration);  // s
   void run_steps(long steps) {

@@ -22,12 +22,12 @@ void transfer(Archive& archive, Series& series) {
 template <class Archive, class Self>
 void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.solver_);  // damping is a stage's
-  archive.array(m.contacts_);
+  archive.array(m.contacts_.list);
   WorldFields::each(m, [&](const Field&, auto& array) { archive.array(array); });
-  archive.value(m.unit_count_);
-  archive.array(m.kept_);
+  archive.value(m.units_.count);
+  archive.array(m.start_joints_.kept);
 
-  archive.list(m.loads_, [](auto& a, auto& load) {
+  archive.list(m.actions_.loads, [](auto& a, auto& load) {
     a.value(load.block);
     a.value(load.point);
     a.value(load.force);
@@ -39,7 +39,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
     a.value(load.arm);
     a.value(load.scale);
   });
-  archive.list(m.pressures_, [](auto& a, auto& pressure) {
+  archive.list(m.actions_.pressures, [](auto& a, auto& pressure) {
     a.value(pressure.block);
     a.value(pressure.face);
     a.value(pressure.value);
@@ -49,34 +49,34 @@ void Model::transfer_state(Archive& archive, Self& m) {
     a.value(pressure.push);
     a.value(pressure.scale);
   });
-  archive.array(m.loaded_);
-  archive.array(m.applied_);
-  archive.value(m.gravity_);
-  transfer(archive, m.gravity_factor_);
+  archive.array(m.actions_.loaded);
+  archive.array(m.actions_.applied);
+  archive.value(m.actions_.gravity);
+  transfer(archive, m.actions_.gravity_factor);
 
   archive.value(m.small_);
   archive.value(m.settling_);
-  archive.value(m.time_);
-  archive.value(m.dt_);
-  archive.value(m.critical_dt_);
-  archive.array(m.impact_beta_);
-  archive.value(m.impact_zone_beta_);
-  archive.value(m.impact_rate_);
-  archive.value(m.impact_share_);
-  archive.value(m.maxwell_);
-  archive.value(m.stiffness_bound_);
-  archive.value(m.step_count_);
-  archive.value(m.next_check_);
-  archive.value(m.calm_steps_);
-  archive.value(m.check_dt_);
-  archive.value(m.detections_);
-  archive.value(m.narrow_calls_);
-  archive.value(m.unbalanced_);
-  archive.value(m.net_);
-  archive.value(m.energies_);
-  archive.value(m.later_);
-  archive.value(m.members_work_);
-  if (m.members_) members::Members::transfer(archive, *m.members_);
+  archive.value(m.stepping_.time);
+  archive.value(m.stepping_.dt);
+  archive.value(m.stepping_.critical_dt);
+  archive.array(m.impacts_.beta);
+  archive.value(m.impacts_.zone_beta);
+  archive.value(m.impacts_.rate);
+  archive.value(m.impacts_.share);
+  archive.value(m.impacts_.maxwell);
+  archive.value(m.stepping_.stiffness_bound);
+  archive.value(m.stepping_.count);
+  archive.value(m.checks_.next);
+  archive.value(m.checks_.calm_steps);
+  archive.value(m.checks_.dt);
+  archive.value(m.detection_.count);
+  archive.value(m.detection_.narrow_calls);
+  archive.value(m.step_sums_.unbalanced);
+  archive.value(m.step_sums_.net);
+  archive.value(m.step_sums_.energies);
+  archive.value(m.step_sums_.later);
+  archive.value(m.held_by_.work);
+  if (m.held_by_.members) members::Members::transfer(archive, *m.held_by_.members);
 }
 
 namespace {
@@ -114,7 +114,7 @@ void Model::save(ArchiveWriter& writer, const GiveArray& give) {
 }
 
 void Model::restore(ArchiveReader& reader) {
-  const std::size_t bodies = bodies_.size(), nodes = node_x_.size();
+  const std::size_t bodies = bodies_.size(), nodes = nodes_.x.size();
   transfer_state(reader, *this);
   const auto require = [](bool fits) {
     if (!fits) throw Error(Exit::bad_input, kOther);
@@ -130,34 +130,35 @@ void Model::restore(ArchiveReader& reader) {
                   field.owner == Owner::gridpoint ? nodes : (field.owner == Owner::body ? bodies : blocks_.size()));
   });
   WorldFields::of_pairs(
-      *this, [&](const Field& field, const auto& array) { require_items(field, array.size(), contacts_.size()); });
-  require(kept_.empty() || kept_.size() == start_point_.size() * kept_width());
-  require(loaded_.size() == blocks_.size() && (applied_.empty() || applied_.size() == blocks_.size()));
+      *this, [&](const Field& field, const auto& array) { require_items(field, array.size(), contacts_.list.size()); });
+  require(start_joints_.kept.empty() || start_joints_.kept.size() == start_joints_.point.size() * kept_width());
+  require(actions_.loaded.size() == blocks_.size() &&
+          (actions_.applied.empty() || actions_.applied.size() == blocks_.size()));
   const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks_.size(); };
   const auto is_facet = [&](int i, int block) {
-    return blocks_[size_t(block)].body >= 0 ? i < 0 : i >= 0 && size_t(i) < facets_.size();
+    return blocks_[size_t(block)].body >= 0 ? i < 0 : i >= 0 && size_t(i) < contacts_.facets.size();
   };
-  for (Family& f : families_) {
+  for (Family& f : contacts_.families) {
     WorldFields::of_points(
         [&](const Field& field, const auto& column) { require_items(field, column.size(), f.size()); }, f);
     for (const Point& p : f.point)
       require(is_block(p.a) && is_block(p.b) && is_facet(p.facet_a, p.a) && is_facet(p.facet_b, p.b));
   }
-  for (const Contact& c : contacts_) {
+  for (const Contact& c : contacts_.list) {
     const bool fits =
-        is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(families_.size()) &&
+        is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(contacts_.families.size()) &&
         (c.family < 0 ? c.count == 0
-                      : size_t(c.first) + c.count <= families_[size_t(c.family)].size() &&
-                            c.first_facet + size_t(c.count) * size_t(facets_a_point(c)) <= facets_.size());
+                      : size_t(c.first) + c.count <= contacts_.families[size_t(c.family)].size() &&
+                            c.first_facet + size_t(c.count) * size_t(facets_a_point(c)) <= contacts_.facets.size());
     require(fits);
   }
-  for (const PairCheck& check : pair_check_) require(is_block(check.a) && is_block(check.b));
-  for (const SeenMotion& seen : seen_) require(seen.step >= 0 && seen.step <= step_count_);
+  for (const PairCheck& check : checks_.pair) require(is_block(check.a) && is_block(check.b));
+  for (const SeenMotion& seen : checks_.seen) require(seen.step >= 0 && seen.step <= stepping_.count);
   for (int i = 0; i < block_count(); ++i) {
-    const int other = other_half_[size_t(i)];
-    require(apart_[size_t(i)] == (other < 0 ? 0 : apart_[size_t(other)]));
+    const int other = units_.other_half[size_t(i)];
+    require(units_.apart[size_t(i)] == (other < 0 ? 0 : units_.apart[size_t(other)]));
   }
-  frames_are_old_ = false;
+  frames_.are_old = false;
   divide_work();
 }
 

@@ -359,11 +359,8 @@ Simulation::BlockMesh Simulation::Impl::mesh_in_large_motion(int block) const {
   }
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
     mesh.gridpoint.push_back(geometry::array(large_motion->node_reference()[static_cast<std::size_t>(i)]));
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    std::array<int, 4>& zone = mesh.zone.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k)
-      zone[k] = large_motion->zones()[static_cast<std::size_t>(z)].node[k] - b.first_node;
-  }
+  for (int z = 0; z < b.zone_count; ++z)
+    std::ranges::copy(large_motion->zone(block, z).node, mesh.zone.emplace_back().begin());
   return mesh;
 }
 
@@ -403,10 +400,9 @@ std::vector<Vec3> Simulation::Impl::gridpoint_velocities(int block) const {
 }
 
 std::vector<std::array<double, 6>> Simulation::Impl::zone_stresses(int block) const {
-  const blocks::ModelBlock& b = large_motion->block(block);
   std::vector<std::array<double, 6>> result;
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    const geometry::Matrix s = large_motion->zone_stress(z);
+  for (int z = 0; z < large_motion->block(block).zone_count; ++z) {
+    const geometry::Matrix s = large_motion->zone_stress(block, z);
     result.push_back({s.row[0].x, s.row[1].y, s.row[2].z, s.row[0].y, s.row[1].z, s.row[2].x});
   }
   return result;

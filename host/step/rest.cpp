@@ -120,12 +120,11 @@ class Search {
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
         add_to(sum, u.gridpoint[n], m.node_mass()[at(block.first_node) + n] * per_mass);
       const geometry::Matrix turned = m.orientation(b);
-      for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
-        const blocks::Zone& zone = m.zones()[at(z)];
-        const geometry::Matrix stress = m.zone_stress(z);
+      for (int z = 0; z < block.zone_count; ++z) {
+        const blocks::Zone zone = m.zone(b, z);
+        const geometry::Matrix stress = m.zone_stress(b, z);
         for (std::size_t i = 0; i < 4; ++i)
-          add_to(sum, u.gridpoint[at(zone.node[i] - block.first_node)],
-                 -zone.volume * (stress * (turned * zone.gradient[i])));
+          add_to(sum, u.gridpoint[at(zone.node[i])], -zone.volume * (stress * (turned * zone.gradient[i])));
       }
     }
     for (const blocks::Load& load : m.loads()) {

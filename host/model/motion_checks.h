@@ -1,0 +1,43 @@
+// Checks of how far blocks have moved since their contacts were found.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/vector.h"
+#include "model/lanes.h"
+
+namespace quoin::blocks {
+
+using geometry::Vector;
+
+// Motion that the next checks of a rigid block assume (motion_checks.cpp). It moves as at the last one, but for so much
+// of the speed of any part of it. In the order in which kernels read it.
+struct SeenMotion {
+  Vector v;                // m/s
+  double radius = 0.0;     // m
+  Vector omega;            // rad/s
+  double unnoticed = 0.0;  // m/s
+  long step = 0;           // of the look
+};
+
+// When a pair of blocks is looked at next.
+struct PairCheck {
+  int32_t a, b;
+  bool ripe = false;  // has moved by most of its way
+  long step = 0;
+};
+
+// Written by the checks; kernels of rigid blocks read what has been seen.
+struct MotionChecks {
+  LaneVector<PairCheck> pair;   // of each contact
+  LaneVector<long> block;       // step, by block
+  std::vector<uint8_t> due;     // by block: for a look of now
+  LaneVector<SeenMotion> seen;  // by body
+  long next = 0;                // step of the next look at any of them
+  long calm_steps = 0;          // between two looks at deformable blocks
+  double dt = 0.0;              // that looks reckon with, s
+  bool any_deviates = false;    // some block in the last step
+};
+
+}  // namespace quoin::blocks
