@@ -9,6 +9,8 @@
 
 namespace quoin::blocks {
 
+struct World;
+
 using geometry::Matrix;
 
 // The frame of a deformable block that deforms little (step/deformable_kernels.h), as its gridpoints stand.
@@ -26,5 +28,11 @@ struct BlockFrames {
   bool are_old = true;           // gridpoints have been moved from outside
   std::vector<uint8_t> by_zone;  // 1: it has deformed too much for a frame
 };
+
+bool may_have_frame(const World& w, int block);       // deformable
+Matrix start_of_frame(const World& w, int block);     // R of a deformable block at the start
+Matrix rotation_of_frame(const World& w, int block);  // of now; in small displacements that of the start
+void find_block_frames(World& w);                     // of all that are laid out
+void leave_frames_of_deformed(World& w);
 
 }  // namespace quoin::blocks

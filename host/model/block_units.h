@@ -7,7 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "model/block_inertia.h"
+#include "model/lanes.h"
+
 namespace quoin::blocks {
+
+struct World;
 
 // Deformable blocks that move on together: one, or the two halves of a masonry unit.
 struct Unit {
@@ -30,5 +35,13 @@ struct Units {
     return {{std::min(block, other), std::max(block, other)}, 2};
   }
 };
+
+void find_units(World& w);
+double rigid_kinetic_energy(const World& w, const Unit& unit);
+// By the first half or single block; others: nothing.
+std::vector<UnitInertia> inertia_of_units(const World& w, std::span<const int> blocks);
+void scale_motion(const World& w, std::span<const int> blocks, const std::vector<UnitInertia>& inertias,
+                  LaneVector<geometry::Vector>& y, bool of_forces);
+void part_units(World& w);
 
 }  // namespace quoin::blocks

@@ -8,6 +8,7 @@
 #include "geometry/vector.h"
 #include "model/congruent_blocks.h"
 #include "model/lanes.h"
+#include "model/model_block.h"
 #include "scene/blocks.h"
 
 namespace quoin::blocks {
@@ -39,6 +40,13 @@ struct ZoneLanes {
 struct Zones {
   LaneVector<ZoneLanes> lanes;             // laid out with the first block that has them
   std::vector<CongruentBlocks> congruent;  // what blocks of one shape share, whatever their orientation
+
+  std::span<const ZoneLanes> lanes_of(const ModelBlock& b) const {
+    return std::span(lanes).subspan(size_t(b.first_lanes), size_t(b.lanes_count));
+  }
+  Zone zone(const ModelBlock& b, int index) const {
+    return lanes[size_t(b.first_lanes + index / ZoneLanes::kCount)].zone(index % ZoneLanes::kCount);
+  }
 };
 
 // Zones of a block, in the orientation that `turned` gives to its shape. lanes: as many as they need, without any yet.

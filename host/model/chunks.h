@@ -6,9 +6,12 @@
 
 #include "geometry/vector.h"
 #include "law/law_library.h"
+#include "model/contact_points.h"
 #include "model/lanes.h"
 
 namespace quoin::blocks {
+
+struct World;
 
 using geometry::Vector;
 
@@ -97,12 +100,19 @@ struct Chunk {
 };
 inline constexpr uint32_t kChunk = 256;
 
-// Made anew when contacts have changed. All ranks have the list.
+// Divided again when contacts have changed. All ranks have the list.
 struct Chunks {
   std::vector<Chunk> all;     // with contents where this process evaluates them
   std::vector<int> own;       // these
   LaneVector<FacetRow> rows;  // of the step, of own chunks: one of a point on gridpoints, three on a triangle
   long divisions = 0;         // how often the work has been divided again
 };
+
+// After contacts have changed. One process alone has then all that steps read; ranks are to hold their parts first.
+void divide_work(World& w);
+void bind_work(World& w);
+void pack(World& w, const Chunk& chunk);
+void bind_columns(World& w);
+void bind(const World& w, Family& f, Chunk& chunk);
 
 }  // namespace quoin::blocks

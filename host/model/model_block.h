@@ -10,7 +10,6 @@
 #include "geometry/polyhedron.h"
 #include "geometry/vector.h"
 #include "geometry/zoning.h"
-#include "model/block_zones.h"
 #include "model/lanes.h"
 
 namespace quoin::blocks {
@@ -24,10 +23,9 @@ struct ModelBlock {
   int32_t body = -1;                        // rigid: index into bodies
   int32_t first_node = 0, node_count = 0;   // deformable
   int32_t zone_count = 0;
-  int32_t first_lanes = 0;  // of its zones, into Zones::lanes
-  int32_t congruent = -1;   // into what blocks of the same shape share; -1: too few of them
-  int32_t lanes_count() const { return (zone_count + ZoneLanes::kCount - 1) / ZoneLanes::kCount; }
-  uint32_t first_corner = 0;  // into corner arrays: vertices of the shape
+  int32_t first_lanes = 0, lanes_count = 0;  // of its zones, into Zones::lanes
+  int32_t congruent = -1;                    // into what blocks of the same shape share; -1: too few of them
+  uint32_t first_corner = 0;                 // into corner arrays: vertices of the shape
   uint32_t first_normal = 0;
   double mass = 0.0;                                       // that has weight, kg
   double radius = 0.0;                                     // largest distance of a vertex from the centre, m

@@ -2,9 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "base/error.h"
+#include "base/rank_rows.h"
 #include "base/ranks.h"
+#include "geometry/broad_phase.h"
 #include "geometry/vector.h"
 #include "model/halo.h"
 
@@ -25,6 +30,17 @@ struct ModelPart {
   std::function<void()> fetch = [] {};
 
   bool owns(int block) const { return !ranks || rank_of_block[size_t(block)] == ranks->rank(); }
+  bool owns(const geometry::Pair& pair) const { return owns(pair.a) || owns(pair.b); }
+  int rank_of(const geometry::Pair& pair) const { return rank_of_block[size_t(pair.a)]; }
+
+  // Over all ranks; one process alone has everything.
+  template <class Memory>
+  void gather_by_block(Memory& values) const {
+    all_gather(ranks, std::span(values), [&](size_t block) { return rank_of_block[block]; });
+  }
+  bool any(bool here) const { return largest(here ? 1.0 : 0.0) > 0.0; }
+  double largest(double here) const;
+  void fail_together(const std::optional<Error>& here) const;  // throws on all ranks where one has failed
 };
 
 }  // namespace quoin::blocks

@@ -8,13 +8,49 @@
 #include <algorithm>
 #include <bit>
 
+#include "model/block_layout.h"
 #include "model/world.h"
+#include "model/world_parts.h"
 
 namespace quoin::blocks {
 
 using namespace geometry;
 
 namespace {
+
+// What a rotation of b as seen from a moves its parts by, m: the larger radius, of a at most what reaches to b.
+double lever_of(const World& w, const Contact& c, double distance) {
+  return std::max(w.blocks[c.pair.b].radius, std::min(w.blocks[c.pair.a].radius, distance));
+}
+
+// How far b has moved as seen from a since the pair's last narrow detection: translation plus rotation times radius, m.
+double pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& a, const Pose& b) {
+  const Vector shift = transposed_times(a.r, b.x - a.x) - place.relative_x;
+  const double angle = angle_between(transposed(a.r) * b.r, place.relative_r);
+  return norm(shift) + angle * lever_of(w, c, norm(b.x - a.x));
+}
+
+}  // namespace
+
+double motion_since_broad_phase(const World& w, int block) {
+  const ModelBlock& b = w.blocks[block];
+  const auto [x, r] = pose(w, block);
+  const Pose& broad = w.poses.broad[size_t(block)];
+  return norm(x - broad.x) + angle_between(r, broad.r) * b.radius;
+}
+
+double detection_fraction(const World& w) {
+  return w.assembly.contact.small_displacement > 0 ? w.assembly.contact.small_displacement : 0.005;
+}
+
+namespace {
+
+double allowed_motion(const World& w, const Contact& c, const PairPlace& place) {
+  const double extent = std::min(w.blocks[c.pair.a].least_extent, w.blocks[c.pair.b].least_extent);
+  const double fraction = detection_fraction(w);
+  if (c.count == 0) return std::max(fraction * extent, 0.5 * place.separation.distance);
+  return (c.initial ? std::max(fraction, w.assembly.contact.joint_motion) : fraction) * extent;
+}
 
 // The speed that a block may gain unnoticed uses up the way of a pair of the smallest ones in so many steps. One number
 // is for the first check, one for blocks that deviate all the time.
@@ -30,155 +66,154 @@ constexpr double kOfSkin = 0.25;
 // Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
 constexpr double kSmallRotation = 1e-3;
 
+void see(World& w, int i) {
+  const ModelBlock& b = w.blocks[size_t(i)];
+  const Body& body = w.bodies[size_t(b.body)];
+  SeenMotion& seen = w.checks.seen[size_t(b.body)];
+  const double way_a_step = detection_fraction(w) * w.detection.size / w.stepping.dt;
+  double unnoticed = seen.unnoticed;
+  const long since = w.stepping.count - seen.step;
+  if (w.step_sums.of_block[size_t(i)].deviates && since < kSoon) unnoticed *= 2.0;
+  if (since > kLate) unnoticed *= 0.5;
+  unnoticed = std::clamp(unnoticed, way_a_step / kCalmSteps, way_a_step / kBusySteps);
+  seen = {body.v, b.radius, body.omega, unnoticed, w.stepping.count};
+}
+
+// Long before anything can have moved by the tolerance, even if it speeds up at 10 g meanwhile.
+long steps_of_gridpoints(const World& w) {
+  double fastest = 0.0;
+  for (int i = 0; i < w.block_count(); ++i) {
+    if (!w.part.owns(i)) continue;
+    const ModelBlock& b = w.blocks[size_t(i)];
+    if (b.body >= 0) {
+      const Body& body = w.bodies[size_t(b.body)];
+      fastest = std::max({fastest, dot(body.v, body.v), dot(body.omega, body.omega) * b.radius * b.radius});
+    } else {
+      const Vector& v = w.nodes.v[size_t(b.first_node)];
+      fastest = std::max(fastest, dot(v, v));
+    }
+  }
+  fastest = w.part.largest(fastest);
+  const double speed = 2 * std::sqrt(fastest) + 100.0 * 100 * w.stepping.dt;
+  return std::clamp(long(0.25 * detection_fraction(w) * w.detection.size / (speed * w.stepping.dt)), 1l, 100l);
+}
+
+// A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many looks
+// fall into one step.
+long step_after(const World& w, double way, double speed, double acceleration = 0.0) {
+  // speed t + acceleration t^2/2 = way
+  const double steps = 2 * way / ((speed + std::sqrt(speed * speed + 2 * acceleration * way)) * w.stepping.dt);
+  if (!(steps >= 2.0)) return w.stepping.count + 1;
+  const long last = w.stepping.count + long(std::min(steps, double(kMostSteps)));
+  const long round = long(std::bit_floor(std::uint64_t(last - w.stepping.count) / 4 + 1));
+  return std::max(w.stepping.count + 1, last - last % round);
+}
+
+// Small displacement also means that no block has come near others that are not its neighbours. And frozen frames on
+// deformable blocks still point the right way.
+bool check_block_motion(const World& w, int i, long& step) {
+  const ModelBlock& b = w.blocks[size_t(i)];
+  double moved, turned = 0.0;
+  if (w.is_small) {
+    const auto [x, r] = pose(w, i);
+    const Pose& start = w.poses.start[size_t(i)];
+    moved = norm(x - start.x), turned = angle_between(r, start.r);
+  } else {
+    moved = motion_since_broad_phase(w, i);
+  }
+  const double way = kOfSkin * w.detection.skin;
+  if (b.body < 0) {
+    step = w.stepping.count + w.checks.calm_steps;
+  } else {
+    const SeenMotion& seen = w.checks.seen[size_t(b.body)];
+    const double spin = norm(seen.omega) + seen.unnoticed / b.radius;
+    step = step_after(w, way - moved, norm(seen.v) + seen.unnoticed + norm(seen.omega) * b.radius);
+    if (w.is_small) step = std::min(step, step_after(w, kSmallRotation - turned, spin));
+  }
+  return moved > way || turned > kSmallRotation;
+}
+
 }  // namespace
 
-bool World::moved_enough() {
-  const bool all = stepping_.dt != checks_.dt && !bodies_.empty();
-  if (stepping_.count < checks_.next && !checks_.any_deviates && !all) return false;
-  if (all) checks_.dt = stepping_.dt;
-  receive_neighbours();
-  checks_.due.assign(blocks_.size(), all);
-  checks_.seen.resize(bodies_.size());
-  for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!part_.laid_out[i] || blocks_[i].body < 0 || !(all || step_sums_.of_block[i].deviates)) continue;
-    see(int(i));
-    checks_.due[i] = 1, step_sums_.of_block[i].deviates = false;
+bool moved_enough(World& w) {
+  const bool all = w.stepping.dt != w.checks.dt && !w.bodies.empty();
+  if (w.stepping.count < w.checks.next && !w.checks.any_deviates && !all) return false;
+  if (all) w.checks.dt = w.stepping.dt;
+  receive_neighbours(w);
+  w.checks.due.assign(w.blocks.size(), all);
+  w.checks.seen.resize(w.bodies.size());
+  for (size_t i = 0; i < w.blocks.size(); ++i) {
+    if (!w.part.laid_out[i] || w.blocks[i].body < 0 || !(all || w.step_sums.of_block[i].deviates)) continue;
+    see(w, int(i));
+    w.checks.due[i] = 1, w.step_sums.of_block[i].deviates = false;
   }
-  checks_.any_deviates = false;
-  checks_.calm_steps = nodes_.x.empty() ? 0 : steps_of_gridpoints();
+  w.checks.any_deviates = false;
+  w.checks.calm_steps = w.nodes.x.empty() ? 0 : steps_of_gridpoints(w);
 
   bool moved = false;
-  checks_.next = stepping_.count + kMostSteps;
-  checks_.block.resize(blocks_.size(), 0);
-  for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!owns(int(i))) continue;
-    long& step = checks_.block[i];
-    if (checks_.due[i] || step <= stepping_.count) moved |= check_block_motion(int(i), step);
-    checks_.next = std::min(checks_.next, step);
+  w.checks.next = w.stepping.count + kMostSteps;
+  w.checks.block.resize(w.blocks.size(), 0);
+  for (size_t i = 0; i < w.blocks.size(); ++i) {
+    if (!w.part.owns(int(i))) continue;
+    long& step = w.checks.block[i];
+    if (w.checks.due[i] || step <= w.stepping.count) moved |= check_block_motion(w, int(i), step);
+    w.checks.next = std::min(w.checks.next, step);
   }
   // A pose of a deformable block costs more than the rest of a check, and each block is in several pairs.
   thread_local LaneVector<Pose> poses;
   thread_local std::vector<uint8_t> known;
-  poses.resize(blocks_.size()), known.assign(blocks_.size(), 0);
+  poses.resize(w.blocks.size()), known.assign(w.blocks.size(), 0);
   const auto pose_now = [&](int block) -> const Pose& {
-    if (!known[size_t(block)]) poses[size_t(block)] = pose(block), known[size_t(block)] = 1;
+    if (!known[size_t(block)]) poses[size_t(block)] = pose(w, block), known[size_t(block)] = 1;
     return poses[size_t(block)];
   };
-  for (size_t i = 0; i < contacts_.list.size(); ++i) {
-    if (!owns(contacts_.list[i])) continue;
-    PairCheck& check = checks_.pair[i];
-    if (checks_.due[size_t(check.a)] || checks_.due[size_t(check.b)] || check.step <= stepping_.count) {
-      const Contact& c = contacts_.list[i];
-      moved |= check_pair_motion(c, contacts_.place[i], pose_now(c.pair.a), pose_now(c.pair.b), check);
+  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
+    if (!w.part.owns(w.contacts.list[i].pair)) continue;
+    PairCheck& check = w.checks.pair[i];
+    if (w.checks.due[size_t(check.a)] || w.checks.due[size_t(check.b)] || check.step <= w.stepping.count) {
+      const Contact& c = w.contacts.list[i];
+      moved |= check_pair_motion(w, c, w.contacts.place[i], pose_now(c.pair.a), pose_now(c.pair.b), check);
     }
-    checks_.next = std::min(checks_.next, check.step);
+    w.checks.next = std::min(w.checks.next, check.step);
   }
-  if (part_.ranks) {
-    double of_all[] = {moved ? 1.0 : 0.0, double(-checks_.next)};
-    part_.ranks->largest(of_all);
-    moved = of_all[0] > 0.0, checks_.next = long(-of_all[1]);
+  if (w.part.ranks) {
+    double of_all[] = {moved ? 1.0 : 0.0, double(-w.checks.next)};
+    w.part.ranks->largest(of_all);
+    moved = of_all[0] > 0.0, w.checks.next = long(-of_all[1]);
   }
-  if (moved && small_) {
-    small_ = false;  // for good: what has moved once will move again
-    for (size_t i = 0; i < blocks_.size(); ++i) {
-      if (blocks_[i].body < 0) continue;
-      checks_.next = stepping_.count + 1;  // its way is another one
-      if (part_.laid_out[i]) checks_.block[i] = checks_.next;
+  if (moved && w.is_small) {
+    w.is_small = false;  // for good: what has moved once will move again
+    for (size_t i = 0; i < w.blocks.size(); ++i) {
+      if (w.blocks[i].body < 0) continue;
+      w.checks.next = w.stepping.count + 1;  // its way is another one
+      if (w.part.laid_out[i]) w.checks.block[i] = w.checks.next;
     }
   }
   return moved;
 }
 
-bool World::is_ripe(const Contact& c, const PairPlace& place, const PairCheck& check) const {
-  const bool seen = blocks_[size_t(c.pair.a)].body >= 0 && blocks_[size_t(c.pair.b)].body >= 0;
-  return seen ? check.ripe : pair_motion(c, place, pose(c.pair.a), pose(c.pair.b)) > kRipe * allowed_motion(c, place);
+bool is_ripe(const World& w, const Contact& c, const PairPlace& place, const PairCheck& check) {
+  const bool seen = w.blocks[size_t(c.pair.a)].body >= 0 && w.blocks[size_t(c.pair.b)].body >= 0;
+  return seen ? check.ripe
+              : pair_motion(w, c, place, pose(w, c.pair.a), pose(w, c.pair.b)) > kRipe * allowed_motion(w, c, place);
 }
 
-void World::see(int i) {
-  const ModelBlock& b = blocks_[size_t(i)];
-  const Body& body = bodies_[size_t(b.body)];
-  SeenMotion& seen = checks_.seen[size_t(b.body)];
-  const double way_a_step = detection_fraction() * detection_.size / stepping_.dt;
-  double unnoticed = seen.unnoticed;
-  const long since = stepping_.count - seen.step;
-  if (step_sums_.of_block[size_t(i)].deviates && since < kSoon) unnoticed *= 2.0;
-  if (since > kLate) unnoticed *= 0.5;
-  unnoticed = std::clamp(unnoticed, way_a_step / kCalmSteps, way_a_step / kBusySteps);
-  seen = {body.v, b.radius, body.omega, unnoticed, stepping_.count};
-}
-
-// A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many looks
-// fall into one step.
-long World::step_after(double way, double speed, double acceleration) const {
-  // speed t + acceleration t^2/2 = way
-  const double steps = 2 * way / ((speed + std::sqrt(speed * speed + 2 * acceleration * way)) * stepping_.dt);
-  if (!(steps >= 2.0)) return stepping_.count + 1;
-  const long last = stepping_.count + long(std::min(steps, double(kMostSteps)));
-  const long round = long(std::bit_floor(std::uint64_t(last - stepping_.count) / 4 + 1));
-  return std::max(stepping_.count + 1, last - last % round);
-}
-
-// Long before anything can have moved by the tolerance, even if it speeds up at 10 g meanwhile.
-long World::steps_of_gridpoints() const {
-  double fastest = 0.0;
-  for (int i = 0; i < block_count(); ++i) {
-    if (!owns(i)) continue;
-    const ModelBlock& b = blocks_[size_t(i)];
-    if (b.body >= 0) {
-      const Body& body = bodies_[size_t(b.body)];
-      fastest = std::max({fastest, dot(body.v, body.v), dot(body.omega, body.omega) * b.radius * b.radius});
-    } else {
-      const Vector& v = nodes_.v[size_t(b.first_node)];
-      fastest = std::max(fastest, dot(v, v));
-    }
-  }
-  fastest = largest(fastest);
-  const double speed = 2 * std::sqrt(fastest) + 100.0 * 100 * stepping_.dt;
-  return std::clamp(long(0.25 * detection_fraction() * detection_.size / (speed * stepping_.dt)), 1l, 100l);
-}
-
-// Small displacement also means that no block has come near others that are not its neighbours. And frozen frames on
-// deformable blocks still point the right way.
-bool World::check_block_motion(int i, long& step) const {
-  const ModelBlock& b = blocks_[size_t(i)];
-  double moved, turned = 0.0;
-  if (small_) {
-    Vector x;
-    Matrix r;
-    pose(i, x, r);
-    const Pose& start = poses_.start[size_t(i)];
-    moved = norm(x - start.x), turned = angle_between(r, start.r);
-  } else {
-    moved = motion_since_broad_phase(i);
-  }
-  const double way = kOfSkin * detection_.skin;
-  if (b.body < 0) {
-    step = stepping_.count + checks_.calm_steps;
-  } else {
-    const SeenMotion& seen = checks_.seen[size_t(b.body)];
-    const double spin = norm(seen.omega) + seen.unnoticed / b.radius;
-    step = step_after(way - moved, norm(seen.v) + seen.unnoticed + norm(seen.omega) * b.radius);
-    if (small_) step = std::min(step, step_after(kSmallRotation - turned, spin));
-  }
-  return moved > way || turned > kSmallRotation;
-}
-
-bool World::check_pair_motion(const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,
-                              PairCheck& check) const {
-  const double moved = pair_motion(c, place, at_a, at_b), way = allowed_motion(c, place);
-  check = {c.pair.a, c.pair.b, moved > kRipe * way, stepping_.count + checks_.calm_steps};
-  const ModelBlock &a = blocks_[size_t(c.pair.a)], &b = blocks_[size_t(c.pair.b)];
-  if (a.body >= 0 && b.body >= 0 && checks_.dt > 0.0) {
+bool check_pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,
+                       PairCheck& check) {
+  const double moved = pair_motion(w, c, place, at_a, at_b), way = allowed_motion(w, c, place);
+  check = {c.pair.a, c.pair.b, moved > kRipe * way, w.stepping.count + w.checks.calm_steps};
+  const ModelBlock &a = w.blocks[size_t(c.pair.a)], &b = w.blocks[size_t(c.pair.b)];
+  if (a.body >= 0 && b.body >= 0 && w.checks.dt > 0.0) {
     // As pair_motion: of b as seen from a.
-    const SeenMotion &of_a = checks_.seen[size_t(a.body)], &of_b = checks_.seen[size_t(b.body)];
-    const Vector apart = bodies_[size_t(b.body)].x - bodies_[size_t(a.body)].x;
-    const double distance = norm(apart), lever = lever_of(c, distance);
+    const SeenMotion &of_a = w.checks.seen[size_t(a.body)], &of_b = w.checks.seen[size_t(b.body)];
+    const Vector apart = w.bodies[size_t(b.body)].x - w.bodies[size_t(a.body)].x;
+    const double distance = norm(apart), lever = lever_of(w, c, distance);
     const double seen = norm(of_b.v - of_a.v - cross(of_a.omega, apart)) + lever * norm(of_b.omega - of_a.omega);
     const double unnoticed = of_a.unnoticed * std::max(1.0, (distance + lever) / a.radius) +
                              of_b.unnoticed * std::max(1.0, lever / b.radius);
     // a turns away below b, which flies straight on: |R(omega t) - 1 - omega t x| <= (omega t)^2/2.
     const double spin = norm(of_a.omega) + of_a.unnoticed / a.radius;
-    check.step = step_after((check.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed, spin * spin * distance);
+    check.step = step_after(w, (check.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed, spin * spin * distance);
   }
   return moved > way;
 }

@@ -5,9 +5,13 @@
 #include <vector>
 
 #include "geometry/vector.h"
+#include "model/contacts.h"
 #include "model/lanes.h"
+#include "model/model_block.h"
 
 namespace quoin::blocks {
+
+struct World;
 
 using geometry::Vector;
 
@@ -39,5 +43,13 @@ struct MotionChecks {
   double dt = 0.0;              // that looks reckon with, s
   bool any_deviates = false;    // some block in the last step
 };
+
+bool moved_enough(World& w);
+double detection_fraction(const World& w);                   // of a block's least extent
+double motion_since_broad_phase(const World& w, int block);  // translation plus rotation times radius, m
+// Whether a pair is to be looked at closely.
+bool is_ripe(const World& w, const Contact& c, const PairPlace& place, const PairCheck& check);
+bool check_pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,
+                       PairCheck& check);
 
 }  // namespace quoin::blocks

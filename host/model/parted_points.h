@@ -6,9 +6,12 @@
 
 #include "geometry/broad_phase.h"
 #include "geometry/vector.h"
+#include "model/contacts.h"
 #include "model/lanes.h"
 
 namespace quoin::blocks {
+
+struct World;
 
 using geometry::Vector;
 
@@ -42,5 +45,12 @@ struct StartJoints {
   LaneVector<StartPoint> point;
   LaneVector<double> kept;  // of the last contact point at each of these, a row of numbers; empty: nothing yet
 };
+
+void note_start_joints(World& w);
+// Before the points of a joint go or are replaced: `count` of `old` from `first` on.
+void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
+                   uint32_t count);
+size_t kept_width(const World& w);  // numbers of a row
+void keep_states_by_id(World& w, int family, const quoin_law& old, size_t old_width);
 
 }  // namespace quoin::blocks

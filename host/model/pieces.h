@@ -10,6 +10,8 @@
 
 namespace quoin::blocks {
 
+struct World;
+
 inline constexpr int kBodies = 8;  // blocks that move on side by side
 // Congruent blocks from which on one product with the stiffness of all costs less than one of each with its own.
 inline constexpr size_t kFewestAlike = 3;
@@ -51,7 +53,7 @@ struct FixedColumns {
   }
 };
 
-// Made anew with the chunks, and where blocks leave their frames or halves come apart. Columns follow what is held.
+// Divided with the chunks, and where blocks leave their frames or halves come apart. Columns follow what is held.
 struct Pieces {
   std::vector<Piece> all;
   std::vector<int32_t> blocks;         // piece after piece
@@ -70,5 +72,10 @@ struct Pieces {
     return blocks_of(piece).subspan(group * count, count);
   }
 };
+
+void divide_blocks(World& w);
+void bind_pieces(World& w);                               // to their columns
+void follow_held(World& w);                               // in these, before a step
+int most_gridpoints(const World& w, const Piece& piece);  // of one of its blocks
 
 }  // namespace quoin::blocks

@@ -7,6 +7,8 @@
 
 namespace quoin::blocks {
 
+struct World;
+
 // One side of a contact point, as its block sees it.
 struct Touch {
   int32_t family;
@@ -50,7 +52,7 @@ struct PairTouch {
   bool side_a;
 };
 
-// Made anew with the chunks: of a block in the order of families and points.
+// Listed with the chunks: of a block in the order of families and points.
 struct Sides {
   std::vector<double> cost;   // by block: of contact points, and of pairs of rigid blocks
   ByBlock<Touch> single;      // of points with one deformable side
@@ -61,5 +63,8 @@ struct Sides {
   ByBlock<GridpointTouch> owner_gridpoint;  // of a, points on gridpoints of both
   ByBlock<MomentTouch> moment;
 };
+
+void count_sides(World& w);
+void divide_sides(World& w);
 
 }  // namespace quoin::blocks

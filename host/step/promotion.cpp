@@ -259,7 +259,7 @@ void Simulation::Impl::promote(const std::string& why) {
   // The same blocks in large motion, at rest, then where they are.
   leave_lattice();
   blocks::Model& m = *large_motion;
-  m.start_at(promotion.time, step_count);
+  m.stepping.time = promotion.time, m.stepping.count = step_count;
   for (const Drive& drive : continued)
     m.prescribe(drive.block, {}, {}, drive.held);  // at rest: supports take no motion
   std::vector<Vector> before(m.node_positions().size());

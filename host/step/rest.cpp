@@ -127,14 +127,14 @@ class Search {
           add_to(sum, u.gridpoint[at(zone.node[i])], -zone.volume * (stress * (turned * zone.gradient[i])));
       }
     }
-    for (const blocks::Load& load : m.loads()) {
+    for (const blocks::Load& load : m.actions.loads) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(load.block)];
       const Vector force = load.scale * load.factor.at(m.time()) * load.force;
       if (u.rigid) add_wrench(sum, load.block, u.centre + m.body(load.block).r * load.arm, force);
       for (const auto& [node, weight] : load.share)
         add_to(sum, u.gridpoint[at(node - m.block(load.block).first_node)], weight * force);
     }
-    for (const blocks::Pressure& p : m.pressures()) add_pressure(p, sum);
+    for (const blocks::Pressure& p : m.actions.pressures) add_pressure(p, sum);
   }
 
   void add_pressure(const blocks::Pressure& p, VectorXd* sum) const {

@@ -86,9 +86,9 @@ void Unknowns::number_large_motion(int b) {
     for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((held_body | body.support) >> c & 1u) != 0);
     return close_group(b, u.centre);
   }
-  unsigned held = s_.large_motion->assembly().blocks[at(b)].fixed ? 7u : 0u;
+  unsigned held = s_.large_motion->assembly.blocks[at(b)].fixed ? 7u : 0u;
   for (const Drive& drive : s_.drives) held |= drive.block == b ? drive.held : 0u;
-  const bool halved = s_.large_motion->assembly().symmetry_plane_z0;
+  const bool halved = s_.large_motion->assembly.symmetry_plane_z0;
   for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
     auto& of_point = u.gridpoint.emplace_back();
     const bool on_plane = halved && s_.large_motion->node_reference()[at(n)].z == 0.0;
