@@ -372,6 +372,7 @@ void lay_out_zones(World& w, int block) {
   }
   w.frames.frame[size_t(block)].transposed_r = transposed(start_of_frame(w, block));
   b.surface.clear();
+  b.surface.reserve(z->surface.size());
   for (Zoning::SurfaceTriangle t : z->surface) {
     if (input.divisions[0] > 0) begin_at_widest_angle(z->nodes, t);
     for (int& n : t.node) n += b.first_node;

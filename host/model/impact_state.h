@@ -8,6 +8,8 @@
 
 namespace quoin::blocks {
 
+struct World;
+
 // Chosen with the time step.
 struct ImpactState {
   std::vector<double> beta;  // viscosity over stiffness, normal and along the joint, family by family, s
@@ -16,5 +18,7 @@ struct ImpactState {
   double share = 1.0;        // of what the settings ask for
   std::array<MaxwellElement, kMaxwellElements> maxwell{};
 };
+
+void choose_impact_damping(World& w);
 
 }  // namespace quoin::blocks

@@ -1,4 +1,4 @@
-// What contact points go on with when they are placed anew.
+// What contact points go on with when detection places them again.
 #pragma once
 
 #include <span>

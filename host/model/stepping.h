@@ -46,6 +46,5 @@ inline bool viscous_contacts(const SolverSettings& s) {
 void find_time_step(World& w, bool may_grow = false);
 bool shorten_step(const World& w, std::span<const int> changed);  // these own blocks
 double local_stiffness_bound(const World& w);
-void choose_impact_damping(World& w);
 
 }  // namespace quoin::blocks

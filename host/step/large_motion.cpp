@@ -1,62 +1,20 @@
-// The explicit step of large motion: one function that names the phases, then the phases.
+// The explicit step of large motion: one function that names the phases. What a step adds up to, and what it reports.
 #include "step/large_motion.h"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numeric>
 
 #include "base/error.h"
 #include "members/members.h"
 #include "model/contact_frames.h"
-#include "model/zone_kernels.h"
-#include "step/deformable_kernels.h"
-#include "step/facet_kernels.h"
-#include "step/gridpoint_kernels.h"
-#include "step/point_kernels.h"
-#include "step/rigid_kernels.h"
-#include "step/rigid_motion_kernels.h"
 
 namespace quoin::blocks {
 
 using namespace geometry;
 
 namespace {
-
-struct Axes {  // of the points of a chunk
-  FacetFrames* triangles;
-  PairAxes* pairs;
-};
-
-struct Wrench {
-  Vector force, torque;  // N; about the centre of mass, N m
-};
-
-constexpr size_t kRow = 4;  // doubles of a gridpoint where vectors are read from
-
-// The larger of the two; NaN wins, so that it is seen.
-double larger(double so_far, double x) { return x <= so_far ? so_far : x; }
-
-double viscous_alpha(const SolverSettings& solver) {
-  return solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
-}
-
-Vector in_lane(const ByLane (&column)[3], int lane) {
-  return {column[0].of[lane], column[1].of[lane], column[2].of[lane]};
-}
-Rigid motion_in(const ByLane (&column)[2][3], int lane) { return {in_lane(column[0], lane), in_lane(column[1], lane)}; }
-
-// Held where it is.
-bool is_at_rest(const Body& b) {
-  const auto still = [](const Vector& v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; };
-  return b.held == 0x3f && still(b.v) && still(b.omega) && still(b.held_v) && still(b.held_omega);
-}
-
-RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int lane) {
-  uint8_t held = 0;
-  for (int k = 0; k < 3; ++k) held = uint8_t(held | int(lanes.held[k].of[lane] != 0.0) << k);
-  const Matrix second{{in_lane(lanes.second[0], lane), in_lane(lanes.second[1], lane), in_lane(lanes.second[2], lane)}};
-  return {in_lane(gains.centre, lane), lanes.mass.of[lane], second, held};
-}
 
 void share_work(Model& m) {
   std::vector<double> weight;
@@ -68,159 +26,8 @@ void share_work(Model& m) {
   m.shared_division = m.chunks.divisions;
 }
 
-}  // namespace
-
-void Model::step() {
-  if (pool && shared_division != chunks.divisions) share_work(*this);
-  begin_step(true);
-  auto of_chunk = [&](int, int chunk) { advance_contacts(chunk); };
-  auto of_piece = [&](int, int piece) { advance_piece(piece); };
-  if (pool) {
-    pool->for_each(chunk_end, of_chunk);
-    pool->for_each(piece_end, of_piece);
-  } else {
-    for (int c = 0; c < chunk_count(); ++c) of_chunk(0, c);
-    for (int p = 0; p < piece_count(); ++p) of_piece(0, p);
-  }
-  if (end_step()) find_contacts();
-}
-
-namespace {
-
-RigidColumns rigid_columns(Family& f) {
-  RigidColumns c{};
-  for (int k = 0; k < 3; ++k) c.arm[k] = f.arm[k].data(), c.traction[k] = f.traction[k].data();
-  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
-  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
-  c.offset = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
-  return c;
-}
-
-GridpointColumns gridpoint_columns(Family& f, const Chunk& chunk) {
-  GridpointColumns c{};
-  for (int k = 0; k < 3; ++k) c.traction[k] = f.traction[k].data();
-  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
-  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
-  c.reference = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
-  c.node_a = chunk.node_a.data(), c.node_b = chunk.node_b.data(), c.first = chunk.first;
-  return c;
-}
-
-FacetColumns facet_columns(Family& f) {
-  FacetColumns c{};
-  for (int k = 0; k < 3; ++k) c.traction[k] = f.traction[k].data();
-  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
-  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
-  c.normal_jump = f.normal_jump.data();
-  return c;
-}
-
-void contact_kinematics(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
-  rigid_jumps(chunk.pairs, m.bodies.data(), rigid_columns(f));
-  gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, m.is_small ? nullptr : m.frames.frame.data(), m.nodes.x.data(),
-                  gridpoint_columns(f, chunk));
-  facet_jumps(chunk.facets, axes.triangles, m.nodes.x.data(), facet_columns(f), m.is_small);
-  for (const uint32_t i : chunk.others) {
-    Point& p = f.point[i];
-    if (p.facet_a >= 0 && !m.is_small) refresh_facet_frame(m, p, m.contacts.facets[p.facet_a]);
-    const Location now = locate(m, p, m.contacts.facets);
-    p.at = now.at;
-    f.normal_jump[i] = now.jump;
-    for (int k = 0; k < 2; ++k) f.slip[k][i] = now.slid[k] - f.slid[k][i], f.slid[k][i] = now.slid[k];
-    if (p.facet_a >= 0 && !m.is_small) {
-      // The foot on the triangle follows the point, so that the pair of forces stays collinear.
-      Facet& facet = m.contacts.facets[p.facet_a];
-      for (int k = 0; k < 3; ++k)
-        facet.weight[k] += facet.gradient[k][0] * f.slid[0][i] + facet.gradient[k][1] * f.slid[1][i];
-      f.slid[0][i] = f.slid[1][i] = 0.0;
-    }
-  }
-}
-
-void contact_law(Model& m, Family& f, Chunk& chunk) {
-  if (viscous_contacts(m.solver)) {
-    for (int k = 0; k < 3; ++k)
-      std::copy_n(f.traction[k].begin() + chunk.first, chunk.count, f.old_traction[k].begin() + chunk.first);
-  }
-  chunk.status = f.material->evaluate(&chunk.batch);
-  chunk.failed = chunk.status != QUOIN_OK || chunk.batch.failed_count > 0;
-  if (!m.books_energy) return;
-  EnergyColumns c{f.area.data() + chunk.first, f.stored.data() + chunk.first, {}};
-  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) c.dissipated[k] = f.dissipated[k].data() + chunk.first;
-  const PointEnergies sums = energies_of_points(c, chunk.count);
-  chunk.stored = sums.stored;
-  std::copy(std::begin(sums.dissipated), std::end(sums.dissipated), chunk.dissipated);
-}
-
-// Stiffness-proportional damping.
-void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
-  DampingColumns c{};
-  const size_t first = chunk.first;
-  for (int k = 0; k < 3; ++k) {
-    c.traction[k] = f.traction[k].data() + first, c.old_traction[k] = f.old_traction[k].data() + first;
-    c.viscous[k] = f.viscous[k].data() + first;
-  }
-  for (int k = 0; k < 2; ++k) c.slip[k] = f.slip[k].data() + first;
-  c.normal_jump = f.normal_jump.data() + first, c.old_jump = f.old_jump.data() + first;
-  c.area = f.area.data() + first;
-  MaxwellColumns maxwell{};
-  maxwell.normal_stiffness = f.kn, maxwell.shear_stiffness = f.ks;
-  for (size_t k = 0; has_maxwell(m.solver) && k < std::size(f.maxwell); ++k)
-    maxwell.traction[k] = f.maxwell[k].data() + first;
-  for (size_t e = 0; has_maxwell(m.solver) && e < m.impacts.maxwell.size(); ++e) {
-    const double way = m.impacts.maxwell[e].rate * m.stepping.dt;
-    maxwell.keep[e] = std::exp(-way), maxwell.gain[e] = -m.impacts.maxwell[e].share * std::expm1(-way) / way;
-  }
-  if (impacts_damped(m.solver))
-    chunk.damping = damp_impacts(c, maxwell, chunk.count, m.impacts.beta[2 * size_t(chunk.family)] / m.stepping.dt,
-                                 m.impacts.beta[2 * size_t(chunk.family) + 1] / m.stepping.dt);
-  else
-    chunk.damping = damp_points(c, chunk.count, m.solver.stiffness_damping / m.stepping.dt);
-}
-
-void contact_forces(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
-  chunk.damping = 0.0;
-  if (viscous_contacts(m.solver)) viscous_tractions(m, f, chunk);
-  rigid_forces(chunk.pairs, m.bodies.data(), rigid_columns(f));
-  gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, !m.is_small, gridpoint_columns(f, chunk), m.chunks.rows.data());
-  facet_forces(chunk.facets, axes.triangles, facet_columns(f), m.chunks.rows.data());
-  for (const uint32_t i : chunk.others) {
-    Point& p = f.point[i];
-    double traction[3];
-    for (int k = 0; k < 3; ++k) traction[k] = f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i]);
-    p.shear[0] = traction[1], p.shear[1] = traction[2];
-    p.force = {};
-    if (traction[0] == 0 && traction[1] == 0 && traction[2] == 0) continue;
-    p.force = p.area * in_space(m, p, traction[0] * p.n + traction[1] * p.s + traction[2] * p.t);
-  }
-}
-
-}  // namespace
-
-void Model::begin_step(bool measure) {
-  measured = measure || books_energy;
-  follow_held(*this);
-  if (frames.are_old) find_block_frames(*this);
-  if (held_by.members) follow_members(*this);
-}
-
-void Model::advance_contacts(int index, PhaseClock* clock) {
-  Chunk& chunk = chunks.all[size_t(index)];
-  Family& f = contacts.families[size_t(chunk.family)];
-  thread_local std::vector<FacetFrames> formed;
-  thread_local std::vector<PairAxes> turned;
-  formed.resize(std::max(formed.size(), chunk.facets.size()));
-  turned.resize(std::max(turned.size(), chunk.gridpoint_pairs.size()));
-  const Axes axes = is_small ? Axes{chunk.frames.data(), chunk.pair_axes.data()} : Axes{formed.data(), turned.data()};
-  contact_kinematics(*this, f, chunk, axes);  // jumps, in frames that move with the blocks
-  lap(clock, Phase::jumps);
-  contact_law(*this, f, chunk);  // tractions from jumps: the plug-in
-  lap(clock, Phase::law);
-  contact_forces(*this, f, chunk, axes);  // one force a point, which its two blocks fetch
-  lap(clock, Phase::contact_forces);
-}
-
-namespace {
+// The larger of the two; NaN wins, so that it is seen.
+double larger(double so_far, double x) { return x <= so_far ? so_far : x; }
 
 void report_failure(const Model& m, const Chunk& chunk) {
   const Family& f = m.contacts.families[size_t(chunk.family)];
@@ -328,6 +135,28 @@ void leave_frames(Model& m) {
 
 }  // namespace
 
+void Model::step() {
+  if (pool && shared_division != chunks.divisions) share_work(*this);
+  begin_step(true);
+  auto of_chunk = [&](int, int chunk) { advance_contacts(chunk); };
+  auto of_piece = [&](int, int piece) { advance_piece(piece); };
+  if (pool) {
+    pool->for_each(chunk_end, of_chunk);
+    pool->for_each(piece_end, of_piece);
+  } else {
+    for (int c = 0; c < chunk_count(); ++c) of_chunk(0, c);
+    for (int p = 0; p < piece_count(); ++p) of_piece(0, p);
+  }
+  if (end_step()) find_contacts();
+}
+
+void Model::begin_step(bool measure) {
+  measured = measure || books_energy;
+  follow_held(*this);
+  if (frames.are_old) find_block_frames(*this);
+  if (held_by.members) follow_members(*this);
+}
+
 bool Model::end_step() {
   for (const Chunk& chunk : chunks.all) {
     if (chunk.failed) report_failure(*this, chunk);
@@ -344,6 +173,11 @@ bool Model::end_step() {
 void Model::find_contacts() {
   part.fetch();
   detect_contacts(*this);
+}
+
+void Model::run(double duration) {
+  const double end = stepping.time + duration;
+  while (stepping.time < end - 0.5 * stepping.dt) step();
 }
 
 ImpactDamping Model::impact_damping() const {
@@ -380,335 +214,6 @@ std::string Model::batch_text(const quoin_batch& batch) const {
                          assembly.families[size_t(chunk.family)].name);
   }
   return fmt::format("a batch of {} points", batch.count);
-}
-
-void Model::run(double duration) {
-  const double end = stepping.time + duration;
-  while (stepping.time < end - 0.5 * stepping.dt) step();
-}
-
-// ---- Contacts ------------------------------------------------------------------------------------------------------
-
-// ---- Blocks --------------------------------------------------------------------------------------------------------
-
-namespace {
-
-template <class Visit>
-void each_member_force(const Model& m, int block, const Visit& visit) {
-  if (!m.held_by.members) return;
-  for (const int node : m.held_by.members->nodes_of(block)) visit(m.held_by.members->nodes()[size_t(node)]);
-}
-
-Wrench loads_on_body(const Model& m, int block) {
-  const Matrix& r = m.bodies[size_t(m.blocks[size_t(block)].body)].r;
-  Wrench sum;
-  if (!m.actions.applied.empty()) sum.force += m.actions.applied[size_t(block)];
-  const auto add = [&](const Vector& force, const Vector& arm) {
-    sum.force += force;
-    sum.torque += cross(r * arm, force);
-  };
-  for (const Load& l : m.actions.loads) {
-    if (l.block == block) add(l.scale * l.factor.at(m.stepping.time) * l.force, l.arm);
-  }
-  for (const Pressure& p : m.actions.pressures) {
-    if (p.block == block) add(p.scale * p.value * p.factor.at(m.stepping.time) * (r * p.push), p.arm);
-  }
-  return sum;
-}
-
-void forces_on_body(Model& m, int block) {
-  Body& body = m.bodies[size_t(m.blocks[size_t(block)].body)];
-  body.force = {}, body.torque = {};
-  for (const PairTouch& touch : m.sides.pair.of(block)) {
-    const RigidPair& pair = *touch.pair;
-    if (touch.side_a)
-      body.force += pair.force, body.torque += pair.moment_a;
-    else
-      body.force -= pair.force, body.torque += pair.moment_b;
-  }
-  for (const Touch& touch : m.sides.single.of(block)) {
-    const Point& p = m.contacts.families[size_t(touch.family)].point[touch.point];
-    if (touch.side_a) {
-      body.force += p.force;
-      body.torque += cross(p.at - body.x, p.force);
-    } else {
-      body.force -= p.force;
-      body.torque -= cross(p.at - body.x, p.force);
-    }
-  }
-  each_member_force(m, block, [&](const members::Node& node) {
-    body.force += node.force;
-    body.torque += cross(node.x - body.x, node.force);
-  });
-  m.step_sums.contact_force[size_t(block)] = body.force;
-  body.force += body.weight_mass * (m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity);
-  if (!m.actions.loaded[size_t(block)]) return;
-  const Wrench loads = loads_on_body(m, block);
-  body.force += loads.force, body.torque += loads.torque;
-}
-
-void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock) {
-  int32_t index[kBodies];
-  BlockSums* sums[kBodies];
-  Wrench loads[kBodies];
-  double power[kBodies];  // theirs, before the step
-  const auto power_of = [&](size_t i) {
-    const Body& body = m.bodies[size_t(index[i])];
-    return dot(loads[i].force, body.v) + dot(loads[i].torque, body.omega);
-  };
-  const auto is_loaded = [&](size_t i) { return m.books_energy && m.actions.loaded[size_t(blocks[i])]; };
-  for (size_t i = 0; i < blocks.size(); ++i) {
-    forces_on_body(m, blocks[i]);
-    index[i] = m.blocks[size_t(blocks[i])].body;
-    sums[i] = &m.step_sums.of_block[size_t(blocks[i])];
-    if (is_loaded(i)) loads[i] = loads_on_body(m, blocks[i]), power[i] = power_of(i);
-  }
-  if (std::all_of(index, index + blocks.size(), [&](int32_t i) { return is_at_rest(m.bodies[size_t(i)]); })) {
-    for (size_t i = 0; i < blocks.size(); ++i) *sums[i] = {};
-    return lap(clock, Phase::motion);
-  }
-  // A rigid block is its own rigid motion: damping by block is eq. 1.
-  const bool eq1 = m.solver.damping == DampingKind::local || m.solver.damping == DampingKind::block;
-  const Vector g = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
-  const BodyStep step{m.stepping.dt, eq1 ? gamma(m) : 0.0, viscous_alpha(m.solver), braking_ground(m), g, m.measured};
-  advance_rigid(m.bodies.data(), m.checks.seen.empty() ? nullptr : m.checks.seen.data(), index, int(blocks.size()),
-                step, sums);
-  lap(clock, Phase::motion);
-  for (size_t i = 0; i < blocks.size(); ++i) {
-    if (is_loaded(i)) sums[i]->external += 0.5 * m.stepping.dt * (power[i] + power_of(i));
-  }
-}
-
-// Up to kBodies deformable blocks side by side. Scratch of a thread.
-struct LaneGroup {
-  std::vector<double> rows;  // forces on gridpoints, block after block
-  LaneBlock block[kBodies];
-  BlockSums* sums[kBodies];
-  double power[kBodies];  // of loads, before the step
-  size_t count = 0;
-  std::span<const LaneBlock> blocks() const { return {block, count}; }
-};
-
-// Viscosity of zones: beta of stiffness-proportional damping, s.
-double zone_damping(const Model& m) {
-  if (m.solver.damping == DampingKind::block)
-    return m.solver.deformation_damping * m.stepping.critical_dt;  // 2 xi / omega_max
-  if (impacts_damped(m.solver)) return m.impacts.zone_beta;
-  return m.solver.damping == DampingKind::viscous ? m.solver.stiffness_damping : 0.0;
-}
-
-template <class Visit>
-void each_load_on_gridpoints(const Model& m, int block, double since, const Visit& visit) {
-  for (const Load& l : m.actions.loads) {
-    if (l.block != block) continue;
-    const Vector f = l.scale * l.factor.at(m.stepping.time) * l.force;
-    for (const auto& [node, weight] : l.share) visit(node, weight * f);
-  }
-  for (const Pressure& p : m.actions.pressures) {
-    if (p.block != block) continue;
-    const double value = p.scale * p.value * p.factor.at(m.stepping.time);
-    for (const auto& t : p.triangles) {
-      const auto edge = [&](size_t k) {
-        return m.nodes.x[t[k]] - m.nodes.x[t[0]] - since * (m.nodes.v[t[k]] - m.nodes.v[t[0]]);
-      };
-      const Vector normal = cross(edge(1), edge(2));
-      for (int32_t node : t) visit(node, -value / 6 * normal);
-    }
-  }
-}
-
-double power_on_gridpoints(const Model& m, int block, double since) {
-  double power = m.actions.applied.empty() ? 0.0 : dot(m.actions.applied[size_t(block)], m.velocity(block));
-  each_load_on_gridpoints(m, block, since, [&](int32_t node, const Vector& f) { power += dot(f, m.nodes.v[node]); });
-  return power;
-}
-
-Vector forces_on_gridpoints(Model& m, int block, double* force) {
-  const ModelBlock& b = m.blocks[size_t(block)];
-  const auto add = [&](int32_t node, const Vector& f) {
-    double* const row = force + kRow * size_t(node - b.first_node);
-    row[0] += f.x, row[1] += f.y, row[2] += f.z;
-  };
-  Vector per_mass = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
-  if (m.actions.loaded[size_t(block)] && !m.actions.applied.empty())
-    per_mass += m.actions.applied[size_t(block)] / m.mass_of(block);
-  const Vector acceleration = per_mass / m.solver.mass_scaling;
-  std::fill(force, force + kRow * size_t(b.node_count), 0.0);
-  Vector contacts = add_facet_rows({m.sides.owner.of(block), m.sides.carrier.of(block), m.sides.gridpoint.of(block),
-                                    m.sides.owner_gridpoint.of(block)},
-                                   m.chunks.rows.data(), force);
-  for (const Touch& touch : m.sides.single.of(block)) {
-    const Family& f = m.contacts.families[size_t(touch.family)];
-    const Point& p = f.point[touch.point];
-    if (touch.side_a) {
-      const Facet& facet = m.contacts.facets[p.facet_a];
-      // The pair acts at p.at: shear times the gap is a couple that the triangle takes as normal forces.
-      const double gap = f.normal_jump[touch.point] + p.reference;
-      for (int i = 0; i < 3; ++i) {
-        const double couple = -gap * p.area * (facet.gradient[i][0] * p.shear[0] + facet.gradient[i][1] * p.shear[1]);
-        add(facet.node[i], facet.weight[i] * p.force + couple * p.n);
-      }
-      contacts += p.force;
-    } else {
-      const Facet& facet = m.contacts.facets[p.facet_b];
-      for (int i = 0; i < 3; ++i) add(facet.node[i], -facet.weight[i] * p.force);
-      contacts -= p.force;
-    }
-  }
-  each_member_force(m, block, [&](const members::Node& node) {
-    for (const auto& [i, weight] : node.share) add(i, weight * node.force);
-    contacts += node.force;
-  });
-  m.step_sums.contact_force[size_t(block)] = contacts;
-  if (!m.actions.loaded[size_t(block)]) return acceleration;
-  each_load_on_gridpoints(m, block, 0.0, add);
-  return acceleration;
-}
-
-void zone_forces_of(Model& m, const ModelBlock& b, BlockSums& sums, double* force, double* viscous) {
-  const ZoneStep step{zone_damping(m), m.stepping.dt, m.books_energy};
-  thread_local std::vector<double> rows;  // displacement, velocity
-  const size_t column = kRow * size_t(b.node_count);
-  rows.resize(std::max(rows.size(), 2 * column));
-  double *const u = rows.data(), *const v = u + column;
-  for (size_t i = 0; i < size_t(b.node_count); ++i) {
-    const size_t node = size_t(b.first_node) + i;
-    const Vector moved = m.nodes.x[node] - m.nodes.reference[node];
-    u[kRow * i] = moved.x, u[kRow * i + 1] = moved.y, u[kRow * i + 2] = moved.z;
-    if (step.beta > 0)
-      v[kRow * i] = m.nodes.v[node].x, v[kRow * i + 1] = m.nodes.v[node].y, v[kRow * i + 2] = m.nodes.v[node].z;
-  }
-  if (viscous) std::fill(viscous, viscous + column, 0.0);
-  sums.strain += zone_forces(m.zones.lanes_of(b), step, {u, v, force, viscous});
-}
-
-// Of a group of a piece, in lanes: forces of contacts, loads and zones.
-void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneColumns& columns, PhaseClock* clock) {
-  const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
-  group.count = blocks.size();
-  columns.viscous = m.books_energy && zone_damping(m) > 0;
-  const bool distinct = piece.kind == Piece::Kind::distinct;
-  size_t size = 0;
-  for (const int32_t block : blocks) size += kRow * size_t(m.blocks[size_t(block)].node_count);
-  group.rows.resize(std::max(group.rows.size(), 2 * size));
-  double *force = group.rows.data(), *viscous = group.rows.data() + size;
-  for (size_t l = 0; l < group.count; ++l) {
-    const ModelBlock& b = m.blocks[size_t(blocks[l])];
-    BlockSums& sums = *(group.sums[l] = &m.step_sums.of_block[size_t(blocks[l])]);
-    sums = {};
-    if (m.books_energy && m.actions.loaded[size_t(blocks[l])]) group.power[l] = power_on_gridpoints(m, blocks[l], 0.0);
-    const Vector acceleration = forces_on_gridpoints(m, blocks[l], force);
-    if (!piece.in_frame()) {
-      lap(clock, Phase::motion);
-      zone_forces_of(m, b, sums, force, columns.viscous ? viscous : nullptr);
-      lap(clock, Phase::internal_forces);
-    }
-    const size_t first = size_t(b.first_node);
-    Vector moment;
-    for (const MomentTouch pair : m.sides.moment.of(blocks[l])) moment += pair->moment;
-    group.block[l] = {&m.nodes.x[first],
-                      &m.nodes.v[first],
-                      force,
-                      columns.viscous ? viscous : nullptr,
-                      acceleration,
-                      moment,
-                      b.node_count,
-                      m.zones.lanes_of(b),
-                      piece.in_frame() ? &m.frames.frame[size_t(blocks[l])] : nullptr};
-    force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
-  }
-  lap(clock, Phase::motion);
-  const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, piece),
-                                         distinct, piece.some_held);
-  load_blocks(group.blocks(), fixed, &columns);
-  if (piece.in_frame()) {
-    const ZoneStep step{zone_damping(m), m.stepping.dt, m.books_energy};
-    FrameSums of_frame;
-    if (distinct)
-      distinct_forces(group.blocks(), step, &columns, &of_frame);
-    else
-      congruent_forces(group.blocks(), m.zones.congruent[size_t(piece.congruent)], step, &columns, &of_frame);
-    for (size_t l = 0; l < group.count; ++l) {
-      group.sums[l]->deformation = of_frame.deformation[l];
-      if (m.books_energy) group.sums[l]->strain = of_frame.strain[l];
-    }
-  }
-  lap(clock, Phase::internal_forces);
-}
-
-void split(Model& m, const Piece& piece, std::span<const LaneColumns> columns, RigidGains* gains) {
-  const size_t count = columns.size();
-  const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, 0);
-  const InertiaFactors factors{m.solver.deformation_inertia, m.solver.unit_inertia};
-  const double eq1 = m.solver.damping == DampingKind::block ? gamma(m) : 0.0;
-  RigidLanes lanes[2];
-  split_motion(columns, int(blocks.size()), {factors, eq1, braking_ground(m), m.stepping.dt}, gains,
-               m.measured ? lanes : nullptr);
-  if (!m.measured) return;
-  const double alpha = viscous_alpha(m.solver);
-  for (size_t u = 0; u < blocks.size(); ++u) {
-    const int lane = int(u);
-    UnitInertia inertia;
-    inertia.count = int(count);
-    Rigid mean[2];  // velocity at the time of the forces
-    BlockSums& of_unit = m.step_sums.of_block[size_t(blocks[u])];
-    for (size_t k = 0; k < count; ++k) {
-      const RigidLanes& of_half = lanes[k];
-      inertia.block[k] = inertia_in(of_half, gains[k], lane);
-      mean[k] = 1 / (1 + 0.5 * alpha * m.stepping.dt) *
-                (motion_in(of_half.velocity, lane) + 0.5 * motion_in(of_half.change, lane));
-      of_unit.damping += m.stepping.dt * dot(motion_in(of_half.damping, lane), mean[k]);
-    }
-    if (count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
-    const double rigid = rigid_energy(inertia, factors, mean);
-    of_unit.kinetic += rigid;
-    of_unit.damping += 2 * alpha * m.stepping.dt * rigid;
-  }
-}
-
-void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
-  thread_local LaneGroup groups[2];
-  thread_local LaneColumns columns[2];
-  const size_t count = piece.group_count();
-  for (size_t g = 0; g < count; ++g) find_forces(m, piece, g, groups[g], columns[g], clock);
-  RigidGains gains[2];
-  if (splits_motion(m.solver)) split(m, piece, {columns, count}, gains);
-  const GridpointStep step{m.stepping.dt,
-                           m.solver.damping == DampingKind::local ? gamma(m) : 0.0,
-                           viscous_alpha(m.solver),
-                           braking_ground(m),
-                           splits_motion(m.solver) ? m.solver.deformation_inertia : 1.0,
-                           1.0 / m.solver.mass_scaling,
-                           m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity,
-                           m.books_energy,
-                           m.measured};
-  const CongruentBlocks* const shared = piece.congruent >= 0 ? &m.zones.congruent[size_t(piece.congruent)] : nullptr;
-  for (size_t g = 0; g < count; ++g) {
-    const LaneGroup& group = groups[g];
-    advance_gridpoints(group.blocks(), columns[g], splits_motion(m.solver) ? &gains[g] : nullptr, step, shared,
-                       group.sums);
-    for (size_t l = 0; m.books_energy && l < group.count; ++l) {
-      const int block = m.pieces.blocks_of(piece, g)[l];
-      if (m.actions.loaded[size_t(block)])
-        group.sums[l]->external +=
-            0.5 * m.stepping.dt * (group.power[l] + power_on_gridpoints(m, block, m.stepping.dt));
-    }
-  }
-  lap(clock, Phase::motion);
-}
-
-}  // namespace
-
-void Model::advance_piece(int index, PhaseClock* clock) {
-  const Piece& piece = pieces.all[size_t(index)];
-  if (piece.kind == Piece::Kind::rigid)
-    advance_bodies(*this, pieces.blocks_of(piece), clock);
-  else
-    advance_deformable(*this, piece, clock);
-}
-
-bool has_deformed_too_much(const Model& m, int i) {
-  return !(m.step_sums.of_block[size_t(i)].deformation <= kLargestDeformation * m.blocks[size_t(i)].least_extent);
 }
 
 }  // namespace quoin::blocks
