@@ -1,4 +1,6 @@
 // Deformable blocks and masonry units of two halves as bodies whose rigid motion is split from the rest (inertia.h).
+#include "model/block_units.h"
+
 #include <map>
 
 #include "model/contact_frames.h"

@@ -5,6 +5,8 @@
 // block comes further than it may unseen, whatever hits it, and a look costs only those that are due.
 //
 // Deformable blocks are not seen so closely: theirs is a rule of thumb, by the fastest of all blocks.
+#include "model/motion_checks.h"
+
 #include <algorithm>
 #include <bit>
 

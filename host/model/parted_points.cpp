@@ -3,6 +3,8 @@
 //
 // A place of a joint moves along with both blocks. It is in contact while a contact point of the pair lies beside one
 // of its two sides. That means nearer than half of the distance between the points of the start.
+#include "model/parted_points.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -37,7 +39,7 @@ void note_start_joints(World& w) {
 
 namespace {
 
-// One row of World::start_joints_.kept: states, then properties that scatter, follow the head.
+// One row of StartJoints::kept: states, then properties that scatter, follow the head.
 struct Head {
   double owner;  // 1: the normal points from the first block of the pair, 2: from the second; 0: still as at the start
   double normal_jump, traction[3];

@@ -1,5 +1,7 @@
 // Members in a model: where their nodes ride, and what they do to blocks. Where several processes share the model, each
 // computes all members. Owners of blocks give the others the places of nodes.
+#include "model/world_members.h"
+
 #include <array>
 
 #include "base/rank_rows.h"

@@ -2,6 +2,7 @@
 //
 // Arrays have the numbers of the whole model; memory they have where a rank works (base/sparse_memory.h). What steps
 // change of a block is known to its owner; contact points to the owners of both blocks of their pair.
+
 #include "model/world_parts.h"
 
 #include <algorithm>

@@ -9,6 +9,7 @@
 #include "model/gathered_sums.h"
 #include "model/impact_damping.h"
 #include "model/lanczos.h"
+#include "model/stepping.h"
 #include "model/world.h"
 #include "model/zone_kernels.h"
 
