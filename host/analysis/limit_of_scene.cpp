@@ -254,8 +254,8 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     double density = 0.0;
     LimitBlock block;
     if (shapes) {
-      const blocks::Block& input = shapes->assembly().blocks[k];
-      name = input.name, density = shapes->assembly().materials[static_cast<std::size_t>(input.material)].density;
+      const blocks::Block& input = shapes->assembly.blocks[k];
+      name = input.name, density = shapes->assembly.materials[static_cast<std::size_t>(input.material)].density;
       block.fixed = input.fixed;
     } else {
       const Brick& brick = simulation.assembly().bricks[k];
@@ -266,7 +266,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     double weighs = density * mass.volume;
     Vector moment = weighs * mass.centroid;
     if (shapes) {
-      const blocks::Block& input = shapes->assembly().blocks[k];
+      const blocks::Block& input = shapes->assembly.blocks[k];
       weighs += input.spread_mass, moment += input.spread_mass * mass.centroid;
       for (const blocks::PointMass& point : input.masses) weighs += point.mass, moment += point.mass * point.at;
     }
@@ -278,7 +278,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", simulation.block_label(i), x.x, x.y, x.z));
   }
   std::map<std::string, Strength> strengths;  // of families that have points
-  const std::vector<JointFamily>& families = shapes ? shapes->assembly().families : simulation.assembly().families;
+  const std::vector<JointFamily>& families = shapes ? shapes->assembly.families : simulation.assembly().families;
   for (const ContactPoint& p : simulation.contact_points()) {
     const std::string& family = families[static_cast<std::size_t>(p.family)].name;
     if (!strengths.contains(family)) strengths[family] = strength_of(scene.joints.at(family), scene.file);
@@ -390,7 +390,7 @@ void find_moving(const Simulation& simulation, const LimitOptions& options, Scen
   limit->moving_force = geometry::vector(stage.moving_load->force);
   const blocks::Model* const shapes = simulation.large_motion();
   const std::vector<blocks::LoadPlace> places = blocks::places_of(
-      *stage.moving_load, shapes ? shapes->assembly() : blocks::from_bricks(simulation.assembly()), stage.source.text);
+      *stage.moving_load, shapes ? shapes->assembly : blocks::from_bricks(simulation.assembly()), stage.source.text);
   LimitProblem& problem = limit->problem;
   for (LimitBlock& b : problem.blocks) b.live = {};
   Wrench worst;

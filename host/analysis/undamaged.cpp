@@ -13,6 +13,7 @@
 #include "law/material_point.h"
 #include "members/linear.h"
 #include "members/members.h"
+#include "model/contact_frames.h"
 #include "model/motion.h"
 #include "model/world.h"
 #include "scene/from_bricks.h"
@@ -69,7 +70,7 @@ void add_spring(const std::vector<Share>& shares, const Vector& n, double normal
 // A world at its start that gives away its stiffness. Its solver settings are those that scale no inertia.
 class World : public blocks::World {
  public:
-  explicit World(const blocks::Assembly& assembly) : blocks::World(assembly, SolverSettings{}) {}
+  explicit World(const blocks::Assembly& scene) : blocks::World(scene, SolverSettings{}) {}
 
   void hold(const Stage& stage, std::vector<std::string>* held);
   void fill(const std::string& file, Vibrating* v);
@@ -103,27 +104,27 @@ std::string axes_text(std::uint8_t bits) {
 
 // As Simulation::supports: what is fixed, and what the stage imposes on it in its place.
 void World::hold(const Stage& stage, std::vector<std::string>* held) {
-  const std::vector<blocks::Block>& blocks = assembly().blocks;
-  held_.assign(blocks.size(), 0);
-  for (std::size_t i = 0; i < blocks.size(); ++i) held_[i] = blocks[i].fixed ? 0x3f : 0;
+  const std::vector<blocks::Block>& given = assembly.blocks;
+  held_.assign(given.size(), 0);
+  for (std::size_t i = 0; i < given.size(); ++i) held_[i] = given[i].fixed ? 0x3f : 0;
   for (const BodyControl& control : stage.controls) {
     unsigned bits = control.may_turn ? 0u : 0x38u;
     for (unsigned c = 0; c < 3; ++c) bits |= control.kind[c] == DofKind::velocity ? 1u << c : 0u;
-    for (const int block : blocks::find_blocks(assembly(), control.body, stage.source.text)) {
-      const bool rigid = blocks[at(block)].rigid;
+    for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text)) {
+      const bool rigid = given[at(block)].rigid;
       held_[at(block)] = static_cast<std::uint8_t>(rigid ? bits : 0u);
     }
   }
   std::map<std::string, std::uint8_t> names;
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
+  for (std::size_t i = 0; i < given.size(); ++i) {
     if (held_[i] == 0) continue;
-    names[blocks[i].name.empty() ? blocks::label(assembly(), static_cast<int>(i)) : blocks[i].name] = held_[i];
+    names[given[i].name.empty() ? blocks::label(assembly, static_cast<int>(i)) : given[i].name] = held_[i];
   }
   for (const auto& [name, bits] : names) held->push_back(name + ":" + axes_text(bits));
 }
 
 void World::number_body(int block, Vibrating* v) {
-  const blocks::Body& body = bodies()[at(this->block(block).body)];
+  const blocks::Body& body = bodies[at(this->block(block).body)];
   const unsigned held = held_[at(block)] | body.support;
   first_of_body_[at(block)] = static_cast<int>(v->unknown.size());
   for (int c = 0; c < 3; ++c) {
@@ -172,7 +173,7 @@ void World::number(Vibrating* v) {
       continue;
     }
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
-      const unsigned held = held_[at(i)] | node_support_[at(n)];
+      const unsigned held = held_[at(i)] | nodes.support[at(n)];
       for (int c = 0; c < 3; ++c) {
         if ((held >> c & 1u) != 0) continue;
         of_gridpoint_[at(n)][at(c)] = static_cast<int>(v->unknown.size());
@@ -191,16 +192,13 @@ void World::draw(Vibrating* v) const {
     DrawnBlock& drawn = v->drawn.emplace_back();
     drawn.held = (held_[at(i)] & 7u) == 7u;
     drawn.face = b.shape->faces;  // the first gridpoints of a deformable block are its corners
-    v->label.push_back(blocks::label(assembly(), i));
+    v->label.push_back(blocks::label(assembly, i));
     if (b.body >= 0) {
       for (std::size_t k = 0; k < b.shape->vertices.size(); ++k) drawn.point.push_back(corner(i, static_cast<int>(k)));
       continue;
     }
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) drawn.point.push_back(node_reference()[at(n)]);
-    for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-      auto& zone = drawn.zone.emplace_back();
-      for (std::size_t k = 0; k < 4; ++k) zone[k] = zones()[at(z)].node[k] - b.first_node;
-    }
+    for (int z = 0; z < b.zone_count; ++z) std::ranges::copy(zone(i, z).node, drawn.zone.emplace_back().begin());
     v->zones += b.zone_count;
   }
 }
@@ -208,15 +206,15 @@ void World::draw(Vibrating* v) const {
 // Linear elasticity, constant strain. Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T +
 // mu g_j g_i^T + mu (g_i . g_j) I).
 void World::add_zones(std::vector<Triplet>* entries) const {
-  for (const blocks::Zone& zone : zones()) {
+  each_zone([&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < 4; ++j) {
         const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
         const double along = zone.mu * dot(gi, gj);
         for (int c = 0; c < 3; ++c) {
-          const int row = of_gridpoint_[at(zone.node[i])][at(c)];
+          const int row = of_gridpoint_[at(b.first_node + zone.node[i])][at(c)];
           for (int d = 0; row >= 0 && d < 3; ++d) {
-            const int column = of_gridpoint_[at(zone.node[j])][at(d)];
+            const int column = of_gridpoint_[at(b.first_node + zone.node[j])][at(d)];
             if (column < 0 || column > row) continue;
             const double k = zone.lambda * gi[c] * gj[d] + zone.mu * gj[c] * gi[d] + (c == d ? along : 0.0);
             entries->emplace_back(row, column, zone.volume * k);
@@ -224,7 +222,7 @@ void World::add_zones(std::vector<Triplet>* entries) const {
         }
       }
     }
-  }
+  });
 }
 
 void World::add_side(int block, int facet, const Vector& place, double sign, const Vibrating& v,
@@ -236,7 +234,7 @@ void World::add_side(int block, int facet, const Vector& place, double sign, con
     }
     return;
   }
-  const blocks::Facet& f = facets_[at(facet)];
+  const blocks::Facet& f = contacts.facets[at(facet)];
   for (int i = 0; i < 3; ++i) {
     for (int c = 0; c < 3; ++c) {
       const int unknown = of_gridpoint_[at(f.node[i])][at(c)];
@@ -252,7 +250,7 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
   std::vector<Share> shares;
   for (std::size_t k = 0; k < families().size(); ++k) {
     const blocks::Family& family = families()[k];
-    const JointStiffness mean = stiffness_of(family.material, assembly().families[k].initial_state);
+    const JointStiffness mean = stiffness_of(family.material, assembly.families[k].initial_state);
     const auto scattered = [&](const char* id, std::size_t i) {
       for (const PropertyColumn& column : family.columns) {
         if (std::string(column.id) == id && i < column.values.size()) return column.values[i] / column.usual;
@@ -261,8 +259,8 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
     };
     for (std::size_t i = 0; i < family.size(); ++i) {
       const blocks::Point& p = family.point[i];
-      const Location here = locate(p, facets_);
-      if (here.jump > joint_tolerance_) continue;  // close to each other, and apart
+      const blocks::Location here = locate(*this, p, contacts.facets);
+      if (here.jump > detection.joint_tolerance) continue;  // close to each other, and apart
       shares.clear();
       add_side(p.a, p.facet_a, here.at, -1.0, *v, &shares);
       add_side(p.b, p.facet_b, here.at, 1.0, *v, &shares);
@@ -290,7 +288,7 @@ void World::add_node(const members::Node& node, double sign, const Vibrating& v,
 void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const {
   if (!members()) return;
   std::vector<Share> shares;
-  const auto& nodes = members()->nodes();
+  const auto& riders = members()->nodes();
   for (const members::Tie& tie : members()->ties()) {
     if (tie.law.slack > 0.0) continue;
     shares.clear();  // of its elongation, along the axis x
@@ -299,7 +297,7 @@ void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const
       const auto add_stop = [&](const members::Tie::Stop& stop, double sign) {
         for (const auto& [node, share] : stop) {
           const std::size_t first = shares.size();
-          add_node(nodes[at(node)], sign * share, v, &shares);
+          add_node(riders[at(node)], sign * share, v, &shares);
           for (std::size_t k = first; k < shares.size(); ++k) shares[k].moves = {dot(shares[k].moves, along), 0, 0};
         }
       };
@@ -309,18 +307,18 @@ void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const
   }
   for (const members::Dowel& dowel : members()->dowels()) {
     shares.clear();
-    add_node(nodes[at(dowel.first)], -1.0, v, &shares), add_node(nodes[at(dowel.second)], 1.0, v, &shares);
+    add_node(riders[at(dowel.first)], -1.0, v, &shares), add_node(riders[at(dowel.second)], 1.0, v, &shares);
     add_spring(shares, dowel.along, dowel.law.axial, dowel.law.shear, entries);
   }
   for (const members::FillPoint& p : members()->fill_points()) {
     if (p.law.level == 0.0) continue;
     shares.clear();
-    add_node(nodes[at(p.node)], 1.0, v, &shares);
+    add_node(riders[at(p.node)], 1.0, v, &shares);
     add_spring(shares, p.law.out, p.law.level * p.law.stiffness, 0.0, entries);
   }
   for (const members::SpringPoint& p : members()->spring_points()) {
     shares.clear();
-    add_node(nodes[at(p.node)], 1.0, v, &shares);
+    add_node(riders[at(p.node)], 1.0, v, &shares);
     add_spring(shares, p.out, p.law.normal, p.law.shear, entries);
   }
 }

@@ -250,7 +250,7 @@ void print_rigid_joints(const JointFamily& family, const Material& material, lon
 
 long rigid_joints(const blocks::Model& m, int family) {
   const auto is_rigid = [&](int block) { return m.block(block).body >= 0; };
-  return std::count_if(m.contacts().begin(), m.contacts().end(), [&](const blocks::Contact& c) {
+  return std::count_if(m.contacts.list.begin(), m.contacts.list.end(), [&](const blocks::Contact& c) {
     return c.initial && c.family == family && is_rigid(c.pair.a) && is_rigid(c.pair.b) && c.count >= 3;
   });
 }
@@ -277,7 +277,7 @@ void print_what_sets_step(const blocks::Model& model) {
     zone =
         fmt::format("its zone there is {:.3g} m high and has an edge of {:.3g} m", limit.height, limit.shortest_edge);
   fmt::print("      set at ({:.3f}, {:.3f}, {:.3f}) m: block {}, {}\n", limit.at.x, limit.at.y, limit.at.z,
-             blocks::label(model.assembly(), limit.block), zone);
+             blocks::label(model.assembly, limit.block), zone);
 }
 
 void print_members(const members::Members& members, const blocks::Assembly& assembly) {
@@ -317,11 +317,11 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
              simulation.point_count(), step.model_mass);
   const auto& families = simulation.large_motion()->families();
   for (std::size_t f = 0; f < families.size(); ++f) {
-    print_family(simulation.large_motion()->assembly().families[f], *families[f].material,
+    print_family(simulation.large_motion()->assembly.families[f], *families[f].material,
                  static_cast<long>(families[f].size()), families[f].kn, families[f].ks, families[f].columns);
-    print_rigid_joints(simulation.large_motion()->assembly().families[f], *families[f].material,
+    print_rigid_joints(simulation.large_motion()->assembly.families[f], *families[f].material,
                        rigid_joints(*simulation.large_motion(), static_cast<int>(f)),
-                       simulation.large_motion()->assembly().contact.point_spacing > 0.0);
+                       simulation.large_motion()->assembly.contact.point_spacing > 0.0);
   }
   print_memory(size_of(scene));
   using Kind = blocks::Piece::Kind;
@@ -330,10 +330,10 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
       "  motion in {} displacement: {} rigid, {} congruent by one stiffness a shape, {} in a frame of their own, {} "
       "zone "
       "by zone\n",
-      simulation.large_motion()->small_displacement() ? "large (small at first)" : "large", count_of(Kind::rigid),
+      simulation.large_motion()->is_small ? "large (small at first)" : "large", count_of(Kind::rigid),
       count_of(Kind::congruent), count_of(Kind::distinct), count_of(Kind::by_zone));
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
-  for (const std::string& note : simulation.large_motion()->assembly().notes) fmt::print("  {}\n", note);
+  for (const std::string& note : simulation.large_motion()->assembly.notes) fmt::print("  {}\n", note);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
   print_what_sets_step(*simulation.large_motion());
@@ -341,7 +341,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   print_supports(simulation);
   print_overhang(simulation);
   if (const members::Members* const members = simulation.large_motion()->members())
-    print_members(*members, simulation.large_motion()->assembly());
+    print_members(*members, simulation.large_motion()->assembly);
   print_time(simulation, print_stages(scene, step), options.force);
 }
 

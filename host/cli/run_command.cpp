@@ -534,7 +534,7 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
   }
   if (!step.warning().empty()) recorder.on_warning({"time_step", step.warning()});
   if (simulation.large_motion()) {
-    for (const std::string& note : simulation.large_motion()->assembly().notes) say("quoin: " + note);
+    for (const std::string& note : simulation.large_motion()->assembly.notes) say("quoin: " + note);
   }
 }
 

@@ -91,7 +91,7 @@ class CollapseWatch : public Observer {
     const blocks::Model* const model = simulation_->large_motion();
     for (int block = 0; block < simulation_->block_count(); ++block) {
       const auto i = static_cast<std::size_t>(block);
-      if (model ? model->assembly().blocks[i].fixed : simulation_->assembly().bricks[i].fixed) continue;
+      if (model ? model->assembly.blocks[i].fixed : simulation_->assembly().bricks[i].fixed) continue;
       look(model ? translation_of(*model, block) : translation_on_lattice(block), block, row, stage.gravity);
     }
     run.largest = std::max(run.largest, run.residual);

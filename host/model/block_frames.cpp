@@ -1,4 +1,6 @@
 // Frames of deformable blocks, outside of steps; and contact points that leave them.
+#include "model/block_frames.h"
+
 #include <tuple>
 
 #include "model/world.h"
@@ -19,77 +21,58 @@ Matrix rotation_in(const Matrix& f) {
 
 }  // namespace
 
-std::pair<double, double> World::turned_into(const Vector& s, const Vector& t, const Vector& v) {
-  const double along_s = dot(v, s), along_t = dot(v, t);
-  const double size = std::sqrt(along_s * along_s + along_t * along_t), keep = size > 0 ? norm(v) / size : 1.0;
-  return {keep * along_s, keep * along_t};
+bool may_have_frame(const World& w, int block) {
+  return !w.frames.by_zone[size_t(block)] && (w.blocks[size_t(block)].congruent >= 0 || !w.nodes.anchor.empty());
 }
 
 // Congruent blocks share a shape, which each has turned by its orientation. Others have the shape as it stands.
-Matrix World::start_of_frame(int block) const {
-  return blocks_[size_t(block)].congruent >= 0 ? matrix(assembly_.blocks[size_t(block)].orientation) : Matrix{};
+Matrix start_of_frame(const World& w, int block) {
+  return w.blocks[size_t(block)].congruent >= 0 ? matrix(w.assembly.blocks[size_t(block)].orientation) : Matrix{};
 }
 
-Matrix World::rotation_of_frame(int block) const {
-  return small_ ? start_of_frame(block) : transposed(frames_[size_t(block)].transposed_r);
+Matrix rotation_of_frame(const World& w, int block) {
+  return w.is_small ? start_of_frame(w, block) : transposed(w.frames.frame[size_t(block)].transposed_r);
 }
 
-void World::find_block_frames() {
-  frames_are_old_ = false;
-  for (int i = 0; i < block_count(); ++i) {
-    const ModelBlock& b = blocks_[size_t(i)];
-    if (b.body >= 0 || !laid_out_[size_t(i)] || (b.congruent < 0 && node_anchor_.empty())) continue;
+void find_block_frames(World& w) {
+  w.frames.are_old = false;
+  for (int i = 0; i < w.block_count(); ++i) {
+    const ModelBlock& b = w.blocks[size_t(i)];
+    if (b.body >= 0 || !w.part.laid_out[size_t(i)] || (b.congruent < 0 && w.nodes.anchor.empty())) continue;
     const Vector* const anchor =
-        b.congruent >= 0 ? congruent_[size_t(b.congruent)].anchor.data() : node_anchor_.data() + b.first_node;
+        b.congruent >= 0 ? w.zones.congruent[size_t(b.congruent)].anchor.data() : w.nodes.anchor.data() + b.first_node;
     Matrix f = Matrix::zero();
     for (int n = 0; n < b.node_count; ++n)
-      f += outer(node_x_[size_t(b.first_node + n)] - node_x_[size_t(b.first_node)], anchor[n]);
-    frames_[size_t(i)] = {transposed(rotation_in(f)), f};
+      f += outer(w.nodes.x[size_t(b.first_node + n)] - w.nodes.x[size_t(b.first_node)], anchor[n]);
+    w.frames.frame[size_t(i)] = {transposed(rotation_in(f)), f};
   }
 }
 
+namespace {
+
 // The largest |u| beside the first gridpoint, as a step finds it, m.
-double World::deformation(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
-  const Matrix& back = frames_[size_t(block)].transposed_r;
+double deformation(const World& w, int block) {
+  const ModelBlock& b = w.blocks[size_t(block)];
+  const Matrix& back = w.frames.frame[size_t(block)].transposed_r;
   double largest = 0.0;
   for (size_t n = 0; n < size_t(b.node_count); ++n) {
     const size_t first = size_t(b.first_node);
-    const Vector shape = b.congruent >= 0
-                             ? congruent_[size_t(b.congruent)].place[n] - congruent_[size_t(b.congruent)].place[0]
-                             : node_reference_[first + n] - node_reference_[first];
-    largest = std::max(largest, norm(back * (node_x_[first + n] - node_x_[first]) - shape));
+    const Vector shape = b.congruent >= 0 ? w.zones.congruent[size_t(b.congruent)].place[n] -
+                                                w.zones.congruent[size_t(b.congruent)].place[0]
+                                          : w.nodes.reference[first + n] - w.nodes.reference[first];
+    largest = std::max(largest, norm(back * (w.nodes.x[first + n] - w.nodes.x[first]) - shape));
   }
   return largest;
 }
 
-void World::leave_frames_of_deformed() {
-  for (int i = 0; i < block_count(); ++i) {
-    const ModelBlock& b = blocks_[size_t(i)];
-    if (b.body < 0 && may_have_frame(i) && deformation(i) > kLargestDeformation * b.least_extent)
-      by_zone_[size_t(i)] = 1;
-  }
-}
+}  // namespace
 
-// The foot goes to below the point, vectors of the joint are turned into the axes of the triangle. The opening stays,
-// and what the law has not seen yet of the slip.
-void World::leave_gridpoints(Family& f, size_t i) {
-  Point& p = f.point[i];
-  Facet& facet = facets_[size_t(p.facet_a)];
-  const Location before = locate(p, facets_);
-  const Matrix then = frame_of(p);
-  p.on_gridpoints = false;
-  refresh_facet_frame(p, facet);
-  const auto turn = [&](const auto& then_s, const auto& then_t, auto& now_s, auto& now_t) {
-    std::tie(now_s[i], now_t[i]) = turned_into(p.s, p.t, then_s[i] * then.row[1] + then_t[i] * then.row[2]);
-  };
-  turn_joint_vectors(f, f, turn);
-  for (int k = 0; k < 2; ++k) f.slid[k][i] -= before.slid[k];
-  turn(f.slid[0], f.slid[1], f.slid[0], f.slid[1]);
-  const Location now = locate(p, facets_);
-  for (int k = 0; k < 3; ++k)
-    facet.weight[k] += facet.gradient[k][0] * now.slid[0] + facet.gradient[k][1] * now.slid[1];
-  p.reference += locate(p, facets_).jump - before.jump;
+void leave_frames_of_deformed(World& w) {
+  for (int i = 0; i < w.block_count(); ++i) {
+    const ModelBlock& b = w.blocks[size_t(i)];
+    if (b.body < 0 && may_have_frame(w, i) && deformation(w, i) > kLargestDeformation * b.least_extent)
+      w.frames.by_zone[size_t(i)] = 1;
+  }
 }
 
 }  // namespace quoin::blocks

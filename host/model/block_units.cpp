@@ -1,6 +1,9 @@
 // Deformable blocks and masonry units of two halves as bodies whose rigid motion is split from the rest (inertia.h).
+#include "model/block_units.h"
+
 #include <map>
 
+#include "model/contact_frames.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
@@ -8,145 +11,139 @@ namespace quoin::blocks {
 using namespace geometry;
 
 // Two deformable blocks of one unit are its halves; units cut into more stand alone block by block, as on the lattice.
-void World::find_units() {
+void find_units(World& w) {
   std::map<int, std::vector<int>> blocks_of;
-  for (int i = 0; i < block_count(); ++i) {
-    if (blocks_[size_t(i)].body < 0 && assembly_.blocks[size_t(i)].unit >= 0)
-      blocks_of[assembly_.blocks[size_t(i)].unit].push_back(i);
+  for (int i = 0; i < w.block_count(); ++i) {
+    if (w.blocks[size_t(i)].body < 0 && w.assembly.blocks[size_t(i)].unit >= 0)
+      blocks_of[w.assembly.blocks[size_t(i)].unit].push_back(i);
   }
-  other_half_.assign(blocks_.size(), -1), apart_.assign(blocks_.size(), 0);
+  w.units.other_half.assign(w.blocks.size(), -1), w.units.apart.assign(w.blocks.size(), 0);
   for (const auto& [unit, blocks] : blocks_of) {
     if (blocks.size() != 2) continue;
-    other_half_[size_t(blocks[0])] = blocks[1];
-    other_half_[size_t(blocks[1])] = blocks[0];
-    ++unit_count_;
+    w.units.other_half[size_t(blocks[0])] = blocks[1];
+    w.units.other_half[size_t(blocks[1])] = blocks[0];
+    ++w.units.count;
   }
 }
 
-Unit World::unit_of(int block, Halves of) const {
-  const int other = other_half_[size_t(block)];
-  if (other < 0 || (of == Halves::together && apart_[size_t(block)])) return {{block, -1}, 1};
-  return {{std::min(block, other), std::max(block, other)}, 2};
-}
+namespace {
 
-Gridpoints World::gridpoints_of(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
-  const auto of_block = [&](const auto& field) {
-    return std::span(field).subspan(size_t(b.first_node), size_t(b.node_count));
-  };
-  return {of_block(node_x_), of_block(node_v_), of_block(node_mass_), of_block(node_held_)};
-}
-
-UnitInertia World::inertia_of(const Unit& unit) const {
+UnitInertia inertia_of(const World& w, const Unit& unit) {
   UnitInertia inertia;
   inertia.count = unit.count;
   for (int k = 0; k < unit.count; ++k) {
-    const Gridpoints g = gridpoints_of(unit.block[k]);
+    const BlockGridpoints g = w.nodes.of(w.blocks[size_t(unit.block[k])]);
     inertia.block[k] = RigidInertia(g.x, g.mass, g.held);
   }
   if (unit.count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
   return inertia;
 }
 
+}  // namespace
+
 // What M' leaves out of the kinetic energy of s_b M, of the velocities half a step ago, J (< 0).
-double World::rigid_kinetic_energy(const Unit& unit) const {
-  const UnitInertia inertia = inertia_of(unit);
+double rigid_kinetic_energy(const World& w, const Unit& unit) {
+  const UnitInertia inertia = inertia_of(w, unit);
   Rigid velocity[2];
   for (int k = 0; k < unit.count; ++k) {
-    const Gridpoints g = gridpoints_of(unit.block[k]);
+    const BlockGridpoints g = w.nodes.of(w.blocks[size_t(unit.block[k])]);
     const RigidInertia& block = inertia.block[k];
     velocity[k] = block.acceleration(sum_about(block.centre(), g.x, g.v, g.mass));
   }
-  return rigid_energy(inertia, {solver_.deformation_inertia, solver_.unit_inertia}, velocity);
+  return rigid_energy(inertia, {w.solver.deformation_inertia, w.solver.unit_inertia}, velocity);
 }
 
-std::vector<UnitInertia> World::inertia_of_units(std::span<const int> blocks) const {
-  std::vector<UnitInertia> inertia(blocks_.size());
+std::vector<UnitInertia> inertia_of_units(const World& w, std::span<const int> blocks) {
+  std::vector<UnitInertia> inertia(w.blocks.size());
   for (const int i : blocks) {
-    if (blocks_[size_t(i)].body < 0 && unit_of(i).block[0] == i) inertia[size_t(i)] = inertia_of(unit_of(i));
+    if (w.blocks[size_t(i)].body < 0 && w.units.of(i).block[0] == i) inertia[size_t(i)] = inertia_of(w, w.units.of(i));
   }
   return inertia;
 }
 
 // M'^-1/2 M^1/2 on velocities of gridpoints, or M^1/2 M'^-1/2 on forces, which is its transpose.
-void World::scale_motion(std::span<const int> blocks, const std::vector<UnitInertia>& inertias, LaneVector<Vector>& y,
-                         bool of_forces) const {
-  const double of_deformation = 1 / std::sqrt(solver_.deformation_inertia);
+void scale_motion(const World& w, std::span<const int> blocks, const std::vector<UnitInertia>& inertias,
+                  LaneVector<Vector>& y, bool of_forces) {
+  const double of_deformation = 1 / std::sqrt(w.solver.deformation_inertia);
   for (const int i : blocks) {
-    const Unit unit = unit_of(i);
-    if (blocks_[size_t(i)].body >= 0 || unit.block[0] != i) continue;
-    const double of_unit = unit.count == 1 ? 1.0 : 1 / std::sqrt(solver_.unit_inertia);
+    const Unit unit = w.units.of(i);
+    if (w.blocks[size_t(i)].body >= 0 || unit.block[0] != i) continue;
+    const double of_unit = unit.count == 1 ? 1.0 : 1 / std::sqrt(w.solver.unit_inertia);
     const UnitInertia& inertia = inertias[size_t(i)];
     Rigid sum[2];
     for (int k = 0; k < unit.count; ++k) {
-      const ModelBlock& b = blocks_[size_t(unit.block[k])];
-      const Gridpoints g = gridpoints_of(unit.block[k]);
+      const ModelBlock& b = w.blocks[size_t(unit.block[k])];
+      const BlockGridpoints g = w.nodes.of(w.blocks[size_t(unit.block[k])]);
       const std::span<const Vector> of_block(y.data() + b.first_node, size_t(b.node_count));
       sum[k] = sum_about(inertia.block[k].centre(), g.x, of_block, of_forces ? std::span<const double>{} : g.mass);
     }
     const Rigid whole = unit.count == 2 ? inertia.motion(sum) : Rigid{};
     for (int k = 0; k < unit.count; ++k) {
-      const ModelBlock& b = blocks_[size_t(unit.block[k])];
+      const ModelBlock& b = w.blocks[size_t(unit.block[k])];
       const RigidInertia& block = inertia.block[k];
       Rigid rigid = (of_unit - of_deformation) * block.acceleration(sum[k]);
       if (unit.count == 2) rigid = rigid + (1 - of_unit) * inertia.at_block(k, whole);
       for (size_t n = size_t(b.first_node); n < size_t(b.first_node + b.node_count); ++n) {
-        const Vector motion = rigid.linear + cross(rigid.angular, node_x_[n] - block.centre());
-        y[n] = of_deformation * y[n] + (of_forces ? node_mass_[n] : 1.0) * motion;
+        const Vector motion = rigid.linear + cross(rigid.angular, w.nodes.x[n] - block.centre());
+        y[n] = of_deformation * y[n] + (of_forces ? w.nodes.mass[n] : 1.0) * motion;
       }
     }
   }
 }
 
+namespace {
+
 // Whether a point of the joint between halves can close before the next check. Until then each of them moves by less
 // than a quarter of the way (motion_checks.cpp). Or whether it holds them: what is left of its stiffness, sigma over
 // opening, is more than 1/s_u of kn. Without the added inertia it would then vibrate faster than a closed joint does
 // with it. What has come apart is farther away.
-bool World::are_together(int a, int b) const {
+bool are_together(const World& w, int a, int b) {
   const Pair pair{a, b};
-  const auto c = std::lower_bound(contacts_.begin(), contacts_.end(), pair,
+  const auto c = std::lower_bound(w.contacts.list.begin(), w.contacts.list.end(), pair,
                                   [](const Contact& contact, const Pair& p) { return contact.pair < p; });
-  if (c == contacts_.end() || pair < c->pair || c->count == 0) return false;
-  const Family& f = families_[size_t(c->family)];
-  const double way = (apart_[size_t(a)] ? 1.0 : 2.0) * detection_fraction() * size_;
+  if (c == w.contacts.list.end() || pair < c->pair || c->count == 0) return false;
+  const Family& f = w.contacts.families[size_t(c->family)];
+  const double way = (w.units.apart[size_t(a)] ? 1.0 : 2.0) * detection_fraction(w) * w.detection.size;
   for (uint32_t p = c->first; p < c->first + c->count; ++p) {
     const double opening = f.normal_jump[p];
-    if (opening < way || solver_.unit_inertia * f.traction[0][p] > f.kn * opening) return true;
+    if (opening < way || w.solver.unit_inertia * f.traction[0][p] > f.kn * opening) return true;
   }
   return false;
 }
+
+}  // namespace
 
 // The added inertia of halves against each other is there to slow the vibration of their joint, which would set the
 // time step. So it stays as long as a point of the joint can close. Where nothing holds them together it would slow
 // their fall apart. Inertia that goes or comes back takes no momentum with it, as velocities stay and P_b - P_u has
 // none. Its kinetic energy, (s_u - 1)/2 v . M (P_b - P_u) v, is booked.
-void World::part_units() {
-  if (step_count_ < next_check_ || !splits_motion()) return;
-  std::vector<double> freed(blocks_.size(), std::nan(""));  // by the first half of those that part or meet, J
+void part_units(World& w) {
+  if (w.stepping.count < w.checks.next || !splits_motion(w.solver)) return;
+  std::vector<double> freed(w.blocks.size(), std::nan(""));  // by the first half of those that part or meet, J
   bool changed = false;
-  for (int a = 0; a < block_count(); ++a) {
-    const int b = other_half_[size_t(a)];
-    if (b < a || !owns(a) || are_together(a, b) != bool(apart_[size_t(a)])) continue;
+  for (int a = 0; a < w.block_count(); ++a) {
+    const int b = w.units.other_half[size_t(a)];
+    if (b < a || !w.part.owns(a) || are_together(w, a, b) != bool(w.units.apart[size_t(a)])) continue;
     const double added =
-        rigid_kinetic_energy({{a, b}, 2}) - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
-    freed[size_t(a)] = apart_[size_t(a)] ? -added : added;
+        rigid_kinetic_energy(w, {{a, b}, 2}) - rigid_kinetic_energy(w, {{a}, 1}) - rigid_kinetic_energy(w, {{b}, 1});
+    freed[size_t(a)] = w.units.apart[size_t(a)] ? -added : added;
     changed = true;
   }
-  if (!any(changed)) return;
-  gather_by_block(freed);
+  if (!w.part.any(changed)) return;
+  w.part.gather_by_block(freed);
   std::vector<int> here;
-  for (int a = 0; a < block_count(); ++a) {
+  for (int a = 0; a < w.block_count(); ++a) {
     if (std::isnan(freed[size_t(a)])) continue;
-    if (owns(a)) here.insert(here.end(), {a, other_half_[size_t(a)]});
-    const bool part = !apart_[size_t(a)];
-    apart_[size_t(a)] = apart_[size_t(other_half_[size_t(a)])] = part;
-    unit_count_ += part ? -1 : 1;
-    if (energy_) later_.detection += freed[size_t(a)];
+    if (w.part.owns(a)) here.insert(here.end(), {a, w.units.other_half[size_t(a)]});
+    const bool part = !w.units.apart[size_t(a)];
+    w.units.apart[size_t(a)] = w.units.apart[size_t(w.units.other_half[size_t(a)])] = part;
+    w.units.count += part ? -1 : 1;
+    if (w.books_energy) w.step_sums.later.detection += freed[size_t(a)];
   }
-  fetch_();
-  take_back_facets();
-  divide_work();
-  if (solver_.unit_inertia != 1.0 && any(shorten_step(here))) find_time_step();
+  w.part.fetch();
+  take_back_facets(w);
+  divide_work(w);
+  if (w.solver.unit_inertia != 1.0 && w.part.any(shorten_step(w, here))) find_time_step(w);
 }
 
 }  // namespace quoin::blocks

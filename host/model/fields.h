@@ -19,25 +19,25 @@ struct WorldFields {
     constexpr auto nothing = Part::nothing;
     constexpr std::size_t kMotion = offsetof(Body, omega);  // place, orientation, velocity, angular momentum
     const Field place{Owner::gridpoint, "position", 3, "m"}, velocity{Owner::gridpoint, "velocity", 3, "m/s"};
-    visit(Field{Owner::body, "rigid_body", 0, "SI"}.in_hash(kMotion).in(Part::motion), w.bodies_);
-    visit(place.in_hash(sizeof(Vector)).in(Part::motion), w.node_x_);
-    visit(velocity.in_hash(sizeof(Vector)).in(Part::motion), w.node_v_);
-    visit(Field{Owner::block, "frame", 18, "-"}.in(Part::motion), w.frames_);
-    visit(Field{Owner::gridpoint, "held", 1, "-"}.in(nothing), w.node_held_);
-    visit(Field{Owner::gridpoint, "held_velocity", 3, "m/s"}.in(nothing), w.node_held_v_);
-    visit(Field{Owner::block, "contact_force", 3, "N"}.in(Part::sums), w.block_contact_force_);
-    visit(Field{Owner::block, "apart", 1, "-"}.in(nothing).on_all_ranks(), w.apart_);
-    visit(Field{Owner::block, "by_zone", 1, "-"}.in(nothing).on_all_ranks(), w.by_zone_);
-    visit(Field{Owner::block, "pose_at_broad_phase", 12, "m, -"}.in(nothing), w.broad_);
-    visit(Field{Owner::block, "next_look", 1, "steps"}.in(nothing).only(When::after_checks), w.block_check_);
-    visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_checks), w.seen_);
+    visit(Field{Owner::body, "rigid_body", 0, "SI"}.in_hash(kMotion).in(Part::motion), w.bodies);
+    visit(place.in_hash(sizeof(Vector)).in(Part::motion), w.nodes.x);
+    visit(velocity.in_hash(sizeof(Vector)).in(Part::motion), w.nodes.v);
+    visit(Field{Owner::block, "frame", 18, "-"}.in(Part::motion), w.frames.frame);
+    visit(Field{Owner::gridpoint, "held", 1, "-"}.in(nothing), w.nodes.held);
+    visit(Field{Owner::gridpoint, "held_velocity", 3, "m/s"}.in(nothing), w.nodes.held_v);
+    visit(Field{Owner::block, "contact_force", 3, "N"}.in(Part::sums), w.step_sums.contact_force);
+    visit(Field{Owner::block, "apart", 1, "-"}.in(nothing).on_all_ranks(), w.units.apart);
+    visit(Field{Owner::block, "by_zone", 1, "-"}.in(nothing).on_all_ranks(), w.frames.by_zone);
+    visit(Field{Owner::block, "pose_at_broad_phase", 12, "m, -"}.in(nothing), w.poses.broad);
+    visit(Field{Owner::block, "next_look", 1, "steps"}.in(nothing).only(When::after_checks), w.checks.block);
+    visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_checks), w.checks.seen);
   }
 
   // Of each pair that is close.
   template <class World, class Visit>
   static void of_pairs(World& w, const Visit& visit) {
-    visit(Field{Owner::pair, "place", 0, "SI"}.in(Part::nothing), w.pair_place_);
-    visit(Field{Owner::pair, "look", 0, "steps"}.in(Part::nothing), w.pair_check_);
+    visit(Field{Owner::pair, "place", 0, "SI"}.in(Part::nothing), w.contacts.place);
+    visit(Field{Owner::pair, "look", 0, "steps"}.in(Part::nothing), w.checks.pair);
   }
 
   // Of the contact points of a family, or of several side by side: visit(field, array of each).
@@ -70,8 +70,8 @@ struct WorldFields {
   template <class World, class Visit>
   static void each(World& w, const Visit& visit) {
     of_blocks(w, visit);
-    for (auto& family : w.families_) of_points(visit, family);
-    visit(Field{Owner::facet, "facet", 0, "SI"}.in(Part::nothing), w.facets_);
+    for (auto& family : w.contacts.families) of_points(visit, family);
+    visit(Field{Owner::facet, "facet", 0, "SI"}.in(Part::nothing), w.contacts.facets);
     of_pairs(w, visit);
   }
 };

@@ -3,19 +3,43 @@
 //
 // A place of a joint moves along with both blocks. It is in contact while a contact point of the pair lies beside one
 // of its two sides. That means nearer than half of the distance between the points of the start.
+#include "model/parted_points.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
+#include "model/block_layout.h"
+#include "model/contact_frames.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
 
+using namespace geometry;
+
+void note_start_joints(World& w) {
+  uint32_t points = 0;
+  for (const Contact& c : w.contacts.list) {
+    if (c.count > 0) w.start_joints.joint.push_back({c.pair, c.family, points, c.count});
+    points += c.count;
+  }
+  w.start_joints.point = LaneVector<StartPoint>(points);
+  auto joint = w.start_joints.joint.begin();
+  for (const Contact& c : w.contacts.list) {
+    if (c.count == 0) continue;
+    for (uint32_t k = 0; k < c.count && w.part.owns(c.pair); ++k) {
+      const Point& p = w.contacts.families[c.family].point[c.first + k];
+      w.start_joints.point[joint->first + k] = {p.at, p.area};
+    }
+    ++joint;
+  }
+}
+
 namespace {
 
-// One row of World::kept_: states, then properties that scatter, follow the head.
+// One row of StartJoints::kept: states, then properties that scatter, follow the head.
 struct Head {
   double owner;  // 1: the normal points from the first block of the pair, 2: from the second; 0: still as at the start
   double normal_jump, traction[3];
@@ -63,25 +87,25 @@ double squared_reach(std::span<const StartPoint> points) {
 
 }  // namespace
 
-size_t World::kept_width() const {
+size_t kept_width(const World& w) {
   size_t most = 0;
-  for (const Family& f : families_) most = std::max(most, f.state.size() + f.columns.size());
+  for (const Family& f : w.contacts.families) most = std::max(most, f.state.size() + f.columns.size());
   return kHead + most;
 }
 
 // Before the points of a joint go or are replaced: `count` of `old` from `first` on.
-void World::keep_of_joint(const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
-                          uint32_t count) {
-  const auto joint = std::ranges::lower_bound(start_joints_, c.pair, {}, &StartJoint::pair);
-  const auto points = std::span(start_point_).subspan(joint->first, joint->count);
-  Motion a{start_[size_t(c.pair.a)], {}}, b{start_[size_t(c.pair.b)], {}};
-  pose(c.pair.a, a.now.x, a.now.r), pose(c.pair.b, b.now.x, b.now.r);
+void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
+                   uint32_t count) {
+  const auto joint = std::ranges::lower_bound(w.start_joints.joint, c.pair, {}, &StartJoint::pair);
+  const auto points = std::span(w.start_joints.point).subspan(joint->first, joint->count);
+  const Motion a{w.poses.start[size_t(c.pair.a)], pose(w, c.pair.a)};
+  const Motion b{w.poses.start[size_t(c.pair.b)], pose(w, c.pair.b)};
   std::vector<Vector> places;
-  for (uint32_t i = first; i < first + count; ++i) places.push_back(locate(old.point[i], facets).at);
+  for (uint32_t i = first; i < first + count; ++i) places.push_back(locate(w, old.point[i], facets).at);
   const double reach = squared_reach(points);
-  const size_t width = kept_width();
+  const size_t width = kept_width(w);
   for (size_t k = 0; k < points.size(); ++k) {
-    double* const row = &kept_[(joint->first + k) * width];
+    double* const row = &w.start_joints.kept[(joint->first + k) * width];
     const Nearest nearest = nearest_of(places, a.place(points[k].at), b.place(points[k].at));
     if (nearest.squared > reach && head_of(row).owner != 0.0) continue;  // it keeps what it has
     const size_t i = first + nearest.index;
@@ -91,41 +115,45 @@ void World::keep_of_joint(const Contact& c, const Family& old, const LaneVector<
     const Head head{from_a ? 1.0 : 2.0,
                     old.normal_jump[i],
                     {old.traction[0][i], old.traction[1][i], old.traction[2][i]},
-                    owner.back(in_space(p, p.n)),
-                    owner.back(in_space(p, p.s))};
+                    owner.back(in_space(w, p, p.n)),
+                    owner.back(in_space(w, p, p.s))};
     double* next = std::ranges::copy(std::bit_cast<std::array<double, kHead>>(head), row).out;
     for (const auto& column : old.state) *next++ = column[i];
     for (const PropertyColumn& column : old.columns) *next++ = column.values[i];
   }
 }
 
-std::vector<Vector> World::places_of(const Contact& c) const {
+namespace {
+
+std::vector<Vector> places_of(const World& w, const Contact& c) {
   std::vector<Vector> places;
   for (uint32_t i = c.first; i < c.first + c.count; ++i)
-    places.push_back(place_of(families_[size_t(c.family)].point[i]));
+    places.push_back(w.place_of(w.contacts.families[size_t(c.family)].point[i]));
   return places;
 }
+
+}  // namespace
 
 std::vector<PartedPoint> World::parted_points(int first_block, int end_block) const {
   std::vector<PartedPoint> parted;
   if (!has_replaced_points()) return parted;
-  const size_t width = kept_width();
+  const size_t width = kept_width(*this);
   auto joint =
-      std::ranges::lower_bound(start_joints_, first_block, {}, [](const StartJoint& j) { return int(j.pair.a); });
-  for (; joint != start_joints_.end() && joint->pair.a < end_block; ++joint) {
-    if (head_of(&kept_[joint->first * width]).owner == 0.0) continue;
-    const auto contact = std::ranges::lower_bound(contacts_, joint->pair, {}, &Contact::pair);
-    const bool touches = contact != contacts_.end() && contact->pair == joint->pair && contact->count > 0;
-    const std::vector<Vector> places = touches ? places_of(*contact) : std::vector<Vector>{};
-    const auto points = std::span(start_point_).subspan(joint->first, joint->count);
+      std::ranges::lower_bound(start_joints.joint, first_block, {}, [](const StartJoint& j) { return int(j.pair.a); });
+  for (; joint != start_joints.joint.end() && joint->pair.a < end_block; ++joint) {
+    if (head_of(&start_joints.kept[joint->first * width]).owner == 0.0) continue;
+    const auto contact = std::ranges::lower_bound(contacts.list, joint->pair, {}, &Contact::pair);
+    const bool touches = contact != contacts.list.end() && contact->pair == joint->pair && contact->count > 0;
+    const std::vector<Vector> places = touches ? places_of(*this, *contact) : std::vector<Vector>{};
+    const auto points = std::span(start_joints.point).subspan(joint->first, joint->count);
     const double reach = squared_reach(points);
-    Motion a{start_[size_t(joint->pair.a)], {}}, b{start_[size_t(joint->pair.b)], {}};
-    pose(joint->pair.a, a.now.x, a.now.r), pose(joint->pair.b, b.now.x, b.now.r);
-    const Family& f = families_[size_t(joint->family)];
+    const Motion a{poses.start[size_t(joint->pair.a)], pose(*this, joint->pair.a)};
+    const Motion b{poses.start[size_t(joint->pair.b)], pose(*this, joint->pair.b)};
+    const Family& f = contacts.families[size_t(joint->family)];
     for (size_t k = 0; k < points.size(); ++k) {
       const Vector on_a = a.place(points[k].at), on_b = b.place(points[k].at);
       if (nearest_of(places, on_a, on_b).squared <= reach) continue;
-      const double* const row = &kept_[(joint->first + k) * width];
+      const double* const row = &start_joints.kept[(joint->first + k) * width];
       const Head head = head_of(row);
       const bool from_a = head.owner == 1.0;
       const Motion& owner = from_a ? a : b;
@@ -145,15 +173,15 @@ std::vector<PartedPoint> World::parted_points(int first_block, int end_block) co
 }
 
 // States go over by their names, as those of points in contact do; others begin as those of a dry joint.
-void World::keep_states_by_id(int family, const quoin_law& old, size_t old_width) {
-  if (!has_replaced_points()) return;
-  const Family& f = families_[size_t(family)];
+void keep_states_by_id(World& w, int family, const quoin_law& old, size_t old_width) {
+  if (!w.has_replaced_points()) return;
+  const Family& f = w.contacts.families[size_t(family)];
   const quoin_law& law = f.material->api();
-  const size_t width = kept_width();
-  LaneVector<double> next(start_point_.size() * width);
-  for (const StartJoint& joint : start_joints_) {
+  const size_t width = kept_width(w);
+  LaneVector<double> next(w.start_joints.point.size() * width);
+  for (const StartJoint& joint : w.start_joints.joint) {
     for (size_t point = joint.first; point < size_t(joint.first) + joint.count; ++point) {
-      const double* const from = &kept_[point * old_width];
+      const double* const from = &w.start_joints.kept[point * old_width];
       double* const to = &next[point * width];
       if (head_of(from).owner == 0.0) continue;
       std::copy_n(from, std::min(width, old_width), to);
@@ -166,7 +194,7 @@ void World::keep_states_by_id(int family, const quoin_law& old, size_t old_width
       std::copy_n(from + kHead + old.state_count, f.columns.size(), to + kHead + law.state_count);
     }
   }
-  kept_ = std::move(next);
+  w.start_joints.kept = std::move(next);
 }
 
 }  // namespace quoin::blocks

@@ -1,4 +1,4 @@
-// From cold input to hot data: shapes, zones, masses, families; the joints of the start.
+// A model as it begins, its laws, and what stages set between steps.
 #include "model/world.h"
 
 #include <fmt/format.h>
@@ -6,6 +6,9 @@
 #include <map>
 
 #include "base/error.h"
+#include "model/block_layout.h"
+#include "model/contact_frames.h"
+#include "model/world_parts.h"
 
 namespace quoin::blocks {
 
@@ -13,494 +16,91 @@ using namespace geometry;
 
 namespace {
 
-bool is_finite(const Vector& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool is_positive(double v) { return v > 0 && std::isfinite(v); }
-
 bool knows_initial_state(const quoin_law& law, const std::string& id) {
   return std::any_of(law.initial_states, law.initial_states + law.initial_state_count,
                      [&](const char* known) { return id == known; });
 }
 
-// Held by a plane of symmetry z = 0: gridpoints in z; bodies in z and about x and y.
-constexpr uint8_t kPlaneOfNodes = 0x04, kPlaneOfBodies = 0x1c;
-
-bool touches_plane(const ConvexPolyhedron& shape, const Block& block) {
-  return std::any_of(shape.vertices.begin(), shape.vertices.end(),
-                     [&](const Vector& p) { return (block.position + matrix(block.orientation) * p).z == 0.0; });
+void adopt(World& w, Family& f, std::shared_ptr<const Material> material, const std::string& initial_state) {
+  f.initial = material->initial_state(initial_state);
+  f.dry = knows_initial_state(material->api(), "dry") ? material->initial_state("dry") : f.initial;
+  const size_t index = size_t(&f - w.contacts.families.data());
+  const quoin_stiffness_bounds bounds = stiffness_bounds_of(w.assembly.families[index], *material, f.columns);
+  f.kn = bounds.normal, f.ks = bounds.shear;
+  f.state.resize(material->api().state_count);
+  f.material = std::move(material);
 }
 
-// So that the first edge, along which shear is measured, is a side of the brick and not the diagonal of a zone.
-void begin_at_widest_angle(const std::vector<Vector>& nodes, Zoning::SurfaceTriangle& t) {
-  const auto opposite = [&](int k) {
-    const Vector edge = nodes[size_t(t.node[size_t((k + 2) % 3)])] - nodes[size_t(t.node[size_t((k + 1) % 3)])];
-    return dot(edge, edge);
-  };
-  int widest = 0;
-  for (int k = 1; k < 3; ++k) {
-    if (opposite(k) > opposite(widest)) widest = k;
-  }
-  std::rotate(t.node.begin(), t.node.begin() + widest, t.node.end());
-}
-
-double least_extent_of(const ConvexPolyhedron& s) {
-  double least = 1e300;
-  for (size_t f = 0; f < s.faces.size(); ++f) {
-    double deepest = 0.0;
-    for (const Vector& p : s.vertices) deepest = std::max(deepest, dot(s.normals[f], s.vertices[s.faces[f][0]] - p));
-    least = std::min(least, deepest);
-  }
-  return least;
-}
-
-// What the triangles of the surface give to the corner gridpoints, m2: a contact there is then no stiffer than a joint.
-double area_at_corners(const ModelBlock& b, const LaneVector<Vector>& x) {
-  double sum = 0.0;
-  for (const auto& t : b.surface) {
-    const double third = norm(cross(x[t.node[1]] - x[t.node[0]], x[t.node[2]] - x[t.node[0]])) / 6;
-    for (int node : t.node) {
-      if (node - b.first_node < int(b.shape->vertices.size())) sum += third;
-    }
-  }
-  return sum;
-}
-
-}  // namespace
-
-World::World(const Assembly& assembly, const SolverSettings& solver,
-             std::vector<std::shared_ptr<const Material>> materials, Ranks* ranks)
-    : assembly_(assembly), ranks_(ranks) {
-  set_solver(solver);
-  number(std::move(materials));
-  if (!ranks_) begin({});
-}
-
-void World::set_solver(const SolverSettings& solver) {
-  const SolverSettings before = solver_;
-  const bool runs = critical_dt_ > 0, books = runs && energy_;
-  const double moving = books ? kinetic_energy_of_all() : 0.0;
-  solver_ = solver;
-  if (runs) solver_.mass_scaling = before.mass_scaling;
-  if (books) later_.detection += moving - kinetic_energy_of_all();  // goes with the added inertia
-  if (solver.damping == DampingKind::local && (solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0)) {
-    throw Error(
-        Exit::bad_input,
-        "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
-        "brake their motion; use damping = \"block\"");
-  }
-  for (Family& f : families_) {
-    const size_t n = viscous_contacts() ? f.size() : 0;
-    for (auto& column : f.old_traction) column = LaneVector<double>(n);
-    f.old_jump = LaneVector<double>(n);
-    for (auto& column : f.viscous) column = LaneVector<double>(n);
-    for (auto& column : f.maxwell) column = LaneVector<double>(has_maxwell() ? f.size() : 0);
-  }
-  maxwell_ = quoin::maxwell_elements(has_maxwell() ? solver_.maxwell_damping : 0.0, solver_.maxwell_band);
-  for (const Contact& c : contacts_) {
-    if (!viscous_contacts() || c.count == 0 || !owns(c)) continue;
-    std::fill_n(families_[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
-  }
-  bind_columns();
-  choose_impact_damping();
-  if (runs) find_time_step(true);
-}
-
-// Where the next block's numbers begin in each array.
-struct World::Counts {
-  size_t bodies = 0, nodes = 0, zones = 0, zone_lanes = 0, corners = 0, normals = 0;
-  std::map<std::array<double, 11>, int32_t>
-      lanes_of;  // congruent blocks share them: shape, material, zones, orientation
-  std::map<std::array<double, 6>, std::pair<int, int>> zoned;  // gridpoints and zones by zoning_key
-};
-
-// What every process has: settings, how many gridpoints, zones and corners each block has, and where they begin.
-void World::number(std::vector<std::shared_ptr<const Material>> materials) {
-  if (assembly_.blocks.empty()) throw Error(Exit::bad_input, "the scene has no blocks");
-  if (assembly_.families.empty()) throw Error(Exit::bad_input, "the scene has no joint family");
-  if (solver_.selective_time_step > 0) {
+void check(const Assembly& assembly, const SolverSettings& solver) {
+  if (assembly.blocks.empty()) throw Error(Exit::bad_input, "the scene has no blocks");
+  if (assembly.families.empty()) throw Error(Exit::bad_input, "the scene has no joint family");
+  if (solver.selective_time_step > 0) {
     throw Error(
         Exit::bad_input,
         "selective_time_step is for the lattice's bricks in small displacements: it adds inertia to gridpoints, which "
         "would change how blocks move as a whole; use deformation_inertia with damping = \"block\", which slows "
         "vibrations alone");
   }
-  for (size_t i = 0; i < assembly_.families.size(); ++i) {
-    const JointFamily& description = assembly_.families[i];
-    adopt(families_.emplace_back(),
+}
+
+}  // namespace
+
+World::World(const Assembly& scene, const SolverSettings& settings,
+             std::vector<std::shared_ptr<const Material>> materials, Ranks* ranks)
+    : assembly(scene) {
+  part.ranks = ranks;
+  set_solver(settings);
+  check(assembly, solver);
+  for (size_t i = 0; i < assembly.families.size(); ++i) {
+    const JointFamily& description = assembly.families[i];
+    adopt(*this, contacts.families.emplace_back(),
           i < materials.size() && materials[i]
               ? materials[i]
               : std::make_shared<const Material>(Law::find(description.law), description.properties),
           description.initial_state);
   }
-  for (const ConvexPolyhedron& shape : assembly_.shapes) {
-    ShapeFacts& facts = shape_facts_.emplace_back();
-    facts.mass = mass_properties(shape);
-    facts.axes = symmetric_eigen(facts.mass.inertia);
-    facts.least_extent = least_extent_of(shape);
-    facts.area = 0.0;
-    for (size_t f = 0; f < shape.faces.size(); ++f) facts.area += face_area(shape, int(f));
-  }
-  double least = 1e300;
-  Counts counts;
-  blocks_.resize(assembly_.blocks.size());
-  for (int i = 0; i < block_count(); ++i) {
-    number_block(i, counts);
-    least = std::min(least, blocks_[size_t(i)].least_extent);
-  }
-  size_fields(counts);
-  find_units();
-  find_frames(solver_.internal_forces);
-  divide_blocks();
-  count_sides();
-  const ContactSettings& c = assembly_.contact;
-  size_ = least;
-  skin_ = c.skin > 0 ? c.skin : 0.05 * least;
-  reach_ = skin_ / 4;
-  joint_tolerance_ = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
-  small_ = c.small_displacement > 0;
+  number_blocks(*this);
+  if (!part.ranks) begin({});
 }
 
-void World::number_block(int i, Counts& counts) {
-  const Block& input = assembly_.blocks[size_t(i)];
-  const auto fault = [&](const std::string& what) {
-    return Error(Exit::bad_input, fmt::format("block {}: {}", label(assembly_, i), what));
-  };
-  if (input.shape < 0 || input.shape >= int(assembly_.shapes.size())) throw fault("has no shape");
-  if (input.material < 0 || input.material >= int(assembly_.materials.size())) throw fault("has no material");
-  const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-  const ShapeFacts& facts = shape_facts_[size_t(input.shape)];
-  const BlockMaterial& m = assembly_.materials[size_t(input.material)];
-  const MassProperties& mp = facts.mass;
-  if (!(mp.volume > 0)) throw fault(fmt::format("volume {:.3g} m3 must be > 0", mp.volume));
-  if (!(m.density > 0)) throw fault(fmt::format("density {} kg/m3 of material '{}' must be > 0", m.density, m.name));
-  const Matrix turned = matrix(input.orientation);
-  const Vector centroid = input.position + turned * mp.centroid;
-  if (!is_finite(centroid) || !is_finite(turned.row[0]) || !is_finite(turned.row[1]) || !is_finite(turned.row[2]))
-    throw fault("its place is no finite number; check its position and rotation");
-  rough_place_.push_back(centroid);
-
-  ModelBlock& b = blocks_[size_t(i)];
-  b.shape = &shape;
-  b.least_extent = facts.least_extent;
-  b.corner_area = facts.area / (3.0 * double(shape.vertices.size()));
-  b.first_corner = uint32_t(counts.corners), counts.corners += shape.vertices.size();
-  b.first_normal = uint32_t(counts.normals), counts.normals += shape.normals.size();
-  const Vector centre = input.rigid ? rigid_mass(input).centre : mp.centroid;
-  for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - centre));
-  b.first_node = int32_t(counts.nodes), b.first_zone = int32_t(counts.zones);
-  if (input.rigid) {
-    const Body body = body_of(i);
-    if (!is_positive(body.mass) || !is_positive(body.inertia.x) || !is_positive(body.inertia.y) ||
-        !is_positive(body.inertia.z)) {
-      throw fault(
-          fmt::format("mass {:.3g} kg and principal inertia {:.3g}, {:.3g}, {:.3g} kg m2 must be finite and > 0; "
-                      "check density, mass_scaling and the size of the block",
-                      body.mass, body.inertia.x, body.inertia.y, body.inertia.z));
-    }
-    b.body = int32_t(counts.bodies++);
-    return;
+void World::set_solver(const SolverSettings& settings) {
+  const double mass_scaling = solver.mass_scaling;
+  const bool runs = stepping.critical_dt > 0, books = runs && books_energy;
+  const double moving = books ? kinetic_energy_of_all() : 0.0;
+  solver = settings;
+  if (runs) solver.mass_scaling = mass_scaling;
+  if (books) step_sums.later.detection += moving - kinetic_energy_of_all();  // goes with the added inertia
+  if (solver.damping == DampingKind::local && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
+    throw Error(
+        Exit::bad_input,
+        "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
+        "brake their motion; use damping = \"block\"");
   }
-  if (!(m.young_modulus > 0) || !(m.poisson_ratio > -1 && m.poisson_ratio < 0.5)) {
-    throw fault(fmt::format("deformable: material '{}' needs young_modulus > 0 and -1 < poisson_ratio < 0.5 ({}, {})",
-                            m.name, m.young_modulus, m.poisson_ratio));
+  for (Family& f : contacts.families) {
+    const size_t n = viscous_contacts(solver) ? f.size() : 0;
+    for (auto& column : f.old_traction) column = LaneVector<double>(n);
+    f.old_jump = LaneVector<double>(n);
+    for (auto& column : f.viscous) column = LaneVector<double>(n);
+    for (auto& column : f.maxwell) column = LaneVector<double>(has_maxwell(solver) ? f.size() : 0);
   }
-  const auto known = counts.zoned.find(zoning_key(input));
-  if (input.zoning || known == counts.zoned.end()) {
-    const auto z = zoning_of(i);
-    b.node_count = int(z->nodes.size()), b.zone_count = int(z->zones.size());
-    if (!input.zoning) counts.zoned[zoning_key(input)] = {b.node_count, b.zone_count};
-  } else {
-    std::tie(b.node_count, b.zone_count) = known->second;
+  impacts.maxwell = quoin::maxwell_elements(has_maxwell(solver) ? solver.maxwell_damping : 0.0, solver.maxwell_band);
+  for (const Contact& c : contacts.list) {
+    if (!viscous_contacts(solver) || c.count == 0 || !part.owns(c.pair)) continue;
+    std::fill_n(contacts.families[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
   }
-  counts.nodes += size_t(b.node_count), counts.zones += size_t(b.zone_count);
-  const Quaternion& q = input.orientation;
-  const auto [lanes, is_new] = counts.lanes_of.try_emplace(
-      {double(input.shape), double(input.material), input.zone_edge, double(input.divisions[0]),
-       double(input.divisions[1]), double(input.divisions[2]), double(input.parity), q.w, q.v.x, q.v.y, q.v.z},
-      int32_t(counts.zone_lanes));
-  b.first_lanes = lanes->second;
-  if (is_new) counts.zone_lanes += size_t(b.lanes_count());
-}
-
-void World::size_fields(const Counts& counts) {
-  bodies_ = LaneVector<Body>(counts.bodies);
-  for (auto* field : {&corner_, &placed_corner_}) *field = LaneVector<Vector>(counts.corners);
-  for (auto* field : {&body_normal_, &placed_normal_}) *field = LaneVector<Vector>(counts.normals);
-  for (auto* field : {&node_x_, &node_reference_, &node_v_, &node_held_v_}) *field = LaneVector<Vector>(counts.nodes);
-  for (auto* field : {&node_mass_, &node_weight_mass_}) *field = LaneVector<double>(counts.nodes);
-  for (auto* field : {&node_held_, &node_support_}) *field = LaneVector<uint8_t>(counts.nodes);
-  zones_ = LaneVector<Zone>(counts.zones);
-  zone_lanes_ = LaneVector<ZoneLanes>(counts.zone_lanes);
-  start_ = broad_ = LaneVector<Pose>(blocks_.size());
-  frames_ = LaneVector<BlockFrame>(blocks_.size());
-  block_contact_force_ = LaneVector<Vector>(blocks_.size());
-  contacts_of_family_.resize(families_.size());
-  laid_out_.resize(blocks_.size());
-  block_mass_.resize(blocks_.size());
-}
-
-void World::begin(std::vector<int> rank_of_block) {
-  rank_of_block_ = std::move(rank_of_block);
-  std::optional<Error> fault;
-  try {
-    for (int i = 0; i < block_count(); ++i) {
-      if (!owns(i)) continue;
-      lay_out(i);
-      const ModelBlock& b = blocks_[size_t(i)];
-      double& mass = block_mass_[size_t(i)];
-      if (b.body >= 0) mass = bodies_[size_t(b.body)].weight_mass;
-      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) mass += node_weight_mass_[size_t(n)];
-    }
-  } catch (const Error& error) {
-    fault = error;
-  }
-  fail_together(fault);
-  gather_by_block(block_mass_);
-  detect_contacts(true);
-  draw_columns();
-  set_solver(SolverSettings(solver_));
-  find_time_step();
-}
-
-double World::density_of(const Block& block) const {
-  const double own = assembly_.materials[size_t(block.material)].density;
-  return block.spread_mass > 0.0 ? own + block.spread_mass / shape_facts_[size_t(block.shape)].mass.volume : own;
-}
-
-World::RigidMass World::rigid_mass(const Block& block) const {
-  const ShapeFacts& facts = shape_facts_[size_t(block.shape)];
-  const double density = density_of(block);
-  RigidMass all{density * facts.mass.volume, facts.mass.centroid, {density * facts.axes.values, facts.axes.vectors}};
-  if (block.masses.empty()) return all;
-  const double own = all.mass;
-  const Matrix turned = matrix(block.orientation);
-  const auto place_of = [&](const PointMass& point) { return transposed_times(turned, point.at - block.position); };
-  Vector moment = own * facts.mass.centroid;
-  for (const PointMass& point : block.masses) all.mass += point.mass, moment += point.mass * place_of(point);
-  all.centre = moment / all.mass;
-  Matrix inertia = density * facts.mass.inertia;
-  const auto add = [&](double mass, const Vector& at) {
-    const Vector arm = at - all.centre;
-    inertia += mass * (dot(arm, arm) * Matrix{} - outer(arm, arm));
-  };
-  add(own, facts.mass.centroid);
-  for (const PointMass& point : block.masses) add(point.mass, place_of(point));
-  all.axes = symmetric_eigen(inertia);
-  return all;
-}
-
-// A rigid block at the start.
-Body World::body_of(int block) const {
-  const Block& input = assembly_.blocks[size_t(block)];
-  const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-  const RigidMass own = rigid_mass(input);
-  Body body;
-  body.x = input.position + matrix(input.orientation) * own.centre;
-  body.turn_to(normalized(input.orientation * quaternion(own.axes.vectors)));
-  body.weight_mass = own.mass;
-  body.mass = body.weight_mass * solver_.mass_scaling;
-  body.inertia = solver_.mass_scaling * own.axes.values;
-  const bool on_plane = assembly_.symmetry_plane_z0 && touches_plane(shape, input);
-  body.support = on_plane ? kPlaneOfBodies : 0;
-  body.held = input.fixed ? 0x3f : body.support;
-  return body;
-}
-
-std::array<double, 6> World::zoning_key(const Block& b) {
-  return {double(b.shape),        b.zone_edge,     double(b.divisions[0]), double(b.divisions[1]),
-          double(b.divisions[2]), double(b.parity)};
-}
-
-std::shared_ptr<const Zoning> World::zoning_of(int block) {
-  constexpr size_t kFew = 64;
-  const Block& input = assembly_.blocks[size_t(block)];
-  if (input.zoning) return input.zoning;
-  if (zonings_.size() > kFew) zonings_.clear();
-  auto& zoning = zonings_[zoning_key(input)];
-  if (!zoning) zoning = std::make_shared<const Zoning>(make_zoning(block));
-  return zoning;
-}
-
-Zoning World::make_zoning(int block) const {
-  const Block& input = assembly_.blocks[size_t(block)];
-  if (input.zoning) return *input.zoning;
-  const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-  return input.divisions[0] > 0 ? make_brick_zones(shape, input.divisions, input.parity, label(assembly_, block))
-                                : make_zones(shape, input.zone_edge, label(assembly_, block));
-}
-
-// What a block is at the start.
-void World::lay_out(int block) {
-  if (laid_out_[size_t(block)]) return;
-  laid_out_[size_t(block)] = true;
-  const ModelBlock& b = blocks_[size_t(block)];
-  if (b.body >= 0) {
-    bodies_[size_t(b.body)] = body_of(block);
-    const RigidMass own = rigid_mass(assembly_.blocks[size_t(block)]);
-    auto corner = corner_.begin() + b.first_corner;
-    for (const Vector& p : b.shape->vertices) *corner++ = transposed_times(own.axes.vectors, p - own.centre);
-    auto normal = body_normal_.begin() + b.first_normal;
-    for (const Vector& n : b.shape->normals) *normal++ = transposed_times(own.axes.vectors, n);
-  } else {
-    lay_out_zones(block);
-  }
-  Pose& start = start_[size_t(block)];
-  pose(block, start.x, start.r);
-  broad_[size_t(block)] = start;
-}
-
-void World::lay_out_zones(int block) {
-  const Block& input = assembly_.blocks[size_t(block)];
-  const BlockMaterial& m = assembly_.materials[size_t(input.material)];
-  const Matrix turned = matrix(input.orientation);
-  const std::shared_ptr<const Zoning> z = zoning_of(block);
-  const double density = density_of(input);
-  ModelBlock& b = blocks_[size_t(block)];
-  const size_t first = size_t(b.first_node), count = size_t(b.node_count);
-  for (size_t n = 0; n < count; ++n) {
-    const Vector x = input.position + turned * z->nodes[n];
-    node_x_[first + n] = node_reference_[first + n] = x;
-    node_v_[first + n] = node_held_v_[first + n] = {};
-    const bool on_plane = assembly_.symmetry_plane_z0 && x.z == 0.0;
-    node_support_[first + n] = on_plane ? kPlaneOfNodes : 0;
-    node_held_[first + n] = uint8_t((input.fixed ? 7 : 0) | node_support_[first + n]);
-    node_mass_[first + n] = 0.0;
-  }
-  for (size_t k = 0; k < z->zones.size(); ++k) {
-    const auto& t = z->zones[k];
-    Zone& zone = zones_[size_t(b.first_zone) + k];
-    for (size_t c = 0; c < 4; ++c) zone.node[c] = b.first_node + t[c];
-    // From the shape, not from the place: congruent blocks have the same bits.
-    const Vector& o = z->nodes[size_t(t[0])];
-    const Vector e1 = turned * (z->nodes[size_t(t[1])] - o), e2 = turned * (z->nodes[size_t(t[2])] - o),
-                 e3 = turned * (z->nodes[size_t(t[3])] - o);
-    const double six = dot(e1, cross(e2, e3));
-    zone.volume = six / 6;
-    zone.gradient[1] = cross(e2, e3) / six;
-    zone.gradient[2] = cross(e3, e1) / six;
-    zone.gradient[3] = cross(e1, e2) / six;
-    zone.gradient[0] = -(zone.gradient[1] + zone.gradient[2] + zone.gradient[3]);
-    zone.lambda = m.young_modulus * m.poisson_ratio / ((1 + m.poisson_ratio) * (1 - 2 * m.poisson_ratio));
-    zone.mu = m.young_modulus / (2 * (1 + m.poisson_ratio));
-    for (const int32_t node : zone.node) node_mass_[size_t(node)] += density * zone.volume / 4;
-  }
-  for (const PointMass& point : input.masses) {
-    for (const auto& [node, share] : shares_at(block, point.at)) node_mass_[size_t(node)] += share * point.mass;
-  }
-  for (size_t n = first; n < first + count; ++n) {
-    node_weight_mass_[n] = node_mass_[n];
-    node_mass_[n] *= solver_.mass_scaling;
-    if (!is_positive(node_mass_[n])) {
-      throw Error(Exit::bad_input,
-                  fmt::format("a gridpoint has the mass {:.3g} kg, which must be finite and > 0; check densities, "
-                              "mass_scaling and the sizes of the blocks",
-                              node_mass_[n]));
-    }
-  }
-  frames_[size_t(block)].transposed_r = transposed(start_of_frame(block));
-  if (zone_lanes_[size_t(b.first_lanes)].count == 0) put_in_lanes(b);
-  b.surface.clear();
-  for (Zoning::SurfaceTriangle t : z->surface) {
-    if (input.divisions[0] > 0) begin_at_widest_angle(z->nodes, t);
-    for (int& n : t.node) n += b.first_node;
-    b.surface.push_back(t);
-  }
-  b.corner_area = area_at_corners(b, node_reference_) / (3.0 * double(b.shape->vertices.size()));
-  if (b.congruent >= 0 || node_anchor_.empty()) return;
-  std::ranges::copy(
-      anchors_of(std::span(node_reference_).subspan(first, count), std::span(node_mass_).subspan(first, count)),
-      node_anchor_.begin() + b.first_node);
+  bind_columns(*this);
+  choose_impact_damping(*this);
+  if (runs) find_time_step(*this, true);
 }
 
 namespace {
 
-// Shapes that are the same but for rounding have the same number. The grid, a part of the radius, is far finer than any
-// strain that matters; its offset keeps round dimensions away from where rounding turns.
-std::vector<int> kinds_of_shapes(const std::vector<ConvexPolyhedron>& shapes) {
-  constexpr double kGrid = 1e-10, kOffset = 0.2371;
-  std::map<std::pair<std::vector<std::vector<int>>, std::vector<int64_t>>, int> known;
-  std::vector<int> kinds;
-  for (const ConvexPolyhedron& shape : shapes) {
-    double radius = 0.0;
-    for (const Vector& p : shape.vertices) radius = std::max(radius, norm(p - shape.vertices[0]));
-    const double step = kGrid * std::exp2(std::ceil(std::log2(radius)));  // the same for shapes that hardly differ
-    std::vector<int64_t> places;
-    for (const Vector& p : shape.vertices) {
-      for (int k = 0; k < 3; ++k) places.push_back(int64_t(std::floor((p[k] - shape.vertices[0][k]) / step + kOffset)));
-    }
-    kinds.push_back(known.try_emplace({shape.faces, std::move(places)}, int(known.size())).first->second);
-  }
-  return kinds;
-}
-
-}  // namespace
-
-// The halves of a unit go together: they are of one kind, or each has its own.
-void World::find_frames(InternalForces wanted) {
-  by_zone_.assign(blocks_.size(), wanted == InternalForces::zones);
-  if (wanted == InternalForces::zones) return;
-  const std::vector<int> kinds = kinds_of_shapes(assembly_.shapes);
-  using Kind = std::array<double, 7>;
-  const auto kind_of = [&](int block) {
-    const Block& b = assembly_.blocks[size_t(block)];
-    return Kind{double(kinds[size_t(b.shape)]), double(b.material),     b.zone_edge,     double(b.divisions[0]),
-                double(b.divisions[1]),         double(b.divisions[2]), double(b.parity)};
-  };
-  std::map<Kind, std::vector<int>> of_kind;
-  std::vector<int> distinct;
-  for (int i = 0; i < block_count(); ++i) {
-    if (blocks_[size_t(i)].body >= 0) continue;
-    const Unit unit = unit_of(i);
-    const bool is_made_elsewhere = assembly_.blocks[size_t(i)].zoning != nullptr;  // shapes are compared, not zones
-    const auto carries_mass = [&](int block) {
-      const Block& b = assembly_.blocks[size_t(block)];
-      return b.spread_mass > 0.0 || !b.masses.empty();
-    };
-    if (is_made_elsewhere || carries_mass(unit.block[0]) || carries_mass(unit.block[size_t(unit.count) - 1]) ||
-        kind_of(unit.block[0]) != kind_of(unit.block[size_t(unit.count) - 1]))
-      distinct.push_back(i);
-    else
-      of_kind[kind_of(i)].push_back(i);
-  }
-  for (const auto& [kind, blocks] : of_kind) {
-    if (blocks.size() < kFewestAlike) {
-      distinct.insert(distinct.end(), blocks.begin(), blocks.end());
-      continue;
-    }
-    for (const int i : blocks) blocks_[size_t(i)].congruent = int32_t(congruent_.size());
-    make_congruent(blocks.front());
-  }
-  if (!distinct.empty()) node_anchor_ = LaneVector<Vector>(node_x_.size());
-}
-
-// Turned back to how the shape stands.
-void World::make_congruent(int block) {
-  lay_out(block);
-  const ModelBlock& b = blocks_[size_t(block)];
-  const Matrix turned = matrix(assembly_.blocks[size_t(block)].orientation);
-  std::vector<Vector> node;
-  for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
-    node.push_back(transposed_times(turned, node_reference_[size_t(n)] - node_reference_[size_t(b.first_node)]));
-  std::vector<quoin::Zone> zones;
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    const Zone& from = zones_[size_t(z)];
-    quoin::Zone& zone = zones.emplace_back();
-    zone.volume = from.volume;
-    for (size_t k = 0; k < 4; ++k) {
-      zone.node[k] = from.node[k] - b.first_node;
-      zone.shape_gradient[k] = array(transposed_times(turned, from.gradient[k]));
-    }
-  }
-  const Zone& first = zones_[size_t(b.first_zone)];
-  congruent_.push_back(make_congruent_blocks(node, {node_mass_.data() + b.first_node, size_t(b.node_count)}, zones,
-                                             first.lambda, first.mu));
-}
-
-void World::draw_columns() {
+void draw_columns(World& w) {
   std::vector<PlacedBlock> placed;
-  for (const Block& b : assembly_.blocks) placed.push_back({b.unit, b.course});
-  for (size_t k = 0; k < families_.size(); ++k) {
-    const JointFamily& description = assembly_.families[k];
-    Family& f = families_[k];
+  for (const Block& b : w.assembly.blocks) placed.push_back({b.unit, b.course});
+  for (size_t k = 0; k < w.contacts.families.size(); ++k) {
+    const JointFamily& description = w.assembly.families[k];
+    Family& f = w.contacts.families[k];
     if (!description.scatters()) continue;
     std::vector<PlacedPoint> points;
     for (const Point& p : f.point) points.push_back({array(p.at), p.area, p.a, p.b});
@@ -510,68 +110,49 @@ void World::draw_columns() {
   }
 }
 
-void World::put_in_lanes(const ModelBlock& b) {
-  constexpr int kWide = ZoneLanes::kCount;
-  for (int z = 0; z < b.zone_count; z += kWide) {
-    ZoneLanes& lanes = zone_lanes_[size_t(b.first_lanes + z / kWide)];
-    lanes.count = std::min(kWide, b.zone_count - z);
-    for (int l = 0; l < kWide; ++l) {
-      const bool is_one = l < lanes.count;
-      const Zone& zone = zones_[size_t(b.first_zone + z + (is_one ? l : 0))];
-      for (int k = 0; k < 4; ++k) lanes.node[k][l] = zone.node[k] - b.first_node;
-      for (int k = 0; k < 3; ++k) {
-        for (int c = 0; c < 3; ++c) lanes.gradient[k][c][l] = zone.gradient[k + 1][c];
-      }
-      lanes.volume[l] = is_one ? zone.volume : 0.0;
-      lanes.lambda[l] = zone.lambda, lanes.twice_mu[l] = 2 * zone.mu;
+}  // namespace
+
+void World::begin(std::vector<int> rank_of_block) {
+  part.rank_of_block = std::move(rank_of_block);
+  std::vector<double> masses(blocks.size());
+  std::optional<Error> fault;
+  try {
+    for (int i = 0; i < block_count(); ++i) {
+      if (!part.owns(i)) continue;
+      lay_out(*this, i);
+      const ModelBlock& b = blocks[size_t(i)];
+      double& mass = masses[size_t(i)];
+      if (b.body >= 0) mass = bodies[size_t(b.body)].weight_mass;
+      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) mass += nodes.weight_mass[size_t(n)];
     }
+  } catch (const Error& error) {
+    fault = error;
   }
-}
-
-void World::pose(int block, Vector& x, Matrix& r) const {
-  const ModelBlock& b = blocks_[block];
-  if (b.body >= 0) {
-    x = bodies_[b.body].x, r = bodies_[b.body].r;
-    return;
-  }
-  // Deformable: mean of the corners, and axes along the first face. Strains are small, so any material axes do.
-  const auto& face = b.shape->faces[0];
-  const Vector* p = node_x_.data() + b.first_node;
-  x = {};
-  const size_t n = b.shape->vertices.size();
-  for (size_t i = 0; i < n; ++i) x += p[i];
-  x = x / double(n);
-  const Vector e1 = normalized(p[face[1]] - p[face[0]]);
-  const Vector e3 = normalized(cross(e1, p[face[2]] - p[face[0]]));
-  r = Matrix::columns(e1, cross(e3, e1), e3);
-}
-
-void World::adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state) {
-  f.initial = material->initial_state(initial_state);
-  f.dry = knows_initial_state(material->api(), "dry") ? material->initial_state("dry") : f.initial;
-  const size_t index = size_t(&f - families_.data());
-  const quoin_stiffness_bounds bounds = stiffness_bounds_of(assembly_.families[index], *material, f.columns);
-  f.kn = bounds.normal, f.ks = bounds.shear;
-  f.state.resize(material->api().state_count);
-  f.material = std::move(material);
+  part.fail_together(fault);
+  part.gather_by_block(masses);
+  for (size_t i = 0; i < blocks.size(); ++i) blocks[i].mass = masses[i];
+  detect_contacts(*this, true);
+  draw_columns(*this);
+  set_solver(SolverSettings(solver));
+  find_time_step(*this);
 }
 
 void World::take_law(int family, std::shared_ptr<const Material> material) {
   const quoin_law& law = material->api();
-  const std::string& wanted = assembly_.families[size_t(family)].initial_state;
-  adopt(families_[size_t(family)], std::move(material),
+  const std::string& wanted = assembly.families[size_t(family)].initial_state;
+  adopt(*this, contacts.families[size_t(family)], std::move(material),
         knows_initial_state(law, wanted) ? wanted : law.initial_states[0]);
 }
 
 void World::replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                         std::span<const double> opening_shift) {
-  Family& f = families_[size_t(family)];
+  Family& f = contacts.families[size_t(family)];
   const double kn = f.kn, ks = f.ks;
-  take_back_facets();
+  take_back_facets(*this);
   const std::shared_ptr<const Material> old = f.material;
-  const size_t old_width = kept_width();
+  const size_t old_width = kept_width(*this);
   take_law(family, std::move(material));
-  keep_states_by_id(family, old->api(), old_width);
+  keep_states_by_id(*this, family, old->api(), old_width);
   for (size_t k = 0; k < f.state.size(); ++k)
     f.state[k].assign(state.begin() + long(k * f.size()), state.begin() + long((k + 1) * f.size()));
   for (size_t i = 0; i < f.size(); ++i) {
@@ -585,99 +166,85 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
   // What the old law has stored stays in the columns if the new one writes none.
   std::fill(f.stored.begin(), f.stored.end(), 0.0);
   for (auto& column : f.dissipated) std::fill(column.begin(), column.end(), 0.0);
-  divide_work();
-  if (f.kn > kn || f.ks > ks) find_time_step();
+  divide_work(*this);
+  if (f.kn > kn || f.ks > ks) find_time_step(*this);
 }
 
-void World::set_gravity(const Vector& g, TimeSeries factor) { gravity_ = g, gravity_factor_ = std::move(factor); }
+void World::set_gravity(const Vector& g, TimeSeries factor) {
+  actions.gravity = g, actions.gravity_factor = std::move(factor);
+}
+
+namespace {
 
 // The motion of what is driven is no kinetic energy: what is let go adds its own, what is caught leaves it to the
 // support.
-void World::hold(uint8_t& held, uint8_t next, double mass, const Vector& v) {
+void change_held(uint8_t& held, uint8_t next, double mass, const Vector& v, Energies& energies) {
   const int changed = held ^ next;
   for (int k = 0; changed != 0 && k < 3; ++k)
-    if (changed >> k & 1) energies_.external += (next >> k & 1 ? -0.5 : 0.5) * mass * v[k] * v[k];
+    if (changed >> k & 1) energies.external += (next >> k & 1 ? -0.5 : 0.5) * mass * v[k] * v[k];
   held = next;
 }
 
+}  // namespace
+
 void World::prescribe(int block, const Vector& velocity, const Vector& omega, uint8_t held) {
-  if (!laid_out_[size_t(block)]) return;
-  const ModelBlock& b = blocks_[block];
+  if (!part.laid_out[size_t(block)]) return;
+  const ModelBlock& b = blocks[block];
   if (b.body >= 0) {
-    Body& body = bodies_[b.body];
+    Body& body = bodies[b.body];
     const auto holds_rotation = [](uint8_t bits) { return (bits & 0x38) == 0x38; };
     const int let_go = int(holds_rotation(body.held)) - int(holds_rotation(held | body.support));
-    energies_.external += let_go * 0.5 * dot(body.momentum, body.omega);
-    hold(body.held, held | body.support, body.mass, body.v);
+    step_sums.energies.external += let_go * 0.5 * dot(body.momentum, body.omega);
+    change_held(body.held, held | body.support, body.mass, body.v, step_sums.energies);
     body.held_v = velocity, body.held_omega = omega;
     return;
   }
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
-    hold(node_held_[i], uint8_t((held & 7) | node_support_[i]), node_mass_[i], node_v_[i]);
-    node_held_v_[i] = velocity;
+    change_held(nodes.held[i], uint8_t((held & 7) | nodes.support[i]), nodes.mass[i], nodes.v[i], step_sums.energies);
+    nodes.held_v[i] = velocity;
   }
-  held_blocks_changed_.push_back(block);
+  pieces.held_changed.push_back(block);
 }
 
 void World::release(int block) { prescribe(block, {}, {}, 0); }
 
 void World::set_velocity(int block, const Vector& velocity, const Vector& omega) {
-  const ModelBlock& b = blocks_[block];
+  const ModelBlock& b = blocks[block];
   if (b.body >= 0) {
-    Body& body = bodies_[b.body];
+    Body& body = bodies[b.body];
     body.v = velocity, body.omega = omega;
     const Vector w = transposed_times(body.r, omega);
     body.momentum = body.r * Vector{body.inertia.x * w.x, body.inertia.y * w.y, body.inertia.z * w.z};
     return;
   }
-  check_dt_ = 0.0;  // sooner than its checks have reckoned with
+  checks.dt = 0.0;  // sooner than its checks have reckoned with
   const Vector centre = position(block);
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
-    node_v_[i] = velocity + cross(omega, node_x_[i] - centre);
+    nodes.v[i] = velocity + cross(omega, nodes.x[i] - centre);
 }
 
 void World::add(Load load) {
-  if (blocks_.at(load.block).body >= 0) {
-    const Pose& start = start_[size_t(load.block)];
+  if (blocks.at(load.block).body >= 0) {
+    const Pose& start = poses.start[size_t(load.block)];
     load.arm = transposed_times(start.r, load.point - start.x);
   } else {
-    load.share = shares_at(load.block, load.point);
+    load.share = shares_at(*this, load.block, load.point);
   }
-  loaded_[size_t(load.block)] = 1;
-  loads_.push_back(std::move(load));
-}
-
-// Shape functions of the zone that holds the point, or of the nearest one.
-std::vector<std::pair<int32_t, double>> World::shares_at(int block, const Vector& point) const {
-  const ModelBlock& b = blocks_[size_t(block)];
-  double best = -1e300;
-  std::vector<std::pair<int32_t, double>> share;
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    double n[4], least = 1e300;
-    for (int k = 0; k < 4; ++k) {
-      n[k] = (k == 0 ? 1.0 : 0.0) + dot(zones_[z].gradient[k], point - node_reference_[zones_[z].node[0]]);
-      least = std::min(least, n[k]);
-    }
-    if (least <= best) continue;
-    best = least;
-    share.clear();
-    for (int k = 0; k < 4; ++k) share.push_back({zones_[z].node[k], n[k]});
-    if (least >= -1e-9) break;
-  }
-  return share;
+  actions.loaded[size_t(load.block)] = 1;
+  actions.loads.push_back(std::move(load));
 }
 
 void World::add(Pressure pressure) {
-  const ModelBlock& b = blocks_.at(pressure.block);
+  const ModelBlock& b = blocks.at(pressure.block);
   if (pressure.face < 0 || pressure.face >= int(b.shape->faces.size())) {
     throw Error(Exit::bad_input,
                 fmt::format("pressure on block {}: face {} does not exist; there are faces 0 to {}",
-                            label(assembly_, pressure.block), pressure.face, b.shape->faces.size() - 1));
+                            label(assembly, pressure.block), pressure.face, b.shape->faces.size() - 1));
   }
   if (b.body >= 0) {
     ConvexPolyhedron local = *b.shape;
-    local.vertices.assign(corner_.begin() + b.first_corner,
-                          corner_.begin() + b.first_corner + long(b.shape->vertices.size()));
+    local.vertices.assign(shapes.corner.begin() + b.first_corner,
+                          shapes.corner.begin() + b.first_corner + long(b.shape->vertices.size()));
     update_normals(local);
     pressure.arm = face_centroid(local, pressure.face);
     pressure.push = -face_area(local, pressure.face) * local.normals[pressure.face];
@@ -686,32 +253,32 @@ void World::add(Pressure pressure) {
       if (t.face == pressure.face) pressure.triangles.push_back({t.node[0], t.node[1], t.node[2]});
     }
   }
-  loaded_[size_t(pressure.block)] = 1;
-  pressures_.push_back(std::move(pressure));
+  actions.loaded[size_t(pressure.block)] = 1;
+  actions.pressures.push_back(std::move(pressure));
 }
 
 void World::apply_force(int block, const Vector& force) {
-  if (applied_.empty()) applied_.resize(blocks_.size());
-  applied_[size_t(block)] = force;
-  loaded_[size_t(block)] = 1;
+  if (actions.applied.empty()) actions.applied.resize(blocks.size());
+  actions.applied[size_t(block)] = force;
+  actions.loaded[size_t(block)] = 1;
 }
 
 void World::track_energy(bool on) {
-  energies_ = {};
-  later_ = {};
-  for (Family& f : families_) {
-    for (auto& column : f.viscous) column = LaneVector<double>(viscous_contacts() ? f.size() : 0);
+  step_sums.energies = {};
+  step_sums.later = {};
+  for (Family& f : contacts.families) {
+    for (auto& column : f.viscous) column = LaneVector<double>(viscous_contacts(solver) ? f.size() : 0);
   }
   book_energy(on);
 }
 
 void World::book_energy(bool on) {
-  energy_ = on;
-  for (Family& f : families_) {
+  books_energy = on;
+  for (Family& f : contacts.families) {
     f.stored = LaneVector<double>(on ? f.size() : 0);
     for (auto& d : f.dissipated) d = LaneVector<double>(on ? f.size() : 0);
   }
-  bind_columns();
+  bind_columns(*this);
 }
 
 }  // namespace quoin::blocks

@@ -1,12 +1,18 @@
 // Members in a model: where their nodes ride, and what they do to blocks. Where several processes share the model, each
 // computes all members. Owners of blocks give the others the places of nodes.
+#include "model/world_members.h"
+
 #include <array>
 
 #include "base/rank_rows.h"
 #include "members/members.h"
+#include "model/block_layout.h"
+#include "model/stepping.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
+
+using namespace geometry;
 
 namespace {
 
@@ -20,89 +26,92 @@ struct Ride {
 }  // namespace
 
 void World::hold_by_members(std::shared_ptr<members::Members> members, ExchangeNodes exchange) {
-  members_ = std::move(members), exchange_nodes_ = std::move(exchange);
-  std::vector<members::Node>& nodes = members_->nodes();
-  std::vector<Ride> rides(nodes.size());
-  for (size_t n = 0; n < nodes.size(); ++n) {
-    const int block = nodes[n].block;
-    if (!owns(block)) continue;
-    const Pose& start = start_[size_t(block)];
-    if (blocks_[size_t(block)].body >= 0) {
-      rides[n].arm = transposed_times(start.r, nodes[n].start - start.x);
+  held_by.members = std::move(members), held_by.exchange = std::move(exchange);
+  std::vector<members::Node>& riders = held_by.members->nodes();
+  std::vector<Ride> rides(riders.size());
+  for (size_t n = 0; n < riders.size(); ++n) {
+    const int block = riders[n].block;
+    if (!part.owns(block)) continue;
+    const Pose& start = poses.start[size_t(block)];
+    if (blocks[size_t(block)].body >= 0) {
+      rides[n].arm = transposed_times(start.r, riders[n].start - start.x);
       continue;
     }
     size_t k = 0;
-    for (const auto& [gridpoint, weight] : shares_at(block, nodes[n].start))
+    for (const auto& [gridpoint, weight] : shares_at(*this, block, riders[n].start))
       rides[n].gridpoint[k] = gridpoint, rides[n].weight[k++] = weight;
   }
-  all_gather(ranks_, std::span(rides), [&](size_t n) { return rank_of_block_[size_t(nodes[n].block)]; });
-  for (size_t n = 0; n < nodes.size(); ++n) {
-    nodes[n].arm = rides[n].arm;
+  all_gather(part.ranks, std::span(rides), [&](size_t n) { return part.rank_of_block[size_t(riders[n].block)]; });
+  for (size_t n = 0; n < riders.size(); ++n) {
+    riders[n].arm = rides[n].arm;
     for (size_t k = 0; k < rides[n].gridpoint.size(); ++k) {
-      if (rides[n].gridpoint[k] >= 0) nodes[n].share.push_back({rides[n].gridpoint[k], rides[n].weight[k]});
+      if (rides[n].gridpoint[k] >= 0) riders[n].share.push_back({rides[n].gridpoint[k], rides[n].weight[k]});
     }
   }
-  find_time_step(true);
+  find_time_step(*this, true);
   // Dashpots act with velocities of half a step ago: stable where K + 2 C/dt has dt^2 times its eigenvalue below 4. A
   // smaller dt is stable too, so that one that fits is enough.
   constexpr double kTry = 0.95;
-  for (double reckoned = dt_; members_->has_dashpots();) {
-    members_->reckon_with(reckoned);
-    find_time_step(true);
-    if (dt_ >= reckoned) break;
+  for (double reckoned = stepping.dt; held_by.members->has_dashpots();) {
+    held_by.members->reckon_with(reckoned);
+    find_time_step(*this, true);
+    if (stepping.dt >= reckoned) break;
     reckoned *= kTry;
   }
 }
 
-void World::follow_members() {
-  for (members::Node& node : members_->nodes()) {
-    if (!owns(node.block)) continue;
-    const ModelBlock& b = blocks_[size_t(node.block)];
+void follow_members(World& w) {
+  for (members::Node& node : w.held_by.members->nodes()) {
+    if (!w.part.owns(node.block)) continue;
+    const ModelBlock& b = w.blocks[size_t(node.block)];
     if (b.body >= 0) {
-      const Body& body = bodies_[size_t(b.body)];
+      const Body& body = w.bodies[size_t(b.body)];
       node.x = body.x + body.r * node.arm;
     } else {
       node.x = {};
-      for (const auto& [i, weight] : node.share) node.x += weight * node_x_[size_t(i)];
+      for (const auto& [i, weight] : node.share) node.x += weight * w.nodes.x[size_t(i)];
     }
-    if (node.turns) node.turn = orientation(node.block);
+    if (node.turns) node.turn = w.orientation(node.block);
   }
-  if (exchange_nodes_) exchange_nodes_(members_->nodes());
-  const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
-  members_->pull({dt_, dt_ * ground_then_, braking_ground(), gravity_factor_.at(time_) * gravity_, solver_.mass_scaling,
-                  solver_.damping == DampingKind::viscous ? solver_.mass_damping : 0.0, eq1 ? gamma() : 0.0});
+  if (w.held_by.exchange) w.held_by.exchange(w.held_by.members->nodes());
+  const bool eq1 = w.solver.damping == DampingKind::local || w.solver.damping == DampingKind::block;
+  w.held_by.members->pull({w.stepping.dt, w.stepping.dt * w.actions.ground_then, braking_ground(w),
+                           w.actions.gravity_factor.at(w.stepping.time) * w.actions.gravity, w.solver.mass_scaling,
+                           w.solver.damping == DampingKind::viscous ? w.solver.mass_damping : 0.0,
+                           eq1 ? gamma(w) : 0.0});
 }
 
 // As springs of the same stiffness in all directions, which bound them however they turn.
-void World::add_member_springs(const Unit* alone, const Columns& velocity, const Columns& force) const {
-  const std::vector<members::Node>& nodes = members_->nodes();
+void add_member_springs(const World& w, const Unit* alone, const MotionColumns& velocity, const MotionColumns& force) {
+  const std::vector<members::Node>& nodes = w.held_by.members->nodes();
   const auto velocity_of = [&](const members::Node& node) {
-    const int32_t body = blocks_[size_t(node.block)].body;
+    const int32_t body = w.blocks[size_t(node.block)].body;
     if (body >= 0) {
       const auto i = size_t(body);
-      return velocity.linear[i] + cross(velocity.angular[i], node.x - bodies_[i].x);
+      return velocity.linear[i] + cross(velocity.angular[i], node.x - w.bodies[i].x);
     }
     Vector v;
     for (const auto& [i, weight] : node.share) v += weight * velocity.node[size_t(i)];
     return v;
   };
-  const auto has = [&](const members::Node& node) { return alone ? alone->has(node.block) : owns(node.block); };
+  const auto has = [&](const members::Node& node) { return alone ? alone->has(node.block) : w.part.owns(node.block); };
   std::vector<Vector> moves(nodes.size());  // of blocks outside of a unit: none
   for (size_t n = 0; n < nodes.size(); ++n) {
     if (has(nodes[n])) moves[n] = velocity_of(nodes[n]);
   }
-  if (!alone) all_gather(ranks_, std::span(moves), [&](size_t n) { return rank_of_block_[size_t(nodes[n].block)]; });
+  if (!alone)
+    all_gather(w.part.ranks, std::span(moves), [&](size_t n) { return w.part.rank_of_block[size_t(nodes[n].block)]; });
   const auto push = [&](const members::Node& node, const Vector& f) {
     if (!has(node)) return;
-    const int32_t body = blocks_[size_t(node.block)].body;
+    const int32_t body = w.blocks[size_t(node.block)].body;
     if (body >= 0) {
       const auto i = size_t(body);
-      force.linear[i] += f, force.angular[i] += cross(node.x - bodies_[i].x, f);
+      force.linear[i] += f, force.angular[i] += cross(node.x - w.bodies[i].x, f);
       return;
     }
     for (const auto& [i, weight] : node.share) force.node[size_t(i)] += weight * f;
   };
-  members_->each_spring([&](int a, int b, double stiffness) {
+  w.held_by.members->each_spring([&](int a, int b, double stiffness) {
     const members::Node& from = nodes[size_t(a)];
     if (b == members::kGround) return push(from, stiffness * moves[size_t(a)]);
     const members::Node& to = nodes[size_t(b)];

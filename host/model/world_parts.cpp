@@ -2,14 +2,34 @@
 //
 // Arrays have the numbers of the whole model; memory they have where a rank works (base/sparse_memory.h). What steps
 // change of a block is known to its owner; contact points to the owners of both blocks of their pair.
+
+#include "model/world_parts.h"
+
 #include <algorithm>
 
+#include "model/block_layout.h"
+#include "model/contact_frames.h"
 #include "model/fields.h"
+#include "model/parted_points.h"
+#include "model/placed_blocks.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
 
+using namespace geometry;
+
 namespace {
+
+using VisitBytes = std::function<void(void*, size_t)>;
+
+// Of joints that begin at these blocks.
+Items start_points_of(const StartJoints& start, int first_block, int end_block) {
+  const auto first_of = [&](int block) {
+    const auto joint = std::ranges::lower_bound(start.joint, block, {}, [](const StartJoint& j) { return j.pair.a; });
+    return joint == start.joint.end() ? start.point.size() : size_t(joint->first);
+  };
+  return {first_of(first_block), first_of(end_block)};
+}
 
 template <class Array>
 void forget_items(Array& array, size_t first, size_t end) {
@@ -18,92 +38,57 @@ void forget_items(Array& array, size_t first, size_t end) {
 
 }  // namespace
 
-template <class Memory>
-void World::gather_by_block(Memory& values) const {
-  all_gather(ranks_, std::span(values), [&](size_t block) { return rank_of_block_[block]; });
-}
-template void World::gather_by_block(std::vector<double>&) const;
-template void World::gather_by_block(std::vector<geometry::Box>&) const;
-
-bool World::any(bool here) const { return largest(here ? 1.0 : 0.0) > 0.0; }
-
-double World::largest(double here) const {
-  if (ranks_) ranks_->largest({&here, 1});
-  return here;
-}
-
-// The fault of the first rank that has one.
-void World::fail_together(const std::optional<Error>& here) const {
-  if (!ranks_) {
-    if (here) throw *here;
-    return;
-  }
-  const double first = -largest(here ? -double(ranks_->rank()) : -double(ranks_->count()));
-  const int rank = int(first);
-  if (rank == ranks_->count()) return;
-  const bool mine = rank == ranks_->rank();
-  const std::string text = mine ? here->what() : "";
-  const auto length = size_t(largest(double(text.size())));
-  const int code = int(largest(mine ? double(here->exit_code) : 0.0));
-  std::vector<size_t> sizes(size_t(ranks_->count()), 0);
-  sizes[size_t(rank)] = length;
-  std::string received(length, ' ');
-  ranks_->gather(std::as_bytes(std::span(text)), sizes, std::as_writable_bytes(std::span(received)));
-  throw Error(Exit(code), received);
-}
-
 // ---- What can be exchanged ------------------------------------------------------------------------------------------
 
-World::Items World::items_of_blocks(Owner owner, size_t first, size_t end) const {
-  const ModelBlock &from = blocks_[first], &last = blocks_[end - 1];
+Items items_of_blocks(const World& w, Owner owner, size_t first, size_t end) {
+  const ModelBlock &from = w.blocks[first], &last = w.blocks[end - 1];
   if (owner == Owner::block) return {first, end};
   if (owner == Owner::gridpoint) return {size_t(from.first_node), size_t(last.first_node + last.node_count)};
   Items bodies{0, 0};
   for (size_t i = first; i < end; ++i) {
-    if (blocks_[i].body < 0) continue;
-    if (bodies.end == 0) bodies.first = size_t(blocks_[i].body);
-    bodies.end = size_t(blocks_[i].body) + 1;
+    if (w.blocks[i].body < 0) continue;
+    if (bodies.end == 0) bodies.first = size_t(w.blocks[i].body);
+    bodies.end = size_t(w.blocks[i].body) + 1;
   }
   return bodies;
 }
 
-void World::each_memory_of_block(int block, const VisitBytes& visit) {
-  WorldFields::of_blocks(*this, [&](const Field& field, auto& array) {
-    const Items items = items_of_blocks(field.owner, size_t(block), size_t(block) + 1);
+namespace {
+
+void each_memory_of_block(World& w, int block, const VisitBytes& visit) {
+  WorldFields::of_blocks(w, [&](const Field& field, auto& array) {
+    const Items items = items_of_blocks(w, field.owner, size_t(block), size_t(block) + 1);
     if (field.known_to_all || array.empty() || items.first == items.end) return;
     visit(&array[items.first], (items.end - items.first) * sizeof array[0]);
   });
-  const Items joints = start_points_of(block, block + 1);
+  const Items joints = start_points_of(w.start_joints, block, block + 1);
   if (joints.end == joints.first) return;
-  visit(&start_point_[joints.first], (joints.end - joints.first) * sizeof(StartPoint));
-  const size_t width = kept_width();
-  if (!kept_.empty() && width > 0)
-    visit(&kept_[joints.first * width], (joints.end - joints.first) * width * sizeof kept_[0]);
+  visit(&w.start_joints.point[joints.first], (joints.end - joints.first) * sizeof(StartPoint));
+  const size_t width = kept_width(w);
+  if (!w.start_joints.kept.empty() && width > 0)
+    visit(&w.start_joints.kept[joints.first * width],
+          (joints.end - joints.first) * width * sizeof w.start_joints.kept[0]);
 }
 
-World::Items World::start_points_of(int first_block, int end_block) const {
-  const auto first_of = [&](int block) {
-    const auto joint = std::ranges::lower_bound(start_joints_, block, {}, [](const StartJoint& j) { return j.pair.a; });
-    return joint == start_joints_.end() ? start_point_.size() : size_t(joint->first);
-  };
-  return {first_of(first_block), first_of(end_block)};
-}
+}  // namespace
 
-void World::each_memory_of_points(int family, size_t first, size_t end, const VisitBytes& visit) {
+namespace {
+
+void each_memory_of_points(World& w, int family, size_t first, size_t end, const VisitBytes& visit) {
   WorldFields::of_points(
       [&](const Field& field, auto& column) {
         if (!field.known_to_all && !column.empty()) visit(&column[first], (end - first) * sizeof column[0]);
       },
-      families_[size_t(family)]);
+      w.contacts.families[size_t(family)]);
 }
 
-struct World::Wanted {
+struct Wanted {
   std::vector<bool> block, contact;            // that are sent
   std::vector<bool> block_here, contact_here;  // asked for here
   std::span<const int> known_by;               // rank of each block
   explicit Wanted(const World& world, std::span<const int> known)
-      : block(world.blocks_.size()),
-        contact(world.contacts_.size()),
+      : block(world.blocks.size()),
+        contact(world.contacts.list.size()),
         block_here(block),
         contact_here(contact),
         known_by(known) {}
@@ -112,14 +97,14 @@ struct World::Wanted {
 // visit(rank, first byte, bytes, whether it is asked for here). Neighbouring contacts of one rank go together, array by
 // array, in the same order on all ranks, whatever each of them asks for.
 template <class Visit>
-void World::each_exchanged_memory(const Wanted& w, Visit visit) {
-  for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!w.block[i]) continue;
-    each_memory_of_block(int(i), [&](void* first, size_t bytes) {
-      if (bytes > 0) visit(w.known_by[i], first, bytes, bool(w.block_here[i]));
+void each_exchanged_memory(World& w, const Wanted& wanted, Visit visit) {
+  for (size_t i = 0; i < w.blocks.size(); ++i) {
+    if (!wanted.block[i]) continue;
+    each_memory_of_block(w, int(i), [&](void* first, size_t bytes) {
+      if (bytes > 0) visit(wanted.known_by[i], first, bytes, bool(wanted.block_here[i]));
     });
   }
-  const auto rank_of_contact = [&](size_t i) { return w.known_by[size_t(contacts_[i].pair.a)]; };
+  const auto rank_of_contact = [&](size_t i) { return wanted.known_by[size_t(w.contacts.list[i].pair.a)]; };
   // Items of arrays that go together, from some item on: how many of them are asked for here, or not, in turn.
   struct Part {
     size_t items;
@@ -138,48 +123,51 @@ void World::each_exchanged_memory(const Wanted& w, Visit visit) {
       at += part.items * item_bytes;
     }
   };
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    if (!w.contact[i]) continue;
+  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
+    if (!wanted.contact[i]) continue;
     const size_t first = i;
     rank = rank_of_contact(i), parts.clear();
-    for (; i < contacts_.size() && w.contact[i] && rank_of_contact(i) == rank; ++i) add(1, w.contact_here[i]);
-    WorldFields::of_pairs(*this, [&](const Field&, auto& array) { visit_parts(&array[first], sizeof array[0]); });
+    for (; i < w.contacts.list.size() && wanted.contact[i] && rank_of_contact(i) == rank; ++i)
+      add(1, wanted.contact_here[i]);
+    WorldFields::of_pairs(w, [&](const Field&, auto& array) { visit_parts(&array[first], sizeof array[0]); });
     --i;
   }
-  for (size_t k = 0; k < families_.size(); ++k) {
-    const std::vector<uint32_t>& of_family = contacts_of_family_[k];
+  for (size_t k = 0; k < w.contacts.families.size(); ++k) {
+    const std::vector<uint32_t>& of_family = w.contacts.of_family[k];
     for (size_t i = 0; i < of_family.size(); ++i) {
-      if (!w.contact[of_family[i]]) continue;
+      if (!wanted.contact[of_family[i]]) continue;
       const size_t first_of_run = i;
-      const Contact& from = contacts_[of_family[i]];
+      const Contact& from = w.contacts.list[of_family[i]];
       rank = rank_of_contact(of_family[i]), parts.clear();
-      for (; i < of_family.size() && w.contact[of_family[i]] && rank_of_contact(of_family[i]) == rank; ++i)
-        add(contacts_[of_family[i]].count, w.contact_here[of_family[i]]);
-      const Contact& last = contacts_[of_family[--i]];
+      for (; i < of_family.size() && wanted.contact[of_family[i]] && rank_of_contact(of_family[i]) == rank; ++i)
+        add(w.contacts.list[of_family[i]].count, wanted.contact_here[of_family[i]]);
+      const Contact& last = w.contacts.list[of_family[--i]];
       const size_t points = last.first + last.count - from.first;
-      each_memory_of_points(int(k), from.first, from.first + points,
+      each_memory_of_points(w, int(k), from.first, from.first + points,
                             [&](void* at, size_t bytes) { visit_parts(at, bytes / points); });
       parts.clear();
       for (size_t c = first_of_run; c <= i; ++c) {
-        const Contact& contact = contacts_[of_family[c]];
-        add(contact.count * size_t(facets_a_point(contact)), w.contact_here[of_family[c]]);
+        const Contact& contact = w.contacts.list[of_family[c]];
+        add(contact.count * size_t(facets_a_point(w, contact)), wanted.contact_here[of_family[c]]);
       }
-      if (!facets_.empty()) visit_parts(&facets_[0] + from.first_facet, sizeof(Facet));
+      if (!w.contacts.facets.empty()) visit_parts(&w.contacts.facets[0] + from.first_facet, sizeof(Facet));
     }
   }
 }
 
-size_t World::exchange(const Wanted& wanted) {
-  RankRows rows(*ranks_);
-  each_exchanged_memory(wanted,
+size_t exchange(World& w, const Wanted& wanted) {
+  RankRows rows(*w.part.ranks);
+  each_exchanged_memory(w, wanted,
                         [&](int rank, void* first, size_t bytes, bool here) { rows.add(rank, first, bytes, here); });
   return rows.exchange();
 }
 
+}  // namespace
+
 void World::each_owned_memory(const VisitOwned& visit) {
-  Wanted all(*this, rank_of_block_);
-  all.block.assign(blocks_.size(), true), all.contact.assign(contacts_.size(), true);
-  each_exchanged_memory(all, [&](int rank, void* first, size_t bytes, bool) { visit(rank, first, bytes); });
+  Wanted all(*this, part.rank_of_block);
+  all.block.assign(blocks.size(), true), all.contact.assign(contacts.list.size(), true);
+  each_exchanged_memory(*this, all, [&](int rank, void* first, size_t bytes, bool) { visit(rank, first, bytes); });
 }
 
 // ---- Which items are exchanged --------------------------------------------------------------------------------------
@@ -198,36 +186,78 @@ struct Need {
   }
 };
 
+// Of a row of blocks: what changes in a run, and what lay_out makes.
+void forget_blocks(World& w, size_t first, size_t end) {
+  WorldFields::of_blocks(w, [&](const Field& field, auto& array) {
+    const Items items = items_of_blocks(w, field.owner, first, end);
+    if constexpr (requires { forget_part(array, items.first, items.end); }) {
+      if (!field.known_to_all) forget_items(array, items.first, items.end);
+    }
+  });
+  const ModelBlock &from = w.blocks[first], &last = w.blocks[end - 1];
+  const Items nodes = items_of_blocks(w, Owner::gridpoint, first, end),
+              joints = start_points_of(w.start_joints, int(first), int(end));
+  const auto forget_nodes = [&](auto&... field) { (forget_items(field, nodes.first, nodes.end), ...); };
+  forget_nodes(w.nodes.reference, w.nodes.anchor, w.nodes.mass, w.nodes.weight_mass, w.nodes.support);
+  for (auto* field : {&w.shapes.corner, &w.shapes.placed_corner})
+    forget_items(*field, from.first_corner, last.first_corner + last.shape->vertices.size());
+  for (auto* field : {&w.shapes.normal, &w.shapes.placed_normal})
+    forget_items(*field, from.first_normal, last.first_normal + last.shape->normals.size());
+  forget_items(w.poses.start, first, end);
+  forget_items(w.start_joints.point, joints.first, joints.end);
+  forget_items(w.start_joints.kept, joints.first * kept_width(w), joints.end * kept_width(w));
+  for (size_t i = first; i < end; ++i) {
+    w.part.laid_out[i] = false;
+    std::vector<geometry::Zoning::SurfaceTriangle>().swap(w.blocks[i].surface);
+  }
+}
+
+void forget_points(World& w, size_t family, const std::vector<bool>& contact_stays) {
+  Family& f = w.contacts.families[family];
+  const std::vector<uint32_t>& of_family = w.contacts.of_family[family];
+  for (size_t i = 0; i < of_family.size(); ++i) {
+    if (contact_stays[of_family[i]]) continue;
+    const Contact& from = w.contacts.list[of_family[i]];
+    while (i + 1 < of_family.size() && !contact_stays[of_family[i + 1]]) ++i;
+    const Contact& last = w.contacts.list[of_family[i]];
+    each_memory_of_points(w, int(family), from.first, last.first + last.count,
+                          [](void* first, size_t bytes) { forget(std::span(static_cast<std::byte*>(first), bytes)); });
+    for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area})
+      forget_items(*column, from.first, last.first + last.count);
+    forget_items(w.contacts.facets, from.first_facet, last.first_facet + last.count * size_t(facets_a_point(w, last)));
+  }
+}
+
 }  // namespace
 
 void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
-  take_back_facets();
-  const std::vector<int> before = std::exchange(rank_of_block_, std::move(rank_of_block));
-  const int here = ranks_->rank();
+  take_back_facets(*this);
+  const std::vector<int> before = std::exchange(part.rank_of_block, std::move(rank_of_block));
+  const int here = part.ranks->rank();
   Wanted wanted(*this, before);
   Need of_blocks{wanted.block, wanted.block_here, here}, of_contacts{wanted.contact, wanted.contact_here, here};
-  std::vector<bool> stays(blocks_.size()), contact_stays(contacts_.size());
+  std::vector<bool> stays(blocks.size()), contact_stays(contacts.list.size());
   const auto need_block = [&](int block, int rank) {
     if (rank == here) stays[size_t(block)] = true;
     of_blocks.add(size_t(block), rank, before[size_t(block)] == rank);
   };
   const auto need_contact = [&](size_t i, int rank) {
-    const auto [a, b] = contacts_[i].pair;
+    const auto [a, b] = contacts.list[i].pair;
     if (rank == here) contact_stays[i] = true;
     of_contacts.add(i, rank, before[size_t(a)] == rank || before[size_t(b)] == rank);
   };
-  for (int b = 0; b < block_count(); ++b) need_block(b, rank_of_block_[size_t(b)]);
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    const auto [a, b] = contacts_[i].pair;
-    for (const int rank : {rank_of_block_[size_t(a)], rank_of_block_[size_t(b)]})
+  for (int b = 0; b < block_count(); ++b) need_block(b, part.rank_of_block[size_t(b)]);
+  for (size_t i = 0; i < contacts.list.size(); ++i) {
+    const auto [a, b] = contacts.list[i].pair;
+    for (const int rank : {part.rank_of_block[size_t(a)], part.rank_of_block[size_t(b)]})
       need_block(a, rank), need_block(b, rank), need_contact(i, rank);
   }
   std::vector<int> evaluate;
   for (int c = 0; c < chunk_count(); ++c) {
     evaluate.clear();
     each_contact_of_chunk(c, [&](size_t i) {
-      for (const int block : {contacts_[i].pair.a, contacts_[i].pair.b}) {
-        const int rank = rank_of_block_[size_t(block)];
+      for (const int block : {contacts.list[i].pair.a, contacts.list[i].pair.b}) {
+        const int rank = part.rank_of_block[size_t(block)];
         if (std::ranges::find(evaluate, rank) == evaluate.end()) evaluate.push_back(rank);
       }
     });
@@ -235,154 +265,112 @@ void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
     each_contact_of_chunk(c, [&](size_t i) {
       for (const int rank : evaluate) {
         need_contact(i, rank);
-        need_block(contacts_[i].pair.a, rank), need_block(contacts_[i].pair.b, rank);
+        need_block(contacts.list[i].pair.a, rank), need_block(contacts.list[i].pair.b, rank);
       }
     });
   }
   for (const int block : known) {
-    for (int r = 0; r < ranks_->count(); ++r) need_block(block, r);
+    for (int r = 0; r < part.ranks->count(); ++r) need_block(block, r);
   }
   for (int b = 0; b < block_count(); ++b) {
-    if (stays[size_t(b)]) lay_out(b);
+    if (stays[size_t(b)]) lay_out(*this, b);
   }
-  exchange(wanted);
+  exchange(*this, wanted);
 
-  each_row(stays, false, [&](size_t first, size_t end) { forget_blocks(first, end); });
+  each_row(stays, false, [&](size_t first, size_t end) { forget_blocks(*this, first, end); });
   each_row(contact_stays, false, [&](size_t first, size_t end) {
     WorldFields::of_pairs(*this, [&](const Field&, auto& array) { forget_part(array, first, end); });
   });
-  for (size_t k = 0; k < families_.size(); ++k) forget_points(k, contact_stays);
-  bind_work();
-  bind_neighbours();
-}
-
-void World::forget_points(size_t family, const std::vector<bool>& contact_stays) {
-  Family& f = families_[family];
-  const std::vector<uint32_t>& of_family = contacts_of_family_[family];
-  for (size_t i = 0; i < of_family.size(); ++i) {
-    if (contact_stays[of_family[i]]) continue;
-    const Contact& from = contacts_[of_family[i]];
-    while (i + 1 < of_family.size() && !contact_stays[of_family[i + 1]]) ++i;
-    const Contact& last = contacts_[of_family[i]];
-    each_memory_of_points(int(family), from.first, last.first + last.count,
-                          [](void* first, size_t bytes) { forget(std::span(static_cast<std::byte*>(first), bytes)); });
-    for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area})
-      forget_items(*column, from.first, last.first + last.count);
-    forget_items(facets_, from.first_facet, last.first_facet + last.count * size_t(facets_a_point(last)));
-  }
-}
-
-// Of a row of blocks: what changes in a run, and what lay_out makes.
-void World::forget_blocks(size_t first, size_t end) {
-  WorldFields::of_blocks(*this, [&](const Field& field, auto& array) {
-    const Items items = items_of_blocks(field.owner, first, end);
-    if constexpr (requires { forget_part(array, items.first, items.end); }) {
-      if (!field.known_to_all) forget_items(array, items.first, items.end);
-    }
-  });
-  const ModelBlock &from = blocks_[first], &last = blocks_[end - 1];
-  const Items nodes = items_of_blocks(Owner::gridpoint, first, end), joints = start_points_of(int(first), int(end));
-  const auto forget_nodes = [&](auto&... field) { (forget_items(field, nodes.first, nodes.end), ...); };
-  forget_nodes(node_reference_, node_anchor_, node_mass_, node_weight_mass_, node_support_);
-  forget_items(zones_, size_t(from.first_zone), size_t(last.first_zone + last.zone_count));
-  for (auto* field : {&corner_, &placed_corner_})
-    forget_items(*field, from.first_corner, last.first_corner + last.shape->vertices.size());
-  for (auto* field : {&body_normal_, &placed_normal_})
-    forget_items(*field, from.first_normal, last.first_normal + last.shape->normals.size());
-  forget_items(start_, first, end);
-  forget_items(start_point_, joints.first, joints.end);
-  forget_items(kept_, joints.first * kept_width(), joints.end * kept_width());
-  for (size_t i = first; i < end; ++i) {
-    laid_out_[i] = false;
-    std::vector<geometry::Zoning::SurfaceTriangle>().swap(blocks_[i].surface);
-  }
+  for (size_t k = 0; k < contacts.families.size(); ++k) forget_points(*this, k, contact_stays);
+  bind_work(*this);
+  bind_neighbours(*this);
 }
 
 void World::exchange_blocks(std::span<const int> chosen) {
-  Wanted wanted(*this, rank_of_block_);
+  Wanted wanted(*this, part.rank_of_block);
   for (const int b : chosen) {
-    lay_out(b);
-    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !owns(b);
+    lay_out(*this, b);
+    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !part.owns(b);
   }
-  exchange(wanted);
+  exchange(*this, wanted);
 }
 
 void World::exchange_joints(std::span<const int> of_blocks) {
-  Wanted wanted(*this, rank_of_block_);
-  std::vector<bool> asked(blocks_.size());
+  Wanted wanted(*this, part.rank_of_block);
+  std::vector<bool> asked(blocks.size());
   for (const int b : of_blocks) asked[size_t(b)] = true;
-  for (size_t i = 0; i < contacts_.size(); ++i) {
-    const Contact& c = contacts_[i];
+  for (size_t i = 0; i < contacts.list.size(); ++i) {
+    const Contact& c = contacts.list[i];
     if (c.count == 0 || !(asked[size_t(c.pair.a)] || asked[size_t(c.pair.b)])) continue;
-    wanted.contact[i] = true, wanted.contact_here[i] = !owns(c);
+    wanted.contact[i] = true, wanted.contact_here[i] = !part.owns(c.pair);
     for (const int b : {c.pair.a, c.pair.b}) {
-      lay_out(b);
-      wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !owns(b);
+      lay_out(*this, b);
+      wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !part.owns(b);
     }
   }
-  exchange(wanted);
+  exchange(*this, wanted);
 }
 
 // The rank of a joint's first block may know nothing of the other one any more, or no more than what it touches of it.
 void World::exchange_parted_blocks() {
-  if (!ranks_ || !has_replaced_points()) return;
-  Wanted wanted(*this, rank_of_block_);
-  Need need{wanted.block, wanted.block_here, ranks_->rank()};
-  for (const StartJoint& joint : start_joints_) {
-    const int rank_a = rank_of_block_[size_t(joint.pair.a)], rank_b = rank_of_block_[size_t(joint.pair.b)];
+  if (!part.ranks || !has_replaced_points()) return;
+  Wanted wanted(*this, part.rank_of_block);
+  Need need{wanted.block, wanted.block_here, part.ranks->rank()};
+  for (const StartJoint& joint : start_joints.joint) {
+    const int rank_a = part.rank_of_block[size_t(joint.pair.a)], rank_b = part.rank_of_block[size_t(joint.pair.b)];
     need.add(size_t(joint.pair.b), rank_a, rank_a == rank_b);
   }
   for (int b = 0; b < block_count(); ++b) {
-    if (wanted.block_here[size_t(b)]) lay_out(b);
+    if (wanted.block_here[size_t(b)]) lay_out(*this, b);
   }
-  exchange(wanted);
+  exchange(*this, wanted);
 }
 
 size_t World::gather_everything(bool to_all) {
-  take_back_facets();
-  Wanted wanted(*this, rank_of_block_);
-  const bool here = to_all || ranks_->rank() == 0;
+  take_back_facets(*this);
+  Wanted wanted(*this, part.rank_of_block);
+  const bool here = to_all || part.ranks->rank() == 0;
   for (int b = 0; b < block_count(); ++b) {
-    if (here) lay_out(b);
-    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = here && !owns(b);
+    if (here) lay_out(*this, b);
+    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = here && !part.owns(b);
   }
-  for (size_t i = 0; i < contacts_.size(); ++i)
-    wanted.contact[i] = true, wanted.contact_here[i] = here && !owns(contacts_[i]);
-  const size_t bytes = exchange(wanted);
-  for (Chunk& chunk : chunks_) {
-    if (here) pack(chunk), bind(families_[size_t(chunk.family)], chunk);
+  for (size_t i = 0; i < contacts.list.size(); ++i)
+    wanted.contact[i] = true, wanted.contact_here[i] = here && !part.owns(contacts.list[i].pair);
+  const size_t bytes = exchange(*this, wanted);
+  for (Chunk& chunk : chunks.all) {
+    if (here) pack(*this, chunk), bind(*this, contacts.families[size_t(chunk.family)], chunk);
   }
   return bytes;
 }
 
 // ---- Blocks close to those of other ranks --------------------------------------------------------------------------
 
-void World::receive_new_neighbours(const std::vector<geometry::Pair>& pairs) {
-  if (!ranks_) return;
-  Wanted wanted(*this, rank_of_block_);
-  Need need{wanted.block, wanted.block_here, ranks_->rank()};
+void receive_new_neighbours(World& w, const std::vector<geometry::Pair>& pairs) {
+  if (!w.part.ranks) return;
+  Wanted wanted(w, w.part.rank_of_block);
+  Need need{wanted.block, wanted.block_here, w.part.ranks->rank()};
   for (const auto& [a, b] : pairs) {
-    const int rank_a = rank_of_block_[size_t(a)], rank_b = rank_of_block_[size_t(b)];
+    const int rank_a = w.part.rank_of_block[size_t(a)], rank_b = w.part.rank_of_block[size_t(b)];
     if (rank_a == rank_b) continue;
     need.add(size_t(a), rank_b, false), need.add(size_t(b), rank_a, false);
   }
-  for (int b = 0; b < block_count(); ++b) {
-    if (wanted.block_here[size_t(b)]) lay_out(b);
+  for (int b = 0; b < w.block_count(); ++b) {
+    if (wanted.block_here[size_t(b)]) lay_out(w, b);
   }
-  exchange(wanted);
-  place_blocks();
+  exchange(w, wanted);
+  place_blocks(w);
 }
 
-void World::bind_neighbours() {
-  neighbours_.clear();
-  if (!ranks_) return;
-  const int here = ranks_->rank();
-  deviating_blocks_.resize(blocks_.size(), 0.0);
+void bind_neighbours(World& w) {
+  w.part.neighbours.clear();
+  if (!w.part.ranks) return;
+  const int here = w.part.ranks->rank();
+  w.part.deviating.resize(w.blocks.size(), 0.0);
   std::map<int, std::pair<std::vector<int>, std::vector<int>>> with;  // by rank: blocks sent to it, and received
-  for (const Contact& c : contacts_) {
+  for (const Contact& c : w.contacts.list) {
     const auto [a, b] = c.pair;
-    const int rank_a = rank_of_block_[size_t(a)], rank_b = rank_of_block_[size_t(b)];
-    if (rank_a == rank_b || !owns(c)) continue;
+    const int rank_a = w.part.rank_of_block[size_t(a)], rank_b = w.part.rank_of_block[size_t(b)];
+    if (rank_a == rank_b || !w.part.owns(c.pair)) continue;
     const bool own = rank_a == here;
     auto& [to, from] = with[own ? rank_b : rank_a];
     to.push_back(own ? a : b), from.push_back(own ? b : a);
@@ -392,34 +380,34 @@ void World::bind_neighbours() {
     list.erase(std::unique(list.begin(), list.end()), list.end());
     const auto add = [&](Vector& v) { numbers.insert(numbers.end(), {&v.x, &v.y, &v.z}); };
     for (const int block : list) {
-      const ModelBlock& b = blocks_[size_t(block)];
+      const ModelBlock& b = w.blocks[size_t(block)];
       if (b.body >= 0) {
-        Body& body = bodies_[size_t(b.body)];
+        Body& body = w.bodies[size_t(b.body)];
         for (Vector* v : {&body.x, &body.v, &body.omega}) add(*v);
         for (Vector& row : body.r.row) add(row);
         for (Vector& row : body.transposed_r.row) add(row);
-        numbers.push_back(&deviating_blocks_[size_t(block)]);
+        numbers.push_back(&w.part.deviating[size_t(block)]);
       }
-      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) add(node_x_[size_t(n)]);
+      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) add(w.nodes.x[size_t(n)]);
       const size_t corners = b.body < 0 ? b.shape->vertices.size() : 0;
-      for (Vector& v : std::span(node_v_).subspan(size_t(b.first_node), corners)) add(v);
+      for (Vector& v : std::span(w.nodes.v).subspan(size_t(b.first_node), corners)) add(v);
     }
   };
   for (auto& [rank, blocks] : with) {
     Border border{rank, {}, {}, {}, {}};
     numbers_of(blocks.first, border.send), numbers_of(blocks.second, border.receive);
-    neighbours_.add(std::move(border));
+    w.part.neighbours.add(std::move(border));
   }
 }
 
-void World::receive_neighbours() {
-  if (!ranks_) return;
-  for (size_t i = 0; i < blocks_.size(); ++i)
-    deviating_blocks_[i] = owns(int(i)) && block_sums_[i].deviates ? 1.0 : 0.0;
-  neighbours_.send(*ranks_);
-  neighbours_.receive(*ranks_);
-  for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!owns(int(i))) block_sums_[i].deviates = deviating_blocks_[i] > 0.0;
+void receive_neighbours(World& w) {
+  if (!w.part.ranks) return;
+  for (size_t i = 0; i < w.blocks.size(); ++i)
+    w.part.deviating[i] = w.part.owns(int(i)) && w.step_sums.of_block[i].deviates ? 1.0 : 0.0;
+  w.part.neighbours.send(*w.part.ranks);
+  w.part.neighbours.receive(*w.part.ranks);
+  for (size_t i = 0; i < w.blocks.size(); ++i) {
+    if (!w.part.owns(int(i))) w.step_sums.of_block[i].deviates = w.part.deviating[i] > 0.0;
   }
 }
 

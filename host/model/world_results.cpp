@@ -5,6 +5,8 @@
 
 #include "base/fnv_hash.h"
 #include "members/members.h"
+#include "model/block_layout.h"
+#include "model/contact_frames.h"
 #include "model/fields.h"
 #include "model/world.h"
 
@@ -26,22 +28,25 @@ Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& fiel
 }  // namespace
 
 Vector World::position(int block) const {
-  const ModelBlock& b = blocks_[block];
-  if (b.body >= 0) return bodies_[b.body].x;
-  return mass_mean(b, node_mass_, node_x_);
+  const ModelBlock& b = blocks[block];
+  if (b.body >= 0) return bodies[b.body].x;
+  return mass_mean(b, nodes.mass, nodes.x);
 }
 
 Vector World::start_position(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
-  if (b.body >= 0) return start_[size_t(block)].x;
-  return mass_mean(b, node_mass_, node_reference_);
+  const ModelBlock& b = blocks[size_t(block)];
+  if (b.body >= 0) return poses.start[size_t(block)].x;
+  return mass_mean(b, nodes.mass, nodes.reference);
 }
 
-Matrix World::orientation(int block) const {
-  Vector x;
-  Matrix r;
-  pose(block, x, r);
-  return r * transposed(start_[size_t(block)].r);
+Matrix World::orientation(int block) const { return pose(*this, block).r * transposed(poses.start[size_t(block)].r); }
+
+double World::moved(int block) const {
+  return part.ranks ? step_sums.of_block[size_t(block)].moved : moved_by_now(block);
+}
+
+double World::turned(int block) const {
+  return part.ranks ? step_sums.of_block[size_t(block)].turned : turned_by_now(block);
 }
 
 double World::turned_by_now(int block) const {
@@ -58,43 +63,45 @@ double World::turned_by_now(int block) const {
 }
 
 Vector World::velocity(int block) const {
-  const ModelBlock& b = blocks_[block];
-  if (b.body >= 0) return bodies_[b.body].v;
-  return mass_mean(b, node_mass_, node_v_);
+  const ModelBlock& b = blocks[block];
+  if (b.body >= 0) return bodies[b.body].v;
+  return mass_mean(b, nodes.mass, nodes.v);
 }
 
 Vector World::angular_velocity(int block) const {
-  const ModelBlock& b = blocks_[block];
-  return b.body >= 0 ? bodies_[b.body].omega : Vector{};
+  const ModelBlock& b = blocks[block];
+  return b.body >= 0 ? bodies[b.body].omega : Vector{};
 }
 
-Vector World::contact_force(int block) const { return block_contact_force_[block]; }
+Vector World::contact_force(int block) const { return step_sums.contact_force[block]; }
 
 Matrix World::frame_of(const Point& p) const {
   if (p.on_gridpoints) {
-    const Matrix r = rotation_of_frame(p.a);
+    const Matrix r = rotation_of_frame(*this, p.a);
     return {{r * p.n, r * p.s, r * p.t}};
   }
-  if (p.facet_a >= 0 && !small_) {
+  if (p.facet_a >= 0 && !is_small) {
     Point now = p;
-    Facet facet = facets_[size_t(p.facet_a)];
-    refresh_facet_frame(now, facet);
+    Facet facet = contacts.facets[size_t(p.facet_a)];
+    refresh_facet_frame(*this, now, facet);
     return {{now.n, now.s, now.t}};
   }
   if (p.facet_a >= 0) return {{p.n, p.s, p.t}};
-  const Matrix& r = bodies_[size_t(blocks_[size_t(p.a)].body)].r;
+  const Matrix& r = bodies[size_t(blocks[size_t(p.a)].body)].r;
   return {{r * p.n, r * p.s, r * p.t}};
 }
 
+Vector World::place_of(const Point& p) const { return locate(*this, p, contacts.facets).at; }
+
 Vector World::corner(int block, int vertex) const {
-  const ModelBlock& b = blocks_[block];
-  if (b.body < 0) return node_x_[size_t(b.first_node) + size_t(vertex)];
-  const Body& body = bodies_[b.body];
-  return body.x + body.r * corner_[b.first_corner + size_t(vertex)];
+  const ModelBlock& b = blocks[block];
+  if (b.body < 0) return nodes.x[size_t(b.first_node) + size_t(vertex)];
+  const Body& body = bodies[b.body];
+  return body.x + body.r * shapes.corner[b.first_corner + size_t(vertex)];
 }
 
 std::vector<std::vector<Vector>> World::faces(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
+  const ModelBlock& b = blocks[size_t(block)];
   std::vector<std::vector<Vector>> result;
   if (b.body >= 0) {
     for (const auto& face : b.shape->faces) {
@@ -103,41 +110,44 @@ std::vector<std::vector<Vector>> World::faces(int block) const {
     }
     return result;
   }
-  for (const auto& t : b.surface) result.push_back({node_x_[t.node[0]], node_x_[t.node[1]], node_x_[t.node[2]]});
+  for (const auto& t : b.surface) result.push_back({nodes.x[t.node[0]], nodes.x[t.node[1]], nodes.x[t.node[2]]});
   return result;
 }
 
-Matrix World::zone_stress(int z) const {
-  const Zone& zone = zones_[z];
+size_t World::zone_count() const {
+  size_t count = 0;
+  for (const ModelBlock& b : blocks) count += size_t(b.zone_count);
+  return count;
+}
+
+Matrix World::zone_stress(int block, int z) const {
+  const Zone zone = this->zone(block, z);
+  const Vector* const x = nodes.x.data() + blocks[size_t(block)].first_node;
   Matrix f = Matrix::zero();
-  for (int k = 0; k < 4; ++k) f += outer(node_x_[zone.node[k]], zone.gradient[k]);
+  for (int k = 0; k < 4; ++k) f += outer(x[zone.node[k]], zone.gradient[k]);
   const Matrix strain = 0.5 * (transposed(f) * f - Matrix{});
   const Matrix second = 2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{};
   return 1 / determinant(f) * (f * second * transposed(f));
 }
 
-double Zone::energy(const Matrix& strain) const {
-  double squares = 0.0;
-  for (const Vector& row : strain.row) squares += dot(row, row);
-  return volume * (0.5 * lambda * trace(strain) * trace(strain) + mu * squares);
-}
-
 double World::strain_energy() const {
   double sum = 0.0;
-  for (const Zone& zone : zones_) {
+  each_zone([&](const ModelBlock& b, const Zone& zone) {
     Matrix h = Matrix::zero();
-    for (int k = 0; k < 4; ++k) h += outer(node_x_[zone.node[k]] - node_reference_[zone.node[k]], zone.gradient[k]);
-    const Matrix e = 0.5 * (h + transposed(h) + transposed(h) * h);
-    sum += zone.energy(e);
-  }
+    for (int k = 0; k < 4; ++k) {
+      const auto node = size_t(b.first_node + zone.node[k]);
+      h += outer(nodes.x[node] - nodes.reference[node], zone.gradient[k]);
+    }
+    sum += zone.energy(0.5 * (h + transposed(h) + transposed(h) * h));
+  });
   return sum;
 }
 
 double World::extent() const {
   Box around;
-  for (size_t i = 0; i < blocks_.size(); ++i) {
-    const double r = blocks_[i].radius;
-    around.include(rough_place_[i] - Vector{r, r, r}), around.include(rough_place_[i] + Vector{r, r, r});
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const double r = blocks[i].radius;
+    around.include(part.rough_place[i] - Vector{r, r, r}), around.include(part.rough_place[i] + Vector{r, r, r});
   }
   return norm(around.upper - around.lower);
 }
@@ -149,11 +159,11 @@ double World::kinetic_energy() const {
 }
 
 double World::kinetic_energy_of_all() const {
-  std::vector<double> of_block(blocks_.size(), 0.0);
+  std::vector<double> of_block(blocks.size(), 0.0);
   for (int i = 0; i < block_count(); ++i) {
-    if (owns(i)) of_block[size_t(i)] = kinetic_energy_of(i);
+    if (part.owns(i)) of_block[size_t(i)] = kinetic_energy_of(i);
   }
-  gather_by_block(of_block);
+  part.gather_by_block(of_block);
   double sum = 0.0;
   for (const double e : of_block) sum += e;
   return sum;
@@ -161,10 +171,10 @@ double World::kinetic_energy_of_all() const {
 
 // Of a unit of two halves, what they have together is the first one's.
 double World::kinetic_energy_of(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
+  const ModelBlock& b = blocks[size_t(block)];
   double sum = 0.0;
   if (b.body >= 0) {
-    const Body& body = bodies_[size_t(b.body)];
+    const Body& body = bodies[size_t(b.body)];
     for (int k = 0; k < 3; ++k)
       if (!(body.held >> k & 1)) sum += 0.5 * body.mass * body.v[k] * body.v[k];
     if ((body.held >> 3) != 7) sum += 0.5 * dot(body.momentum, body.omega);
@@ -172,39 +182,39 @@ double World::kinetic_energy_of(int block) const {
   }
   for (size_t i = size_t(b.first_node); i < size_t(b.first_node + b.node_count); ++i) {
     for (int k = 0; k < 3; ++k) {
-      const double factor = node_held_[i] >> k & 1 ? 0.0 : solver_.deformation_inertia;
-      sum += 0.5 * factor * node_mass_[i] * node_v_[i][k] * node_v_[i][k];
+      const double factor = nodes.held[i] >> k & 1 ? 0.0 : solver.deformation_inertia;
+      sum += 0.5 * factor * nodes.mass[i] * nodes.v[i][k] * nodes.v[i][k];
     }
   }
-  const Unit unit = unit_of(block);
-  if (splits_motion() && unit.block[0] == block) sum += rigid_kinetic_energy(unit);
+  const Unit unit = units.of(block);
+  if (splits_motion(solver) && unit.block[0] == block) sum += rigid_kinetic_energy(*this, unit);
   return sum;
 }
 
 Vector World::linear_momentum() const {
   Vector p;
-  for (const Body& b : bodies_) p += b.mass * b.v;
-  for (size_t i = 0; i < node_x_.size(); ++i) p += node_mass_[i] * node_v_[i];
+  for (const Body& b : bodies) p += b.mass * b.v;
+  for (size_t i = 0; i < nodes.x.size(); ++i) p += nodes.mass[i] * nodes.v[i];
   return p;
 }
 
 Vector World::angular_momentum(const Vector& about) const {
   // Velocities live half a step before positions; x - v dt/2 takes both to the same time (cross(v, v) = 0).
   Vector l;
-  for (const Body& b : bodies_) l += b.momentum + b.mass * cross(b.x - about, b.v);
-  for (size_t i = 0; i < node_x_.size(); ++i) l += node_mass_[i] * cross(node_x_[i] - about, node_v_[i]);
+  for (const Body& b : bodies) l += b.momentum + b.mass * cross(b.x - about, b.v);
+  for (size_t i = 0; i < nodes.x.size(); ++i) l += nodes.mass[i] * cross(nodes.x[i] - about, nodes.v[i]);
   return l;
 }
 
 double World::unbalanced_ratio() const {
   double forces = 0.0;
-  for (const Chunk& chunk : chunks_) forces += ranks_ ? chunk.force_sum : force_sum_of(chunk);
-  if (unbalanced_ == 0.0) return 0.0;
-  return forces > 0 ? unbalanced_ * double(point_count()) / forces : std::numeric_limits<double>::infinity();
+  for (const Chunk& chunk : chunks.all) forces += part.ranks ? chunk.force_sum : force_sum_of(chunk);
+  if (step_sums.unbalanced == 0.0) return 0.0;
+  return forces > 0 ? step_sums.unbalanced * double(point_count()) / forces : std::numeric_limits<double>::infinity();
 }
 
 double World::force_sum_of(const Chunk& chunk) const {
-  const Family& f = families_[size_t(chunk.family)];
+  const Family& f = contacts.families[size_t(chunk.family)];
   double sum = 0.0;
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     double square = 0.0;
@@ -217,23 +227,28 @@ double World::force_sum_of(const Chunk& chunk) const {
   return sum;
 }
 
+Deepest World::deepest_of_chunk(int chunk) const {
+  const Chunk& c = chunks.all[size_t(chunk)];
+  return part.ranks ? c.deepest : deepest_of(c);
+}
+
 Deepest World::deepest_of(const Chunk& chunk) const {
-  const Family& f = families_[size_t(chunk.family)];
+  const Family& f = contacts.families[size_t(chunk.family)];
   const auto first = f.normal_jump.begin() + chunk.first, least = std::min_element(first, first + chunk.count);
   return {*least, place_of(f.point[size_t(least - f.normal_jump.begin())])};
 }
 
 size_t World::point_count() const {
   size_t count = 0;
-  for (const Family& f : families_) count += f.size();
+  for (const Family& f : contacts.families) count += f.size();
   return count;
 }
 
-double World::mass_of(int block) const { return block_mass_[size_t(block)]; }
+double World::mass_of(int block) const { return blocks[size_t(block)].mass; }
 
 double World::mass() const {
   double m = 0.0;
-  for (const double of_block : block_mass_) m += of_block;
+  for (const ModelBlock& b : blocks) m += b.mass;
   return m;
 }
 
@@ -257,7 +272,7 @@ uint64_t World::hash(const GiveParts& parts) const {
     });
   };
   WorldFields::each(*this, add_field);
-  if (members_) members_->each_number([&](double x) { hash.add(std::bit_cast<std::uint64_t>(x)); });
+  if (held_by.members) held_by.members->each_number([&](double x) { hash.add(std::bit_cast<std::uint64_t>(x)); });
   return hash.value();
 }
 

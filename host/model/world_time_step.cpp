@@ -5,9 +5,11 @@
 
 #include "base/error.h"
 #include "members/members.h"
+#include "model/block_layout.h"
 #include "model/gathered_sums.h"
 #include "model/impact_damping.h"
 #include "model/lanczos.h"
+#include "model/stepping.h"
 #include "model/world.h"
 #include "model/zone_kernels.h"
 
@@ -15,93 +17,108 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
+namespace {
+
+// Springs of contact points, normal and along the joint, by family; and factors on the forces of zones and of members.
+struct JointSprings {
+  std::vector<std::array<double, 2>> of_family;  // Pa/m; of dashpots Pa s/m
+  double of_zones, of_members;                   // 1; of dashpots s
+};
+
+// Of pairs with a block that is wanted: is_wanted(block).
 template <class Visit, class IsWanted>
-void World::each_own_point(Visit visit, IsWanted is_wanted) const {
-  for (size_t k = 0; k < families_.size(); ++k) {
-    const Family& f = families_[k];
-    for (const uint32_t i : contacts_of_family_[k]) {
-      const Contact& c = contacts_[i];
+void each_own_point(const World& w, Visit visit, IsWanted is_wanted) {
+  for (size_t k = 0; k < w.contacts.families.size(); ++k) {
+    const Family& f = w.contacts.families[k];
+    for (const uint32_t i : w.contacts.of_family[k]) {
+      const Contact& c = w.contacts.list[i];
       if (!is_wanted(c.pair.a) && !is_wanted(c.pair.b)) continue;
-      if (!owns(c) || (apart_[size_t(c.pair.a)] && other_half_[size_t(c.pair.a)] == c.pair.b)) continue;
+      if (!w.part.owns(c.pair) || (w.units.apart[size_t(c.pair.a)] && w.units.other_half[size_t(c.pair.a)] == c.pair.b))
+        continue;
       for (uint32_t p = c.first; p < c.first + c.count; ++p) visit(f, f.point[p]);
     }
   }
 }
 
+}  // namespace
+
 // Upper bound of the stiffness-to-mass ratio that contacts give to any one of these blocks or their gridpoints, 1/s2.
 // Cheap and coarse: compared with its own earlier value alone, it says whether the frequency must be computed again.
-double World::local_stiffness_bound(const std::function<bool(int block)>& is_wanted) const {
-  LaneVector<double> body(bodies_.size()), node(node_x_.size());
+double local_stiffness_bound(const World& w, const std::function<bool(int block)>& is_wanted) {
+  LaneVector<double> body(w.bodies.size()), node(w.nodes.x.size());
   const auto add = [&](const Family& f, const Point& p) {
     const double k = std::max(f.kn, f.ks);
-    const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(p);
+    const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : w.place_of(p);
     const auto rigid = [&](int block) {
-      const Body& b = bodies_[blocks_[block].body];
+      const Body& b = w.bodies[w.blocks[block].body];
       if (b.held == 0x3f) return;
       const Vector arm = at - b.x;
-      body[blocks_[block].body] +=
+      body[w.blocks[block].body] +=
           k * p.area * (1 / b.mass + dot(arm, arm) / std::min({b.inertia.x, b.inertia.y, b.inertia.z}));
     };
     const auto soft = [&](const Facet& facet) {
       for (int i = 0; i < 3; ++i)
-        node[facet.node[i]] += k * p.area * std::abs(facet.weight[i]) / node_mass_[facet.node[i]];
+        node[facet.node[i]] += k * p.area * std::abs(facet.weight[i]) / w.nodes.mass[facet.node[i]];
     };
     if (p.facet_a >= 0)
-      soft(facets_[p.facet_a]);
+      soft(w.contacts.facets[p.facet_a]);
     else
       rigid(p.a);
     if (p.facet_b >= 0)
-      soft(facets_[p.facet_b]);
+      soft(w.contacts.facets[p.facet_b]);
     else
       rigid(p.b);
   };
-  each_own_point(add, is_wanted);
+  each_own_point(w, add, is_wanted);
   double bound = 0.0;
-  for (int i = 0; i < block_count(); ++i) {
-    if (!owns(i) || !is_wanted(i)) continue;
-    const ModelBlock& b = blocks_[size_t(i)];
+  for (int i = 0; i < w.block_count(); ++i) {
+    if (!w.part.owns(i) || !is_wanted(i)) continue;
+    const ModelBlock& b = w.blocks[size_t(i)];
     if (b.body >= 0) bound = std::max(bound, body[size_t(b.body)]);
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) bound = std::max(bound, node[size_t(n)]);
   }
-  return largest(bound);
+  return w.part.largest(bound);
 }
+
+namespace {
 
 // K times velocities, about the configuration of now, without its stress: of blocks in frames the stiffness of their
 // undeformed shape, turned along. Of others zone by zone.
-void World::add_zone_forces(std::span<const int> blocks, const LaneVector<Vector>& velocity,
-                            LaneVector<Vector>& force) const {
+void add_zone_forces(const World& w, std::span<const int> blocks, const LaneVector<Vector>& velocity,
+                     LaneVector<Vector>& force) {
   std::vector<double> rows, product;  // four doubles a gridpoint
   for (const int i : blocks) {
-    const ModelBlock& b = blocks_[size_t(i)];
+    const ModelBlock& b = w.blocks[size_t(i)];
     if (b.body >= 0) continue;
-    if (by_zone_[size_t(i)]) {
-      for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-        const Zone& zone = zones_[size_t(z)];
+    if (w.frames.by_zone[size_t(i)]) {
+      const auto first = size_t(b.first_node);
+      for (int z = 0; z < b.zone_count; ++z) {
+        const Zone zone = w.zone(i, z);
         Matrix deformation = Matrix::zero(), h = Matrix::zero();
         for (int k = 0; k < 4; ++k) {
-          deformation += outer(node_x_[zone.node[k]], zone.gradient[k]);
-          h += outer(velocity[zone.node[k]], zone.gradient[k]);
+          deformation += outer(w.nodes.x[first + size_t(zone.node[k])], zone.gradient[k]);
+          h += outer(velocity[first + size_t(zone.node[k])], zone.gradient[k]);
         }
         const Matrix raw = transposed(deformation) * h, strain = 0.5 * (raw + transposed(raw));
         const Matrix stress = deformation * (2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{});
-        for (int k = 0; k < 4; ++k) force[zone.node[k]] += zone.volume * (stress * zone.gradient[k]);
+        for (int k = 0; k < 4; ++k) force[first + size_t(zone.node[k])] += zone.volume * (stress * zone.gradient[k]);
       }
       continue;
     }
-    const Matrix turned = orientation(i);
+    const Matrix turned = w.orientation(i);
     rows.assign(4 * size_t(b.node_count), 0.0), product.resize(rows.size());
     for (size_t n = 0; n < size_t(b.node_count); ++n) {
       const Vector v = transposed_times(turned, velocity[size_t(b.first_node) + n]);
       for (int c = 0; c < 3; ++c) rows[4 * n + size_t(c)] = v[c];
     }
-    stiffness_times(zones_in_lanes(b), rows, product.data());
+    stiffness_times(w.zones.lanes_of(b), rows, product.data());
     for (size_t n = 0; n < size_t(b.node_count); ++n)
       force[size_t(b.first_node) + n] += turned * Vector{product[4 * n], product[4 * n + 1], product[4 * n + 2]};
   }
 }
 
 // Velocities on both sides of contact points between blocks of different ranks, of those who compute them.
-struct World::FrequencyHalo {
+struct FrequencyHalo {
   Halo halo;
   // of_body(body, visit): its numbers; gridpoints have those of `nodes`.
   template <class OfBody>
@@ -111,16 +128,16 @@ struct World::FrequencyHalo {
     using Side = std::pair<bool, int>;  // whether of a gridpoint, and which; else which body
     std::map<int, std::set<Side>> to, from;
     const auto add_sides = [&](const Family&, const Point& p) {
-      const int rank_a = world.rank_of_block_[size_t(p.a)], rank_b = world.rank_of_block_[size_t(p.b)];
+      const int rank_a = world.part.rank_of_block[size_t(p.a)], rank_b = world.part.rank_of_block[size_t(p.b)];
       if (rank_a == rank_b) return;
       const auto note = [&](int block, int facet, int rank, int other) {
         std::set<Side>& sides = rank == here ? to[other] : from[rank];
-        if (facet < 0) sides.insert({false, world.blocks_[size_t(block)].body});
-        for (int k = 0; k < 3 && facet >= 0; ++k) sides.insert({true, world.facets_[size_t(facet)].node[k]});
+        if (facet < 0) sides.insert({false, world.blocks[size_t(block)].body});
+        for (int k = 0; k < 3 && facet >= 0; ++k) sides.insert({true, world.contacts.facets[size_t(facet)].node[k]});
       };
       note(p.a, p.facet_a, rank_a, rank_b), note(p.b, p.facet_b, rank_b, rank_a);
     };
-    world.each_own_point(add_sides, [](int) { return true; });
+    each_own_point(world, add_sides, [](int) { return true; });
     const auto add = [&](const Side& side, std::vector<double*>& numbers) {
       const auto visit = [&](Vector& v) { numbers.insert(numbers.end(), {&v.x, &v.y, &v.z}); };
       if (side.first)
@@ -140,38 +157,34 @@ struct World::FrequencyHalo {
   }
 };
 
-World::Stiffness World::stiffness() const {
-  Stiffness springs{{}, 1.0, 1.0};
-  for (const Family& f : families_) springs.of_family.push_back({f.kn, f.ks});
+JointSprings stiffness(const World& w) {
+  JointSprings springs{{}, 1.0, 1.0};
+  for (const Family& f : w.contacts.families) springs.of_family.push_back({f.kn, f.ks});
   return springs;
 }
 
-World::Stiffness World::impact_dashpots() const {
-  Stiffness springs{{}, impact_zone_beta_, 0.0};
-  for (size_t f = 0; f < families_.size(); ++f)
-    springs.of_family.push_back({impact_beta_[2 * f] * families_[f].kn, impact_beta_[2 * f + 1] * families_[f].ks});
+JointSprings impact_dashpots(const World& w) {
+  JointSprings springs{{}, w.impacts.zone_beta, 0.0};
+  for (size_t f = 0; f < w.contacts.families.size(); ++f)
+    springs.of_family.push_back(
+        {w.impacts.beta[2 * f] * w.contacts.families[f].kn, w.impacts.beta[2 * f + 1] * w.contacts.families[f].ks});
   return springs;
 }
 
 // K + 2 C/dt, with a share of the viscosity.
-World::Stiffness World::with_dashpots(double share, double dt) const {
-  Stiffness sum = stiffness();
-  const Stiffness dashpots = impact_dashpots();
-  for (size_t f = 0; f < families_.size(); ++f) {
+JointSprings with_dashpots(const World& w, double share, double dt) {
+  JointSprings sum = stiffness(w);
+  const JointSprings dashpots = impact_dashpots(w);
+  for (size_t f = 0; f < w.contacts.families.size(); ++f) {
     for (size_t k = 0; k < 2; ++k) sum.of_family[f][k] += 2 * share / dt * dashpots.of_family[f][k];
   }
   sum.of_zones += 2 * share / dt * dashpots.of_zones;
   return sum;
 }
 
-double World::highest_frequency(LaneVector<double>* mode, const Unit* alone) const {
-  const double value = largest_over_inertia(stiffness(), mode, alone);
-  return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
-}
-
 // K over M as an operator, of own blocks or of one unit. Unknowns: velocities scaled by the square root of inertia, of
 // bodies first; rigid rotations about principal axes.
-struct World::Vibration {
+struct Vibration {
   struct Spring {
     const Family* family;
     const Point* point;
@@ -180,7 +193,7 @@ struct World::Vibration {
   };
 
   const World& world;
-  const Stiffness& stiffness;
+  const JointSprings& stiffness;
   const Unit* alone;
   Ranks* ranks;  // null: one process, or a unit alone
   std::unique_ptr<GatheredSums> shared;
@@ -192,27 +205,28 @@ struct World::Vibration {
   LaneVector<Vector> v, w, f, m, nv, nf;  // of bodies velocity, spin, force, moment; of gridpoints velocity, force
   FrequencyHalo halo;
 
-  Vibration(const World& of, const Stiffness& k, const Unit* unit)
+  Vibration(const World& of, const JointSprings& k, const Unit* unit)
       : world(of),
         stiffness(k),
         alone(unit),
-        ranks(unit ? nullptr : of.ranks_),
-        v(of.bodies_.size()),
+        ranks(unit ? nullptr : of.part.ranks),
+        v(of.bodies.size()),
         w(v.size()),
         f(v.size()),
         m(v.size()),
-        nv(of.node_x_.size()),
+        nv(of.nodes.x.size()),
         nf(nv.size()),
         halo(of, ranks, nv, [this](int body, const auto& visit) { visit(v[size_t(body)]), visit(w[size_t(body)]); }) {
     list_blocks();
     fill_scale();
-    world.each_own_point(
+    each_own_point(
+        world,
         [&](const Family& family, const Point& p) {
           const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
           springs.push_back({&family, &p, world.place_of(p), world.frame_of(p).row[0], factor * p.area});
         },
         [&](int block) { return !alone || alone->has(block); });
-    if (world.splits_motion()) inertia = world.inertia_of_units(blocks);
+    if (splits_motion(world.solver)) inertia = inertia_of_units(world, blocks);
   }
 
   size_t of_nodes() const { return 6 * v.size(); }
@@ -231,10 +245,10 @@ struct World::Vibration {
 
   void list_blocks() {
     for (int i = 0; i < world.block_count(); ++i) {
-      if (alone ? alone->has(i) : world.owns(i)) blocks.push_back(i);
+      if (alone ? alone->has(i) : world.part.owns(i)) blocks.push_back(i);
     }
     for (const int i : blocks) {
-      const ModelBlock& b = world.blocks_[size_t(i)];
+      const ModelBlock& b = world.blocks[size_t(i)];
       const VectorRow of_block{size_t(b.first_node), size_t(b.first_node + b.node_count)};
       if (b.body >= 0)
         own_bodies.push_back(b.body);
@@ -245,15 +259,15 @@ struct World::Vibration {
     }
     if (!ranks) return;
     shared = std::make_unique<GatheredSums>(*ranks);
-    const auto append = [&](size_t i, size_t numbers) { shared->append(world.rank_of_block_[i], numbers); };
-    for (size_t i = 0; i < world.blocks_.size(); ++i) append(i, world.blocks_[i].body >= 0 ? 6 : 0);
-    for (size_t i = 0; i < world.blocks_.size(); ++i) append(i, 3 * size_t(world.blocks_[i].node_count));
+    const auto append = [&](size_t i, size_t numbers) { shared->append(world.part.rank_of_block[i], numbers); };
+    for (size_t i = 0; i < world.blocks.size(); ++i) append(i, world.blocks[i].body >= 0 ? 6 : 0);
+    for (size_t i = 0; i < world.blocks.size(); ++i) append(i, 3 * size_t(world.blocks[i].node_count));
   }
 
   void fill_scale() {
     scale = LaneVector<double>(size());
     each_body([&](size_t i) {
-      const Body& b = world.bodies_[i];
+      const Body& b = world.bodies[i];
       for (int k = 0; k < 3; ++k) {
         scale[6 * i + k] = b.held >> k & 1 ? 0.0 : 1 / std::sqrt(b.mass);
         // Held about some axes only: as if free, which a constraint can only make softer.
@@ -262,7 +276,7 @@ struct World::Vibration {
     });
     each_node([&](size_t i) {
       for (int k = 0; k < 3; ++k)
-        scale[of_nodes() + 3 * i + k] = world.node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(world.node_mass_[i]);
+        scale[of_nodes() + 3 * i + k] = world.nodes.held[i] >> k & 1 ? 0.0 : 1 / std::sqrt(world.nodes.mass[i]);
     });
   }
 
@@ -270,7 +284,7 @@ struct World::Vibration {
     each_body([&](size_t i) {
       const double *xi = x.data() + 6 * i, *si = scale.data() + 6 * i;
       v[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
-      w[i] = world.bodies_[i].r * Vector{xi[3] * si[3], xi[4] * si[4], xi[5] * si[5]};
+      w[i] = world.bodies[i].r * Vector{xi[3] * si[3], xi[4] * si[4], xi[5] * si[5]};
       f[i] = m[i] = {};
     });
     each_node([&](size_t i) {
@@ -283,11 +297,11 @@ struct World::Vibration {
   Vector velocity(int block, int32_t facet, const Vector& at) const {
     Vector sum;
     if (facet >= 0) {
-      const Facet& on = world.facets_[facet];
+      const Facet& on = world.contacts.facets[facet];
       for (int k = 0; k < 3; ++k) sum += on.weight[k] * nv[on.node[k]];
     } else {
-      const int i = world.blocks_[block].body;
-      sum = v[i] + cross(w[i], at - world.bodies_[i].x);
+      const int i = world.blocks[block].body;
+      sum = v[i] + cross(w[i], at - world.bodies[i].x);
     }
     return sum;
   }
@@ -295,36 +309,36 @@ struct World::Vibration {
   // sign: 1 on b, -1 on a.
   void add_force(int block, int32_t facet, const Vector& at, double sign, const Vector& force) {
     if (facet >= 0) {
-      const Facet& on = world.facets_[facet];
+      const Facet& on = world.contacts.facets[facet];
       for (int k = 0; k < 3; ++k) nf[on.node[k]] += sign * (on.weight[k] * force);
     } else {
-      const int i = world.blocks_[block].body;
-      f[i] += sign * force, m[i] += sign * cross(at - world.bodies_[i].x, force);
+      const int i = world.blocks[block].body;
+      f[i] += sign * force, m[i] += sign * cross(at - world.bodies[i].x, force);
     }
   }
 
   // y = M^-1/2 K M^-1/2 x; returns x . y over all ranks.
   double product(const LaneVector<double>& x, LaneVector<double>* y) {
     scatter(x);
-    if (world.splits_motion()) world.scale_motion(blocks, inertia, nv, false);
+    if (splits_motion(world.solver)) scale_motion(world, blocks, inertia, nv, false);
     halo.exchange(ranks);
-    if (stiffness.of_zones != 0.0) world.add_zone_forces(blocks, nv, nf);
+    if (stiffness.of_zones != 0.0) add_zone_forces(world, blocks, nv, nf);
     if (stiffness.of_zones != 1.0) each_node([&](size_t i) { nf[i] = stiffness.of_zones * nf[i]; });
     for (const auto& [family, point, at, normal, area] : springs) {
-      const auto& [kn, ks] = stiffness.of_family[size_t(family - world.families_.data())];
+      const auto& [kn, ks] = stiffness.of_family[size_t(family - world.contacts.families.data())];
       const Vector d = velocity(point->b, point->facet_b, at) - velocity(point->a, point->facet_a, at);
       const Vector force = area * (ks * d + (kn - ks) * dot(normal, d) * normal);
       add_force(point->a, point->facet_a, at, -1.0, force);
       add_force(point->b, point->facet_b, at, 1.0, force);
     }
-    if (world.members_ && stiffness.of_members != 0.0) world.add_member_springs(alone, {v, w, nv}, {f, m, nf});
-    if (world.splits_motion()) world.scale_motion(blocks, inertia, nf, true);
+    if (world.held_by.members && stiffness.of_members != 0.0) add_member_springs(world, alone, {v, w, nv}, {f, m, nf});
+    if (splits_motion(world.solver)) scale_motion(world, blocks, inertia, nf, true);
     return gather(x, y);
   }
 
   double gather(const LaneVector<double>& x, LaneVector<double>* y) {
     each_body([&](size_t i) {
-      const Vector torque = transposed_times(world.bodies_[i].r, m[i]);
+      const Vector torque = transposed_times(world.bodies[i].r, m[i]);
       for (int k = 0; k < 3; ++k) {
         (*y)[6 * i + k] = f[i][k] * scale[6 * i + k];
         (*y)[6 * i + 3 + k] = torque[k] * scale[6 * i + 3 + k];
@@ -352,8 +366,9 @@ struct World::Vibration {
   }
 };
 
-double World::largest_over_inertia(const Stiffness& stiffness, LaneVector<double>* mode, const Unit* alone) const {
-  Vibration vibration(*this, stiffness, alone);
+double largest_over_inertia(const World& w, const JointSprings& stiffness, LaneVector<double>* mode = nullptr,
+                            const Unit* alone = nullptr) {
+  Vibration vibration(w, stiffness, alone);
   const auto product = [&](const LaneVector<double>& x, LaneVector<double>* y) { return vibration.product(x, y); };
   // Rough beside the lattice's: the frequency is found again each time that contacts have changed.
   LanczosSettings settings;
@@ -366,20 +381,27 @@ double World::largest_over_inertia(const Stiffness& stiffness, LaneVector<double
   return largest.value;
 }
 
+}  // namespace
+
+double highest_frequency(const World& w, LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) {
+  const double value = largest_over_inertia(w, stiffness(w), mode, alone);
+  return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
+}
+
 // Whether the stiffness or the inertia that these own blocks have got may ask for a shorter step. Of each unit the
 // highest frequency with all others held still and the springs to them doubled. As k (u_a - u_b)^2 <= 2 k u_a^2 + 2 k
 // u_b^2, it bounds modes in which the unit and its neighbours take part. The same on any number of ranks.
-bool World::shorten_step(std::span<const int> changed) const {
+bool shorten_step(const World& w, std::span<const int> changed) {
   return std::any_of(changed.begin(), changed.end(), [&](int block) {
-    const Unit unit = unit_of(block);
-    if (!(highest_frequency(nullptr, &unit) * critical_dt_ <= 2.0)) return true;
-    return impacts_damped() && !(largest_over_inertia(impact_dashpots(), nullptr, &unit) <= impact_rate_);
+    const Unit unit = w.units.of(block);
+    if (!(highest_frequency(w, nullptr, &unit) * w.stepping.critical_dt <= 2.0)) return true;
+    return impacts_damped(w.solver) && !(largest_over_inertia(w, impact_dashpots(w), nullptr, &unit) <= w.impacts.rate);
   });
 }
 
 StepLimit World::what_sets_time_step() const {
   LaneVector<double> mode;
-  highest_frequency(&mode);
+  highest_frequency(*this, &mode);
   double most = 0.0;
   StepLimit limit;
   int gridpoint = -1;
@@ -391,14 +413,14 @@ StepLimit World::what_sets_time_step() const {
     return is_more;
   };
   for (int i = 0; i < block_count(); ++i) {
-    const ModelBlock& b = blocks_[size_t(i)];
-    if (b.body >= 0 && look(6 * size_t(b.body), 6)) limit = {i, bodies_[size_t(b.body)].x}, gridpoint = -1;
+    const ModelBlock& b = blocks[size_t(i)];
+    if (b.body >= 0 && look(6 * size_t(b.body), 6)) limit = {i, bodies[size_t(b.body)].x}, gridpoint = -1;
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
-      if (look(6 * bodies_.size() + 3 * size_t(n), 3)) limit = {i, node_x_[size_t(n)]}, gridpoint = n - b.first_node;
+      if (look(6 * bodies.size() + 3 * size_t(n), 3)) limit = {i, nodes.x[size_t(n)]}, gridpoint = n - b.first_node;
     }
   }
   if (gridpoint < 0) return limit;
-  const Zoning zoning = make_zoning(limit.block);
+  const Zoning zoning = make_zoning(*this, limit.block);
   limit.height = 1e300;
   for (const auto& zone : zoning.zones) {
     if (std::find(zone.begin(), zone.end(), gridpoint) == zone.end()) continue;
@@ -409,115 +431,24 @@ StepLimit World::what_sets_time_step() const {
 }
 
 void World::hold_by_springs(double eigenvalue) {
-  if (eigenvalue == springs_) return;
-  springs_ = eigenvalue;
-  find_time_step();
+  if (eigenvalue == stepping.springs) return;
+  stepping.springs = eigenvalue;
+  find_time_step(*this);
 }
 
-// ---- Damping of impacts (model/impact_damping.h) -------------------------------------------------------------------
+namespace {
 
-// Of a block that lands on an edge of the face that it has towards this contact, 1/s2.
-World::Landing World::landing_frequencies(const Contact& c, int block) const {
-  const Block& input = assembly_.blocks[size_t(block)];
-  if (input.fixed) return {};
-  const RigidMass own_mass = rigid_mass(input);
-  const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-  const Family& f = families_[size_t(c.family)];
-  const Matrix turned = orientation(block) * matrix(input.orientation);
-  const Vector towards = transposed_times(turned, frame_of(f.point[c.first]).row[0]);
-  size_t face = 0;
-  for (size_t i = 1; i < shape.faces.size(); ++i) {
-    if (std::abs(dot(shape.normals[i], towards)) > std::abs(dot(shape.normals[face], towards))) face = i;
-  }
-  const Vector n = shape.normals[face];
-  const std::vector<int>& corners = shape.faces[face];
-  const Vector s = normalized(shape.vertices[size_t(corners[1])] - shape.vertices[size_t(corners[0])]), t = cross(n, s);
-  double along_s = 0.0, along_t = 0.0;
-  for (const int i : corners) {
-    const Vector arm = shape.vertices[size_t(i)] - own_mass.centre;
-    along_s = std::max(along_s, std::abs(dot(arm, s))), along_t = std::max(along_t, std::abs(dot(arm, t)));
-  }
-  const auto inertia_about = [&](const Vector& axis) {
-    const Vector own = transposed_times(own_mass.axes.vectors, axis), &values = own_mass.axes.values;
-    return solver_.mass_scaling * (values.x * own.x * own.x + values.y * own.y * own.y + values.z * own.z * own.z);
-  };
-  const double height = dot(shape.vertices[size_t(corners[0])] - own_mass.centre, n);
-  return landing_squares({solver_.mass_scaling * own_mass.mass,
-                          face_area(shape, int(face)),
-                          {along_s, along_t},
-                          {inertia_about(s), inertia_about(t)},
-                          height},
-                         f.kn, f.ks);
-}
-
-// Of the lightest block at the joints of a family, 1/s2. Of a family that has none yet, of the lightest block of all
-// on its largest face.
-World::Landing World::landing_frequencies(int family) const {
-  const Family& f = families_[size_t(family)];
-  Landing highest{};
-  const auto add = [&](const Landing& squares) {
-    for (size_t k = 0; k < 2; ++k) highest[k] = std::max(highest[k], squares[k]);
-  };
-  for (const uint32_t i : contacts_of_family_[size_t(family)]) {
-    const Contact& c = contacts_[i];
-    if (c.count == 0 || !owns(c)) continue;
-    add(landing_frequencies(c, c.pair.a)), add(landing_frequencies(c, c.pair.b));
-  }
-  highest = {largest(highest[0]), largest(highest[1])};
-  const bool known = highest[0] > 0.0;
-  for (const Block& block : assembly_.blocks) {
-    if (block.fixed || known) continue;
-    const ShapeFacts& facts = shape_facts_[size_t(block.shape)];
-    const double density = density_of(block) * solver_.mass_scaling;
-    const double half_over_mass = 0.5 / (density * facts.least_extent);  // A/2 over m, A = V/least extent
-    add({4.0 * f.kn * half_over_mass, 4.0 * f.ks * half_over_mass});     // b^2/I and h^2/I are at most 3/m of a box
-  }
-  return highest;
-}
-
-void World::choose_impact_damping() {
-  impact_beta_.clear();
-  impact_zone_beta_ = 0.0, impact_share_ = 1.0;
-  if (!impacts_damped()) return;
-  // Joints between the halves of units are glued from the start: nothing lands there. Their stiffness, which is that of
-  // the units, would take all of the step.
-  const auto within_units = [&](size_t f) {
-    double any = 0.0, others = 0.0;
-    for (const uint32_t i : contacts_of_family_[f]) {
-      const Contact& c = contacts_[i];
-      if (c.count == 0 || !owns(c)) continue;
-      any = 1.0;
-      if (other_half_[size_t(c.pair.a)] != c.pair.b) others = 1.0;
-    }
-    return largest(any) > 0.0 && largest(others) == 0.0;
-  };
-  for (size_t f = 0; f < families_.size(); ++f) {
-    if (within_units(f)) {
-      impact_beta_.insert(impact_beta_.end(), {0.0, 0.0});
-      continue;
-    }
-    const auto [normal, along] = impact_viscosity(landing_frequencies(int(f)), solver_.impact_damping);
-    impact_beta_.insert(impact_beta_.end(), {normal, along});
-  }
-  for (int i = 0; i < block_count(); ++i) {
-    const Block& input = assembly_.blocks[size_t(i)];
-    if (input.rigid) continue;
-    const BlockMaterial& m = assembly_.materials[size_t(input.material)];
-    const double speed = std::sqrt(m.young_modulus / (m.density * solver_.mass_scaling));
-    const double beta = zone_viscosity(2.0 * blocks_[size_t(i)].radius, speed);
-    impact_zone_beta_ = impact_zone_beta_ > 0.0 ? std::min(impact_zone_beta_, beta) : beta;
-  }
-}
-
-double World::step_under_impact_damping() {
-  impact_rate_ = largest_over_inertia(impact_dashpots());
-  const auto [left, share] = step_under_impacts(critical_dt_, impact_rate_, [this](double of_all, double dt) {
-    return springs_ + largest_over_inertia(with_dashpots(of_all, dt));
+double step_under_impact_damping(World& w) {
+  w.impacts.rate = largest_over_inertia(w, impact_dashpots(w));
+  const auto [left, share] = step_under_impacts(w.stepping.critical_dt, w.impacts.rate, [&](double of_all, double dt) {
+    return w.stepping.springs + largest_over_inertia(w, with_dashpots(w, of_all, dt));
   });
-  for (double& beta : impact_beta_) beta *= share;
-  impact_zone_beta_ *= share, impact_rate_ *= share, impact_share_ *= share;
+  for (double& beta : w.impacts.beta) beta *= share;
+  w.impacts.zone_beta *= share, w.impacts.rate *= share, w.impacts.share *= share;
   return left;
 }
+
+}  // namespace
 
 double step_over_critical(const SolverSettings& solver, double critical) {
   double xi = 0.0;                                                                       // damping ratio at omega_max
@@ -526,49 +457,49 @@ double step_over_critical(const SolverSettings& solver, double critical) {
   return solver.time_step_fraction * (std::sqrt(1 + xi * xi) - xi);
 }
 
-void World::find_time_step(bool may_grow) {
-  const double omega = highest_frequency();
+void find_time_step(World& w, bool may_grow) {
+  const double omega = highest_frequency(w);
   if (!std::isfinite(omega))
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
-  stiffness_bound_ = local_stiffness_bound([](int) { return true; });
+  w.stepping.stiffness_bound = local_stiffness_bound(w, [](int) { return true; });
   if (omega == 0) {
     // Nothing is in contact yet: the stiffness that a corner contact will have, taken 4 times for safety.
-    double highest = springs_;
-    for (int i = 0; i < block_count(); ++i) {
-      const ModelBlock& b = blocks_[size_t(i)];
-      if (!owns(i) || b.body < 0 || bodies_[b.body].held == 0x3f) continue;
-      const Body& body = bodies_[b.body];
-      for (const Family& f : families_) {
+    double highest = w.stepping.springs;
+    for (int i = 0; i < w.block_count(); ++i) {
+      const ModelBlock& b = w.blocks[size_t(i)];
+      if (!w.part.owns(i) || b.body < 0 || w.bodies[b.body].held == 0x3f) continue;
+      const Body& body = w.bodies[b.body];
+      for (const Family& f : w.contacts.families) {
         const double k = std::max(f.kn, f.ks) * b.corner_area * 4;
         highest = std::max(highest, k / body.mass + k * b.radius * b.radius /
                                                         std::min({body.inertia.x, body.inertia.y, body.inertia.z}));
       }
     }
-    highest = largest(highest);
-    critical_dt_ = highest > 0 ? 2 / std::sqrt(highest) : 1e-3;
+    highest = w.part.largest(highest);
+    w.stepping.critical_dt = highest > 0 ? 2 / std::sqrt(highest) : 1e-3;
   } else {
     // The eigenvalue of a sum of springs is at most the sum of theirs.
-    critical_dt_ = 2 / std::hypot(omega, std::sqrt(springs_));
+    w.stepping.critical_dt = 2 / std::hypot(omega, std::sqrt(w.stepping.springs));
   }
-  if (members_) {
-    const double own = members_->own_eigenvalue(solver_.mass_scaling);
-    if (own > 0) critical_dt_ = std::min(critical_dt_, 2 / std::sqrt(own));
+  if (w.held_by.members) {
+    const double own = w.held_by.members->own_eigenvalue(w.solver.mass_scaling);
+    if (own > 0) w.stepping.critical_dt = std::min(w.stepping.critical_dt, 2 / std::sqrt(own));
   }
-  double dt = step_over_critical(solver_, critical_dt_) * critical_dt_;
-  if (impacts_damped()) {
-    const double left = omega > 0 ? step_under_impact_damping() : kLeastImpactStep;
+  double dt = step_over_critical(w.solver, w.stepping.critical_dt) * w.stepping.critical_dt;
+  if (impacts_damped(w.solver)) {
+    const double left = omega > 0 ? step_under_impact_damping(w) : kLeastImpactStep;
     double stiffer = 1.0;  // joints beyond the band, with Maxwell elements
-    for (const MaxwellElement& e : maxwell_) stiffer += e.share;
+    for (const MaxwellElement& e : w.impacts.maxwell) stiffer += e.share;
     // Without these, time_step_fraction leaves room for the stiffness that they add.
     constexpr double kClose = 0.95;
-    dt = std::min(dt, kClose / std::sqrt(stiffer) * critical_dt_) * left;
+    dt = std::min(dt, kClose / std::sqrt(stiffer) * w.stepping.critical_dt) * left;
   }
   if (!std::isfinite(dt) || dt <= 0) {
     throw Error(Exit::bad_input, fmt::format("the time step, {:.3g} s, must be finite and > 0; check stiffnesses, "
                                              "densities and stiffness_damping",
                                              dt));
   }
-  dt_ = dt_ > 0 && step_count_ > 0 && !may_grow ? std::min(dt_, dt) : dt;
+  w.stepping.dt = w.stepping.dt > 0 && w.stepping.count > 0 && !may_grow ? std::min(w.stepping.dt, dt) : dt;
 }
 
 }  // namespace quoin::blocks

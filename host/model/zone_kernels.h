@@ -6,7 +6,7 @@
 
 #include <span>
 
-#include "model/world.h"
+#include "model/block_zones.h"
 
 namespace quoin::blocks {
 

@@ -431,7 +431,7 @@ int Session::block_named(const py::object& block) const {
     std::vector<std::string> names;
     for (int b = 0; b < count; ++b) {
       const auto i = static_cast<std::size_t>(b);
-      const std::string& is = simulation.large_motion() ? simulation.large_motion()->assembly().blocks[i].name
+      const std::string& is = simulation.large_motion() ? simulation.large_motion()->assembly.blocks[i].name
                               : as_read                 ? as_read->blocks[i].name
                                                         : simulation.assembly().bricks[i].body;
       if (is == name) return b;

@@ -362,7 +362,7 @@ std::string geometry_hash(const Simulation& simulation) {
     add(lower, lower + geometry::vector(brick.size), brick.rigid);
   }
   if (!simulation.large_motion()) return hash.end();
-  const blocks::Assembly& assembly = simulation.large_motion()->assembly();
+  const blocks::Assembly& assembly = simulation.large_motion()->assembly;
   for (const blocks::Block& block : assembly.blocks) {
     geometry::Vector lower{1e300, 1e300, 1e300}, upper = -1.0 * lower;
     for (const geometry::Vector& corner : assembly.shapes[static_cast<std::size_t>(block.shape)].vertices) {

@@ -91,7 +91,7 @@ void MonitorFile::find_places() {
   const blocks::Model* const model = simulation_.large_motion();
   found_in_ = model;
   places_.clear();
-  const blocks::Assembly shapes = model ? model->assembly() : blocks::from_bricks(simulation_.assembly());
+  const blocks::Assembly shapes = model ? model->assembly : blocks::from_bricks(simulation_.assembly());
   for (const Monitor& m : monitors_) {
     Place place;
     const std::vector<int> blocks = blocks::find_blocks(shapes, m.block, m.source.text);
@@ -140,7 +140,7 @@ MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
   Motion ground{row.ground_displacement, {}};
   const blocks::Model* const model = simulation_.large_motion();
   for (int block = 0; block < static_cast<int>(simulation_.block_count()); ++block) {
-    if (model ? !model->assembly().blocks[at(block)].fixed : !simulation_.assembly().bricks[at(block)].fixed) continue;
+    if (model ? !model->assembly.blocks[at(block)].fixed : !simulation_.assembly().bricks[at(block)].fixed) continue;
     const Motion of_block = motion_of({{{block, -1}}, {}});
     double apart = 0.0;
     for (std::size_t c = 0; c < 3; ++c) apart += std::abs(of_block.displacement[c] - ground.displacement[c]);

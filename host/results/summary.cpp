@@ -237,7 +237,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["collapse_lag"] = or_null(collapse_lag(simulation.scene(), simulation.outcome().collapse_multiplier));
   json["base_slip_at_uplift_m"] = or_null(simulation.outcome().base_slip_at_uplift);
   json["largest_displacement_m"] = largest_displacement(rows);
-  json["small_displacement"] = m.small_displacement();
+  json["small_displacement"] = m.is_small;
   json["contact_detections"] = m.detections();
   if (m.members())
     json["ties"] = of_ties(*m.members(), rows), json["floors"] = of_floors(*m.members()),
@@ -283,7 +283,7 @@ Json block_names(const Simulation& simulation) {
     }
   };
   if (simulation.scene().blocks && simulation.large_motion())
-    add(simulation.large_motion()->assembly().blocks, [](const auto& block) { return block.name; });
+    add(simulation.large_motion()->assembly.blocks, [](const auto& block) { return block.name; });
   else
     add(simulation.assembly().bricks, [](const Brick& brick) { return brick.body; });
   return names;
@@ -292,7 +292,7 @@ Json block_names(const Simulation& simulation) {
 Json motion_of(const Simulation& simulation) {
   const MotionSeen& seen = simulation.motion_seen();
   const SolverSettings& solver = simulation.scene().solver;
-  const bool large = simulation.large_motion() && !simulation.large_motion()->small_displacement();
+  const bool large = simulation.large_motion() && !simulation.large_motion()->is_small;
   const std::string past = simulation.past_motion_bound();
   Json promoted = nullptr;
   if (const auto& p = simulation.outcome().promotion) {
@@ -439,7 +439,7 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   };
   const blocks::Model* const large_motion = simulation.large_motion();
   const auto beams =
-      large_motion ? count_beams(large_motion->assembly().blocks) : count_beams(simulation.assembly().bricks);
+      large_motion ? count_beams(large_motion->assembly.blocks) : count_beams(simulation.assembly().bricks);
   json["blocks"] = simulation.block_count() - beams;
   json["beams"] = beams;
   json["block_names"] = block_names(simulation);

@@ -8,7 +8,7 @@
 
 #include <span>
 
-#include "model/world.h"
+#include "model/sides.h"
 
 namespace quoin::blocks {
 

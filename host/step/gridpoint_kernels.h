@@ -10,7 +10,8 @@
 
 #include <span>
 
-#include "model/world.h"
+#include "model/block_frames.h"
+#include "model/chunks.h"
 
 namespace quoin::blocks {
 

@@ -2,10 +2,13 @@
 #include "base/archive.h"
 #include "base/error.h"
 #include "members/members.h"
+#include "model/contact_frames.h"
 #include "model/fields.h"
 #include "step/large_motion.h"
 
 namespace quoin::blocks {
+
+using namespace geometry;
 
 namespace {
 
@@ -17,17 +20,15 @@ void transfer(Archive& archive, Series& series) {
   archive.array(series.value);
 }
 
-}  // namespace
-
 template <class Archive, class Self>
-void Model::transfer_state(Archive& archive, Self& m) {
-  archive.value(m.solver_);  // damping is a stage's
-  archive.array(m.contacts_);
+void transfer_state(Archive& archive, Self& m) {
+  archive.value(m.solver);  // damping is a stage's
+  archive.array(m.contacts.list);
   WorldFields::each(m, [&](const Field&, auto& array) { archive.array(array); });
-  archive.value(m.unit_count_);
-  archive.array(m.kept_);
+  archive.value(m.units.count);
+  archive.array(m.start_joints.kept);
 
-  archive.list(m.loads_, [](auto& a, auto& load) {
+  archive.list(m.actions.loads, [](auto& a, auto& load) {
     a.value(load.block);
     a.value(load.point);
     a.value(load.force);
@@ -39,7 +40,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
     a.value(load.arm);
     a.value(load.scale);
   });
-  archive.list(m.pressures_, [](auto& a, auto& pressure) {
+  archive.list(m.actions.pressures, [](auto& a, auto& pressure) {
     a.value(pressure.block);
     a.value(pressure.face);
     a.value(pressure.value);
@@ -49,36 +50,34 @@ void Model::transfer_state(Archive& archive, Self& m) {
     a.value(pressure.push);
     a.value(pressure.scale);
   });
-  archive.array(m.loaded_);
-  archive.array(m.applied_);
-  archive.value(m.gravity_);
-  transfer(archive, m.gravity_factor_);
+  archive.array(m.actions.loaded);
+  archive.array(m.actions.applied);
+  archive.value(m.actions.gravity);
+  transfer(archive, m.actions.gravity_factor);
 
-  archive.value(m.small_);
-  archive.value(m.settling_);
-  archive.value(m.time_);
-  archive.value(m.dt_);
-  archive.value(m.critical_dt_);
-  archive.array(m.impact_beta_);
-  archive.value(m.impact_zone_beta_);
-  archive.value(m.impact_rate_);
-  archive.value(m.impact_share_);
-  archive.value(m.maxwell_);
-  archive.value(m.stiffness_bound_);
-  archive.value(m.step_count_);
-  archive.value(m.next_check_);
-  archive.value(m.check_dt_);
-  archive.value(m.detections_);
-  archive.value(m.narrow_calls_);
-  archive.value(m.unbalanced_);
-  archive.value(m.net_);
-  archive.value(m.energies_);
-  archive.value(m.later_);
-  archive.value(m.members_work_);
-  if (m.members_) members::Members::transfer(archive, *m.members_);
+  archive.value(m.is_small);
+  archive.value(m.is_settling);
+  archive.value(m.stepping.time);
+  archive.value(m.stepping.dt);
+  archive.value(m.stepping.critical_dt);
+  archive.array(m.impacts.beta);
+  archive.value(m.impacts.zone_beta);
+  archive.value(m.impacts.rate);
+  archive.value(m.impacts.share);
+  archive.value(m.impacts.maxwell);
+  archive.value(m.stepping.stiffness_bound);
+  archive.value(m.stepping.count);
+  archive.value(m.checks.next);
+  archive.value(m.checks.dt);
+  archive.value(m.detection.count);
+  archive.value(m.detection.narrow_calls);
+  archive.value(m.step_sums.unbalanced);
+  archive.value(m.step_sums.net);
+  archive.value(m.step_sums.energies);
+  archive.value(m.step_sums.later);
+  archive.value(m.held_by.work);
+  if (m.held_by.members) members::Members::transfer(archive, *m.held_by.members);
 }
-
-namespace {
 
 struct GivingWriter {
   ArchiveWriter& to;
@@ -107,57 +106,60 @@ struct GivingWriter {
 }  // namespace
 
 void Model::save(ArchiveWriter& writer, const GiveArray& give) {
-  take_back_facets();
+  take_back_facets(*this);
   GivingWriter giving{writer, give};
   transfer_state(giving, *this);
 }
 
 void Model::restore(ArchiveReader& reader) {
-  const std::size_t bodies = bodies_.size(), nodes = node_x_.size();
+  const std::size_t body_count = bodies.size(), node_count = nodes.x.size();
   transfer_state(reader, *this);
   const auto require = [](bool fits) {
     if (!fits) throw Error(Exit::bad_input, kOther);
   };
   const auto require_items = [&](const Field& field, size_t count, size_t items) {
-    const bool wanted =
-        field.when == When::always || (field.when == When::with_stiffness_damping && viscous_contacts()) ||
-        (field.when == When::with_maxwell && has_maxwell()) || (field.when == When::with_energies && energy_);
+    const bool wanted = field.when == When::always ||
+                        (field.when == When::with_stiffness_damping && viscous_contacts(solver)) ||
+                        (field.when == When::with_maxwell && has_maxwell(solver)) ||
+                        (field.when == When::with_energies && books_energy);
     require(count == items || (!wanted && count == 0));
   };
   WorldFields::of_blocks(*this, [&](const Field& field, const auto& array) {
-    require_items(field, array.size(),
-                  field.owner == Owner::gridpoint ? nodes : (field.owner == Owner::body ? bodies : blocks_.size()));
+    require_items(
+        field, array.size(),
+        field.owner == Owner::gridpoint ? node_count : (field.owner == Owner::body ? body_count : blocks.size()));
   });
   WorldFields::of_pairs(
-      *this, [&](const Field& field, const auto& array) { require_items(field, array.size(), contacts_.size()); });
-  require(kept_.empty() || kept_.size() == start_point_.size() * kept_width());
-  require(loaded_.size() == blocks_.size() && (applied_.empty() || applied_.size() == blocks_.size()));
-  const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks_.size(); };
+      *this, [&](const Field& field, const auto& array) { require_items(field, array.size(), contacts.list.size()); });
+  require(start_joints.kept.empty() || start_joints.kept.size() == start_joints.point.size() * kept_width(*this));
+  require(actions.loaded.size() == blocks.size() &&
+          (actions.applied.empty() || actions.applied.size() == blocks.size()));
+  const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks.size(); };
   const auto is_facet = [&](int i, int block) {
-    return blocks_[size_t(block)].body >= 0 ? i < 0 : i >= 0 && size_t(i) < facets_.size();
+    return blocks[size_t(block)].body >= 0 ? i < 0 : i >= 0 && size_t(i) < contacts.facets.size();
   };
-  for (Family& f : families_) {
+  for (Family& f : contacts.families) {
     WorldFields::of_points(
         [&](const Field& field, const auto& column) { require_items(field, column.size(), f.size()); }, f);
     for (const Point& p : f.point)
       require(is_block(p.a) && is_block(p.b) && is_facet(p.facet_a, p.a) && is_facet(p.facet_b, p.b));
   }
-  for (const Contact& c : contacts_) {
-    const bool fits =
-        is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(families_.size()) &&
-        (c.family < 0 ? c.count == 0
-                      : size_t(c.first) + c.count <= families_[size_t(c.family)].size() &&
-                            c.first_facet + size_t(c.count) * size_t(facets_a_point(c)) <= facets_.size());
+  for (const Contact& c : contacts.list) {
+    const bool fits = is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(contacts.families.size()) &&
+                      (c.family < 0 ? c.count == 0
+                                    : size_t(c.first) + c.count <= contacts.families[size_t(c.family)].size() &&
+                                          c.first_facet + size_t(c.count) * size_t(facets_a_point(*this, c)) <=
+                                              contacts.facets.size());
     require(fits);
   }
-  for (const PairCheck& check : pair_check_) require(is_block(check.a) && is_block(check.b));
-  for (const SeenMotion& seen : seen_) require(seen.step >= 0 && seen.step <= step_count_);
+  for (const PairCheck& check : checks.pair) require(is_block(check.a) && is_block(check.b));
+  for (const SeenMotion& seen : checks.seen) require(seen.step >= 0 && seen.step <= stepping.count);
   for (int i = 0; i < block_count(); ++i) {
-    const int other = other_half_[size_t(i)];
-    require(apart_[size_t(i)] == (other < 0 ? 0 : apart_[size_t(other)]));
+    const int other = units.other_half[size_t(i)];
+    require(units.apart[size_t(i)] == (other < 0 ? 0 : units.apart[size_t(other)]));
   }
-  frames_are_old_ = false;
-  divide_work();
+  frames.are_old = false;
+  divide_work(*this);
 }
 
 }  // namespace quoin::blocks

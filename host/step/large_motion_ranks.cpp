@@ -2,74 +2,77 @@
 #include <cmath>
 
 #include "model/fields.h"
+#include "model/world_parts.h"
 #include "step/large_motion.h"
 
 namespace quoin::blocks {
 
-bool Model::in_trouble(std::span<const int> chunks, std::span<const int> pieces) const {
-  for (const int c : chunks) {
-    if (chunks_[size_t(c)].failed) return true;
+using namespace geometry;
+
+bool Model::in_trouble(std::span<const int> own_chunks, std::span<const int> own_pieces) const {
+  for (const int c : own_chunks) {
+    if (chunks.all[size_t(c)].failed) return true;
   }
-  for (const int p : pieces) {
-    const Piece& piece = pieces_[size_t(p)];
-    for (const int32_t b : blocks_of(piece)) {
-      if (!std::isfinite(block_sums_[size_t(b)].positions)) return true;
+  for (const int p : own_pieces) {
+    const Piece& piece = pieces.all[size_t(p)];
+    for (const int32_t b : pieces.blocks_of(piece)) {
+      if (!std::isfinite(step_sums.of_block[size_t(b)].positions)) return true;
     }
   }
   return false;
 }
 
-bool Model::leaves_frame(std::span<const int> pieces) const {
-  for (const int p : pieces) {
-    const Piece& piece = pieces_[size_t(p)];
-    for (const int32_t b : blocks_of(piece)) {
-      if (piece.in_frame() && has_deformed_too_much(b)) return true;
+bool Model::leaves_frame(std::span<const int> own_pieces) const {
+  for (const int p : own_pieces) {
+    const Piece& piece = pieces.all[size_t(p)];
+    for (const int32_t b : pieces.blocks_of(piece)) {
+      if (piece.in_frame() && has_deformed_too_much(*this, b)) return true;
     }
   }
   return false;
 }
 
-void Model::scan_for_row(std::span<const int> chunks, std::span<const int> pieces) {
-  for (const int c : chunks) {
-    Chunk& chunk = chunks_[size_t(c)];
+void Model::scan_for_row(std::span<const int> own_chunks, std::span<const int> own_pieces) {
+  for (const int c : own_chunks) {
+    Chunk& chunk = chunks.all[size_t(c)];
     chunk.force_sum = force_sum_of(chunk);
     chunk.deepest = deepest_of(chunk);
   }
-  for (const int p : pieces) {
-    for (const int32_t b : blocks_of(pieces_[size_t(p)])) {
-      BlockSums& sums = block_sums_[size_t(b)];
+  for (const int p : own_pieces) {
+    for (const int32_t b : pieces.blocks_of(pieces.all[size_t(p)])) {
+      BlockSums& sums = step_sums.of_block[size_t(b)];
       sums.moved = moved_by_now(b), sums.turned = turned_by_now(b);
     }
   }
 }
 
-bool Model::has_deviating(std::span<const int> pieces) const {
-  for (const int p : pieces) {
-    for (const int32_t b : blocks_of(pieces_[size_t(p)])) {
-      if (block_sums_[size_t(b)].deviates) return true;
+bool Model::has_deviating(std::span<const int> own_pieces) const {
+  for (const int p : own_pieces) {
+    for (const int32_t b : pieces.blocks_of(pieces.all[size_t(p)])) {
+      if (step_sums.of_block[size_t(b)].deviates) return true;
     }
   }
   return false;
 }
 
-void Model::each_memory_of_piece(Part part, int piece, const VisitMemory& visit) {
-  for (const int32_t i : blocks_of(pieces_[size_t(piece)])) {
-    if (part == Part::motion)
-      visit(&block_sums_[size_t(i)].deviates, sizeof(bool));
+void Model::each_memory_of_piece(Part wanted, int piece, const VisitMemory& visit) {
+  for (const int32_t i : pieces.blocks_of(pieces.all[size_t(piece)])) {
+    if (wanted == Part::motion)
+      visit(&step_sums.of_block[size_t(i)].deviates, sizeof(bool));
     else
-      visit(&block_sums_[size_t(i)], sizeof(BlockSums));
+      visit(&step_sums.of_block[size_t(i)], sizeof(BlockSums));
     WorldFields::of_blocks(*this, [&](const Field& field, auto& array) {
-      if (!has(part, field.gathered)) return;
-      const Items items = items_of_blocks(field.owner, size_t(i), size_t(i) + 1);
+      if (!has(wanted, field.gathered)) return;
+      const Items items = items_of_blocks(*this, field.owner, size_t(i), size_t(i) + 1);
       if (items.first < items.end) visit(&array[items.first], (items.end - items.first) * sizeof array[0]);
     });
   }
 }
 
-void Model::each_memory_of_chunk(Part part, int index, const VisitMemory& visit) {
-  if (part == Part::motion) return;
-  Chunk& chunk = chunks_[size_t(index)];
-  Family& f = families_[size_t(chunk.family)];
+void Model::each_memory_of_chunk(Part wanted, int index, const VisitMemory& visit) {
+  if (wanted == Part::motion) return;
+  Chunk& chunk = chunks.all[size_t(index)];
+  Family& f = contacts.families[size_t(chunk.family)];
   visit(&chunk.stored, sizeof chunk.stored);
   visit(chunk.dissipated, sizeof chunk.dissipated);
   visit(&chunk.damping, sizeof chunk.damping);
@@ -80,30 +83,30 @@ void Model::each_memory_of_chunk(Part part, int index, const VisitMemory& visit)
   visit(&chunk.batch.failed_count, sizeof chunk.batch.failed_count);
   WorldFields::of_points(
       [&](const Field& field, auto& column) {
-        if (has(part, field.gathered) && !column.empty())
+        if (has(wanted, field.gathered) && !column.empty())
           visit(column.data() + chunk.first, chunk.count * sizeof column[0]);
       },
       f);
-  if (part != Part::all) return;
+  if (wanted != Part::all) return;
   visit(chunk.facets.data(), chunk.facets.size() * sizeof(FacetLanes));
   for (const uint32_t i : chunk.others) {
     visit(&f.point[i], sizeof(Point));
-    if (f.point[i].facet_a >= 0) visit(&facets_[size_t(f.point[i].facet_a)], sizeof(Facet));
+    if (f.point[i].facet_a >= 0) visit(&contacts.facets[size_t(f.point[i].facet_a)], sizeof(Facet));
   }
 }
 
 // Keys: bodies, then gridpoints, then frames of blocks.
 void Model::each_side(int index, const std::function<void(int, std::int64_t)>& visit) const {
-  const Chunk& chunk = chunks_[size_t(index)];
-  const Family& f = families_[size_t(chunk.family)];
+  const Chunk& chunk = chunks.all[size_t(index)];
+  const Family& f = contacts.families[size_t(chunk.family)];
   const auto side = [&](int block, int32_t facet) {
-    if (facet < 0) return visit(block, blocks_[size_t(block)].body);
-    for (const int32_t node : facets_[size_t(facet)].node) visit(block, std::int64_t(bodies_.size()) + node);
+    if (facet < 0) return visit(block, blocks[size_t(block)].body);
+    for (const int32_t node : contacts.facets[size_t(facet)].node) visit(block, std::int64_t(bodies.size()) + node);
   };
   for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
     side(p.a, p.facet_a), side(p.b, p.facet_b);
-    if (p.on_gridpoints) visit(p.a, std::int64_t(bodies_.size() + node_x_.size()) + p.a);
+    if (p.on_gridpoints) visit(p.a, std::int64_t(bodies.size() + nodes.x.size()) + p.a);
   }
 }
 
@@ -111,24 +114,24 @@ void Model::numbers_of(std::int64_t key, std::vector<double*>& numbers) {
   const auto add = [&](double* first, int count) {
     for (int k = 0; k < count; ++k) numbers.push_back(first + k);
   };
-  if (size_t(key) >= bodies_.size() + node_x_.size()) {
-    for (Vector& row : frames_[size_t(key) - bodies_.size() - node_x_.size()].transposed_r.row) add(&row.x, 3);
+  if (size_t(key) >= bodies.size() + nodes.x.size()) {
+    for (Vector& row : frames.frame[size_t(key) - bodies.size() - nodes.x.size()].transposed_r.row) add(&row.x, 3);
     return;
   }
-  if (size_t(key) >= bodies_.size()) return add(&node_x_[size_t(key) - bodies_.size()].x, 3);
-  Body& body = bodies_[size_t(key)];
+  if (size_t(key) >= bodies.size()) return add(&nodes.x[size_t(key) - bodies.size()].x, 3);
+  Body& body = bodies[size_t(key)];
   add(&body.x.x, 3);
   for (Vector& row : body.r.row) add(&row.x, 3);
   for (Vector& row : body.transposed_r.row) add(&row.x, 3);
 }
 
 void Model::motion_of(int block, std::vector<double*>& numbers) {
-  const ModelBlock& b = blocks_[size_t(block)];
+  const ModelBlock& b = blocks[size_t(block)];
   const auto add = [&](Vector& v) {
     for (int k = 0; k < 3; ++k) numbers.push_back(&v.x + k);
   };
-  if (b.body >= 0) add(bodies_[size_t(b.body)].x), add(bodies_[size_t(b.body)].v);
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) add(node_x_[size_t(i)]), add(node_v_[size_t(i)]);
+  if (b.body >= 0) add(bodies[size_t(b.body)].x), add(bodies[size_t(b.body)].v);
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) add(nodes.x[size_t(i)]), add(nodes.v[size_t(i)]);
 }
 
 }  // namespace quoin::blocks

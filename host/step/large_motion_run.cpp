@@ -28,7 +28,7 @@ void Simulation::Impl::build_large_motion(const blocks::Assembly& shapes,
     divide_work();
     large_motion->begin(rank_by_block());
   } else {
-    large_motion->before_dividing([this] { gather(Part::all); });
+    large_motion->part.fetch = [this] { gather(Part::all); };
   }
   large_motion->track_energy(want_energy);
   build_members();
@@ -77,8 +77,8 @@ std::vector<int> Simulation::Impl::followed_blocks() const {
     if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
     on_ground = on_ground || (drive.of_ground && drive.motion == 0);
   }
-  for (const blocks::Load& given : large_motion->loads()) followed.push_back(given.block);
-  for (const blocks::Pressure& given : large_motion->pressures()) followed.push_back(given.block);
+  for (const blocks::Load& given : large_motion->actions.loads) followed.push_back(given.block);
+  for (const blocks::Pressure& given : large_motion->actions.pressures) followed.push_back(given.block);
   for (const Floor& floor : whiffletree)
     followed.insert(followed.end(), floor.large_motion.begin(), floor.large_motion.end());
   return followed;
@@ -96,7 +96,7 @@ void Simulation::Impl::exchange_blocks_of_stage(const Stage& settings, const Sta
     if (drive.of_ground) followed.push_back(drive.block);
   }
   for (int block = 0; settings.ground && block < large_motion->block_count(); ++block) {
-    if (large_motion->assembly().blocks[static_cast<std::size_t>(block)].fixed) followed.push_back(block);
+    if (large_motion->assembly.blocks[static_cast<std::size_t>(block)].fixed) followed.push_back(block);
   }
   std::vector<int> watched;
   if (const std::string& name = watched_block(settings); !name.empty())
@@ -109,7 +109,7 @@ void Simulation::Impl::exchange_blocks_of_stage(const Stage& settings, const Sta
 }
 
 std::vector<int> Simulation::Impl::blocks_named(const std::string& name, const std::string& where) const {
-  return blocks::find_blocks(large_motion->assembly(), name, where);
+  return blocks::find_blocks(large_motion->assembly, name, where);
 }
 
 const std::string& Simulation::Impl::watched_block(const Stage& settings) const {
@@ -146,7 +146,7 @@ void Simulation::Impl::swap_law_in_large_motion(std::size_t index, std::shared_p
   points.area = area.data();
   for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data();
   for (const auto& column : f.state) points.state.push_back(column.data());
-  const JointFamily& description = large_motion->assembly().families[index];
+  const JointFamily& description = large_motion->assembly.families[index];
   const MigratedFamily migrated = migrate(description, *f.material, *material, points);
   swaps.push_back(report_of(description.name, *f.material, *material, migrated.sums(0, points.count)));
   large_motion->replace_law(static_cast<int>(index), material, migrated.state, migrated.opening_shift);
@@ -190,12 +190,12 @@ void Simulation::Impl::measure_large_motion_step() {
   if (in_parts) gather(Part::row);
   unbalanced_ratio = large_motion->unbalanced_ratio();
   const blocks::Energies& e = large_motion->energies();
-  kinetic = large_motion->measured_kinetic_energy();
+  kinetic = large_motion->measured_kinetic;
   if (sample_energy) {
     Energies now;
     now.kinetic = e.kinetic, now.strain = e.strain, now.contact_stored = e.contact_stored + e.members_stored;
     const double work = e.external - e.damping - e.detection;  // since energies were booked first
-    check_energies(now, large_motion->dissipated_in_step(), work, -work);
+    check_energies(now, large_motion->step_sums.dissipated, work, -work);
     if (!watch.pending) end_check();
   }
   if (!want_energy) return;
@@ -244,7 +244,7 @@ double Simulation::Impl::largest_displacement() const {
   for (std::size_t i = 0; !large_motion && i < model.assembly.bricks.size(); ++i)
     look(norm(geometry::vector((has_all() ? whole_motion_of(i) : whole_motions[i]).translation)));
   for (int i = 0; large_motion && i < large_motion->block_count(); ++i) {
-    if (large_motion->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
+    if (large_motion->assembly.blocks[static_cast<std::size_t>(i)].fixed) continue;
     look(large_motion->moved(i));
   }
   return largest;
@@ -278,7 +278,7 @@ void Simulation::Impl::measure_large_motion(HistoryRow& row) const {
 // What these blocks touch is above them, as over a bottom beam.
 bool Simulation::Impl::stands_below(const std::vector<int>& blocks) const {
   MonitorSide side;
-  for (const blocks::Contact& c : large_motion->contacts()) {
+  for (const blocks::Contact& c : large_motion->contacts.list) {
     for (const int block : blocks) {
       if (c.pair.a != block && c.pair.b != block) continue;
       for (std::size_t i = c.first; i < c.first + c.count; ++i)
@@ -348,7 +348,7 @@ void Simulation::Impl::ask_large_motion_at_rest(std::uint64_t capability, const 
 
 Simulation::BlockMesh Simulation::Impl::mesh_in_large_motion(int block) const {
   const blocks::ModelBlock& b = large_motion->block(block);
-  const blocks::Block& input = large_motion->assembly().blocks[static_cast<std::size_t>(block)];
+  const blocks::Block& input = large_motion->assembly.blocks[static_cast<std::size_t>(block)];
   BlockMesh mesh;
   mesh.unit = input.unit, mesh.course = input.course, mesh.fixed = input.fixed;
   mesh.face = b.shape->faces;  // the first gridpoints of deformable blocks are the vertices of their shapes
@@ -359,11 +359,8 @@ Simulation::BlockMesh Simulation::Impl::mesh_in_large_motion(int block) const {
   }
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
     mesh.gridpoint.push_back(geometry::array(large_motion->node_reference()[static_cast<std::size_t>(i)]));
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    std::array<int, 4>& zone = mesh.zone.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k)
-      zone[k] = large_motion->zones()[static_cast<std::size_t>(z)].node[k] - b.first_node;
-  }
+  for (int z = 0; z < b.zone_count; ++z)
+    std::ranges::copy(large_motion->zone(block, z).node, mesh.zone.emplace_back().begin());
   return mesh;
 }
 
@@ -403,10 +400,9 @@ std::vector<Vec3> Simulation::Impl::gridpoint_velocities(int block) const {
 }
 
 std::vector<std::array<double, 6>> Simulation::Impl::zone_stresses(int block) const {
-  const blocks::ModelBlock& b = large_motion->block(block);
   std::vector<std::array<double, 6>> result;
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    const geometry::Matrix s = large_motion->zone_stress(z);
+  for (int z = 0; z < large_motion->block(block).zone_count; ++z) {
+    const geometry::Matrix s = large_motion->zone_stress(block, z);
     result.push_back({s.row[0].x, s.row[1].y, s.row[2].z, s.row[0].y, s.row[1].z, s.row[2].x});
   }
   return result;

@@ -5,7 +5,8 @@
 
 #include <cstddef>
 
-#include "model/world.h"
+#include "law/law_library.h"
+#include "model/maxwell.h"
 
 namespace quoin::blocks {
 

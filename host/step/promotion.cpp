@@ -84,11 +84,11 @@ std::vector<std::size_t> gridpoint_order(const Brick& brick, const std::vector<V
 // By the small strains of the lattice, where Model::strain_energy takes those of large rotations.
 double strain_energy(const blocks::Model& m, const std::vector<Vector>& displacement) {
   double sum = 0.0;
-  for (const blocks::Zone& zone : m.zones()) {
+  m.each_zone([&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
     Matrix h = Matrix::zero();
-    for (std::size_t k = 0; k < 4; ++k) h += outer(displacement[at(zone.node[k])], zone.gradient[k]);
+    for (std::size_t k = 0; k < 4; ++k) h += outer(displacement[at(b.first_node + zone.node[k])], zone.gradient[k]);
     sum += zone.energy(0.5 * (h + transposed(h)));
-  }
+  });
   return sum;
 }
 
@@ -259,7 +259,7 @@ void Simulation::Impl::promote(const std::string& why) {
   // The same blocks in large motion, at rest, then where they are.
   leave_lattice();
   blocks::Model& m = *large_motion;
-  m.start_at(promotion.time, step_count);
+  m.stepping.time = promotion.time, m.stepping.count = step_count;
   for (const Drive& drive : continued)
     m.prescribe(drive.block, {}, {}, drive.held);  // at rest: supports take no motion
   std::vector<Vector> before(m.node_positions().size());

@@ -148,7 +148,8 @@ std::vector<double> Simulation::Impl::estimated_costs() const {
 }
 
 Vec3 Simulation::Impl::place_in_large_motion(int block) const {
-  return geometry::array(in_parts ? large_motion->rough_place(block) : large_motion->position(block));
+  return geometry::array(in_parts ? large_motion->part.rough_place[static_cast<std::size_t>(block)]
+                                  : large_motion->position(block));
 }
 
 RankShare Simulation::Impl::share_of_this_rank() const {

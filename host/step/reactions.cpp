@@ -31,7 +31,7 @@ bool moves(const BodyControl& control) {
 void Simulation::Impl::find_restraints() {
   std::vector<std::string> names;
   if (large_motion) {
-    for (const blocks::Block& block : large_motion->assembly().blocks) names.push_back(block.name);
+    for (const blocks::Block& block : large_motion->assembly.blocks) names.push_back(block.name);
   } else {
     for (const RigidBody& body : model.bodies) names.push_back(body.name);
   }
@@ -49,7 +49,7 @@ void Simulation::Impl::find_restraints() {
         if (holds(control)) add(control.body, moves(control));
     }
     for (std::size_t b = 0; large_motion && b < names.size() && restraints.size() <= kMostRestraints; ++b)
-      if (large_motion->assembly().blocks[b].fixed && !names[b].empty()) add(names[b], false);
+      if (large_motion->assembly.blocks[b].fixed && !names[b].empty()) add(names[b], false);
     for (std::size_t b = 0; !large_motion && b < names.size(); ++b)
       if (model.assembly.bricks[at(model.bodies[b].block)].fixed && !names[b].empty()) add(names[b], false);
     if (restraints.size() > kMostRestraints) restraints.clear();
@@ -63,7 +63,7 @@ void Simulation::Impl::find_restraints() {
 }
 
 void Simulation::Impl::find_restrained_blocks() {
-  const auto& blocks = large_motion->assembly().blocks;
+  const auto& blocks = large_motion->assembly.blocks;
   std::set<int> found;
   for (std::size_t b = 0; b < blocks.size(); ++b)
     if (blocks[b].fixed) found.insert(static_cast<int>(b));
@@ -109,7 +109,7 @@ std::vector<JointWrench> Simulation::Impl::sum_large_motion_wrenches(const std::
     sums[i].force = geometry::array(large_motion->contact_force(blocks[i]));
   }
   if (blocks.empty()) return sums;
-  for (const blocks::Contact& c : large_motion->contacts()) {
+  for (const blocks::Contact& c : large_motion->contacts.list) {
     const int of_a = place[at(c.pair.a)], of_b = place[at(c.pair.b)];
     if (of_a < 0 && of_b < 0) continue;
     const blocks::Family& f = large_motion->families()[at(c.family)];
@@ -141,7 +141,7 @@ std::vector<std::uint8_t> Simulation::Impl::held_now() const {
     held.push_back(static_cast<std::uint8_t>(bits));
   }
   if (!large_motion) return held;
-  for (const blocks::Block& block : large_motion->assembly().blocks) held.push_back(block.fixed ? 0x3f : 0);
+  for (const blocks::Block& block : large_motion->assembly.blocks) held.push_back(block.fixed ? 0x3f : 0);
   for (const Drive& drive : drives) held[at(drive.block)] = drive.held;
   return held;
 }

@@ -120,22 +120,21 @@ class Search {
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
         add_to(sum, u.gridpoint[n], m.node_mass()[at(block.first_node) + n] * per_mass);
       const geometry::Matrix turned = m.orientation(b);
-      for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
-        const blocks::Zone& zone = m.zones()[at(z)];
-        const geometry::Matrix stress = m.zone_stress(z);
+      for (int z = 0; z < block.zone_count; ++z) {
+        const blocks::Zone zone = m.zone(b, z);
+        const geometry::Matrix stress = m.zone_stress(b, z);
         for (std::size_t i = 0; i < 4; ++i)
-          add_to(sum, u.gridpoint[at(zone.node[i] - block.first_node)],
-                 -zone.volume * (stress * (turned * zone.gradient[i])));
+          add_to(sum, u.gridpoint[at(zone.node[i])], -zone.volume * (stress * (turned * zone.gradient[i])));
       }
     }
-    for (const blocks::Load& load : m.loads()) {
+    for (const blocks::Load& load : m.actions.loads) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(load.block)];
       const Vector force = load.scale * load.factor.at(m.time()) * load.force;
       if (u.rigid) add_wrench(sum, load.block, u.centre + m.body(load.block).r * load.arm, force);
       for (const auto& [node, weight] : load.share)
         add_to(sum, u.gridpoint[at(node - m.block(load.block).first_node)], weight * force);
     }
-    for (const blocks::Pressure& p : m.pressures()) add_pressure(p, sum);
+    for (const blocks::Pressure& p : m.actions.pressures) add_pressure(p, sum);
   }
 
   void add_pressure(const blocks::Pressure& p, VectorXd* sum) const {

@@ -96,7 +96,7 @@ long Simulation::block_count() const {
   return static_cast<long>(impl_->model.assembly.bricks.size());
 }
 long Simulation::zone_count() const {
-  return static_cast<long>(impl_->large_motion ? impl_->large_motion->zones().size() : impl_->model.zone_count());
+  return static_cast<long>(impl_->large_motion ? impl_->large_motion->zone_count() : impl_->model.zone_count());
 }
 std::size_t Simulation::Impl::contact_point_count() const {
   return large_motion ? static_cast<std::size_t>(large_motion->point_count()) : at(model.point_count);

@@ -9,7 +9,11 @@
 #include <cstdint>
 #include <span>
 
-#include "model/world.h"
+#include "model/chunks.h"
+#include "model/motion_checks.h"
+#include "model/pieces.h"
+#include "model/rigid_bodies.h"
+#include "model/step_sums.h"
 
 namespace quoin::blocks {
 

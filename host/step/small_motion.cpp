@@ -110,7 +110,7 @@ void Simulation::Impl::check_motion() {
 std::string Simulation::Impl::past_motion_bound() const {
   if (!large_motion) return past_bound(motion_seen, scene.solver.motion_bound, model.assembly);
   // Blocks of any shape leave small displacements by themselves.
-  if (scene.solver.large_motion != LargeMotion::never || large_motion->small_displacement()) return "";
+  if (scene.solver.large_motion != LargeMotion::never || large_motion->is_small) return "";
   return "blocks have moved further than small displacements allow (contact.small_displacement)";
 }
 

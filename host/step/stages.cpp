@@ -85,7 +85,7 @@ void Simulation::Impl::begin_stage(int index) {
 void Simulation::Impl::choose_damping() {
   const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
   const SolverSettings& settings = large_motion ? scene.solver : solver_in_use();
-  if (large_motion) large_motion->settle(settling);
+  if (large_motion) large_motion->is_settling = settling;
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
 

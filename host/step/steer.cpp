@@ -113,7 +113,7 @@ void Simulation::Impl::steer_drives(const char* what, const std::string& name, c
   };
   for (const int block : steered) {
     const auto drive = drive_of(block);
-    const bool fixed = drive == drives.end() && large_motion->assembly().blocks[at(block)].fixed;
+    const bool fixed = drive == drives.end() && large_motion->assembly.blocks[at(block)].fixed;
     std::array<bool, 3> prescribed{};
     for (std::size_t c = 0; c < 3; ++c) prescribed[c] = drive == drives.end() ? fixed : (drive->held >> c & 1) != 0;
     require_kind(what, name, value, velocities, prescribed);
@@ -123,7 +123,7 @@ void Simulation::Impl::steer_drives(const char* what, const std::string& name, c
     if (drive == drives.end()) {
       Drive added;
       added.block = block;
-      if (large_motion->assembly().blocks[at(block)].fixed) added.held = 0x3f;
+      if (large_motion->assembly.blocks[at(block)].fixed) added.held = 0x3f;
       drive = drives.insert(drive, added);
     }
     for (std::size_t k = 0; k < 3; ++k) {

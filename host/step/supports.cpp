@@ -48,7 +48,7 @@ std::vector<std::uint8_t> Simulation::Impl::held_in(const Stage& settings) const
     }
     return held;
   }
-  for (const blocks::Block& block : large_motion->assembly().blocks) held.push_back(block.fixed ? 7 : 0);
+  for (const blocks::Block& block : large_motion->assembly.blocks) held.push_back(block.fixed ? 7 : 0);
   for (const BodyControl& control : settings.controls) {
     for (const int block : blocks_named(control.body, settings.source.text)) held[at(block)] = imposed_by(control);
   }
@@ -67,8 +67,8 @@ std::vector<int> Simulation::Impl::groups_of_joined_blocks() const {
     first[at(std::max(of_a, of_b))] = std::min(of_a, of_b);
   };
   for (const Joint& j : model.assembly.joints) join(j.block_a, j.block_b);
-  for (std::size_t i = 0; large_motion && i < large_motion->contacts().size(); ++i) {
-    const blocks::Contact& c = large_motion->contacts()[i];
+  for (std::size_t i = 0; large_motion && i < large_motion->contacts.list.size(); ++i) {
+    const blocks::Contact& c = large_motion->contacts.list[i];
     if (c.count > 0) join(c.pair.a, c.pair.b);
   }
   const members::Members* const members = large_motion ? large_motion->members() : nullptr;
@@ -99,7 +99,7 @@ void Simulation::Impl::require_moving_ground() const {
     return std::any_of(blocks.begin(), blocks.end(), [](const auto& b) { return b.fixed; });
   };
   if (large_motion && large_motion->members() && !large_motion->members()->beds().empty()) return;
-  if (large_motion ? any_fixed(large_motion->assembly().blocks) : any_fixed(model.assembly.bricks)) return;
+  if (large_motion ? any_fixed(large_motion->assembly.blocks) : any_fixed(model.assembly.bricks)) return;
   for (const Stage& each : scene.stages) {
     if (!each.ground) continue;
     throw Error(
@@ -154,7 +154,7 @@ void Simulation::Impl::find_falling_block(std::vector<Warning>* warnings) {
 }
 
 std::string Simulation::Impl::block_label(int block) const {
-  if (large_motion) return blocks::label(large_motion->assembly(), block);
+  if (large_motion) return blocks::label(large_motion->assembly, block);
   const std::string& body = model.assembly.bricks[at(block)].body;
   return body.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, body);
 }
@@ -170,7 +170,7 @@ Simulation::Supports Simulation::supports(int stage) const {
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (held[i] == 0) continue;
     std::vector<std::string>& with_axes = names[held[i]];
-    std::string name = s.large_motion ? s.large_motion->assembly().blocks[i].name : s.model.assembly.bricks[i].body;
+    std::string name = s.large_motion ? s.large_motion->assembly.blocks[i].name : s.model.assembly.bricks[i].body;
     if (name.empty()) name = block_label(static_cast<int>(i));
     if (with_axes.empty() || with_axes.back() != name) with_axes.push_back(std::move(name));
   }

@@ -26,7 +26,7 @@ void Simulation::Impl::take_damage() {
   for (const Brick& b : model.assembly.bricks)
     blocks.push_back({{b.origin[0] + b.size[0] / 2, b.origin[1] + b.size[1] / 2, b.origin[2] + b.size[2] / 2}, b.unit});
   for (int b = 0; large_motion && b < large_motion->block_count(); ++b)
-    blocks.push_back({geometry::array(large_motion->position(b)), large_motion->assembly().blocks[at(b)].unit});
+    blocks.push_back({geometry::array(large_motion->position(b)), large_motion->assembly.blocks[at(b)].unit});
   std::vector<double> hit(scene.damage.size(), 0.0);  // contact points, by entry
   std::optional<Error> fault;
   for (std::size_t f = 0; f < model.families.size(); ++f) {
@@ -54,7 +54,7 @@ void Simulation::Impl::damage_large_motion(std::size_t f, const std::vector<Crac
   const blocks::Family& family = large_motion->families()[f];
   std::vector<PlacedPoint> points;
   for (const blocks::Point& p : family.point) points.push_back({geometry::array(p.at), p.area, p.a, p.b});
-  const DamagedFamily damaged = damage_family(scene.damage, large_motion->assembly().families[f],
+  const DamagedFamily damaged = damage_family(scene.damage, large_motion->assembly.families[f],
                                               model.families[f].material, points, points, blocks, family.columns, &hit);
   if (damaged.points == 0) return;
   large_motion->replace_law(static_cast<int>(f), model.families[f].material, damaged.state, damaged.opening_shift);

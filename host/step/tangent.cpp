@@ -188,7 +188,7 @@ Tangent tangent_of(const Simulation& simulation) {
   t.groups = unknowns.groups();
   t.unknown.resize(at(unknowns.count())), t.mass.resize(at(unknowns.count()));
   t.symmetry_factor =
-      s.large_motion ? (s.large_motion->assembly().symmetry_plane_z0 ? 2.0 : 1.0) : s.model.assembly.symmetry_factor;
+      s.large_motion ? (s.large_motion->assembly.symmetry_plane_z0 ? 2.0 : 1.0) : s.model.assembly.symmetry_factor;
   const std::optional<Dashpots> dashpots = dashpots_of(s);
   Unknowns::Entries entries, turned, viscous;
   unknowns.add_zones(&entries);

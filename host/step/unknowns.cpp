@@ -86,9 +86,9 @@ void Unknowns::number_large_motion(int b) {
     for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((held_body | body.support) >> c & 1u) != 0);
     return close_group(b, u.centre);
   }
-  unsigned held = s_.large_motion->assembly().blocks[at(b)].fixed ? 7u : 0u;
+  unsigned held = s_.large_motion->assembly.blocks[at(b)].fixed ? 7u : 0u;
   for (const Drive& drive : s_.drives) held |= drive.block == b ? drive.held : 0u;
-  const bool halved = s_.large_motion->assembly().symmetry_plane_z0;
+  const bool halved = s_.large_motion->assembly.symmetry_plane_z0;
   for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
     auto& of_point = u.gridpoint.emplace_back();
     const bool on_plane = halved && s_.large_motion->node_reference()[at(n)].z == 0.0;
@@ -114,10 +114,10 @@ void Unknowns::add_zones(Entries* entries) const {
     }
     const blocks::ModelBlock& block = s_.large_motion->block(b);
     const geometry::Matrix turned = s_.large_motion->orientation(b);
-    for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
-      const blocks::Zone& zone = s_.large_motion->zones()[at(z)];
+    for (int z = 0; z < block.zone_count; ++z) {
+      const blocks::Zone zone = s_.large_motion->zone(b, z);
       for (std::size_t i = 0; i < 4; ++i)
-        unknown[i] = u.gridpoint[at(zone.node[i] - block.first_node)], gradient[i] = turned * zone.gradient[i];
+        unknown[i] = u.gridpoint[at(zone.node[i])], gradient[i] = turned * zone.gradient[i];
       add_zone(unknown, gradient, zone.volume, zone.lambda, zone.mu, entries);
     }
   }
@@ -204,12 +204,11 @@ void Unknowns::for_each_stressed_zone(int b, const Visit& visit) const {
   if (s_.large_motion) {
     const blocks::ModelBlock& block = s_.large_motion->block(b);
     const geometry::Matrix turned = s_.large_motion->orientation(b);
-    for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
-      const blocks::Zone& zone = s_.large_motion->zones()[at(z)];
+    for (int z = 0; z < block.zone_count; ++z) {
+      const blocks::Zone zone = s_.large_motion->zone(b, z);
       std::array<int, 4> node;
-      for (std::size_t i = 0; i < 4; ++i)
-        node[i] = zone.node[i] - block.first_node, gradient[i] = turned * zone.gradient[i];
-      visit(node, gradient, zone.volume, s_.large_motion->zone_stress(z));
+      for (std::size_t i = 0; i < 4; ++i) node[i] = zone.node[i], gradient[i] = turned * zone.gradient[i];
+      visit(node, gradient, zone.volume, s_.large_motion->zone_stress(b, z));
     }
     return;
   }

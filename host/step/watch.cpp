@@ -160,11 +160,11 @@ std::string Simulation::Impl::damped_motion() const {
   if (!large_motion || damping.empty()) return "";
   const double weight = norm(geometry::vector(data.gravity)), g = weight > 0.0 ? weight : 9.81;
   std::vector<bool> driven;
-  for (const blocks::Block& b : large_motion->assembly().blocks) driven.push_back(b.fixed);
+  for (const blocks::Block& b : large_motion->assembly.blocks) driven.push_back(b.fixed);
   for (const Drive& drive : drives) driven[static_cast<std::size_t>(drive.block)] = (drive.held & 7) != 0;
   double most = 1.0, block = -1.0;
   for (int i = 0; i < large_motion->block_count(); ++i) {
-    if (!large_motion->owns(i) || driven[static_cast<std::size_t>(i)] ||
+    if (!large_motion->part.owns(i) || driven[static_cast<std::size_t>(i)] ||
         !(norm(large_motion->net_force_on(i)) > kUnbalanced * g * large_motion->mass_of(i)))
       continue;
     const Vector v = large_motion->velocity(i);
@@ -174,8 +174,7 @@ std::string Simulation::Impl::damped_motion() const {
   if (in_parts) block = largest_of_ranks(most == largest_of_ranks(most) ? block : -1.0);
   if (block < 0.0) return "";
   return fmt::format("block {} falls, slides or topples, and the {} of stage '{}' brakes it: {}; {}",
-                     blocks::label(large_motion->assembly(), static_cast<int>(block)), damping,
-                     scene.stages[now_in].name,
+                     blocks::label(large_motion->assembly, static_cast<int>(block)), damping, scene.stages[now_in].name,
                      local_damping_in(scene, now_in) > 0.0
                          ? "what is not balanced moves it with 1 - gamma of the acceleration that it has without"
                          : "without it such motion is not braked",

@@ -463,7 +463,7 @@ TEST(KernelsChoice, WallsCanBeMovedByTheGeneralKernels) {
   Simulation blocks(read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml", general));
   ASSERT_FALSE(lattice.large_motion());
   ASSERT_TRUE(blocks.large_motion());
-  EXPECT_TRUE(blocks.large_motion()->small_displacement());
+  EXPECT_TRUE(blocks.large_motion()->is_small);
   EXPECT_EQ(blocks.point_count(), lattice.point_count());
 }
 

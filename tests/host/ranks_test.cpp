@@ -313,7 +313,7 @@ TEST(Ranks, HoldTheirPartsOfLargeMotion) {
     int own = 0, laid_out = 0;
     for (int b = 0; b < simulation.block_count(); ++b) {
       own += simulation.owns_block(b) ? 1 : 0;
-      laid_out += simulation.large_motion()->is_laid_out(b) ? 1 : 0;
+      laid_out += simulation.large_motion()->part.laid_out[static_cast<std::size_t>(b)] ? 1 : 0;
     }
     EXPECT_GT(own, simulation.block_count() / 8);
     EXPECT_GT(laid_out, own) << "neighbours";

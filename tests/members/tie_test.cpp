@@ -110,7 +110,7 @@ TEST(Ties, RockingBlockRestsWhereTheTieHoldsIt) {
     Observer nobody;
     simulation.run(nobody);
     const blocks::Model& m = *simulation.large_motion();
-    const geometry::Matrix r = m.orientation(m.assembly().blocks[1].name == "block" ? 1 : 0);
+    const geometry::Matrix r = m.orientation(m.assembly.blocks[1].name == "block" ? 1 : 0);
     const double theta = std::asin(r.row[0].y);
     ASSERT_GT(theta, 0.005) << lambda;
     const double tension = pretension + 2 * stiffness * h * std::sin(theta);

@@ -53,9 +53,9 @@ void collapse(int courses, int width, double rest) {
     speed = std::max(speed, norm(m->velocity(i)));
   }
   double overlap = 0.0;
-  m->detect_now();
-  for (size_t i = 0; i < m->contacts().size(); ++i)
-    overlap = std::max(overlap, -m->place_of_pair(i).separation.distance);
+  detect_contacts(*m, true);
+  for (size_t i = 0; i < m->contacts.list.size(); ++i)
+    overlap = std::max(overlap, -m->contacts.place[i].separation.distance);
   const Energies e = m->energies();
   std::printf(
       "  collapse of %d blocks: %ld steps in %.1f s, %ld detections, %ld narrow calls; top %.2f m of %.2f m; fastest "
@@ -104,7 +104,7 @@ double stack_cost(int n, bool moving) {
   const long steps = std::max(5l, 2000000l / n);
   m->run_steps(steps);
   const double seconds = now() - t1, t2 = now();
-  m->detect_now();
+  detect_contacts(*m, true);
   const double detection = now() - t2;
   size_t points = 0;
   for (const Family& f : m->families()) points += f.size();
@@ -150,10 +150,10 @@ TEST(Modes, SmallDisplacementIsLeftByItself) {
   auto m = scene.model(viscous(0, 1e-4));
   m->set_gravity({0, -gravity, 0});
   m->run(0.1);
-  EXPECT_TRUE(m->small_displacement());
+  EXPECT_TRUE(m->is_small);
   EXPECT_EQ(m->detections(), 1);
   m->set_gravity({0.5 * gravity, -gravity, 0});
-  while (m->small_displacement() && m->time() < 2) m->step();
+  while (m->is_small && m->time() < 2) m->step();
   EXPECT_NEAR(m->position(b).x - 0.1, 0.005 * 0.2, 0.0003);
   EXPECT_GT(m->detections(), 1);
 }

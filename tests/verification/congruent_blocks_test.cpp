@@ -40,7 +40,7 @@ SolverSettings zone_by_zone(SolverSettings solver) {
 void shake(Model& m, double size) {
   for (int i = 0; i < m.block_count(); ++i) {
     uint64_t random = 88172645463325252u;
-    const Matrix turned = geometry::matrix(m.assembly().blocks[size_t(i)].orientation);
+    const Matrix turned = geometry::matrix(m.assembly.blocks[size_t(i)].orientation);
     const ModelBlock& b = m.block(i);
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
       Vector v;
@@ -56,7 +56,7 @@ void shake(Model& m, double size) {
 // Displacements of block 0 in its own frame.
 std::vector<Vector> displacements(const Model& m, int block) {
   const ModelBlock& b = m.block(block);
-  const Matrix turned = geometry::matrix(m.assembly().blocks[size_t(block)].orientation);
+  const Matrix turned = geometry::matrix(m.assembly.blocks[size_t(block)].orientation);
   std::vector<Vector> u;
   for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
     u.push_back(transposed_times(turned, m.node_positions()[size_t(n)] - m.node_reference()[size_t(n)]));
@@ -156,7 +156,7 @@ TEST(BlocksInFrames, ViscositySeesNoRigidMotion) {
   const auto spin = [&](int count, Kind kind, const SolverSettings& solver, double* lost) {
     auto m = bricks_apart(count, kind).model(solver);
     for (int i = 0; i < count; ++i) {
-      const Vector axis = geometry::matrix(m->assembly().blocks[size_t(i)].orientation) * Vector{0, 1, 0};
+      const Vector axis = geometry::matrix(m->assembly.blocks[size_t(i)].orientation) * Vector{0, 1, 0};
       m->set_velocity(i, {}, omega * axis);
     }
     m->run(2 * 2 * pi / omega);  // vibrations of the start fade
@@ -190,7 +190,7 @@ TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
     for (int i = 0; i < m->block_count(); ++i) {
       const ModelBlock& b = m->block(i);
       for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
-        const Matrix turned = geometry::matrix(m->assembly().blocks[size_t(i)].orientation);
+        const Matrix turned = geometry::matrix(m->assembly.blocks[size_t(i)].orientation);
         const double x = transposed_times(turned, m->node_reference()[size_t(n)] - m->position(i)).x;
         m->node_velocities()[size_t(n)] = 100.0 * x * (turned * Vector{1, 0, 0});
       }

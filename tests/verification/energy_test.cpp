@@ -153,7 +153,7 @@ TEST(PlacedAnew, SameBounceAsOnPointsThatStay) {
     m->set_gravity({0, -gravity, 0});
     for (int i = 0; i < 400; ++i) {
       m->step();
-      if (placed_again) m->detect_now();
+      if (placed_again) detect_contacts(*m, true);
     }
     height[placed_again] = m->position(b).y - 0.1;
   }
@@ -222,7 +222,7 @@ TEST(PlacedAnew, VectorsAmongTheStatesKeepTheirDirection) {
   for (int block : high) m->set_velocity(block, {-0.2, 0, 0});
   m->set_gravity({0, -gravity, 0});
   m->run(0.006);
-  m->detect_now();
+  detect_contacts(*m, true);
   const Family& f = m->families()[0];
   int counted = 0;
   double across = 0.0, along = 0.0;  // sums of |g|, m

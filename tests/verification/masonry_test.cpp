@@ -259,9 +259,9 @@ DryWall ferris_tin_loi(int courses, double rate, double kn, double start, bool h
     for (int i = 1; i < m->block_count(); ++i) moved = std::max(moved, norm(m->position(i) - rest[i]));
     if (slip_at_uplift < 0) {
       double opened = 0;
-      for (size_t k = 0; k < m->contacts().size(); ++k) {
-        const Contact& c = m->contacts()[k];
-        if (c.count == 0 || std::abs(m->place_of_pair(k).separation.normal.y) < 0.9) continue;
+      for (size_t k = 0; k < m->contacts.list.size(); ++k) {
+        const Contact& c = m->contacts.list[k];
+        if (c.count == 0 || std::abs(m->contacts.place[k].separation.normal.y) < 0.9) continue;
         for (uint32_t i = c.first; i < c.first + c.count; ++i)
           opened = std::max(opened, m->families()[c.family].normal_jump[i]);
       }

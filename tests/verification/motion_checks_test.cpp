@@ -1,8 +1,11 @@
 // When contacts are found again (model/motion_checks.cpp). No pair of rigid blocks moves further than its bound between
 // checks, however long they are apart and whatever hits it.
+#include "model/motion_checks.h"
+
 #include <algorithm>
 #include <limits>
 
+#include "model/block_layout.h"
 #include "support.h"
 
 namespace quoin::verification {
@@ -14,17 +17,18 @@ class Watched : public Model {
   // Motion of the pair that has moved furthest since its contact was found, over what it may.
   double furthest() const {
     double most = 0.0;
-    for (size_t i = 0; i < contacts_.size(); ++i) {
-      const Contact& c = contacts_[i];
-      const double moved = pair_motion(c, pair_place_[i], pose(c.pair.a), pose(c.pair.b));
-      most = std::max(most, moved / allowed_motion(c, pair_place_[i]));
+    for (size_t i = 0; i < contacts.list.size(); ++i) {
+      const Contact& c = contacts.list[i];
+      const PairPlace& place = contacts.place[i];
+      const double moved = pair_motion(*this, c, place, pose(*this, c.pair.a), pose(*this, c.pair.b));
+      most = std::max(most, moved / allowed_motion(*this, c, place));
     }
     return most;
   }
   // When the pairs of this block are checked next, the earliest of them, steps.
   long next_check_of(int block) const {
     long first = std::numeric_limits<long>::max();
-    for (const PairCheck& check : pair_check_) {
+    for (const PairCheck& check : checks.pair) {
       if (check.a == block || check.b == block) first = std::min(first, check.step);
     }
     return first;

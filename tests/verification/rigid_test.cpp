@@ -218,7 +218,7 @@ TEST(Stacking, JointForcesAreWeightsAbove) {
   settle(*m, 1e-22, 20000);
   const double weight = 2000 * 0.2 * 0.2 * 0.1 * gravity;
   double worst = 0.0;
-  for (const Contact& c : m->contacts()) {
+  for (const Contact& c : m->contacts.list) {
     if (c.count == 0) continue;
     const Family& f = m->families()[c.family];
     double force = 0.0;

@@ -108,7 +108,7 @@ family = "none"
 between = ["hull", "mesh"]
 )" + std::string(rest_stage));
   Simulation run(read_scene(path));
-  const blocks::Assembly& a = run.large_motion()->assembly();
+  const blocks::Assembly& a = run.large_motion()->assembly;
   double wall = 0.0, expected = 0.0;
   for (size_t i = 0; i < a.blocks.size(); ++i) {
     if (a.blocks[i].name.starts_with("long") || a.blocks[i].name.starts_with("cross")) {

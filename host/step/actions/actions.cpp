@@ -54,7 +54,7 @@ std::vector<int> Simulation::Impl::blocks_named_in(const Stage& settings) const 
   }
   if (settings.moving_load) {
     for (const blocks::LoadPlace& place :
-         blocks::places_of(*settings.moving_load, large_motion->assembly(), settings.source.text))
+         blocks::places_of(*settings.moving_load, large_motion->assembly, settings.source.text))
       blocks.push_back(place.block);
   }
   return blocks;

@@ -75,14 +75,15 @@ void Simulation::Impl::apply_collapse(const Stage& settings, double s) {
 
 // Blocks on their own side of the border alone: watch_uplift asks each rank for its own.
 void Simulation::Impl::find_blocks_on_base() {
-  const auto& blocks = large_motion->assembly().blocks;
+  const auto& blocks = large_motion->assembly.blocks;
   on_base.assign(blocks.size(), 0);
   double area = 0.0;
   base_centre = {};
-  const auto& contacts = large_motion->contacts();
+  const auto& contacts = large_motion->contacts.list;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const blocks::Contact& c = contacts[i];
-    if (c.count == 0 || !large_motion->owns(c) || std::abs(large_motion->place_of_pair(i).separation.normal.y) < kBed)
+    if (c.count == 0 || !large_motion->part.owns(c.pair) ||
+        std::abs(large_motion->contacts.place[i].separation.normal.y) < kBed)
       continue;
     const blocks::Family& family = large_motion->families()[static_cast<std::size_t>(c.family)];
     for (std::size_t p = c.first; p < c.first + c.count; ++p) {
@@ -141,10 +142,11 @@ void FirstLoad::look(double time, double moved, double allowed, double needed) {
 void Simulation::Impl::watch_uplift() {
   if (outcome.base_slip_at_uplift) return;
   double opened = 0.0;
-  const auto& contacts = large_motion->contacts();
+  const auto& contacts = large_motion->contacts.list;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const blocks::Contact& c = contacts[k];
-    if (c.count == 0 || !large_motion->owns(c) || std::abs(large_motion->place_of_pair(k).separation.normal.y) < kBed)
+    if (c.count == 0 || !large_motion->part.owns(c.pair) ||
+        std::abs(large_motion->contacts.place[k].separation.normal.y) < kBed)
       continue;
     const auto& family = large_motion->families()[static_cast<std::size_t>(c.family)];
     for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
@@ -153,7 +155,7 @@ void Simulation::Impl::watch_uplift() {
   if (opened < kUplift) return;
   double slip = 0.0;
   for (int b = 0; b < large_motion->block_count(); ++b) {
-    if (!on_base[static_cast<std::size_t>(b)] || !large_motion->owns(b)) continue;
+    if (!on_base[static_cast<std::size_t>(b)] || !large_motion->part.owns(b)) continue;
     const Vec3 d = block_translation(b);
     slip = std::max(slip, std::hypot(d[0], d[2]));
   }

@@ -55,7 +55,7 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
   for (const Drive& old : before) {
     if (std::any_of(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == old.block; })) continue;
     Drive released = start(old.block);
-    if (m.assembly().blocks[static_cast<std::size_t>(old.block)].fixed) {
+    if (m.assembly.blocks[static_cast<std::size_t>(old.block)].fixed) {
       released.held = 0x3f;
       released.force_from = {};
       released.of_ground = old.of_ground, released.motion = old.motion;

@@ -21,7 +21,7 @@ void Simulation::Impl::add_forces(const Stage& settings) {
     m.add(added);
   }
   if (!settings.moving_load) return;
-  for (const blocks::LoadPlace& place : blocks::places_of(*settings.moving_load, m.assembly(), settings.source.text)) {
+  for (const blocks::LoadPlace& place : blocks::places_of(*settings.moving_load, m.assembly, settings.source.text)) {
     blocks::Load added{};
     added.block = place.block, added.point = place.at;
     added.force = geometry::vector(settings.moving_load->force);
@@ -41,12 +41,12 @@ double share_at(std::size_t k, std::size_t n, double way) {
 
 void Simulation::Impl::bind_forces(const Stage& settings, const Stage* previous) {
   if (previous) add_forces(*previous);
-  fading_loads = large_motion->loads().size();
+  fading_loads = large_motion->actions.loads.size();
   add_forces(settings);
 }
 
 void Simulation::Impl::scale_forces(const Stage& settings, double s) {
-  auto& loads = large_motion->loads();
+  auto& loads = large_motion->actions.loads;
   for (std::size_t i = 0; i < loads.size(); ++i) loads[i].scale = i < fading_loads ? 1.0 - s : s;
   // Positions are the last of each stage's.
   const auto spread = [&](const MovingLoad& moving, std::size_t end, double way) {

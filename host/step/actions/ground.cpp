@@ -61,7 +61,7 @@ std::vector<std::int32_t> Simulation::Impl::support_groups(const Stage& settings
   if (!settings.ground || settings.ground->supports.empty()) return group;
   std::optional<blocks::Assembly> of_bricks;
   if (!large_motion) of_bricks = blocks::from_bricks(model.assembly);
-  const blocks::Assembly& assembly = large_motion ? large_motion->assembly() : *of_bricks;
+  const blocks::Assembly& assembly = large_motion ? large_motion->assembly : *of_bricks;
   std::int32_t index = 0;
   for (const GroundMotion& support : settings.ground->supports) {
     ++index;
@@ -108,7 +108,7 @@ void Simulation::Impl::bind_ground(const Stage& settings, const Stage*) {
     for (const int block : blocks_named(control.body, settings.source.text)) controlled.insert(block);
   }
   for (int block = 0; block < large_motion->block_count(); ++block) {
-    if (!large_motion->assembly().blocks[static_cast<std::size_t>(block)].fixed || controlled.contains(block)) continue;
+    if (!large_motion->assembly.blocks[static_cast<std::size_t>(block)].fixed || controlled.contains(block)) continue;
     std::int32_t& index = drive_of[static_cast<std::size_t>(block)];
     if (index < 0 && !settings.ground) continue;
     if (index < 0) {
@@ -164,7 +164,7 @@ void Simulation::Impl::measure_base(HistoryRow& row) const {
     row.ground_displacement = block_translation_at_forces({ground->block});
   }
   const double whole = model.assembly.symmetry_factor;
-  const auto& blocks = large_motion->assembly().blocks;
+  const auto& blocks = large_motion->assembly.blocks;
   for (int block = 0; block < large_motion->block_count(); ++block) {
     if (!blocks[static_cast<std::size_t>(block)].fixed) continue;
     const Vec3 joints = geometry::array(large_motion->contact_force(block));
@@ -177,7 +177,7 @@ void Simulation::Impl::measure_base(HistoryRow& row) const {
   if (in_parts) return;  // no rank has all contact points
   const Vector centre = base_centre + geometry::vector(moved);
   Vector moment;
-  for (const blocks::Contact& c : large_motion->contacts()) {
+  for (const blocks::Contact& c : large_motion->contacts.list) {
     const bool a = blocks[static_cast<std::size_t>(c.pair.a)].fixed,
                b = blocks[static_cast<std::size_t>(c.pair.b)].fixed;
     if (a == b) continue;

@@ -12,7 +12,7 @@ void Simulation::Impl::build_members() {
   if (!scene.members) return;
   blocks::World::ExchangeNodes exchange;
   if (ranks) exchange = [this](std::vector<members::Node>& nodes) { exchange_nodes(nodes); };
-  large_motion->hold_by_members(std::make_shared<members::Members>(*scene.members, large_motion->assembly()),
+  large_motion->hold_by_members(std::make_shared<members::Members>(*scene.members, large_motion->assembly),
                                 std::move(exchange));
 }
 

@@ -13,7 +13,7 @@ using geometry::Vector;
 
 void Simulation::Impl::add_pressures(const Stage& settings) {
   blocks::Model& m = *large_motion;
-  const auto& assembly = m.assembly();
+  const auto& assembly = m.assembly;
   for (const FacePressure& pressure : settings.pressures) {
     blocks::Pressure added{};
     added.block = blocks_named(pressure.block, settings.source.text).front(), added.value = pressure.pressure;
@@ -32,12 +32,12 @@ void Simulation::Impl::add_pressures(const Stage& settings) {
 
 void Simulation::Impl::bind_pressures(const Stage& settings, const Stage* previous) {
   if (previous) add_pressures(*previous);
-  fading_pressures = large_motion->pressures().size();
+  fading_pressures = large_motion->actions.pressures.size();
   add_pressures(settings);
 }
 
 void Simulation::Impl::scale_pressures(const Stage&, double s) {
-  auto& pressures = large_motion->pressures();
+  auto& pressures = large_motion->actions.pressures;
   for (std::size_t i = 0; i < pressures.size(); ++i) pressures[i].scale = i < fading_pressures ? 1.0 - s : s;
 }
 

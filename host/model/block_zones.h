@@ -1,0 +1,56 @@
+// Zones of deformable blocks: tetrahedra of constant strain.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/vector.h"
+#include "model/congruent_blocks.h"
+#include "model/lanes.h"
+#include "model/model_block.h"
+#include "scene/blocks.h"
+
+namespace quoin::blocks {
+
+using geometry::Matrix;
+using geometry::Vector;
+
+struct Zone {
+  int32_t node[4];     // of the block, from 0
+  Vector gradient[4];  // of the shape functions in the reference configuration, 1/m
+  double volume;       // reference, m3
+  double lambda, mu;   // Pa
+
+  double energy(const Matrix& strain) const;  // stored under a uniform strain, symmetric, J
+};
+
+// Zones of a block in lanes, as their kernel reads them; those beyond `count` have no volume and the node numbers of
+// the first.
+struct ZoneLanes {
+  static constexpr int kCount = 8;
+  alignas(64) double gradient[3][3][kCount];                // of the shape functions of corners 1 to 3, 1/m
+  double volume[kCount], lambda[kCount], twice_mu[kCount];  // m3, Pa
+  int32_t node[4][kCount];                                  // of the block
+  int count;
+  Zone zone(int lane) const;
+};
+
+// Of all blocks, in the orientation of the start. Blocks of one shape, material, zoning and orientation share theirs.
+struct Zones {
+  LaneVector<ZoneLanes> lanes;             // laid out with the first block that has them
+  std::vector<CongruentBlocks> congruent;  // what blocks of one shape share, whatever their orientation
+
+  std::span<const ZoneLanes> lanes_of(const ModelBlock& b) const {
+    return std::span(lanes).subspan(size_t(b.first_lanes), size_t(b.lanes_count));
+  }
+  Zone zone(const ModelBlock& b, int index) const {
+    return lanes[size_t(b.first_lanes + index / ZoneLanes::kCount)].zone(index % ZoneLanes::kCount);
+  }
+};
+
+// Zones of a block, in the orientation that `turned` gives to its shape. lanes: as many as they need, without any yet.
+void lay_out(const geometry::Zoning& zoning, const Matrix& turned, const BlockMaterial& material,
+             std::span<ZoneLanes> lanes);
+
+}  // namespace quoin::blocks

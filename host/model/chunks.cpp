@@ -1,0 +1,193 @@
+// Who does what: contact points in runs for one call of their law.
+#include "model/chunks.h"
+
+#include <algorithm>
+
+#include "model/contact_frames.h"
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+namespace {
+
+PairAxes pair_axes(const Vector& n, const Vector& s, const Vector& t) {
+  return {{{n.x, n.y, n.z, 0.0}, {s.x, s.y, s.z, 0.0}, {t.x, t.y, t.z, 0.0}}};
+}
+
+bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+void number_chunks(World& w) {
+  w.chunks.all.clear(), w.chunks.own.clear();
+  for (auto& of_family : w.contacts.of_family) of_family.clear();
+  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
+    if (w.contacts.list[i].count > 0) w.contacts.of_family[size_t(w.contacts.list[i].family)].push_back(uint32_t(i));
+  }
+  for (size_t k = 0; k < w.contacts.families.size(); ++k) {
+    Family& f = w.contacts.families[k];
+    for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area}) {
+      if (column->size() != f.size()) *column = LaneVector<double>(f.size());
+    }
+    for (uint32_t first = 0; first < f.size(); first += kChunk) {
+      Chunk& chunk = w.chunks.all.emplace_back();
+      chunk.family = int(k), chunk.first = first;
+      chunk.count = std::min(kChunk, uint32_t(f.size()) - first);
+    }
+  }
+}
+
+void put_on_gridpoints(World& w, const Point& p, uint32_t i, Chunk& chunk) {
+  const auto put = [&](std::vector<int32_t>& nodes, int32_t facet) {
+    nodes.resize(chunk.count + size_t(kLanes) - 1);  // kernels read whole vectors
+    nodes[i - chunk.first] = w.contacts.facets[size_t(facet)].node[0];
+  };
+  put(chunk.node_a, p.facet_a), put(chunk.node_b, p.facet_b);
+  GridpointPair* const last = chunk.gridpoint_pairs.empty() ? nullptr : &chunk.gridpoint_pairs.back();
+  const bool goes_on = last && last->a == p.a && last->b == p.b && last->first + last->count == i &&
+                       same(last->axis[0], p.n) && same(last->axis[1], p.s);
+  if (goes_on) {
+    ++last->count;
+  } else {
+    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, uint32_t(w.chunks.rows.size()), {p.n, p.s, p.t}, {}});
+    if (w.is_small) {  // they stay so
+      const Matrix r = start_of_frame(w, p.a);
+      chunk.pair_axes.push_back(pair_axes(r * p.n, r * p.s, r * p.t));
+    }
+  }
+  w.chunks.rows.resize(w.chunks.rows.size() + 1);
+}
+
+void put_in_lanes(World& w, const Point& p, uint32_t i, Chunk& chunk) {
+  constexpr int kCount = FacetLanes::kCount;
+  std::vector<FacetLanes>& all = chunk.facets;
+  if (all.empty() || all.back().count == kCount || all.back().first + all.back().count != i) {
+    all.emplace_back().first = i;
+    all.back().row = uint32_t(w.chunks.rows.size());
+    all.back().on_gridpoints = true;
+    if (w.is_small) chunk.frames.emplace_back();
+  }
+  FacetLanes& lanes = all.back();
+  const Facet &a = w.contacts.facets[size_t(p.facet_a)], &b = w.contacts.facets[size_t(p.facet_b)];
+  lanes.on_gridpoints = lanes.on_gridpoints && sits_on_gridpoint(b);
+  const double slope[3] = {a.gradient[1][0], a.gradient[1][1], a.gradient[2][1]};
+  for (int l = int(lanes.count); l < kCount; ++l) {
+    lanes.facet_a[l] = p.facet_a;
+    lanes.reference[l] = p.reference, lanes.area[l] = p.area;
+    for (int k = 0; k < 3; ++k) {
+      lanes.node_a[k][l] = a.node[k], lanes.node_b[k][l] = b.node[k];
+      lanes.weight_a[k][l] = a.weight[k], lanes.weight_b[k][l] = b.weight[k];
+      if (!w.is_small) continue;
+      FacetFrames& frames = chunk.frames.back();
+      frames.n[k][l] = p.n[k], frames.s[k][l] = p.s[k], frames.t[k][l] = p.t[k];
+      frames.slope[k][l] = slope[k];
+    }
+  }
+  ++lanes.count;
+  w.chunks.rows.resize(w.chunks.rows.size() + FacetRow::kCount);
+}
+
+void bind_points(World& w, Chunk& chunk) {
+  const Family& f = w.contacts.families[size_t(chunk.family)];
+  for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+    const Point& p = f.point[i];
+    if (p.on_gridpoints) {
+      put_on_gridpoints(w, p, i, chunk);
+      continue;
+    }
+    if (p.facet_a >= 0 && p.facet_b >= 0) {
+      put_in_lanes(w, p, i, chunk);
+      continue;
+    }
+    if (p.facet_a >= 0 || p.facet_b >= 0) {
+      chunk.others.push_back(i);
+      continue;
+    }
+    const int32_t a = w.blocks[size_t(p.a)].body, b = w.blocks[size_t(p.b)].body;
+    const RigidPair* last = chunk.pairs.empty() ? nullptr : &chunk.pairs.back();
+    const bool goes_on = last && last->a == a && last->b == b && last->first + last->count == i &&
+                         same(last->axis[0], p.n) && same(last->axis[1], p.s);
+    if (goes_on)
+      ++chunk.pairs.back().count;
+    else
+      chunk.pairs.push_back({a, b, i, 1, {p.n, p.s, p.t}, {}, {}, {}, {}});
+  }
+}
+
+}  // namespace
+
+void divide_work(World& w) {
+  number_chunks(w);
+  count_sides(w);
+  divide_blocks(w);
+  w.step_sums.of_block.resize(w.blocks.size());
+  w.actions.loaded.resize(w.blocks.size(), 0);
+  ++w.chunks.divisions;
+  if (!w.part.ranks) bind_work(w);
+}
+
+void pack(World& w, const Chunk& chunk) {
+  Family& f = w.contacts.families[size_t(chunk.family)];
+  for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+    const Point& p = f.point[i];
+    for (int c = 0; c < 3; ++c) f.arm[c][i] = p.arm[c];
+    f.offset[i] = p.on_gridpoints ? p.reference : p.offset, f.area[i] = p.area;
+  }
+}
+
+// What steps read: of the chunks that touch own blocks, and of own blocks.
+void bind_work(World& w) {
+  w.chunks.own.clear(), w.chunks.rows.clear();
+  for (int c = 0; c < w.chunk_count(); ++c) {
+    Chunk& chunk = w.chunks.all[size_t(c)];
+    chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
+    chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
+    bool own = !w.part.ranks;
+    if (w.part.ranks) w.each_block_of_chunk(c, [&](int block) { own |= w.part.owns(block); });
+    if (!own) {
+      chunk.batch = {};
+      continue;
+    }
+    w.chunks.own.push_back(c);
+    Family& f = w.contacts.families[size_t(chunk.family)];
+    for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+      if (f.point[i].on_gridpoints && !w.pieces.in_frame[size_t(f.point[i].a)]) leave_gridpoints(w, f, i);
+    }
+    pack(w, chunk);
+    bind_points(w, chunk);
+  }
+  bind_columns(w);
+  divide_sides(w);
+  bind_pieces(w);
+}
+
+void bind_columns(World& w) {
+  for (const int c : w.chunks.own)
+    bind(w, w.contacts.families[size_t(w.chunks.all[size_t(c)].family)], w.chunks.all[size_t(c)]);
+}
+
+void bind(const World& w, Family& f, Chunk& chunk) {
+  quoin_batch& batch = chunk.batch;
+  batch = {};
+  batch.struct_size = sizeof batch;
+  batch.count = chunk.count;
+  batch.normal_jump = {f.normal_jump.data() + chunk.first, 1};
+  for (int k = 0; k < 2; ++k) batch.slip_increment[k] = {f.slip[k].data() + chunk.first, 1};
+  for (int k = 0; k < 3; ++k) {
+    batch.traction_old[k] = {f.traction[k].data() + chunk.first, 1};
+    batch.traction_new[k] = {f.traction[k].data() + chunk.first, 1};
+  }
+  chunk.state_old.clear(), chunk.state_new.clear();
+  for (auto& column : f.state) {
+    chunk.state_old.push_back({column.data() + chunk.first, 1});
+    chunk.state_new.push_back({column.data() + chunk.first, 1});
+  }
+  batch.state_old = chunk.state_old.data(), batch.state_new = chunk.state_new.data();
+  chunk.properties = batch_columns(f.columns, *f.material, chunk.first);
+  batch.property_column_count = chunk.properties.size(), batch.property_columns = chunk.properties.data();
+  if (!w.books_energy || f.stored.empty() || !(f.material->api().capabilities & QUOIN_CAN_ENERGY)) return;
+  batch.energy_stored = {f.stored.data() + chunk.first, 1};
+  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch.dissipated[k] = {f.dissipated[k].data() + chunk.first, 1};
+}
+
+}  // namespace quoin::blocks

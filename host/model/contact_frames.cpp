@@ -1,0 +1,95 @@
+#include "model/contact_frames.h"
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+Vector in_space(const World& w, const Point& p, const Vector& v) {
+  if (p.on_gridpoints) return rotation_of_frame(w, p.a) * v;
+  return p.facet_a >= 0 || w.blocks[p.a].body < 0 ? v : w.bodies[w.blocks[p.a].body].r * v;
+}
+
+// The frame of a deformable plane side: n of its triangle, s along its first edge.
+void refresh_facet_frame(const World& w, Point& p, Facet& facet) {
+  const Vector &x1 = w.nodes.x[facet.node[0]], e2 = w.nodes.x[facet.node[1]] - x1, e3 = w.nodes.x[facet.node[2]] - x1;
+  const double length = norm(e2);
+  p.s = e2 / length;
+  p.n = normalized(cross(e2, e3));
+  p.t = cross(p.n, p.s);
+  const double x3 = dot(p.s, e3), y3 = dot(p.t, e3);
+  facet.gradient[1][0] = 1 / length, facet.gradient[1][1] = -x3 / (length * y3);
+  facet.gradient[2][0] = 0, facet.gradient[2][1] = 1 / y3;
+  for (int k = 0; k < 2; ++k) facet.gradient[0][k] = -facet.gradient[1][k] - facet.gradient[2][k];
+}
+
+void take_back_facets(World& w) {
+  for (const int c : w.chunks.own) {
+    const Chunk& chunk = w.chunks.all[size_t(c)];
+    Family& f = w.contacts.families[size_t(chunk.family)];
+    for (const FacetLanes& lanes : chunk.facets) {
+      for (size_t l = 0; l < lanes.count; ++l) {
+        Facet& facet = w.contacts.facets[size_t(lanes.facet_a[l])];
+        for (int k = 0; k < 3; ++k) facet.weight[k] = lanes.weight_a[k][l];
+        if (!w.is_small) refresh_facet_frame(w, f.point[lanes.first + l], facet);
+      }
+    }
+  }
+}
+
+// Where the point is now: place in space, gap from the plane less the reference, position along s and t in a's frame.
+Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets) {
+  Location l;
+  if (p.facet_b >= 0) {
+    const Facet& facet = facets[p.facet_b];
+    l.at = facet.weight[0] * w.nodes.x[facet.node[0]] + facet.weight[1] * w.nodes.x[facet.node[1]] +
+           facet.weight[2] * w.nodes.x[facet.node[2]];
+  } else {
+    const Body& b = w.bodies[w.blocks[p.b].body];
+    l.at = b.x + b.r * p.arm;
+  }
+  if (p.facet_a >= 0) {
+    const Facet& facet = facets[p.facet_a];
+    Vector d = l.at - (facet.weight[0] * w.nodes.x[facet.node[0]] + facet.weight[1] * w.nodes.x[facet.node[1]] +
+                       facet.weight[2] * w.nodes.x[facet.node[2]]);
+    if (p.on_gridpoints) d = transposed_times(rotation_of_frame(w, p.a), d);
+    l.jump = dot(p.n, d) - p.reference;
+    l.slid[0] = dot(p.s, d), l.slid[1] = dot(p.t, d);
+  } else {
+    const Body& a = w.bodies[w.blocks[p.a].body];
+    const Vector j = transposed_times(a.r, l.at - a.x);
+    l.jump = dot(p.n, j) - p.offset;
+    l.slid[0] = dot(p.s, j), l.slid[1] = dot(p.t, j);
+  }
+  return l;
+}
+
+std::pair<double, double> turned_into(const Vector& s, const Vector& t, const Vector& v) {
+  const double along_s = dot(v, s), along_t = dot(v, t);
+  const double size = std::sqrt(along_s * along_s + along_t * along_t), keep = size > 0 ? norm(v) / size : 1.0;
+  return {keep * along_s, keep * along_t};
+}
+
+// The foot goes to below the point, vectors of the joint are turned into the axes of the triangle. The opening stays,
+// and what the law has not seen yet of the slip.
+void leave_gridpoints(World& w, Family& f, size_t i) {
+  Point& p = f.point[i];
+  Facet& facet = w.contacts.facets[size_t(p.facet_a)];
+  const Location before = locate(w, p, w.contacts.facets);
+  const Matrix then = w.frame_of(p);
+  p.on_gridpoints = false;
+  refresh_facet_frame(w, p, facet);
+  const auto turn = [&](const auto& then_s, const auto& then_t, auto& now_s, auto& now_t) {
+    std::tie(now_s[i], now_t[i]) = turned_into(p.s, p.t, then_s[i] * then.row[1] + then_t[i] * then.row[2]);
+  };
+  turn_joint_vectors(f, f, turn);
+  for (int k = 0; k < 2; ++k) f.slid[k][i] -= before.slid[k];
+  turn(f.slid[0], f.slid[1], f.slid[0], f.slid[1]);
+  const Location now = locate(w, p, w.contacts.facets);
+  for (int k = 0; k < 3; ++k)
+    facet.weight[k] += facet.gradient[k][0] * now.slid[0] + facet.gradient[k][1] * now.slid[1];
+  p.reference += locate(w, p, w.contacts.facets).jump - before.jump;
+}
+
+}  // namespace quoin::blocks

@@ -1,0 +1,42 @@
+// Where contact points are, and the axes that they have.
+#pragma once
+
+#include <array>
+#include <iterator>
+#include <utility>
+
+#include "model/contact_points.h"
+
+namespace quoin::blocks {
+
+struct World;
+
+using geometry::Vector;
+
+struct Location {
+  Vector at;                                // in space, m
+  double jump = 0.0, slid[2] = {0.0, 0.0};  // gap from the plane less the reference; along s and t in a's frame, m
+};
+Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets);
+Vector in_space(const World& w, const Point& p, const Vector& v);  // of p's frame
+void refresh_facet_frame(const World& w, Point& p, Facet& facet);
+void take_back_facets(World& w);                           // frames and feet, from lanes to points
+void leave_gridpoints(World& w, Family& f, size_t point);  // whose block a has no frame: it goes on from a triangle
+
+// Along these axes of a joint: what a vector along slightly different ones becomes, of the same size.
+std::pair<double, double> turned_into(const Vector& s, const Vector& t, const Vector& v);
+// Of what contact points have along s and t: turn(s before, t before, s now, t now), arrays by point.
+template <class Turn>
+void turn_joint_vectors(const Family& old, Family& f, const Turn& turn) {
+  turn(old.traction[1], old.traction[2], f.traction[1], f.traction[2]);
+  if (!old.viscous[0].empty() && !f.viscous[0].empty())
+    turn(old.viscous[1], old.viscous[2], f.viscous[1], f.viscous[2]);
+  for (size_t k = 0; k < std::size(f.maxwell) && !old.maxwell[k].empty() && !f.maxwell[k].empty(); k += 3)
+    turn(old.maxwell[k + 1], old.maxwell[k + 2], f.maxwell[k + 1], f.maxwell[k + 2]);
+  for (size_t k = 0; k + 1 < f.state.size(); ++k) {
+    if (f.material->api().states[k]->kind == QUOIN_STATE_PAIR_S)
+      turn(old.state[k], old.state[k + 1], f.state[k], f.state[k + 1]);
+  }
+}
+
+}  // namespace quoin::blocks

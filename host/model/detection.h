@@ -1,0 +1,20 @@
+// Contact detection: how near blocks are looked at, and how often it has been done.
+#pragma once
+
+#include <cstddef>
+
+namespace quoin::blocks {
+
+struct World;
+
+struct DetectionState {
+  double size = 1.0;                 // least extent of all blocks, m
+  double skin = 0.0;                 // within which pairs are kept, m
+  double reach = 0.0;                // up to which contact points are placed, m
+  double joint_tolerance = 0.0;      // gap or overlap of joints of the start, m
+  long count = 0, narrow_calls = 0;  // how often contacts have been detected, and pairs been looked at closely
+};
+
+void detect_contacts(World& w, bool everything = false);
+
+}  // namespace quoin::blocks

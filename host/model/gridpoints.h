@@ -1,0 +1,38 @@
+// Gridpoints of deformable blocks.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "geometry/vector.h"
+#include "model/lanes.h"
+#include "model/model_block.h"
+
+namespace quoin::blocks {
+
+using geometry::Vector;
+
+// Of one block.
+struct BlockGridpoints {
+  std::span<const Vector> x, v;  // m, m/s
+  std::span<const double> mass;  // kg
+  std::span<const uint8_t> held;
+};
+
+// Of all blocks, one after the other. Steps change x and v, stages what is held; the rest is laid out with its block.
+struct Gridpoints {
+  LaneVector<Vector> x, reference, v;    // m, of the start m, m/s at half steps
+  LaneVector<double> mass, weight_mass;  // of inertia (mass scaling included), of weight, kg
+  LaneVector<uint8_t> held, support;     // bits 0..2; of held, what a plane of symmetry holds for good
+  LaneVector<Vector> held_v;             // m/s
+  LaneVector<Vector> anchor;             // b of blocks in frames of their own, 1/m; empty: there are none
+
+  BlockGridpoints of(const ModelBlock& b) const {
+    const auto part = [&](const auto& field) {
+      return std::span(field).subspan(size_t(b.first_node), size_t(b.node_count));
+    };
+    return {part(x), part(v), part(mass), part(held)};
+  }
+};
+
+}  // namespace quoin::blocks

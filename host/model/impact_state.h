@@ -1,0 +1,24 @@
+// Damping of impacts in large motion, as it is in use.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "model/maxwell.h"
+
+namespace quoin::blocks {
+
+struct World;
+
+// Chosen with the time step.
+struct ImpactState {
+  std::vector<double> beta;  // viscosity over stiffness, normal and along the joint, family by family, s
+  double zone_beta = 0.0;    // of zones, s
+  double rate = 0.0;         // largest eigenvalue of this viscosity over inertia, 1/s
+  double share = 1.0;        // of what the settings ask for
+  std::array<MaxwellElement, kMaxwellElements> maxwell{};
+};
+
+void choose_impact_damping(World& w);
+
+}  // namespace quoin::blocks

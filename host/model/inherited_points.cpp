@@ -1,0 +1,259 @@
+#include "model/inherited_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "model/contact_frames.h"
+#include "model/fields.h"
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+Family without_points(const Family& f) {
+  Family without;
+  without.material = f.material, without.initial = f.initial, without.dry = f.dry, without.kn = f.kn, without.ks = f.ks;
+  without.state.resize(f.state.size());
+  for (const PropertyColumn& c : f.columns) without.columns.push_back({c.id, c.usual, c.most, {}});
+  return without;
+}
+
+void move_facets(Point& p, uint32_t now, uint32_t before) {
+  for (int32_t* facet : {&p.facet_a, &p.facet_b}) {
+    if (*facet >= 0) *facet += int32_t(now) - int32_t(before);
+  }
+}
+
+void set_aside(const World& w, const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count,
+               PointsBefore& before) {
+  Family& aside = before.families[size_t(c.family)];
+  const auto put = [](const auto& from, uint32_t at, uint32_t items, auto& to) {
+    const uint32_t end = uint32_t(to.size());
+    if (!from.empty()) to.insert(to.end(), from.begin() + at, from.begin() + at + items);
+    return end;
+  };
+  const uint32_t now = uint32_t(aside.point.size());
+  WorldFields::of_points([&](const Field&, const auto& from, auto& to) { put(from, first, count, to); },
+                         w.contacts.families[size_t(c.family)], aside);
+  const uint32_t facet_now = put(w.contacts.facets, first_facet, count * uint32_t(facets_a_point(w, c)), before.facets);
+  for (uint32_t i = now; i < now + count; ++i) move_facets(aside.point[i], facet_now, first_facet);
+  first = now, first_facet = facet_now;
+}
+
+namespace {
+
+bool has_columns(const World& w, When when) {
+  return when == When::with_stiffness_damping ? viscous_contacts(w.solver)
+         : when == When::with_maxwell         ? has_maxwell(w.solver)
+         : when == When::with_energies        ? w.books_energy
+                                              : true;
+}
+
+// An array in parts is laid out again: what other ranks have takes no memory.
+template <class Array>
+void keep_items(const World& w, Array& items, std::span<const KeptItems> kept, size_t count) {
+  if (!w.part.ranks && !items.empty() && count > 0) return keep_in_place(items, kept, count);
+  const Array before = std::exchange(items, Array(count));
+  if (before.empty() || count == 0) return;
+  for (const KeptItems& k : kept) std::copy_n(before.begin() + k.from, k.count, items.begin() + k.to);
+}
+
+}  // namespace
+
+void keep_points(const World& w, Family& f, std::span<const KeptItems> kept, size_t count) {
+  // What damping has is of no use without it, and then gone: a stage may have switched it off.
+  WorldFields::of_points(
+      [&](const Field& field, auto& column) { keep_items(w, column, kept, has_columns(w, field.when) ? count : 0); },
+      f);
+  for (PropertyColumn& c : f.columns) fill_others(c.values, kept, c.usual);
+}
+
+void keep_facets(World& w, std::span<const KeptItems> kept, size_t count) {
+  keep_items(w, w.contacts.facets, kept, count);
+}
+
+namespace {
+
+// What a new point has from its nearest old one.
+struct Heir {
+  double closure = 0.0;           // plastic, m
+  double opening = std::nan("");  // since the last step, m; not known for a point without history
+};
+
+void inherit(const World& w, const Family& old, size_t from, const Contact& c, Family& f, size_t to) {
+  for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = old.state[s][from];
+  for (size_t k = 0; k < f.columns.size(); ++k) f.columns[k].values[to] = old.columns[k].values[from];
+  f.normal_jump[to] = old.normal_jump[from];
+  if (!old.stored.empty()) f.stored[to] = old.stored[from];
+  const Point& q = old.point[from];
+  Point& p = f.point[to];
+  const bool open = old.traction[0][from] == 0.0 && old.traction[1][from] == 0.0 && old.traction[2][from] == 0.0;
+  p.reference = c.initial || !open ? q.reference : 0.0;  // an open dry contact starts from the true gap
+  // Vectors of the joint keep their direction in space: they are turned from the old axes into the new ones. The roles
+  // of a and b may have changed with the reference face. Sigma and the traction on the former block a change with it.
+  const double sign = q.a == p.a ? 1.0 : -1.0;
+  const Vector s = in_space(w, p, p.s), t = in_space(w, p, p.t);
+  const auto turn = [&](const auto& then_s, const auto& then_t, auto& now_s, auto& now_t) {
+    const Vector v = sign * (then_s[from] * in_space(w, q, q.s) + then_t[from] * in_space(w, q, q.t));
+    std::tie(now_s[to], now_t[to]) = turned_into(s, t, v);
+  };
+  f.traction[0][to] = old.traction[0][from];
+  if (!old.viscous[0].empty() && !f.viscous[0].empty()) f.viscous[0][to] = old.viscous[0][from];
+  for (size_t k = 0; k < std::size(f.maxwell) && !old.maxwell[k].empty() && !f.maxwell[k].empty(); k += 3)
+    f.maxwell[k][to] = old.maxwell[k][from];
+  turn_joint_vectors(old, f, turn);
+}
+
+// What a closed point has crushed, or dilated, since it was placed: the law's sigma = kn (d_n + closure), m.
+double plastic_closure(const Family& f, size_t i) {
+  return f.traction[0][i] < 0 ? f.traction[0][i] / f.kn - f.normal_jump[i] : std::max(0.0, -f.normal_jump[i]);
+}
+
+// New points hold the elastic energy of those that they replace: the overlap counts from a shifted reference, and shear
+// traction is scaled. Fewer of them, or less area, hold it deeper; never deeper than the lost area explains.
+void keep_energy(World& w, const PointsBefore& before, const Finding& finding, const Contact& c,
+                 std::span<const Heir> heirs) {
+  struct Sums {
+    double area = 0.0, normal = 0.0, shear = 0.0;  // m2; sums of area * overlap^2 and of area * tau^2
+    double deepest = 0.0, largest = 0.0;           // overlap^2, tau^2
+    void add(const Family& f, size_t i, double overlap) {
+      const double d2 = std::min(0.0, overlap) * std::min(0.0, overlap),
+                   tau2 = f.traction[1][i] * f.traction[1][i] + f.traction[2][i] * f.traction[2][i];
+      area += f.point[i].area;
+      normal += f.point[i].area * d2, shear += f.point[i].area * tau2;
+      deepest = std::max(deepest, d2), largest = std::max(largest, tau2);
+    }
+  };
+  Family& f = w.contacts.families[c.family];
+  const Family& old = before.families[c.family];
+  Sums then, now;
+  for (uint32_t i = finding.first; i < finding.first + finding.count; ++i)
+    then.add(old, i, locate(w, old.point[i], before.facets).jump + plastic_closure(old, i));
+  for (uint32_t k = 0; k < c.count; ++k)
+    now.add(f, c.first + k, locate(w, f.point[c.first + k], w.contacts.facets).jump + heirs[k].closure);
+  const auto scale = [&](double sum_then, double sum_now, double most_then, double most_now) {
+    if (sum_now == 0) return 1.0;
+    const double most = std::max(1.0, then.area / now.area) * most_then / most_now;
+    return std::sqrt(std::min(sum_then / sum_now, most));
+  };
+  const double deeper = scale(then.normal, now.normal, then.deepest, now.deepest);
+  const double stronger = scale(then.shear, now.shear, then.largest, now.largest);
+  for (uint32_t k = 0; k < c.count; ++k) {
+    const uint32_t i = c.first + k;
+    Point& p = f.point[i];
+    const double overlap = locate(w, p, w.contacts.facets).jump + heirs[k].closure;
+    if (overlap < 0) {
+      p.reference += (1 - deeper) * overlap;
+      if (p.facet_a < 0) p.offset += (1 - deeper) * overlap;
+    }
+    if (std::isnan(heirs[k].opening)) continue;
+    const double pressed = f.traction[0][i];
+    // As if the point had been there in the last step: stiffness damping sees motion alone.
+    f.normal_jump[i] = locate(w, p, w.contacts.facets).jump - heirs[k].opening;
+    if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
+    if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
+    // Shear goes no further than the pressure goes with it: a traction within its strength stays there.
+    const double share = std::min(stronger, pressed < 0 ? f.traction[0][i] / pressed : 1.0);
+    f.traction[1][i] *= share, f.traction[2][i] *= share;
+  }
+}
+
+}  // namespace
+
+// New points take the history of the nearest old one of their contact: old points have moved along with their blocks.
+void hand_over(World& w, const PointsBefore& before, const Finding& finding, const Contact& c,
+               std::span<const NewPoint> points, bool at_start) {
+  Family& f = w.contacts.families[c.family];
+  const Family& old = before.families[c.family];
+  double old_area = 0.0;
+  for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) old_area += old.point[j].area;
+  const double radius2 =
+      finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * w.detection.size * w.detection.size) : 0.0;
+  std::vector<Vector> then;  // where the old points are by now
+  for (uint32_t j = finding.first; j < finding.first + finding.count; ++j)
+    then.push_back(locate(w, old.point[j], before.facets).at);
+  std::vector<Heir> heirs(points.size());
+  uint32_t next_facet = c.first_facet;
+  const auto put = [&](const Facet& facet) {
+    w.contacts.facets[next_facet] = facet;
+    return int32_t(next_facet++);
+  };
+  for (size_t k = 0; k < points.size(); ++k) {
+    const uint32_t to = c.first + uint32_t(k);
+    Point& p = f.point[to];
+    p = points[k].point;
+    if (p.facet_a >= 0) p.facet_a = put(points[k].facet_a);
+    if (p.facet_b >= 0) p.facet_b = put(points[k].facet_b);
+    if (!f.old_jump.empty()) f.old_jump[to] = std::nan("");  // no rate, no viscous traction in the first step
+    long nearest = -1;
+    double best = radius2;
+    for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) {
+      const Vector d = then[j - finding.first] - p.at;
+      if (dot(d, d) < best) best = dot(d, d), nearest = long(j);
+    }
+    if (nearest >= 0) {
+      inherit(w, old, size_t(nearest), c, f, to);
+    } else {
+      const bool bonded = at_start && points[k].joint;
+      const auto& values = bonded ? f.initial : f.dry;
+      for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = values[s];
+      if (!bonded) p.reference = 0.0;
+    }
+    // The zero of the jumps. d_n counts from the reference gap. Slip counts from here, less what the last step has
+    // moved and the law has not taken yet.
+    if (p.facet_a < 0) p.offset += p.reference;
+    const Location now = locate(w, p, w.contacts.facets);
+    p.at = now.at;
+    for (int axis = 0; axis < 2; ++axis) f.slid[axis][to] = now.slid[axis];
+    if (nearest >= 0) {
+      const Point& q = old.point[nearest];
+      const Location moved = locate(w, q, before.facets);
+      heirs[k] = {plastic_closure(old, size_t(nearest)), moved.jump - old.normal_jump[nearest]};
+      const Vector pending = in_space(
+          w, q,
+          (moved.slid[0] - old.slid[0][size_t(nearest)]) * q.s + (moved.slid[1] - old.slid[1][size_t(nearest)]) * q.t);
+      const double sign = q.a == p.a ? 1.0 : -1.0;
+      f.slid[0][to] -= sign * dot(pending, in_space(w, p, p.s)),
+          f.slid[1][to] -= sign * dot(pending, in_space(w, p, p.t));
+    }
+  }
+  if (!at_start) keep_energy(w, before, finding, c, heirs);
+}
+
+// What these points store at the positions of now, and dissipate on the way there from the last step, J.
+double energy_of_points(const World& w, const Family& f, const LaneVector<Facet>& facets, uint32_t first,
+                        uint32_t count) {
+  if (!w.books_energy || count == 0) return 0.0;
+  Family trial;
+  trial.material = f.material;
+  const auto part = [&](const auto& column) {
+    return std::decay_t<decltype(column)>(column.begin() + first, column.begin() + first + count);
+  };
+  trial.point = part(f.point);
+  for (const auto& column : f.state) trial.state.push_back(part(column));
+  for (const PropertyColumn& c : f.columns) trial.columns.push_back({c.id, c.usual, c.most, part(c.values)});
+  for (int k = 0; k < 3; ++k) trial.traction[k] = part(f.traction[k]);
+  for (auto* column : {&trial.normal_jump, &trial.slip[0], &trial.slip[1], &trial.stored}) column->resize(count);
+  for (auto& column : trial.dissipated) column.resize(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    const Point& p = trial.point[i];
+    const Location now = locate(w, p, facets);
+    trial.normal_jump[i] = now.jump;
+    for (int k = 0; k < 2; ++k) trial.slip[k][i] = now.slid[k] - f.slid[k][first + i];
+  }
+  Chunk all;
+  all.count = count;
+  bind(w, trial, all);
+  trial.material->evaluate(&all.batch);
+  double sum = 0.0;
+  for (uint32_t i = 0; i < count; ++i) {
+    double density = trial.stored[i];
+    for (const auto& d : trial.dissipated) density += d[i];
+    sum += density * trial.point[i].area;
+  }
+  return sum;
+}
+
+}  // namespace quoin::blocks

@@ -1,0 +1,46 @@
+// What acts on blocks beside contacts and members.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "base/time_series.h"
+#include "geometry/vector.h"
+
+namespace quoin::blocks {
+
+using geometry::Vector;
+
+struct Load {
+  int block;
+  Vector point;  // in the block's frame of the start (space coordinates at the start), m; moves with the block
+  Vector force;  // N, direction fixed in space
+  TimeSeries factor;
+  std::vector<std::pair<int32_t, double>> share;  // deformable: nodes and weights
+  Vector arm;                                     // rigid: in the body frame
+  double scale = 1.0;                             // for stages, whose loads grow and fade
+};
+
+struct Pressure {
+  int block, face;
+  double value;  // Pa, > 0 pushes on the block; follows the face
+  TimeSeries factor;
+  std::vector<std::array<int32_t, 3>> triangles;  // deformable
+  Vector arm, push;                               // rigid: centroid and -normal * area in the body frame
+  double scale = 1.0;
+};
+
+// Stages set them between steps.
+struct Actions {
+  std::vector<Load> loads;
+  std::vector<Pressure> pressures;
+  std::vector<uint8_t> loaded;  // by block: some load or pressure acts on it
+  std::vector<Vector> applied;  // by block, N; empty: nothing
+  Vector gravity;               // m/s2
+  TimeSeries gravity_factor;
+  Vector ground_then, ground_now;  // velocity of the ground half a step ago and now, m/s
+};
+
+}  // namespace quoin::blocks

@@ -1,0 +1,46 @@
+// What one of several processes has of a model that they share.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/error.h"
+#include "base/rank_rows.h"
+#include "base/ranks.h"
+#include "geometry/broad_phase.h"
+#include "geometry/vector.h"
+#include "model/halo.h"
+
+namespace quoin::blocks {
+
+using geometry::Vector;
+
+// One process alone has everything, and no ranks.
+struct ModelPart {
+  Ranks* ranks = nullptr;
+  std::vector<int> rank_of_block;   // with ranks
+  std::vector<bool> laid_out;       // by block
+  std::vector<Vector> rough_place;  // by block, known to all, m
+  Halo neighbours;                  // motion of whole blocks that are close to those of other ranks
+  std::vector<double> deviating;    // by block, as received from neighbours: 1 or 0
+  // Called before contacts are detected or blocks go with others: where other processes have advanced some of them,
+  // what they know is to be fetched.
+  std::function<void()> fetch = [] {};
+
+  bool owns(int block) const { return !ranks || rank_of_block[size_t(block)] == ranks->rank(); }
+  bool owns(const geometry::Pair& pair) const { return owns(pair.a) || owns(pair.b); }
+  int rank_of(const geometry::Pair& pair) const { return rank_of_block[size_t(pair.a)]; }
+
+  // Over all ranks; one process alone has everything.
+  template <class Memory>
+  void gather_by_block(Memory& values) const {
+    all_gather(ranks, std::span(values), [&](size_t block) { return rank_of_block[block]; });
+  }
+  bool any(bool here) const { return largest(here ? 1.0 : 0.0) > 0.0; }
+  double largest(double here) const;
+  void fail_together(const std::optional<Error>& here) const;  // throws on all ranks where one has failed
+};
+
+}  // namespace quoin::blocks

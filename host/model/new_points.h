@@ -1,0 +1,24 @@
+// Where two blocks touch: the contact points that belong there.
+#pragma once
+
+#include <vector>
+
+#include "geometry/separation.h"
+#include "model/contacts.h"
+
+namespace quoin::blocks {
+
+struct World;
+
+struct NewPoint {
+  Point point;
+  Facet facet_a, facet_b;
+  bool joint = true;  // within the joint tolerance at the start
+};
+// Of a pair, and of what keeps it apart.
+void make_points(const World& w, const Contact& c, const geometry::Separation& s, bool at_start,
+                 std::vector<NewPoint>& out);
+// That the joint has, or would have, with this normal; below 0: declared to pass through each other.
+int family_of(const World& w, const Contact& c, const geometry::Vector& normal);
+
+}  // namespace quoin::blocks

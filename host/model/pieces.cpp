@@ -1,0 +1,197 @@
+#include "model/pieces.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+namespace {
+
+void fill_columns(const World& w, std::span<const int32_t> blocks, const FixedColumns<double>& to) {
+  for (size_t l = 0; l < size_t(kLanes); ++l) {
+    const ModelBlock& b = w.blocks[size_t(blocks[std::min(l, blocks.size() - 1)])];
+    for (size_t n = 0; n < size_t(b.node_count); ++n) {
+      const size_t node = size_t(b.first_node) + n;
+      to.mass[n * kLanes + l] = w.nodes.mass[node], to.over_mass[n * kLanes + l] = 1.0 / w.nodes.mass[node];
+      const Vector place = w.nodes.reference[node] - w.nodes.reference[size_t(b.first_node)];
+      for (int c = 0; c < 3; ++c) {
+        const size_t at = n * kLine + size_t(c) * kLanes + l;
+        if (to.place) to.place[at] = place[c], to.anchor[at] = w.nodes.anchor[node][c];
+        if (to.held) to.held[at] = w.nodes.held[node] >> c & 1, to.held_v[at] = w.nodes.held_v[node][c];
+      }
+    }
+  }
+}
+
+// Groups of congruent blocks whose columns agree to the last bit read the same ones. Shapes that are congruent but for
+// rounding have other masses.
+void fill_columns(World& w, Piece& piece) {
+  const std::span<const int32_t> all = w.pieces.blocks_of(piece);
+  const bool some_held = std::any_of(all.begin(), all.end(), [&](int32_t block) {
+    const ModelBlock& b = w.blocks[size_t(block)];
+    const auto held = std::span(w.nodes.held).subspan(size_t(b.first_node), size_t(b.node_count));
+    return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
+  });
+  const bool distinct = piece.kind == Piece::Kind::distinct;
+  const int most = most_gridpoints(w, piece);
+  thread_local LaneVector<double> numbers;
+  numbers.assign(FixedColumns<double>::size(most, distinct, some_held), 0.0);
+  for (size_t group = 0; group < piece.group_count(); ++group) {
+    fill_columns(w, w.pieces.blocks_of(piece, group), FixedColumns<double>(numbers.data(), most, distinct, some_held));
+    size_t& columns = piece.columns[group];
+    size_t* const shared = piece.kind == Piece::Kind::congruent
+                               ? &w.pieces.shared_columns[2 * size_t(piece.congruent) + some_held]
+                               : nullptr;
+    const auto agree = [&](size_t at) {
+      return at != Piece::kNoColumns &&
+             std::memcmp(w.pieces.columns.data() + at, numbers.data(), numbers.size() * sizeof(double)) == 0;
+    };
+    if (shared && agree(*shared)) {
+      columns = *shared;
+      continue;
+    }
+    const bool stays = columns != Piece::kNoColumns && some_held == piece.some_held && !(shared && columns == *shared);
+    if (!stays) columns = w.pieces.columns.size(), w.pieces.columns.resize(columns + numbers.size());
+    std::copy(numbers.begin(), numbers.end(), w.pieces.columns.begin() + std::ptrdiff_t(columns));
+    if (shared && *shared == Piece::kNoColumns) *shared = columns;
+  }
+  piece.some_held = some_held;
+}
+
+}  // namespace
+
+// As many as a vector takes. Units of congruent blocks go by kind, so that most vectors are full; where few are left of
+// a kind they go zone by zone. Of the others those of one size go together, so that lanes are as long as each other.
+void divide_blocks(World& w) {
+  w.pieces.all.clear(), w.pieces.blocks.clear();
+  const auto zones_of = [&](const Unit& unit) {
+    int zones = 0;
+    for (const int block : unit.blocks()) zones += w.blocks[size_t(block)].zone_count;
+    return zones;
+  };
+  // Zones of a piece whose blocks go one by one, so that threads share them.
+  const int most_zones = int(std::clamp(w.zone_count() / 16, size_t(500), size_t(4000)));
+  // Of a list of units, in its order, those that go into one piece after the other. Halves that are apart stay in one
+  // piece, so that one rank has both when they meet again.
+  const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, int32_t congruent = -1) {
+    const bool one_by_one = kind == Piece::Kind::distinct || kind == Piece::Kind::by_zone;
+    const auto of_one_kind = [&](int count, bool halves) {
+      std::vector<Unit> together;
+      int zones = 0;
+      const auto put = [&] {
+        if (together.empty()) return;
+        w.pieces.all.push_back(
+            {uint32_t(w.pieces.blocks.size()), uint32_t(count) * uint32_t(together.size()), halves, kind, congruent});
+        for (int half = 0; half < count; ++half) {
+          for (const Unit& unit : together) w.pieces.blocks.push_back(unit.block[half]);
+        }
+        together.clear(), zones = 0;
+      };
+      for (const Unit& unit : units) {
+        if (unit.count != count || halves != (count == 2 && !w.units.apart[size_t(unit.block[0])])) continue;
+        const bool is_full = int(together.size() + 1) * (halves ? 1 : count) > kBodies;
+        if (is_full || (one_by_one && zones + zones_of(unit) > most_zones)) put();
+        together.push_back(unit), zones += zones_of(unit);
+      }
+      put();
+    };
+    of_one_kind(1, false), of_one_kind(2, true), of_one_kind(2, false);
+  };
+  std::vector<Unit> rigid, fixed, distinct, by_zone;
+  std::map<int32_t, std::vector<Unit>> of_kind;
+  for (int i = 0; i < w.block_count(); ++i) {
+    if (w.blocks[size_t(i)].body >= 0) {
+      (w.assembly.blocks[size_t(i)].fixed ? fixed : rigid).push_back({{i, -1}, 1});
+      continue;
+    }
+    const Unit unit = w.units.of(i, Units::Halves::also_apart);
+    if (unit.block[0] != i) continue;  // goes with the first half
+    const bool leaves = w.frames.by_zone[size_t(i)] || w.frames.by_zone[size_t(unit.block[size_t(unit.count) - 1])];
+    const int32_t kind = w.blocks[size_t(i)].congruent;
+    (leaves ? by_zone : (kind >= 0 ? of_kind[kind] : distinct)).push_back(unit);
+  }
+  for (const auto& [kind, units] : of_kind) {
+    size_t blocks = 0;
+    for (const Unit& unit : units) blocks += size_t(unit.count);
+    if (blocks >= kFewestAlike)
+      divide(units, Piece::Kind::congruent, kind);
+    else
+      by_zone.insert(by_zone.end(), units.begin(), units.end());
+  }
+  std::stable_sort(distinct.begin(), distinct.end(),
+                   [&](const Unit& a, const Unit& b) { return zones_of(a) > zones_of(b); });
+  divide(distinct, Piece::Kind::distinct);
+  divide(by_zone, Piece::Kind::by_zone);
+  divide(rigid, Piece::Kind::rigid);
+  divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
+  w.pieces.in_frame.assign(w.blocks.size(), 0);
+  for (const Piece& piece : w.pieces.all) {
+    for (const int32_t i : w.pieces.blocks_of(piece)) w.pieces.in_frame[size_t(i)] = piece.in_frame();
+  }
+}
+
+void bind_pieces(World& w) {
+  w.pieces.columns.clear(), w.pieces.held_changed.clear();
+  w.pieces.shared_columns.assign(2 * w.zones.congruent.size(), Piece::kNoColumns);
+  w.pieces.any_held_changed = false;
+  w.pieces.of_block.assign(w.blocks.size(), -1);
+  for (Piece& piece : w.pieces.all) {
+    std::fill(piece.columns, std::end(piece.columns), Piece::kNoColumns);
+    if (piece.kind == Piece::Kind::rigid || !w.part.owns(w.pieces.blocks_of(piece).front())) continue;
+    fill_columns(w, piece);
+    for (const int32_t block : w.pieces.blocks_of(piece))
+      w.pieces.of_block[size_t(block)] = int32_t(&piece - w.pieces.all.data());
+  }
+}
+
+void follow_held(World& w) {
+  if (!w.pieces.any_held_changed && w.pieces.held_changed.empty()) return;
+  if (w.pieces.any_held_changed) {
+    for (int i = 0; i < w.block_count(); ++i) w.pieces.held_changed.push_back(i);
+  }
+  std::set<int32_t> changed;
+  for (const int block : w.pieces.held_changed) {
+    if (const int32_t piece = w.pieces.of_block[size_t(block)]; piece >= 0) changed.insert(piece);
+  }
+  for (const int32_t piece : changed) fill_columns(w, w.pieces.all[size_t(piece)]);
+  w.pieces.held_changed.clear();
+  w.pieces.any_held_changed = false;
+}
+
+int most_gridpoints(const World& w, const Piece& piece) {
+  int most = 0;
+  for (const int32_t i : w.pieces.blocks_of(piece)) most = std::max(most, w.blocks[size_t(i)].node_count);
+  return most;
+}
+
+int World::count_of(Piece::Kind kind) const {
+  int count = 0;
+  for (const Piece& piece : pieces.all) count += piece.kind == kind ? int(piece.count) : 0;
+  return count;
+}
+
+double World::piece_work(int index) const {
+  // In sides of contact points, of which a pair of rigid blocks has one. A zone of congruent blocks costs a quarter of
+  // one with a stiffness of its own, as eight blocks share a product.
+  constexpr double kZone = 2.0, kDistinctZone = 1.0, kCongruentZone = 4.0, kBody = 3.0;
+  const Piece& piece = pieces.all[size_t(index)];
+  double work = 0.0;
+  for (const int32_t i : pieces.blocks_of(piece)) {
+    work += sides.cost[size_t(i)];
+    const int of_block = blocks[size_t(i)].zone_count;
+    if (piece.kind == Piece::Kind::rigid) work += kBody;
+    if (piece.kind == Piece::Kind::distinct) work += kDistinctZone * of_block;
+    if (piece.kind == Piece::Kind::by_zone) work += kZone * of_block;
+  }
+  if (piece.kind == Piece::Kind::congruent)
+    work += kCongruentZone * double(piece.group_count()) * blocks[size_t(pieces.blocks[piece.first])].zone_count;
+  return work;
+}
+
+}  // namespace quoin::blocks

@@ -1,0 +1,81 @@
+// Blocks that move on together, and what kernels read of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "model/lanes.h"
+
+namespace quoin::blocks {
+
+struct World;
+
+inline constexpr int kBodies = 8;  // blocks that move on side by side
+// Congruent blocks from which on one product with the stiffness of all costs less than one of each with its own.
+inline constexpr size_t kFewestAlike = 3;
+
+// Blocks that move on together: rigid ones, or deformable ones that stand alone, or first the one and then the other
+// halves of units.
+struct Piece {
+  uint32_t first, count;  // of Pieces::blocks; at most kBodies in a group
+  bool halves;            // two groups: lane by lane the two halves of a unit
+  enum class Kind : uint8_t { rigid, congruent, distinct, by_zone } kind;
+  int32_t congruent = -1;  // into Zones::congruent, of congruent blocks
+  static constexpr size_t kNoColumns = size_t(-1);
+  size_t columns[2] = {kNoColumns, kNoColumns};  // where FixedColumns of its groups begin in Pieces::columns
+  bool some_held = false;
+  size_t group_count() const { return halves ? 2 : 1; }
+  bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
+};
+
+// What steps seldom change of the gridpoints of up to kLanes deformable blocks, side by side. A line is a gridpoint:
+// three numbers a lane of vectors, one of others. Gridpoints that a block does not have are without mass and stand
+// where its first one does; lanes without a block repeat the last one.
+template <class Number>
+struct FixedColumns {
+  Number *mass, *over_mass;  // of inertia, kg, 1/kg or 0
+  Number *place, *anchor;    // of blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
+  Number *held, *held_v;     // where some are held: 1 or 0, m/s; else null
+  FixedColumns(Number* from, int node_count, bool distinct, bool some_held) {
+    const auto take = [&](bool wanted, int numbers) {
+      Number* const column = wanted ? from : nullptr;
+      if (wanted) from += size_t(node_count) * size_t(numbers);
+      return column;
+    };
+    mass = take(true, kLanes), over_mass = take(true, kLanes);
+    place = take(distinct, kLine), anchor = take(distinct, kLine);
+    held = take(some_held, kLine), held_v = take(some_held, kLine);
+  }
+  static size_t size(int node_count, bool distinct, bool some_held) {
+    return size_t(node_count) * size_t(2 * kLanes + (distinct ? 2 * kLine : 0) + (some_held ? 2 * kLine : 0));
+  }
+};
+
+// Divided with the chunks, and where blocks leave their frames or halves come apart. Columns follow what is held.
+struct Pieces {
+  std::vector<Piece> all;
+  std::vector<int32_t> blocks;         // piece after piece
+  std::vector<int32_t> of_block;       // of own deformable blocks; -1: others
+  std::vector<uint8_t> in_frame;       // by block: of a piece in frames
+  LaneVector<double> columns;          // FixedColumns of groups
+  std::vector<size_t> shared_columns;  // of groups, by kind of congruent blocks and whether some gridpoint is held
+  std::vector<int> held_changed;       // deformable blocks, since the last step
+  bool any_held_changed = false;       // of any gridpoints
+
+  std::span<const int32_t> blocks_of(const Piece& piece) const {
+    return std::span(blocks).subspan(piece.first, piece.count);
+  }
+  std::span<const int32_t> blocks_of(const Piece& piece, size_t group) const {
+    const size_t count = piece.count / piece.group_count();
+    return blocks_of(piece).subspan(group * count, count);
+  }
+};
+
+void divide_blocks(World& w);
+void bind_pieces(World& w);                               // to their columns
+void follow_held(World& w);                               // in these, before a step
+int most_gridpoints(const World& w, const Piece& piece);  // of one of its blocks
+
+}  // namespace quoin::blocks

@@ -1,0 +1,25 @@
+// What contact points go on from when a run leaves small displacements.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "geometry/vector.h"
+
+namespace quoin::blocks {
+
+using geometry::Vector;
+
+// What a contact point of the start goes on from: its law's columns in a model of small displacements.
+struct PointHistory {
+  int block_a, block_b;              // the normal of the joint points from a to b
+  Vector position, s, t;             // of the start; m, unit, in the plane of the joint
+  double opening = 0.0;              // that its law sees next, m
+  double opening_at_traction = 0.0;  // that it has seen last, m
+  std::array<double, 2> slip{};      // along s and t, that its law has not seen yet, m
+  std::array<double, 3> traction{};  // Pa
+  std::vector<double> state;
+  std::vector<double> properties{};  // that scatter, in the order of the family's columns
+};
+
+}  // namespace quoin::blocks

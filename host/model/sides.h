@@ -1,0 +1,70 @@
+// Sides of contact points, as the blocks fetch them that they act on.
+#pragma once
+
+#include <span>
+
+#include "model/chunks.h"
+
+namespace quoin::blocks {
+
+struct World;
+
+// One side of a contact point, as its block sees it.
+struct Touch {
+  int32_t family;
+  uint32_t point;
+  bool side_a;
+};
+
+// One side of a point of two deformable blocks, as its block sees it. It owns the plane, carries the point on a
+// triangle, or has it on a gridpoint.
+struct OwnerTouch {
+  uint32_t row;
+  int32_t node[3];
+};
+
+struct CarrierTouch {
+  uint32_t row;
+  int32_t node[3];
+  double weight[3];
+};
+
+struct GridpointTouch {
+  uint32_t row;
+  int32_t node;
+};
+
+// Sides of points, block after block.
+template <class Touch>
+struct ByBlock {
+  std::vector<Touch> touch;
+  std::vector<uint32_t> end;  // by block
+  std::span<const Touch> of(int block) const {
+    const uint32_t first = block > 0 ? end[size_t(block) - 1] : 0;
+    return std::span(touch).subspan(first, end[size_t(block)] - first);
+  }
+};
+using MomentTouch = const GridpointPair*;  // of block a
+
+// One side of a pair of rigid blocks.
+struct PairTouch {
+  const RigidPair* pair;
+  bool side_a;
+};
+
+// Listed with the chunks: of a block in the order of families and points.
+struct Sides {
+  std::vector<double> cost;   // by block: of contact points, and of pairs of rigid blocks
+  ByBlock<Touch> single;      // of points with one deformable side
+  ByBlock<PairTouch> pair;    // of pairs of rigid blocks
+  ByBlock<OwnerTouch> owner;  // of points between gridpoints
+  ByBlock<CarrierTouch> carrier;
+  ByBlock<GridpointTouch> gridpoint;        // of b
+  ByBlock<GridpointTouch> owner_gridpoint;  // of a, points on gridpoints of both
+  ByBlock<MomentTouch> moment;
+};
+
+void count_sides(World& w);
+void divide_sides(World& w);
+
+}  // namespace quoin::blocks

@@ -1,0 +1,364 @@
+// Blocks in a step of large motion, piece by piece: what acts on them, and how they move on.
+#include <algorithm>
+
+#include "members/members.h"
+#include "model/zone_kernels.h"
+#include "step/deformable_kernels.h"
+#include "step/facet_kernels.h"
+#include "step/large_motion.h"
+#include "step/rigid_kernels.h"
+#include "step/rigid_motion_kernels.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+namespace {
+
+struct Wrench {
+  Vector force, torque;  // N; about the centre of mass, N m
+};
+
+constexpr size_t kRow = 4;  // doubles of a gridpoint where vectors are read from
+
+double viscous_alpha(const SolverSettings& solver) {
+  return solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
+}
+
+Vector in_lane(const ByLane (&column)[3], int lane) {
+  return {column[0].of[lane], column[1].of[lane], column[2].of[lane]};
+}
+Rigid motion_in(const ByLane (&column)[2][3], int lane) { return {in_lane(column[0], lane), in_lane(column[1], lane)}; }
+
+// Held where it is.
+bool is_at_rest(const Body& b) {
+  const auto still = [](const Vector& v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; };
+  return b.held == 0x3f && still(b.v) && still(b.omega) && still(b.held_v) && still(b.held_omega);
+}
+
+RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int lane) {
+  uint8_t held = 0;
+  for (int k = 0; k < 3; ++k) held = uint8_t(held | int(lanes.held[k].of[lane] != 0.0) << k);
+  const Matrix second{{in_lane(lanes.second[0], lane), in_lane(lanes.second[1], lane), in_lane(lanes.second[2], lane)}};
+  return {in_lane(gains.centre, lane), lanes.mass.of[lane], second, held};
+}
+
+template <class Visit>
+void each_member_force(const Model& m, int block, const Visit& visit) {
+  if (!m.held_by.members) return;
+  for (const int node : m.held_by.members->nodes_of(block)) visit(m.held_by.members->nodes()[size_t(node)]);
+}
+
+Wrench loads_on_body(const Model& m, int block) {
+  const Matrix& r = m.bodies[size_t(m.blocks[size_t(block)].body)].r;
+  Wrench sum;
+  if (!m.actions.applied.empty()) sum.force += m.actions.applied[size_t(block)];
+  const auto add = [&](const Vector& force, const Vector& arm) {
+    sum.force += force;
+    sum.torque += cross(r * arm, force);
+  };
+  for (const Load& l : m.actions.loads) {
+    if (l.block == block) add(l.scale * l.factor.at(m.stepping.time) * l.force, l.arm);
+  }
+  for (const Pressure& p : m.actions.pressures) {
+    if (p.block == block) add(p.scale * p.value * p.factor.at(m.stepping.time) * (r * p.push), p.arm);
+  }
+  return sum;
+}
+
+void forces_on_body(Model& m, int block) {
+  Body& body = m.bodies[size_t(m.blocks[size_t(block)].body)];
+  body.force = {}, body.torque = {};
+  for (const PairTouch& touch : m.sides.pair.of(block)) {
+    const RigidPair& pair = *touch.pair;
+    if (touch.side_a)
+      body.force += pair.force, body.torque += pair.moment_a;
+    else
+      body.force -= pair.force, body.torque += pair.moment_b;
+  }
+  for (const Touch& touch : m.sides.single.of(block)) {
+    const Point& p = m.contacts.families[size_t(touch.family)].point[touch.point];
+    if (touch.side_a) {
+      body.force += p.force;
+      body.torque += cross(p.at - body.x, p.force);
+    } else {
+      body.force -= p.force;
+      body.torque -= cross(p.at - body.x, p.force);
+    }
+  }
+  each_member_force(m, block, [&](const members::Node& node) {
+    body.force += node.force;
+    body.torque += cross(node.x - body.x, node.force);
+  });
+  m.step_sums.contact_force[size_t(block)] = body.force;
+  body.force += body.weight_mass * (m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity);
+  if (!m.actions.loaded[size_t(block)]) return;
+  const Wrench loads = loads_on_body(m, block);
+  body.force += loads.force, body.torque += loads.torque;
+}
+
+void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock) {
+  int32_t index[kBodies];
+  BlockSums* sums[kBodies];
+  Wrench loads[kBodies];
+  double power[kBodies];  // theirs, before the step
+  const auto power_of = [&](size_t i) {
+    const Body& body = m.bodies[size_t(index[i])];
+    return dot(loads[i].force, body.v) + dot(loads[i].torque, body.omega);
+  };
+  const auto is_loaded = [&](size_t i) { return m.books_energy && m.actions.loaded[size_t(blocks[i])]; };
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    forces_on_body(m, blocks[i]);
+    index[i] = m.blocks[size_t(blocks[i])].body;
+    sums[i] = &m.step_sums.of_block[size_t(blocks[i])];
+    if (is_loaded(i)) loads[i] = loads_on_body(m, blocks[i]), power[i] = power_of(i);
+  }
+  if (std::all_of(index, index + blocks.size(), [&](int32_t i) { return is_at_rest(m.bodies[size_t(i)]); })) {
+    for (size_t i = 0; i < blocks.size(); ++i) *sums[i] = {};
+    return lap(clock, Phase::motion);
+  }
+  // A rigid block is its own rigid motion: damping by block is eq. 1.
+  const bool eq1 = m.solver.damping == DampingKind::local || m.solver.damping == DampingKind::block;
+  const Vector g = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
+  const BodyStep step{m.stepping.dt, eq1 ? gamma(m) : 0.0, viscous_alpha(m.solver), braking_ground(m), g, m.measured};
+  advance_rigid(m.bodies.data(), m.checks.seen.empty() ? nullptr : m.checks.seen.data(), index, int(blocks.size()),
+                step, sums);
+  lap(clock, Phase::motion);
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    if (is_loaded(i)) sums[i]->external += 0.5 * m.stepping.dt * (power[i] + power_of(i));
+  }
+}
+
+// Up to kBodies deformable blocks side by side. Scratch of a thread.
+struct LaneGroup {
+  std::vector<double> rows;  // forces on gridpoints, block after block
+  LaneBlock block[kBodies];
+  BlockSums* sums[kBodies];
+  double power[kBodies];  // of loads, before the step
+  size_t count = 0;
+  std::span<const LaneBlock> blocks() const { return {block, count}; }
+};
+
+// Viscosity of zones: beta of stiffness-proportional damping, s.
+double zone_damping(const Model& m) {
+  if (m.solver.damping == DampingKind::block)
+    return m.solver.deformation_damping * m.stepping.critical_dt;  // 2 xi / omega_max
+  if (impacts_damped(m.solver)) return m.impacts.zone_beta;
+  return m.solver.damping == DampingKind::viscous ? m.solver.stiffness_damping : 0.0;
+}
+
+template <class Visit>
+void each_load_on_gridpoints(const Model& m, int block, double since, const Visit& visit) {
+  for (const Load& l : m.actions.loads) {
+    if (l.block != block) continue;
+    const Vector f = l.scale * l.factor.at(m.stepping.time) * l.force;
+    for (const auto& [node, weight] : l.share) visit(node, weight * f);
+  }
+  for (const Pressure& p : m.actions.pressures) {
+    if (p.block != block) continue;
+    const double value = p.scale * p.value * p.factor.at(m.stepping.time);
+    for (const auto& t : p.triangles) {
+      const auto edge = [&](size_t k) {
+        return m.nodes.x[t[k]] - m.nodes.x[t[0]] - since * (m.nodes.v[t[k]] - m.nodes.v[t[0]]);
+      };
+      const Vector normal = cross(edge(1), edge(2));
+      for (int32_t node : t) visit(node, -value / 6 * normal);
+    }
+  }
+}
+
+double power_on_gridpoints(const Model& m, int block, double since) {
+  double power = m.actions.applied.empty() ? 0.0 : dot(m.actions.applied[size_t(block)], m.velocity(block));
+  each_load_on_gridpoints(m, block, since, [&](int32_t node, const Vector& f) { power += dot(f, m.nodes.v[node]); });
+  return power;
+}
+
+Vector forces_on_gridpoints(Model& m, int block, double* force) {
+  const ModelBlock& b = m.blocks[size_t(block)];
+  const auto add = [&](int32_t node, const Vector& f) {
+    double* const row = force + kRow * size_t(node - b.first_node);
+    row[0] += f.x, row[1] += f.y, row[2] += f.z;
+  };
+  Vector per_mass = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
+  if (m.actions.loaded[size_t(block)] && !m.actions.applied.empty())
+    per_mass += m.actions.applied[size_t(block)] / m.mass_of(block);
+  const Vector acceleration = per_mass / m.solver.mass_scaling;
+  std::fill(force, force + kRow * size_t(b.node_count), 0.0);
+  Vector contacts = add_facet_rows({m.sides.owner.of(block), m.sides.carrier.of(block), m.sides.gridpoint.of(block),
+                                    m.sides.owner_gridpoint.of(block)},
+                                   m.chunks.rows.data(), force);
+  for (const Touch& touch : m.sides.single.of(block)) {
+    const Family& f = m.contacts.families[size_t(touch.family)];
+    const Point& p = f.point[touch.point];
+    if (touch.side_a) {
+      const Facet& facet = m.contacts.facets[p.facet_a];
+      // The pair acts at p.at: shear times the gap is a couple that the triangle takes as normal forces.
+      const double gap = f.normal_jump[touch.point] + p.reference;
+      for (int i = 0; i < 3; ++i) {
+        const double couple = -gap * p.area * (facet.gradient[i][0] * p.shear[0] + facet.gradient[i][1] * p.shear[1]);
+        add(facet.node[i], facet.weight[i] * p.force + couple * p.n);
+      }
+      contacts += p.force;
+    } else {
+      const Facet& facet = m.contacts.facets[p.facet_b];
+      for (int i = 0; i < 3; ++i) add(facet.node[i], -facet.weight[i] * p.force);
+      contacts -= p.force;
+    }
+  }
+  each_member_force(m, block, [&](const members::Node& node) {
+    for (const auto& [i, weight] : node.share) add(i, weight * node.force);
+    contacts += node.force;
+  });
+  m.step_sums.contact_force[size_t(block)] = contacts;
+  if (!m.actions.loaded[size_t(block)]) return acceleration;
+  each_load_on_gridpoints(m, block, 0.0, add);
+  return acceleration;
+}
+
+void zone_forces_of(Model& m, const ModelBlock& b, BlockSums& sums, double* force, double* viscous) {
+  const ZoneStep step{zone_damping(m), m.stepping.dt, m.books_energy};
+  thread_local std::vector<double> rows;  // displacement, velocity
+  const size_t column = kRow * size_t(b.node_count);
+  rows.resize(std::max(rows.size(), 2 * column));
+  double *const u = rows.data(), *const v = u + column;
+  for (size_t i = 0; i < size_t(b.node_count); ++i) {
+    const size_t node = size_t(b.first_node) + i;
+    const Vector moved = m.nodes.x[node] - m.nodes.reference[node];
+    u[kRow * i] = moved.x, u[kRow * i + 1] = moved.y, u[kRow * i + 2] = moved.z;
+    if (step.beta > 0)
+      v[kRow * i] = m.nodes.v[node].x, v[kRow * i + 1] = m.nodes.v[node].y, v[kRow * i + 2] = m.nodes.v[node].z;
+  }
+  if (viscous) std::fill(viscous, viscous + column, 0.0);
+  sums.strain += zone_forces(m.zones.lanes_of(b), step, {u, v, force, viscous});
+}
+
+// Of a group of a piece, in lanes: forces of contacts, loads and zones.
+void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneColumns& columns, PhaseClock* clock) {
+  const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
+  group.count = blocks.size();
+  columns.viscous = m.books_energy && zone_damping(m) > 0;
+  const bool distinct = piece.kind == Piece::Kind::distinct;
+  size_t size = 0;
+  for (const int32_t block : blocks) size += kRow * size_t(m.blocks[size_t(block)].node_count);
+  group.rows.resize(std::max(group.rows.size(), 2 * size));
+  double *force = group.rows.data(), *viscous = group.rows.data() + size;
+  for (size_t l = 0; l < group.count; ++l) {
+    const ModelBlock& b = m.blocks[size_t(blocks[l])];
+    BlockSums& sums = *(group.sums[l] = &m.step_sums.of_block[size_t(blocks[l])]);
+    sums = {};
+    if (m.books_energy && m.actions.loaded[size_t(blocks[l])]) group.power[l] = power_on_gridpoints(m, blocks[l], 0.0);
+    const Vector acceleration = forces_on_gridpoints(m, blocks[l], force);
+    if (!piece.in_frame()) {
+      lap(clock, Phase::motion);
+      zone_forces_of(m, b, sums, force, columns.viscous ? viscous : nullptr);
+      lap(clock, Phase::internal_forces);
+    }
+    const size_t first = size_t(b.first_node);
+    Vector moment;
+    for (const MomentTouch pair : m.sides.moment.of(blocks[l])) moment += pair->moment;
+    group.block[l] = {&m.nodes.x[first],
+                      &m.nodes.v[first],
+                      force,
+                      columns.viscous ? viscous : nullptr,
+                      acceleration,
+                      moment,
+                      b.node_count,
+                      m.zones.lanes_of(b),
+                      piece.in_frame() ? &m.frames.frame[size_t(blocks[l])] : nullptr};
+    force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
+  }
+  lap(clock, Phase::motion);
+  const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, piece),
+                                         distinct, piece.some_held);
+  load_blocks(group.blocks(), fixed, &columns);
+  if (piece.in_frame()) {
+    const ZoneStep step{zone_damping(m), m.stepping.dt, m.books_energy};
+    FrameSums of_frame;
+    if (distinct)
+      distinct_forces(group.blocks(), step, &columns, &of_frame);
+    else
+      congruent_forces(group.blocks(), m.zones.congruent[size_t(piece.congruent)], step, &columns, &of_frame);
+    for (size_t l = 0; l < group.count; ++l) {
+      group.sums[l]->deformation = of_frame.deformation[l];
+      if (m.books_energy) group.sums[l]->strain = of_frame.strain[l];
+    }
+  }
+  lap(clock, Phase::internal_forces);
+}
+
+void split(Model& m, const Piece& piece, std::span<const LaneColumns> columns, RigidGains* gains) {
+  const size_t count = columns.size();
+  const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, 0);
+  const InertiaFactors factors{m.solver.deformation_inertia, m.solver.unit_inertia};
+  const double eq1 = m.solver.damping == DampingKind::block ? gamma(m) : 0.0;
+  RigidLanes lanes[2];
+  split_motion(columns, int(blocks.size()), {factors, eq1, braking_ground(m), m.stepping.dt}, gains,
+               m.measured ? lanes : nullptr);
+  if (!m.measured) return;
+  const double alpha = viscous_alpha(m.solver);
+  for (size_t u = 0; u < blocks.size(); ++u) {
+    const int lane = int(u);
+    UnitInertia inertia;
+    inertia.count = int(count);
+    Rigid mean[2];  // velocity at the time of the forces
+    BlockSums& of_unit = m.step_sums.of_block[size_t(blocks[u])];
+    for (size_t k = 0; k < count; ++k) {
+      const RigidLanes& of_half = lanes[k];
+      inertia.block[k] = inertia_in(of_half, gains[k], lane);
+      mean[k] = 1 / (1 + 0.5 * alpha * m.stepping.dt) *
+                (motion_in(of_half.velocity, lane) + 0.5 * motion_in(of_half.change, lane));
+      of_unit.damping += m.stepping.dt * dot(motion_in(of_half.damping, lane), mean[k]);
+    }
+    if (count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
+    const double rigid = rigid_energy(inertia, factors, mean);
+    of_unit.kinetic += rigid;
+    of_unit.damping += 2 * alpha * m.stepping.dt * rigid;
+  }
+}
+
+void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
+  thread_local LaneGroup groups[2];
+  thread_local LaneColumns columns[2];
+  const size_t count = piece.group_count();
+  for (size_t g = 0; g < count; ++g) find_forces(m, piece, g, groups[g], columns[g], clock);
+  RigidGains gains[2];
+  if (splits_motion(m.solver)) split(m, piece, {columns, count}, gains);
+  const GridpointStep step{m.stepping.dt,
+                           m.solver.damping == DampingKind::local ? gamma(m) : 0.0,
+                           viscous_alpha(m.solver),
+                           braking_ground(m),
+                           splits_motion(m.solver) ? m.solver.deformation_inertia : 1.0,
+                           1.0 / m.solver.mass_scaling,
+                           m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity,
+                           m.books_energy,
+                           m.measured};
+  const CongruentBlocks* const shared = piece.congruent >= 0 ? &m.zones.congruent[size_t(piece.congruent)] : nullptr;
+  for (size_t g = 0; g < count; ++g) {
+    const LaneGroup& group = groups[g];
+    advance_gridpoints(group.blocks(), columns[g], splits_motion(m.solver) ? &gains[g] : nullptr, step, shared,
+                       group.sums);
+    for (size_t l = 0; m.books_energy && l < group.count; ++l) {
+      const int block = m.pieces.blocks_of(piece, g)[l];
+      if (m.actions.loaded[size_t(block)])
+        group.sums[l]->external +=
+            0.5 * m.stepping.dt * (group.power[l] + power_on_gridpoints(m, block, m.stepping.dt));
+    }
+  }
+  lap(clock, Phase::motion);
+}
+
+}  // namespace
+
+void Model::advance_piece(int index, PhaseClock* clock) {
+  const Piece& piece = pieces.all[size_t(index)];
+  if (piece.kind == Piece::Kind::rigid)
+    advance_bodies(*this, pieces.blocks_of(piece), clock);
+  else
+    advance_deformable(*this, piece, clock);
+}
+
+bool has_deformed_too_much(const Model& m, int i) {
+  return !(m.step_sums.of_block[size_t(i)].deformation <= kLargestDeformation * m.blocks[size_t(i)].least_extent);
+}
+
+}  // namespace quoin::blocks

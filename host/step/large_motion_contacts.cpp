@@ -1,0 +1,149 @@
+// Contact points in a step of large motion, chunk by chunk: jumps, the law, forces.
+#include <algorithm>
+#include <cmath>
+
+#include "model/contact_frames.h"
+#include "step/facet_kernels.h"
+#include "step/gridpoint_kernels.h"
+#include "step/large_motion.h"
+#include "step/point_kernels.h"
+#include "step/rigid_kernels.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+namespace {
+
+struct Axes {  // of the points of a chunk
+  FacetFrames* triangles;
+  PairAxes* pairs;
+};
+
+RigidColumns rigid_columns(Family& f) {
+  RigidColumns c{};
+  for (int k = 0; k < 3; ++k) c.arm[k] = f.arm[k].data(), c.traction[k] = f.traction[k].data();
+  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
+  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
+  c.offset = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
+  return c;
+}
+
+FacetColumns facet_columns(Family& f) {
+  FacetColumns c{};
+  for (int k = 0; k < 3; ++k) c.traction[k] = f.traction[k].data();
+  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
+  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
+  c.normal_jump = f.normal_jump.data();
+  return c;
+}
+
+GridpointColumns gridpoint_columns(Family& f, const Chunk& chunk) {
+  GridpointColumns c{};
+  for (int k = 0; k < 3; ++k) c.traction[k] = f.traction[k].data();
+  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
+  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
+  c.reference = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
+  c.node_a = chunk.node_a.data(), c.node_b = chunk.node_b.data(), c.first = chunk.first;
+  return c;
+}
+
+void contact_kinematics(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
+  rigid_jumps(chunk.pairs, m.bodies.data(), rigid_columns(f));
+  gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, m.is_small ? nullptr : m.frames.frame.data(), m.nodes.x.data(),
+                  gridpoint_columns(f, chunk));
+  facet_jumps(chunk.facets, axes.triangles, m.nodes.x.data(), facet_columns(f), m.is_small);
+  for (const uint32_t i : chunk.others) {
+    Point& p = f.point[i];
+    if (p.facet_a >= 0 && !m.is_small) refresh_facet_frame(m, p, m.contacts.facets[p.facet_a]);
+    const Location now = locate(m, p, m.contacts.facets);
+    p.at = now.at;
+    f.normal_jump[i] = now.jump;
+    for (int k = 0; k < 2; ++k) f.slip[k][i] = now.slid[k] - f.slid[k][i], f.slid[k][i] = now.slid[k];
+    if (p.facet_a >= 0 && !m.is_small) {
+      // The foot on the triangle follows the point, so that the pair of forces stays collinear.
+      Facet& facet = m.contacts.facets[p.facet_a];
+      for (int k = 0; k < 3; ++k)
+        facet.weight[k] += facet.gradient[k][0] * f.slid[0][i] + facet.gradient[k][1] * f.slid[1][i];
+      f.slid[0][i] = f.slid[1][i] = 0.0;
+    }
+  }
+}
+
+void contact_law(Model& m, Family& f, Chunk& chunk) {
+  if (viscous_contacts(m.solver)) {
+    for (int k = 0; k < 3; ++k)
+      std::copy_n(f.traction[k].begin() + chunk.first, chunk.count, f.old_traction[k].begin() + chunk.first);
+  }
+  chunk.status = f.material->evaluate(&chunk.batch);
+  chunk.failed = chunk.status != QUOIN_OK || chunk.batch.failed_count > 0;
+  if (!m.books_energy) return;
+  EnergyColumns c{f.area.data() + chunk.first, f.stored.data() + chunk.first, {}};
+  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) c.dissipated[k] = f.dissipated[k].data() + chunk.first;
+  const PointEnergies sums = energies_of_points(c, chunk.count);
+  chunk.stored = sums.stored;
+  std::copy(std::begin(sums.dissipated), std::end(sums.dissipated), chunk.dissipated);
+}
+
+// Stiffness-proportional damping.
+void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
+  DampingColumns c{};
+  const size_t first = chunk.first;
+  for (int k = 0; k < 3; ++k) {
+    c.traction[k] = f.traction[k].data() + first, c.old_traction[k] = f.old_traction[k].data() + first;
+    c.viscous[k] = f.viscous[k].data() + first;
+  }
+  for (int k = 0; k < 2; ++k) c.slip[k] = f.slip[k].data() + first;
+  c.normal_jump = f.normal_jump.data() + first, c.old_jump = f.old_jump.data() + first;
+  c.area = f.area.data() + first;
+  MaxwellColumns maxwell{};
+  maxwell.normal_stiffness = f.kn, maxwell.shear_stiffness = f.ks;
+  for (size_t k = 0; has_maxwell(m.solver) && k < std::size(f.maxwell); ++k)
+    maxwell.traction[k] = f.maxwell[k].data() + first;
+  for (size_t e = 0; has_maxwell(m.solver) && e < m.impacts.maxwell.size(); ++e) {
+    const double way = m.impacts.maxwell[e].rate * m.stepping.dt;
+    maxwell.keep[e] = std::exp(-way), maxwell.gain[e] = -m.impacts.maxwell[e].share * std::expm1(-way) / way;
+  }
+  if (impacts_damped(m.solver))
+    chunk.damping = damp_impacts(c, maxwell, chunk.count, m.impacts.beta[2 * size_t(chunk.family)] / m.stepping.dt,
+                                 m.impacts.beta[2 * size_t(chunk.family) + 1] / m.stepping.dt);
+  else
+    chunk.damping = damp_points(c, chunk.count, m.solver.stiffness_damping / m.stepping.dt);
+}
+
+void contact_forces(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
+  chunk.damping = 0.0;
+  if (viscous_contacts(m.solver)) viscous_tractions(m, f, chunk);
+  rigid_forces(chunk.pairs, m.bodies.data(), rigid_columns(f));
+  gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, !m.is_small, gridpoint_columns(f, chunk), m.chunks.rows.data());
+  facet_forces(chunk.facets, axes.triangles, facet_columns(f), m.chunks.rows.data());
+  for (const uint32_t i : chunk.others) {
+    Point& p = f.point[i];
+    double traction[3];
+    for (int k = 0; k < 3; ++k) traction[k] = f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i]);
+    p.shear[0] = traction[1], p.shear[1] = traction[2];
+    p.force = {};
+    if (traction[0] == 0 && traction[1] == 0 && traction[2] == 0) continue;
+    p.force = p.area * in_space(m, p, traction[0] * p.n + traction[1] * p.s + traction[2] * p.t);
+  }
+}
+
+}  // namespace
+
+void Model::advance_contacts(int index, PhaseClock* clock) {
+  Chunk& chunk = chunks.all[size_t(index)];
+  Family& f = contacts.families[size_t(chunk.family)];
+  thread_local std::vector<FacetFrames> formed;
+  thread_local std::vector<PairAxes> turned;
+  formed.resize(std::max(formed.size(), chunk.facets.size()));
+  turned.resize(std::max(turned.size(), chunk.gridpoint_pairs.size()));
+  const Axes axes = is_small ? Axes{chunk.frames.data(), chunk.pair_axes.data()} : Axes{formed.data(), turned.data()};
+  contact_kinematics(*this, f, chunk, axes);  // jumps, in frames that move with the blocks
+  lap(clock, Phase::jumps);
+  contact_law(*this, f, chunk);  // tractions from jumps: the plug-in
+  lap(clock, Phase::law);
+  contact_forces(*this, f, chunk, axes);  // one force a point, which its two blocks fetch
+  lap(clock, Phase::contact_forces);
+}
+
+}  // namespace quoin::blocks
