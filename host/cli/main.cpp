@@ -35,6 +35,7 @@
 #include "cli/path_command.h"
 #include "cli/report_command.h"
 #include "cli/reproduce_command.h"
+#include "cli/rest_command.h"
 #include "cli/run_command.h"
 #include "cli/shipped.h"
 #include "cli/spectrum_command.h"

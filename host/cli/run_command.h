@@ -8,6 +8,5 @@ namespace quoin {
 
 // `quoin run`: see its help text. Errors are thrown; exit_code is set otherwise.
 void add_run_command(CLI::App& app, int& exit_code);
-void add_rest_command(CLI::App& app, int& exit_code);
 
 }  // namespace quoin

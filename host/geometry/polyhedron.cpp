@@ -118,22 +118,49 @@ void complete(ConvexPolyhedron& shape) {
   }
 }
 
-ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::string& name, double relative_tolerance) {
-  if (input.size() < 4) refuse(name, fmt::format("has {} vertices; a polyhedron needs at least 4", input.size()));
-  for (size_t i = 0; i < input.size(); ++i) {
-    if (!std::isfinite(input[i].x + input[i].y + input[i].z)) refuse(name, fmt::format("vertex {} is not a number", i));
-  }
-  const double size = longest_extent(input), tolerance = relative_tolerance * size;
+namespace {
+
+// Mesh files repeat corners.
+std::vector<Vector> different(const std::vector<Vector>& input, double tolerance) {
   std::vector<Vector> points;
-  for (const Vector& p : input) {  // mesh files repeat corners
+  for (const Vector& p : input) {
     bool is_new = true;
     for (const Vector& q : points) is_new &= norm(p - q) > tolerance;
     if (is_new) points.push_back(p);
   }
-  if (points.size() < 4) refuse(name, fmt::format("has only {} different vertices", points.size()));
-  const std::vector<Triangle> hull = triangle_hull(points, tolerance, name);
+  return points;
+}
 
-  // Merge coplanar neighbours: every plane becomes one face whose corners are sorted around its normal.
+// Corners of a face, counter-clockwise about its normal. Points inside of it are no corners, nor are those in the
+// middle of a straight side.
+std::vector<int> corners_in_order(const std::vector<Vector>& points, const std::set<int>& corners, const Vector& normal,
+                                  double tolerance) {
+  Vector centre;
+  for (int c : corners) centre += points[c] / double(corners.size());
+  const Vector s = any_normal(normal), r = cross(normal, s);
+  std::vector<int> face(corners.begin(), corners.end());
+  std::vector<double> angle(points.size(), 0.0);
+  for (int c : face) angle[c] = std::atan2(dot(points[c] - centre, r), dot(points[c] - centre, s));
+  std::sort(face.begin(), face.end(), [&](int i, int j) { return angle[i] < angle[j]; });
+  for (bool again = true; again && face.size() > 3;) {
+    again = false;
+    for (size_t i = 0; i < face.size(); ++i) {
+      const Vector& before = points[face[(i + face.size() - 1) % face.size()]];
+      const Vector& here = points[face[i]];
+      const Vector& after = points[face[(i + 1) % face.size()]];
+      if (dot(normal, cross(here - before, after - before)) <= 2 * tolerance * norm(after - before)) {
+        face.erase(face.begin() + long(i));
+        again = true;
+        break;
+      }
+    }
+  }
+  return face;
+}
+
+// Coplanar neighbours merged: every plane becomes one face.
+std::vector<std::vector<int>> faces_of(const std::vector<Triangle>& hull, const std::vector<Vector>& points,
+                                       double size, double tolerance) {
   std::vector<double> area(hull.size());
   for (size_t i = 0; i < hull.size(); ++i) {
     const int* c = hull[i].corner;
@@ -143,8 +170,7 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::stri
   std::iota(by_area.begin(), by_area.end(), 0u);
   std::stable_sort(by_area.begin(), by_area.end(), [&](size_t i, size_t j) { return area[i] > area[j]; });
   std::vector<bool> used(hull.size(), false);
-  ConvexPolyhedron shape;
-  std::vector<int> renumber(points.size(), -1);
+  std::vector<std::vector<int>> faces;
   for (size_t first : by_area) {  // planes of faces come from large triangles; slivers join the plane that they lie in
     if (used[first]) continue;
     const Triangle& t = hull[first];
@@ -160,30 +186,24 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::stri
     // A splinter between faces, and not a face that is merely small.
     double longest = 0.0;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, norm(points[t.corner[k]] - points[t.corner[(k + 1) % 3]]));
-    if (area[first] < tolerance * longest) continue;
-    Vector centre;
-    for (int c : corners) centre += points[c] / double(corners.size());
-    const Vector s = any_normal(t.normal), r = cross(t.normal, s);
-    std::vector<int> face(corners.begin(), corners.end());
-    std::vector<double> angle(points.size(), 0.0);
-    for (int c : face) angle[c] = std::atan2(dot(points[c] - centre, r), dot(points[c] - centre, s));
-    std::sort(face.begin(), face.end(), [&](int i, int j) { return angle[i] < angle[j]; });
-    // Points inside of the face are no corners, nor are those in the middle of a straight side.
-    for (bool again = true; again && face.size() > 3;) {
-      again = false;
-      for (size_t i = 0; i < face.size(); ++i) {
-        const Vector& before = points[face[(i + face.size() - 1) % face.size()]];
-        const Vector& here = points[face[i]];
-        const Vector& after = points[face[(i + 1) % face.size()]];
-        if (dot(t.normal, cross(here - before, after - before)) <= 2 * tolerance * norm(after - before)) {
-          face.erase(face.begin() + long(i));
-          again = true;
-          break;
-        }
-      }
-    }
-    shape.faces.push_back(std::move(face));
+    if (area[first] >= tolerance * longest) faces.push_back(corners_in_order(points, corners, t.normal, tolerance));
   }
+  return faces;
+}
+
+}  // namespace
+
+ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::string& name, double relative_tolerance) {
+  if (input.size() < 4) refuse(name, fmt::format("has {} vertices; a polyhedron needs at least 4", input.size()));
+  for (size_t i = 0; i < input.size(); ++i) {
+    if (!std::isfinite(input[i].x + input[i].y + input[i].z)) refuse(name, fmt::format("vertex {} is not a number", i));
+  }
+  const double size = longest_extent(input), tolerance = relative_tolerance * size;
+  const std::vector<Vector> points = different(input, tolerance);
+  if (points.size() < 4) refuse(name, fmt::format("has only {} different vertices", points.size()));
+  ConvexPolyhedron shape;
+  shape.faces = faces_of(triangle_hull(points, tolerance, name), points, size, tolerance);
+  std::vector<int> renumber(points.size(), -1);
   for (auto& face : shape.faces) {
     for (int& c : face) {
       if (renumber[c] < 0) {

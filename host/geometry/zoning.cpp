@@ -347,80 +347,77 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
   return m;
 }
 
-ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<std::array<int, 4>>& tetrahedra,
-                           const std::string& name) {
+namespace {
+
+[[noreturn]] void refuse(const std::string& name, const std::string& what) {
+  throw Error(Exit::bad_input, fmt::format("block {}: {}", name, what));
+}
+
+// A triangle as the first tetrahedron sees it, and the two that have it; -1: one alone.
+struct Owners {
+  std::array<int, 3> triangle;
+  int first, second = -1;
+};
+using Triangles = std::map<std::array<int, 3>, Owners>;
+
+// Returns the volume. number: of the tetrahedron, in messages.
+double sound_volume(const std::vector<Vector>& points, const std::array<int, 4>& t, int number,
+                    const std::string& name) {
   constexpr double kFlat = 1e-6;  // volume, of the longest edge's cube
-  const auto refuse = [&](const std::string& what) {
-    throw Error(Exit::bad_input, fmt::format("block {}: {}", name, what));
-  };
-  if (tetrahedra.empty() || double(tetrahedra.size()) > most_zones)
-    refuse(fmt::format("{} tetrahedra; allowed: 1 to {:g}", tetrahedra.size(), most_zones));
   const int count = int(points.size());
-  for (int i = 0; i < count; ++i) {
-    const Vector& p = points[size_t(i)];
-    if (!std::isfinite(p.x + p.y + p.z)) refuse(fmt::format("vertex {} is not a number", i));
+  double longest = 0.0;
+  for (size_t i = 0; i < t.size(); ++i) {
+    if (t[i] < 0 || t[i] >= count)
+      refuse(name, fmt::format("tetrahedron {} names vertex {}; there are vertices 0 to {}", number, t[i], count - 1));
+    for (size_t j = 0; j < i; ++j) longest = std::max(longest, norm(points[size_t(t[i])] - points[size_t(t[j])]));
   }
+  const double volume = volume_of(points, t);
+  if (!(std::abs(volume) > kFlat * longest * longest * longest))
+    refuse(name, fmt::format("tetrahedron {} near {} is flat: {:.3g} m3 with an edge of {:.3g} m; mesh the body anew",
+                             number, place(points[size_t(t[0])]), volume, longest));
+  if (volume < 0)
+    refuse(name, fmt::format("tetrahedron {} near {} is inverted ({:.3g} m3): swap two of its corners", number,
+                             place(points[size_t(t[0])]), volume));
+  return volume;
+}
 
-  struct Owners {
-    std::array<int, 3> triangle;  // as the first tetrahedron sees it
-    int first, second = -1;
-  };
-  std::map<std::array<int, 3>, Owners> owners;
-  std::vector<bool> used(points.size(), false);
-  double volume = 0.0;
-  for (int k = 0; k < int(tetrahedra.size()); ++k) {
-    const std::array<int, 4>& t = tetrahedra[size_t(k)];
-    double longest = 0.0;
-    for (size_t i = 0; i < t.size(); ++i) {
-      if (t[i] < 0 || t[i] >= count)
-        refuse(fmt::format("tetrahedron {} names vertex {}; there are vertices 0 to {}", k, t[i], count - 1));
-      used[size_t(t[i])] = true;
-      for (size_t j = 0; j < i; ++j) longest = std::max(longest, norm(points[size_t(t[i])] - points[size_t(t[j])]));
-    }
-    const double own = volume_of(points, t);
-    if (!(std::abs(own) > kFlat * longest * longest * longest))
-      refuse(fmt::format("tetrahedron {} near {} is flat: {:.3g} m3 with an edge of {:.3g} m; mesh the body anew", k,
-                         place(points[size_t(t[0])]), own, longest));
-    if (own < 0)
-      refuse(fmt::format("tetrahedron {} near {} is inverted ({:.3g} m3): swap two of its corners", k,
-                         place(points[size_t(t[0])]), own));
-    volume += own;
-    for (const std::array<int, 3>& f : triangles_of(t)) {
-      const auto [it, is_new] = owners.try_emplace(in_order(f), Owners{f, k});
-      if (is_new) continue;
-      Owners& o = it->second;
-      if (o.second >= 0)
-        refuse(fmt::format("tetrahedra {}, {} and {} share the triangle near {}; a triangle has two at most", o.first,
-                           o.second, k, place(points[size_t(f[0])])));
-      o.second = k;
-      size_t turn = 0;
-      while (o.triangle[turn] != f[0]) ++turn;
-      if (o.triangle[(turn + 1) % 3] == f[1])
-        refuse(fmt::format("tetrahedra {} and {} overlap: both lie on the same side of the triangle near {}", o.first,
-                           k, place(points[size_t(f[0])])));
-    }
-  }
-  const auto idle = std::find(used.begin(), used.end(), false);
-  if (idle != used.end()) {
-    const auto i = idle - used.begin();
-    refuse(fmt::format("vertex {} at {} belongs to no tetrahedron; leave it out", i, place(points[size_t(i)])));
-  }
+void add_triangle(const std::array<int, 3>& f, int tetrahedron, const std::vector<Vector>& points,
+                  const std::string& name, Triangles* triangles) {
+  const auto [it, is_new] = triangles->try_emplace(in_order(f), Owners{f, tetrahedron});
+  if (is_new) return;
+  Owners& o = it->second;
+  if (o.second >= 0)
+    refuse(name, fmt::format("tetrahedra {}, {} and {} share the triangle near {}; a triangle has two at most", o.first,
+                             o.second, tetrahedron, place(points[size_t(f[0])])));
+  o.second = tetrahedron;
+  size_t turn = 0;
+  while (o.triangle[turn] != f[0]) ++turn;
+  if (o.triangle[(turn + 1) % 3] == f[1])
+    refuse(name, fmt::format("tetrahedra {} and {} overlap: both lie on the same side of the triangle near {}", o.first,
+                             tetrahedron, place(points[size_t(f[0])])));
+}
 
+// Corners of triangles that one tetrahedron has alone.
+std::vector<Vector> skin_of(const std::vector<Vector>& points, const Triangles& triangles) {
   std::vector<bool> outside(points.size(), false);
-  for (const auto& [key, o] : owners) {
+  for (const auto& [key, o] : triangles) {
     if (o.second < 0) outside[size_t(key[0])] = outside[size_t(key[1])] = outside[size_t(key[2])] = true;
   }
   std::vector<Vector> skin;
   for (size_t i = 0; i < points.size(); ++i) {
     if (outside[i]) skin.push_back(points[i]);
   }
-  ZonedShape made{from_vertices(skin, name), {}};
-  // The corners of the shape first, as all zonings have them.
+  return skin;
+}
+
+// The corners of the shape first, as all zonings have them.
+Zoning numbered(const ConvexPolyhedron& shape, const std::vector<Vector>& points,
+                const std::vector<std::array<int, 4>>& tetrahedra) {
   std::map<std::array<double, 3>, int> number;
-  for (int i = 0; i < count; ++i) number.try_emplace(array(points[size_t(i)]), i);
+  for (int i = 0; i < int(points.size()); ++i) number.try_emplace(array(points[size_t(i)]), i);
   std::vector<int> place_of(points.size(), -1);
-  Zoning& z = made.zoning;
-  for (const Vector& corner : made.shape.vertices) {
+  Zoning z;
+  for (const Vector& corner : shape.vertices) {
     place_of[size_t(number.at(array(corner)))] = int(z.nodes.size());
     z.nodes.push_back(corner);
   }
@@ -433,18 +430,47 @@ ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<
     std::array<int, 4>& zone = z.zones.emplace_back();
     for (size_t i = 0; i < t.size(); ++i) zone[i] = place_of[size_t(t[i])];
   }
+  return z;
+}
+
+}  // namespace
+
+ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<std::array<int, 4>>& tetrahedra,
+                           const std::string& name) {
+  if (tetrahedra.empty() || double(tetrahedra.size()) > most_zones)
+    refuse(name, fmt::format("{} tetrahedra; allowed: 1 to {:g}", tetrahedra.size(), most_zones));
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vector& p = points[i];
+    if (!std::isfinite(p.x + p.y + p.z)) refuse(name, fmt::format("vertex {} is not a number", i));
+  }
+  Triangles triangles;
+  std::vector<bool> used(points.size(), false);
+  double volume = 0.0;
+  for (int k = 0; k < int(tetrahedra.size()); ++k) {
+    const std::array<int, 4>& t = tetrahedra[size_t(k)];
+    volume += sound_volume(points, t, k, name);
+    for (const int corner : t) used[size_t(corner)] = true;
+    for (const std::array<int, 3>& f : triangles_of(t)) add_triangle(f, k, points, name, &triangles);
+  }
+  const auto idle = std::find(used.begin(), used.end(), false);
+  if (idle != used.end()) {
+    const auto i = idle - used.begin();
+    refuse(name, fmt::format("vertex {} at {} belongs to no tetrahedron; leave it out", i, place(points[size_t(i)])));
+  }
+  ZonedShape made{from_vertices(skin_of(points, triangles), name), {}};
+  made.zoning = numbered(made.shape, points, tetrahedra);
   finish(
-      made.shape, name, z,
+      made.shape, name, made.zoning,
       "a triangle that one tetrahedron has alone lies inside the hull of the body: neighbours share no whole triangle "
       "there (vertices that are there twice, hanging vertices, a hole), or the body is not convex; mesh it "
       "conformingly, "
       "or cut it into convex parts");
   const double hull = mass_properties(made.shape).volume;
   if (std::abs(volume - hull) > 10 * shape_tolerance * hull)
-    refuse(
-        fmt::format("its tetrahedra have {:.9g} m3 in all, and the body that they bound {:.9g} m3: they overlap or "
-                    "leave holes",
-                    volume, hull));
+    refuse(name,
+           fmt::format("its tetrahedra have {:.9g} m3 in all, and the body that they bound {:.9g} m3: they overlap or "
+                       "leave holes",
+                       volume, hull));
   return made;
 }
 

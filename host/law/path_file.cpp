@@ -282,6 +282,123 @@ std::string path_row(const quoin_law& law, const PointResult& point) {
   return row + fmt::format(",{}\n", full_precision(point.work));
 }
 
+namespace {
+
+// A contact point on its way along a path.
+class PathRun {
+ public:
+  PathRun(const PathFile& path, const std::string& law_name)
+      : path_(path),
+        law_(Law::find(law_name.empty() ? path.law : law_name)),
+        contact_(std::make_shared<const Material>(law_, path.properties), path.initial) {
+    // Only what the file sets is known to its formulas: a wrong default in the law cannot hide in them.
+    for (const PropertySetting& setting : path.properties) {
+      if (setting.numbers.size() != 1) continue;
+      constants_[setting.id] = setting.numbers[0];
+      const quoin_property_info* info = find_property(*law_.law, setting.id);
+      if (info != nullptr && info->symbol != nullptr) constants_[info->symbol] = setting.numbers[0];
+    }
+    for (const auto& [name, formula] : path.definitions) constants_[name] = value_of(formula, constants_, 1);
+  }
+
+  PathOutcome run() {
+    record(true);
+    for (std::size_t number = 0; number < path_.points.size(); ++number) follow(path_.points[number], number + 1);
+    return std::move(outcome_);
+  }
+
+ private:
+  double value_of(const Formula& formula, const Variables& variables, int line) const {
+    try {
+      return formula(variables);
+    } catch (const std::invalid_argument& error) {
+      throw Error(Exit::bad_input, fmt::format("{}:{}: '{}': {}", path_.file, line, formula.text(), error.what()));
+    }
+  }
+
+  void record(bool plotted) {
+    outcome_.plotted.push_back(plotted);
+    outcome_.rows.push_back(contact_.now());
+    outcome_.values.push_back(quantities(*law_.law, contact_.now()));
+    outcome_.closed_form.emplace_back();
+  }
+
+  // number: of the point, from 1.
+  void follow(const PathPoint& point, std::size_t number) {
+    const PointResult start = contact_.now();
+    Variables segment = constants_;
+    segment["dn0"] = start.jump[0];
+    segment["ds0"] = start.jump[1];
+    segment["dt0"] = start.jump[2];
+    segment["sigma0"] = start.traction[0];
+    for (int step = 1; step <= point.steps; ++step) {
+      segment["part"] = step == point.steps ? 1.0 : static_cast<double>(step) / point.steps;
+      move(point, start, step, segment);
+      record(point.plotted);
+      Variables here = segment;
+      for (const auto& [name, value] : outcome_.values.back()) here[name] = value;
+      const std::string where = fmt::format("point {}, step {} of {}", number, step, point.steps);
+      for (const PathCheck& check : point.along) verify(check, here, where);
+      if (step < point.steps) continue;
+      for (const PathCheck& check : point.expect) verify(check, here, where);
+    }
+  }
+
+  // Towards the targets of a point: by the part of the way that this step has come, or where their formulas say.
+  void move(const PathPoint& point, const PointResult& start, int step, const Variables& segment) {
+    const double part = segment.at("part");
+    const auto target = [&](const char* key, double from) {
+      const auto found = point.targets.find(key);
+      if (found == point.targets.end()) return from;
+      const double to = value_of(found->second, segment, point.line);
+      return found->second.uses("part") || part == 1.0 ? to : from + (to - from) * part;
+    };
+    const double ds = target("ds", start.jump[1]), dt = target("dt", start.jump[2]);
+    try {
+      if (point.targets.count("sigma") != 0)
+        contact_.press_to(target("sigma", start.traction[0]), ds, dt);
+      else
+        contact_.move_to(target("dn", start.jump[0]), ds, dt);
+    } catch (const Error& error) {
+      throw Error(error.exit_code,
+                  fmt::format("{}:{}: step {} of {}: {}", path_.file, point.line, step, point.steps, error.what()));
+    }
+  }
+
+  void verify(const PathCheck& check, const Variables& here, const std::string& where) {
+    const auto found = outcome_.values.back().find(check.quantity);
+    if (found == outcome_.values.back().end())
+      throw Error(Exit::bad_input, fmt::format("{}:{}: '{}': law '{}' has no quantity '{}'", path_.file, check.line,
+                                               check.text, law_.law->id, check.quantity));
+    const double got = found->second, want = value_of(check.formula, here, check.line);
+    const double scale = check.scale.empty() ? 0.0 : std::abs(value_of(check.scale, here, check.line));
+    const double allowed = check.tolerance * std::max(std::abs(want), scale);
+    double error = got - want;
+    if (check.relation == "=") error = std::abs(error);
+    if (check.relation == ">=") error = -error;
+    ++outcome_.checks;
+    if (check.relation == "=") outcome_.closed_form.back()[check.quantity] = want;
+    if (allowed > 0.0 && error > 0.0) outcome_.worst = std::max(outcome_.worst, error / allowed);
+    if (!(error <= allowed))
+      outcome_.failures.push_back(
+          fmt::format("{}:{}: {}: {}: got {:.17g}, expected {} {:.17g}, error {:.3g}, allowed {:.3g}{}", path_.file,
+                      check.line, where, check.text, got, check.relation, want, error, allowed,
+                      check.reason.empty() ? "" : fmt::format(" ({})", check.reason)));
+    if (check.value && !(std::abs(want - *check.value) <= 1e-6 * std::abs(*check.value)))
+      outcome_.failures.push_back(
+          fmt::format("{}:{}: the formula of '{}' gives {:.9g}, but value = {:.9g}: the file is wrong", path_.file,
+                      check.line, check.text, want, *check.value));
+  }
+
+  const PathFile& path_;
+  Law law_;
+  MaterialPoint contact_;
+  Variables constants_;
+  PathOutcome outcome_;
+};
+
+}  // namespace
+
 PathOutcome run_path(const PathFile& path, const std::string& law_name, bool force) {
   double steps = 0.0;
   for (const PathPoint& point : path.points) steps += point.steps;
@@ -289,108 +406,7 @@ PathOutcome run_path(const PathFile& path, const std::string& law_name, bool for
   if (!force)
     require_memory(kOfStep * steps, fmt::format("{}: {:g} steps", path.file, steps),
                    "give fewer steps, or try all the same with --force");
-  const Law law = Law::find(law_name.empty() ? path.law : law_name);
-  const auto material = std::make_shared<const Material>(law, path.properties);
-  MaterialPoint contact(material, path.initial);
-
-  // Only what the file sets is known to its formulas: a wrong default in the law cannot hide in them.
-  Variables constants;
-  for (const PropertySetting& setting : path.properties) {
-    if (setting.numbers.size() != 1) continue;
-    constants[setting.id] = setting.numbers[0];
-    const quoin_property_info* info = find_property(*law.law, setting.id);
-    if (info != nullptr && info->symbol != nullptr) constants[info->symbol] = setting.numbers[0];
-  }
-  const auto value_of = [&](const Formula& formula, const Variables& variables, int line) {
-    try {
-      return formula(variables);
-    } catch (const std::invalid_argument& error) {
-      throw Error(Exit::bad_input, fmt::format("{}:{}: '{}': {}", path.file, line, formula.text(), error.what()));
-    }
-  };
-  for (const auto& [name, formula] : path.definitions) constants[name] = value_of(formula, constants, 1);
-
-  PathOutcome outcome;
-  const auto record = [&](bool plotted) {
-    outcome.plotted.push_back(plotted);
-    outcome.rows.push_back(contact.now());
-    outcome.values.push_back(quantities(*law.law, contact.now()));
-    outcome.closed_form.emplace_back();
-  };
-  record(true);
-
-  for (std::size_t number = 0; number < path.points.size(); ++number) {
-    const PathPoint& point = path.points[number];
-    const PointResult start = contact.now();
-    Variables segment = constants;
-    segment["dn0"] = start.jump[0];
-    segment["ds0"] = start.jump[1];
-    segment["dt0"] = start.jump[2];
-    segment["sigma0"] = start.traction[0];
-    const auto target = [&](const char* key, double from, double p) {
-      const auto found = point.targets.find(key);
-      if (found == point.targets.end()) return from;
-      segment["part"] = p;
-      const double to = value_of(found->second, segment, point.line);
-      if (found->second.uses("part") || p == 1.0) return to;
-      return from + (to - from) * p;
-    };
-    const bool pressed = point.targets.count("sigma") != 0;
-
-    for (int step = 1; step <= point.steps; ++step) {
-      const double p = step == point.steps ? 1.0 : static_cast<double>(step) / point.steps;
-      const double ds = target("ds", start.jump[1], p);
-      const double dt = target("dt", start.jump[2], p);
-      try {
-        if (pressed) {
-          contact.press_to(target("sigma", start.traction[0], p), ds, dt);
-        } else {
-          contact.move_to(target("dn", start.jump[0], p), ds, dt);
-        }
-      } catch (const Error& error) {
-        throw Error(error.exit_code,
-                    fmt::format("{}:{}: step {} of {}: {}", path.file, point.line, step, point.steps, error.what()));
-      }
-      record(point.plotted);
-
-      Variables here = segment;
-      here["part"] = p;
-      for (const auto& [name, value] : outcome.values.back()) here[name] = value;
-      const auto verify = [&](const PathCheck& check) {
-        const auto found = outcome.values.back().find(check.quantity);
-        if (found == outcome.values.back().end()) {
-          throw Error(Exit::bad_input, fmt::format("{}:{}: '{}': law '{}' has no quantity '{}'", path.file, check.line,
-                                                   check.text, law.law->id, check.quantity));
-        }
-        const double got = found->second;
-        const double want = value_of(check.formula, here, check.line);
-        const double scale = check.scale.empty() ? 0.0 : std::abs(value_of(check.scale, here, check.line));
-        const double allowed = check.tolerance * std::max(std::abs(want), scale);
-        double error = got - want;
-        if (check.relation == "=") error = std::abs(error);
-        if (check.relation == ">=") error = -error;
-        ++outcome.checks;
-        if (check.relation == "=") outcome.closed_form.back()[check.quantity] = want;
-        if (allowed > 0.0 && error > 0.0) outcome.worst = std::max(outcome.worst, error / allowed);
-        if (!(error <= allowed)) {
-          outcome.failures.push_back(fmt::format(
-              "{}:{}: point {}, step {} of {}: {}: got {:.17g}, expected {} {:.17g}, error {:.3g}, allowed {:.3g}{}",
-              path.file, check.line, number + 1, step, point.steps, check.text, got, check.relation, want, error,
-              allowed, check.reason.empty() ? "" : fmt::format(" ({})", check.reason)));
-        }
-        if (check.value && !(std::abs(want - *check.value) <= 1e-6 * std::abs(*check.value))) {
-          outcome.failures.push_back(
-              fmt::format("{}:{}: the formula of '{}' gives {:.9g}, but value = {:.9g}: the file is wrong", path.file,
-                          check.line, check.text, want, *check.value));
-        }
-      };
-      for (const PathCheck& check : point.along) verify(check);
-      if (step == point.steps) {
-        for (const PathCheck& check : point.expect) verify(check);
-      }
-    }
-  }
-  return outcome;
+  return PathRun(path, law_name).run();
 }
 
 std::string plot_path(const PathFile& path, const PathOutcome& outcome, const std::string& folder) {

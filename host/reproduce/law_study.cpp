@@ -43,38 +43,40 @@ double area_above(const Path& path, double level) {  // J/m2
   return area;
 }
 
+// Each path starts a new point.
+constexpr int kSteps = 4000;
+
+// sign: makes compression positive in plots.
+Path normal_path(const std::shared_ptr<const Material>& material, double to, double sign) {
+  MaterialPoint point(material, "bonded");
+  Path path;
+  for (int i = 0; i <= kSteps; ++i) {
+    const PointResult& now = point.move_to(to * i / kSteps, 0.0, 0.0);
+    path.jump.push_back(sign * now.jump[0] * 1e3);
+    path.stress.push_back(sign * now.traction[0] / 1e6);
+    path.peak = std::max(path.peak, path.stress.back());
+  }
+  return path;
+}
+
+Path shear_path(const std::shared_ptr<const Material>& material, double pressure) {
+  MaterialPoint point(material, "bonded");
+  point.press_to(-pressure, 0.0, 0.0);
+  Path path;
+  for (int i = 0; i <= kSteps; ++i) {
+    const PointResult& now = point.press_to(-pressure, 1.2e-3 * i / kSteps, 0.0);
+    path.jump.push_back(now.jump[1] * 1e3);
+    path.stress.push_back(now.traction[1] / 1e6);
+    path.peak = std::max(path.peak, path.stress.back());
+  }
+  return path;
+}
+
 }  // namespace
 
 StudyReport report_law(const Findings& findings) {
   StudyReport report;
   const auto material = std::make_shared<const Material>(Law::find("fracture_energy"), table_1());
-  constexpr int kSteps = 4000;
-
-  // Each path starts a new point. The sign makes compression positive in plots.
-  auto normal = [&](double to, double sign) {
-    MaterialPoint point(material, "bonded");
-    Path path;
-    for (int i = 0; i <= kSteps; ++i) {
-      const PointResult& now = point.move_to(to * i / kSteps, 0.0, 0.0);
-      path.jump.push_back(sign * now.jump[0] * 1e3);
-      path.stress.push_back(sign * now.traction[0] / 1e6);
-      path.peak = std::max(path.peak, path.stress.back());
-    }
-    return path;
-  };
-  auto shear = [&](double pressure) {
-    MaterialPoint point(material, "bonded");
-    point.press_to(-pressure, 0.0, 0.0);
-    Path path;
-    for (int i = 0; i <= kSteps; ++i) {
-      const PointResult& now = point.press_to(-pressure, 1.2e-3 * i / kSteps, 0.0);
-      path.jump.push_back(now.jump[1] * 1e3);
-      path.stress.push_back(now.traction[1] / 1e6);
-      path.peak = std::max(path.peak, path.stress.back());
-    }
-    return path;
-  };
-
   std::string csv = "path,jump_mm,stress_MPa\n";
   auto add_csv = [&](const std::string& name, const Path& path) {
     for (std::size_t i = 0; i < path.jump.size(); ++i)
@@ -85,7 +87,7 @@ StudyReport report_law(const Findings& findings) {
                                fmt::format("{:.4g} {}, Table 1: {:.4g} {}", number, unit, reference, unit)});
   };
 
-  const Path tension = normal(0.2e-3, 1.0), compression = normal(-3.6e-3, -1.0);
+  const Path tension = normal_path(material, 0.2e-3, 1.0), compression = normal_path(material, -3.6e-3, -1.0);
   add_csv("tension", tension);
   add_csv("compression", compression);
   judge("peak in tension", tension.peak, 0.2, "MPa");
@@ -101,7 +103,7 @@ StudyReport report_law(const Findings& findings) {
   const double mu = std::tan(35.0 * M_PI / 180.0);
   int colour = 0;
   for (const double pressure : {0.30e6, 1.21e6, 2.12e6}) {
-    const Path path = shear(pressure);
+    const Path path = shear_path(material, pressure);
     add_csv(fmt::format("shear_{:.2f}_MPa", pressure / 1e6), path);
     shears.series.push_back({fmt::format("{:.2f} MPa", pressure / 1e6), Mark::line, path.jump, path.stress, colour});
     shears.add_level(fmt::format("residual mu sigma at {:.2f} MPa", pressure / 1e6), Kind::derived, mu * pressure / 1e6,

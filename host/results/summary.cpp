@@ -405,6 +405,81 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
   write_file(path, summary_text(simulation, rows, info));
 }
 
+namespace {
+
+// Blocks, beams, zones and contact points.
+void add_counts(const Simulation& simulation, bool law_answers, Json* json) {
+  const auto count_beams = [](const auto& blocks) {
+    return std::count_if(blocks.begin(), blocks.end(), [](const auto& b) { return b.beam; });
+  };
+  const blocks::Model* const large_motion = simulation.large_motion();
+  const auto beams =
+      large_motion ? count_beams(large_motion->assembly.blocks) : count_beams(simulation.assembly().bricks);
+  (*json)["blocks"] = simulation.block_count() - beams;
+  (*json)["beams"] = beams;
+  (*json)["block_names"] = block_names(simulation);
+  (*json)["symmetry_factor"] = simulation.assembly().symmetry_factor;
+  (*json)["zones"] = simulation.zone_count();
+  (*json)["contact_points"] = simulation.point_count();
+  Json& states = (*json)["contact_points_by_state"];
+  const auto counts = law_answers ? simulation.condition_counts() : std::array<long, kConditionCount>{};
+  for (const Condition c : {Condition::elastic, Condition::softening, Condition::open, Condition::slipping,
+                            Condition::crushing, Condition::crushed_out})
+    states[condition_name(c)] = law_answers ? Json(counts[static_cast<size_t>(c)]) : Json(nullptr);
+}
+
+Json quality_of(const Scene& scene, const RunInfo& info) {
+  const std::string unknown = why_error_unknown(scene, info);
+  Json errors = nullptr;
+  if (unknown.empty()) {
+    const Quality& quality = quality_named(scene.quality);
+    errors = {{"peak", quality.peak_error}, {"curve", quality.curve_error}, {"work", quality.work_error}};
+  }
+  return {{"name", scene.quality},
+          {"as_is", scene.quality_as_is},
+          {"expected_error", errors},
+          {"why_unknown", text_or_null(unknown)}};
+}
+
+Json quasi_static_of(const QuasiStatic& check) {
+  return {{"dynamic_force_over_peak", number_or_null(check.dynamic_force_ratio)},
+          {"kinetic_energy_over_work", number_or_null(check.kinetic_energy_ratio)},
+          {"displacement_beyond_asked", check.overshoot_ratio},
+          {"holds", check.quasi_static()},
+          {"why_not", text_or_null(check.reason())}};
+}
+
+Json force_losses_of(const Simulation& simulation) {
+  Json stops = Json::array();
+  for (const StopAtForceLoss& stop : simulation.outcome().force_losses)
+    stops.push_back({{"stage", simulation.scene().stages[static_cast<size_t>(stop.stage)].name},
+                     {"half_cycle", stop.half_cycle + 1},
+                     {"force_N", stop.force},
+                     {"largest_force_before_N", stop.largest}});
+  return stops;
+}
+
+Json damping_of(const StageModes& of_stage) {
+  Json modes = nullptr;
+  if (of_stage.why_none.empty()) modes = Json::array();
+  for (const StageModes::Mode& mode : of_stage.modes)
+    modes.push_back({{"frequency_Hz", mode.frequency}, {"damping_ratio", mode.ratio}});
+  return modes;
+}
+
+Json list_of(const std::vector<Warning>& warnings, const Scene& scene) {
+  Json list = Json::array();
+  for (const Warning& w : warnings)
+    list.push_back({{"about", w.about},
+                    {"text", w.text},
+                    {"stage", scene.stages.empty() ? "" : scene.stages[static_cast<size_t>(w.stage)].name},
+                    {"step", w.step},
+                    {"time_s", w.time}});
+  return list;
+}
+
+}  // namespace
+
 std::string summary_text(const Simulation& simulation, const std::vector<HistoryRow>& rows, const RunInfo& info) {
   const Scene& scene = simulation.scene();
   const TimeStepReport& step = simulation.time_step_report();
@@ -434,71 +509,22 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   json["threads"] = simulation.thread_count();
   if (!simulation.rank_traffic().empty()) json["ranks"] = ranks_of(simulation.rank_traffic());
   json["instruction_set"] = simulation.instruction_set();
-  const auto count_beams = [](const auto& blocks) {
-    return std::count_if(blocks.begin(), blocks.end(), [](const auto& b) { return b.beam; });
-  };
-  const blocks::Model* const large_motion = simulation.large_motion();
-  const auto beams =
-      large_motion ? count_beams(large_motion->assembly.blocks) : count_beams(simulation.assembly().bricks);
-  json["blocks"] = simulation.block_count() - beams;
-  json["beams"] = beams;
-  json["block_names"] = block_names(simulation);
-  json["symmetry_factor"] = simulation.assembly().symmetry_factor;
-  json["zones"] = simulation.zone_count();
-  json["contact_points"] = simulation.point_count();
-  Json& states = json["contact_points_by_state"];
-  const auto counts = info.law_answers ? simulation.condition_counts() : std::array<long, kConditionCount>{};
-  for (const Condition c : {Condition::elastic, Condition::softening, Condition::open, Condition::slipping,
-                            Condition::crushing, Condition::crushed_out})
-    states[condition_name(c)] = info.law_answers ? Json(counts[static_cast<size_t>(c)]) : Json(nullptr);
+  add_counts(simulation, info.law_answers, &json);
   json["overlap_of_crushed_out_m"] = info.crushed_out.overlap;
   json["laws"] = laws_of(simulation);
-  const std::string unknown = why_error_unknown(scene, info);
-  Json errors = nullptr;
-  if (unknown.empty()) {
-    const Quality& quality = quality_named(scene.quality);
-    errors = {{"peak", quality.peak_error}, {"curve", quality.curve_error}, {"work", quality.work_error}};
-  }
-  json["quality"] = {{"name", scene.quality},
-                     {"as_is", scene.quality_as_is},
-                     {"expected_error", errors},
-                     {"why_unknown", text_or_null(unknown)}};
-  const QuasiStatic& check = info.quasi_static;
-  if (std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.cycles.has_value(); })) {
-    Json stops = Json::array();
-    for (const StopAtForceLoss& stop : simulation.outcome().force_losses)
-      stops.push_back({{"stage", scene.stages[static_cast<size_t>(stop.stage)].name},
-                       {"half_cycle", stop.half_cycle + 1},
-                       {"force_N", stop.force},
-                       {"largest_force_before_N", stop.largest}});
-    json["stopped_at_force_loss"] = stops;
-  }
-  json["quasi_static"] = {{"dynamic_force_over_peak", number_or_null(check.dynamic_force_ratio)},
-                          {"kinetic_energy_over_work", number_or_null(check.kinetic_energy_ratio)},
-                          {"displacement_beyond_asked", check.overshoot_ratio},
-                          {"holds", check.quasi_static()},
-                          {"why_not", text_or_null(check.reason())}};
+  json["quality"] = quality_of(scene, info);
+  if (std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.cycles.has_value(); }))
+    json["stopped_at_force_loss"] = force_losses_of(simulation);
+  json["quasi_static"] = quasi_static_of(info.quasi_static);
   json["motion"] = motion_of(simulation);
   const bool on_ground =
       std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
-  if (large_motion) json.update(of_blocks(simulation, rows));
-  if (large_motion || on_ground) json.update(of_motion(simulation, rows));
-  for (const StageModes& of_stage : info.modes) {
-    Json modes = nullptr;
-    if (of_stage.why_none.empty()) modes = Json::array();
-    for (const StageModes::Mode& mode : of_stage.modes)
-      modes.push_back({{"frequency_Hz", mode.frequency}, {"damping_ratio", mode.ratio}});
-    json["damping_of_modes"][scene.stages[static_cast<size_t>(of_stage.stage)].name] = modes;
-  }
+  if (simulation.large_motion()) json.update(of_blocks(simulation, rows));
+  if (simulation.large_motion() || on_ground) json.update(of_motion(simulation, rows));
+  for (const StageModes& of_stage : info.modes)
+    json["damping_of_modes"][scene.stages[static_cast<size_t>(of_stage.stage)].name] = damping_of(of_stage);
   json["watch"] = watch_of(simulation);
-  Json warnings = Json::array();
-  for (const Warning& w : info.warnings)
-    warnings.push_back({{"about", w.about},
-                        {"text", w.text},
-                        {"stage", scene.stages.empty() ? "" : scene.stages[static_cast<size_t>(w.stage)].name},
-                        {"step", w.step},
-                        {"time_s", w.time}});
-  json["warnings"] = warnings;
+  json["warnings"] = list_of(info.warnings, scene);
   json["set"] = info.provenance.request.overrides;
   json["settings"] = settings_of(scene, info);
   json["provenance"] = to_json(info.provenance);

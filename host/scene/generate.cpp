@@ -113,21 +113,17 @@ double bed_area(const Scene& scene) {
   return scene.wall ? bed_area(*scene.wall) : scene.building ? bed_area(*scene.building) : 0.0;
 }
 
-Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
-                       const std::map<std::string, JointFamily>& joints) {
-  Assembly assembly;
-  for (const auto& [name, material] : materials) assembly.materials.push_back(material);
-  for (const auto& [name, family] : joints) assembly.families.push_back(family);
+namespace {
 
-  const double half = wall.unit[0] / 2, height = wall.unit[1];
-  const double thickness = wall.half_thickness ? wall.unit[2] / 2 : wall.unit[2];
+// That is modelled, m.
+double thickness_of(const WallSpec& wall) { return wall.half_thickness ? wall.unit[2] / 2 : wall.unit[2]; }
+
+// Over the whole wall the hexahedra form one grid. Patterns of 5 tetrahedra alternate in it like a chessboard, so that
+// their diagonals coincide at every joint, for odd numbers of layers too.
+void add_units(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials, WallGrid& grid,
+               Assembly& assembly) {
+  const double half = wall.unit[0] / 2, height = wall.unit[1], thickness = thickness_of(wall);
   const std::array<int, 3> zones{wall.zones[0], wall.zones[1], wall.half_thickness ? wall.zones[2] / 2 : wall.zones[2]};
-  assembly.symmetry_factor = wall.half_thickness ? 2.0 : 1.0;
-  assembly.symmetry_plane_z0 = wall.half_thickness;
-
-  // Blocks. Over the whole wall the hexahedra form one grid. Patterns of 5 tetrahedra alternate in it like a
-  // chessboard, so that their diagonals coincide at every joint, for odd numbers of layers too.
-  WallGrid grid(wall);
   const int unit_material = index_of(materials, wall.unit_material);
   for (int course = 0; course < wall.courses; ++course) {
     for (int column = 0; column < grid.columns(); ++column) {
@@ -161,31 +157,47 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
       assembly.bricks.push_back(brick);
     }
   }
+}
 
-  auto add_beam = [&](const std::string& name, int first, int end, double y) {
-    Brick beam;
-    beam.origin = {first * half, y, 0.0};
-    beam.size = {(end - first) * half, wall.beam_height, thickness};
-    beam.material = static_cast<int>(assembly.materials.size()) - 1;
-    beam.rigid = beam.beam = true;
-    beam.body = name;
-    assembly.bricks.push_back(beam);
-    return static_cast<int>(assembly.bricks.size()) - 1;
-  };
+// Returns its block. first, end: columns.
+int add_beam(const WallSpec& wall, const std::string& name, int first, int end, double y, Assembly& assembly) {
+  const double half = wall.unit[0] / 2;
+  Brick beam;
+  beam.origin = {first * half, y, 0.0};
+  beam.size = {(end - first) * half, wall.beam_height, thickness_of(wall)};
+  beam.material = static_cast<int>(assembly.materials.size()) - 1;
+  beam.rigid = beam.beam = true;
+  beam.body = name;
+  assembly.bricks.push_back(beam);
+  return static_cast<int>(assembly.bricks.size()) - 1;
+}
+
+struct Beams {
+  std::vector<int> bottom;  // block by column; -1: none
+  int top = -1;
+};
+
+Beams add_beams(const WallSpec& wall, const WallGrid& grid, Assembly& assembly) {
   if (wall.bottom_beam || wall.top_beam) assembly.materials.push_back({"beam", 0.0, 0.0, wall.beam_density});
-  std::vector<int> bottom(static_cast<size_t>(grid.columns()), -1);  // by column
+  Beams beams{std::vector<int>(static_cast<size_t>(grid.columns()), -1)};
   std::vector<int> ends = wall.bottom_beam_cuts;
   ends.push_back(grid.columns());
   int first = 0;
   for (size_t part = 0; const std::string& name : wall.bottom_beams()) {
     const int end = ends[part++];
-    std::fill(bottom.begin() + first, bottom.begin() + end, add_beam(name, first, end, -wall.beam_height));
+    std::fill(beams.bottom.begin() + first, beams.bottom.begin() + end,
+              add_beam(wall, name, first, end, -wall.beam_height, assembly));
     first = end;
   }
-  const int top = wall.top_beam ? add_beam("top_beam", 0, grid.columns(), wall.courses * height) : -1;
-  if (top >= 0) assembly.bricks[static_cast<size_t>(top)].load_height = wall.load_height;
+  if (!wall.top_beam) return beams;
+  beams.top = add_beam(wall, "top_beam", 0, grid.columns(), wall.courses * wall.unit[1], assembly);
+  assembly.bricks[static_cast<size_t>(beams.top)].load_height = wall.load_height;
+  return beams;
+}
 
-  // Joints: within a course (head joints, and unit joints in the middle of a unit), then beds from the bottom up.
+// Within a course (head joints, and unit joints in the middle of a unit), then beds from the bottom up.
+void add_joints(const WallSpec& wall, const std::map<std::string, JointFamily>& joints, const Beams& beams,
+                WallGrid& grid, Assembly& assembly) {
   for (int course = 0; course < wall.courses; ++course) {
     for (int column = 0; column + 1 < grid.columns(); ++column) {
       const int a = grid.block(course, column), b = grid.block(course, column + 1);
@@ -197,13 +209,28 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
   for (int below = -1; below < wall.courses; ++below) {
     std::set<std::pair<int, int>> done;  // a whole unit lies on two others: each pair once
     for (int column = 0; column < grid.columns(); ++column) {
-      const int a = below < 0 ? bottom[static_cast<size_t>(column)] : grid.block(below, column);
-      const int b = below + 1 == wall.courses ? top : grid.block(below + 1, column);
+      const int a = below < 0 ? beams.bottom[static_cast<size_t>(column)] : grid.block(below, column);
+      const int b = below + 1 == wall.courses ? beams.top : grid.block(below + 1, column);
       if (a < 0 || b < 0 || !done.insert({a, b}).second) continue;
       const bool at_beam = below < 0 || below + 1 == wall.courses;
       assembly.joints.push_back({a, b, kPlusY, index_of(joints, at_beam ? wall.beam_joint : wall.bed_joint)});
     }
   }
+}
+
+}  // namespace
+
+Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
+                       const std::map<std::string, JointFamily>& joints) {
+  Assembly assembly;
+  for (const auto& [name, material] : materials) assembly.materials.push_back(material);
+  for (const auto& [name, family] : joints) assembly.families.push_back(family);
+  assembly.symmetry_factor = wall.half_thickness ? 2.0 : 1.0;
+  assembly.symmetry_plane_z0 = wall.half_thickness;
+  WallGrid grid(wall);
+  add_units(wall, materials, grid, assembly);
+  const Beams beams = add_beams(wall, grid, assembly);
+  add_joints(wall, joints, beams, grid, assembly);
   return assembly;
 }
 

@@ -111,12 +111,89 @@ void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly
   }
 }
 
+// One course of a dry wall: where units are cut, and where none lie. Places along the wall, m.
+class Course {
+ public:
+  Course(const DryWallSpec& w, int index) : w_(w), length_(w.unit[0]), tiny_(1e-9 * w.unit[0]) {
+    start_ = w.trim_start[index % 2], end_ = w.units_per_course * length_ - w.trim_end[index % 2];
+    if (w.bond == "running") shift_ = ((index % 2 == 1) != (w.first_course == "half")) ? 0.5 : 0.0;
+    if (w.bond == "third") shift_ = (index % 3) / 3.0;
+    if (w.bond == "stack" && w.first_course == "half") shift_ = 0.5;
+    cut(index * w.unit[1]);
+  }
+
+  // Pieces go from each of them to the next.
+  std::vector<double> ends() const {
+    std::vector<double> kept;
+    for (double x : cuts_) {
+      if (x < start_ - tiny_ || x > end_ + tiny_) continue;
+      const bool inside_lintel = std::any_of(
+          lintels_.begin(), lintels_.end(), [&](const auto& l) { return x > l.first + tiny_ && x < l.second - tiny_; });
+      if (inside_lintel) continue;
+      if (!kept.empty() && x - kept.back() < 0.1 * length_) {
+        if (needed(x) && !needed(kept.back()))
+          kept.back() = x;
+        else if (needed(x) && x - kept.back() > tiny_)
+          kept.push_back(x);
+        continue;
+      }
+      kept.push_back(x);
+    }
+    return kept;
+  }
+
+  bool is_gap(double x) const { return is_in(gaps_, x); }
+  bool is_lintel(double x) const { return is_in(lintels_, x); }
+  // Of the whole unit that the piece is cut from; the end of the piece when both sides would not be worth a block.
+  double middle_of_unit(double from, double to) const {
+    const double unit = std::floor((0.5 * (from + to)) / length_ + shift_), x = (unit - shift_ + 0.5) * length_;
+    return x > from + 0.1 * length_ && x < to - 0.1 * length_ ? x : to;
+  }
+
+ private:
+  using Parts = std::vector<std::pair<double, double>>;
+  static bool is_in(const Parts& parts, double x) {
+    return std::any_of(parts.begin(), parts.end(), [x](const auto& p) { return x > p.first && x < p.second; });
+  }
+
+  void cut(double bottom) {
+    const double height = w_.unit[1], top = bottom + height;
+    cuts_ = {start_, end_};
+    for (double x = -shift_ * length_; x < end_ - tiny_; x += length_) {
+      if (x > start_ + tiny_) cuts_.push_back(x);
+    }
+    for (const auto& o : w_.openings) {
+      if (bottom < o.head - tiny_ && top > o.sill + tiny_) {
+        gaps_.push_back({o.from, o.to});
+        cuts_.push_back(o.from), cuts_.push_back(o.to);
+      } else if (o.bearing > 0 && bottom >= o.head - tiny_ && bottom < o.head + height - tiny_) {
+        lintels_.push_back({std::max(start_, o.from - o.bearing), std::min(end_, o.to + o.bearing)});
+        cuts_.push_back(lintels_.back().first), cuts_.push_back(lintels_.back().second);
+      }
+    }
+    std::sort(cuts_.begin(), cuts_.end());
+  }
+
+  // An end of the course, of a gap or of a lintel.
+  bool needed(double x) const {
+    const auto here = [&](double place) { return std::abs(x - place) < tiny_; };
+    const auto ends_here = [&](const auto& part) { return here(part.first) || here(part.second); };
+    return here(start_) || here(end_) || std::any_of(gaps_.begin(), gaps_.end(), ends_here) ||
+           std::any_of(lintels_.begin(), lintels_.end(), ends_here);
+  }
+
+  const DryWallSpec& w_;
+  double length_, tiny_;
+  double start_ = 0.0, end_ = 0.0, shift_ = 0.0;  // shift: of a unit
+  std::vector<double> cuts_;
+  Parts gaps_, lintels_;
+};
+
 // Courses of units; pieces where they meet openings and trimmed ends. Pieces shorter than a tenth of a unit join their
 // neighbour. next_unit: number of the next masonry unit.
 void add_wall(const DryWallSpec& w, int material, int* next_unit, Assembly& assembly) {
-  const double length = w.unit[0], height = w.unit[1], thickness = w.unit[2], total = w.units_per_course * length;
+  const double length = w.unit[0], height = w.unit[1], thickness = w.unit[2];
   const Quaternion turn = rotation({0, -w.direction * degree, 0});
-  const double tiny = 1e-9 * length;
   const auto add = [&](double from, double to, int course, const std::string& suffix) {
     Block b;
     b.name = fmt::format("{}/{}{}", w.name.empty() ? "wall" : w.name, course, suffix);
@@ -130,65 +207,14 @@ void add_wall(const DryWallSpec& w, int material, int* next_unit, Assembly& asse
     assembly.add(box({from, course * height, 0}, {to - from, height, thickness}), b);
   };
   for (int c = 0; c < w.courses; ++c) {
-    const double start = w.trim_start[c % 2], end = total - w.trim_end[c % 2];
-    double shift = 0.0;
-    if (w.bond == "running") shift = ((c % 2 == 1) != (w.first_course == "half")) ? 0.5 : 0.0;
-    if (w.bond == "third") shift = (c % 3) / 3.0;
-    if (w.bond == "stack" && w.first_course == "half") shift = 0.5;
-    std::vector<double> cuts{start, end};
-    for (double x = -shift * length; x < end - tiny; x += length) {
-      if (x > start + tiny) cuts.push_back(x);
-    }
-    std::vector<std::pair<double, double>> gaps;  // no unit here
-    std::vector<std::pair<double, double>> lintels;
-    const double bottom = c * height, top = bottom + height;
-    for (const auto& o : w.openings) {
-      if (bottom < o.head - tiny && top > o.sill + tiny) {
-        gaps.push_back({o.from, o.to});
-        cuts.push_back(o.from), cuts.push_back(o.to);
-      } else if (o.bearing > 0 && bottom >= o.head - tiny && bottom < o.head + height - tiny) {
-        lintels.push_back({std::max(start, o.from - o.bearing), std::min(end, o.to + o.bearing)});
-        cuts.push_back(lintels.back().first), cuts.push_back(lintels.back().second);
-      }
-    }
-    std::sort(cuts.begin(), cuts.end());
-    std::vector<double> kept;
-    const auto needed = [&](double x) {
-      bool is = std::abs(x - start) < tiny || std::abs(x - end) < tiny;
-      for (const auto& g : gaps) is |= std::abs(x - g.first) < tiny || std::abs(x - g.second) < tiny;
-      for (const auto& l : lintels) is |= std::abs(x - l.first) < tiny || std::abs(x - l.second) < tiny;
-      return is;
-    };
-    for (double x : cuts) {
-      if (x < start - tiny || x > end + tiny) continue;
-      bool inside_lintel = false;
-      for (const auto& l : lintels) inside_lintel |= x > l.first + tiny && x < l.second - tiny;
-      if (inside_lintel) continue;
-      if (!kept.empty() && x - kept.back() < 0.1 * length) {
-        if (needed(x) && !needed(kept.back()))
-          kept.back() = x;
-        else if (needed(x) && x - kept.back() > tiny)
-          kept.push_back(x);
-        continue;
-      }
-      kept.push_back(x);
-    }
-    const auto is_lintel = [&](double x) {
-      return std::any_of(lintels.begin(), lintels.end(), [x](const auto& l) { return x > l.first && x < l.second; });
-    };
-    // Of the whole unit that the piece is cut from; the end of the piece when both sides would not be worth a block.
-    const auto middle_of_unit = [&](double from, double to) {
-      const double unit = std::floor((0.5 * (from + to)) / length + shift), x = (unit - shift + 0.5) * length;
-      return x > from + 0.1 * length && x < to - 0.1 * length ? x : to;
-    };
+    const Course course(w, c);
+    const std::vector<double> ends = course.ends();
     int number = 0;
-    for (size_t i = 0; i + 1 < kept.size(); ++i) {
-      const double from = kept[i], to = kept[i + 1], middle = 0.5 * (from + to);
-      bool is_gap = false;
-      for (const auto& g : gaps) is_gap |= middle > g.first && middle < g.second;
-      if (is_gap) continue;
+    for (size_t i = 0; i + 1 < ends.size(); ++i) {
+      const double from = ends[i], to = ends[i + 1], middle = 0.5 * (from + to);
+      if (course.is_gap(middle)) continue;
       const std::string name = fmt::format("/{}", number++);
-      const double cut = w.mid_unit_joints && !is_lintel(middle) ? middle_of_unit(from, to) : to;
+      const double cut = w.mid_unit_joints && !course.is_lintel(middle) ? course.middle_of_unit(from, to) : to;
       if (cut < to) {
         add(from, cut, c, name + "/a");
         add(cut, to, c, name + "/b");

@@ -1,5 +1,5 @@
 // Rigid bodies of one kind, one a lane: the same equations as in rigid_bodies.cpp.
-#include "step/state.h"
+#include "step/rigid_bodies.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "step/body_kernels.cpp"

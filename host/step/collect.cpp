@@ -1,18 +1,27 @@
 // Results of a model of which each rank has a part, sent to rank 0 run by run: no rank has all of them.
-#include <algorithm>
 #include <cstring>
+#include <functional>
+#include <span>
 #include <string_view>
 
 #include "base/rank_rows.h"
+#include "base/ranks.h"
+#include "step/gather.h"
+#include "step/large_motion_results.h"
+#include "step/rank_agreement.h"
 #include "step/state.h"
+#include "step/work_division.h"
 
 namespace quoin {
 
 namespace {
 
-constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;  // of a run at most: a megabyte of results
+// Each rank has its own part, until rank 0 has all.
+bool ranks_collect(const Simulation::Impl& s) {
+  return s.parts.divided && !s.parts.gathered && !s.parts.gathered_by_first;
+}
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;  // of a run at most: a megabyte of results
 
 // One process alone has no lists of ranks.
 int rank_in(const std::vector<int>& ranks, std::size_t i) { return ranks.empty() ? 0 : ranks[i]; }
@@ -25,52 +34,6 @@ void extend(std::vector<Simulation::Run>& runs, std::int32_t end, int rank, std:
   else
     runs.back().end = end;
 }
-
-}  // namespace
-
-// Each rank has its own part, until rank 0 has all.
-bool Simulation::Impl::ranks_collect() const { return in_parts && !gathered && !gathered_by_first; }
-
-std::vector<Simulation::Run> Simulation::runs_of_blocks() const {
-  std::vector<Run> runs;
-  const Impl& s = *impl_;
-  for (std::int32_t b = 0; b < static_cast<std::int32_t>(block_count()); ++b) {
-    const int item = s.large_motion ? s.item_by_block[at(b)] : s.item_of_block(b);
-    extend(runs, b + 1, rank_in(s.share.rank_of_item, at(item)), kBlocks);
-  }
-  return runs;
-}
-
-std::vector<Simulation::Run> Simulation::runs_of_points() const {
-  std::vector<Run> runs;
-  const Impl& s = *impl_;
-  std::int32_t end = 0;
-  for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c) {
-    end += static_cast<std::int32_t>(s.large_motion->range_of_chunk(c).count);  // family after family
-    extend(runs, end, rank_in(s.share.rank_of_chunk, at(c)), kPoints);
-  }
-  for (std::size_t c = 0; !s.large_motion && c < s.model.chunks.size(); ++c)
-    extend(runs, s.model.chunks[c].first_point + s.model.chunks[c].point_count, rank_in(s.share.rank_of_chunk, c),
-           kPoints);
-  return runs;
-}
-
-std::vector<Simulation::Run> Simulation::runs_of_joints() const {
-  std::vector<Run> runs;
-  const Impl& s = *impl_;
-  for (const Joint& joint : s.model.assembly.joints) {
-    const auto end = static_cast<std::int32_t>(&joint - s.model.assembly.joints.data()) + 1;
-    extend(runs, end, rank_in(s.share.rank_of_item, at(s.item_of_block(Model::sides_of(joint).a))), kJoints);
-  }
-  return runs;
-}
-
-bool Simulation::brings(const Run& run) const {
-  const int here = impl_->ranks ? impl_->ranks->rank() : 0;
-  return impl_->ranks_collect() ? run.rank == here : here == 0;
-}
-
-namespace {
 
 // Messages are of numbers.
 std::vector<double> words_for(std::size_t bytes) {
@@ -105,6 +68,45 @@ std::string receive_from(Ranks& ranks, int rank) {
 
 }  // namespace
 
+std::vector<Simulation::Run> Simulation::runs_of_blocks() const {
+  std::vector<Run> runs;
+  const Impl& s = *impl_;
+  for (std::int32_t b = 0; b < static_cast<std::int32_t>(block_count()); ++b) {
+    const int item = s.large_motion ? s.division.item_by_block[at(b)] : item_of_block(s, b);
+    extend(runs, b + 1, rank_in(s.division.share.rank_of_item, at(item)), kBlocks);
+  }
+  return runs;
+}
+
+std::vector<Simulation::Run> Simulation::runs_of_points() const {
+  std::vector<Run> runs;
+  const Impl& s = *impl_;
+  std::int32_t end = 0;
+  for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c) {
+    end += static_cast<std::int32_t>(s.large_motion->range_of_chunk(c).count);  // family after family
+    extend(runs, end, rank_in(s.division.share.rank_of_chunk, at(c)), kPoints);
+  }
+  for (std::size_t c = 0; !s.large_motion && c < s.model.chunks.size(); ++c)
+    extend(runs, s.model.chunks[c].first_point + s.model.chunks[c].point_count,
+           rank_in(s.division.share.rank_of_chunk, c), kPoints);
+  return runs;
+}
+
+std::vector<Simulation::Run> Simulation::runs_of_joints() const {
+  std::vector<Run> runs;
+  const Impl& s = *impl_;
+  for (const Joint& joint : s.model.assembly.joints) {
+    const auto end = static_cast<std::int32_t>(&joint - s.model.assembly.joints.data()) + 1;
+    extend(runs, end, rank_in(s.division.share.rank_of_item, at(item_of_block(s, Model::sides_of(joint).a))), kJoints);
+  }
+  return runs;
+}
+
+bool Simulation::brings(const Run& run) const {
+  const int here = impl_->ranks ? impl_->ranks->rank() : 0;
+  return quoin::ranks_collect(*impl_) ? run.rank == here : here == 0;
+}
+
 void Simulation::collect_at_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
                                   const std::function<void(const std::string&)>& take) const {
   const bool is_first = !impl_->ranks || impl_->ranks->rank() == 0;
@@ -115,16 +117,16 @@ void Simulation::collect_at_first(std::span<const Run> runs, const std::function
   }
 }
 
-bool Simulation::ranks_collect() const { return impl_->ranks_collect(); }
+bool Simulation::ranks_collect() const { return quoin::ranks_collect(*impl_); }
 
 double Simulation::largest_of_ranks(double brought) const {
-  return impl_->ranks_collect() ? impl_->largest_of_ranks(brought) : brought;
+  return quoin::ranks_collect(*impl_) ? quoin::largest_of_ranks(*impl_, brought) : brought;
 }
 
-void Simulation::gather_at_first() { impl_->gather(Part::all, Who::first); }
+void Simulation::gather_at_first() { gather(*impl_, Part::all, Who::first); }
 
 double Simulation::sum_of_ranks(double brought) const {
-  if (!impl_->ranks_collect()) return brought;
+  if (!quoin::ranks_collect(*impl_)) return brought;
   double sum = 0.0;
   for (const double x : of_all_ranks(*impl_->ranks, brought)) sum += x;
   return sum;
@@ -133,7 +135,7 @@ double Simulation::sum_of_ranks(double brought) const {
 void Simulation::each_own_point(const std::function<void(std::int32_t)>& visit) const {
   const Impl& s = *impl_;
   if (s.large_motion)
-    return s.each_point_in_large_motion([&](std::int32_t point, int block_a) {
+    return each_point_in_large_motion(s, [&](std::int32_t point, int block_a) {
       if (owns_block(block_a)) visit(point);
     });
   for (std::int32_t point = 0; point < s.model.point_count; ++point) {

@@ -232,6 +232,32 @@ bool forces_by_zone(const GroupData& g) {
   return g.group.block_count <= kFewBlocks;
 }
 
+// Stiffness-proportional damping acts like the stiffness on u + beta v.
+HWY_INLINE const double* damped_displacement(const GroupData& g) {
+  if (g.step.stiffness_damping == 0.0) return g.u;
+  const D d;
+  const V beta = hn::Set(d, g.step.stiffness_damping);
+  for (int i = 0; i < g.doubles; i += kWidth)
+    hn::Store(hn::MulAdd(beta, hn::Load(d, g.v + i), hn::Load(d, g.u + i)), d, g.scratch.weighted + i);
+  return g.scratch.weighted;
+}
+
+// Of gridpoint n, internal forces split into those of u and those of beta v.
+template <int kCount>
+HWY_INLINE void store_split(const GroupData* groups, int n, const V (&internal)[kCount][3][kParts],
+                            const V (&elastic)[kCount][3][kParts]) {
+  const D d;
+  for (int b = 0; b < kCount; ++b) {
+    for (int c = 0; c < 3; ++c) {
+      for (int p = 0; p < kParts; ++p) {
+        const int i = n * kLine + c * kLanes + p * kWidth;
+        hn::Store(elastic[b][c][p], d, groups[b].scratch.elastic + i);
+        hn::Store(hn::Sub(internal[b][c][p], elastic[b][c][p]), d, groups[b].scratch.damping + i);
+      }
+    }
+  }
+}
+
 // Nodal forces and damping forces of kCount groups of one template: - K u, contact points in the order of the slots,
 // weight; Fd of equation 1.
 template <DampingKind kDamping, bool kMeasure, int kCount>
@@ -247,15 +273,7 @@ HWY_INLINE void group_forces(const GroupData* groups) {
   InternalForceRows<kCount> rows(shape), elastic_rows(shape);
   for (int b = 0; b < kCount; ++b) {
     const GroupData& g = groups[b];
-    // Stiffness-proportional damping acts like the stiffness on u + beta v.
-    const double* w = g.u;
-    if (step.stiffness_damping != 0.0) {
-      const V beta = hn::Set(d, step.stiffness_damping);
-      for (int i = 0; i < g.doubles; i += kWidth) {
-        hn::Store(hn::MulAdd(beta, hn::Load(d, g.v + i), hn::Load(d, g.u + i)), d, g.scratch.weighted + i);
-      }
-      w = g.scratch.weighted;
-    }
+    const double* const w = damped_displacement(g);
     if (by_zone) {
       zone_forces(shape, g.group.block_count, w, g.scratch.by_zone);
       if (elastic_apart) zone_forces(shape, g.group.block_count, g.u, g.scratch.elastic_by_zone);
@@ -268,19 +286,12 @@ HWY_INLINE void group_forces(const GroupData* groups) {
   for (int n = 0; n < shape.node_count; ++n) {
     V f[kCount][3][kParts];
     rows.next(f);
-    if (kMeasure && step.energies) {
+    if (elastic_apart) {
       V elastic[kCount][3][kParts];
-      if (elastic_apart) elastic_rows.next(elastic);
-      for (int b = 0; b < kCount; ++b) {
-        for (int c = 0; c < 3; ++c) {
-          for (int p = 0; p < kParts; ++p) {
-            if (!elastic_apart) elastic[b][c][p] = f[b][c][p];
-            const int i = n * kLine + c * kLanes + p * kWidth;
-            hn::Store(elastic[b][c][p], d, groups[b].scratch.elastic + i);
-            hn::Store(hn::Sub(f[b][c][p], elastic[b][c][p]), d, groups[b].scratch.damping + i);  // beta K v
-          }
-        }
-      }
+      elastic_rows.next(elastic);
+      store_split<kCount>(groups, n, f, elastic);
+    } else if (kMeasure && step.energies) {
+      store_split<kCount>(groups, n, f, f);
     }
     for (int b = 0; b < kCount; ++b) {
       for (int c = 0; c < 3; ++c) {

@@ -1,29 +1,31 @@
-// The table of what changes in a run of bricks on the lattice (model/fields.h): every array once. In large motion they
-// are empty.
+// The table of what changes in a run of bricks on the lattice (model/fields.h): every array once. In large motion
+// they are empty.
 #pragma once
 
 #include "model/fields.h"
-#include "step/state.h"
+#include "step/state/lattice_state.h"
 
 namespace quoin {
 
 // visit(field, array, joint family of its contact points; -1: all of them).
-template <class Impl, class Visit>
-void each_lattice_field(Impl& s, const Visit& visit) {
+template <class State, class Visit>  // State: LatticeState, const or not
+void each_lattice_field(State& lattice, const Visit& visit) {
   constexpr std::size_t kWhole = sizeof(double);
-  visit(Field{Owner::body, "rigid_body", 0, "SI"}.in_hash(sizeof(BodyLanes)).in(Part::row).on_all_ranks(), s.body_lanes,
-        -1);
-  visit(Field{Owner::gridpoint, "displacement", 3, "m"}.in_hash(kWhole), s.displacement, -1);
-  visit(Field{Owner::gridpoint, "velocity", 3, "m/s"}.in_hash(kWhole), s.velocity, -1);
-  for (auto& column : s.traction) visit(Field{Owner::contact_point, "traction", 1, "Pa"}.in_hash(kWhole), column, -1);
-  for (std::size_t f = 0; f < s.law_state.size(); ++f)
-    visit(Field{Owner::contact_point, "state", 1, "of the law"}.in_hash(kWhole), s.law_state[f], static_cast<int>(f));
-  visit(Field{Owner::contact_point, "normal_shift", 1, "m"}.only(When::after_law_swaps), s.normal_shift, -1);
+  visit(Field{Owner::body, "rigid_body", 0, "SI"}.in_hash(sizeof(BodyLanes)).in(Part::row).on_all_ranks(),
+        lattice.bodies, -1);
+  visit(Field{Owner::gridpoint, "displacement", 3, "m"}.in_hash(kWhole), lattice.displacement, -1);
+  visit(Field{Owner::gridpoint, "velocity", 3, "m/s"}.in_hash(kWhole), lattice.velocity, -1);
+  for (auto& column : lattice.traction)
+    visit(Field{Owner::contact_point, "traction", 1, "Pa"}.in_hash(kWhole), column, -1);
+  for (std::size_t f = 0; f < lattice.law_state.size(); ++f)
+    visit(Field{Owner::contact_point, "state", 1, "of the law"}.in_hash(kWhole), lattice.law_state[f],
+          static_cast<int>(f));
+  visit(Field{Owner::contact_point, "normal_shift", 1, "m"}.only(When::after_law_swaps), lattice.normal_shift, -1);
   constexpr When kDamped = When::with_stiffness_damping;
-  for (auto& column : s.viscous)
+  for (auto& column : lattice.viscous)
     visit(Field{Owner::contact_point, "viscous_traction", 1, "Pa"}.only(kDamped), column, -1);
-  visit(Field{Owner::contact_point, "jump_before", 1, "m"}.only(kDamped), s.old_jump, -1);
-  visit(Field{Owner::contact_point, "flags", 1, "-"}.found_in_each_step().not_saved(), s.flags, -1);
+  visit(Field{Owner::contact_point, "jump_before", 1, "m"}.only(kDamped), lattice.old_jump, -1);
+  visit(Field{Owner::contact_point, "flags", 1, "-"}.found_in_each_step().not_saved(), lattice.flags, -1);
 }
 
 }  // namespace quoin

@@ -1,12 +1,18 @@
-// A law swap on the lattice. Each rank swaps its own contact points: a law evaluates each point independently.
+#include "step/lattice_swap.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include "step/lattice_motion.h"
 #include "step/law_swap.h"
+#include "step/rank_agreement.h"
+#include "step/set_up.h"
 #include "step/state.h"
 
 namespace quoin {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Neighbouring contact points of a family, in these chunks.
 struct PointRow {
@@ -31,12 +37,12 @@ std::vector<SwapSums> of_all_chunks(const std::vector<SwapSums>& here, const Ran
 
 }  // namespace
 
-void Simulation::Impl::swap_lattice_law(std::size_t f, std::shared_ptr<const Material> material) {
-  ContactFamily& family = model.families[f];
+void swap_lattice_law(Simulation::Impl& s, std::size_t f, std::shared_ptr<const Material> material) {
+  ContactFamily& family = s.model.families[f];
   const auto first = at(family.first_point), count = at(family.point_count);
   std::vector<PointRow> rows;
-  for (const int c : share.chunks) {
-    const ContactChunk& chunk = model.chunks[at(c)];
+  for (const int c : s.division.share.chunks) {
+    const ContactChunk& chunk = s.model.chunks[at(c)];
     if (at(chunk.family) != f) continue;
     const auto begin = at(chunk.first_point), end = begin + at(chunk.point_count);
     if (rows.empty() || rows.back().end != begin) rows.push_back({begin, end, {}});
@@ -46,29 +52,29 @@ void Simulation::Impl::swap_lattice_law(std::size_t f, std::shared_ptr<const Mat
 
   // Nothing is changed before all points have been taken over.
   const std::size_t state_count = material->api().state_count;
-  LaneVector<double> state(state_count * count), shift = normal_shift;
-  if (shift.empty()) shift.resize(at(model.point_count));
-  std::vector<SwapSums> of_chunk(model.chunks.size());
+  LaneVector<double> state(state_count * count), shift = s.lattice.normal_shift;
+  if (shift.empty()) shift.resize(at(s.model.point_count));
+  std::vector<SwapSums> of_chunk(s.model.chunks.size());
   std::optional<Error> fault;
   for (const PointRow& row : rows) {
     std::vector<double> opening;  // that belongs to the standing tractions
     for (std::size_t p = row.first; p < row.end; ++p)
-      opening.push_back(opening_at_traction(static_cast<std::int32_t>(p)));
+      opening.push_back(opening_at_traction(s, static_cast<std::int32_t>(p)));
     FamilyColumns points;
     points.count = row.end - row.first;
     points.opening = opening.data();
-    points.area = model.area.data() + row.first;
-    for (std::size_t k = 0; k < 3; ++k) points.traction[k] = traction[k].data() + row.first;
+    points.area = s.model.area.data() + row.first;
+    for (std::size_t k = 0; k < 3; ++k) points.traction[k] = s.lattice.traction[k].data() + row.first;
     for (std::uint64_t k = 0; k < family.material->api().state_count; ++k)
-      points.state.push_back(law_state[f].data() + k * count + (row.first - first));
+      points.state.push_back(s.lattice.law_state[f].data() + k * count + (row.first - first));
     try {
-      const MigratedFamily migrated = migrate(model.assembly.families[f], *family.material, *material, points);
+      const MigratedFamily migrated = migrate(s.model.assembly.families[f], *family.material, *material, points);
       for (std::size_t k = 0; k < state_count; ++k)
         std::copy_n(migrated.state.begin() + static_cast<std::ptrdiff_t>(k * points.count), points.count,
                     state.begin() + static_cast<std::ptrdiff_t>(k * count + (row.first - first)));
       for (std::size_t i = 0; i < points.count; ++i) shift[row.first + i] += migrated.opening_shift[i];
       for (const int c : row.chunks) {
-        const ContactChunk& chunk = model.chunks[at(c)];
+        const ContactChunk& chunk = s.model.chunks[at(c)];
         of_chunk[at(c)] = migrated.sums(at(chunk.first_point) - row.first, at(chunk.point_count));
       }
     } catch (const Error& error) {
@@ -76,19 +82,20 @@ void Simulation::Impl::swap_lattice_law(std::size_t f, std::shared_ptr<const Mat
       break;
     }
   }
-  throw_together(fault);
+  throw_together(s, fault);
 
   SwapSums sums;
-  for (const SwapSums& of_one : ranks ? of_all_chunks(of_chunk, share, *ranks) : of_chunk) sums.add(of_one);
-  swaps.push_back(report_of(family.name, *family.material, *material, sums));
+  for (const SwapSums& of_one : s.ranks ? of_all_chunks(of_chunk, s.division.share, *s.ranks) : of_chunk)
+    sums.add(of_one);
+  s.laws.swaps.push_back(report_of(family.name, *family.material, *material, sums));
   for (const PointRow& row : rows) {
-    for (std::size_t p = row.first; p < row.end && damps_impacts(); ++p)
-      old_jump[p] += shift[p] - (normal_shift.empty() ? 0.0 : normal_shift[p]);
+    for (std::size_t p = row.first; p < row.end && s.lattice.damps_impacts(); ++p)
+      s.lattice.old_jump[p] += shift[p] - (s.lattice.normal_shift.empty() ? 0.0 : s.lattice.normal_shift[p]);
   }
-  normal_shift = std::move(shift);
-  law_state[f] = std::move(state);
+  s.lattice.normal_shift = std::move(shift);
+  s.lattice.law_state[f] = std::move(state);
   family.material = std::move(material);
-  bind_columns();
+  bind_columns(s);
 }
 
 }  // namespace quoin

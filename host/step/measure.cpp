@@ -1,20 +1,126 @@
-// What a run reports of its step: a row of the history, energies, how far blocks have moved.
+#include "step/measure.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
+#include "members/members.h"
+#include "step/actions/ground.h"
+#include "step/actions/whiffletree.h"
+#include "step/gather.h"
+#include "step/large_motion_run.h"
+#include "step/lattice_motion.h"
 #include "step/monitor_side.h"
+#include "step/rank_part.h"
+#include "step/reactions.h"
+#include "step/run_watch.h"
+#include "step/stages.h"
 #include "step/state.h"
 
 namespace quoin {
 
-void Simulation::Impl::sum_measurements() {
-  if (large_motion) return measure_large_motion_step();
+namespace {
+
+void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
+  const auto direction = static_cast<std::size_t>(s.scene.stages[static_cast<std::size_t>(row.stage)].direction);
+  row.multiplier = s.actions.multiplier;
+  row.largest_displacement = largest_displacement(s);
+  const double whole = s.model.assembly.symmetry_factor;
+  if (const members::Members* const members = s.large_motion->members()) row.members = members->columns();
+  row.dynamic_force = whole * s.large_motion->net_force()[static_cast<int>(direction)];
+  measure_base(s, row);
+  if (s.monitor.blocks.empty()) return;
+  row.monitor_displacement = row.monitor_relative = block_translation_at_forces(s, s.monitor.blocks);
+  for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
+  for (const int block : s.monitor.blocks) {
+    const Vec3 joints = geometry::array(s.large_motion->contact_force(block));
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += whole * joints[c];
+  }
+  row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
+  row.resistance = -row.joint_force[direction];
+  row.vertical_force = s.monitor.stands_below ? -row.joint_force[1] : row.joint_force[1];  // compression positive
+  if (s.controls.whiffletree.empty()) return;
+  // The roof against the shear force that the walls carry to the ground.
+  row.monitor_displacement = {floor_displacement(s, s.controls.whiffletree.size() - 1), 0.0, 0.0};
+  row.displacement = row.monitor_displacement[0] - s.monitor.start[0];
+  row.resistance = row.joint_force[0];
+}
+
+// On the lattice.
+void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
+  // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
+  const Vec3 moved = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::displacement),
+             velocity_now = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::velocity);
+  MonitorSide side;
+  for (const int b : s.monitor.bodies) {
+    const Vec3 joints = joint_force(s, b);
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += s.model.assembly.symmetry_factor * joints[c];
+    const RigidBody& body = s.model.bodies[static_cast<std::size_t>(b)];
+    const Brick& brick = s.model.assembly.bricks[static_cast<std::size_t>(body.block)];
+    const double middle = brick.origin[1] + 0.5 * brick.size[1];
+    for (const Vec3& arm : body.arm) side.add(body.centre[1] + arm[1] - middle);
+  }
+  const auto direction = static_cast<std::size_t>(current_stage(s).direction);
+  for (std::size_t c = 0; c < 3; ++c) row.monitor_displacement[c] = moved[c] - s.data.time_step * velocity_now[c];
+  for (const int i : s.monitor.loaded) {
+    const Vec3 of_block = displacement_of_loaded(s, i);
+    const Brick& brick =
+        s.model.assembly.bricks[static_cast<std::size_t>(s.controls.loaded_blocks[static_cast<std::size_t>(i)].block)];
+    for (std::size_t c = 0; c < 3; ++c)
+      row.monitor_displacement[c] += of_block[c] / static_cast<double>(s.monitor.loaded.size());
+    for (const StageMonitor::Point& at : s.monitor.points)
+      side.add(s.model.point_position[static_cast<std::size_t>(at.point)][1] - brick.origin[1] - 0.5 * brick.size[1]);
+  }
+  for (std::size_t chunk = 0; chunk < s.contacts.calls.size() && !s.monitor.loaded.empty(); ++chunk) {
+    const Vec3 joints = has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.calls[chunk].on_monitor;
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += s.model.assembly.symmetry_factor * joints[c];
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    row.monitor_relative[c] = row.monitor_displacement[c] - row.ground_displacement[c];
+  row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
+  row.resistance = -row.joint_force[direction];
+  if (!s.controls.whiffletree.empty()) {
+    // The roof against the shear force that the walls carry to the ground.
+    row.monitor_displacement = {floor_displacement(s, s.controls.whiffletree.size() - 1), 0.0, 0.0};
+    row.displacement = row.monitor_displacement[0] - s.monitor.start[0];
+    row.resistance = row.joint_force[0];
+  }
+  const double whole = s.model.assembly.symmetry_factor;
+  row.dynamic_force = whole * s.model.total_mass() * s.data.gravity[direction];
+  for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
+    const auto [index, lane] = s.lattice.place[b];
+    const BodyLanes& lanes = s.lattice.bodies[static_cast<std::size_t>(index)];
+    const double weight = s.model.bodies[b].mass * s.data.gravity[direction];
+    row.dynamic_force +=
+        whole * (lanes.prescribed[direction][lane] != 0.0 ? -joint_force(s, static_cast<int>(b))[direction] - weight
+                                                          : lanes.applied_force[direction][lane]);
+  }
+  for (const LoadRamp& ramp : s.controls.load_ramps) row.dynamic_force += whole * ramp.now[direction];
+  row.vertical_force = side.joints_are_above() ? -row.joint_force[1] : row.joint_force[1];  // compression positive
+}
+
+}  // namespace
+
+double largest_displacement(const Simulation::Impl& s) {
+  double largest = 0.0;
+  const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
+  for (std::size_t i = 0; !s.large_motion && i < s.model.assembly.bricks.size(); ++i)
+    look(norm(geometry::vector((has_all(s) ? whole_motion_of(s, i) : s.small_motion.whole_motions[i]).translation)));
+  for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i) {
+    if (s.large_motion->assembly.blocks[static_cast<std::size_t>(i)].fixed) continue;
+    look(s.large_motion->moved(i));
+  }
+  return largest;
+}
+
+void sum_measurements(Simulation::Impl& s) {
+  if (s.large_motion) return measure_large_motion_step(s);
   double unbalanced = 0.0, damping_before = 0.0, damping_after = 0.0, external_before = 0.0, external_after = 0.0;
   Energies now;
-  for (const Measured& m : measured) {
+  for (const Measured& m : s.division.measured) {
     unbalanced = std::max(unbalanced, m.unbalanced_squared);
     if (std::isnan(m.unbalanced_squared)) unbalanced = m.unbalanced_squared;
     now.kinetic += m.kinetic;
@@ -25,136 +131,53 @@ void Simulation::Impl::sum_measurements() {
     external_after += m.external_after;
   }
   double force_sum = 0.0, dissipated = 0.0, damped = 0.0;
-  for (const LawCall& call : calls) {
+  for (const LawCall& call : s.contacts.calls) {
     force_sum += call.force_sum;
     damped += call.damping;
     now.contact_stored += call.stored;
-    for (std::size_t k = 0; k < 4; ++k) dissipated += call.dissipated[k], energy_dissipated[k] += call.dissipated[k];
+    for (std::size_t k = 0; k < 4; ++k) dissipated += call.dissipated[k], s.energy.dissipated[k] += call.dissipated[k];
   }
-  kinetic = now.kinetic;
-  const double mean = model.point_count > 0 ? force_sum / model.point_count : 0.0;
-  unbalanced_ratio = unbalanced == 0.0 ? 0.0
-                     : mean > 0.0      ? std::sqrt(unbalanced) / mean
-                                       : std::numeric_limits<double>::infinity();
-  if (sample_energy)
-    check_energies(now, dissipated + damped, external_before - damping_before, external_after - damping_after);
-  if (!want_energy) return;
-  now.dissipated = energy_dissipated;
-  energy_damping += damped;
-  now.damping = energy_damping + damping_before;
-  now.external = energy_external + external_before;
-  now.detection = energy_inertia;
-  energy_damping += damping_before + damping_after;
-  energy_external += external_before + external_after;
-  energies = now;
+  s.energy.kinetic = now.kinetic;
+  const double mean = s.model.point_count > 0 ? force_sum / s.model.point_count : 0.0;
+  s.progress.unbalanced_ratio = unbalanced == 0.0 ? 0.0
+                                : mean > 0.0      ? std::sqrt(unbalanced) / mean
+                                                  : std::numeric_limits<double>::infinity();
+  if (s.energy.sampled)
+    check_energies(s, now, dissipated + damped, external_before - damping_before, external_after - damping_after);
+  if (!s.energy.wanted) return;
+  now.dissipated = s.energy.dissipated;
+  s.energy.damping += damped;
+  now.damping = s.energy.damping + damping_before;
+  now.external = s.energy.external + external_before;
+  now.detection = s.energy.lost_inertia;
+  s.energy.damping += damping_before + damping_after;
+  s.energy.external += external_before + external_after;
+  s.energy.now = now;
 }
 
-HistoryRow Simulation::Impl::measure() const {
+HistoryRow measure_row(const Simulation::Impl& s) {
   HistoryRow row;
-  row.stage = std::max(stage, 0);
-  row.step = step_count;
-  row.time = now();
-  row.unbalanced_ratio = unbalanced_ratio;
-  row.kinetic_energy = kinetic;
-  row.energies = energies;
-  measure_reactions(row);
-  if (large_motion) {
-    measure_large_motion(row);
+  row.stage = std::max(s.progress.stage, 0);
+  row.step = s.progress.step;
+  row.time = time_now(s);
+  row.unbalanced_ratio = s.progress.unbalanced_ratio;
+  row.kinetic_energy = s.energy.kinetic;
+  row.energies = s.energy.now;
+  measure_reactions(s, row);
+  if (s.large_motion) {
+    measure_large_motion(s, row);
     return row;
   }
-  const bool acts =
-      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
-  if (scene.blocks || acts) row.largest_displacement = largest_displacement();
-  if (acts) measure_base(row);
-  if (!monitor.empty() || !monitor_loaded.empty()) measure_monitor(row);
+  const bool acts = std::any_of(s.scene.stages.begin(), s.scene.stages.end(),
+                                [](const Stage& stage) { return !stage.beyond_lattice().empty(); });
+  if (s.scene.blocks || acts) row.largest_displacement = largest_displacement(s);
+  if (acts) measure_base(s, row);
+  if (!s.monitor.bodies.empty() || !s.monitor.loaded.empty()) measure_monitor(s, row);
   return row;
 }
 
-void Simulation::Impl::measure_monitor(HistoryRow& row) const {
-  // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
-  const Vec3 moved = mean_of(monitor, &BodyLanes::displacement), velocity_now = mean_of(monitor, &BodyLanes::velocity);
-  MonitorSide side;
-  for (const int b : monitor) {
-    const Vec3 joints = joint_force(b);
-    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += model.assembly.symmetry_factor * joints[c];
-    const RigidBody& body = model.bodies[static_cast<std::size_t>(b)];
-    const Brick& brick = model.assembly.bricks[static_cast<std::size_t>(body.block)];
-    const double middle = brick.origin[1] + 0.5 * brick.size[1];
-    for (const Vec3& arm : body.arm) side.add(body.centre[1] + arm[1] - middle);
-  }
-  const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
-  for (std::size_t c = 0; c < 3; ++c) row.monitor_displacement[c] = moved[c] - data.time_step * velocity_now[c];
-  for (const int i : monitor_loaded) {
-    const Vec3 of_block = displacement_of_loaded(i);
-    const Brick& brick =
-        model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[static_cast<std::size_t>(i)].block)];
-    for (std::size_t c = 0; c < 3; ++c)
-      row.monitor_displacement[c] += of_block[c] / static_cast<double>(monitor_loaded.size());
-    for (const MonitorPoint& at : monitor_points)
-      side.add(model.point_position[static_cast<std::size_t>(at.point)][1] - brick.origin[1] - 0.5 * brick.size[1]);
-  }
-  for (std::size_t chunk = 0; chunk < calls.size() && !monitor_loaded.empty(); ++chunk) {
-    const Vec3 joints = has_all() ? sum_on_monitor(static_cast<int>(chunk)) : calls[chunk].on_monitor;
-    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += model.assembly.symmetry_factor * joints[c];
-  }
-  for (std::size_t c = 0; c < 3; ++c)
-    row.monitor_relative[c] = row.monitor_displacement[c] - row.ground_displacement[c];
-  row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
-  row.resistance = -row.joint_force[direction];
-  if (!whiffletree.empty()) {
-    // The roof against the shear force that the walls carry to the ground.
-    row.monitor_displacement = {floor_displacement(whiffletree.size() - 1), 0.0, 0.0};
-    row.displacement = row.monitor_displacement[0] - monitor_start[0];
-    row.resistance = row.joint_force[0];
-  }
-  const double whole = model.assembly.symmetry_factor;
-  row.dynamic_force = whole * model.total_mass() * data.gravity[direction];
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const auto [index, lane] = body_place[b];
-    const BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
-    const double weight = model.bodies[b].mass * data.gravity[direction];
-    row.dynamic_force +=
-        whole * (lanes.prescribed[direction][lane] != 0.0 ? -joint_force(static_cast<int>(b))[direction] - weight
-                                                          : lanes.applied_force[direction][lane]);
-  }
-  for (const LoadRamp& ramp : load_ramps) row.dynamic_force += whole * ramp.now[direction];
-  row.vertical_force = side.joints_are_above() ? -row.joint_force[1] : row.joint_force[1];  // compression positive
-}
-
-Vec3 Simulation::Impl::displacement_of_loaded(int index) const {
-  const LoadedBlock& block = loaded_blocks[static_cast<std::size_t>(index)];
-  Vec3 mean{};
-  model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t k = offset + c * kLanes;
-      mean[c] += mass / block.mass * (displacement[k] - data.time_step * velocity[k]);
-    }
-  });
-  return mean;
-}
-
-Vec3 Simulation::Impl::point_traction(std::size_t point) const {
-  Vec3 sum;
-  for (std::size_t k = 0; k < 3; ++k) sum[k] = traction[k][point] + (damps_impacts() ? viscous[k][point] : 0.0);
-  return sum;
-}
-
-Vec3 Simulation::Impl::sum_on_monitor(int index) const {
-  const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(index)];
-  const auto n = static_cast<std::size_t>(chunk.axis);
-  Vec3 sum{};
-  const auto first = std::lower_bound(monitor_points.begin(), monitor_points.end(), chunk.first_point,
-                                      [](const MonitorPoint& m, std::int32_t point) { return m.point < point; });
-  for (auto m = first; m != monitor_points.end() && m->point < chunk.first_point + chunk.point_count; ++m) {
-    const auto p = static_cast<std::size_t>(m->point);
-    const Vec3 of_point = point_traction(p);
-    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += m->sign * (model.area[p] * of_point[c]);
-  }
-  return sum;
-}
-
 // Rows of a history are finite: NaN or infinity ends the run as failed.
-void Simulation::Impl::require_finite(const HistoryRow& row) {
+void require_finite(Simulation::Impl& s, const HistoryRow& row) {
   const std::pair<const char*, double> values[] = {
       {"kinetic energy", row.kinetic_energy},
       {"displacement of the monitor", row.displacement},
@@ -164,94 +187,22 @@ void Simulation::Impl::require_finite(const HistoryRow& row) {
   };
   for (const auto& [name, value] : values) {
     if (std::isfinite(value)) continue;
-    gather(Part::all, Who::first);
-    if (const auto wrong = wrong_law(); wrong && !wrong->finite)
-      throw Error(Exit::numerical,
-                  fmt::format("stage '{}', step {}, time {:.6g} s: {}; tell its author",
-                              scene.stages[static_cast<std::size_t>(row.stage)].name, row.step, row.time, wrong->text));
+    gather(s, Part::all, Who::first);
+    if (const auto wrong = wrong_law(s); wrong && !wrong->finite)
+      throw Error(Exit::numerical, fmt::format("stage '{}', step {}, time {:.6g} s: {}; tell its author",
+                                               s.scene.stages[static_cast<std::size_t>(row.stage)].name, row.step,
+                                               row.time, wrong->text));
     throw Error(Exit::numerical,
                 fmt::format("stage '{}', step {}, time {:.6g} s: the {} is {}, no finite number; check the velocities "
                             "and forces of the stage, or reduce solver.time_step_fraction (the time step is {:.4g} s, "
                             "{:g} of 2/omega_max)",
-                            scene.stages[static_cast<std::size_t>(row.stage)].name, row.step, row.time, name, value,
-                            data.time_step, data.time_step / time_step.critical.value));
+                            s.scene.stages[static_cast<std::size_t>(row.stage)].name, row.step, row.time, name, value,
+                            s.data.time_step, s.data.time_step / s.time_step.critical.value));
   }
 }
 
-Vec3 Simulation::Impl::of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const {
-  const auto [index, lane] = body_place[static_cast<std::size_t>(body)];
-  const BodyLanes::Quantity& value = body_lanes[static_cast<std::size_t>(index)].*quantity;
-  return {value[0][lane], value[1][lane], value[2][lane]};
-}
-
-Vec3 Simulation::Impl::of_body_at(int body, BodyLanes::Quantity BodyLanes::*translation,
-                                  BodyLanes::Quantity BodyLanes::*rotation, const Vec3& position) const {
-  const Vec3 turned = of_body(body, rotation);
-  const Vec3& centre = model.bodies[static_cast<std::size_t>(body)].centre;
-  Vec3 result = of_body(body, translation);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
-    result[c] =
-        result[c] + turned[next] * (position[last] - centre[last]) - turned[last] * (position[next] - centre[next]);
-  }
-  return result;
-}
-
-Vec3 Simulation::Impl::joint_force(int body) const {
-  return has_all() ? sum_joint_force(body) : body_wrench[static_cast<std::size_t>(body)].force;
-}
-
-Vec3 Simulation::Impl::sum_joint_force(int body) const {
-  const RigidBody& b = model.bodies[static_cast<std::size_t>(body)];
-  Vec3 sum{};
-  for (std::size_t i = 0; i < b.point.size(); ++i) {
-    const auto p = static_cast<std::size_t>(b.point[i]), n = static_cast<std::size_t>(model.point_axis[p]);
-    const Vec3 of_point = point_traction(p);
-    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += b.sign[i] * (model.area[p] * of_point[c]);
-  }
-  return sum;
-}
-
-Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const { return jump_of(point, 1.0, -data.time_step); }
-
-std::pair<Vec3, Vec3> Simulation::Impl::motion_of_sides(std::int32_t point, double of_displacement,
-                                                        double of_velocity) const {
-  const auto p = static_cast<std::size_t>(point);
-  const auto motion_of = [&](int block, std::int32_t gridpoint) {
-    const int body = model.place[static_cast<std::size_t>(block)].body;
-    Vec3 u, v;
-    if (body < 0) {
-      const auto i = static_cast<std::size_t>(gridpoint);
-      u = {displacement[i], displacement[i + kLanes], displacement[i + 2 * kLanes]};
-      v = {velocity[i], velocity[i + kLanes], velocity[i + 2 * kLanes]};
-    } else {
-      u = of_body_at(body, &BodyLanes::displacement, &BodyLanes::rotation, model.point_position[p]);
-      v = of_body_at(body, &BodyLanes::velocity, &BodyLanes::spin, model.point_position[p]);
-    }
-    for (std::size_t c = 0; c < 3; ++c) u[c] = of_displacement * u[c] + of_velocity * v[c];
-    return u;
-  };
-  const Model::Sides sides = model.sides_of(point);
-  return {motion_of(sides.a, model.node_a[p]), motion_of(sides.b, model.node_b[p])};
-}
-
-Vec3 Simulation::Impl::jump_of(std::int32_t point, double of_displacement, double of_velocity) const {
-  const auto [a, b] = motion_of_sides(point, of_displacement, of_velocity);
-  const std::size_t n = model.point_axis[static_cast<std::size_t>(point)], s = (n + 1) % 3, t = (n + 2) % 3;
-  return {b[n] - a[n], b[s] - a[s], b[t] - a[t]};
-}
-
-double Simulation::Impl::opening_at_traction(std::int32_t point) const {
-  return jump_at_traction(point)[0] + (normal_shift.empty() ? 0.0 : normal_shift[static_cast<std::size_t>(point)]);
-}
-
-Vec3 Simulation::Impl::mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const {
-  Vec3 mean{};
-  for (const int b : indices) {
-    const Vec3 value = of_body(b, quantity);
-    for (std::size_t c = 0; c < 3; ++c) mean[c] += value[c] / static_cast<double>(indices.size());
-  }
-  return mean;
+Vec3 joint_force(const Simulation::Impl& s, int body) {
+  return has_all(s) ? sum_joint_force(s, body) : s.reactions.body_wrench[static_cast<std::size_t>(body)].force;
 }
 
 }  // namespace quoin

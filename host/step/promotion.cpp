@@ -1,22 +1,27 @@
-// A run that leaves small displacements goes on in large motion. It keeps gridpoints, bodies and contact points, with
-// velocities, tractions and states as they are.
-//
-// Small displacements turn blocks by the linear field theta x r, which stretches them by theta^2/2. So the displacement
-// u of a block is split into its rigid motion U + theta x r about its centre and the rest w. Both are by mass.
-// The block goes on at X + U + R(theta) (r + w). Its strain is that of w, as before, up to terms of the order of strain
-// squared. What this moves gaps by is taken up by the reference from which every contact point counts its opening.
-#include <fmt/format.h>
+#include "step/promotion.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <span>
 
+#include "base/error.h"
 #include "base/rank_rows.h"
+#include "base/ranks.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
-#include "step/large_motion.h"
+#include "step/actions/whiffletree.h"
+#include "step/large_motion_run.h"
+#include "step/lattice_motion.h"
+#include "step/reactions.h"
+#include "step/set_up.h"
+#include "step/stages.h"
 #include "step/state.h"
+#include "step/work_division.h"
 
 namespace quoin {
 
@@ -25,13 +30,25 @@ using geometry::Vector;
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 // Gridpoints of a deformable block of the lattice.
 struct GridpointMotion {
   std::vector<Vector> place, displacement, velocity;  // place: of the start, m; m; m/s
   std::vector<double> mass;                           // kg
 };
+
+GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
+  GridpointMotion field;
+  s.model.for_each_gridpoint(brick, [&](std::size_t o, double mass) {
+    const auto n = static_cast<int>(field.place.size());
+    field.place.push_back(geometry::vector(s.model.gridpoint_position(brick, n)));
+    field.displacement.push_back(
+        {s.lattice.displacement[o], s.lattice.displacement[o + kLanes], s.lattice.displacement[o + 2 * kLanes]});
+    field.velocity.push_back(
+        {s.lattice.velocity[o], s.lattice.velocity[o + kLanes], s.lattice.velocity[o + 2 * kLanes]});
+    field.mass.push_back(mass);
+  });
+  return field;
+}
 
 // Rigid part of a vector field by mass: that of U + theta x (X - centre) which leaves a rest without momentum and
 // angular momentum. On a plane of symmetry only what keeps it.
@@ -62,6 +79,17 @@ RigidPart rigid_part(const GridpointMotion& f, const std::vector<Vector>& of, bo
     part.turn = inverse(inertia) * moment;
   }
   return part;
+}
+
+// Kinetic energy of the rigid part, J.
+double rigid_kinetic_energy(const GridpointMotion& f, bool symmetry_plane) {
+  const RigidPart part = rigid_part(f, f.velocity, symmetry_plane);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < f.place.size(); ++i) {
+    const Vector v = part.mean + cross(part.turn, f.place[i] - part.centre);
+    sum += 0.5 * f.mass[i] * dot(v, v);
+  }
+  return sum;
 }
 
 // Where the gridpoints at these places of a brick are among those of its block in large motion.
@@ -109,46 +137,34 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
     h.position = geometry::vector(s.model.point_position[p]);
     const int n = s.model.point_axis[p];
     h.s[(n + 1) % 3] = h.t[(n + 2) % 3] = 1.0;
-    const double shift = s.normal_shift.empty() ? 0.0 : s.normal_shift[p];
-    h.opening = s.jump_of(i, 1.0, 0.0)[0] + shift;
-    h.opening_at_traction = s.opening_at_traction(i);
-    const Vec3 pending = s.jump_of(i, 0.0, s.data.time_step);
+    const double shift = s.lattice.normal_shift.empty() ? 0.0 : s.lattice.normal_shift[p];
+    h.opening = jump_of(s, i, 1.0, 0.0)[0] + shift;
+    h.opening_at_traction = opening_at_traction(s, i);
+    const Vec3 pending = jump_of(s, i, 0.0, s.data.time_step);
     h.slip = {pending[1], pending[2]};
-    h.traction = {s.traction[0][p], s.traction[1][p], s.traction[2][p]};
+    h.traction = {s.lattice.traction[0][p], s.lattice.traction[1][p], s.lattice.traction[2][p]};
     for (std::size_t f = 0; f < s.model.families.size(); ++f) {
       const ContactFamily& family = s.model.families[f];
       const auto k = static_cast<std::int32_t>(i - family.first_point);
       if (k < 0 || k >= family.point_count) continue;
       for (std::size_t state = 0; state < family.material->api().state_count; ++state)
-        h.state.push_back(s.law_state[f][state * at(family.point_count) + at(k)]);
+        h.state.push_back(s.lattice.law_state[f][state * at(family.point_count) + at(k)]);
       for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
     }
   }
   return histories;
 }
 
-GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
-  GridpointMotion field;
-  s.model.for_each_gridpoint(brick, [&](std::size_t o, double mass) {
-    const auto n = static_cast<int>(field.place.size());
-    field.place.push_back(geometry::vector(s.model.gridpoint_position(brick, n)));
-    field.displacement.push_back({s.displacement[o], s.displacement[o + kLanes], s.displacement[o + 2 * kLanes]});
-    field.velocity.push_back({s.velocity[o], s.velocity[o + kLanes], s.velocity[o + 2 * kLanes]});
-    field.mass.push_back(mass);
-  });
-  return field;
-}
-
 // What holds, moves and loads blocks, by the numbers that blocks keep.
 std::vector<Drive> drives_of(const Simulation::Impl& s) {
   std::vector<Drive> drives;
   for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
-    const auto [lanes, lane] = s.body_place[b];
-    const auto& ramp = s.ramps[b];
+    const auto [lanes, lane] = s.lattice.place[b];
+    const auto& ramp = s.controls.ramps[b];
     Drive drive;
     drive.block = s.model.bodies[b].block;
     for (std::size_t c = 0; c < 6; ++c)
-      if (s.body_lanes[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
+      if (s.lattice.bodies[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
     for (std::size_t c = 0; c < 3; ++c)
       if (ramp.in_cycles[c] != 0.0) drive.in_cycles |= static_cast<std::uint8_t>(1u << c);
     drive.of_ground = static_cast<std::uint8_t>(ramp.of_ground);
@@ -159,10 +175,11 @@ std::vector<Drive> drives_of(const Simulation::Impl& s) {
     const Vec3 none{};
     if (drive.held != 0 || ramp.force_from != none || ramp.force_to != none) drives.push_back(drive);
   }
-  for (std::size_t i = 0; i < s.loaded_blocks.size(); ++i) {
+  for (std::size_t i = 0; i < s.controls.loaded_blocks.size(); ++i) {
     Drive drive;
-    drive.block = s.loaded_blocks[i].block;
-    drive.force_from = geometry::vector(s.load_ramps[i].from), drive.force_to = geometry::vector(s.load_ramps[i].to);
+    drive.block = s.controls.loaded_blocks[i].block;
+    drive.force_from = geometry::vector(s.controls.load_ramps[i].from),
+    drive.force_to = geometry::vector(s.controls.load_ramps[i].to);
     drives.push_back(drive);
   }
   return drives;
@@ -187,34 +204,23 @@ void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& 
   }
 }
 
-// Kinetic energy of the rigid part, J.
-double rigid_kinetic_energy(const GridpointMotion& f, bool symmetry_plane) {
-  const RigidPart part = rigid_part(f, f.velocity, symmetry_plane);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < f.place.size(); ++i) {
-    const Vector v = part.mean + cross(part.turn, f.place[i] - part.centre);
-    sum += 0.5 * f.mass[i] * dot(v, v);
-  }
-  return sum;
-}
-
 }  // namespace
 
 // v M' v/2 less v M v/2 (model/rigid_motion.h). All ranks ask together.
-double Simulation::Impl::added_kinetic_energy() const {
-  const double s_b = inertia.deformation, s_u = inertia.unit;
+double added_kinetic_energy(const Simulation::Impl& s) {
+  const double s_b = s.inertia.in_use.deformation, s_u = s.inertia.in_use.unit;
   if (s_b == 1.0 && s_u == 1.0) return 0.0;
-  const bool halved = model.assembly.symmetry_plane_z0;
-  std::vector<double> added(model.unit_groups.size(), 0.0);
+  const bool halved = s.model.assembly.symmetry_plane_z0;
+  std::vector<double> added(s.model.unit_groups.size(), 0.0);
   for (std::size_t u = 0; u < added.size(); ++u) {
-    if (ranks && !share.owns_item(static_cast<int>(u), ranks->rank())) continue;
-    const UnitGroup& unit = model.unit_groups[u];
-    const BlockGroup& first = model.groups[at(unit.first_group)];
+    if (s.ranks && !s.division.share.owns_item(static_cast<int>(u), s.ranks->rank())) continue;
+    const UnitGroup& unit = s.model.unit_groups[u];
+    const BlockGroup& first = s.model.groups[at(unit.first_group)];
     for (int lane = 0; lane < first.block_count; ++lane) {
       GridpointMotion whole;
       double all = 0.0, blocks = 0.0;
       for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
-        const GridpointMotion f = motion_of_gridpoints(*this, model.groups[at(g)].block[at(lane)]);
+        const GridpointMotion f = motion_of_gridpoints(s, s.model.groups[at(g)].block[at(lane)]);
         for (std::size_t i = 0; i < f.place.size(); ++i) all += 0.5 * f.mass[i] * dot(f.velocity[i], f.velocity[i]);
         blocks += rigid_kinetic_energy(f, halved);
         whole.place.insert(whole.place.end(), f.place.begin(), f.place.end());
@@ -225,41 +231,41 @@ double Simulation::Impl::added_kinetic_energy() const {
       if (unit.group_count > 1) added[u] += (s_u - 1.0) * (blocks - rigid_kinetic_energy(whole, halved));
     }
   }
-  all_gather(ranks, std::span(added), [this](std::size_t u) { return share.rank_of_item[u]; });
+  all_gather(s.ranks, std::span(added), [&s](std::size_t u) { return s.division.share.rank_of_item[u]; });
   return std::accumulate(added.begin(), added.end(), 0.0);
 }
 
-void Simulation::Impl::promote(const std::string& why) {
-  if (scene.solver.selective_time_step > 0.0)  // before anything has left the lattice
+void promote(Simulation::Impl& s, const std::string& why) {
+  if (s.scene.solver.selective_time_step > 0.0)  // before anything has left the lattice
     throw Error(Exit::numerical,
                 fmt::format("step {} of stage '{}': {}, and large motion, in which the run would go on, takes no "
                             "solver.selective_time_step; make that smaller than {:g} s, use mass_scaling, or choose "
                             "solver.large_motion = \"never\"",
-                            stage_step, scene.stages[at(stage)].name, why, scene.solver.selective_time_step));
-  Promotion promotion{why, stage, step_count, now(), 0.0, 0.0};
-  const double dt = data.time_step;
+                            s.progress.stage_step, current_stage(s).name, why, s.scene.solver.selective_time_step));
+  Promotion promotion{why, s.progress.stage, s.progress.step, time_now(s), 0.0, 0.0};
+  const double dt = s.data.time_step;
 
   // Data of the lattice, while it is there.
-  const std::vector<blocks::PointHistory> histories = histories_of(*this);
-  const std::size_t count = model.assembly.bricks.size();
+  const std::vector<blocks::PointHistory> histories = histories_of(s);
+  const std::size_t count = s.model.assembly.bricks.size();
   std::vector<GridpointMotion> fields(count);
   std::vector<BodyMotion> bodies(count);
   for (std::size_t b = 0; b < count; ++b) {
-    const int body = model.place[b].body;
+    const int body = s.model.place[b].body;
     if (body < 0) {
-      fields[b] = motion_of_gridpoints(*this, static_cast<int>(b));
+      fields[b] = motion_of_gridpoints(s, static_cast<int>(b));
     } else {
-      bodies[b] = {model.bodies[at(body)].centre, of_body(body, &BodyLanes::displacement),
-                   of_body(body, &BodyLanes::rotation), of_body(body, &BodyLanes::velocity),
-                   of_body(body, &BodyLanes::spin)};
+      bodies[b] = {s.model.bodies[at(body)].centre, s.lattice.of_body(body, &BodyLanes::displacement),
+                   s.lattice.of_body(body, &BodyLanes::rotation), s.lattice.of_body(body, &BodyLanes::velocity),
+                   s.lattice.of_body(body, &BodyLanes::spin)};
     }
   }
-  std::vector<Drive> continued = drives_of(*this);
+  std::vector<Drive> continued = drives_of(s);
 
   // The same blocks in large motion, at rest, then where they are.
-  leave_lattice();
-  blocks::Model& m = *large_motion;
-  m.stepping.time = promotion.time, m.stepping.count = step_count;
+  leave_lattice(s);
+  blocks::Model& m = *s.large_motion;
+  m.stepping.time = promotion.time, m.stepping.count = s.progress.step;
   for (const Drive& drive : continued)
     m.prescribe(drive.block, {}, {}, drive.held);  // at rest: supports take no motion
   std::vector<Vector> before(m.node_positions().size());
@@ -267,61 +273,62 @@ void Simulation::Impl::promote(const std::string& why) {
     const int i = static_cast<int>(b);
     const blocks::ModelBlock& block = m.block(i);
     if (block.body < 0) {
-      const auto order = gridpoint_order(left->bricks[b], fields[b].place, m.node_reference(), block);
-      place_gridpoints(fields[b], order, left->symmetry_plane_z0, &m, &before);
+      const auto order = gridpoint_order(s.left->bricks[b], fields[b].place, m.node_reference(), block);
+      place_gridpoints(fields[b], order, s.left->symmetry_plane_z0, &m, &before);
     } else {
-      const BodyMotion& s = bodies[b];
-      m.set_pose(i, geometry::vector(s.centre) + geometry::vector(s.displacement),
-                 geometry::rotation(geometry::vector(s.rotation)));
-      m.set_velocity(i, geometry::vector(s.velocity), geometry::vector(s.spin));
+      const BodyMotion& body = bodies[b];
+      m.set_pose(i, geometry::vector(body.centre) + geometry::vector(body.displacement),
+                 geometry::rotation(geometry::vector(body.rotation)));
+      m.set_velocity(i, geometry::vector(body.velocity), geometry::vector(body.spin));
     }
   }
   m.adopt_histories(histories);
 
-  drives = std::move(continued);
-  const Stage& settings = scene.stages[at(stage)];
-  if (const SolverSettings& solver = solver_in_use(); &solver != &scene.solver) m.set_solver(solver);
-  follow_time_step();
-  stage_start_time = promotion.time - static_cast<double>(stage_step) * dt;
-  watch_blocks(settings);
-  bind_whiffletree();
-  controls_settled = false;  // what they impose is bound again
-  row_interval = std::max(1L, std::lround(static_cast<double>(row_interval) * dt / data.time_step));
+  s.actions.drives = std::move(continued);
+  const Stage& settings = current_stage(s);
+  if (const SolverSettings& solver = solver_in_use(s); &solver != &s.scene.solver) m.set_solver(solver);
+  follow_time_step(s);
+  s.progress.stage_start = promotion.time - static_cast<double>(s.progress.stage_step) * dt;
+  watch_blocks(s, settings);
+  bind_whiffletree(s);
+  s.controls.settled = false;  // what they impose is bound again
+  s.progress.row_interval =
+      std::max(1L, std::lround(static_cast<double>(s.progress.row_interval) * dt / s.data.time_step));
   promotion.strain_energy = strain_energy(m, before);
   promotion.energy_jump = m.strain_energy() - promotion.strain_energy;
-  outcome.promotion = promotion;
-  watch.pending = false;        // what the lattice stored is counted otherwise
-  if (ranks) partition_work();  // others are watched now
+  s.outcome.promotion = promotion;
+  s.watch.pending = false;         // what the lattice stored is counted otherwise
+  if (s.ranks) partition_work(s);  // others are watched now
 }
 
-void Simulation::Impl::leave_lattice() {
+void leave_lattice(Simulation::Impl& s) {
   std::vector<std::shared_ptr<const Material>> materials;
-  for (const ContactFamily& family : model.families) materials.push_back(family.material);
-  left = std::move(model.assembly);
+  for (const ContactFamily& family : s.model.families) materials.push_back(family.material);
+  s.left = std::move(s.model.assembly);
   Assembly families_alone;
-  families_alone.families = left->families;
-  families_alone.symmetry_factor = left->symmetry_factor;
-  take_bricks(std::move(families_alone), materials);
-  blocks::Assembly shapes = blocks::from_bricks(*left);
-  if (scene.blocks) {  // recognised as a lattice: what meets later follows the rules of the scene
-    blocks::Assembly given = blocks::assemble(scene);
+  families_alone.families = s.left->families;
+  families_alone.symmetry_factor = s.left->symmetry_factor;
+  take_bricks(s, std::move(families_alone), materials);
+  blocks::Assembly shapes = blocks::from_bricks(*s.left);
+  if (s.scene.blocks) {  // recognised as a lattice: what meets later follows the rules of the scene
+    blocks::Assembly given = blocks::assemble(s.scene);
     shapes.family_of = std::move(given.family_of);
     for (std::size_t i = 0; i < shapes.blocks.size(); ++i) shapes.blocks[i].fixed = given.blocks[i].fixed;
   }
-  build_large_motion(shapes, materials);
-  find_restraints();
-  bind_step();
+  build_large_motion(s, shapes, materials);
+  find_restraints(s);
+  bind_step(s);
 }
 
-void Simulation::Impl::return_to_lattice() {
+void return_to_lattice(Simulation::Impl& s) {
   std::vector<std::shared_ptr<const Material>> materials;
-  for (const ContactFamily& family : model.families) materials.push_back(family.material);
-  large_motion.reset(), restrained_blocks.clear();
-  drives.clear(), monitor_blocks.clear();
-  take_bricks(std::move(*left), materials);
-  left.reset();
-  find_restraints();
-  bind_step();
+  for (const ContactFamily& family : s.model.families) materials.push_back(family.material);
+  s.large_motion.reset(), s.reactions.restrained_blocks.clear();
+  s.actions.drives.clear(), s.monitor.blocks.clear();
+  take_bricks(s, std::move(*s.left), materials);
+  s.left.reset();
+  find_restraints(s);
+  bind_step(s);
 }
 
 }  // namespace quoin

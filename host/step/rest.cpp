@@ -13,7 +13,11 @@
 #include <optional>
 
 #include "sparse/sparse_cholesky.h"
+#include "step/controls.h"
+#include "step/step.h"
+#include "step/supports.h"
 #include "step/unknowns.h"
+#include "step/work_division.h"
 #endif
 
 namespace quoin {
@@ -24,8 +28,6 @@ namespace {
 using Eigen::VectorXd;
 using geometry::Vector;
 using Triplet = Eigen::Triplet<double>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Iterations at most, and the unbalanced ratio that ends them: a hundredth of the stage's, for its steps look at that.
 constexpr int kMostIterations = 100;
@@ -45,7 +47,7 @@ constexpr double kFlies = 0.1;
 class Search {
  public:
   Search(Simulation& simulation, Simulation::Impl& impl) : simulation_(simulation), s_(impl) {
-    s_.apply_controls();  // supports, and all of the loads: a stage of rest has no ramp
+    apply_controls(s_);  // supports, and all of the loads: a stage of rest has no ramp
     unknowns_.emplace(impl, static_cast<int>(simulation.block_count()));
   }
 
@@ -106,7 +108,7 @@ class Search {
     blocks::Model& m = *s_.large_motion;
     const Vector g = geometry::vector(s_.data.gravity);
     std::vector<Vector> applied(unknowns_->blocks().size());
-    for (const Drive& drive : s_.drives) applied[at(drive.block)] += drive.force_to;
+    for (const Drive& drive : s_.actions.drives) applied[at(drive.block)] += drive.force_to;
     for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
       if (u.rigid) {
@@ -161,19 +163,20 @@ class Search {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
       const Model::BlockPlace& place = s_.model.place[at(b)];
       if (u.rigid) {
-        const auto [index, lane] = s_.body_place[at(place.body)];
+        const auto [index, lane] = s_.lattice.place[at(place.body)];
         Vector force = s_.model.bodies[at(place.body)].mass * g;
-        for (int c = 0; c < 3; ++c) force[c] += s_.body_lanes[at(index)].applied_force[c][lane];
+        for (int c = 0; c < 3; ++c) force[c] += s_.lattice.bodies[at(index)].applied_force[c][lane];
         add_to(sum, {u.body[0], u.body[1], u.body[2]}, force);
         continue;
       }
       Vector acceleration = g;
-      if (const double* const load = s_.load_of_group[at(place.group)])
+      if (const double* const load = s_.controls.load_of_group[at(place.group)])
         for (int c = 0; c < 3; ++c) acceleration[c] += load[c * static_cast<int>(kLanes) + place.lane];
       std::vector<Vector> moved;
       s_.model.for_each_gridpoint(b, [&](std::size_t o, double mass) {
         add_to(sum, u.gridpoint[moved.size()], mass * acceleration);
-        moved.push_back({s_.displacement[o], s_.displacement[o + kLanes], s_.displacement[o + 2 * kLanes]});
+        moved.push_back(
+            {s_.lattice.displacement[o], s_.lattice.displacement[o + kLanes], s_.lattice.displacement[o + 2 * kLanes]});
       });
       const BrickTemplate& shape = s_.model.template_of(b);
       for (const auto& zone : shape.zone) {
@@ -213,7 +216,7 @@ class Search {
     // Moments of rigid blocks, over the size of the model.
     for (const Unknowns::OfBlock& u : unknowns_->blocks()) {
       for (std::size_t c = 3; c < 6 && u.rigid; ++c)
-        if (u.body[c] >= 0) largest = std::max(largest, std::abs(rest(u.body[c])) / s_.extent);
+        if (u.body[c] >= 0) largest = std::max(largest, std::abs(rest(u.body[c])) / s_.small_motion.extent);
     }
     return largest == 0.0 ? 0.0 : largest / std::max(mean, 1e-300);
   }
@@ -261,11 +264,12 @@ class Search {
     for (std::size_t g = 0; g < unknowns_->groups().place.size(); ++g) {
       for (int i = unknowns_->groups().begin[g];
            i < std::min(unknowns_->groups().begin[g + 1], unknowns_->groups().begin[g] + 3); ++i) {
-        if (std::abs(moved(i, 0)) <= kFlies * s_.extent) continue;
-        throw Error(Exit::numerical,
-                    fmt::format("stage '{}': no state of rest: block {} is held by nothing that its loads press on; "
-                                "quoin limit tells whether it stands",
-                                s_.scene.stages[at(s_.stage)].name, s_.block_label(unknowns_->block_of_group(g))));
+        if (std::abs(moved(i, 0)) <= kFlies * s_.small_motion.extent) continue;
+        throw Error(
+            Exit::numerical,
+            fmt::format("stage '{}': no state of rest: block {} is held by nothing that its loads press on; "
+                        "quoin limit tells whether it stands",
+                        s_.scene.stages[at(s_.progress.stage)].name, block_label(s_, unknowns_->block_of_group(g))));
       }
     }
   }
@@ -284,14 +288,14 @@ class Search {
     for (const bool moving : {true, false}) {
       for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b)
         unknowns_->blocks()[at(b)].rigid ? move_body(b, moved, moving) : move_gridpoints(b, moved, moving);
-      for (const int i : s_.chunks_here()) {
+      for (const int i : chunks_here(s_)) {
         const ContactChunk& chunk = s_.model.chunks[at(i)];
-        contact_jumps(s_.model, chunk, s_.data, s_.jumps[0].get());
-        s_.evaluate_law(i, *s_.jumps[0], false, false);
+        contact_jumps(s_.model, chunk, s_.data, s_.division.jumps[0].get());
+        evaluate_law(s_, i, *s_.division.jumps[0], false, false);
         contact_forces(s_.model, chunk, s_.data);
       }
     }
-    if (s_.law_failed.load(std::memory_order_relaxed)) s_.report_failed_points();
+    if (s_.contacts.law_failed.load(std::memory_order_relaxed)) report_failed_points(s_);
   }
 
   void move_gridpoints(int b, const VectorXd& moved, bool moving) {
@@ -300,8 +304,8 @@ class Search {
       const Vector by = of(moved, unknowns_->blocks()[at(b)].gridpoint[n++]);
       for (int c = 0; c < 3; ++c) {
         const std::size_t o = offset + at(c) * kLanes;
-        if (moving) s_.displacement[o] += by[c];
-        s_.velocity[o] = moving ? by[c] / s_.data.time_step : 0.0;
+        if (moving) s_.lattice.displacement[o] += by[c];
+        s_.lattice.velocity[o] = moving ? by[c] / s_.data.time_step : 0.0;
       }
     });
   }
@@ -310,8 +314,8 @@ class Search {
     const std::array<int, 6>& u = unknowns_->blocks()[at(b)].body;
     const int index = s_.model.place[at(b)].body;
     const RigidBody& body = s_.model.bodies[at(index)];
-    const auto [record, lane] = s_.body_place[at(index)];
-    BodyLanes& lanes = s_.body_lanes[at(record)];
+    const auto [record, lane] = s_.lattice.place[at(index)];
+    BodyLanes& lanes = s_.lattice.bodies[at(record)];
     const Vector by = of(moved, {u[0], u[1], u[2]}), turn = of(moved, {u[3], u[4], u[5]});
     Vector displacement{}, rotation{};
     for (int c = 0; c < 3; ++c) {
@@ -327,9 +331,9 @@ class Search {
       for (int c = 0; c < 3; ++c) {
         const std::size_t o = static_cast<std::size_t>(body.slave[k]) + at(c) * kLanes;
         if (c == n)
-          s_.displacement[o] = place[c];
+          s_.lattice.displacement[o] = place[c];
         else
-          s_.velocity[o] = moving ? speed[c] / s_.data.time_step : 0.0;
+          s_.lattice.velocity[o] = moving ? speed[c] / s_.data.time_step : 0.0;
       }
     }
   }
@@ -364,7 +368,7 @@ class Search {
 }  // namespace
 
 void find_rest(Simulation& simulation, Simulation::Impl& impl) {
-  const Stage& stage = impl.scene.stages[at(impl.stage)];
+  const Stage& stage = impl.scene.stages[at(impl.progress.stage)];
   if (impl.ranks)
     throw Error(Exit::bad_input, fmt::format("{}: a stage of rest runs in one process; start quoin without mpirun, or "
                                              "give the stage equilibrium_ratio without kind = \"rest\"",
@@ -379,12 +383,12 @@ void find_rest(Simulation& simulation, Simulation::Impl& impl) {
     const std::optional<Energies> energies = simulation.measure().energies;
     return energies ? energies->balance_error() : 0.0;
   };
-  const double before = impl.step_count > 0 ? out_of_books() : 0.0;
+  const double before = impl.progress.step > 0 ? out_of_books() : 0.0;
   Search(simulation, impl).run(stage.equilibrium_ratio.value_or(1e-4));
   // Loads are booked to have done what blocks and joints have taken up, as loads that grow slowly do.
-  impl.step_once(true, true);
+  step_once(impl, true, true);
   const double taken_up = out_of_books() - before;
-  impl.energy_external += taken_up;
+  impl.energy.external += taken_up;
 }
 
 #else

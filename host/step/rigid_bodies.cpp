@@ -1,7 +1,7 @@
+#include "step/rigid_bodies.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "step/state.h"
 
 namespace quoin {
 namespace {

@@ -246,84 +246,79 @@ HWY_INLINE V beyond_seen(const SeenMotion* const (&seen)[kLanes], const Lanes3& 
   return hn::NegMulAdd(unnoticed, unnoticed, twice(squares));
 }
 
-HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen)[kLanes],
-                               const double (&held)[6][kLanes], int first, const BodyStep& step, SumLanes* sums) {
-  const D d;
-  const auto zero = hn::Zero(d), half = hn::Set(d, 0.5), one = hn::Set(d, 1.0), dt = hn::Set(d, step.time_step);
-  const auto gamma = hn::Set(d, step.gamma);
-  const double a = 0.5 * step.alpha * step.time_step;  // v' = -alpha v, as the mean of both velocities
-  const V keep = hn::Set(d, 1.0 - a), over = hn::Set(d, 1.0 / (1.0 + a));
-  const auto is_held = [&](int k) HWY_ATTR { return hn::Ne(hn::Load(d, held[k] + first), zero); };
-  const auto against = [&](V force, V velocity) HWY_ATTR {  // eq. 1; nothing on what is at rest
-    const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force)), velocity);
-    return hn::IfThenZeroElse(hn::Eq(velocity, zero), hn::Neg(amount));
-  };
-
-  // x q v momentum omega; force torque weight_mass mass inertia.
-  V moved[4][kFour], load[3][kFour];
-  for (int i = 0; i < 4; ++i) of.load(offsetof(Body, x) + i * kFour * sizeof(double), moved[i]);
-  for (int i = 0; i < 3; ++i) of.load(offsetof(Body, force) + i * kFour * sizeof(double), load[i]);
-  const Lanes3 place = {moved[0][0], moved[0][1], moved[0][2]}, v = {moved[1][3], moved[2][0], moved[2][1]};
-  const Lanes4 q = {moved[0][3], {moved[1][0], moved[1][1], moved[1][2]}};
-  const Lanes3 momentum = {moved[2][2], moved[2][3], moved[3][0]}, spin = {moved[3][1], moved[3][2], moved[3][3]};
-  const Lanes3 force = {load[0][0], load[0][1], load[0][2]}, torque = {load[0][3], load[1][0], load[1][1]};
-  const V weight_mass = load[1][2], mass = load[1][3];
-  const Lanes3 inertia = {load[2][0], load[2][1], load[2][2]};
-  Lanes3 held_v = {zero, zero, zero}, held_spin = held_v;
-  const auto is_free = [&](int k) HWY_ATTR { return hn::AllFalse(d, is_held(k)); };
-  if (!(is_free(0) && is_free(1) && is_free(2) && is_free(3) && is_free(4) && is_free(5))) {
-    for (int k = 0; k < 3; ++k) {
-      held_v[k] = of.one(offsetof(Body, held_v) + k * sizeof(double));
-      held_spin[k] = of.one(offsetof(Body, held_omega) + k * sizeof(double));
-    }
+// Which translations and rotations of the bodies of a vector are held.
+struct HeldLanes {
+  const double (&held)[6][kLanes];
+  int first;
+  HWY_INLINE hn::Mask<D> operator()(int k) const { return hn::Ne(hn::Load(D(), held[k] + first), hn::Zero(D())); }
+  HWY_INLINE bool none() const {
+    const auto is_free = [this](int k) HWY_ATTR { return hn::AllFalse(D(), (*this)(k)); };
+    return is_free(0) && is_free(1) && is_free(2) && is_free(3) && is_free(4) && is_free(5);
   }
+};
 
-  // Translation.
+// Damping by eq. 1; nothing on what is at rest.
+HWY_INLINE V against(V gamma, V force, V velocity) {
+  const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force)), velocity);
+  return hn::IfThenZeroElse(hn::Eq(velocity, hn::Zero(D())), hn::Neg(amount));
+}
+
+// Of viscous damping: v' = -alpha v, as the mean of both velocities.
+HWY_INLINE double half_alpha_dt(const BodyStep& step) { return 0.5 * step.alpha * step.time_step; }
+
+struct EnergyLanes {
+  V damping, external, kinetic;
+};
+
+// Velocities of the next half step. Stores the forces that are not balanced.
+HWY_INLINE Lanes3 accelerate(const HeldLanes& is_held, int first, const BodyStep& step, const Lanes3& v,
+                             const Lanes3& held_v, const Lanes3& force, V weight_mass, V mass, SumLanes* sums,
+                             EnergyLanes* energies) {
+  const D d;
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step), gamma = hn::Set(d, step.gamma);
+  const double a = half_alpha_dt(step);
+  const V keep = hn::Set(d, 1.0 - a), over = hn::Set(d, 1.0 / (1.0 + a));
   const V dt_over_mass = hn::Div(dt, mass);
-  Lanes3 next, mean;
-  V free = zero, damping = zero, external = zero, kinetic = zero;
+  Lanes3 next;
+  V free = zero;
   for (int k = 0; k < 3; ++k) {
     const auto hold = is_held(k);
     const V ground = hn::Set(d, step.ground[k]);
-    const V brake = against(force[k], hn::Sub(v[k], ground));
+    const V brake = against(gamma, force[k], hn::Sub(v[k], ground));
     V driven = hn::MulAdd(dt_over_mass, hn::Add(force[k], brake), hn::Mul(keep, v[k]));
     if (a > 0.0 && step.ground[k] != 0.0) driven = hn::MulAdd(hn::Set(d, 2.0 * a), ground, driven);
     next[k] = hn::IfThenElse(hold, held_v[k], hn::Mul(over, driven));
-    mean[k] = hn::Mul(half, hn::Add(v[k], next[k]));
+    const V mean = hn::Mul(half, hn::Add(v[k], next[k]));
     const V net = hn::IfThenZeroElse(hold, force[k]);
     hn::Store(net, d, sums->net[k] + first);
     free = hn::MulAdd(net, net, free);
     if (!step.energies) continue;
-    const V way = hn::Mul(mean[k], dt);
-    const V viscous = hn::Mul(hn::Set(d, step.alpha), hn::Mul(mass, hn::Sub(mean[k], ground)));
-    damping = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way, damping);
+    const V way = hn::Mul(mean, dt);
+    const V viscous = hn::Mul(hn::Set(d, step.alpha), hn::Mul(mass, hn::Sub(mean, ground)));
+    energies->damping = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way, energies->damping);
     const V weight = hn::Mul(weight_mass, hn::Set(d, step.gravity[k]));
-    external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);
-    kinetic = hn::Add(kinetic, hn::IfThenZeroElse(hold, hn::Mul(hn::Mul(half, mass), hn::Mul(mean[k], mean[k]))));
+    energies->external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, energies->external);
+    energies->kinetic =
+        hn::Add(energies->kinetic, hn::IfThenZeroElse(hold, hn::Mul(hn::Mul(half, mass), hn::Mul(mean, mean))));
   }
   hn::Store(hn::Sqrt(free), d, sums->unbalanced + first);
-  const Lanes3 x = sum_of(place, scaled(dt, next));
+  return next;
+}
 
-  // Rotation: the angular momentum is the unknown.
-  const Lanes33 r = matrix_of(q);
-  const auto all_held = hn::And(is_held(3), hn::And(is_held(4), is_held(5)));
-  const auto some_held = hn::Or(is_held(3), hn::Or(is_held(4), is_held(5)));
-  Lanes3 turned;
-  for (int k = 0; k < 3; ++k) {
-    const V brake = hn::IfThenZeroElse(is_held(3 + k), against(torque[k], spin[k]));
-    turned[k] = hn::Mul(over, hn::MulAdd(keep, momentum[k], hn::Mul(dt, hn::Add(torque[k], brake))));
-    if (step.energies) damping = hn::NegMulAdd(hn::IfThenZeroElse(all_held, hn::Mul(brake, spin[k])), dt, damping);
-  }
-  // Implicit midpoint for the orientation at constant angular momentum L: omega = R_mid I^-1 R_mid^T L. One iteration
-  // more is nearer by dt |L| (1/I_least - 1/I_largest) at least, so it is known how many it takes to rounding.
+// Implicit midpoint for the orientation at constant angular momentum L: omega = R_mid I^-1 R_mid^T L. One iteration
+// more is nearer by dt |L| (1/I_least - 1/I_largest) at least, so it is known how many it takes to rounding.
+HWY_INLINE Lanes3 spin_at_midpoint(const Lanes4& q, const Lanes33& r, const Lanes3& momentum, const Lanes3& inertia,
+                                   hn::Mask<D> all_held, V dt) {
+  const D d;
+  const V one = hn::Set(d, 1.0), half = hn::Set(d, 0.5);
   const Lanes3 inverse = {hn::Div(one, inertia.x), hn::Div(one, inertia.y), hn::Div(one, inertia.z)};
   const auto spin_at = [&](const Lanes33& at) HWY_ATTR {
-    const Lanes3 l = transposed_times_of(at, turned);
+    const Lanes3 l = transposed_times_of(at, momentum);
     return times(at, {hn::Mul(l.x, inverse.x), hn::Mul(l.y, inverse.y), hn::Mul(l.z, inverse.z)});
   };
   const V spread =
       hn::Sub(hn::Max(inverse.x, hn::Max(inverse.y, inverse.z)), hn::Min(inverse.x, hn::Min(inverse.y, inverse.z)));
-  const V nearer = hn::Mul(hn::Mul(dt, spread), hn::Sqrt(dot_of(turned, turned)));
+  const V nearer = hn::Mul(hn::Mul(dt, spread), hn::Sqrt(dot_of(momentum, momentum)));
   V error = hn::IfThenZeroElse(all_held, nearer);  // relative
   Lanes3 omega = spin_at(r);
   for (int iteration = 0; iteration < 20; ++iteration) {
@@ -333,40 +328,26 @@ HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen
     for (int k = 0; k < 3; ++k) omega[k] = hn::IfThenElse(settled, omega[k], better[k]);
     error = hn::Mul(error, nearer);
   }
-  Lanes3 carried = turned;
-  if (!hn::AllFalse(d, some_held)) {
-    for (int k = 0; k < 3; ++k) omega[k] = hn::IfThenElse(is_held(3 + k), held_spin[k], omega[k]);
-    const Lanes3 w = transposed_times_of(r, omega);
-    const Lanes3 of_held = times(r, {hn::Mul(inertia.x, w.x), hn::Mul(inertia.y, w.y), hn::Mul(inertia.z, w.z)});
-    for (int k = 0; k < 3; ++k) carried[k] = hn::IfThenElse(some_held, of_held[k], turned[k]);
-  }
-  const auto at_rest = hn::Eq(dot_of(omega, omega), zero);
-  Lanes4 new_q = q;
-  Lanes33 new_r = r;
-  if (!hn::AllTrue(d, at_rest)) {
-    const Lanes4 on = unit(product(rotation_of(scaled(dt, omega)), q));
-    const Lanes33 matrix = matrix_of(on);
-    new_q.w = hn::IfThenElse(at_rest, q.w, on.w);
-    for (int k = 0; k < 3; ++k) {
-      new_q.v[k] = hn::IfThenElse(at_rest, q.v[k], on.v[k]);
-      for (int j = 0; j < 3; ++j) new_r.row[k][j] = hn::IfThenElse(at_rest, r.row[k][j], matrix.row[k][j]);
-    }
-  }
-  if (step.energies) {
-    external = hn::Sub(external, hn::IfThenElseZero(all_held, hn::Mul(dot_of(torque, omega), dt)));
-    const V swing = hn::Mul(hn::Set(d, 0.125), dot_of(sum_of(carried, momentum), sum_of(omega, spin)));
-    const V viscous = hn::Mul(hn::Set(d, 4.0 * a), swing);
-    damping = hn::Add(damping, hn::IfThenZeroElse(all_held, viscous));
-    kinetic = hn::Add(kinetic, hn::IfThenZeroElse(all_held, swing));
-  }
+  return omega;
+}
 
-  const V now[4][kFour] = {{x.x, x.y, x.z, new_q.w},
-                           {new_q.v.x, new_q.v.y, new_q.v.z, next.x},
-                           {next.y, next.z, carried.x, carried.y},
-                           {carried.z, omega.x, omega.y, omega.z}};
-  for (int i = 0; i < 4; ++i) of.store(now[i], offsetof(Body, x) + i * kFour * sizeof(double));
-  // r row by row, then column by column; the last row is beside what follows.
-  const auto& m = new_r.row;
+// By the spin of a step; what is at rest keeps its bits.
+HWY_INLINE void turn(const Lanes3& omega, V dt, Lanes4* q, Lanes33* r) {
+  const D d;
+  const auto at_rest = hn::Eq(dot_of(omega, omega), hn::Zero(d));
+  if (hn::AllTrue(d, at_rest)) return;
+  const Lanes4 on = unit(product(rotation_of(scaled(dt, omega)), *q));
+  const Lanes33 matrix = matrix_of(on);
+  q->w = hn::IfThenElse(at_rest, q->w, on.w);
+  for (int k = 0; k < 3; ++k) {
+    q->v[k] = hn::IfThenElse(at_rest, q->v[k], on.v[k]);
+    for (int j = 0; j < 3; ++j) r->row[k][j] = hn::IfThenElse(at_rest, r->row[k][j], matrix.row[k][j]);
+  }
+}
+
+// Row by row, then column by column; the last row is beside what follows.
+HWY_INLINE void store_turned(const Members& of, const Lanes33& r) {
+  const auto& m = r.row;
   const V turned_to[5][kFour] = {{m[0].x, m[0].y, m[0].z, m[1].x},
                                  {m[1].y, m[1].z, m[2].x, m[2].y},
                                  {m[2].z, m[0].x, m[1].x, m[2].x},
@@ -374,10 +355,74 @@ HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen
                                  {m[2].y, m[0].z, m[1].z, m[2].z}};
   for (int i = 0; i < 4; ++i) of.store(turned_to[i], offsetof(Body, r) + i * kFour * sizeof(double));
   of.store(turned_to[4], offsetof(Body, r) + 14 * sizeof(double));
-  hn::Store(hn::Add(hn::Add(x.x, x.y), hn::Add(x.z, new_q.w)), d, sums->positions + first);
-  hn::Store(kinetic, d, sums->kinetic + first);
-  hn::Store(damping, d, sums->damping + first);
-  hn::Store(external, d, sums->external + first);
+}
+
+HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen)[kLanes],
+                               const double (&held)[6][kLanes], int first, const BodyStep& step, SumLanes* sums) {
+  const D d;
+  const V zero = hn::Zero(d), dt = hn::Set(d, step.time_step), gamma = hn::Set(d, step.gamma);
+  const double a = half_alpha_dt(step);
+  const V keep = hn::Set(d, 1.0 - a), over = hn::Set(d, 1.0 / (1.0 + a));
+  const HeldLanes is_held{held, first};
+
+  // x q v momentum omega; force torque weight_mass mass inertia.
+  V moved[4][kFour], load[3][kFour];
+  for (int i = 0; i < 4; ++i) of.load(offsetof(Body, x) + i * kFour * sizeof(double), moved[i]);
+  for (int i = 0; i < 3; ++i) of.load(offsetof(Body, force) + i * kFour * sizeof(double), load[i]);
+  const Lanes3 place = {moved[0][0], moved[0][1], moved[0][2]}, v = {moved[1][3], moved[2][0], moved[2][1]};
+  Lanes4 q = {moved[0][3], {moved[1][0], moved[1][1], moved[1][2]}};
+  const Lanes3 momentum = {moved[2][2], moved[2][3], moved[3][0]}, spin = {moved[3][1], moved[3][2], moved[3][3]};
+  const Lanes3 force = {load[0][0], load[0][1], load[0][2]}, torque = {load[0][3], load[1][0], load[1][1]};
+  const V weight_mass = load[1][2], mass = load[1][3];
+  const Lanes3 inertia = {load[2][0], load[2][1], load[2][2]};
+  Lanes3 held_v = {zero, zero, zero}, held_spin = held_v;
+  for (int k = 0; k < 3 && !is_held.none(); ++k) {
+    held_v[k] = of.one(offsetof(Body, held_v) + k * sizeof(double));
+    held_spin[k] = of.one(offsetof(Body, held_omega) + k * sizeof(double));
+  }
+
+  EnergyLanes energies = {zero, zero, zero};
+  const Lanes3 next = accelerate(is_held, first, step, v, held_v, force, weight_mass, mass, sums, &energies);
+  const Lanes3 x = sum_of(place, scaled(dt, next));
+
+  // Rotation: the angular momentum is the unknown.
+  Lanes33 r = matrix_of(q);
+  const auto all_held = hn::And(is_held(3), hn::And(is_held(4), is_held(5)));
+  const auto some_held = hn::Or(is_held(3), hn::Or(is_held(4), is_held(5)));
+  Lanes3 turned;
+  for (int k = 0; k < 3; ++k) {
+    const V brake = hn::IfThenZeroElse(is_held(3 + k), against(gamma, torque[k], spin[k]));
+    turned[k] = hn::Mul(over, hn::MulAdd(keep, momentum[k], hn::Mul(dt, hn::Add(torque[k], brake))));
+    if (step.energies)
+      energies.damping = hn::NegMulAdd(hn::IfThenZeroElse(all_held, hn::Mul(brake, spin[k])), dt, energies.damping);
+  }
+  Lanes3 omega = spin_at_midpoint(q, r, turned, inertia, all_held, dt);
+  Lanes3 carried = turned;
+  if (!hn::AllFalse(d, some_held)) {
+    for (int k = 0; k < 3; ++k) omega[k] = hn::IfThenElse(is_held(3 + k), held_spin[k], omega[k]);
+    const Lanes3 w = transposed_times_of(r, omega);
+    const Lanes3 of_held = times(r, {hn::Mul(inertia.x, w.x), hn::Mul(inertia.y, w.y), hn::Mul(inertia.z, w.z)});
+    for (int k = 0; k < 3; ++k) carried[k] = hn::IfThenElse(some_held, of_held[k], turned[k]);
+  }
+  turn(omega, dt, &q, &r);
+  if (step.energies) {
+    energies.external = hn::Sub(energies.external, hn::IfThenElseZero(all_held, hn::Mul(dot_of(torque, omega), dt)));
+    const V swing = hn::Mul(hn::Set(d, 0.125), dot_of(sum_of(carried, momentum), sum_of(omega, spin)));
+    const V viscous = hn::Mul(hn::Set(d, 4.0 * a), swing);
+    energies.damping = hn::Add(energies.damping, hn::IfThenZeroElse(all_held, viscous));
+    energies.kinetic = hn::Add(energies.kinetic, hn::IfThenZeroElse(all_held, swing));
+  }
+
+  const V now[4][kFour] = {{x.x, x.y, x.z, q.w},
+                           {q.v.x, q.v.y, q.v.z, next.x},
+                           {next.y, next.z, carried.x, carried.y},
+                           {carried.z, omega.x, omega.y, omega.z}};
+  for (int i = 0; i < 4; ++i) of.store(now[i], offsetof(Body, x) + i * kFour * sizeof(double));
+  store_turned(of, r);
+  hn::Store(hn::Add(hn::Add(x.x, x.y), hn::Add(x.z, q.w)), d, sums->positions + first);
+  hn::Store(energies.kinetic, d, sums->kinetic + first);
+  hn::Store(energies.damping, d, sums->damping + first);
+  hn::Store(energies.external, d, sums->external + first);
   hn::Store(seen[0] ? beyond_seen(seen, next, omega) : zero, d, sums->beyond + first);
 }
 

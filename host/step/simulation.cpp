@@ -6,8 +6,18 @@
 #include <cmath>
 
 #include "model/motion.h"
+#include "step/gather.h"
+#include "step/measure.h"
+#include "step/rank_agreement.h"
+#include "step/rank_load.h"
+#include "step/run_watch.h"
+#include "step/set_up.h"
+#include "step/small_motion.h"
 #include "step/stage_run.h"
+#include "step/stages.h"
 #include "step/state.h"
+#include "step/state_hash.h"
+#include "step/step.h"
 
 namespace quoin {
 
@@ -35,44 +45,47 @@ Simulation::Simulation(Scene scene, Assembly assembly, int threads,
 std::unique_ptr<Simulation::Impl> Simulation::make_impl(Motion motion, int threads,
                                                         std::vector<std::shared_ptr<const Material>> materials,
                                                         Ranks* ranks) {
-  return std::make_unique<Impl>(std::move(motion.scene), std::move(motion.bricks), threads, std::move(materials),
-                                motion.shapes ? &*motion.shapes : nullptr, ranks);
+  auto impl = std::make_unique<Impl>(std::move(motion.scene), threads, ranks);
+  set_up(*impl, std::move(motion.bricks), std::move(materials), motion.shapes ? &*motion.shapes : nullptr);
+  return impl;
 }
 
 Simulation::~Simulation() = default;
 
 void Simulation::advance(long steps, bool measure_last) {
-  if (impl_->stage < 0 && !impl_->scene.stages.empty()) impl_->begin_stage(0);
+  if (impl_->progress.stage < 0 && !impl_->scene.stages.empty()) begin_stage(*impl_, 0);
   for (long i = 0; i < steps; ++i) {
     const bool last = measure_last && i + 1 == steps;
-    impl_->step_once(impl_->books_energy() || last, last);
+    step_once(*impl_, books_energy(*impl_) || last, last);
   }
 }
 
 void Simulation::run(Observer& observer) {
-  impl_->run_start = Clock::now();
+  impl_->rank_load.run_start = Clock::now();
   try {
     while (run_stage(observer)) {
     }
   } catch (const Error& error) {
-    if (impl_->ranks) impl_->together = impl_->ranks->all_here(kTogether);
-    if (impl_->together) {
+    if (impl_->ranks) impl_->agreed.together = impl_->ranks->all_here(kTogether);
+    if (impl_->agreed.together) {
       // All ranks share what they have found. A rank that was only asked to stop has nothing to share.
-      if (impl_->any_rank(error.exit_code != Exit::interrupted))
-        impl_->gather(Part::all, Who::first);
+      if (any_rank(*impl_, error.exit_code != Exit::interrupted))
+        gather(*impl_, Part::all, Who::first);
       else
-        impl_->end_run();
-      impl_->collect_traffic();
+        end_run(*impl_);
+      collect_traffic(*impl_);
     }
     throw;
   }
-  impl_->end_run();
-  impl_->collect_traffic();
+  end_run(*impl_);
+  collect_traffic(*impl_);
 }
 
 bool Simulation::run_stage(Observer& observer, long most_steps) {
   const int stages = static_cast<int>(impl_->scene.stages.size());
-  const int index = impl_->stage < 0 ? 0 : impl_->in_stage ? impl_->stage : impl_->stage + 1;
+  const int index = impl_->progress.stage < 0  ? 0
+                    : impl_->progress.in_stage ? impl_->progress.stage
+                                               : impl_->progress.stage + 1;
   if (index >= stages) return false;
   StageRun stage(*this, *impl_, observer, index);
   for (; most_steps > 0; --most_steps) {
@@ -84,28 +97,28 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
 }
 
 void Simulation::time_phases() {
-  impl_->time_every_step = true;
-  impl_->times = {};
+  impl_->timing.every_step = true;
+  impl_->timing.phases = {};
 }
-const PhaseTimes& Simulation::phase_times() const { return impl_->times; }
+const PhaseTimes& Simulation::phase_times() const { return impl_->timing.phases; }
 const Scene& Simulation::scene() const { return impl_->scene; }
 const Assembly& Simulation::assembly() const { return impl_->model.assembly; }
 const Model& Simulation::model() const { return impl_->model; }
 const TimeStepReport& Simulation::time_step_report() const { return impl_->time_step; }
-long Simulation::step() const { return impl_->step_count; }
-double Simulation::time() const { return impl_->now(); }
+long Simulation::step() const { return impl_->progress.step; }
+double Simulation::time() const { return time_now(*impl_); }
 const blocks::Model* Simulation::large_motion() const { return impl_->large_motion.get(); }
 const Outcome& Simulation::outcome() const { return impl_->outcome; }
 int Simulation::thread_count() const { return impl_->pool.thread_count(); }
 const char* Simulation::instruction_set() const { return kernel_instruction_set(); }
-HistoryRow Simulation::measure() const { return impl_->measure(); }
-const MotionSeen& Simulation::motion_seen() const { return impl_->motion_seen; }
-std::string Simulation::batch_text(const quoin_batch& batch) const { return impl_->batch_text(batch); }
+HistoryRow Simulation::measure() const { return measure_row(*impl_); }
+const MotionSeen& Simulation::motion_seen() const { return impl_->small_motion.seen; }
+std::string Simulation::batch_text(const quoin_batch& batch) const { return quoin::batch_text(*impl_, batch); }
 const Watch& Simulation::watch() const { return impl_->watch; }
-const std::vector<Restraint>& Simulation::restraints() const { return impl_->restraints; }
-double Simulation::allowed_overlap() const { return impl_->allowed_overlap(); }
-std::string Simulation::past_motion_bound() const { return impl_->past_motion_bound(); }
-LaneVector<double>& Simulation::displacement() { return impl_->displacement; }
-LaneVector<double>& Simulation::velocity() { return impl_->velocity; }
+const std::vector<Restraint>& Simulation::restraints() const { return impl_->reactions.restraints; }
+double Simulation::allowed_overlap() const { return quoin::allowed_overlap(*impl_); }
+std::string Simulation::past_motion_bound() const { return quoin::past_motion_bound(*impl_); }
+LaneVector<double>& Simulation::displacement() { return impl_->lattice.displacement; }
+LaneVector<double>& Simulation::velocity() { return impl_->lattice.velocity; }
 
 }  // namespace quoin

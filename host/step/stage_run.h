@@ -40,7 +40,7 @@ class StageRun {
   void write(const Write& what) {
     const auto before = Clock::now();
     what();
-    s_.times[Phase::output] += seconds_since(before);
+    s_.timing.phases[Phase::output] += seconds_since(before);
   }
 
   Simulation& simulation_;

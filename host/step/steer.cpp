@@ -3,8 +3,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "base/error.h"
+#include "step/controls.h"
+#include "step/large_motion_run.h"
+#include "step/stages.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -12,8 +17,6 @@ namespace quoin {
 using geometry::Vector;
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr const char* kAxis[3] = {"x", "y", "z"};
 
@@ -32,6 +35,73 @@ void require_kind(const char* what, const std::string& body, const Vec3& value, 
     if (std::isnan(value[c]) || prescribed[c] == of_prescribed) continue;
     throw refusal(what, body, c, of_prescribed ? "leaves free" : "holds or moves");
   }
+}
+
+// Sets velocities (else forces) of bodies, or blocks, that have this name: those components that are numbers.
+void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name, const std::vector<int>& bodies,
+                  const Vec3& value, bool velocities) {
+  for (const int body : bodies) {
+    const auto [place, lane] = s.lattice.place[at(body)];
+    std::array<bool, 3> prescribed{};
+    for (std::size_t c = 0; c < 3; ++c) prescribed[c] = s.lattice.bodies[at(place)].prescribed[c][lane] != 0.0;
+    require_kind(what, name, value, velocities, prescribed);
+  }
+  for (const int body : bodies) {
+    const auto [place, lane] = s.lattice.place[at(body)];
+    BodyLanes& lanes = s.lattice.bodies[at(place)];
+    BodyRamp& ramp = s.controls.ramps[at(body)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::isnan(value[c])) continue;
+      if (velocities) {
+        ramp.velocity_from[c] = ramp.velocity_to[c] = lanes.prescribed_velocity[c][lane] = value[c];
+        ramp.in_cycles[c] = 0.0;
+        ramp.of_ground &= ~(std::uint64_t{1} << c);
+      } else {
+        ramp.force_from[c] = ramp.force_to[c] = lanes.applied_force[c][lane] = value[c];
+      }
+    }
+  }
+  s.controls.rest_known = false;
+  find_bodies_at_rest(s);
+  s.small_motion.next_check = s.progress.step;
+}
+
+void steer_drives(Simulation::Impl& s, const char* what, const std::string& name, const Vec3& value, bool velocities) {
+  const std::vector<int> steered = blocks_named(s, name, "body");
+  const auto drive_of = [&](int block) {
+    return std::find_if(s.actions.drives.begin(), s.actions.drives.end(),
+                        [&](const Drive& d) { return d.block == block; });
+  };
+  for (const int block : steered) {
+    const auto drive = drive_of(block);
+    const bool fixed = drive == s.actions.drives.end() && s.large_motion->assembly.blocks[at(block)].fixed;
+    std::array<bool, 3> prescribed{};
+    for (std::size_t c = 0; c < 3; ++c)
+      prescribed[c] = drive == s.actions.drives.end() ? fixed : (drive->held >> c & 1) != 0;
+    require_kind(what, name, value, velocities, prescribed);
+  }
+  for (const int block : steered) {
+    auto drive = drive_of(block);
+    if (drive == s.actions.drives.end()) {
+      Drive added;
+      added.block = block;
+      if (s.large_motion->assembly.blocks[at(block)].fixed) added.held = 0x3f;
+      drive = s.actions.drives.insert(drive, added);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int c = static_cast<int>(k);
+      if (std::isnan(value[k])) continue;
+      if (velocities) {
+        drive->velocity_from[c] = drive->velocity_to[c] = value[k];
+        drive->in_cycles = static_cast<std::uint8_t>(drive->in_cycles & ~(1 << c));
+        drive->of_ground = static_cast<std::uint8_t>(drive->of_ground & ~(1 << c));
+      } else {
+        drive->force_from[c] = drive->force_to[c] = value[k];
+      }
+    }
+    if (!velocities) s.large_motion->apply_force(block, drive->force_to);
+  }
+  s.controls.settled = false;  // drives reach their blocks with the next step
 }
 
 Error no_such_body(const std::string& body, const std::vector<std::string>& names) {
@@ -55,91 +125,28 @@ Simulation::View view_of(Vector* first, std::size_t rows) { return {&first->x, r
 
 void Simulation::set_velocity(const std::string& body, const Vec3& velocity) {
   Impl& s = *impl_;
-  if (s.stage < 0) s.begin_stage(0);
-  if (s.large_motion) return s.steer_drives("velocity", body, velocity, true);
+  if (s.progress.stage < 0) begin_stage(s, 0);
+  if (s.large_motion) return steer_drives(s, "velocity", body, velocity, true);
   const std::vector<int> bodies = s.model.bodies_named(body);
   if (bodies.empty()) throw no_such_body(body, names_of(s.model));
-  s.steer_bodies("velocity", body, bodies, velocity, true);
+  steer_bodies(s, "velocity", body, bodies, velocity, true);
 }
 
 void Simulation::set_force(const std::string& body, const Vec3& force) {
   Impl& s = *impl_;
-  if (s.stage < 0) s.begin_stage(0);
-  if (s.large_motion) return s.steer_drives("force", body, force, false);
+  if (s.progress.stage < 0) begin_stage(s, 0);
+  if (s.large_motion) return steer_drives(s, "force", body, force, false);
   const std::vector<int> bodies = s.model.bodies_named(body);
   if (bodies.empty() && s.model.deformable_blocks_named(body).empty()) throw no_such_body(body, names_of(s.model));
-  s.steer_bodies("force", body, bodies, force, false);
-  for (std::size_t i = 0; i < s.loaded_blocks.size(); ++i) {
-    if (s.model.assembly.bricks[at(s.loaded_blocks[i].block)].body != body) continue;
+  steer_bodies(s, "force", body, bodies, force, false);
+  for (std::size_t i = 0; i < s.controls.loaded_blocks.size(); ++i) {
+    if (s.model.assembly.bricks[at(s.controls.loaded_blocks[i].block)].body != body) continue;
     for (std::size_t c = 0; c < 3; ++c) {
-      if (!std::isnan(force[c])) s.load_ramps[i].from[c] = s.load_ramps[i].to[c] = s.load_ramps[i].now[c] = force[c];
+      if (!std::isnan(force[c]))
+        s.controls.load_ramps[i].from[c] = s.controls.load_ramps[i].to[c] = s.controls.load_ramps[i].now[c] = force[c];
     }
-    s.apply_load(i);
+    s.controls.apply_load(s.model, i);
   }
-}
-
-void Simulation::Impl::steer_bodies(const char* what, const std::string& name, const std::vector<int>& bodies,
-                                    const Vec3& value, bool velocities) {
-  for (const int body : bodies) {
-    const auto [place, lane] = body_place[at(body)];
-    std::array<bool, 3> prescribed{};
-    for (std::size_t c = 0; c < 3; ++c) prescribed[c] = body_lanes[at(place)].prescribed[c][lane] != 0.0;
-    require_kind(what, name, value, velocities, prescribed);
-  }
-  for (const int body : bodies) {
-    const auto [place, lane] = body_place[at(body)];
-    BodyLanes& lanes = body_lanes[at(place)];
-    BodyRamp& ramp = ramps[at(body)];
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (std::isnan(value[c])) continue;
-      if (velocities) {
-        ramp.velocity_from[c] = ramp.velocity_to[c] = lanes.prescribed_velocity[c][lane] = value[c];
-        ramp.in_cycles[c] = 0.0;
-        ramp.of_ground &= ~(std::uint64_t{1} << c);
-      } else {
-        ramp.force_from[c] = ramp.force_to[c] = lanes.applied_force[c][lane] = value[c];
-      }
-    }
-  }
-  rest_known = false;
-  find_bodies_at_rest();
-  next_motion_check = step_count;
-}
-
-void Simulation::Impl::steer_drives(const char* what, const std::string& name, const Vec3& value, bool velocities) {
-  const std::vector<int> steered = blocks_named(name, "body");
-  const auto drive_of = [&](int block) {
-    return std::find_if(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == block; });
-  };
-  for (const int block : steered) {
-    const auto drive = drive_of(block);
-    const bool fixed = drive == drives.end() && large_motion->assembly.blocks[at(block)].fixed;
-    std::array<bool, 3> prescribed{};
-    for (std::size_t c = 0; c < 3; ++c) prescribed[c] = drive == drives.end() ? fixed : (drive->held >> c & 1) != 0;
-    require_kind(what, name, value, velocities, prescribed);
-  }
-  for (const int block : steered) {
-    auto drive = drive_of(block);
-    if (drive == drives.end()) {
-      Drive added;
-      added.block = block;
-      if (large_motion->assembly.blocks[at(block)].fixed) added.held = 0x3f;
-      drive = drives.insert(drive, added);
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int c = static_cast<int>(k);
-      if (std::isnan(value[k])) continue;
-      if (velocities) {
-        drive->velocity_from[c] = drive->velocity_to[c] = value[k];
-        drive->in_cycles = static_cast<std::uint8_t>(drive->in_cycles & ~(1 << c));
-        drive->of_ground = static_cast<std::uint8_t>(drive->of_ground & ~(1 << c));
-      } else {
-        drive->force_from[c] = drive->force_to[c] = value[k];
-      }
-    }
-    if (!velocities) large_motion->apply_force(block, drive->force_to);
-  }
-  controls_settled = false;  // drives reach their blocks with the next step
 }
 
 LawSwap Simulation::swap_law(const std::string& family, const std::string& law) {
@@ -151,10 +158,10 @@ LawSwap Simulation::swap_law(const std::string& family, const std::string& law) 
     throw Error(Exit::bad_input,
                 fmt::format("joint: there is no joint family '{}'; there are {}", family, fmt::join(names, ", ")));
   }
-  if (s.stage < 0) s.begin_stage(0);
-  s.swap_law(family, law);
-  s.scene.stages[at(s.stage)].law_swaps[family] = law;  // as a checkpoint of from now on finds it
-  return s.swaps.back();
+  if (s.progress.stage < 0) begin_stage(s, 0);
+  quoin::swap_law(s, family, law);
+  s.scene.stages[s.progress.at_stage()].law_swaps[family] = law;  // as a checkpoint of from now on finds it
+  return s.laws.swaps.back();
 }
 
 Simulation::View Simulation::view(BlockArray what, int block) {
@@ -167,13 +174,13 @@ Simulation::View Simulation::view(BlockArray what, int block) {
   }
   const Model::BlockPlace& place = s.model.place[at(block)];
   if (place.body >= 0) {
-    const auto [index, lane] = s.body_place[at(place.body)];
-    BodyLanes& lanes = s.body_lanes[at(index)];
+    const auto [index, lane] = s.lattice.place[at(place.body)];
+    BodyLanes& lanes = s.lattice.bodies[at(index)];
     BodyLanes::Quantity& quantity = what == BlockArray::displacement ? lanes.displacement : lanes.velocity;
     return {&quantity[0][lane], 1, 3, 1, kLanes};
   }
   const BlockGroup& group = s.model.groups[at(place.group)];
-  LaneVector<double>& values = what == BlockArray::displacement ? s.displacement : s.velocity;
+  LaneVector<double>& values = what == BlockArray::displacement ? s.lattice.displacement : s.lattice.velocity;
   return {values.data() + at(group.first_line) * kLine + at(place.lane),
           s.model.templates[at(group.brick_template)].node_mass.size(), 3, kLine, kLanes};
 }
@@ -194,17 +201,17 @@ Simulation::View Simulation::view(PointArray what, int family) {
   if (what == PointArray::area) return {s.model.area.data() + first, count};
   if (what == PointArray::position)
     return {count == 0 ? nullptr : s.model.point_position[first].data(), count, 3, 3, 1};
-  return {s.traction[k].data() + first, count};
+  return {s.lattice.traction[k].data() + first, count};
 }
 
 Simulation::View Simulation::view_state(int family, const std::string& id) {
   Impl& s = *impl_;
   const Law& law = s.model.families[at(family)].material->law();
   const int k = law.state_index(id);
-  if (k < 0 || (law.law->states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.keep_diagnostics)) {
+  if (k < 0 || (law.law->states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)) {
     std::vector<std::string> ids;
     for (std::uint64_t i = 0; i < law.law->state_count; ++i) {
-      if (law.law->states[i]->role != QUOIN_ROLE_DIAGNOSTIC || s.keep_diagnostics)
+      if (law.law->states[i]->role != QUOIN_ROLE_DIAGNOSTIC || s.contacts.keep_diagnostics)
         ids.push_back(law.law->states[i]->id);
     }
     throw Error(Exit::bad_input, fmt::format("state: law {} keeps no state '{}' here; it keeps: {}", law.law->id, id,
@@ -215,11 +222,11 @@ Simulation::View Simulation::view_state(int family, const std::string& id) {
     return {f.state[at(k)].data(), f.size()};
   }
   const std::size_t count = at(s.model.families[at(family)].point_count);
-  return {s.law_state[at(family)].data() + at(k) * count, count};
+  return {s.lattice.law_state[at(family)].data() + at(k) * count, count};
 }
 
 void Simulation::velocities_changed() {
-  if (!impl_->large_motion) impl_->find_bodies_at_rest();
+  if (!impl_->large_motion) find_bodies_at_rest(*impl_);
 }
 
 }  // namespace quoin

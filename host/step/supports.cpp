@@ -1,24 +1,22 @@
-// What holds blocks in a stage, what nothing holds, and what is said of blocks that fall for ever.
+#include "step/supports.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
+#include "base/error.h"
 #include "members/members.h"
-#include "step/large_motion.h"
+#include "step/large_motion_run.h"
+#include "step/small_motion.h"
+#include "step/stages.h"
 #include "step/state.h"
 
 namespace quoin {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-constexpr std::size_t kNamed = 5;  // blocks that a message names, of many
 
 std::uint8_t imposed_by(const BodyControl& control) {
   unsigned bits = 0;
@@ -26,17 +24,11 @@ std::uint8_t imposed_by(const BodyControl& control) {
   return static_cast<std::uint8_t>(bits);
 }
 
-// Only rest, of which there is none in free fall, or so many steps end the stage.
-bool ends_at_rest_alone(const Stage& stage) {
-  return stage.equilibrium_ratio && !stage.duration && !stage.displacement && !stage.collapse;
-}
-
-}  // namespace
-
-std::vector<std::uint8_t> Simulation::Impl::held_in(const Stage& settings) const {
+// By block; bits 0..2: x, y, z are imposed.
+std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settings) {
   std::vector<std::uint8_t> held;
-  if (!large_motion) {
-    for (const Brick& brick : model.assembly.bricks) {
+  if (!s.large_motion) {
+    for (const Brick& brick : s.model.assembly.bricks) {
       const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
         return brick.rigid && !c.body.empty() && c.body == brick.body;
       });
@@ -48,15 +40,16 @@ std::vector<std::uint8_t> Simulation::Impl::held_in(const Stage& settings) const
     }
     return held;
   }
-  for (const blocks::Block& block : large_motion->assembly.blocks) held.push_back(block.fixed ? 7 : 0);
+  for (const blocks::Block& block : s.large_motion->assembly.blocks) held.push_back(block.fixed ? 7 : 0);
   for (const BodyControl& control : settings.controls) {
-    for (const int block : blocks_named(control.body, settings.source.text)) held[at(block)] = imposed_by(control);
+    for (const int block : blocks_named(s, control.body, settings.source.text)) held[at(block)] = imposed_by(control);
   }
   return held;
 }
 
-std::vector<int> Simulation::Impl::groups_of_joined_blocks() const {
-  std::vector<int> first(large_motion ? at(large_motion->block_count()) : model.assembly.bricks.size());
+// By block: the first one of its group.
+std::vector<int> groups_of_joined_blocks(const Simulation::Impl& s) {
+  std::vector<int> first(s.large_motion ? at(s.large_motion->block_count()) : s.model.assembly.bricks.size());
   std::iota(first.begin(), first.end(), 0);
   const auto find = [&](int i) {
     while (first[at(i)] != i) i = first[at(i)] = first[at(first[at(i)])];
@@ -66,25 +59,25 @@ std::vector<int> Simulation::Impl::groups_of_joined_blocks() const {
     const int of_a = find(a), of_b = find(b);
     first[at(std::max(of_a, of_b))] = std::min(of_a, of_b);
   };
-  for (const Joint& j : model.assembly.joints) join(j.block_a, j.block_b);
-  for (std::size_t i = 0; large_motion && i < large_motion->contacts.list.size(); ++i) {
-    const blocks::Contact& c = large_motion->contacts.list[i];
+  for (const Joint& j : s.model.assembly.joints) join(j.block_a, j.block_b);
+  for (std::size_t i = 0; s.large_motion && i < s.large_motion->contacts.list.size(); ++i) {
+    const blocks::Contact& c = s.large_motion->contacts.list[i];
     if (c.count > 0) join(c.pair.a, c.pair.b);
   }
-  const members::Members* const members = large_motion ? large_motion->members() : nullptr;
+  const members::Members* const members = s.large_motion ? s.large_motion->members() : nullptr;
   if (members) members->each_joint(join);
   for (std::size_t i = 0; i < first.size(); ++i) first[i] = find(static_cast<int>(i));
   return first;
 }
 
-std::vector<int> Simulation::Impl::loose_blocks(const Stage& settings) const {
-  const std::vector<std::uint8_t> held = held_in(settings);
-  const std::vector<int> group = groups_of_joined_blocks();
+std::vector<int> loose_blocks(const Simulation::Impl& s, const Stage& settings) {
+  const std::vector<std::uint8_t> held = held_in(s, settings);
+  const std::vector<int> group = groups_of_joined_blocks(s);
   unsigned along = 0;
   for (unsigned c = 0; c < 3; ++c) along |= settings.gravity[c] != 0.0 ? 1u << c : 0u;
   std::map<int, unsigned> imposed;
   for (std::size_t i = 0; i < held.size(); ++i) imposed[group[i]] |= held[i];
-  const members::Members* const members = large_motion ? large_motion->members() : nullptr;
+  const members::Members* const members = s.large_motion ? s.large_motion->members() : nullptr;
   for (std::size_t i = 0; members && i < members->spring_points().size(); ++i)
     imposed[group[at(members->nodes()[at(members->spring_points()[i].node)].block)]] |= along;
   std::vector<int> loose;
@@ -94,13 +87,22 @@ std::vector<int> Simulation::Impl::loose_blocks(const Stage& settings) const {
   return loose;
 }
 
-void Simulation::Impl::require_moving_ground() const {
+// Only rest, of which there is none in free fall, or so many steps end the stage.
+bool ends_at_rest_alone(const Stage& stage) {
+  return stage.equilibrium_ratio && !stage.duration && !stage.displacement && !stage.collapse;
+}
+
+constexpr std::size_t kNamed = 5;  // blocks that a message names, of many
+
+}  // namespace
+
+void require_moving_ground(const Simulation::Impl& s) {
   const auto any_fixed = [](const auto& blocks) {
     return std::any_of(blocks.begin(), blocks.end(), [](const auto& b) { return b.fixed; });
   };
-  if (large_motion && large_motion->members() && !large_motion->members()->beds().empty()) return;
-  if (large_motion ? any_fixed(large_motion->assembly.blocks) : any_fixed(model.assembly.bricks)) return;
-  for (const Stage& each : scene.stages) {
+  if (s.large_motion && s.large_motion->members() && !s.large_motion->members()->beds().empty()) return;
+  if (s.large_motion ? any_fixed(s.large_motion->assembly.blocks) : any_fixed(s.model.assembly.bricks)) return;
+  for (const Stage& each : s.scene.stages) {
     if (!each.ground) continue;
     throw Error(
         Exit::bad_input,
@@ -111,12 +113,12 @@ void Simulation::Impl::require_moving_ground() const {
 }
 
 // That only some blocks are loose is no fault: they may fall onto others. `quoin check` names them.
-void Simulation::Impl::warn_of_loose_blocks(std::vector<Warning>* warnings) {
-  const Stage& settings = scene.stages[at(stage)];
-  held_blocks = held_in(settings);
-  if (settings.gravity == Vec3{} || loose_blocks(settings).size() < held_blocks.size()) return;
+void warn_of_loose_blocks(Simulation::Impl& s, std::vector<Warning>* warnings) {
+  const Stage& settings = current_stage(s);
+  s.small_motion.held_blocks = held_in(s, settings);
+  if (settings.gravity == Vec3{} || loose_blocks(s, settings).size() < s.small_motion.held_blocks.size()) return;
   warn_once(
-      "free_fall",
+      s, "free_fall",
       fmt::format("stage '{}' holds nothing against gravity: all blocks fall freely; give a block fixed = true, or "
                   "a body of the stage a velocity (0 holds it)",
                   settings.name),
@@ -124,27 +126,28 @@ void Simulation::Impl::warn_of_loose_blocks(std::vector<Warning>* warnings) {
 }
 
 // What has moved further than the model is large, and than any support, has left everything that could hold it.
-void Simulation::Impl::find_falling_block(std::vector<Warning>* warnings) {
-  const Stage& settings = scene.stages[at(stage)];
-  if (held_blocks.empty()) held_blocks = held_in(settings);
+void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
+  const Stage& settings = current_stage(s);
+  if (s.small_motion.held_blocks.empty()) s.small_motion.held_blocks = held_in(s, settings);
   const auto moved = [&](std::size_t i) {
-    if (large_motion) return large_motion->moved(static_cast<int>(i));
-    return i < whole_motions.size() ? norm(geometry::vector(whole_motions[i].translation)) : 0.0;
+    if (s.large_motion) return s.large_motion->moved(static_cast<int>(i));
+    return i < s.small_motion.whole_motions.size() ? norm(geometry::vector(s.small_motion.whole_motions[i].translation))
+                                                   : 0.0;
   };
   double of_supports = 0.0, farthest = 0.0;
   int falling = -1;
-  for (std::size_t i = 0; i < held_blocks.size(); ++i) {
-    double& largest = held_blocks[i] != 0 ? of_supports : farthest;
+  for (std::size_t i = 0; i < s.small_motion.held_blocks.size(); ++i) {
+    double& largest = s.small_motion.held_blocks[i] != 0 ? of_supports : farthest;
     const double way = moved(i);
     if (way <= largest) continue;
     largest = way;
-    if (held_blocks[i] == 0) falling = static_cast<int>(i);
+    if (s.small_motion.held_blocks[i] == 0) falling = static_cast<int>(i);
   }
-  if (falling < 0 || farthest <= of_supports + extent) return;
+  if (falling < 0 || farthest <= of_supports + s.small_motion.extent) return;
   const std::string what =
       fmt::format("block {} has moved by {:.3g} m, farther than the model is large ({:.3g} m): nothing holds it",
-                  block_label(falling), farthest, extent);
-  warn_once("free_fall", what + "; quoin check lists what holds blocks in each stage", warnings);
+                  block_label(s, falling), farthest, s.small_motion.extent);
+  warn_once(s, "free_fall", what + "; quoin check lists what holds blocks in each stage", warnings);
   if (!ends_at_rest_alone(settings)) return;
   throw Error(
       Exit::numerical,
@@ -153,20 +156,20 @@ void Simulation::Impl::find_falling_block(std::vector<Warning>* warnings) {
                   settings.name, what));
 }
 
-std::string Simulation::Impl::block_label(int block) const {
-  if (large_motion) return blocks::label(large_motion->assembly, block);
-  const std::string& body = model.assembly.bricks[at(block)].body;
+std::string block_label(const Simulation::Impl& s, int block) {
+  if (s.large_motion) return blocks::label(s.large_motion->assembly, block);
+  const std::string& body = s.model.assembly.bricks[at(block)].body;
   return body.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, body);
 }
 
-std::string Simulation::block_label(int block) const { return impl_->block_label(block); }
+std::string Simulation::block_label(int block) const { return quoin::block_label(*impl_, block); }
 
 Simulation::Supports Simulation::supports(int stage) const {
   const Impl& s = *impl_;
   const Stage& settings = s.scene.stages[at(stage)];
   Supports supports;
   std::map<unsigned, std::vector<std::string>> names;  // by what is held
-  const std::vector<std::uint8_t> held = s.held_in(settings);
+  const std::vector<std::uint8_t> held = held_in(s, settings);
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (held[i] == 0) continue;
     std::vector<std::string>& with_axes = names[held[i]];
@@ -182,7 +185,7 @@ Simulation::Supports Simulation::supports(int stage) const {
     supports.held.push_back(
         fmt::format("{}{}:{}", fmt::join(with_axes, ", "), more > 0 ? fmt::format(" and {} more", more) : "", axes));
   }
-  if (settings.gravity != Vec3{}) supports.loose = s.loose_blocks(settings);
+  if (settings.gravity != Vec3{}) supports.loose = loose_blocks(s, settings);
   return supports;
 }
 

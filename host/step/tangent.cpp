@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "base/error.h"
+#include "step/points_at_rest.h"
+#include "step/stages.h"
 #include "step/unknowns.h"
 
 namespace quoin {
@@ -16,8 +18,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using geometry::Vector;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Of the traction, by which points are tried: far below any strength, far above the rounding of tractions.
 constexpr double kProbe = 1.0;  // Pa
@@ -36,7 +36,7 @@ std::vector<double> traction_after(const Simulation::Impl& s, const PointRange& 
   std::vector<double> result(count, std::numeric_limits<double>::quiet_NaN()), slip[2], jump(count);
   for (auto& of_axis : slip) of_axis.assign(count, 0.0);
   if (along > 0) slip[along - 1] = motion;
-  s.ask_at_rest(kAny, all, [&](quoin_batch& batch, std::size_t first) {
+  ask_at_rest(s, kAny, all, [&](quoin_batch& batch, std::size_t first) {
     for (std::size_t i = 0; i < batch.count; ++i)
       jump[first + i] = batch.normal_jump.data[i * batch.normal_jump.stride] + (along == 0 ? motion[first + i] : 0.0);
     batch.normal_jump = {jump.data() + first, 1};
@@ -166,7 +166,7 @@ struct Dashpots {
 };
 
 std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
-  const SolverSettings& solver = s.solver_in_use();
+  const SolverSettings& solver = solver_in_use(s);
   const std::size_t families = s.model.families.size();
   if (solver.damping == DampingKind::impact) {
     const ImpactDamping& impacts = s.time_step.impacts;
@@ -183,7 +183,7 @@ Tangent tangent_of(const Simulation& simulation) {
   if (s.ranks) throw Error(Exit::bad_input, "modes of a state: in one process alone; start quoin without mpirun");
   const Unknowns unknowns(s, static_cast<int>(simulation.block_count()));
   const std::vector<ContactPoint> points = simulation.contact_points();
-  const PointStiffness k = stiffness_now(s, s.all_points(), points);
+  const PointStiffness k = stiffness_now(s, whole_range(s), points);
   Tangent t;
   t.groups = unknowns.groups();
   t.unknown.resize(at(unknowns.count())), t.mass.resize(at(unknowns.count()));
@@ -201,7 +201,7 @@ Tangent tangent_of(const Simulation& simulation) {
     ++t.points;
     if (normal == 0.0 && shear == 0.0) ++t.open;
     unknowns.add_point(p, p.area * normal, p.area * shear, &entries);
-    if (!dashpots || (p.traction[0] >= 0.0 && s.solver_in_use().damping == DampingKind::impact)) continue;
+    if (!dashpots || (p.traction[0] >= 0.0 && solver_in_use(s).damping == DampingKind::impact)) continue;
     const auto& [beta, along] = dashpots->of_family[at(p.family)];
     unknowns.add_point(p, p.area * beta * normal, p.area * along * shear, &viscous);
   }

@@ -8,8 +8,6 @@ namespace {
 
 using geometry::Vector;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 // Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
 void add_zone(const std::array<std::array<int, 3>, 4>& unknown, const std::array<Vector, 4>& gradient, double volume,
               double lambda, double mu, Unknowns::Entries* entries) {
@@ -62,15 +60,15 @@ void Unknowns::number_lattice(int b) {
   const int body = s_.model.place[at(b)].body;
   if (body >= 0) {
     const RigidBody& rigid = s_.model.bodies[at(body)];
-    const auto [index, lane] = s_.body_place[at(body)];
+    const auto [index, lane] = s_.lattice.place[at(body)];
     u.rigid = true, u.centre = geometry::vector(rigid.centre);
     for (std::size_t c = 0; c < 6; ++c)
-      u.body[c] = next(rigid.held[c] || s_.body_lanes[at(index)].prescribed[c][lane] != 0.0);
+      u.body[c] = next(rigid.held[c] || s_.lattice.bodies[at(index)].prescribed[c][lane] != 0.0);
     return close_group(b, u.centre);
   }
   s_.model.for_each_gridpoint(b, [&](std::size_t offset, double) {
     auto& of_point = u.gridpoint.emplace_back();
-    for (std::size_t c = 0; c < 3; ++c) of_point[c] = next(s_.dt_over_mass[offset + c * kLanes] == 0.0);
+    for (std::size_t c = 0; c < 3; ++c) of_point[c] = next(s_.inertia.dt_over_mass[offset + c * kLanes] == 0.0);
     close_group(b, geometry::vector(s_.model.gridpoint_position(b, static_cast<int>(u.gridpoint.size()) - 1)));
   });
 }
@@ -82,12 +80,13 @@ void Unknowns::number_large_motion(int b) {
     const blocks::Body& body = s_.large_motion->body(b);
     u.rigid = true, u.centre = body.x;
     unsigned held_body = body.held;
-    for (const Drive& drive : s_.drives) held_body = drive.block == b ? drive.held : held_body;  // a step ahead of it
+    for (const Drive& drive : s_.actions.drives)
+      held_body = drive.block == b ? drive.held : held_body;  // a step ahead of it
     for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((held_body | body.support) >> c & 1u) != 0);
     return close_group(b, u.centre);
   }
   unsigned held = s_.large_motion->assembly.blocks[at(b)].fixed ? 7u : 0u;
-  for (const Drive& drive : s_.drives) held |= drive.block == b ? drive.held : 0u;
+  for (const Drive& drive : s_.actions.drives) held |= drive.block == b ? drive.held : 0u;
   const bool halved = s_.large_motion->assembly.symmetry_plane_z0;
   for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
     auto& of_point = u.gridpoint.emplace_back();
@@ -215,7 +214,8 @@ void Unknowns::for_each_stressed_zone(int b, const Visit& visit) const {
   const BrickTemplate& shape = s_.model.template_of(b);
   std::vector<Vector> moved;
   s_.model.for_each_gridpoint(b, [&](std::size_t o, double) {
-    moved.push_back({s_.displacement[o], s_.displacement[o + kLanes], s_.displacement[o + 2 * kLanes]});
+    moved.push_back(
+        {s_.lattice.displacement[o], s_.lattice.displacement[o + kLanes], s_.lattice.displacement[o + 2 * kLanes]});
   });
   for (const auto& zone : shape.zone) {
     for (std::size_t i = 0; i < 4; ++i) gradient[i] = geometry::vector(zone.shape_gradient[i]);

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "scene/read_scene.h"
-#include "step/state.h"
+#include "step/rigid_bodies.h"
 #include "support.h"
 
 namespace quoin {

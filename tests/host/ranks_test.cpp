@@ -248,7 +248,7 @@ TEST(Ranks, DividedAnewKeepWhatPointsHave) {
        "joints.unit.normal_stiffness={distribution='lognormal', mean=1000e9, cov=0.3}"},
       Case::added_mass};
   const Found one = alone(of);
-  setenv("QUOIN_DEAR_BLOCKS", "60x100", 1);  // step/state.h
+  setenv("QUOIN_DEAR_BLOCKS", "60x100", 1);  // step/state/rank_load.h
   std::atomic<int> changed_hands = 0;
   Found first;
   on_ranks(3, [&](Ranks& ranks) {

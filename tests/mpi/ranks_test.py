@@ -263,7 +263,7 @@ def started():
 def balanced():
     """Ranks whose blocks cost more than estimated give some away, and the bits stay.
 
-    Clocks are pretended (QUOIN_DEAR_BLOCKS of step/state.h), for times on a machine that others use prove nothing:
+    Clocks are pretended (QUOIN_DEAR_BLOCKS of step/state/rank_load.h), for times on a machine that others use prove nothing:
     what is asserted is that a run that begins above the bound of step/rank_balance.h ends below it, one with costs as
     estimated never divides anew, and the numbers of blocks by rank change.
     """
@@ -390,7 +390,7 @@ def same_frames(alone, out, who):
 
 
 def large():
-    """A state that is gathered in rounds, as it is larger than the 4 MiB that are on their way at a time (step/ranks.cpp)."""
+    """A state that is gathered in rounds, as it is larger than the 4 MiB that are on their way at a time (base/rank_rows.h)."""
     scene = [root / "tests/cli/small_wall.toml"] + [
         word for setting in ("wall.courses=70", "wall.units_per_course=70", "stage.precompression.duration=0.0003",
                              "stage.shear.displacement=1e-7", "output.frames=1", "output.plots=false")

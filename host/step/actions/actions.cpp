@@ -1,6 +1,14 @@
-// The actions, and what goes over all of them.
+#include "step/actions/actions.h"
+
+#include <algorithm>
+#include <functional>
+#include <span>
+
 #include "scene/load_place.h"
 #include "step/actions/action.h"
+#include "step/large_motion_run.h"
+#include "step/stages.h"
+#include "step/state.h"
 
 namespace quoin {
 
@@ -27,49 +35,47 @@ void of_floors(const Stage& stage, const Visit& visit) {
   for (const auto& floor : stage.whiffletree->floors) std::for_each(floor.begin(), floor.end(), visit);
 }
 
+// In the order in which they act.
+constexpr Action kActions[] = {
+    {"drive", driven, bind_drives, drive_blocks},
+    {"ground", of_supports, bind_ground, follow_ground},
+    {"force", pushed, bind_forces, scale_forces},
+    {"pressure", pressed, bind_pressures, scale_pressures},
+    {"gravity", nullptr, nullptr, apply_gravity},
+    {"members", nullptr, nullptr, jack_members},
+    {"collapse", nullptr, bind_collapse, apply_collapse},
+    {"whiffletree", of_floors, nullptr, nullptr},  // on the lattice too: see pull_whiffletree
+};
+
 }  // namespace
 
-std::span<const Simulation::Impl::Action> Simulation::Impl::Action::all() {
-  static constexpr Action kAll[] = {
-      {"drive", driven, &Impl::bind_drives, &Impl::drive_blocks},
-      {"ground", of_supports, &Impl::bind_ground, &Impl::follow_ground},
-      {"force", pushed, &Impl::bind_forces, &Impl::scale_forces},
-      {"pressure", pressed, &Impl::bind_pressures, &Impl::scale_pressures},
-      {"gravity", nullptr, nullptr, &Impl::apply_gravity},
-      {"members", nullptr, nullptr, &Impl::jack_members},
-      {"collapse", nullptr, &Impl::bind_collapse, &Impl::apply_collapse},
-      {"whiffletree", of_floors, nullptr, nullptr},  // on the lattice too: see pull_whiffletree
-  };
-  return kAll;
-}
-
-std::vector<int> Simulation::Impl::blocks_named_in(const Stage& settings) const {
+std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& settings) {
   std::vector<int> blocks;
-  for (const Action& action : Action::all()) {
+  for (const Action& action : kActions) {
     if (!action.names) continue;
     action.names(settings, [&](const std::string& name) {
-      const std::vector<int> named = blocks_named(name, settings.source.text);
+      const std::vector<int> named = blocks_named(s, name, settings.source.text);
       blocks.insert(blocks.end(), named.begin(), named.end());
     });
   }
   if (settings.moving_load) {
     for (const blocks::LoadPlace& place :
-         blocks::places_of(*settings.moving_load, large_motion->assembly, settings.source.text))
+         blocks::places_of(*settings.moving_load, s.large_motion->assembly, settings.source.text))
       blocks.push_back(place.block);
   }
   return blocks;
 }
 
-void Simulation::Impl::bind_actions(const Stage& settings, const Stage* previous) {
-  for (const Action& action : Action::all()) {
-    if (action.bind) (this->*action.bind)(settings, previous);
+void bind_actions(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
+  for (const Action& action : kActions) {
+    if (action.bind) action.bind(s, settings, previous);
   }
 }
 
-void Simulation::Impl::apply_actions(double ramp) {
-  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
-  for (const Action& action : Action::all()) {
-    if (action.apply) (this->*action.apply)(settings, ramp);
+void apply_actions(Simulation::Impl& s, double ramp) {
+  const Stage& settings = current_stage(s);
+  for (const Action& action : kActions) {
+    if (action.apply) action.apply(s, settings, ramp);
   }
 }
 

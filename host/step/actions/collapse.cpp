@@ -1,17 +1,25 @@
-// A body force that grows until blocks move away: the multiplier at collapse, and how the base slides when it lifts.
+#include "step/actions/collapse.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/error.h"
+#include "base/rank_rows.h"
 #include "scene/collapse_load.h"
-#include "scene/generate_blocks.h"
 #include "step/actions/action.h"
+#include "step/gather.h"
+#include "step/large_motion_run.h"
+#include "step/measure.h"
+#include "step/rank_agreement.h"
+#include "step/small_motion.h"
+#include "step/stages.h"
+#include "step/state.h"
+#include "step/work_division.h"
 
 namespace quoin {
-
-using geometry::Vector;
 
 namespace {
 
@@ -21,6 +29,29 @@ constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as up
 // is too large by 0.1 % of the weight moves a block by more, even with nine tenths of its acceleration lost to damping.
 constexpr double kAtRest = 1e-3;
 constexpr double kMostSeen = 0.01;  // m; larger displacements of collapse make it no harder to see that blocks rest
+
+void watch_uplift(Simulation::Impl& s) {
+  if (s.outcome.base_slip_at_uplift) return;
+  double opened = 0.0;
+  const auto& contacts = s.large_motion->contacts.list;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const blocks::Contact& c = contacts[k];
+    if (c.count == 0 || !s.large_motion->part.owns(c.pair) ||
+        std::abs(s.large_motion->contacts.place[k].separation.normal.y) < kBed)
+      continue;
+    const auto& family = s.large_motion->families()[static_cast<std::size_t>(c.family)];
+    for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
+  }
+  if (s.parts.divided) opened = largest_of_ranks(s, opened);
+  if (opened < kUplift) return;
+  double slip = 0.0;
+  for (int b = 0; b < s.large_motion->block_count(); ++b) {
+    if (!s.reactions.on_base[static_cast<std::size_t>(b)] || !s.large_motion->part.owns(b)) continue;
+    const Vec3 d = block_translation(s, b);
+    slip = std::max(slip, std::hypot(d[0], d[2]));
+  }
+  s.outcome.base_slip_at_uplift = s.parts.divided ? largest_of_ranks(s, slip) : slip;
+}
 
 // s: four times as long as a fall by what is seen.
 double window_of(const Collapse& c, const Vec3& gravity) {
@@ -53,78 +84,80 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
 
 }  // namespace
 
-void Simulation::Impl::bind_collapse(const Stage& settings, const Stage*) {
+void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {
   if (settings.collapse && (!settings.collapse->start || !settings.collapse->limit))
     throw Error(Exit::bad_input,
                 fmt::format("{}: collapse.start = \"limit\" is not found yet; give start as a number, times the weight",
                             settings.source.text));
-  multiplier = 0.0;
-  first_load = {};
+  s.actions.multiplier = 0.0;
+  s.actions.first_load = {};
 }
 
 // On top of the weight.
-void Simulation::Impl::apply_collapse(const Stage& settings, double s) {
+void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
   if (!settings.collapse) return;
   if (!waits(*settings.collapse))
-    multiplier = *settings.collapse->start * s +
-                 *settings.collapse->rate * std::max(0.0, large_motion->time() - stage_start_time - settings.ramp_time);
-  large_motion->set_gravity(geometry::vector(data.gravity) +
-                            multiplier * norm(geometry::vector(settings.gravity)) *
-                                normalized(geometry::vector(settings.collapse->direction)));
+    s.actions.multiplier =
+        *settings.collapse->start * ramp +
+        *settings.collapse->rate * std::max(0.0, s.large_motion->time() - s.progress.stage_start - settings.ramp_time);
+  s.large_motion->set_gravity(geometry::vector(s.data.gravity) +
+                              s.actions.multiplier * norm(geometry::vector(settings.gravity)) *
+                                  normalized(geometry::vector(settings.collapse->direction)));
 }
 
 // Blocks on their own side of the border alone: watch_uplift asks each rank for its own.
-void Simulation::Impl::find_blocks_on_base() {
-  const auto& blocks = large_motion->assembly.blocks;
-  on_base.assign(blocks.size(), 0);
+void find_blocks_on_base(Simulation::Impl& s) {
+  const auto& blocks = s.large_motion->assembly.blocks;
+  s.reactions.on_base.assign(blocks.size(), 0);
   double area = 0.0;
-  base_centre = {};
-  const auto& contacts = large_motion->contacts.list;
+  s.reactions.base_centre = {};
+  const auto& contacts = s.large_motion->contacts.list;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const blocks::Contact& c = contacts[i];
-    if (c.count == 0 || !large_motion->part.owns(c.pair) ||
-        std::abs(large_motion->contacts.place[i].separation.normal.y) < kBed)
+    if (c.count == 0 || !s.large_motion->part.owns(c.pair) ||
+        std::abs(s.large_motion->contacts.place[i].separation.normal.y) < kBed)
       continue;
-    const blocks::Family& family = large_motion->families()[static_cast<std::size_t>(c.family)];
+    const blocks::Family& family = s.large_motion->families()[static_cast<std::size_t>(c.family)];
     for (std::size_t p = c.first; p < c.first + c.count; ++p) {
       if (blocks[static_cast<std::size_t>(c.pair.a)].fixed == blocks[static_cast<std::size_t>(c.pair.b)].fixed) break;
       area += family.point[p].area;
-      base_centre += family.point[p].area * large_motion->place_of(family.point[p]);
+      s.reactions.base_centre += family.point[p].area * s.large_motion->place_of(family.point[p]);
     }
     const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
-    if (blocks[a].fixed) on_base[b] = 1;
-    if (blocks[b].fixed) on_base[a] = 1;
+    if (blocks[a].fixed) s.reactions.on_base[b] = 1;
+    if (blocks[b].fixed) s.reactions.on_base[a] = 1;
   }
-  if (area > 0.0) base_centre = base_centre / area;
-  if (in_parts)
-    all_gather(ranks, std::span(on_base), [rank = rank_by_block()](std::size_t block) { return rank[block]; });
+  if (area > 0.0) s.reactions.base_centre = s.reactions.base_centre / area;
+  if (s.parts.divided)
+    all_gather(s.ranks, std::span(s.reactions.on_base),
+               [rank = rank_by_block(s)](std::size_t block) { return rank[block]; });
 }
 
-bool Simulation::Impl::collapse_ended(std::vector<Warning>* warnings) {
-  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+bool collapse_ended(Simulation::Impl& s, std::vector<Warning>* warnings) {
+  const Stage& settings = current_stage(s);
   if (!settings.collapse) return false;
-  gather(Part::row);
-  watch_uplift();
+  gather(s, Part::row);
+  watch_uplift(s);
   const Collapse& c = *settings.collapse;
-  const double moved = largest_displacement();
+  const double moved = largest_displacement(s);
   if (!(moved > c.displacement)) {
     if (waits(c))
-      multiplier = waiting_load(&first_load, settings, stage_time(), multiplier, moved);
-    else if (stage_time() >= settings.ramp_time)
-      first_load.look(stage_time(), moved, 0.1 * c.displacement, FirstLoad::time_of(c, settings.gravity));
-    return multiplier > *c.limit;
+      s.actions.multiplier = waiting_load(&s.actions.first_load, settings, stage_time(s), s.actions.multiplier, moved);
+    else if (stage_time(s) >= settings.ramp_time)
+      s.actions.first_load.look(stage_time(s), moved, 0.1 * c.displacement, FirstLoad::time_of(c, settings.gravity));
+    return s.actions.multiplier > *c.limit;
   }
-  if (*c.start <= 0.0 || first_load.carried) {
-    outcome.collapse_multiplier = multiplier;
+  if (*c.start <= 0.0 || s.actions.first_load.carried) {
+    s.outcome.collapse_multiplier = s.actions.multiplier;
     return true;
   }
   warn_once(
-      "collapse_multiplier",
+      s, "collapse_multiplier",
       fmt::format("stage '{}': blocks have moved by {:g} m at the multiplier {:.4g} before they came to rest under "
                   "collapse.start = {:g}: the ramp has brought them there, and the collapse multiplier is not "
                   "known. It may lie below start or little above it; give a smaller start, or a longer ramp_time "
                   "({:g} s)",
-                  settings.name, c.displacement, multiplier, *c.start, settings.ramp_time),
+                  settings.name, c.displacement, s.actions.multiplier, *c.start, settings.ramp_time),
       warnings);
   return true;
 }
@@ -137,29 +170,6 @@ void FirstLoad::look(double time, double moved, double allowed, double needed) {
   lowest = std::min(lowest, moved), highest = std::max(highest, moved);
   if (since < 0.0 || highest - lowest > allowed) since = time, lowest = highest = moved;
   carried = carried || time - since >= needed;
-}
-
-void Simulation::Impl::watch_uplift() {
-  if (outcome.base_slip_at_uplift) return;
-  double opened = 0.0;
-  const auto& contacts = large_motion->contacts.list;
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const blocks::Contact& c = contacts[k];
-    if (c.count == 0 || !large_motion->part.owns(c.pair) ||
-        std::abs(large_motion->contacts.place[k].separation.normal.y) < kBed)
-      continue;
-    const auto& family = large_motion->families()[static_cast<std::size_t>(c.family)];
-    for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
-  }
-  if (in_parts) opened = largest_of_ranks(opened);
-  if (opened < kUplift) return;
-  double slip = 0.0;
-  for (int b = 0; b < large_motion->block_count(); ++b) {
-    if (!on_base[static_cast<std::size_t>(b)] || !large_motion->part.owns(b)) continue;
-    const Vec3 d = block_translation(b);
-    slip = std::max(slip, std::hypot(d[0], d[2]));
-  }
-  outcome.base_slip_at_uplift = in_parts ? largest_of_ranks(slip) : slip;
 }
 
 }  // namespace quoin

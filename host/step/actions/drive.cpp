@@ -1,11 +1,13 @@
-// Blocks that a stage moves, or loads at their centres; supports are such, and what is let go of.
-#include <fmt/core.h>
+#include "step/actions/drive.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "scene/generate_blocks.h"
 #include "step/actions/action.h"
+#include "step/actions/ground.h"
+#include "step/controls.h"
+#include "step/large_motion_run.h"
+#include "step/state.h"
 
 namespace quoin {
 
@@ -13,10 +15,10 @@ using geometry::Vector;
 
 // Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
 // components that are let go from what their support has carried. previous: null: there was no stage.
-void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous) {
-  blocks::Model& m = *large_motion;
-  std::vector<Drive> before = std::move(drives);
-  drives.clear();
+void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
+  blocks::Model& m = *s.large_motion;
+  std::vector<Drive> before = std::move(s.actions.drives);
+  s.actions.drives.clear();
   const auto start = [&](int block) {
     Drive drive;
     drive.block = block;
@@ -24,17 +26,17 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
     drive.omega_from = m.angular_velocity(block);
     const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
     if (old == before.end()) return drive;
-    const Vector record = record_since_half_step(previous, old->motion);
+    const Vector record = record_since_half_step(s, previous, old->motion);
     for (int c = 0; c < 3; ++c) {
       if (old->of_ground >> c & 1) drive.velocity_from[c] += record[c];
       if (std::abs(drive.velocity_from[c]) <= kGroundAtRest && old->of_ground) drive.velocity_from[c] = 0.0;
     }
-    const Vector carried = -1.0 * m.contact_force(block) - m.mass_of(block) * geometry::vector(data.gravity);
+    const Vector carried = -1.0 * m.contact_force(block) - m.mass_of(block) * geometry::vector(s.data.gravity);
     for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_to[c];
     return drive;
   };
   for (const BodyControl& control : settings.controls) {
-    for (const int block : blocks_named(control.body, settings.source.text)) {
+    for (const int block : blocks_named(s, control.body, settings.source.text)) {
       Drive drive = start(block);
       for (int c = 0; c < 3; ++c) {
         const auto k = static_cast<std::size_t>(c);
@@ -49,47 +51,49 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
       }
       if (!control.may_turn) drive.held |= 0x38;
       drive.omega_to = geometry::vector(control.omega);
-      drives.push_back(drive);
+      s.actions.drives.push_back(drive);
     }
   }
   for (const Drive& old : before) {
-    if (std::any_of(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == old.block; })) continue;
+    if (std::any_of(s.actions.drives.begin(), s.actions.drives.end(),
+                    [&](const Drive& d) { return d.block == old.block; }))
+      continue;
     Drive released = start(old.block);
     if (m.assembly.blocks[static_cast<std::size_t>(old.block)].fixed) {
       released.held = 0x3f;
       released.force_from = {};
       released.of_ground = old.of_ground, released.motion = old.motion;
     }
-    drives.push_back(released);
+    s.actions.drives.push_back(released);
   }
 }
 
-void Simulation::Impl::drive_blocks(const Stage& settings, double s) {
-  blocks::Model& m = *large_motion;
+void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
+  blocks::Model& m = *s.large_motion;
   std::vector<Vector> records;  // by motion
   for (std::size_t i = 0; settings.ground && i <= settings.ground->supports.size(); ++i)
-    records.push_back(record_velocity(settings, m.time() + 0.5 * m.time_step(), static_cast<std::int32_t>(i)));
-  for (Drive& d : drives) {
+    records.push_back(record_velocity(s, settings, m.time() + 0.5 * m.time_step(), static_cast<std::int32_t>(i)));
+  for (Drive& d : s.actions.drives) {
     const auto motion = static_cast<std::size_t>(d.motion);
     const Vector record = motion < records.size() ? records[motion] : Vector{};
-    Vector driven = d.velocity_from + s * (d.velocity_to - d.velocity_from);
+    Vector driven = d.velocity_from + ramp * (d.velocity_to - d.velocity_from);
     for (int c = 0; c < 3; ++c) {
-      if (d.in_cycles >> c & 1) driven[c] = velocity_in_cycles(d.velocity_from[c]);
+      if (d.in_cycles >> c & 1) driven[c] = velocity_in_cycles(s, d.velocity_from[c]);
       if (d.of_ground >> c & 1) driven[c] += record[c];
     }
-    m.prescribe(d.block, driven, d.omega_from + s * (d.omega_to - d.omega_from), d.held);
-    d.force_now = d.force_from + s * (d.force_to - d.force_from);
+    m.prescribe(d.block, driven, d.omega_from + ramp * (d.omega_to - d.omega_from), d.held);
+    d.force_now = d.force_from + ramp * (d.force_to - d.force_from);
     if (dot(d.force_now, d.force_now) > 0.0 || dot(d.force_from, d.force_from) > 0.0)
       m.apply_force(d.block, d.force_now);
   }
 }
 
-// Along x, in place of what else is applied there.
-void Simulation::Impl::pull_block(int block, double pull) {
-  const auto drive = std::find_if(drives.begin(), drives.end(), [block](const Drive& d) { return d.block == block; });
-  Vector applied = drive == drives.end() ? Vector{} : drive->force_now;
+void pull_block(Simulation::Impl& s, int block, double pull) {
+  const auto drive = std::find_if(s.actions.drives.begin(), s.actions.drives.end(),
+                                  [block](const Drive& d) { return d.block == block; });
+  Vector applied = drive == s.actions.drives.end() ? Vector{} : drive->force_now;
   applied.x = pull;
-  large_motion->apply_force(block, applied);
+  s.large_motion->apply_force(block, applied);
 }
 
 }  // namespace quoin

@@ -3,19 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/generate_blocks.h"
 #include "scene/load_place.h"
 #include "step/actions/action.h"
+#include "step/large_motion_run.h"
+#include "step/state.h"
 
 namespace quoin {
 
-using geometry::Vector;
+namespace {
 
-void Simulation::Impl::add_forces(const Stage& settings) {
-  blocks::Model& m = *large_motion;
+void add_forces(Simulation::Impl& s, const Stage& settings) {
+  blocks::Model& m = *s.large_motion;
   for (const PointForce& given : settings.forces) {
     blocks::Load added{};
-    added.block = blocks_named(given.block, settings.source.text).front();
+    added.block = blocks_named(s, given.block, settings.source.text).front();
     added.force = geometry::vector(given.force);
     added.point = geometry::vector(given.point);
     m.add(added);
@@ -29,8 +30,6 @@ void Simulation::Impl::add_forces(const Stage& settings) {
   }
 }
 
-namespace {
-
 // Share of a load that the position k of n has when it has come so far along its line, 0 to 1.
 double share_at(std::size_t k, std::size_t n, double way) {
   if (n == 1) return 1.0;
@@ -39,25 +38,25 @@ double share_at(std::size_t k, std::size_t n, double way) {
 
 }  // namespace
 
-void Simulation::Impl::bind_forces(const Stage& settings, const Stage* previous) {
-  if (previous) add_forces(*previous);
-  fading_loads = large_motion->actions.loads.size();
-  add_forces(settings);
+void bind_forces(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
+  if (previous) add_forces(s, *previous);
+  s.actions.fading_loads = s.large_motion->actions.loads.size();
+  add_forces(s, settings);
 }
 
-void Simulation::Impl::scale_forces(const Stage& settings, double s) {
-  auto& loads = large_motion->actions.loads;
-  for (std::size_t i = 0; i < loads.size(); ++i) loads[i].scale = i < fading_loads ? 1.0 - s : s;
+void scale_forces(Simulation::Impl& s, const Stage& settings, double ramp) {
+  auto& loads = s.large_motion->actions.loads;
+  for (std::size_t i = 0; i < loads.size(); ++i) loads[i].scale = i < s.actions.fading_loads ? 1.0 - ramp : ramp;
   // Positions are the last of each stage's.
   const auto spread = [&](const MovingLoad& moving, std::size_t end, double way) {
     const auto n = static_cast<std::size_t>(moving.positions);
     for (std::size_t k = 0; k < n; ++k) loads[end - n + k].scale *= share_at(k, n, way);
   };
-  if (stage > 0 && scene.stages[static_cast<std::size_t>(stage) - 1].moving_load)
-    spread(*scene.stages[static_cast<std::size_t>(stage) - 1].moving_load, fading_loads, 1.0);
+  if (s.progress.stage > 0 && s.scene.stages[static_cast<std::size_t>(s.progress.stage) - 1].moving_load)
+    spread(*s.scene.stages[static_cast<std::size_t>(s.progress.stage) - 1].moving_load, s.actions.fading_loads, 1.0);
   if (!settings.moving_load) return;
   const double moves = *settings.duration - settings.ramp_time;
-  const double gone = large_motion->time() - stage_start_time - settings.ramp_time;
+  const double gone = s.large_motion->time() - s.progress.stage_start - settings.ramp_time;
   spread(*settings.moving_load, loads.size(), std::clamp(gone / moves, 0.0, 1.0));
 }
 

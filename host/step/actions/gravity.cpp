@@ -1,18 +1,11 @@
 // Weight, which follows the ramp of a stage.
-#include <fmt/core.h>
-
-#include <algorithm>
-#include <cmath>
-
-#include "scene/generate_blocks.h"
 #include "step/actions/action.h"
+#include "step/state.h"
 
 namespace quoin {
 
-using geometry::Vector;
-
-void Simulation::Impl::apply_gravity(const Stage&, double) {
-  large_motion->set_gravity(geometry::vector(data.gravity));
+void apply_gravity(Simulation::Impl& s, const Stage&, double) {
+  s.large_motion->set_gravity(geometry::vector(s.data.gravity));
 }
 
 }  // namespace quoin

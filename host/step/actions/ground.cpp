@@ -1,4 +1,5 @@
-// Ground motion: all fixed blocks that no table of a stage drives, and what stands on them does to them.
+#include "step/actions/ground.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -6,37 +7,72 @@
 #include <optional>
 #include <set>
 
+#include "base/error.h"
 #include "members/members.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/action.h"
+#include "step/gather.h"
+#include "step/large_motion_run.h"
+#include "step/lattice_motion.h"
+#include "step/stages.h"
+#include "step/state.h"
 
 namespace quoin {
 
 using geometry::Vector;
 
-Vector Simulation::Impl::record_velocity(const Stage& of_stage, double time, std::int32_t motion) const {
+namespace {
+
+void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
+  const int ground = s.controls.ground_body();
+  if (ground >= 0) {
+    const Vec3 moved = s.lattice.of_body(ground, &BodyLanes::displacement),
+               v = s.lattice.of_body(ground, &BodyLanes::velocity);
+    for (std::size_t c = 0; c < 3; ++c) row.ground_displacement[c] = moved[c] - s.data.time_step * v[c];
+  }
+  const double whole = s.model.assembly.symmetry_factor;
+  Vector moment;
+  bool any = false;
+  for (int b = 0; b < static_cast<int>(s.model.bodies.size()); ++b) {
+    if (!s.model.assembly.bricks[static_cast<std::size_t>(s.model.bodies[static_cast<std::size_t>(b)].block)].fixed)
+      continue;
+    const JointWrench joints =
+        has_all(s) ? sum_joint_wrench(s, b) : s.reactions.body_wrench[static_cast<std::size_t>(b)];
+    any = true;
+    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints.force[c];
+    moment +=
+        whole * (geometry::vector(joints.moment) +
+                 cross(geometry::vector(joints.centre) - s.reactions.base_centre, geometry::vector(joints.force)));
+  }
+  if (any) row.overturning_moment = geometry::array(moment);
+}
+
+}  // namespace
+
+Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double time, std::int32_t motion) {
   if (!of_stage.ground) return {};
   const GroundMotion& ground = *of_stage.ground;
   if (motion > static_cast<std::int32_t>(ground.supports.size())) return {};  // of a stage before
   const GroundMotion& moving = motion > 0 ? ground.supports[static_cast<std::size_t>(motion) - 1] : ground;
   Vector of_record;
   for (const GroundMotion::Component& c : moving.components)
-    of_record += c.velocity.at(c.acceleration, time - stage_start_time) * normalized(geometry::vector(c.direction));
+    of_record +=
+        c.velocity.at(c.acceleration, time - s.progress.stage_start) * normalized(geometry::vector(c.direction));
   return of_record;
 }
 
 // Velocities of what moves are those of half a step ago; that of a record is known for now, and may be back at rest.
-Vector Simulation::Impl::record_since_half_step(const Stage* of_stage, std::int32_t motion) const {
+Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, std::int32_t motion) {
   if (!of_stage) return {};
-  const double half = 0.5 * (large_motion ? large_motion->time_step() : data.time_step);
-  return record_velocity(*of_stage, now(), motion) - record_velocity(*of_stage, now() - half, motion);
+  const double half = 0.5 * (s.large_motion ? s.large_motion->time_step() : s.data.time_step);
+  return record_velocity(s, *of_stage, time_now(s), motion) - record_velocity(s, *of_stage, time_now(s) - half, motion);
 }
 
-Vec3 Simulation::Impl::left_over_velocity(const Stage* previous, int body) const {
-  const std::int64_t motion = ramps[static_cast<std::size_t>(body)].motion;
-  const Vector record = record_since_half_step(previous, static_cast<std::int32_t>(motion));
-  Vec3 after = of_body(body, &BodyLanes::velocity);
+Vec3 left_over_velocity(const Simulation::Impl& s, const Stage* previous, int body) {
+  const std::int64_t motion = s.controls.ramps[static_cast<std::size_t>(body)].motion;
+  const Vector record = record_since_half_step(s, previous, static_cast<std::int32_t>(motion));
+  Vec3 after = s.lattice.of_body(body, &BodyLanes::velocity);
   for (std::size_t c = 0; c < 3; ++c) {
     after[c] += record[static_cast<int>(c)];
     if (std::abs(after[c]) <= kGroundAtRest) after[c] = 0.0;
@@ -44,24 +80,14 @@ Vec3 Simulation::Impl::left_over_velocity(const Stage* previous, int body) const
   return after;
 }
 
-int Simulation::Impl::ground_body() const {
-  int found = -1;
-  for (std::size_t b = 0; b < ramps.size(); ++b) {
-    if (ramps[b].of_ground != 7) continue;
-    if (ramps[b].motion == 0) return static_cast<int>(b);
-    if (found < 0) found = static_cast<int>(b);
-  }
-  return found;
-}
-
-std::vector<std::int32_t> Simulation::Impl::support_groups(const Stage& settings) const {
+std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings) {
   const std::size_t blocks =
-      large_motion ? static_cast<std::size_t>(large_motion->block_count()) : model.assembly.bricks.size();
+      s.large_motion ? static_cast<std::size_t>(s.large_motion->block_count()) : s.model.assembly.bricks.size();
   std::vector<std::int32_t> group(blocks, 0);
   if (!settings.ground || settings.ground->supports.empty()) return group;
   std::optional<blocks::Assembly> of_bricks;
-  if (!large_motion) of_bricks = blocks::from_bricks(model.assembly);
-  const blocks::Assembly& assembly = large_motion ? large_motion->assembly : *of_bricks;
+  if (!s.large_motion) of_bricks = blocks::from_bricks(s.model.assembly);
+  const blocks::Assembly& assembly = s.large_motion ? s.large_motion->assembly : *of_bricks;
   std::int32_t index = 0;
   for (const GroundMotion& support : settings.ground->supports) {
     ++index;
@@ -84,7 +110,7 @@ std::vector<std::int32_t> Simulation::Impl::support_groups(const Stage& settings
   return group;
 }
 
-const Drive* Simulation::Impl::ground_drive() const {
+const Drive* Actions::ground_drive() const {
   const Drive* found = nullptr;
   for (const Drive& drive : drives) {
     if (drive.of_ground != 7) continue;
@@ -96,30 +122,31 @@ const Drive* Simulation::Impl::ground_drive() const {
 
 // The ground is all fixed blocks that no table of the stage drives. What earlier records have left of its velocity goes
 // on, or fades over the ramp of the stage if it has one.
-void Simulation::Impl::bind_ground(const Stage& settings, const Stage*) {
-  const auto old = std::find_if(drives.begin(), drives.end(), [](const Drive& d) { return d.of_ground != 0; });
-  const Vector left_over = old == drives.end() ? Vector{} : old->velocity_from;
-  const std::vector<std::int32_t> groups = support_groups(settings);
-  std::vector<std::int32_t> drive_of(static_cast<std::size_t>(large_motion->block_count()), -1);
-  for (std::size_t d = 0; d < drives.size(); ++d)
-    drive_of[static_cast<std::size_t>(drives[d].block)] = static_cast<std::int32_t>(d);
+void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
+  const auto old =
+      std::find_if(s.actions.drives.begin(), s.actions.drives.end(), [](const Drive& d) { return d.of_ground != 0; });
+  const Vector left_over = old == s.actions.drives.end() ? Vector{} : old->velocity_from;
+  const std::vector<std::int32_t> groups = support_groups(s, settings);
+  std::vector<std::int32_t> drive_of(static_cast<std::size_t>(s.large_motion->block_count()), -1);
+  for (std::size_t d = 0; d < s.actions.drives.size(); ++d)
+    drive_of[static_cast<std::size_t>(s.actions.drives[d].block)] = static_cast<std::int32_t>(d);
   std::set<int> controlled;
   for (const BodyControl& control : settings.controls) {
-    for (const int block : blocks_named(control.body, settings.source.text)) controlled.insert(block);
+    for (const int block : blocks_named(s, control.body, settings.source.text)) controlled.insert(block);
   }
-  for (int block = 0; block < large_motion->block_count(); ++block) {
-    if (!large_motion->assembly.blocks[static_cast<std::size_t>(block)].fixed || controlled.contains(block)) continue;
+  for (int block = 0; block < s.large_motion->block_count(); ++block) {
+    if (!s.large_motion->assembly.blocks[static_cast<std::size_t>(block)].fixed || controlled.contains(block)) continue;
     std::int32_t& index = drive_of[static_cast<std::size_t>(block)];
     if (index < 0 && !settings.ground) continue;
     if (index < 0) {
       Drive drive;
       drive.block = block;
       drive.held = 0x3f;
-      drive.velocity_from = large_motion->velocity(block);
-      index = static_cast<std::int32_t>(drives.size());
-      drives.push_back(drive);
+      drive.velocity_from = s.large_motion->velocity(block);
+      index = static_cast<std::int32_t>(s.actions.drives.size());
+      s.actions.drives.push_back(drive);
     }
-    Drive& drive = drives[static_cast<std::size_t>(index)];
+    Drive& drive = s.actions.drives[static_cast<std::size_t>(index)];
     if (!settings.ground && !drive.of_ground) continue;  // has been driven by itself, and comes to rest
     // What has moved with the ground before goes on as it did, group by group.
     const Vector goes_on = drive.of_ground ? drive.velocity_from : left_over;
@@ -130,99 +157,79 @@ void Simulation::Impl::bind_ground(const Stage& settings, const Stage*) {
 }
 
 // What damping brakes against. It moves as its first block does.
-void Simulation::Impl::follow_ground(const Stage& settings, double s) {
-  const Drive* const ground = ground_drive();
-  const bool on_springs = large_motion->members() && !large_motion->members()->beds().empty();
-  if (!ground && !on_springs) return large_motion->move_ground({}, {});
+void follow_ground(Simulation::Impl& s, const Stage& settings, double ramp) {
+  const Drive* const ground = s.actions.ground_drive();
+  const bool on_springs = s.large_motion->members() && !s.large_motion->members()->beds().empty();
+  if (!ground && !on_springs) return s.large_motion->move_ground({}, {});
   const Vector left_over =
-      ground ? ground->velocity_from + s * (ground->velocity_to - ground->velocity_from) : Vector{};
+      ground ? ground->velocity_from + ramp * (ground->velocity_to - ground->velocity_from) : Vector{};
   const std::int32_t motion = ground ? ground->motion : 0;
-  const double now = large_motion->time(), half = 0.5 * large_motion->time_step();
-  large_motion->move_ground(left_over + record_velocity(settings, now - half, motion),
-                            left_over + record_velocity(settings, now, motion));
+  const double now = s.large_motion->time(), half = 0.5 * s.large_motion->time_step();
+  s.large_motion->move_ground(left_over + record_velocity(s, settings, now - half, motion),
+                              left_over + record_velocity(s, settings, now, motion));
 }
 
-void Simulation::Impl::follow_ground_of_lattice(double s) {
-  const int body = ground_body();
-  data.ground_velocity = {};
-  if (body < 0 || stage < 0) return;
-  const BodyRamp& ramp = ramps[static_cast<std::size_t>(body)];
-  const double half = data.damping == DampingKind::viscous ? 0.0 : 0.5 * data.time_step;
-  const Vector record = record_velocity(scene.stages[at_stage()], now() - half, static_cast<std::int32_t>(ramp.motion));
+void follow_ground_of_lattice(Simulation::Impl& s, double ramp) {
+  const int body = s.controls.ground_body();
+  s.data.ground_velocity = {};
+  if (body < 0 || s.progress.stage < 0) return;
+  const BodyRamp& ground = s.controls.ramps[static_cast<std::size_t>(body)];
+  const double half = s.data.damping == DampingKind::viscous ? 0.0 : 0.5 * s.data.time_step;
+  const Vector record =
+      record_velocity(s, current_stage(s), time_now(s) - half, static_cast<std::int32_t>(ground.motion));
   for (std::size_t c = 0; c < 3; ++c)
-    data.ground_velocity[c] =
-        ramp.velocity_from[c] + s * (ramp.velocity_to[c] - ramp.velocity_from[c]) + record[static_cast<int>(c)];
+    s.data.ground_velocity[c] = ground.velocity_from[c] + ramp * (ground.velocity_to[c] - ground.velocity_from[c]) +
+                                record[static_cast<int>(c)];
 }
 
 // What stands on fixed blocks does to them.
-void Simulation::Impl::measure_base(HistoryRow& row) const {
-  if (!large_motion) return measure_base_on_lattice(row);
-  const Drive* const ground = ground_drive();
+void measure_base(const Simulation::Impl& s, HistoryRow& row) {
+  if (!s.large_motion) return measure_base_on_lattice(s, row);
+  const Drive* const ground = s.actions.ground_drive();
   Vec3 moved{};  // by now, as the contact points
   if (ground) {
-    moved = block_translation(ground->block);
-    row.ground_displacement = block_translation_at_forces({ground->block});
+    moved = block_translation(s, ground->block);
+    row.ground_displacement = block_translation_at_forces(s, {ground->block});
   }
-  const double whole = model.assembly.symmetry_factor;
-  const auto& blocks = large_motion->assembly.blocks;
-  for (int block = 0; block < large_motion->block_count(); ++block) {
+  const double whole = s.model.assembly.symmetry_factor;
+  const auto& blocks = s.large_motion->assembly.blocks;
+  for (int block = 0; block < s.large_motion->block_count(); ++block) {
     if (!blocks[static_cast<std::size_t>(block)].fixed) continue;
-    const Vec3 joints = geometry::array(large_motion->contact_force(block));
+    const Vec3 joints = geometry::array(s.large_motion->contact_force(block));
     for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints[c];
   }
-  for (std::size_t i = 0; large_motion->members() && i < large_motion->members()->beds().size(); ++i) {
-    const Vec3 bed = geometry::array(large_motion->members()->force_of(large_motion->members()->beds()[i]));
+  for (std::size_t i = 0; s.large_motion->members() && i < s.large_motion->members()->beds().size(); ++i) {
+    const Vec3 bed = geometry::array(s.large_motion->members()->force_of(s.large_motion->members()->beds()[i]));
     for (std::size_t c = 0; c < 3; ++c) row.base_force[c] -= bed[c];
   }
-  if (in_parts) return;  // no rank has all contact points
-  const Vector centre = base_centre + geometry::vector(moved);
+  if (s.parts.divided) return;  // no rank has all contact points
+  const Vector centre = s.reactions.base_centre + geometry::vector(moved);
   Vector moment;
-  for (const blocks::Contact& c : large_motion->contacts.list) {
+  for (const blocks::Contact& c : s.large_motion->contacts.list) {
     const bool a = blocks[static_cast<std::size_t>(c.pair.a)].fixed,
                b = blocks[static_cast<std::size_t>(c.pair.b)].fixed;
     if (a == b) continue;
-    const blocks::Family& f = large_motion->families()[static_cast<std::size_t>(c.family)];
+    const blocks::Family& f = s.large_motion->families()[static_cast<std::size_t>(c.family)];
     for (std::size_t i = c.first; i < c.first + c.count; ++i) {
-      const geometry::Matrix frame = large_motion->frame_of(f.point[i]);
+      const geometry::Matrix frame = s.large_motion->frame_of(f.point[i]);
       Vector on_a;
       for (std::size_t k = 0; k < 3; ++k)
         on_a += f.point[i].area * (f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i])) *
                 frame.row[static_cast<int>(k)];
-      moment += (a ? whole : -whole) * cross(large_motion->place_of(f.point[i]) - centre, on_a);
+      moment += (a ? whole : -whole) * cross(s.large_motion->place_of(f.point[i]) - centre, on_a);
     }
   }
   row.overturning_moment = geometry::array(moment);
 }
 
-void Simulation::Impl::measure_base_on_lattice(HistoryRow& row) const {
-  const int ground = ground_body();
-  if (ground >= 0) {
-    const Vec3 moved = of_body(ground, &BodyLanes::displacement), v = of_body(ground, &BodyLanes::velocity);
-    for (std::size_t c = 0; c < 3; ++c) row.ground_displacement[c] = moved[c] - data.time_step * v[c];
-  }
-  const double whole = model.assembly.symmetry_factor;
-  Vector moment;
-  bool any = false;
-  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
-    if (!model.assembly.bricks[static_cast<std::size_t>(model.bodies[static_cast<std::size_t>(b)].block)].fixed)
-      continue;
-    const JointWrench joints = has_all() ? sum_joint_wrench(b) : body_wrench[static_cast<std::size_t>(b)];
-    any = true;
-    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints.force[c];
-    moment += whole * (geometry::vector(joints.moment) +
-                       cross(geometry::vector(joints.centre) - base_centre, geometry::vector(joints.force)));
-  }
-  if (any) row.overturning_moment = geometry::array(moment);
-}
-
 // Centre of the beds between fixed bricks and others, at the start.
-void Simulation::Impl::find_base_of_lattice() {
-  const auto is_fixed = [&](int brick) { return model.assembly.bricks[static_cast<std::size_t>(brick)].fixed; };
-  base_centre = {};
+void find_base_of_lattice(Simulation::Impl& s) {
+  const auto is_fixed = [&](int brick) { return s.model.assembly.bricks[static_cast<std::size_t>(brick)].fixed; };
+  s.reactions.base_centre = {};
   double area = 0.0;
-  const auto& bricks = model.assembly.bricks;
-  for (std::size_t j = 0; j < model.assembly.joints.size(); ++j) {
-    const Joint& joint = model.assembly.joints[j];
+  const auto& bricks = s.model.assembly.bricks;
+  for (std::size_t j = 0; j < s.model.assembly.joints.size(); ++j) {
+    const Joint& joint = s.model.assembly.joints[j];
     if (joint.face_a / 2 != 1 || is_fixed(joint.block_a) == is_fixed(joint.block_b)) continue;
     const Brick &a = bricks[static_cast<std::size_t>(joint.block_a)],
                 &b = bricks[static_cast<std::size_t>(joint.block_b)];
@@ -230,9 +237,9 @@ void Simulation::Impl::find_base_of_lattice() {
     for (const std::size_t c : {std::size_t{0}, std::size_t{2}})
       of_joint *= std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]) - std::max(a.origin[c], b.origin[c]);
     area += of_joint;
-    base_centre += of_joint * geometry::vector(joint_sliding.centre(static_cast<int>(j)));
+    s.reactions.base_centre += of_joint * geometry::vector(s.small_motion.joint_sliding.centre(static_cast<int>(j)));
   }
-  if (area > 0.0) base_centre = base_centre / area;
+  if (area > 0.0) s.reactions.base_centre = s.reactions.base_centre / area;
 }
 
 }  // namespace quoin

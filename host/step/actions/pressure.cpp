@@ -1,22 +1,18 @@
 // Pressures on faces of blocks: those of the stage before fade while those of this one grow.
-#include <fmt/core.h>
-
-#include <algorithm>
-#include <cmath>
-
-#include "scene/generate_blocks.h"
 #include "step/actions/action.h"
+#include "step/large_motion_run.h"
+#include "step/state.h"
 
 namespace quoin {
 
-using geometry::Vector;
+namespace {
 
-void Simulation::Impl::add_pressures(const Stage& settings) {
-  blocks::Model& m = *large_motion;
+void add_pressures(Simulation::Impl& s, const Stage& settings) {
+  blocks::Model& m = *s.large_motion;
   const auto& assembly = m.assembly;
   for (const FacePressure& pressure : settings.pressures) {
     blocks::Pressure added{};
-    added.block = blocks_named(pressure.block, settings.source.text).front(), added.value = pressure.pressure;
+    added.block = blocks_named(s, pressure.block, settings.source.text).front(), added.value = pressure.pressure;
     const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(added.block)];
     const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
     const geometry::Matrix turned = matrix(block.orientation);
@@ -30,15 +26,18 @@ void Simulation::Impl::add_pressures(const Stage& settings) {
   }
 }
 
-void Simulation::Impl::bind_pressures(const Stage& settings, const Stage* previous) {
-  if (previous) add_pressures(*previous);
-  fading_pressures = large_motion->actions.pressures.size();
-  add_pressures(settings);
+}  // namespace
+
+void bind_pressures(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
+  if (previous) add_pressures(s, *previous);
+  s.actions.fading_pressures = s.large_motion->actions.pressures.size();
+  add_pressures(s, settings);
 }
 
-void Simulation::Impl::scale_pressures(const Stage&, double s) {
-  auto& pressures = large_motion->actions.pressures;
-  for (std::size_t i = 0; i < pressures.size(); ++i) pressures[i].scale = i < fading_pressures ? 1.0 - s : s;
+void scale_pressures(Simulation::Impl& s, const Stage&, double ramp) {
+  auto& pressures = s.large_motion->actions.pressures;
+  for (std::size_t i = 0; i < pressures.size(); ++i)
+    pressures[i].scale = i < s.actions.fading_pressures ? 1.0 - ramp : ramp;
 }
 
 }  // namespace quoin

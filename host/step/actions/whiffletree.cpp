@@ -1,33 +1,34 @@
-// Equal forces on floors, of blocks on the lattice and in large motion.
+#include "step/actions/whiffletree.h"
+
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "scene/generate_blocks.h"
-#include "step/actions/action.h"
+#include "base/error.h"
+#include "base/smooth_step.h"
+#include "step/actions/drive.h"
+#include "step/large_motion_run.h"
+#include "step/lattice_motion.h"
+#include "step/stages.h"
+#include "step/state.h"
 
 namespace quoin {
 
-using geometry::Vector;
-
-void Simulation::Impl::bind_whiffletree() {
-  whiffletree.clear();
-  if (stage < 0 || !scene.stages[static_cast<std::size_t>(stage)].whiffletree) return;
-  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+void bind_whiffletree(Simulation::Impl& s) {
+  s.controls.whiffletree.clear();
+  if (s.progress.stage < 0 || !current_stage(s).whiffletree) return;
+  const Stage& settings = current_stage(s);
   for (const auto& floor : settings.whiffletree->floors) {
-    Floor& indices = whiffletree.emplace_back();
+    WhiffletreeFloor& indices = s.controls.whiffletree.emplace_back();
     for (const std::string& name : floor) {
-      if (large_motion) {
-        const std::vector<int> named = blocks_named(name, settings.source.text);
+      if (s.large_motion) {
+        const std::vector<int> named = blocks_named(s, name, settings.source.text);
         indices.large_motion.insert(indices.large_motion.end(), named.begin(), named.end());
         continue;
       }
-      const std::vector<int> named = model.bodies_named(name);
+      const std::vector<int> named = s.model.bodies_named(name);
       indices.bodies.insert(indices.bodies.end(), named.begin(), named.end());
       bool found = !named.empty();
-      for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
-        if (model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[i].block)].body != name) continue;
+      for (std::size_t i = 0; i < s.controls.loaded_blocks.size(); ++i) {
+        if (s.model.assembly.bricks[static_cast<std::size_t>(s.controls.loaded_blocks[i].block)].body != name) continue;
         indices.loaded.push_back(static_cast<int>(i));
         found = true;
       }
@@ -39,45 +40,47 @@ void Simulation::Impl::bind_whiffletree() {
   }
 }
 
-double Simulation::Impl::floor_displacement_now(std::size_t floor) const {
-  const Floor& f = whiffletree[floor];
-  if (large_motion) return block_translation(f.large_motion)[0];
-  double sum = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::displacement)[0];
-  for (const int i : f.loaded) sum += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], displacement);
+double floor_displacement_now(const Simulation::Impl& s, std::size_t floor) {
+  const WhiffletreeFloor& f = s.controls.whiffletree[floor];
+  if (s.large_motion) return block_translation(s, f.large_motion)[0];
+  double sum = static_cast<double>(f.bodies.size()) * s.lattice.mean_of(f.bodies, &BodyLanes::displacement)[0];
+  for (const int i : f.loaded)
+    sum += mean_along_x(s, s.controls.loaded_blocks[static_cast<std::size_t>(i)], s.lattice.displacement);
   return sum / f.count();
 }
 
-double Simulation::Impl::floor_displacement(std::size_t floor) const {
-  const Floor& f = whiffletree[floor];
-  if (large_motion) {
+double floor_displacement(const Simulation::Impl& s, std::size_t floor) {
+  const WhiffletreeFloor& f = s.controls.whiffletree[floor];
+  if (s.large_motion) {
     double rate = 0.0;
-    for (const int block : f.large_motion) rate += large_motion->velocity(block).x / f.count();
-    return floor_displacement_now(floor) - data.time_step * rate;
+    for (const int block : f.large_motion) rate += s.large_motion->velocity(block).x / f.count();
+    return floor_displacement_now(s, floor) - s.data.time_step * rate;
   }
-  double rate = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::velocity)[0];
-  for (const int i : f.loaded) rate += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], velocity);
-  return floor_displacement_now(floor) - data.time_step * rate / f.count();
+  double rate = static_cast<double>(f.bodies.size()) * s.lattice.mean_of(f.bodies, &BodyLanes::velocity)[0];
+  for (const int i : f.loaded)
+    rate += mean_along_x(s, s.controls.loaded_blocks[static_cast<std::size_t>(i)], s.lattice.velocity);
+  return floor_displacement_now(s, floor) - s.data.time_step * rate / f.count();
 }
 
-void Simulation::Impl::pull_whiffletree() {
-  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+void pull_whiffletree(Simulation::Impl& s) {
+  const Stage& settings = current_stage(s);
   const Whiffletree& tree = *settings.whiffletree;
-  const double moved =
-      cycles ? cycles->position(stage_time()) : tree.velocity * smooth_way(stage_time(), settings.ramp_time);
+  const double moved = s.controls.cycles ? s.controls.cycles->position(stage_time(s))
+                                         : tree.velocity * smooth_way(stage_time(s), settings.ramp_time);
   // Displacements of now, as the joints have them: a spring that sees them one step late feeds energy in at any step.
   double mean = 0.0;
-  for (std::size_t f = 0; f < whiffletree.size(); ++f)
-    mean += floor_displacement_now(f) / static_cast<double>(whiffletree.size());
-  const double pull = tree.stiffness * (monitor_start[0] + moved - mean);
-  for (const Floor& floor : whiffletree) {
-    for (const int block : floor.large_motion) pull_block(block, pull / floor.count());
+  for (std::size_t f = 0; f < s.controls.whiffletree.size(); ++f)
+    mean += floor_displacement_now(s, f) / static_cast<double>(s.controls.whiffletree.size());
+  const double pull = tree.stiffness * (s.monitor.start[0] + moved - mean);
+  for (const WhiffletreeFloor& floor : s.controls.whiffletree) {
+    for (const int block : floor.large_motion) pull_block(s, block, pull / floor.count());
     for (const int body : floor.bodies) {
-      const auto [lanes, lane] = body_place[static_cast<std::size_t>(body)];
-      body_lanes[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / floor.count();
+      const auto [lanes, lane] = s.lattice.place[static_cast<std::size_t>(body)];
+      s.lattice.bodies[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / floor.count();
     }
     for (const int i : floor.loaded) {
-      load_ramps[static_cast<std::size_t>(i)].now[0] = pull / floor.count();
-      apply_load(static_cast<std::size_t>(i));
+      s.controls.load_ramps[static_cast<std::size_t>(i)].now[0] = pull / floor.count();
+      s.controls.apply_load(s.model, static_cast<std::size_t>(i));
     }
   }
 }

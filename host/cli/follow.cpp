@@ -1,0 +1,103 @@
+#include "cli/follow.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <optional>
+#include <span>
+
+#include "cli/again.h"
+#include "cli/keep_results.h"
+#include "cli/resume.h"
+#include "cli/run_begin.h"
+#include "cli/stop_on_signal.h"
+#include "files/file.h"
+#include "files/notice.h"
+#include "files/result_folder.h"
+#include "law/law_calls.h"
+#include "results/surface.h"
+
+namespace quoin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// All that the ranks beside rank 0 do, which alone speaks and writes: all but their pieces of frames.
+class Follower : public Observer {
+ public:
+  Follower(const SharedFolder& folder, bool compressed, Pieces pieces) {
+    if (pieces.count > 1) frames_.emplace(folder.path, surfaces_, folder.frame_times, compressed, pieces);
+  }
+  bool wants_pause(bool) override { return false; }
+  void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 asks for
+  void on_promotion(const Simulation&) override { surfaces_ = Surfaces(); }
+  void on_frame(const Simulation& simulation, int, int) override {
+    if (!frames_) return collect_frame(simulation, surfaces_);
+    if (fault_) return;
+    try {
+      frames_->add_piece(simulation);
+    } catch (const Error& error) {  // the run goes on without
+      fault_ = error;
+    }
+  }
+  const std::optional<Error>& fault() const { return fault_; }
+  const Surfaces& surfaces() const { return surfaces_; }
+
+ private:
+  Surfaces surfaces_;
+  std::optional<VtkSeries> frames_;  // in pieces
+  std::optional<Error> fault_;
+};
+
+}  // namespace
+
+void follow(RunOptions options, Ranks& ranks, int& exit_code) {
+  if (!options.resume.empty()) {
+    options.resume = fs::absolute(options.resume).string();  // read_run_record goes to where the run was started
+    if (is_done(options.resume)) return;
+    options.scene = read_run_record(options.resume);
+  }
+  if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
+  Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks), &ranks);
+  StoredState state;
+  ranks.share(std::as_writable_bytes(std::span(&state, 1)));
+  if (state.is_refused) throw Error(Exit::bad_input, "the checkpoint is refused by rank 0, which says why");
+  begin(&simulation, options.resume, state);
+  const Pieces pieces = pieces_of(simulation.scene(), &ranks);
+  SharedFolder folder;
+  if (pieces.count > 1) {
+    share(ranks, folder);
+    use_part_token(folder.token);
+  }
+  const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
+    notices_wanted = true;
+    notice(fmt::format("quoin: rank {}: the law '{}' has not returned from a batch within {:g} s: {}", ranks.rank(),
+                       material.api().id, options.law_seconds, simulation.batch_text(batch)));
+    _exit(static_cast<int>(Exit::numerical));
+  });
+  const StopOnSignal guard(simulation);
+  Follower follower(folder, options.compressed, pieces);
+  const auto print_fault = [&](const std::string& text) {
+    notices_wanted = true;
+    notice(fmt::format("quoin: rank {}: {}", ranks.rank(), text));
+  };
+  bool failed = false;
+  try {
+    simulation.run(follower);
+  } catch (const Error& error) {
+    failed = true;
+    exit_code = static_cast<int>(error.exit_code);
+    if (!simulation.ranks_together()) {
+      print_fault(error.what());
+      ranks.abort(exit_code);
+    }
+  }
+  collect_results(simulation, follower.surfaces(), failed);
+  if (failed || !follower.fault()) return;
+  exit_code = static_cast<int>(follower.fault()->exit_code);
+  print_fault(fmt::format("frames for ParaView lack its pieces: {}", follower.fault()->what()));
+}
+
+}  // namespace quoin

@@ -1,0 +1,93 @@
+#include "cli/print_results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cli/progress.h"
+#include "law/law_process.h"
+#include "results/history.h"
+#include "results/plots.h"
+#include "scene/collapse_load.h"
+#include "scene/quality.h"
+
+namespace quoin {
+
+namespace {
+
+// What processes of their own have cost the laws.
+void print_isolation(const Simulation& simulation) {
+  for (const ContactFamily& family : simulation.model().families) {
+    const LawProcess* const process = family.material->process();
+    if (!process) continue;
+    const LawProcessTimes t = process->times();
+    const double way = t.seconds - t.in_law;
+    fmt::print(
+        "law of joint family '{}' in a process of its own: {} batches, {:.2f} s, of which {:.2f} s the law and "
+        "{:.2f} s the way there and back, {:.1f} us a batch\n",
+        family.name, t.batches, t.seconds, t.in_law, way,
+        t.batches > 0 ? 1e6 * way / static_cast<double>(t.batches) : 0.0);
+  }
+}
+
+// The peak is that of the monitor, whose displacement has the ground's in it: of an earthquake this counts.
+void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
+  const HistoryRow *farthest = nullptr, *sheared = nullptr;
+  std::size_t along = 0;
+  double most = 0.0, shear = 0.0;
+  for (const HistoryRow& row : rows) {
+    const Stage& stage = scene.stages[static_cast<std::size_t>(row.stage)];
+    if (!stage.ground) continue;
+    along = axis_of(stage) == 2 ? 2 : 0;
+    const double moved = std::abs(row.monitor_relative[along]), base = std::abs(row.base_force[along]);
+    if (moved > most) most = moved, farthest = &row;
+    if (base > shear) shear = base, sheared = &row;
+  }
+  if (farthest == nullptr || sheared == nullptr) return;
+  fmt::print(
+      "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base shear {:.2f} kN (at {:.3f} s)\n",
+      moved_part(scene, scene.stages.back()), most * 1e3, "xyz"[along], farthest -> time, shear / 1e3, sheared -> time);
+}
+
+}  // namespace
+
+void print_results(const std::filesystem::path& folder, const Simulation& simulation,
+                   const std::vector<HistoryRow>& rows, const RunInfo& info) {
+  if (const auto& multiplier = simulation.outcome().collapse_multiplier) {
+    const auto lag = collapse_lag(simulation.scene(), multiplier);
+    fmt::print("collapse multiplier {:.4f}{}\n", *multiplier,
+               lag ? fmt::format("; the blocks have stood under {:.4f}, {:.1f} % less", *multiplier - *lag,
+                                 100.0 * *lag / *multiplier)
+                   : "");
+  }
+  const Scene& scene = simulation.scene();
+  const Peak peak = find_peak(rows, scene);
+  const std::string unknown = why_error_unknown(scene, info);
+  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", scene.quality,
+                                                          100 * quality_named(scene.quality).peak_error)
+                                            : "error not known: " + unknown;
+  fmt::print("peak {:.2f} kN at {:.3f} mm{} ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
+             peak.displacement * 1e3, is_vertical(scene) ? " upright" : "", error, simulation.step(), info.wall_clock_s,
+             folder.string());
+  const bool shaken =
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
+  if (shaken) print_response(rows, scene);
+  if (shaken && !rows.empty() && rows.back().energies) {
+    const Energies& e = *rows.back().energies;
+    const double joints = e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];
+    const double all = e.damping + e.members_dissipated + joints;
+    const auto share = [&](double part) { return 100.0 * part / all; };
+    if (e.members_dissipated > 0.0) {
+      fmt::print("dissipated {:.4g} J: damping {:.0f} %, members {:.0f} %, joints {:.0f} %\n", all, share(e.damping),
+                 share(e.members_dissipated), share(joints));
+    } else if (all > 0.0) {
+      fmt::print("dissipated {:.4g} J: damping {:.0f} %, joints {:.0f} %\n", all, share(e.damping), share(joints));
+    }
+  }
+  fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
+  if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));
+  print_isolation(simulation);
+}
+
+}  // namespace quoin

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace quoin {
+
+// Since the start of the process, loading of libraries included, s. The first call starts the clock.
+double process_seconds();
+
+}  // namespace quoin

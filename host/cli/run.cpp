@@ -1,0 +1,254 @@
+#include "cli/run.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/any_error.h"
+#include "cli/again.h"
+#include "cli/follow.h"
+#include "cli/keep_results.h"
+#include "cli/print_results.h"
+#include "cli/recorder.h"
+#include "cli/resume.h"
+#include "cli/run_begin.h"
+#include "cli/stop_on_signal.h"
+#include "files/file.h"
+#include "files/notice.h"
+#include "files/result_folder.h"
+#include "law/law_calls.h"
+#include "law/law_process.h"
+#include "law/law_trial.h"
+#include "ranks/join.h"
+#include "results/monitors.h"
+#include "step/large_motion.h"
+
+namespace quoin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kTogether = 5.0;  // s, within which ranks that fail together have all failed
+
+// Holds the folder of the run that goes on and reads what it was asked for. Null: it is done, and nothing was touched.
+std::shared_ptr<FolderLock> take_folder(const fs::path& folder, SceneOptions* scene) {
+  if (!fs::is_directory(folder))
+    throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", folder.string()));
+  if (is_done(folder)) return nullptr;
+  auto lock = std::make_shared<FolderLock>(folder);
+  if (is_done(folder)) return nullptr;  // by now: another process has just finished it
+  const bool force = scene->force;
+  *scene = read_run_record(folder);
+  scene->force = force;
+  return lock;
+}
+
+// Before the first step. resumed: by --resume, goes_on: from a checkpoint.
+void say_what_begins(const RunOptions& options, const Simulation& simulation, const Ranks* ranks, int wanted_threads,
+                     bool resumed, bool goes_on, Recorder& recorder) {
+  const auto say = [&](const std::string& text) { recorder.progress().message(text); };
+  const TimeStepReport& step = simulation.time_step_report();
+  say(fmt::format(
+      "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {}{} "
+      "threads, {}",
+      options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(),
+      law_names(simulation.assembly()), step.time_step, step.time_step / step.critical.value,
+      ranks ? fmt::format("{} ranks of ", ranks->count()) : "", simulation.thread_count(),
+      simulation.instruction_set()));
+
+  const OutputSettings& output = simulation.scene().output;
+  const bool has_frames = simulation.scene().has_frames();
+  if (options.compressed && !has_frames)
+    say("--compressed: without effect, as output.frames = 0 writes no files for ParaView");
+  if (output.pieces && !has_frames) say("output.pieces: without effect, as output.frames = 0 writes no frames");
+  if (output.pieces && has_frames && pieces_of(simulation.scene(), ranks).count <= 1)
+    say("output.pieces: without effect in one process, which writes each frame as one file");
+  if (simulation.thread_count() < wanted_threads)
+    say(fmt::format(
+        "quoin: warning: the machine started {} threads of the {} wanted (ulimit -u, ulimit -v); the run takes longer",
+        simulation.thread_count(), wanted_threads));
+  if (goes_on)
+    say(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
+  else if (resumed)
+    say("resumed before its first checkpoint: from the start");
+  if (simulation.large_motion() && !simulation.scene().blocks && !simulation.outcome().promotion) {
+    const bool at_once = simulation.scene().solver.large_motion == LargeMotion::always;
+    say(at_once ? "large motion from the start" : "general kernels");
+  }
+  if (!step.warning().empty()) recorder.on_warning({"time_step", step.warning()});
+  if (simulation.large_motion()) {
+    for (const std::string& note : simulation.large_motion()->assembly.notes) say("quoin: " + note);
+  }
+}
+
+// Before the work, as far as it can be known: a full disk is found out about too late otherwise.
+void require_room(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces) {
+  const Scene& scene = simulation.scene();
+  double frames = 2.0;
+  for (std::size_t i = 0; i < scene.stages.size(); ++i) frames += scene.frames_in(i);
+  require_space(folder, 1e6 + frames * (scene.has_frames() ? frame_bytes(simulation, surfaces) : 0.0),
+                fmt::format("the results with output.frames = {}", scene.output.frames));
+}
+
+// The folder of results, and what is there of an earlier run.
+struct RunFolder {
+  fs::path folder;
+  std::shared_ptr<FolderLock> lock;  // of the run that goes on; null: a new one
+  std::optional<Provenance> there;   // of the run that is repeated
+};
+
+// Of a run that goes on or is repeated, options get what it was asked for. Nothing: it is done, and nothing was
+// touched.
+std::optional<RunFolder> run_folder(RunOptions* options) {
+  RunFolder run;
+  run.folder = options->out.empty() ? fs::path("out") / fs::path(options->scene.scene).stem() : fs::path(options->out);
+  if (!options->resume.empty()) {
+    run.folder = fs::absolute(options->resume);
+    run.lock = take_folder(run.folder, &options->scene);
+    if (!run.lock) return std::nullopt;
+  }
+  if (!options->again.empty()) {
+    run.there = read_provenance(options->again);
+    options->again = fs::absolute(options->again);
+    run.folder = fs::absolute(options->out.empty() ? folder_again(options->again) : run.folder);
+    const bool force = options->scene.force;
+    options->scene = options_of(*run.there);
+    options->scene.force = force;
+  }
+  return run;
+}
+
+// The checkpoint that the run goes on from, which all ranks then know of. Throws Error where it is refused, on all.
+Checkpoint checkpoint_of(const fs::path& folder, bool goes_on, const Identity& identity, Ranks* ranks) {
+  Checkpoint before;
+  std::optional<Error> refused;
+  try {
+    if (goes_on) before = find_checkpoint(folder / "checkpoint.bin", identity);
+  } catch (const Error& error) {
+    refused = error;
+    before.stored.is_refused = true;
+  }
+  if (ranks) ranks->share(std::as_writable_bytes(std::span(&before.stored, 1)));
+  if (refused) throw *refused;
+  return before;
+}
+
+// Runs the simulation to its end, keeps what it has come to, and says so.
+void run_and_keep(const fs::path& folder, Simulation& simulation, const Surfaces& surfaces, const RunOptions& options,
+                  Recorder& recorder, RunInfo& info, int& exit_code) {
+  std::optional<Error> failure;
+  const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
+    end_with_law(material, batch, options.law_seconds, folder, simulation, recorder, info);
+  });
+  const StopOnSignal guard(simulation);  // to the end: what stops a run shall not stop what keeps its results
+  try {
+    simulation.run(recorder);
+  } catch (const std::exception& error) {  // by a law, perhaps
+    failure = any_error(error, "make the scene smaller", "the scene and the law");
+  }
+  keep_results(folder, simulation, surfaces, options, failure, recorder, info, exit_code);
+  print_results(folder, simulation, recorder.history().rows(), info);
+  for (const Warning& warning : info.warnings)
+    if (!recorder.was_reported(warning)) recorder.on_warning(warning);
+  if (failure) {
+    recorder.progress().message(failure->exit_code == Exit::interrupted
+                                    ? "quoin: interrupted; what was computed is kept in " + folder.string()
+                                    : fmt::format("quoin: {}", failure->what()));
+  }
+}
+
+void run(RunOptions options, Ranks* ranks, int& exit_code) {
+  const std::optional<RunFolder> place = run_folder(&options);
+  if (!place) {
+    fmt::print("{}: the run is done; nothing to resume\n", options.resume);
+    return;
+  }
+  const auto& [folder, lock, there] = *place;
+  if (options.law_seconds != kLawSeconds) law_loading_seconds = options.law_seconds;
+  Scene scene = scene_of(&options, ranks);
+  keep_start(scene, folder);
+  const int wanted = threads_of(options, ranks);
+  if (options.isolate_law) isolate_laws({wanted, options.law_seconds});
+  Simulation simulation(std::move(scene), wanted, ranks);
+  RunInfo info;
+  info.provenance = provenance_of(simulation, {options.scene.law, options.scene.overrides});
+  if (there) hold_against(info.provenance, *there);
+  Identity identity = identity_of(simulation, info.provenance);
+  const bool goes_on = lock && fs::exists(folder / "checkpoint.bin");
+  const Checkpoint before = checkpoint_of(folder, goes_on, identity, ranks);
+  begin(&simulation, folder, before.stored);
+  const Pieces pieces = pieces_of(simulation.scene(), ranks);
+  if (pieces.count > 1) {
+    SharedFolder shared{fs::absolute(folder).string(), part_token(), before.frame_times};
+    share(*ranks, shared);
+  }
+  std::vector<Monitor> monitors =
+      monitors_of(simulation.scene().text, simulation.scene().file, options.scene.overrides);
+  const auto of_monitors = goes_on && !before.rows.empty() ? read_monitor_rows(folder, before.rows.back().step)
+                                                           : std::vector<std::vector<double>>{};
+  // What an earlier run left goes, so that a failed run cannot be taken for that one.
+  const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
+    return resumed && is_kept(name, before.frame_times.size());
+  });
+  if (!lock) write_run_record(folder, options.scene, simulation.scene().text);
+
+  Surfaces surfaces;
+  require_room(folder, simulation, surfaces);
+  Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before,
+                    options.compressed, pieces);
+  if (!monitors.empty() && ranks)
+    recorder.progress().message("quoin: no monitors.csv, as no rank has all blocks; run it in one process for that");
+  else if (!monitors.empty())
+    recorder.follow(folder, simulation, std::move(monitors), of_monitors);
+  say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
+  if (options.serve >= 0) recorder.serve(options.serve, folder, simulation);
+  run_and_keep(folder, simulation, surfaces, options, recorder, info, exit_code);
+  if (there && info.status != "interrupted" && !say_whether_same(info.provenance, folder, *there, options.again) &&
+      exit_code == 0)
+    exit_code = static_cast<int>(Exit::numerical);
+  if (info.status != "done" && !simulation.ranks_together()) {
+    std::fflush(stdout);
+    ranks->abort(exit_code);
+  }
+}
+
+}  // namespace
+
+void run_on_ranks(const RunOptions& options, int& exit_code) {
+  const std::unique_ptr<Ranks> ranks = join_ranks();
+  if (!ranks) return run(options, nullptr, exit_code);
+  notices_wanted = ranks->rank() == 0;
+  if (options.serve >= 0)
+    throw Error(Exit::usage, "--live, --serve: not with several ranks; run the scene in one process, or write frames");
+  if (options.isolate_law)
+    throw Error(Exit::usage,
+                "--isolate-law: not with several ranks, which would each start processes that MPI does not know; run "
+                "the law on one rank first");
+  const auto end_alone = [&](Exit code, const std::string& text) {
+    notices_wanted = true;
+    notice(fmt::format("quoin: rank {}: {}", ranks->rank(), text));
+    ranks->abort(static_cast<int>(code));
+  };
+  try {
+    if (ranks->rank() == 0)
+      run(options, ranks.get(), exit_code);
+    else
+      follow(options, *ranks, exit_code);
+  } catch (const Error& error) {
+    exit_code = static_cast<int>(error.exit_code);
+    notice(fmt::format("quoin: {}", error.what()));  // of rank 0
+    if (!ranks->all_here(kTogether)) end_alone(error.exit_code, error.what());
+  } catch (const std::exception& error) {
+    const Error reported = any_error(error, "fewer ranks on each machine, or a smaller scene");
+    end_alone(reported.exit_code, reported.what());
+  }
+}
+
+}  // namespace quoin

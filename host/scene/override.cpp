@@ -1,0 +1,91 @@
+// What --set lays over the tables of a scene.
+#include <sstream>
+
+#include "base/toml_text.h"
+#include "scene/reader.h"
+
+namespace quoin::reader {
+
+namespace {
+
+// What an element of a list answers to: its name; a stage without one has that of its kind, others that of their list.
+std::string called(const toml::node& element, const std::string& list) {
+  const toml::table* table = element.as_table();
+  if (!table) return "";
+  if (const auto name = (*table)["name"].value<std::string>()) return *name;
+  if (list == "stage") return (*table)["kind"].value_or(std::string("stage"));
+  return list == "dry_wall" ? "wall" : list == "arch" ? "arch" : "";
+}
+
+bool is_called(const toml::node& element, const std::string& list, const std::string& name) {
+  return called(element, list) == name;
+}
+
+std::string names_in(const toml::array& elements, const std::string& list) {
+  std::string names;
+  for (const toml::node& element : elements) {
+    if (const std::string name = called(element, list); !name.empty())
+      names += fmt::format("{}'{}'", names.empty() ? " (" : ", ", name);
+  }
+  return names.empty() ? "" : names + ")";
+}
+
+}  // namespace
+
+void apply_override(toml::table& root, const std::string& setting, Context& context) {
+  const size_t equals = setting.find('=');
+  const std::string path = setting.substr(0, equals);
+  auto fail = [&](const std::string& why) {
+    throw Error(Exit::bad_input, fmt::format("--set {}: {}; write --set dotted.key=value", setting, why));
+  };
+  if (equals == std::string::npos || path.empty()) fail("no key or no value");
+
+  std::vector<std::string> keys;
+  for (std::stringstream stream(path); stream.good();) std::getline(stream, keys.emplace_back(), '.');
+  if (keys.size() > static_cast<size_t>(kMostKeyParts))
+    fail(fmt::format("the key has more than {} parts", kMostKeyParts));
+  toml::node* node = &root;
+  std::string resolved;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    const bool last = i + 1 == keys.size();
+    if (keys[i].empty()) fail("an empty key");
+    if (toml::array* list = node->as_array()) {
+      size_t index = list->size();
+      for (size_t j = 0; j < list->size(); ++j) {
+        const bool named = is_called(*list->get(j), keys[i - 1], keys[i]);
+        if (std::to_string(j + 1) != keys[i] && !named) continue;
+        if (index < list->size())
+          fail(fmt::format("'{}' fits elements {} and {} of the list {}; use the number", keys[i], index + 1, j + 1,
+                           resolved));
+        index = j;
+      }
+      if (index == list->size() || last)
+        fail(fmt::format(
+            "'{}' is no element of the list {}, which has {}{}; count from 1 or use its name, and add a key", keys[i],
+            resolved, list->size(), names_in(*list, keys[i - 1])));
+      resolved += "." + std::to_string(index + 1);
+      node = list->get(index);
+      continue;
+    }
+    toml::table* table = node->as_table();
+    if (!table) fail(fmt::format("{} is not a table", resolved));
+    resolved += (resolved.empty() ? "" : ".") + keys[i];
+    if (!last) {
+      node = table->get(keys[i]);
+      if (!node) node = &table->insert(keys[i], toml::table{}).first->second;
+      continue;
+    }
+    const std::string value = setting.substr(equals + 1);
+    try {
+      refuse_unfit_toml(value, keys[i]);
+      toml::table parsed = toml::parse("value = " + value);
+      if (parsed.size() != 1) throw Error(Exit::bad_input, "");
+      parsed.get("value")->visit([&](auto& v) { table->insert_or_assign(keys[i], std::move(v)); });
+    } catch (const std::exception&) {
+      table->insert_or_assign(keys[i], value);  // not TOML: a plain word
+    }
+    context.overridden.insert(resolved);
+  }
+}
+
+}  // namespace quoin::reader

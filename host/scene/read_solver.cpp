@@ -1,0 +1,204 @@
+// The solver's table, of the whole scene and of stages.
+#include <algorithm>
+#include <initializer_list>
+#include <map>
+#include <string_view>
+
+#include "scene/reader.h"
+
+namespace quoin::reader {
+
+namespace {
+
+DampingKind read_damping(Table& t, DampingKind damping) {
+  const std::map<std::string, DampingKind> kinds = {{"none", DampingKind::none},
+                                                    {"local", DampingKind::local},
+                                                    {"viscous", DampingKind::viscous},
+                                                    {"block", DampingKind::block},
+                                                    {"impact", DampingKind::impact}};
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kinds) names.push_back(name);
+  std::string chosen;
+  t.choice("damping", chosen, names);
+  return kinds.contains(chosen) ? kinds.at(chosen) : damping;
+}
+
+void read_large_motion(Table& t, SolverSettings* s) {
+  const std::map<std::string, LargeMotion> kinds = {
+      {"automatic", LargeMotion::automatic}, {"never", LargeMotion::never}, {"always", LargeMotion::always}};
+  std::string chosen;
+  t.choice("large_motion", chosen, {"automatic", "never", "always"});
+  if (kinds.contains(chosen)) s->large_motion = kinds.at(chosen);
+  t.number("rotation_bound", s->motion_bound.rotation, kPositive, "rad");
+  t.number("sliding_bound", s->motion_bound.sliding, kPositive, "of the length of a joint");
+  std::string past = "stop";
+  if (t.choice("past_motion_bound", past, {"stop", "warn"}) && s->large_motion != LargeMotion::never)
+    t.refuse("past_motion_bound", "only with large_motion = \"never\"; remove it, or change large_motion");
+  s->motion_bound.stop = past == "stop";
+}
+
+void read_kernels(Table& t, SolverSettings* s) {
+  const std::map<std::string, Kernels> kinds = {
+      {"automatic", Kernels::automatic}, {"lattice", Kernels::lattice}, {"general", Kernels::general}};
+  std::string chosen;
+  t.choice("kernels", chosen, {"automatic", "lattice", "general"});
+  if (kinds.contains(chosen)) s->kernels = kinds.at(chosen);
+  if (s->kernels == Kernels::lattice && s->large_motion == LargeMotion::always)
+    t.refuse("kernels", "\"automatic\" or \"general\" with large_motion = \"always\", which the lattice does not have");
+}
+
+// What a stage may change: damping and the fraction of the time step.
+void read_damping_keys(Table& t, SolverSettings& s) {
+  const auto only_with = [&](const char* key, std::initializer_list<DampingKind> allowed, const char* text) {
+    if (std::find(allowed.begin(), allowed.end(), s.damping) == allowed.end())
+      t.refuse(key, fmt::format("only with damping = {}; remove it, or change damping", text));
+  };
+  if (t.number("local_damping", s.local_damping, between(0, 0.99), "(gamma of eq. 1)"))
+    only_with("local_damping", {DampingKind::local, DampingKind::block}, "\"local\" or \"block\"");
+  if (t.has("settling_damping")) {
+    s.settling_damping = s.local_damping;
+    t.number("settling_damping", *s.settling_damping, between(0, 0.99), "(gamma of stages that run to equilibrium)");
+    only_with("settling_damping", {DampingKind::local, DampingKind::block}, "\"local\" or \"block\"");
+  }
+  if (t.number("mass_damping", s.mass_damping, kNotNegative, "1/s"))
+    only_with("mass_damping", {DampingKind::viscous}, "\"viscous\"");
+  if (t.number("stiffness_damping", s.stiffness_damping, kNotNegative, "s"))
+    only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
+  if (t.number("impact_damping", s.impact_damping, between(0, 2), "(of critical, of a block that lands on an edge)"))
+    only_with("impact_damping", {DampingKind::impact}, "\"impact\"");
+  const bool flat =
+      t.number("maxwell_damping", s.maxwell_damping, between(0, 0.05), "(damping ratio within maxwell_band)");
+  if (flat) only_with("maxwell_damping", {DampingKind::impact}, "\"impact\"");
+  if (t.boolean("implicit_contacts", s.implicit_contacts) && s.implicit_contacts) {
+    only_with("implicit_contacts", {DampingKind::impact}, "\"impact\"");
+    if (s.maxwell_damping > 0.0) t.refuse("implicit_contacts", "false with maxwell_damping, or that without this");
+  }
+  constexpr double kNarrowest = 10.0, kWidest = 100.0;  // where three elements keep the ratio flat
+  if (t.numbers("maxwell_band", s.maxwell_band, kPositive, "Hz (lowest and highest frequency)")) {
+    const double width = s.maxwell_band[1] / s.maxwell_band[0];
+    if (!(width >= kNarrowest && width <= kWidest))
+      t.refuse("maxwell_band",
+               fmt::format("two frequencies, the second {:g} to {:g} times the first, Hz", kNarrowest, kWidest));
+    if (s.maxwell_damping == 0.0) t.refuse("maxwell_band", "only with maxwell_damping; remove it, or give that");
+  }
+  if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
+    only_with("deformation_damping", {DampingKind::block}, "\"block\"");
+  t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
+           "of the critical time step (0.6 of 2/omega_max is sound)");
+}
+
+void read_inertia(Table& t, SolverSettings& s) {
+  t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
+  t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia against deformation");
+  t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
+           "times the true inertia against motion of the halves of a unit on each other");
+  for (const auto& [key, factor] :
+       {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
+    if (factor == 1.0) continue;
+    if (s.selective_time_step > 0.0)
+      t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
+    if (s.damping == DampingKind::local)
+      t.refuse(key,
+               "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
+               "15 % too strong); use damping = \"block\"");
+  }
+}
+
+}  // namespace
+
+SolverSettings read_solver(Table t, const Quality* quality) {
+  SolverSettings s;
+  const DampingKind usual = quality ? quality->solver.damping : s.damping;
+  const DampingKind damping = read_damping(t, usual);
+  // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
+  if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
+  s.damping = damping;
+  read_damping_keys(t, s);
+  read_inertia(t, s);
+  read_large_motion(t, &s);
+  read_kernels(t, &s);
+  std::string critical = "assembled";
+  t.choice("critical_time_step", critical, {"assembled", "nodal"});
+  if (critical == "nodal") {
+    s.critical_time_step = CriticalTimeStep::nodal;
+    if (s.selective_time_step > 0.0 || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0)
+      t.refuse("critical_time_step",
+               "\"assembled\" where inertia is raised, of which eq. 3 knows nothing; for \"nodal\" take damping = "
+               "\"local\", or deformation_inertia = 1 and unit_inertia = 1, and no selective_time_step");
+  }
+  const std::map<std::string, InternalForces> ways = {{"automatic", InternalForces::automatic},
+                                                      {"assembled", InternalForces::assembled},
+                                                      {"zones", InternalForces::zones}};
+  std::string way = "automatic";
+  t.choice("internal_forces", way, {"automatic", "assembled", "zones"});
+  if (ways.contains(way)) s.internal_forces = ways.at(way);
+  t.boolean("skip_resting_bodies", s.skip_resting_bodies);
+  t.finish();
+  return s;
+}
+
+SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground) {
+  SolverSettings s = before;
+  s.damping = read_damping(t, before.damping);
+  read_damping_keys(t, s);
+  if (moves_ground) {
+    t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia");
+    t.number("unit_inertia", s.unit_inertia, between(1, 1e6), "times the true inertia");
+    double scaling = before.mass_scaling;
+    if (t.number("mass_scaling", scaling, kPositive, "") && scaling != before.mass_scaling)
+      t.refuse("mass_scaling", fmt::format("that of [solver], {:g}: it is of the whole run", before.mass_scaling));
+  }
+  for (const char* key : {"mass_scaling", "selective_time_step", "deformation_inertia", "unit_inertia"}) {
+    t.accept(key);
+    if (t.has(key) && (!moves_ground || key == std::string_view("selective_time_step")))
+      t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
+  }
+  if (s.damping == DampingKind::local && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
+    t.refuse("damping",
+             "damping other than \"local\" with solver.deformation_inertia or unit_inertia above 1: slow vibrations of "
+             "blocks would brake their motion");
+  t.finish();
+  return s;
+}
+
+namespace {
+
+// What a stage that moves the ground has for what it does not say: damping of impacts, true inertia. What [solver]
+// writes against that is refused unless the stage repeats it.
+SolverSettings settings_on_ground(Table& t, const toml::table* own, const SolverSettings& before) {
+  SolverSettings s = before;
+  const auto written = [&](const char* key) {
+    const bool given = t.context().solver && t.context().solver->contains(key) && !(own && own->contains(key));
+    if (given)
+      t.context().fault(
+          fmt::format("{}: the stage moves the ground, and solver.{} = {} would falsify its motion; remove "
+                      "it there, or repeat it in the solver table of the stage",
+                      t.where(), key, text_of(*t.context().solver->get(key))));
+    return given;
+  };
+  const bool on_motion = s.damping == DampingKind::local || s.damping == DampingKind::block;
+  const bool says = own && own->contains("damping");
+  if (on_motion && !says && s.local_damping > 0.0 && !written("damping") && !written("local_damping"))
+    s.damping = DampingKind::impact;
+  if (s.deformation_inertia != 1.0 && !written("deformation_inertia")) s.deformation_inertia = 1.0;
+  if (s.unit_inertia != 1.0 && !written("unit_inertia")) s.unit_inertia = 1.0;
+  if (s.mass_scaling != 1.0) written("mass_scaling");
+  return s;
+}
+
+}  // namespace
+
+void read_stage_solver(Table& t, Stage& stage, const Scene& scene) {
+  const auto* own = t.table("solver", "a table: damping and time_step_fraction from this stage on");
+  const SolverSettings& before = scene.solver_in(scene.stages.size());
+  const SolverSettings base = stage.ground ? settings_on_ground(t, own, before) : before;
+  const bool differs = base.damping != before.damping || base.deformation_inertia != before.deformation_inertia ||
+                       base.unit_inertia != before.unit_inertia;
+  if (own)
+    stage.solver = read_solver_of_stage({t.context(), *own, t.path("solver")}, base, stage.ground.has_value());
+  else if (differs)
+    stage.solver = base;
+}
+
+}  // namespace quoin::reader

@@ -1,0 +1,56 @@
+// Keys that stages of every kind of scene have.
+#include "scene/reader.h"
+
+namespace quoin::reader {
+
+void read_stage_basics(Table& t, Stage& stage, const Stage* previous) {
+  t.text("name", stage.name, "text, as \"precompression\"");
+  if (previous) stage.gravity = previous->gravity;
+  t.numbers("gravity", stage.gravity, kAny, "m/s2");
+  t.number("ramp_time", stage.ramp_time, kNotNegative, "s");
+  t.number("duration", stage.duration, kPositive, "s");
+  t.integer("max_steps", stage.max_steps, 1, 1000000000000L);
+  t.integer("record_interval", stage.record_interval, 0, 1000000000L);
+  if (int frames = 0; t.integer("frames", frames, 0, 100000)) stage.frames = frames;
+  t.number("equilibrium_ratio", stage.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
+}
+
+void read_rest(Table& t, Stage& stage) {
+  if (t.has("ramp_time")) t.refuse("ramp_time", "none with kind = \"rest\": its loads act at once, and nothing swings");
+  if (t.has("duration"))
+    t.refuse("duration", "none with kind = \"rest\": it ends in equilibrium, by equilibrium_ratio");
+  stage.ramp_time = 0.0;
+  if (!t.has("equilibrium_ratio")) stage.equilibrium_ratio = 1e-4;
+  if (!t.has("max_steps")) stage.max_steps = 1000000;
+}
+
+void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies) {
+  t.number("displacement", stage.displacement, kPositive, "m");
+  if (bodies)
+    t.choice("monitor", stage.monitor, *bodies);
+  else
+    t.text("monitor", stage.monitor, "the name of a block");
+  std::string direction = "x";
+  t.choice("direction", direction, {"x", "y", "z"});
+  stage.direction = direction[0] - 'x';
+}
+
+void read_law_swaps(Table& t, const Scene& scene, Stage& stage) {
+  const std::string allowed = "a law for all joint families, or a table { family = \"law\" }";
+  const toml::node* law = t.find("law", allowed, false);
+  if (!law) return;
+  if (const toml::table* swaps = law->as_table()) {
+    Table s(t.context(), *swaps, t.path("law"));
+    for (const auto& [family, settings] : scene.joints) {
+      std::string name;
+      if (s.text(family, name, "the name or path of a law")) stage.law_swaps[family] = name;
+    }
+    s.finish();
+  } else if (const auto name = law->value<std::string>()) {
+    for (const auto& [family, settings] : scene.joints) stage.law_swaps[family] = *name;
+  } else {
+    t.wrong_type("law", *law, allowed);
+  }
+}
+
+}  // namespace quoin::reader

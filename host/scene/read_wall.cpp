@@ -1,0 +1,78 @@
+#include "scene/read_wall.h"
+
+#include <cmath>
+
+#include "scene/read_opening.h"
+
+namespace quoin {
+
+using namespace reader;
+
+WallSpec read_wall(Table t, const Scene& scene) {
+  WallSpec w;
+  t.choice("bond", w.bond, {"running", "stack"});
+  t.choice("first_course", w.first_course, {"whole", "half"});
+  const bool has_courses = t.integer("courses", w.courses, 1, 10000, true);
+  bool has_units = t.number("units_per_course", w.units_per_course, between(0.5, 10000), "units, in halves", true);
+  if (has_units && 2 * w.units_per_course != std::floor(2 * w.units_per_course)) {
+    t.refuse("units_per_course", "a multiple of 0.5, as units are cut in half at most");
+    has_units = false;
+  }
+  const bool has_unit = t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
+  t.numbers("zones", w.zones, between(1, 64), "hexahedra per half unit along x, y, z");
+  t.boolean("mid_unit_joints", w.mid_unit_joints);
+  t.boolean("rigid_units", w.rigid_units);
+  if (w.rigid_units && t.has("zones")) t.refuse("zones", "only with deformable units; remove it, or rigid_units");
+  t.boolean("half_thickness", w.half_thickness);
+  if (w.half_thickness && w.zones[2] % 2 != 0)
+    t.refuse("half_thickness", "true only with an even number of zones along z");
+  t.boolean("bottom_beam", w.bottom_beam);
+  t.boolean("top_beam", w.top_beam);
+  t.number("beam_height", w.beam_height, kPositive, "m");
+  t.number("load_height", w.load_height, kNotNegative, "m above the foot of the wall");
+  if (w.load_height && !w.top_beam) t.refuse("load_height", "only with top_beam = true, on which it acts");
+  if (w.load_height &&
+      (scene.solver.large_motion != LargeMotion::never || scene.solver.kernels == Kernels::general || scene.blocks))
+    t.refuse("load_height",
+             "only in small displacements, without blocks of other shapes: solver.large_motion = \"never\", "
+             "solver.kernels = \"automatic\"");
+  t.number("beam_density", w.beam_density, kPositive, "kg/m3");
+
+  // Names of materials and families must exist.
+  auto name_of = [&](const char* key, std::string& name, const auto& known, const char* kind, bool required) {
+    std::vector<std::string> names;
+    for (const auto& [known_name, value] : known) names.push_back(known_name);
+    const std::string allowed = fmt::format("a name among [{}.*]: {}", kind, names.empty() ? "none yet" : join(names));
+    if (t.text(key, name, allowed, required) && !known.contains(name))
+      t.refuse(key, allowed + did_you_mean(name, names));
+  };
+  std::vector<double> cuts;
+  const std::string inside = has_units ? fmt::format("1 to {:g}", 2 * w.units_per_course - 1) : "1 on";
+  if (t.numbers("bottom_beam_cuts", cuts, kPositive, "half units from the left")) {
+    for (const double cut : cuts) {
+      const int last = w.bottom_beam_cuts.empty() ? 0 : w.bottom_beam_cuts.back();
+      if (cut == std::floor(cut) && cut > last && (!has_units || cut < 2 * w.units_per_course))
+        w.bottom_beam_cuts.push_back(static_cast<int>(cut));
+      else
+        t.refuse("bottom_beam_cuts", fmt::format("whole half units that grow, {}, where the beam is cut", inside));
+    }
+    if (!w.bottom_beam) t.refuse("bottom_beam_cuts", "only with bottom_beam = true");
+  }
+  const bool beams = w.bottom_beam || w.top_beam;
+  name_of("unit_material", w.unit_material, scene.materials, "materials", true);
+  name_of("bed_joint", w.bed_joint, scene.joints, "joints", true);
+  name_of("head_joint", w.head_joint, scene.joints, "joints", true);
+  name_of("unit_joint", w.unit_joint, scene.joints, "joints", w.mid_unit_joints);
+  name_of("beam_joint", w.beam_joint, scene.joints, "joints", beams);
+
+  w.openings = read_openings(t,
+                             {has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0,
+                              has_unit ? w.unit[0] / 2 : 0},
+                             scene.materials);
+  const Lattice lattice{has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0, 0};
+  w.changed = read_changed(t, lattice, w.openings, scene.materials);
+  t.finish();
+  return w;
+}
+
+}  // namespace quoin

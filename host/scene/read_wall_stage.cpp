@@ -1,0 +1,209 @@
+#include "scene/read_wall_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/generate.h"
+#include "scene/read_actions.h"
+#include "scene/read_building.h"
+#include "scene/read_cycles.h"
+
+namespace quoin {
+
+using namespace reader;
+
+namespace {
+
+// Deformable blocks that can be loaded.
+std::vector<std::string> loaded_names(const Scene& scene) {
+  std::vector<std::string> names;
+  if (!scene.building) return names;
+  for (const BuildingSpec::Floor& floor : scene.building->floors) {
+    if (floor.rigid) continue;
+    for (const std::string& body : floor.bodies()) names.push_back(body);
+  }
+  return names;
+}
+
+// What the wall offers to be moved.
+std::vector<std::string> body_names(const Scene& scene) {
+  std::vector<std::string> names;
+  if (scene.building) {
+    names.push_back("bottom_beam");
+    for (const BuildingSpec::Floor& floor : scene.building->floors) {
+      if (!floor.rigid) continue;
+      for (const std::string& body : floor.bodies()) names.push_back(body);
+    }
+  }
+  if (scene.wall) names = scene.wall->bottom_beams();
+  if (scene.wall && scene.wall->top_beam) names.push_back("top_beam");
+  if (scene.wall && scene.wall->rigid_units) names.insert(names.end(), {"bottom_course", "top_course"});
+  return names;
+}
+
+BodyControl read_control(Table t, std::vector<std::string> bodies, const std::vector<std::string>& loaded) {
+  BodyControl c;
+  bodies.insert(bodies.end(), loaded.begin(), loaded.end());
+  t.choice("body", c.body, bodies, true);
+  t.velocity(c, false);
+  bool held = true;
+  t.boolean("rotation_held", held);
+  c.may_turn = !held;
+  if (t.numbers("force", c.force, kAny, "N")) {
+    for (size_t i = 0; i < 3; ++i) {
+      if (c.force[i] != 0.0 && c.kind[i] == DofKind::velocity)
+        t.refuse("force", "0 along components whose velocity is prescribed; make them \"free\" in velocity");
+    }
+  }
+  if (std::find(loaded.begin(), loaded.end(), c.body) != loaded.end() &&
+      std::find(c.kind.begin(), c.kind.end(), DofKind::velocity) != c.kind.end())
+    t.refuse("body",
+             "a rigid body, or velocity = [\"free\", \"free\", \"free\"]: half units of a floor without "
+             "rigid_beams can be loaded but not moved");
+  t.finish();
+  return c;
+}
+
+void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodies, const Scene& scene) {
+  for (size_t i = 0; const toml::table* table : t.tables("control", "tables [[stage.control]]"))
+    stage.controls.push_back(read_control(Table(t.context(), *table, fmt::format("{}.{}", t.path("control"), ++i)),
+                                          bodies, loaded_names(scene)));
+}
+
+// The controls that the short kinds of stage stand for: bottom beam held, top beam pressed or moved.
+void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, double top_force, bool top_free,
+                       double top_velocity) {
+  for (const std::string& body : bodies) {
+    if (!body.starts_with("bottom_beam")) continue;
+    BodyControl bottom;
+    bottom.body = body;
+    stage.controls.push_back(bottom);
+  }
+  BodyControl top;
+  top.body = "top_beam";
+  if (top_free) {
+    top.kind[1] = DofKind::free;
+    top.force[1] = -top_force;
+  }
+  top.velocity[0] = top_velocity;
+  stage.controls.push_back(top);
+}
+
+// What holds and loads the bodies of a stage with forces, pressures, ground motion or collapse that no table of it
+// controls. The lower beam is the ground, the upper one is free under the pressure of the stages before, floors have
+// their loads.
+void add_loads_of_before(Stage& stage, const Scene& scene, const std::vector<std::string>& bodies, double top_force) {
+  const auto controlled = [&](const std::string& body) {
+    return std::any_of(stage.controls.begin(), stage.controls.end(),
+                       [&](const BodyControl& c) { return c.body == body; });
+  };
+  const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();
+  if (top && top_force > 0.0 && !controlled("top_beam")) {
+    BodyControl& control = stage.controls.emplace_back();
+    control.body = "top_beam";
+    control.kind.fill(DofKind::free);
+    control.may_turn = true;
+    control.force[1] = -top_force;
+  }
+  if (scene.building) add_floor_loads(stage, *scene.building);
+}
+
+// A custom stage: controls and actions.
+void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::string> bodies, double top_force,
+                 const std::string& folder) {
+  read_controls(t, stage, bodies, scene);
+  const std::vector<std::string> held = bodies, loaded = loaded_names(scene);
+  bodies.insert(bodies.end(), loaded.begin(), loaded.end());
+  read_actions(t, stage, folder, bodies);
+  const bool acts = !stage.beyond_lattice().empty();
+  if (acts) read_stage_solver(t, stage, scene);
+  if (acts && stage.monitor.empty() && scene.building && !scene.building->floors.empty()) {
+    const std::vector<std::string> beams = scene.building->floors.back().bodies();
+    if (!beams.empty()) stage.monitor = beams.front();  // none where half_units was refused
+  }
+  read_monitor(t, stage, acts ? &bodies : &held);
+  if (acts) add_loads_of_before(stage, scene, held, top_force);
+  if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !stage.collapse &&
+      !t.has("equilibrium_ratio") && !t.has("displacement") && !t.has("duration") && !t.has("collapse"))
+    t.context().fault(t.where() +
+                      ": the stage never ends; give equilibrium_ratio, displacement (m), duration (s) or collapse");
+  if (stage.displacement && stage.monitor.empty())
+    t.refuse("displacement", "only with a monitor body to measure; give monitor");
+}
+
+}  // namespace
+
+Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure, const std::string& folder) {
+  const Quality& quality = quality_named(scene.quality);
+  Stage stage;
+  stage.source = {t.where()};
+  const std::vector<std::string> bodies = body_names(scene);
+  std::string kind = "custom";
+  const std::vector<std::string> kinds =
+      scene.building ? std::vector<std::string>{"weight", "rest", "push", "cycles", "custom"}
+                     : std::vector<std::string>{"pressure", "rest", "shear", "cycles", "custom"};
+  const bool acts = has_actions(t) && !t.has("kind");
+  const bool kind_known = t.choice("kind", kind, kinds, !acts) || acts;
+  stage.name = stage.kind = kind;
+  read_stage_basics(t, stage, previous);
+
+  const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();
+  stage.monitor = top ? "top_beam" : "";
+  if (kind == "pressure" || kind == "shear" || (kind == "rest" && t.has("pressure"))) {
+    if (!top && scene.wall) t.refuse("kind", "pressure and shear need a top beam to act on: wall.top_beam = true");
+  }
+  const double area = scene.wall ? bed_area(*scene.wall) / (scene.wall->half_thickness ? 2.0 : 1.0) : 0.0;
+  if (kind == "pressure") {
+    t.number("pressure", pressure, kNotNegative, "Pa (downwards on the gross bed area)", true);
+    if (!t.has("ramp_time")) stage.ramp_time = 0.005;
+    if (!t.has("equilibrium_ratio") && !stage.duration) stage.equilibrium_ratio = quality.equilibrium_ratio;
+    if (!t.has("max_steps")) stage.max_steps = 1000000;
+    add_beam_controls(stage, bodies, pressure * area, true, 0.0);
+  } else if (kind == "shear") {
+    double velocity = quality.velocity;
+    std::string vertical = "held";
+    const bool velocity_known = !t.has("velocity") || t.number("velocity", velocity, kAny, "m/s");
+    scene.quality_as_is = scene.quality_as_is && velocity == quality.velocity;
+    t.number("displacement", stage.displacement, kPositive, "m");
+    t.choice("vertical", vertical, {"held", "pressure"});
+    if (!t.has("ramp_time")) stage.ramp_time = 0.05;
+    if (!t.has("displacement") && !t.has("duration") && !t.has("equilibrium_ratio"))
+      t.find("displacement", "a number, more than 0 m (or give duration)", true);
+    if (velocity_known && velocity == 0.0 && stage.displacement)
+      t.refuse("velocity", "not 0: the stage would never reach its displacement");
+    add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", velocity);
+  } else if (kind == "weight") {
+    read_weight(t, stage, *scene.building);
+  } else if (kind == "rest") {
+    if (scene.building) read_weight(t, stage, *scene.building);
+    if (!scene.building) t.number("pressure", pressure, kNotNegative, "Pa (downwards on the gross bed area)");
+    if (!scene.building) add_beam_controls(stage, bodies, pressure * area, true, 0.0);
+    read_rest(t, stage);
+  } else if (kind == "push") {
+    read_push(t, stage, *scene.building);
+  } else if (kind == "cycles" && (t.has("body") || t.has("control"))) {
+    read_cycles(t, stage);
+    read_controls(t, stage, bodies, scene);
+    read_cycled_body(t, "body", &bodies, stage);
+  } else if (kind == "cycles" && scene.building) {
+    read_cycles(t, stage);
+    read_whiffletree(t, stage, *scene.building);
+  } else if (kind == "cycles") {
+    if (!top) t.refuse("kind", "cycles move the top beam, which the wall does not have: wall.top_beam = true, or body");
+    read_cycles(t, stage);
+    std::string vertical = "held";
+    t.choice("vertical", vertical, {"held", "pressure"});
+    add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", stage.cycles->velocity);
+    stage.controls.back().in_cycles = 0;
+  } else if (kind_known) {
+    read_custom(t, stage, scene, bodies, pressure * area, folder);
+  }
+
+  if (stage.cycles) scene.quality_as_is = scene.quality_as_is && std::abs(stage.cycles->velocity) == quality.velocity;
+  read_law_swaps(t, scene, stage);
+  if (!kind_known) return stage;  // which keys are allowed depends on the kind
+  t.finish();
+  return stage;
+}
+
+}  // namespace quoin

@@ -1,0 +1,14 @@
+// The actions of a stage on blocks in large motion, and what goes over all of them.
+#pragma once
+
+#include <vector>
+
+#include "step/state.h"
+
+namespace quoin {
+
+std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& settings);  // by its actions
+void bind_actions(Simulation::Impl& s, const Stage& settings, const Stage* previous);
+void apply_actions(Simulation::Impl& s, double ramp);
+
+}  // namespace quoin

@@ -1,0 +1,10 @@
+// Members: their pretension grows over the ramp of the first stage.
+#pragma once
+
+#include "step/state.h"
+
+namespace quoin {
+
+void build_members(Simulation::Impl& s);  // of the scene
+
+}  // namespace quoin

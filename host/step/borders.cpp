@@ -1,0 +1,227 @@
+#include "step/borders.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "base/ranks.h"
+#include "step/gather.h"
+#include "step/rank_agreement.h"
+#include "step/state.h"
+#include "step/work_division.h"
+
+namespace quoin {
+
+namespace {
+
+// That evaluate a chunk.
+std::vector<int> ranks_of(const Simulation::Impl& s, int chunk) {
+  std::vector<int> found;
+  each_item_of_chunk(s, chunk, [&](int item) {
+    const int rank = s.division.share.rank_of_item[at(item)];
+    if (std::find(found.begin(), found.end(), rank) == found.end()) found.push_back(rank);
+  });
+  return found;
+}
+
+void numbers_of(Simulation::Impl& s, std::int64_t key, std::vector<double*>& numbers) {
+  if (s.large_motion) return s.large_motion->numbers_of(key, numbers);
+  const auto gridpoint = static_cast<std::size_t>(key / 3), n = static_cast<std::size_t>(key % 3);
+  numbers.push_back(&s.lattice.displacement[gridpoint + n * kLanes]);
+  for (const std::size_t c : {(n + 1) % 3, (n + 2) % 3}) numbers.push_back(&s.lattice.velocity[gridpoint + c * kLanes]);
+}
+
+// Motion that every rank follows step by step: monitor, floors. visit(item, its numbers).
+void each_watched(Simulation::Impl& s, const std::function<void(int, const std::vector<double*>&)>& visit) {
+  const auto of_large_motion = [&](const std::vector<int>& blocks) {
+    for (const int block : blocks) {
+      std::vector<double*> numbers;
+      s.large_motion->motion_of(block, numbers);
+      visit(s.division.item_by_block[at(block)], numbers);
+    }
+  };
+  const auto of_bodies = [&](const std::vector<int>& bodies) {
+    for (const int body : bodies) {
+      const auto [place, lane] = s.lattice.place[at(body)];
+      BodyLanes& lanes = s.lattice.bodies[at(place)];
+      std::vector<double*> numbers;
+      for (auto* quantity : {&lanes.displacement, &lanes.velocity}) {
+        for (auto& component : *quantity) numbers.push_back(&component[lane]);
+      }
+      visit(static_cast<int>(s.model.unit_groups.size()) + place, numbers);
+    }
+  };
+  const auto of_loaded = [&](int i, int components) {
+    const int block = s.controls.loaded_blocks[at(i)].block;
+    std::vector<double*> numbers;
+    s.model.for_each_gridpoint(block, [&](std::size_t offset, double) {
+      for (std::size_t c = 0; c < at(components); ++c) {
+        const std::size_t k = offset + c * kLanes;
+        numbers.push_back(&s.lattice.displacement[k]), numbers.push_back(&s.lattice.velocity[k]);
+      }
+    });
+    visit(item_of_block(s, block), numbers);
+  };
+  if (s.large_motion)
+    of_large_motion(s.monitor.blocks);
+  else
+    of_bodies(s.monitor.bodies);
+  // Against which ranks look at how their blocks have moved.
+  if (const int ground = s.large_motion ? -1 : s.controls.ground_body(); ground >= 0) of_bodies({ground});
+  for (const int i : s.monitor.loaded) of_loaded(i, 3);
+  for (const WhiffletreeFloor& floor : s.controls.whiffletree) {
+    if (s.large_motion) of_large_motion(floor.large_motion);
+    of_bodies(floor.bodies);
+    for (const int i : floor.loaded) of_loaded(i, 1);  // along x
+  }
+}
+
+// Of sides: what goes to other ranks and comes from them.
+struct BorderKeys {
+  std::map<int, std::set<std::int64_t>> to, from;
+};
+
+}  // namespace
+
+// Every rank finds out for all others what they need, so that nobody has to ask.
+void bind_halo(Simulation::Impl& s) {
+  s.parts.halo.clear();
+  if (!s.ranks) return;
+  const int here = s.ranks->rank();
+  BorderKeys keys;
+  std::set<int> on_border;
+  s.rank_load.traffic.points = s.rank_load.traffic.shared_points = 0.0;
+  for (const int c : s.division.share.chunks) {
+    const std::vector<int> evaluate = ranks_of(s, c);
+    s.rank_load.traffic.points += s.division.chunk_cost[at(c)];
+    if (evaluate.size() == 1) continue;
+    s.rank_load.traffic.shared_points += s.division.chunk_cost[at(c)];
+    each_side(s, c, [&](int item, std::int64_t key) {
+      const int owner = s.division.share.rank_of_item[at(item)];
+      if (owner != here) {
+        keys.from[owner].insert(key);
+        return;
+      }
+      on_border.insert(item);
+      for (const int r : evaluate) {
+        if (r != here) keys.to[r].insert(key);
+      }
+    });
+  }
+  std::map<int, Border> borders;
+  const auto border_with = [&](int rank) -> Border& {
+    Border& border = borders[rank];
+    border.rank = rank;
+    return border;
+  };
+  for (const auto& [rank, of_rank] : keys.to)
+    for (const std::int64_t key : of_rank) numbers_of(s, key, border_with(rank).send);
+  for (const auto& [rank, of_rank] : keys.from)
+    for (const std::int64_t key : of_rank) numbers_of(s, key, border_with(rank).receive);
+  each_watched(s, [&](int item, const std::vector<double*>& numbers) {
+    const int owner = s.division.share.rank_of_item[at(item)];
+    const auto append = [&](std::vector<double*>& list) { list.insert(list.end(), numbers.begin(), numbers.end()); };
+    if (owner != here) return append(border_with(owner).receive);
+    on_border.insert(item);
+    for (int r = 0; r < s.ranks->count(); ++r) {
+      if (r != here) append(border_with(r).send);
+    }
+  });
+  for (auto& [rank, border] : borders) s.parts.halo.add(std::move(border));
+  s.division.share.border_items = on_border.size();
+  std::stable_partition(s.division.share.items.begin(), s.division.share.items.end(),
+                        [&](int item) { return on_border.contains(item); });
+  s.rank_load.traffic.blocks = 0.0;
+  for (const int item : s.division.share.items)
+    s.rank_load.traffic.blocks += static_cast<double>(blocks_of_item(s, item).size());
+}
+
+Halo halo_on_borders(Simulation::Impl& s, const SideNumbers& numbers_of_side) {
+  const int here = s.ranks->rank();
+  using Side = std::pair<int, std::int32_t>;  // block, gridpoint; of a rigid block none
+  std::map<int, std::set<Side>> to, from;
+  for (const int c : s.division.share.chunks) {
+    const std::vector<int> evaluate = ranks_of(s, c);
+    if (evaluate.size() == 1) continue;
+    const ContactChunk& chunk = s.model.chunks[at(c)];
+    for (std::int32_t p = chunk.first_point; p < chunk.first_point + chunk.point_count; ++p) {
+      const Model::Sides sides = s.model.sides_of(p);
+      for (const auto& [block, gridpoint] :
+           {Side(sides.a, s.model.node_a[at(p)]), Side(sides.b, s.model.node_b[at(p)])}) {
+        const Side side(block, s.model.place[at(block)].body < 0 ? gridpoint : -1);
+        const int owner = s.division.share.rank_of_item[at(item_of_block(s, block))];
+        if (owner != here) {
+          from[owner].insert(side);
+          continue;
+        }
+        for (const int r : evaluate) {
+          if (r != here) to[r].insert(side);
+        }
+      }
+    }
+  }
+  Halo found;
+  for (int r = 0; r < s.ranks->count(); ++r) {
+    Border border{r, {}, {}, {}, {}};
+    for (const auto& [block, gridpoint] : to[r]) numbers_of_side(block, gridpoint, border.send);
+    for (const auto& [block, gridpoint] : from[r]) numbers_of_side(block, gridpoint, border.receive);
+    found.add(std::move(border));
+  }
+  return found;
+}
+
+void receive_whole_borders(Simulation::Impl& s) {
+  Halo border = halo_on_borders(s, [&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
+    const int body = s.model.place[at(block)].body;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (body < 0) {
+        numbers.push_back(&s.lattice.displacement[at(gridpoint) + c * kLanes]);
+        numbers.push_back(&s.lattice.velocity[at(gridpoint) + c * kLanes]);
+        continue;
+      }
+      const auto [place, lane] = s.lattice.place[at(body)];
+      BodyLanes& lanes = s.lattice.bodies[at(place)];
+      for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
+        numbers.push_back(&(*quantity)[c][lane]);
+    }
+  });
+  border.send(*s.ranks);
+  border.receive(*s.ranks);
+}
+
+void send_motion(Simulation::Impl& s) { s.parts.halo.send(*s.ranks); }
+
+void receive_motion(Simulation::Impl& s, bool measure_step) {
+  const auto before = Clock::now();
+  s.parts.halo.receive(*s.ranks);
+  s.rank_load.traffic.steps += 1.0;
+  s.rank_load.traffic.halo_bytes += static_cast<double>(s.parts.halo.bytes());
+  s.rank_load.traffic.halo_messages += static_cast<double>(s.parts.halo.messages());
+  s.rank_load.window.estimated.resize(s.division.share.cost_of_rank.size(), 0.0);
+  for (std::size_t r = 0; r < s.division.share.cost_of_rank.size(); ++r)
+    s.rank_load.window.estimated[r] += s.division.share.cost_of_rank[r];
+  const double seconds = seconds_since(before);
+  s.rank_load.traffic.waiting_seconds += seconds;
+  s.timing.phases[Phase::ranks] += seconds;
+  bool deviates = s.large_motion && s.large_motion->has_deviating(s.division.share.items),
+       leaves = s.large_motion && s.large_motion->leaves_frame(s.division.share.items);
+  if (s.large_motion)
+    s.agreed.failed =
+        agree(s, s.large_motion->in_trouble(s.division.share.chunks, s.division.share.items), &deviates, &leaves);
+  if (s.large_motion && s.parts.divided) {
+    if (deviates) s.large_motion->mark_deviation();
+    if (measure_step)
+      gather(s, Part::row);
+    else if (s.energy.wanted || leaves || s.agreed.failed)
+      gather(s, Part::sums);
+    return;
+  }
+  if (leaves) gather(s, Part::all);
+  if (measure_step || (s.large_motion && s.energy.wanted))
+    gather(s, s.large_motion ? Part::row : Part::sums);
+  else if (s.large_motion && (deviates || s.large_motion->checks_motion()))
+    gather(s, Part::motion);
+}
+
+}  // namespace quoin

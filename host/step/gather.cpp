@@ -1,0 +1,186 @@
+#include "step/gather.h"
+
+#include "base/rank_rows.h"
+#include "base/ranks.h"
+#include "model/placed_points.h"
+#include "step/borders.h"
+#include "step/lattice_fields.h"
+#include "step/lattice_motion.h"
+#include "step/rank_part.h"
+#include "step/reactions.h"
+#include "step/state.h"
+#include "step/work_division.h"
+
+namespace quoin {
+
+namespace {
+
+template <class T>
+void visit_value(T& value, const VisitMemory& visit) {
+  visit(&value, sizeof value);
+}
+
+}  // namespace
+
+bool has_all(const Simulation::Impl& s) {
+  return s.parts.gathered || (s.parts.gathered_by_first && s.ranks && s.ranks->rank() == 0);
+}
+
+void gather(Simulation::Impl& s, Part part, Who who, const RankShare* next) {
+  if (!s.parts.divided) who = Who::everybody;
+  if (s.parts.gathered || (part == Part::all && who == Who::first && s.parts.gathered_by_first) ||
+      (part == Part::row && s.parts.has_row))
+    return;
+  const auto before = Clock::now();
+  if (part == Part::row || part == Part::all) prepare_row(s);
+  std::size_t whole = 0;
+  const Part asked = part;
+  if (s.large_motion && s.parts.divided) {  // whose sums say what a row takes of blocks and contact points
+    if (part == Part::all) whole = s.large_motion->gather_everything(who == Who::everybody);
+    part = Part::sums;
+  }
+  const bool takes_all = part != Part::all || who == Who::everybody || (who == Who::first && s.ranks->rank() == 0);
+  if (part == Part::all && takes_all) hold_all(s);
+  HeldParts held;
+  if (part == Part::all && who == Who::holders) held = held_with(s, next ? *next : s.division.share);
+  const auto takes = [&](const std::vector<bool>& of_held, std::size_t i) {
+    return takes_all || (!of_held.empty() && of_held[i]);
+  };
+  RankRows rows(*s.ranks);
+  for (int i = 0; i < static_cast<int>(s.division.share.rank_of_item.size()); ++i) {
+    const bool wanted = takes(held.items, at(i));
+    each_memory_of_item(s, part, i, [&](void* first, std::size_t bytes) {
+      rows.add(s.division.share.rank_of_item[at(i)], first, bytes, wanted);
+    });
+  }
+  for (int c = 0; c < static_cast<int>(s.division.share.rank_of_chunk.size()); ++c) {
+    const bool wanted = takes(held.chunks, at(c));
+    each_memory_of_chunk(s, part, c, [&](void* first, std::size_t bytes) {
+      rows.add(s.division.share.rank_of_chunk[at(c)], first, bytes, wanted);
+    });
+  }
+  whole += rows.exchange();
+  s.parts.has_row = s.large_motion && s.parts.divided && asked == Part::row;
+  s.parts.gathered = asked == Part::all && who == Who::everybody;
+  s.parts.gathered_by_first =
+      s.parts.gathered_by_first || s.parts.gathered || (asked == Part::all && who == Who::first);
+  s.rank_load.traffic.gathers += 1.0;
+  s.rank_load.traffic.gathered_bytes += static_cast<double>(whole);
+  const double seconds = seconds_since(before);
+  s.rank_load.traffic.gathering_seconds += seconds;
+  s.timing.phases[Phase::ranks] += seconds;
+}
+
+void fetch_for_frame(Simulation::Impl& s) {
+  if (!s.parts.divided && !s.scene.output.pieces) return gather(s, Part::all, Who::first);
+  if (!s.ranks) return;
+  // What was a joint shows how far its blocks are apart, wherever they are.
+  if (!s.parts.divided && s.large_motion && s.large_motion->has_replaced_points()) return gather(s, Part::all);
+  const auto before = Clock::now();
+  if (s.large_motion)
+    s.large_motion->exchange_parted_blocks();
+  else
+    receive_whole_borders(s);
+  const double seconds = seconds_since(before);
+  s.rank_load.traffic.waiting_seconds += seconds;
+  s.timing.phases[Phase::ranks] += seconds;
+}
+
+void each_memory_of_item(Simulation::Impl& s, Part part, int item, const VisitMemory& visit) {
+  if (s.large_motion) {
+    s.large_motion->each_memory_of_piece(part, item, visit);
+    for (std::size_t i = 0;
+         s.parts.divided && part != Part::motion && i < s.reactions.restrained_of_item[at(item)].size(); ++i)
+      visit_value(s.reactions.block_wrench[at(s.reactions.restrained_of_item[at(item)][i])], visit);
+    return;
+  }
+  visit_value(s.division.measured[at(item)], visit);
+  if (part == Part::sums) return;
+  for (const int b : blocks_of_item(s, item)) visit_value(s.small_motion.whole_motions[at(b)], visit);
+  const auto i = at(item) - s.model.unit_groups.size();
+  const bool of_bodies = at(item) >= s.model.unit_groups.size();
+  if (of_bodies) {
+    BodyLanes& lanes = s.lattice.bodies[i];
+    for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
+      visit(quantity, sizeof *quantity);
+    for (const int b : bodies_of_item(s, item)) visit_value(s.reactions.body_wrench[at(b)], visit);
+  }
+  if (part != Part::all) return;
+  const auto each_gridpoint_field = [&](const auto& of_field) {
+    each_lattice_field(s.lattice, [&](const Field& field, auto& array, int) {
+      if constexpr (std::is_same_v<decltype(array), LaneVector<double>&>) {
+        if (field.owner == Owner::gridpoint) of_field(array);
+      }
+    });
+  };
+  const auto lines = [&](std::int32_t first, std::size_t count) {
+    each_gridpoint_field(
+        [&](LaneVector<double>& array) { visit(array.data() + at(first) * kLine, count * kLine * sizeof(double)); });
+  };
+  if (!of_bodies) {
+    const UnitGroup& unit = s.model.unit_groups[at(item)];
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      const BlockGroup& group = s.model.groups[at(g)];
+      lines(group.first_line, at(s.model.templates[at(group.brick_template)].node_count));
+    }
+  } else if (i < s.model.body_groups.size()) {
+    const BodyGroup& group = s.model.body_groups[i];
+    lines(group.first_line, at(s.model.body_slots[at(group.slots)].slot_count()));
+  } else {
+    for (const std::int32_t slave : s.model.bodies[at(s.model.lone_bodies[i - s.model.body_groups.size()])].slave) {
+      each_gridpoint_field([&](LaneVector<double>& array) {
+        for (std::size_t c = 0; c < 3; ++c) visit_value(array[at(slave) + c * kLanes], visit);
+      });
+    }
+  }
+}
+
+void each_memory_of_chunk(Simulation::Impl& s, Part part, int chunk, const VisitMemory& visit) {
+  if (s.large_motion) return s.large_motion->each_memory_of_chunk(part, chunk, visit);
+  LawCall& call = s.contacts.calls[at(chunk)];
+  visit_value(call.force_sum, visit);
+  visit_value(call.deepest, visit);
+  visit_value(call.deepest_point, visit);
+  visit_value(call.crushed_out, visit);
+  visit_value(call.stored, visit);
+  visit_value(call.dissipated, visit);
+  visit_value(call.damping, visit);
+  visit_value(call.on_monitor, visit);
+  if (part != Part::all) return;
+  const ContactChunk& c = s.model.chunks[at(chunk)];
+  const auto first = at(c.first_point), count = at(c.point_count);
+  each_lattice_field(s.lattice, [&](const Field& field, auto& array, int family) {
+    if (field.owner != Owner::contact_point || array.empty() || (family >= 0 && family != c.family)) return;
+    const std::size_t bytes = count * sizeof array[0];
+    if (family < 0) return visit(array.data() + first, bytes);
+    const ContactFamily& of = s.model.families[at(family)];
+    for (std::size_t begin = 0; begin < array.size(); begin += at(of.point_count))
+      visit(array.data() + begin + (first - at(of.first_point)), bytes);
+  });
+  visit_value(call.failed, visit);
+  visit_value(call.status, visit);
+  visit_value(call.batch.failed_count, visit);
+}
+
+void prepare_row(Simulation::Impl& s) {
+  if (s.large_motion && s.parts.divided) {
+    s.large_motion->scan_for_row(s.division.share.chunks, s.division.share.items);
+    std::vector<int> own;
+    for (const int item : s.division.share.items) {
+      const std::vector<int>& some = s.reactions.restrained_of_item[at(item)];
+      own.insert(own.end(), some.begin(), some.end());
+    }
+    const std::vector<JointWrench> wrenches = sum_large_motion_wrenches(s, own);
+    for (std::size_t i = 0; i < own.size(); ++i) s.reactions.block_wrench[at(own[i])] = wrenches[i];
+  }
+  if (s.large_motion) return;
+  s.small_motion.whole_motions.resize(s.model.assembly.bricks.size());
+  s.reactions.body_wrench.resize(s.model.bodies.size());
+  for (const int item : s.division.share.items) {
+    for (const int b : blocks_of_item(s, item)) s.small_motion.whole_motions[at(b)] = whole_motion_of(s, at(b));
+    for (const int b : bodies_of_item(s, item)) s.reactions.body_wrench[at(b)] = sum_joint_wrench(s, b);
+  }
+  for (const int c : s.division.share.chunks) s.contacts.calls[at(c)].on_monitor = sum_on_monitor(s, c);
+}
+
+}  // namespace quoin

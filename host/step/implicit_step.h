@@ -1,0 +1,11 @@
+// What a step does with joints that act by its mean (implicit_contacts.h).
+#pragma once
+
+#include "step/state.h"
+
+namespace quoin {
+
+void weigh_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump, const double* normal_way);
+void settle_contacts(Simulation::Impl& s);
+
+}  // namespace quoin

@@ -1,0 +1,185 @@
+#include "step/large_motion_results.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <span>
+
+#include "law/at_rest.h"
+#include "step/gather.h"
+#include "step/points_at_rest.h"
+#include "step/state.h"
+
+namespace quoin {
+
+using geometry::Vector;
+
+namespace {
+
+// All, or those of this rank where the others were not gathered.
+std::vector<int> chunks_in_large_motion(const Simulation::Impl& s) {
+  return !s.parts.divided || has_all(s) ? whole_share(s.large_motion->chunk_count(), 0).chunks
+                                        : s.division.share.chunks;
+}
+
+// Of the points of families one after the other those in a range.
+struct FamilyPart {
+  const blocks::Family& family;
+  int index;               // of the family
+  std::size_t first, end;  // in it
+  std::size_t before;      // points of the families before
+};
+
+// Chunk by chunk.
+std::vector<FamilyPart> parts_of(const blocks::Model& large_motion, std::span<const int> chunks,
+                                 const PointRange& range) {
+  std::vector<std::size_t> before;
+  std::size_t points = 0;
+  for (const blocks::Family& f : large_motion.families()) before.push_back(points), points += f.size();
+  std::vector<FamilyPart> parts;
+  const auto from = static_cast<std::size_t>(range.first), to = static_cast<std::size_t>(range.end);
+  for (const int c : chunks) {
+    const auto [family, first_of_chunk, count] = large_motion.range_of_chunk(c);
+    const std::size_t of_families = before[static_cast<std::size_t>(family)];
+    const std::size_t first = std::max(from, of_families + first_of_chunk);
+    const std::size_t end = std::min(to, of_families + first_of_chunk + count);
+    if (first < end)
+      parts.push_back({large_motion.families()[static_cast<std::size_t>(family)], family, first - of_families,
+                       end - of_families, of_families});
+  }
+  return parts;
+}
+
+}  // namespace
+
+void ask_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
+                              const PointOutputs& outputs) {
+  for (const auto& [f, index, first, end, before] : parts_of(*s.large_motion, chunks_in_large_motion(s), range)) {
+    if (!(f.material->api().capabilities & capability)) continue;
+    RestingPoints points{
+        end - first, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
+    for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data() + first;
+    for (const auto& column : f.state) points.state.push_back(column.data() + first);
+    evaluate_at_rest(*f.material, points, [&, at = before + first](quoin_batch& batch) { outputs(batch, at); });
+  }
+}
+
+Simulation::BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->block(block);
+  const blocks::Block& input = s.large_motion->assembly.blocks[static_cast<std::size_t>(block)];
+  Simulation::BlockMesh mesh;
+  mesh.unit = input.unit, mesh.course = input.course, mesh.fixed = input.fixed;
+  mesh.face = b.shape->faces;  // the first gridpoints of deformable blocks are the vertices of their shapes
+  if (b.body >= 0) {
+    const geometry::Matrix turned = matrix(input.orientation);
+    for (const Vector& p : b.shape->vertices) mesh.gridpoint.push_back(geometry::array(input.position + turned * p));
+    return mesh;
+  }
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
+    mesh.gridpoint.push_back(geometry::array(s.large_motion->node_reference()[static_cast<std::size_t>(i)]));
+  for (int z = 0; z < b.zone_count; ++z)
+    std::ranges::copy(s.large_motion->zone(block, z).node, mesh.zone.emplace_back().begin());
+  return mesh;
+}
+
+Simulation::BlockSize size_in_large_motion(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->block(block);
+  Simulation::BlockSize size;
+  size.gridpoints = b.body >= 0 ? b.shape->vertices.size() : static_cast<std::uint64_t>(b.node_count);
+  size.zones = static_cast<std::uint64_t>(b.zone_count);
+  size.faces = b.shape->faces.size();
+  for (const auto& face : b.shape->faces) size.face_corners += face.size();
+  return size;
+}
+
+std::vector<Vec3> gridpoint_displacements(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->block(block);
+  std::vector<Vec3> result;
+  const Simulation::BlockMesh mesh = mesh_in_large_motion(s, block);
+  for (std::size_t i = 0; i < mesh.gridpoint.size(); ++i) {
+    const Vector now = b.body >= 0 ? s.large_motion->corner(block, static_cast<int>(i))
+                                   : s.large_motion->node_positions()[static_cast<std::size_t>(b.first_node) + i];
+    result.push_back(geometry::array(now - geometry::vector(mesh.gridpoint[i])));
+  }
+  return result;
+}
+
+std::vector<Vec3> gridpoint_velocities(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->block(block);
+  std::vector<Vec3> result;
+  for (int i = 0; b.body < 0 && i < b.node_count; ++i)
+    result.push_back(geometry::array(s.large_motion->node_velocities()[static_cast<std::size_t>(b.first_node + i)]));
+  for (std::size_t i = 0; b.body >= 0 && i < b.shape->vertices.size(); ++i)
+    result.push_back(
+        geometry::array(s.large_motion->velocity(block) +
+                        cross(s.large_motion->angular_velocity(block),
+                              s.large_motion->corner(block, static_cast<int>(i)) - s.large_motion->position(block))));
+  return result;
+}
+
+std::vector<std::array<double, 6>> zone_stresses(const Simulation::Impl& s, int block) {
+  std::vector<std::array<double, 6>> result;
+  for (int z = 0; z < s.large_motion->block(block).zone_count; ++z) {
+    const geometry::Matrix stress = s.large_motion->zone_stress(block, z);
+    result.push_back(
+        {stress.row[0].x, stress.row[1].y, stress.row[2].z, stress.row[0].y, stress.row[1].z, stress.row[2].x});
+  }
+  return result;
+}
+
+void each_point_in_large_motion(const Simulation::Impl& s, const std::function<void(std::int32_t, int)>& visit) {
+  for (const auto& [f, index, first, end, before] :
+       parts_of(*s.large_motion, chunks_in_large_motion(s), whole_range(s))) {
+    for (std::size_t i = first; i < end; ++i) visit(static_cast<std::int32_t>(before + i), f.point[i].a);
+  }
+}
+
+std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, const PointRange& range,
+                                                 const std::function<bool(int block)>& wanted) {
+  const std::vector<std::uint32_t> flags_there = current_flags(s, range);
+  std::vector<ContactPoint> points;
+  for (const auto& [f, index, first, end, before] : parts_of(*s.large_motion, chunks_in_large_motion(s), range)) {
+    for (std::size_t i = first; i < end; ++i) {
+      const blocks::Point& p = f.point[i];
+      if (!wanted(p.a)) continue;
+      const geometry::Matrix r = s.large_motion->frame_of(p);
+      ContactPoint point{};
+      point.index = static_cast<std::int32_t>(before + i);
+      point.position = geometry::array(s.large_motion->place_of(p));
+      point.normal = geometry::array(r.row[0]);
+      point.s = geometry::array(r.row[1]);
+      point.t = geometry::array(r.row[2]);
+      point.area = p.area;
+      point.joint = -1;
+      point.family = index;
+      point.block_a = p.a;
+      point.block_b = p.b;
+      point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed again
+      point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
+      point.flags = flags_there[static_cast<std::size_t>(point.index - range.first)];
+      point.condition = condition_of(point.flags);
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+std::vector<double> state_in_large_motion(const Simulation::Impl& s, const std::string& id, const PointRange& range) {
+  std::vector<double> values;
+  for (const auto& [f, index, first, end, before] :
+       parts_of(*s.large_motion, whole_share(s.large_motion->chunk_count(), 0).chunks, range)) {
+    const int k = f.material->law().state_index(id);
+    const std::size_t count = end - first;
+    if (k < 0) {
+      values.resize(values.size() + count, std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const std::span column(f.state[static_cast<std::size_t>(k)]);
+    values.insert(values.end(), column.begin() + static_cast<std::ptrdiff_t>(first),
+                  column.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+  return values;
+}
+
+}  // namespace quoin

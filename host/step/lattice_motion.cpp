@@ -1,0 +1,173 @@
+#include "step/lattice_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+// With that of damping, Pa.
+Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
+  Vec3 sum;
+  for (std::size_t k = 0; k < 3; ++k)
+    sum[k] = s.lattice.traction[k][point] + (s.lattice.damps_impacts() ? s.lattice.viscous[k][point] : 0.0);
+  return sum;
+}
+
+double norm_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+}  // namespace
+
+double mean_along_x(const Simulation::Impl& s, const LoadedBlock& block, const LaneVector<double>& field) {
+  double sum = 0.0;
+  s.model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) { sum += mass * field[offset]; });
+  return sum / block.mass;
+}
+
+Vec3 displacement_of_loaded(const Simulation::Impl& s, int index) {
+  const LoadedBlock& block = s.controls.loaded_blocks[static_cast<std::size_t>(index)];
+  Vec3 mean{};
+  s.model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t k = offset + c * kLanes;
+      mean[c] += mass / block.mass * (s.lattice.displacement[k] - s.data.time_step * s.lattice.velocity[k]);
+    }
+  });
+  return mean;
+}
+
+Vec3 sum_on_monitor(const Simulation::Impl& s, int index) {
+  const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
+  const auto n = static_cast<std::size_t>(chunk.axis);
+  Vec3 sum{};
+  const auto first = std::lower_bound(s.monitor.points.begin(), s.monitor.points.end(), chunk.first_point,
+                                      [](const StageMonitor::Point& m, std::int32_t point) { return m.point < point; });
+  for (auto m = first; m != s.monitor.points.end() && m->point < chunk.first_point + chunk.point_count; ++m) {
+    const auto p = static_cast<std::size_t>(m->point);
+    const Vec3 of_point = point_traction(s, p);
+    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += m->sign * (s.model.area[p] * of_point[c]);
+  }
+  return sum;
+}
+
+Vec3 of_body_at(const Simulation::Impl& s, int body, BodyLanes::Quantity BodyLanes::*translation,
+                BodyLanes::Quantity BodyLanes::*rotation, const Vec3& position) {
+  const Vec3 turned = s.lattice.of_body(body, rotation);
+  const Vec3& centre = s.model.bodies[static_cast<std::size_t>(body)].centre;
+  Vec3 result = s.lattice.of_body(body, translation);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+    result[c] =
+        result[c] + turned[next] * (position[last] - centre[last]) - turned[last] * (position[next] - centre[next]);
+  }
+  return result;
+}
+
+Vec3 sum_joint_force(const Simulation::Impl& s, int body) {
+  const RigidBody& b = s.model.bodies[static_cast<std::size_t>(body)];
+  Vec3 sum{};
+  for (std::size_t i = 0; i < b.point.size(); ++i) {
+    const auto p = static_cast<std::size_t>(b.point[i]), n = static_cast<std::size_t>(s.model.point_axis[p]);
+    const Vec3 of_point = point_traction(s, p);
+    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += b.sign[i] * (s.model.area[p] * of_point[c]);
+  }
+  return sum;
+}
+
+Vec3 jump_at_traction(const Simulation::Impl& s, std::int32_t point) {
+  return jump_of(s, point, 1.0, -s.data.time_step);
+}
+
+std::pair<Vec3, Vec3> motion_of_sides(const Simulation::Impl& s, std::int32_t point, double of_displacement,
+                                      double of_velocity) {
+  const auto p = static_cast<std::size_t>(point);
+  const auto motion_of = [&](int block, std::int32_t gridpoint) {
+    const int body = s.model.place[static_cast<std::size_t>(block)].body;
+    Vec3 u, v;
+    if (body < 0) {
+      const auto i = static_cast<std::size_t>(gridpoint);
+      u = {s.lattice.displacement[i], s.lattice.displacement[i + kLanes], s.lattice.displacement[i + 2 * kLanes]};
+      v = {s.lattice.velocity[i], s.lattice.velocity[i + kLanes], s.lattice.velocity[i + 2 * kLanes]};
+    } else {
+      u = of_body_at(s, body, &BodyLanes::displacement, &BodyLanes::rotation, s.model.point_position[p]);
+      v = of_body_at(s, body, &BodyLanes::velocity, &BodyLanes::spin, s.model.point_position[p]);
+    }
+    for (std::size_t c = 0; c < 3; ++c) u[c] = of_displacement * u[c] + of_velocity * v[c];
+    return u;
+  };
+  const Model::Sides sides = s.model.sides_of(point);
+  return {motion_of(sides.a, s.model.node_a[p]), motion_of(sides.b, s.model.node_b[p])};
+}
+
+Vec3 jump_of(const Simulation::Impl& s, std::int32_t point, double of_displacement, double of_velocity) {
+  const auto [a, b] = motion_of_sides(s, point, of_displacement, of_velocity);
+  const std::size_t n = s.model.point_axis[static_cast<std::size_t>(point)], next = (n + 1) % 3, last = (n + 2) % 3;
+  return {b[n] - a[n], b[next] - a[next], b[last] - a[last]};
+}
+
+double opening_at_traction(const Simulation::Impl& s, std::int32_t point) {
+  return jump_at_traction(s, point)[0] +
+         (s.lattice.normal_shift.empty() ? 0.0 : s.lattice.normal_shift[static_cast<std::size_t>(point)]);
+}
+
+JointWrench sum_joint_wrench(const Simulation::Impl& s, int body) {
+  const RigidBody& b = s.model.bodies[at(body)];
+  JointWrench sum;
+  sum.centre = b.centre;
+  for (std::size_t i = 0; i < b.point.size(); ++i) {
+    const auto p = static_cast<std::size_t>(b.point[i]), n = static_cast<std::size_t>(s.model.point_axis[p]);
+    Vec3 of_point{};
+    const Vec3 all = point_traction(s, p);
+    for (std::size_t c = 0; c < 3; ++c) of_point[(n + c) % 3] = b.sign[i] * (s.model.area[p] * all[c]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+      sum.force[c] += of_point[c];
+      sum.moment[c] += b.arm[i][next] * of_point[last] - b.arm[i][last] * of_point[next];
+    }
+  }
+  // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
+  const Vec3 moved = s.lattice.of_body(body, &BodyLanes::displacement),
+             v = s.lattice.of_body(body, &BodyLanes::velocity);
+  for (std::size_t c = 0; c < 3; ++c) sum.displacement[c] = moved[c] - s.data.time_step * v[c];
+  return sum;
+}
+
+// Lattice blocks by their corner gridpoints, rigid bodies by their own rotation.
+WholeMotion whole_motion_of(const Simulation::Impl& s, std::size_t brick) {
+  const Model::BlockPlace& where = s.model.place[brick];
+  const double radius = 0.5 * norm_of(s.model.assembly.bricks[brick].size);
+  const int ground = s.controls.ground_body();
+  // What is prescribed is known to all ranks.
+  const Vec3 of_ground = ground >= 0 ? s.lattice.of_body(ground, &BodyLanes::prescribed_velocity) : Vec3{};
+  const auto speed = [&](Vec3 linear, const Vec3& spin) {
+    for (std::size_t c = 0; c < 3; ++c) linear[c] -= of_ground[c];
+    return norm_of(linear) + radius * norm_of(spin);
+  };
+  if (where.body >= 0)
+    return {
+        s.lattice.of_body(where.body, &BodyLanes::displacement), s.lattice.of_body(where.body, &BodyLanes::rotation),
+        speed(s.lattice.of_body(where.body, &BodyLanes::velocity), s.lattice.of_body(where.body, &BodyLanes::spin))};
+  const BlockGroup& group = s.model.groups[static_cast<std::size_t>(where.group)];
+  const BrickTemplate& shape = s.model.templates[static_cast<std::size_t>(group.brick_template)];
+  std::array<Vec3, 8> moved, rate;
+  for (int k = 0; k < 8; ++k) {
+    const int node =
+        shape.node_index(k & 1 ? shape.zones[0] : 0, k & 2 ? shape.zones[1] : 0, k & 4 ? shape.zones[2] : 0);
+    const std::size_t at =
+        static_cast<std::size_t>(group.first_line + node) * kLine + static_cast<std::size_t>(where.lane);
+    for (std::size_t c = 0; c < 3; ++c) {
+      moved[static_cast<std::size_t>(k)][c] = s.lattice.displacement[at + c * kLanes];
+      rate[static_cast<std::size_t>(k)][c] = s.lattice.velocity[at + c * kLanes];
+    }
+  }
+  WholeMotion motion = whole_motion(shape.size, moved);
+  const WholeMotion of_rate = whole_motion(shape.size, rate);
+  motion.speed = speed(of_rate.translation, of_rate.rotation);
+  return motion;
+}
+
+}  // namespace quoin

@@ -1,0 +1,14 @@
+// What a run reports of its step: a row of the history, energies, how far blocks have moved.
+#pragma once
+
+#include "step/state.h"
+
+namespace quoin {
+
+HistoryRow measure_row(const Simulation::Impl& s);
+void sum_measurements(Simulation::Impl& s);                       // of a measured step
+double largest_displacement(const Simulation::Impl& s);           // of any block that is not fixed, m
+void require_finite(Simulation::Impl& s, const HistoryRow& row);  // throws Error(numerical)
+Vec3 joint_force(const Simulation::Impl& s, int body);            // of the contact points at the last law evaluation, N
+
+}  // namespace quoin

@@ -1,0 +1,137 @@
+#include "step/points_at_rest.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "base/rank_rows.h"
+#include "base/ranks.h"
+#include "step/gather.h"
+#include "step/large_motion_results.h"
+#include "step/lattice_motion.h"
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+std::array<long, kConditionCount> own_conditions(Simulation::Impl& s) {
+  const std::vector<std::uint32_t> now = current_flags(s, whole_range(s));
+  std::vector<std::size_t> first_of_family{0};
+  for (std::size_t f = 0; s.large_motion && f < s.large_motion->families().size(); ++f)
+    first_of_family.push_back(first_of_family.back() + s.large_motion->families()[f].size());
+  std::array<long, kConditionCount> counts{};
+  for (const int c : s.division.share.chunks) {
+    if (!s.division.share.owns_chunk(c, s.ranks->rank())) continue;
+    std::size_t first, count;
+    if (s.large_motion) {
+      const auto range = s.large_motion->range_of_chunk(c);
+      first = first_of_family[at(range.family)] + range.first, count = range.count;
+    } else {
+      first = at(s.model.chunks[at(c)].first_point), count = at(s.model.chunks[at(c)].point_count);
+    }
+    for (std::size_t i = first; i < first + count; ++i) ++counts[static_cast<std::size_t>(condition_of(now[i]))];
+  }
+  return counts;
+}
+
+}  // namespace
+
+Condition condition_of(std::uint32_t flags) {
+  if (flags & QUOIN_FLAG_CRUSHING_COMPLETE) return Condition::crushed_out;
+  if (flags & QUOIN_FLAG_CRUSHED) return Condition::crushing;
+  if ((flags & QUOIN_FLAG_OPEN) && (flags & QUOIN_FLAG_TENSION_COMPLETE)) return Condition::open;
+  if (flags & QUOIN_FLAG_SLIPPING) return Condition::slipping;
+  if (flags & (QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_SHEAR_DAMAGED)) return Condition::softening;
+  return Condition::elastic;
+}
+
+std::size_t contact_point_count(const Simulation::Impl& s) {
+  return s.large_motion ? static_cast<std::size_t>(s.large_motion->point_count()) : at(s.model.point_count);
+}
+
+long Simulation::point_count() const { return static_cast<long>(contact_point_count(*impl_)); }
+
+const char* condition_name(Condition condition) {
+  constexpr const char* names[kConditionCount] = {"crushed_out", "crushing",  "open",
+                                                  "slipping",    "softening", "elastic"};
+  return names[static_cast<std::size_t>(condition)];
+}
+
+void ask_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
+                 const PointOutputs& outputs) {
+  if (s.large_motion) return ask_large_motion_at_rest(s, capability, range, outputs);
+  std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
+  const auto begin = std::partition_point(s.model.chunks.begin(), s.model.chunks.end(),
+                                          [&](const ContactChunk& c) { return c.first_point < range.first; });
+  for (auto there = begin; there != s.model.chunks.end() && there->first_point < range.end; ++there) {
+    const ContactChunk& chunk = *there;
+    const auto index = static_cast<int>(there - s.model.chunks.begin());
+    const auto c = at(index);
+    // Points of other ranks that were not gathered have no state to evaluate a law with.
+    if (!has_all(s) && !std::binary_search(s.division.share.chunks.begin(), s.division.share.chunks.end(), index))
+      continue;
+    const Material& material = *s.model.families[at(chunk.family)].material;
+    if (!(material.api().capabilities & capability)) continue;
+    for (int i = 0; i < chunk.point_count; ++i) normal[at(i)] = opening_at_traction(s, chunk.first_point + i);
+    const LawCall& call = s.contacts.calls[c];
+    scratch_columns.assign((3 + call.state_new.size()) * kChunk, 0.0);
+    quoin_batch batch = call.batch;
+    batch.normal_jump = {normal.data(), 1};
+    batch.slip_increment[0] = batch.slip_increment[1] = {zero.data(), 1};
+    batch.energy_stored = {};
+    for (auto& column : batch.dissipated) column = {};
+    std::vector<quoin_out> states = call.state_new;
+    for (std::size_t k = 0; k < 3; ++k) batch.traction_new[k] = {scratch_columns.data() + k * kChunk, 1};
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      if (states[k].data) states[k] = {scratch_columns.data() + (3 + k) * kChunk, 1};
+    }
+    batch.state_new = states.data();
+    batch.flags = {};
+    outputs(batch, at(chunk.first_point));
+    material.evaluate(&batch);
+  }
+}
+
+// Flags of the last step when it reported them, otherwise those of a step that moves nothing.
+std::vector<std::uint32_t> current_flags(const Simulation::Impl& s, const PointRange& range) {
+  if (!s.large_motion && s.lattice.flags_step == s.progress.step - 1)
+    return {s.lattice.flags.begin() + range.first, s.lattice.flags.begin() + range.end};
+  std::vector<std::uint32_t> result(at(range.end - range.first), 0);
+  ask_at_rest(s, QUOIN_CAN_FLAGS, range, [&](quoin_batch& batch, std::size_t first) {
+    batch.flags = {result.data() + first - at(range.first), 1};
+  });
+  return result;
+}
+
+PointRange Simulation::all_points() const { return whole_range(*impl_); }
+
+Simulation::DamageColumns Simulation::damage(const PointRange& range) const {
+  DamageColumns result;
+  for (auto& column : result) column.assign(at(range.end - range.first), std::numeric_limits<double>::quiet_NaN());
+  ask_at_rest(*impl_, QUOIN_CAN_DAMAGE, range, [&](quoin_batch& batch, std::size_t first) {
+    for (std::size_t k = 0; k < result.size(); ++k) batch.damage[k] = {result[k].data() + first - at(range.first), 1};
+  });
+  return result;
+}
+
+std::array<long, kConditionCount> Simulation::condition_counts() const {
+  if (impl_->agreed.end_conditions && !has_all(*impl_)) return *impl_->agreed.end_conditions;
+  return conditions_here(*impl_);
+}
+
+std::array<long, kConditionCount> conditions_here(const Simulation::Impl& s) {
+  std::array<long, kConditionCount> counts{};
+  for (const std::uint32_t f : current_flags(s, whole_range(s))) ++counts[static_cast<std::size_t>(condition_of(f))];
+  return counts;
+}
+
+std::array<long, kConditionCount> conditions_of_all(Simulation::Impl& s) {
+  std::array<long, kConditionCount> sum{};
+  for (const auto& counts : of_all_ranks(*s.ranks, own_conditions(s))) {
+    for (std::size_t k = 0; k < counts.size(); ++k) sum[k] += counts[k];
+  }
+  return sum;
+}
+
+}  // namespace quoin

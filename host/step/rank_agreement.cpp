@@ -1,0 +1,93 @@
+#include "step/rank_agreement.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <span>
+
+#include "base/error.h"
+#include "base/ranks.h"
+#include "step/gather.h"
+#include "step/points_at_rest.h"
+#include "step/state.h"
+
+namespace quoin {
+
+void throw_together(Simulation::Impl& s, const std::optional<Error>& fault) {
+  if (!s.ranks) {
+    if (fault) throw *fault;
+    return;
+  }
+  const int count = s.ranks->count();
+  const std::string text = fault ? fault->what() : "";
+  // The lowest rank, and what it has to say: its exit code, and how long its words are.
+  const double first = count - largest_of_ranks(s, fault ? count - s.ranks->rank() : 0.0);
+  if (first == count) return;
+  const bool here = s.ranks->rank() == static_cast<int>(first);
+  double shared[] = {here ? static_cast<double>(fault->exit_code) : 0.0, here ? static_cast<double>(text.size()) : 0.0};
+  s.ranks->largest(shared);
+  std::vector<std::size_t> sizes(at(count));
+  sizes[static_cast<std::size_t>(first)] = static_cast<std::size_t>(shared[1]);
+  std::string of_first(static_cast<std::size_t>(shared[1]), ' ');
+  s.ranks->gather(std::as_bytes(std::span(here ? text : std::string())), sizes,
+                  std::as_writable_bytes(std::span(of_first)));
+  throw Error(static_cast<Exit>(static_cast<int>(shared[0])), of_first);
+}
+
+void begin_with_ranks(Simulation::Impl& s) {
+  sparse_memory_wanted = true;
+  if (const char* costly = std::getenv("QUOIN_DEAR_BLOCKS")) {
+    s.rank_load.costly_blocks.emplace();
+    if (std::sscanf(costly, "%dx%lf", &s.rank_load.costly_blocks->count, &s.rank_load.costly_blocks->times) != 2)
+      throw Error(Exit::usage, "QUOIN_DEAR_BLOCKS, for tests: BLOCKSxTIMES, such as 20x4");
+  }
+}
+
+void agree_on_model(const Simulation::Impl& s) {
+  double here[] = {
+      static_cast<double>(s.large_motion ? s.large_motion->block_count() : long(s.model.assembly.bricks.size())),
+      static_cast<double>(contact_point_count(s)),
+      s.data.time_step,
+      0,
+      0,
+      0};
+  for (std::size_t i = 0; i < 3; ++i) here[3 + i] = -here[i];
+  s.ranks->largest(here);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (here[i] != -here[3 + i])
+      throw Error(Exit::bad_input,
+                  "the ranks have different models: the same program, scene and laws must be found by all of them");
+  }
+}
+
+bool Simulation::ranks_together() const { return impl_->agreed.together; }
+
+bool agree(Simulation::Impl& s, bool trouble, bool* deviates, bool* leaves_frame) {
+  const auto before = Clock::now();
+  double wanted[] = {trouble ? 1.0 : 0.0, s.agreed.stop_wanted ? 1.0 : 0.0, deviates && *deviates ? 1.0 : 0.0,
+                     leaves_frame && *leaves_frame ? 1.0 : 0.0};
+  s.ranks->largest(wanted);
+  const double seconds = seconds_since(before);
+  s.rank_load.traffic.waiting_seconds += seconds;
+  s.timing.phases[Phase::ranks] += seconds;
+  s.agreed.stop = s.agreed.stop || wanted[1] > 0.0;
+  if (deviates) *deviates = wanted[2] > 0.0;
+  if (leaves_frame) *leaves_frame = wanted[3] > 0.0;
+  if (wanted[0] > 0.0) gather(s, Part::all, Who::first);
+  return wanted[0] > 0.0;
+}
+
+bool any_rank(Simulation::Impl& s, bool here) {
+  if (!s.ranks) return here;
+  double wanted[] = {here ? 1.0 : 0.0};
+  s.ranks->largest(wanted);
+  return wanted[0] > 0.0;
+}
+
+double largest_of_ranks(const Simulation::Impl& s, double here) {
+  double largest[] = {here};
+  s.ranks->largest(largest);
+  return largest[0];
+}
+
+}  // namespace quoin

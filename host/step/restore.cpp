@@ -1,0 +1,247 @@
+// A simulation from the bytes that save() has made. What comes from another model, or was written by somebody, is
+// refused.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <set>
+
+#include "base/archive.h"
+#include "step/actions/whiffletree.h"
+#include "step/controls.h"
+#include "step/large_motion_run.h"
+#include "step/law_swap.h"
+#include "step/promotion.h"
+#include "step/rank_part.h"
+#include "step/saved_state.h"
+#include "step/set_up.h"
+#include "step/stages.h"
+#include "step/work_division.h"
+
+namespace quoin {
+
+namespace {
+
+Error of_another_model() { return {Exit::bad_input, "checkpoint: of another model"}; }
+
+// The material that a joint family has in a stage: the scene's, or that of the last law swapped in until then.
+std::shared_ptr<const Material> material_in_stage(const Simulation::Impl& s, std::size_t family, int of_stage) {
+  std::shared_ptr<const Material> material = s.laws.first[family];
+  for (int i = 0; i <= of_stage; ++i) {
+    const auto& swapped = s.scene.stages[at(i)].law_swaps;
+    if (const auto found = swapped.find(s.model.families[family].name); found != swapped.end())
+      material = successor(s.model.assembly.families[family], found->second);
+  }
+  return material;
+}
+
+// A checkpoint names no file that would be loaded as code, unless it was in use already. It may be of a run that had
+// the first stages alone; later ones keep theirs.
+void read_law_swaps(ArchiveReader& reader, std::vector<Stage>& stages) {
+  std::set<std::string> known;
+  for (const Stage& stage : stages) {
+    for (const auto& [family, law] : stage.law_swaps) known.insert(law);
+  }
+  std::uint64_t written = 0;
+  reader.value(written);
+  if (written > stages.size()) throw Error(Exit::bad_input, "checkpoint: of a scene with more stages");
+  for (std::size_t s = 0; s < written; ++s) {
+    Stage& stage = stages[s];
+    std::uint64_t count = 0;
+    reader.value(count);
+    stage.law_swaps.clear();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      std::string family, law;
+      reader.array(family), reader.array(law);
+      if (law.find('/') != std::string::npos && !known.contains(law))
+        throw Error(
+            Exit::bad_input,
+            fmt::format("checkpoint: joint family '{}' has been given the law {}, a file that the scene does not "
+                        "name; swap it in before",
+                        family, law));
+      stage.law_swaps[family] = law;
+    }
+  }
+}
+
+// Takes of arrays by gridpoint and contact point what this rank holds.
+struct PartsReader : ArchiveReader {
+  Simulation::Impl& s;
+  const RowsElsewhere elsewhere;
+  void part_of(const Field& field, LaneVector<double>& x, int family) {
+    x.resize(count_of(sizeof(double)));
+    std::size_t done = 0;
+    each_row_elsewhere(s, elsewhere, field.owner, family, x.size(), [&](std::size_t first, std::size_t end) {
+      if (end > x.size()) throw of_another_model();
+      take(x.data() + done, (first - done) * sizeof(double));
+      source.skip((end - first) * sizeof(double));
+      done = end;
+    });
+    take(x.data() + done, (x.size() - done) * sizeof(double));
+  }
+};
+
+// The law that a joint family has in the stage that the checkpoint is of.
+void take_law_of(std::size_t f, Simulation::Impl& s, ArchiveReader& reader) {
+  ContactFamily& family = s.model.families[f];
+  family.material = material_in_stage(s, f, s.progress.stage);
+  if (s.large_motion) s.large_motion->take_law(static_cast<int>(f), family.material);
+  const quoin_law& api = family.material->api();
+  s.lattice.law_state[f].resize(api.state_count * at(family.point_count));
+  std::string law;
+  std::uint64_t schema = 0;
+  reader.array(law);
+  reader.value(schema);
+  if (law == api.id && schema == api.state_schema) return;
+  throw Error(Exit::bad_input,
+              fmt::format("checkpoint: joint family '{}' has states of law '{}' (schema {:#x}); here it has law "
+                          "'{}' (schema {:#x})",
+                          family.name, law, schema, api.id, api.state_schema));
+}
+
+// Counters that no run comes to were written by somebody, and would be counted up for ever.
+bool counts_are_sound(const Simulation::Impl& s) {
+  constexpr long kMost = 1L << 53;
+  const auto is_count = [](long value, long least) { return value >= least && value <= kMost; };
+  return is_count(s.progress.step, 0) && is_count(s.progress.stage_step, 0) && is_count(s.progress.next_row, 0) &&
+         is_count(s.progress.row_interval, 1) && is_count(s.progress.next_frame, 0) &&
+         std::isfinite(s.progress.clock_start) && s.progress.clock_start_step >= 0 &&
+         s.progress.clock_start_step <= s.progress.step;
+}
+
+void require_sound_controls(const Simulation::Impl& s) {
+  const std::vector<BodyRamp>& ramps = s.controls.ramps;
+  const bool in_cycles =
+      std::any_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.in_cycles != Vec3{}; }) ||
+      std::any_of(s.actions.drives.begin(), s.actions.drives.end(),
+                  [](const Drive& drive) { return drive.in_cycles != 0; });
+  const bool on_ground = std::all_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) {
+    return ramp.of_ground <= 7 && ramp.motion >= 0 && ramp.motion <= std::numeric_limits<std::int32_t>::max();
+  });
+  if (!on_ground || (in_cycles && (s.progress.stage < 0 || !current_stage(s).cycles))) throw of_another_model();
+}
+
+// On the lattice or in large motion, as the run was.
+void take_kind_of_motion(Simulation::Impl& s, ArchiveReader& reader) {
+  bool promoted = false;
+  reader.value(promoted);
+  if (promoted) {
+    Promotion promotion;
+    transfer_promotion(reader, promotion);
+    if (!s.large_motion) leave_lattice(s);
+    s.outcome.promotion = promotion;
+  } else if (s.outcome.promotion) {
+    return_to_lattice(s);
+    s.outcome.promotion.reset();
+  } else if (!s.large_motion && std::any_of(s.scene.stages.begin(), s.scene.stages.end(),
+                                            [](const Stage& stage) { return stage.solver.has_value(); })) {
+    follow_solver(s);
+  }
+}
+
+void require_same_time_step(const Simulation::Impl& s, ArchiveReader& reader) {
+  double dt = 0.0;
+  reader.value(dt);
+  if (const double here = s.large_motion ? 0.0 : s.data.time_step; dt != here)
+    throw Error(Exit::bad_input,
+                fmt::format("checkpoint: time step {:.17g} s, here {:.17g} s: another model or other solver settings",
+                            dt, here));
+}
+
+// Of what follows from the model alone.
+std::vector<std::size_t> sizes_of(const Simulation::Impl& s) {
+  std::vector<std::size_t> sizes{s.controls.ramps.size(), s.controls.load_ramps.size()};
+  each_lattice_field(s.lattice, [&](const Field& field, const auto& array, int) {
+    if (field.saved && field.when == When::always) sizes.push_back(array.size());
+  });
+  return sizes;
+}
+
+void take_state(Simulation::Impl& s, ArchiveReader& reader) {
+  const std::vector<std::size_t> expected = sizes_of(s);
+  require_same_time_step(s, reader);
+  if (s.parts.divided && !s.large_motion) {
+    PartsReader of_rank{{reader.source}, s, rows_elsewhere(s, held_with(s, s.division.share))};
+    transfer_state(of_rank, s);
+  } else {
+    transfer_state(reader, s);
+  }
+  const LatticeState& lattice = s.lattice;
+  const std::size_t damped = s.time_step.impacts.viscosity.empty() || s.large_motion ? 0 : at(s.model.point_count);
+  const auto has_columns = [damped](const auto& column) { return column.size() == damped; };
+  if (sizes_of(s) != expected || !has_columns(lattice.old_jump) ||
+      !std::all_of(std::begin(lattice.viscous), std::end(lattice.viscous), has_columns) ||
+      (!lattice.normal_shift.empty() && lattice.normal_shift.size() != at(s.model.point_count)))
+    throw of_another_model();
+}
+
+void take_large_motion(Simulation::Impl& s, ArchiveReader& reader) {
+  const auto is_block = [&](int i) { return i >= 0 && i < s.large_motion->block_count(); };
+  if (!s.energy.wanted) s.large_motion->book_energy(s.watch.pending);
+  s.large_motion->restore(reader);
+  if (!std::all_of(s.monitor.blocks.begin(), s.monitor.blocks.end(), is_block)) throw of_another_model();
+  for (const Drive& drive : s.actions.drives) {
+    if (!is_block(drive.block)) throw of_another_model();
+  }
+  follow_time_step(s);
+  partition_work(s);
+}
+
+// What follows from the state.
+void bind_restored(Simulation::Impl& s) {
+  if (!s.large_motion && s.progress.stage >= 0)
+    find_monitor(s, current_stage(s));
+  else
+    s.monitor.bodies.clear();
+  bind_whiffletree(s);
+  choose_damping(s);
+  s.controls.settled = s.progress.stage < 0;
+  bind_controls(s);
+  s.lattice.flags_step = -1;
+  s.energy.now.reset();
+  s.laws.swaps.clear();
+  bind_columns(s);
+  if (s.ranks) partition_work(s);
+}
+
+// Throws half way.
+void restore_state(Simulation::Impl& s, ByteSource& source) {
+  char mark[sizeof kCheckpointMark] = {};
+  if (source.left() >= sizeof mark) source.take(mark, sizeof mark);
+  if (std::memcmp(mark, kCheckpointMark, sizeof mark) != 0)
+    throw Error(Exit::bad_input, "checkpoint: not a checkpoint of this version");
+  ArchiveReader reader{source};
+  reader.value(s.progress.stage);
+  if (s.progress.stage < -1 || s.progress.stage >= static_cast<int>(s.scene.stages.size())) throw of_another_model();
+  read_law_swaps(reader, s.scene.stages);
+  take_kind_of_motion(s, reader);
+  for (std::size_t f = 0; f < s.model.families.size(); ++f) take_law_of(f, s, reader);
+  take_state(s, reader);
+  if (s.large_motion) take_large_motion(s, reader);
+  if (reader.left() != 0 || !counts_are_sound(s)) throw of_another_model();
+  require_sound_controls(s);
+  bind_restored(s);
+}
+
+}  // namespace
+
+void Simulation::restore(ByteSource& source) { restore_state(*impl_, source); }
+
+void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
+  BytesInMemory source(bytes);
+  if (impl_->parts.divided) return restore_state(*impl_, source);  // a run that cannot ends
+  const std::vector<std::uint8_t> undo = save();
+  const std::vector<Stage> stages = impl_->scene.stages;
+  try {
+    restore_state(*impl_, source);
+  } catch (const Error&) {
+    impl_->scene.stages = stages;
+    BytesInMemory before(undo);
+    restore_state(*impl_, before);
+    throw;
+  }
+}
+
+}  // namespace quoin

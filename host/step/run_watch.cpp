@@ -1,0 +1,288 @@
+#include "step/run_watch.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "law/answers.h"
+#include "scene/damping_text.h"
+#include "step/borders.h"
+#include "step/gather.h"
+#include "step/points_at_rest.h"
+#include "step/rank_agreement.h"
+#include "step/small_motion.h"
+#include "step/stages.h"
+#include "step/state.h"
+
+namespace quoin {
+
+using geometry::Vector;
+
+namespace {
+
+void check_points(Simulation::Impl& s) {
+  const auto see = [&](double opening, const auto& place) {
+    if (!(-opening > s.watch.overlap)) return;
+    s.watch.overlap = -opening;
+    s.watch.overlap_at = place();
+  };
+  long crushed_out = 0;
+  for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c) {
+    const blocks::Deepest deepest = s.large_motion->deepest_of_chunk(c);
+    see(deepest.opening, [&] { return geometry::array(deepest.at); });
+  }
+  if (!s.large_motion) {
+    for (const LawCall& call : s.contacts.calls) {
+      see(call.deepest, [&] { return s.model.point_position[static_cast<std::size_t>(call.deepest_point)]; });
+      crushed_out += call.crushed_out;
+    }
+  }
+  s.watch.crushed_out = std::max(s.watch.crushed_out, crushed_out);
+}
+
+// The time step follows from upper bounds that the laws state of themselves.
+void check_stiffness(Simulation::Impl& s) {
+  LaneVector<double> normal(contact_point_count(s), 0.0), shear[2]{normal, normal};
+  ask_at_rest(s, QUOIN_CAN_TANGENT, whole_range(s), [&](quoin_batch& batch, std::size_t first) {
+    batch.tangent[0] = {normal.data() + first, 1};
+    batch.tangent[4] = {shear[0].data() + first, 1};
+    batch.tangent[8] = {shear[1].data() + first, 1};
+  });
+  std::size_t point = 0;
+  // family_normal, family_shear: of the largest properties where they scatter.
+  const auto hold = [&](const Material& material, double family_normal, double family_shear, std::size_t count) {
+    quoin_stiffness_bounds bounds = material.stiffness_bounds();
+    bounds.normal = std::max(bounds.normal, family_normal), bounds.shear = std::max(bounds.shear, family_shear);
+    const auto ratio = [&](double stiffness, double bound) {
+      if (bound > 0.0) s.watch.stiffness_ratio = std::max(s.watch.stiffness_ratio, stiffness / bound);
+    };
+    for (const std::size_t end = point + count; point < end; ++point) {
+      ratio(normal[point], bounds.normal);
+      for (const auto& column : shear) ratio(column[point], bounds.shear);
+    }
+  };
+  if (s.large_motion) {
+    for (const blocks::Family& f : s.large_motion->families()) hold(*f.material, f.kn, f.ks, f.size());
+    const auto counts = s.parts.divided && !has_all(s) ? conditions_of_all(s) : conditions_here(s);
+    s.watch.crushed_out = std::max(s.watch.crushed_out, counts[static_cast<std::size_t>(Condition::crushed_out)]);
+  } else {
+    for (const ContactFamily& family : s.model.families)
+      hold(*family.material, family.normal_stiffness, family.shear_stiffness,
+           static_cast<std::size_t>(family.point_count));
+  }
+}
+
+// A block that is as fast as after a fall of some of its least extent, and whose forces are not balanced, moves by
+// inertia. It falls, slides or topples.
+std::string damped_motion(const Simulation::Impl& s) {
+  constexpr double kFall = 0.05, kUnbalanced = 0.05;  // of the least extent; of the weight
+  const auto now_in = static_cast<std::size_t>(s.progress.stage);
+  if (std::string of_ground = ground_damping_warning(s.scene, now_in); !of_ground.empty()) return of_ground;
+  const std::string damping = damping_in_space(s.scene, now_in);
+  if (!s.large_motion || damping.empty()) return "";
+  const double weight = norm(geometry::vector(s.data.gravity)), g = weight > 0.0 ? weight : 9.81;
+  std::vector<bool> driven;
+  for (const blocks::Block& b : s.large_motion->assembly.blocks) driven.push_back(b.fixed);
+  for (const Drive& drive : s.actions.drives) driven[static_cast<std::size_t>(drive.block)] = (drive.held & 7) != 0;
+  double most = 1.0, block = -1.0;
+  for (int i = 0; i < s.large_motion->block_count(); ++i) {
+    if (!s.large_motion->part.owns(i) || driven[static_cast<std::size_t>(i)] ||
+        !(norm(s.large_motion->net_force_on(i)) > kUnbalanced * g * s.large_motion->mass_of(i)))
+      continue;
+    const Vector v = s.large_motion->velocity(i);
+    const double fall = dot(v, v) / (2.0 * g * kFall * s.large_motion->block(i).least_extent);
+    if (fall > most) most = fall, block = i;
+  }
+  if (s.parts.divided) block = largest_of_ranks(s, most == largest_of_ranks(s, most) ? block : -1.0);
+  if (block < 0.0) return "";
+  return fmt::format("block {} falls, slides or topples, and the {} of stage '{}' brakes it: {}; {}",
+                     blocks::label(s.large_motion->assembly, static_cast<int>(block)), damping,
+                     s.scene.stages[now_in].name,
+                     local_damping_in(s.scene, now_in) > 0.0
+                         ? "what is not balanced moves it with 1 - gamma of the acceleration that it has without"
+                         : "without it such motion is not braked",
+                     kDampingForMotion);
+}
+
+std::string motion_left_to_ground(const Simulation::Impl& s) {
+  constexpr double kSlow = 1e-4;  // m/s
+  double left_over = 0.0;
+  for (const Drive& drive : s.actions.drives) {
+    if (drive.of_ground) left_over = std::max(left_over, norm(drive.velocity_from));
+  }
+  for (const BodyRamp& ramp : s.controls.ramps) {
+    if (ramp.of_ground != 0) left_over = std::max(left_over, norm(geometry::vector(ramp.velocity_from)));
+  }
+  if (left_over <= kSlow) return "";
+  const Stage& settings = current_stage(s);
+  const std::string so = settings.ramp_time > 0.0
+                             ? fmt::format("comes to rest over its ramp_time of {:g} s", settings.ramp_time)
+                             : "goes on so, as the stage has no ramp_time over which it could come to rest";
+  return fmt::format("the ground still moves at {:.3g} m/s when stage '{}' begins, and {}", left_over, settings.name,
+                     so);
+}
+
+}  // namespace
+
+bool begins_check(const Simulation::Impl& s) {
+  if (s.energy.wanted || s.watch.pending || s.progress.step < s.watch.next_energies) return false;
+  return std::all_of(s.model.families.begin(), s.model.families.end(), [](const ContactFamily& family) {
+    return (family.material->api().capabilities & QUOIN_CAN_ENERGY) != 0;
+  });
+}
+
+void end_check(Simulation::Impl& s) {
+  s.watch.pending = false;
+  if (s.large_motion && !s.energy.wanted) s.large_motion->book_energy(false);
+}
+
+void check_energies(Simulation::Impl& s, const Energies& now, double dissipated, double work_before,
+                    double work_after) {
+  const double kinds[3] = {now.kinetic, now.strain, now.contact_stored};
+  const double stored = now.kinetic + now.strain + now.contact_stored;
+  if (s.watch.pending) {
+    const double work = s.watch.work_after + work_before;
+    double moved = std::abs(work) + std::abs(dissipated);
+    for (std::size_t k = 0; k < 3; ++k) moved += std::abs(kinds[k] - s.watch.kinds[k]);
+    s.watch.energy_missing += stored - s.watch.stored + dissipated - work;
+    s.watch.energy_moved += 0.5 * moved;  // each is counted where it comes from and where it goes
+    s.watch.pending = false;
+    return;
+  }
+  std::copy_n(kinds, 3, s.watch.kinds);
+  s.watch.stored = stored, s.watch.work_after = work_after;
+  s.watch.pending = true;
+  s.watch.next_energies = Watch::after(s.progress.step);
+}
+
+double allowed_overlap(const Simulation::Impl& s) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Brick& brick : s.model.assembly.bricks) {
+    if (!brick.beam) least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
+  }
+  for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i)
+    least = std::min(least, s.large_motion->block(i).least_extent);
+  return Watch::kAllowedOverlap * least;
+}
+
+std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
+  if (s.large_motion) {
+    const bool all = !s.parts.divided || has_all(s);
+    return s.large_motion->wrong_law(all ? whole_share(s.large_motion->chunk_count(), 0).chunks
+                                         : s.division.share.chunks);
+  }
+  // Of `count` points of a family from `first` on.
+  const auto examine = [&](std::size_t f, std::size_t first, std::size_t count) {
+    const ContactFamily& family = s.model.families[f];
+    Answers answers;
+    answers.count = count;
+    for (std::size_t k = 0; k < 3; ++k) answers.traction[k] = s.lattice.traction[k].data() + first;
+    const quoin_law& law = family.material->api();
+    for (std::uint64_t k = 0; k < law.state_count; ++k) {
+      const bool kept = s.contacts.keep_diagnostics || law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC;
+      const std::size_t column = k * static_cast<std::size_t>(family.point_count);
+      answers.state.push_back(kept ? s.lattice.law_state[f].data() + column +
+                                         (first - static_cast<std::size_t>(family.first_point))
+                                   : nullptr);
+    }
+    auto wrong = wrong_answer(law, answers);
+    if (!wrong) return wrong;
+    const std::size_t p = first + wrong->point;
+    const Vec3& x = s.model.point_position[p];
+    wrong->text += fmt::format(": joint {} (family '{}'), contact point at ({:.4f}, {:.4f}, {:.4f}) m",
+                               s.model.point_joint[p], family.name, x[0], x[1], x[2]);
+    return wrong;
+  };
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  if (!has_all(s)) {
+    for (const int c : s.division.share.chunks) {
+      const ContactChunk& chunk = s.model.chunks[at(c)];
+      if (auto wrong = examine(at(chunk.family), at(chunk.first_point), at(chunk.point_count))) return wrong;
+    }
+    return std::nullopt;
+  }
+  for (std::size_t f = 0; f < s.model.families.size(); ++f) {
+    const ContactFamily& family = s.model.families[f];
+    if (auto wrong = examine(f, at(family.first_point), at(family.point_count))) return wrong;
+  }
+  return std::nullopt;
+}
+
+std::vector<Warning> new_warnings(Simulation::Impl& s) {
+  check_points(s);
+  std::optional<WrongAnswer> wrong;
+  if (s.progress.step >= s.watch.next_stiffness) {
+    s.watch.next_stiffness = s.progress.step + Watch::kStiffnessSteps;
+    if (s.parts.divided) {
+      if (!s.large_motion) receive_whole_borders(s);
+      check_stiffness(s);
+      s.watch.stiffness_ratio = largest_of_ranks(s, s.watch.stiffness_ratio);
+      if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // so that all see the first of them
+    } else {
+      gather(s, Part::all);
+      check_stiffness(s);
+    }
+    wrong = wrong_law(s);
+  }
+  if (s.energy.wanted && s.energy.now) {
+    const Energies& e = *s.energy.now;
+    double moved =
+        e.kinetic + e.strain + e.contact_stored + e.members_stored + e.members_dissipated + std::abs(e.damping);
+    for (const double d : e.dissipated) moved += d;
+    s.watch.energy_missing = e.balance_error();
+    s.watch.energy_moved = std::max({s.watch.energy_moved, moved, std::abs(e.external)});
+  }
+
+  std::vector<Warning> fresh;
+  const auto warn = [&](bool has_left, const char* about, const auto& words) {
+    if (has_left) warn_once(s, about, words(), &fresh);
+  };
+  const auto warn_where_said = [&](const char* about, const std::string& words) {
+    if (!words.empty()) warn_once(s, about, words, &fresh);
+  };
+  if (!was_warned(s, "damping")) warn_where_said("damping", damped_motion(s));
+  warn_where_said("ground_motion", motion_left_to_ground(s));
+  warn(s.watch.overlap > allowed_overlap(s), "interpenetration", [&] {
+    const Vec3& x = s.watch.overlap_at;
+    return fmt::format(
+        "blocks overlap by {:.3g} mm at ({:.3f}, {:.3f}, {:.3f}) m, more than {:g} of the least extent of a block: "
+        "what "
+        "they are there is no longer described; make the joints stiffer or stronger (normal_stiffness, "
+        "compressive_strength, compressive_strength_residual), or read the results only until here",
+        s.watch.overlap * 1e3, x[0], x[1], x[2], Watch::kAllowedOverlap);
+  });
+  warn(s.watch.crushed_out > 0, "crushed_out", [&] {
+    return fmt::format(
+        "the first contact points ({}) are crushed out: they carry no more than the residual compressive strength, and "
+        "blocks sink into each other there; where that matters, as in a collapse, give the joints a "
+        "compressive_strength_residual > 0",
+        s.watch.crushed_out);
+  });
+  // The balance swings about 0 while little has moved yet.
+  const bool known =
+      s.energy.wanted ? s.progress.step >= Watch::kOutputSteps : s.progress.step >= 10 * Watch::kOutputSteps;
+  warn(known && !(std::abs(s.watch.energy_missing) <= Watch::kAllowedMissing * s.watch.energy_moved), "energy_balance",
+       [&] {
+         return fmt::format(
+             "energies do not balance: {:+.3g} J of {:.3g} J that were moved{} have no source, {:.1f} %, allowed {:g} "
+             "%; "
+             "reduce solver.time_step_fraction, and see whether the law keeps the contract (quoin-check-law)",
+             s.watch.energy_missing, s.watch.energy_moved, s.energy.wanted ? "" : " in the steps looked at",
+             100 * s.watch.energy_missing / s.watch.energy_moved, 100 * Watch::kAllowedMissing);
+       });
+  warn(s.watch.stiffness_ratio > Watch::kAllowedStiffness, "time_step", [&] {
+    return fmt::format(
+        "a law is {:.3g} times as stiff as the bounds that it states, from which the time step follows ({:g} of "
+        "2/omega_max): set solver.time_step_fraction to {:.3g} at most, and tell the law's author",
+        s.watch.stiffness_ratio, s.data.time_step / s.time_step.critical.value,
+        s.data.time_step / s.time_step.critical.value / std::sqrt(s.watch.stiffness_ratio));
+  });
+  warn(wrong.has_value(), "law_states",
+       [&] { return wrong->text + "; what follows is not to be relied on: tell its author, and see quoin-check-law"; });
+  return fresh;
+}
+
+}  // namespace quoin

@@ -1,0 +1,106 @@
+// Everything of a simulation that changes during a run, as bytes.
+#include <string>
+
+#include "base/archive.h"
+#include "step/gather.h"
+#include "step/rank_arrays.h"
+#include "step/saved_state.h"
+
+namespace quoin {
+
+namespace {
+
+// Laws that the stages swap in, the scene's and those of a controller, from joint family to law.
+void write_law_swaps(ArchiveWriter& writer, const std::vector<Stage>& stages) {
+  writer.value(std::uint64_t{stages.size()});
+  for (const Stage& stage : stages) {
+    writer.value(std::uint64_t{stage.law_swaps.size()});
+    for (const auto& [family, law] : stage.law_swaps) writer.array(family), writer.array(law);
+  }
+}
+
+void save_blocks(ArchiveWriter& writer, blocks::Model& large_motion) { large_motion.save(writer); }
+template <class Writer>
+void save_blocks(Writer& writer, blocks::Model& large_motion) {
+  large_motion.save(writer, [&](ArchiveWriter&, const void* first, std::size_t bytes) { writer.give(first, bytes); });
+}
+
+template <class Writer>
+void write_state(Writer& writer, const Simulation::Impl& s) {
+  writer.value(kCheckpointMark);
+  writer.value(s.progress.stage);
+  write_law_swaps(writer, s.scene.stages);
+  const std::optional<Promotion>& promotion = s.outcome.promotion;
+  writer.value(promotion.has_value());
+  if (promotion) transfer_promotion(writer, *promotion);
+  for (const ContactFamily& family : s.model.families) {
+    writer.array(std::string(family.material->api().id));
+    writer.value(family.material->api().state_schema);
+  }
+  // The step of blocks of any shape follows their contacts: it is part of what they save.
+  writer.value(s.large_motion ? 0.0 : s.data.time_step);
+  transfer_state(writer, s);
+  if (s.large_motion) save_blocks(writer, *s.large_motion);
+}
+
+// Counts what arrays by gridpoint and contact point would add.
+struct CountingWriter : ArchiveWriter {
+  std::size_t& more;
+  using ArchiveWriter::array;
+  void array(const LaneVector<double>& x) {
+    value(std::uint64_t{x.size()});
+    give(x.data(), x.size() * sizeof(double));
+  }
+  void give(const void*, std::size_t size) { more += size; }
+};
+
+// Hands everything on as it comes, arrays by gridpoint and contact point from all ranks.
+struct PartsWriter : ArchiveWriter {
+  Simulation::Impl& s;
+  const Simulation::TakeBytes& take;
+  using ArchiveWriter::array;
+  void array(const LaneVector<double>& x) {
+    value(std::uint64_t{x.size()});
+    give(x.data(), x.size() * sizeof(double));
+  }
+  void give(const void* first, std::size_t size) {
+    hand_on();
+    give_array(s, first, size, take);
+  }
+  void hand_on() {
+    if (s.ranks->rank() == 0) take(bytes);
+    bytes.clear();
+  }
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> Simulation::save() const {
+  std::vector<std::uint8_t> bytes;
+  ArchiveWriter writer{bytes};
+  write_state(writer, *impl_);
+  return bytes;
+}
+
+std::size_t Simulation::saved_bytes() const {
+  std::vector<std::uint8_t> bytes;
+  std::size_t more = 0;
+  CountingWriter writer{{bytes}, more};
+  write_state(writer, *impl_);
+  return bytes.size() + more;
+}
+
+void Simulation::save(const TakeBytes& take) const {
+  Impl& s = *impl_;
+  if (!s.parts.divided) {
+    if (!s.ranks || s.ranks->rank() == 0) take(save());
+    return;
+  }
+  gather(s, Part::row);
+  std::vector<std::uint8_t> bytes;
+  PartsWriter writer{{bytes}, s, take};
+  write_state(writer, s);
+  writer.hand_on();
+}
+
+}  // namespace quoin

@@ -1,0 +1,23 @@
+// A stage of the loading: how it begins, how far it has come, when it has ended.
+#pragma once
+
+#include <string>
+
+#include "step/state.h"
+
+namespace quoin {
+
+inline const Stage& current_stage(const Simulation::Impl& s) { return s.scene.stages[s.progress.at_stage()]; }
+inline const SolverSettings& solver_in_use(const Simulation::Impl& s) {
+  return s.progress.stage >= 0 ? s.scene.solver_in(s.progress.at_stage()) : s.scene.solver;
+}
+double time_now(const Simulation::Impl& s);    // s, since the start
+double stage_time(const Simulation::Impl& s);  // s, since the stage began
+void begin_stage(Simulation::Impl& s, int index);
+void choose_damping(Simulation::Impl& s);          // of the stage
+bool force_lost(Simulation::Impl& s);              // by the half cycle that has just ended, as the stage defines it
+double stage_fraction(const Simulation::Impl& s);  // by duration or displacement
+bool equilibrium_reached(Simulation::Impl& s, const Stage& settings);
+void swap_law(Simulation::Impl& s, const std::string& name, const std::string& law);
+
+}  // namespace quoin

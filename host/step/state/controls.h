@@ -1,0 +1,60 @@
+// What acts on bodies and blocks in a stage, over its ramp from what was to what shall be. A stage sets it when it
+// begins, a controller between steps; ramps and gravity are saved, the rest follows from them and the stage.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "model/model.h"
+#include "scene/cyclic_motion.h"
+
+namespace quoin {
+
+// Control of a body through a stage: over the ramp from the velocity and force before it to those of the stage.
+struct BodyRamp {
+  Vec3 velocity_from{}, velocity_to{};  // m/s
+  Vec3 force_from{}, force_to{};        // N
+  Vec3 in_cycles{};                     // 1: this component follows the cycles of the stage; else 0
+  std::uint64_t of_ground = 0;          // as in Drive
+  std::int64_t motion = 0;              // as in Drive
+};
+
+// A deformable block that controls can load.
+struct LoadedBlock {
+  int block = -1;
+  double mass = 0.0;  // kg, without scaling
+};
+
+// Force on it through a stage: from what was to what shall be, over the ramp.
+struct LoadRamp {
+  Vec3 from{}, to{}, now{};  // N
+};
+
+// Of a whiffletree.
+struct WhiffletreeFloor {
+  std::vector<int> bodies, loaded;  // loaded: indices into Controls::loaded_blocks
+  std::vector<int> large_motion;    // blocks in large motion, in place of both
+  double count() const { return static_cast<double>(bodies.size() + loaded.size() + large_motion.size()); }
+};
+
+struct Controls {
+  std::vector<BodyRamp> ramps;        // by body
+  std::vector<LoadRamp> load_ramps;   // by loaded block
+  Vec3 gravity_from{}, gravity_to{};  // m/s2
+
+  std::vector<int> ramped_bodies;             // whose control changes over the ramp
+  std::vector<LoadedBlock> loaded_blocks;     // deformable blocks that have a name
+  LaneVector<double> load;                    // of groups with loaded blocks: [component][lane], m/s2
+  std::vector<const double*> load_of_group;   // by block group, into load; null: none
+  std::vector<WhiffletreeFloor> whiffletree;  // in stages that have one
+  std::optional<CyclicMotion> cycles;         // of the stage
+  bool settled = true;                        // the ramp of the stage is over, and no body moves in cycles
+  bool rest_known = true;                     // BodyLanes::at_rest is up to date
+
+  void find_loaded_blocks(const Model& model);
+  void apply_load(const Model& model, std::size_t loaded);  // what load_ramps has now, to the block's group
+  int ground_body() const;                                  // a body that moves as the ground does; -1: none
+};
+
+}  // namespace quoin

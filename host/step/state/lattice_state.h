@@ -1,0 +1,34 @@
+// What steps change of bricks on the lattice: the arrays of step/lattice_fields.h, by which they are saved. In large
+// motion they are empty.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "model/model.h"
+#include "step/rigid_bodies.h"
+
+namespace quoin {
+
+struct LatticeState {
+  LaneVector<double> displacement, velocity;  // by gridpoint, m, m/s: of now, of half a step ago
+  LaneVector<double> traction[3];             // by contact point, Pa
+  std::vector<LaneVector<double>> law_state;  // per family: state_count columns of its points one after the other
+  LaneVector<double> normal_shift;            // by contact point, m: added to the opening (laws swapped in); else empty
+  // Where impacts are damped, else empty: tractions of damping, Pa; opening of the last step, m, not a number: unknown.
+  LaneVector<double> viscous[3], old_jump;
+  std::vector<BodyLanes> bodies;           // body groups, then lone bodies
+  std::vector<std::pair<int, int>> place;  // by body: index into bodies, lane; follows from the model
+  LaneVector<std::uint32_t> flags;         // by contact point; not saved
+  long flags_step = -1;                    // step that computed them
+
+  bool damps_impacts() const { return !old_jump.empty(); }
+  BodyLanes& lanes_of(int body) {
+    return bodies[static_cast<std::size_t>(place[static_cast<std::size_t>(body)].first)];
+  }
+  Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
+  Vec3 mean_of(const std::vector<int>& some, BodyLanes::Quantity BodyLanes::*quantity) const;  // over bodies
+};
+
+}  // namespace quoin

@@ -1,0 +1,26 @@
+// The body or blocks whose displacement and force a row of the history shows. A stage finds them when it begins; start,
+// and the blocks in large motion, are saved.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/assembly.h"
+
+namespace quoin {
+
+struct StageMonitor {
+  struct Point {
+    std::int32_t point;
+    double sign;  // 1: side a
+  };
+
+  Vec3 start{};               // displacement when the stage began, m
+  std::vector<int> bodies;    // on the lattice
+  std::vector<int> loaded;    // and deformable blocks, indices into Controls::loaded_blocks
+  std::vector<Point> points;  // of these blocks, in order
+  std::vector<int> blocks;    // in large motion
+  bool stands_below = false;  // at the start of the stage: what these blocks touch is above them
+};
+
+}  // namespace quoin

@@ -1,0 +1,26 @@
+// How far blocks have moved, and what follows from it: the bounds of small displacements, and blocks that fall.
+// Looks between steps write it; seen and next_check are saved.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "model/world.h"
+#include "step/motion_bound.h"
+#include "step/unjoined_blocks.h"
+
+namespace quoin {
+
+struct SmallMotion {
+  MotionSeen seen;
+  long next_check = 0;  // step
+  JointSliding joint_sliding;
+  UnjoinedBlocks unjoined;
+  std::function<int(const blocks::Meeting&)> meeting_family;  // of blocks that meet; empty: not asked yet
+  std::vector<WholeMotion> whole_motions;                     // by brick, of the last look
+  double extent = 0.0;                                        // diagonal of the model at the start, m
+  std::vector<std::uint8_t> held_blocks;                      // held_in of the stage
+};
+
+}  // namespace quoin

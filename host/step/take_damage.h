@@ -1,0 +1,10 @@
+// Damage of the scene, before the first stage: on the lattice of the contact points that this rank evaluates.
+#pragma once
+
+#include "step/state.h"
+
+namespace quoin {
+
+void take_damage(Simulation::Impl& s);  // of the scene: states and openings before the first stage
+
+}  // namespace quoin

@@ -1,0 +1,282 @@
+#include "step/work_division.h"
+
+#include <algorithm>
+#include <functional>
+#include <span>
+
+#include "base/ranks.h"
+#include "step/borders.h"
+#include "step/rank_part.h"
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+// All ranks find the same.
+Vec3 place_in_large_motion(const Simulation::Impl& s, int block) {
+  return geometry::array(s.parts.divided ? s.large_motion->part.rough_place[static_cast<std::size_t>(block)]
+                                         : s.large_motion->position(block));
+}
+
+// What follows from the shares.
+void bind_work(Simulation::Impl& s) {
+  bind_halo(s);
+  const auto ends = [&](std::span<const int> pieces, const std::vector<double>& cost) {
+    std::vector<double> weight;
+    for (const int i : pieces) weight.push_back(cost[static_cast<std::size_t>(i)]);
+    return shares(weight, s.pool.thread_count());
+  };
+  s.division.chunk_end = ends(s.division.share.chunks, s.division.chunk_cost);
+  s.division.border_end =
+      ends(std::span(s.division.share.items).first(s.division.share.border_items), s.division.item_cost);
+  s.division.item_end =
+      ends(std::span(s.division.share.items).subspan(s.division.share.border_items), s.division.item_cost);
+  s.data.scratch_doubles = kScratchColumns * s.division.largest_group;
+  for (int t = static_cast<int>(s.division.scratch.size()); t < s.pool.thread_count(); ++t) {
+    s.division.scratch.emplace_back(kUnitBlocks * s.data.scratch_doubles, 0.0);
+    s.division.jumps.push_back(std::make_unique<ChunkJumps>());
+    s.timing.clocks.emplace_back();
+  }
+}
+
+// Cost of one side of a contact point, evaluation and memory traffic, in units of the costs of blocks
+// (partition_work). Load balancing divides by their sum.
+constexpr double kLatticeSide = 60.0, kSideInLargeMotion = 4.0;
+
+// Scales of the axes that bisection tries: all equal, one shortened, one nearly removed (slices).
+constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
+                            {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
+
+// Items that the contact points of chunks touch, each once: first the first one of the chunk.
+class ChunkItems {
+ public:
+  void add(int item) {
+    const auto begin = items_.begin() + static_cast<std::ptrdiff_t>(end_.empty() ? 0 : end_.back());
+    if (begin != items_.end() && (items_.back() == item || std::find(begin, items_.end(), item) != items_.end()))
+      return;
+    items_.push_back(item);
+  }
+  void end_chunk() { end_.push_back(items_.size()); }
+  std::span<const int> of_chunk(int chunk) const {
+    const std::size_t begin = chunk > 0 ? end_[at(chunk) - 1] : 0;
+    return std::span(items_).subspan(begin, end_[at(chunk)] - begin);
+  }
+
+ private:
+  std::vector<int> items_;
+  std::vector<std::size_t> end_;
+};
+
+// How many contact points are evaluated once more than by one process, in chunks that more than one rank evaluates.
+long points_between(const std::vector<int>& rank_of_item, const ChunkItems& touched,
+                    const std::vector<double>& chunk_points) {
+  long again = 0;
+  std::vector<int> evaluate;
+  for (std::size_t c = 0; c < chunk_points.size(); ++c) {
+    evaluate.clear();
+    for (const int item : touched.of_chunk(static_cast<int>(c))) {
+      const int rank = rank_of_item[at(item)];
+      if (std::find(evaluate.begin(), evaluate.end(), rank) == evaluate.end()) evaluate.push_back(rank);
+    }
+    again += static_cast<long>(evaluate.size() - 1) * static_cast<long>(chunk_points[c]);
+  }
+  return again;
+}
+
+}  // namespace
+
+std::vector<int> rank_by_block(const Simulation::Impl& s) {
+  std::vector<int> rank;
+  for (const int item : s.division.item_by_block)
+    rank.push_back(s.division.share.rank_of_item[static_cast<std::size_t>(item)]);
+  return rank;
+}
+
+bool Simulation::owns_block(int block) const {
+  const Impl& s = *impl_;
+  if (!s.ranks) return true;
+  return s.division.share.owns_item(s.large_motion ? s.division.item_by_block[at(block)] : item_of_block(s, block),
+                                    s.ranks->rank());
+}
+
+int item_of_block(const Simulation::Impl& s, int block) {
+  const Model::BlockPlace& where = s.model.place[at(block)];
+  if (where.body < 0) return s.division.unit_of_group[at(where.group)];
+  return static_cast<int>(s.model.unit_groups.size()) + s.lattice.place[at(where.body)].first;
+}
+
+std::vector<int> blocks_of_item(const Simulation::Impl& s, int item) {
+  std::vector<int> blocks;
+  if (s.large_motion) {
+    const auto of_piece = s.large_motion->blocks_of_piece(item);
+    return {of_piece.begin(), of_piece.end()};
+  }
+  auto i = at(item);
+  if (i < s.model.unit_groups.size()) {
+    const UnitGroup& unit = s.model.unit_groups[i];
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      const BlockGroup& group = s.model.groups[at(g)];
+      blocks.insert(blocks.end(), group.block.begin(), group.block.begin() + group.block_count);
+    }
+    return blocks;
+  }
+  for (const int body : bodies_of_item(s, item)) blocks.push_back(s.model.bodies[at(body)].block);
+  return blocks;
+}
+
+std::vector<int> bodies_of_item(const Simulation::Impl& s, int item) {
+  auto i = at(item);
+  if (s.large_motion || i < s.model.unit_groups.size()) return {};
+  i -= s.model.unit_groups.size();
+  if (i >= s.model.body_groups.size()) return {s.model.lone_bodies[i - s.model.body_groups.size()]};
+  const BodyGroup& group = s.model.body_groups[i];
+  return {group.body.begin(), group.body.begin() + group.body_count};
+}
+
+std::vector<double> estimated_costs(const Simulation::Impl& s) {
+  std::vector<double> cost = s.division.item_cost;
+  for (int c = 0; c < static_cast<int>(s.division.chunk_cost.size()); ++c)
+    each_item_of_chunk(s, c, [&](int item) { cost[at(item)] += s.large_motion ? kSideInLargeMotion : kLatticeSide; });
+  return cost;
+}
+
+RankShare share_of_this_rank(const Simulation::Impl& s) {
+  const int chunks = static_cast<int>(s.division.chunk_cost.size()),
+            items = static_cast<int>(s.division.item_cost.size());
+  if (!s.ranks) return whole_share(chunks, items);
+  std::vector<double> cost = estimated_costs(s);
+  for (int i = 0; i < items && !s.rank_load.measured_over_estimated.empty(); ++i) {
+    const std::vector<int> blocks = blocks_of_item(s, i);
+    double sum = 0.0;
+    for (const int b : blocks) sum += s.rank_load.measured_over_estimated[at(b)];
+    cost[at(i)] *= sum / static_cast<double>(blocks.size());
+  }
+  // The blocks of an item on the lattice lie in eight places of the assembly. Their mean or the first may stand better
+  // for all. Chunks of contact points are long along courses, so it may be better to cut as if one side were shorter.
+  // What leaves the fewest points on borders is taken, by all ranks in the same way.
+  std::vector<Vec3> mean, first;
+  for (int i = 0; i < items; ++i) {
+    mean.emplace_back();
+    const std::vector<int> blocks = blocks_of_item(s, i);
+    for (const int b : blocks) {
+      const Vec3 centre = s.large_motion ? place_in_large_motion(s, b) : centre_of(s.model.assembly.bricks[at(b)]);
+      for (std::size_t c = 0; c < 3; ++c) mean.back()[c] += centre[c] / static_cast<double>(blocks.size());
+      if (b == blocks.front()) first.push_back(centre);
+    }
+  }
+  ChunkItems touched;
+  for (int c = 0; c < chunks; ++c) {
+    each_item_of_chunk(s, c, [&](int item) { touched.add(item); });
+    touched.end_chunk();
+  }
+  RankShare of_rank;
+  long fewest = -1;
+  for (const std::vector<Vec3>* candidate : {&mean, &first}) {
+    for (const Vec3& scale : kScales) {
+      std::vector<Vec3> place = *candidate;
+      for (Vec3& p : place) {
+        for (std::size_t c = 0; c < 3; ++c) p[c] *= scale[c];
+      }
+      std::vector<int> ranks_so = bisect(place, cost, s.ranks->count());
+      const long points = points_between(ranks_so, touched, s.division.chunk_cost);
+      if (fewest >= 0 && points >= fewest) continue;
+      fewest = points;
+      of_rank.rank_of_item = std::move(ranks_so);
+    }
+  }
+  of_rank.cost_of_rank.assign(at(s.ranks->count()), 0.0);
+  of_rank.rank_of_chunk.assign(at(chunks), -1);
+  for (int c = 0; c < chunks; ++c) {
+    const std::span<const int> items_of_chunk = touched.of_chunk(c);
+    of_rank.rank_of_chunk[at(c)] = of_rank.rank_of_item[at(items_of_chunk.front())];
+    if (std::any_of(items_of_chunk.begin(), items_of_chunk.end(),
+                    [&](int item) { return of_rank.owns_item(item, s.ranks->rank()); }))
+      of_rank.chunks.push_back(c);
+  }
+  for (int i = 0; i < items; ++i) {
+    if (of_rank.owns_item(i, s.ranks->rank())) of_rank.items.push_back(i);
+    of_rank.cost_of_rank[at(of_rank.rank_of_item[at(i)])] += cost[at(i)];
+  }
+  return of_rank;
+}
+
+// On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that and
+// velocities across.
+void each_side(const Simulation::Impl& s, int chunk, const std::function<void(int, std::int64_t)>& visit) {
+  if (s.large_motion) {
+    s.large_motion->each_side(chunk,
+                              [&](int block, std::int64_t key) { visit(s.division.item_by_block[at(block)], key); });
+    return;
+  }
+  const ContactChunk& c = s.model.chunks[at(chunk)];
+  for (int i = c.first_point; i < c.first_point + c.point_count; ++i) {
+    const Model::Sides sides = s.model.sides_of(i);
+    visit(item_of_block(s, sides.a), std::int64_t{s.model.node_a[at(i)]} * 3 + c.axis);
+    visit(item_of_block(s, sides.b), std::int64_t{s.model.node_b[at(i)]} * 3 + c.axis);
+  }
+}
+
+void each_item_of_chunk(const Simulation::Impl& s, int chunk, const std::function<void(int)>& visit) {
+  if (s.large_motion) {
+    s.large_motion->each_block_of_chunk(chunk, [&](int block) { visit(s.division.item_by_block[at(block)]); });
+    return;
+  }
+  const ContactChunk& c = s.model.chunks[at(chunk)];
+  for (int i = c.first_point; i < c.first_point + c.point_count; ++i) {
+    const Model::Sides sides = s.model.sides_of(i);
+    visit(item_of_block(s, sides.a)), visit(item_of_block(s, sides.b));
+  }
+}
+
+std::vector<int> chunks_here(const Simulation::Impl& s) {
+  return s.parts.holds_all ? whole_share(static_cast<int>(s.model.chunks.size()), 0).chunks : s.division.share.chunks;
+}
+
+void partition_work(Simulation::Impl& s) {
+  divide_work(s);
+  hold_part(s);
+  bind_work(s);
+}
+
+void divide_work(Simulation::Impl& s) {
+  s.division.chunk_cost.clear(), s.division.item_cost.clear(), s.division.unit_of_group.clear();
+  for (const ContactChunk& chunk : s.model.chunks) s.division.chunk_cost.push_back(chunk.point_count);
+  for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c)
+    s.division.chunk_cost.push_back(s.large_motion->chunk_work(c));
+
+  // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
+  constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
+  s.division.largest_group = 0;
+  for (const UnitGroup& unit : s.model.unit_groups) {
+    s.division.item_cost.push_back(0.0);
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      s.division.unit_of_group.push_back(static_cast<int>(s.division.item_cost.size()) - 1);
+      const BlockGroup& group = s.model.groups[static_cast<std::size_t>(g)];
+      const BrickTemplate& shape = s.model.templates[static_cast<std::size_t>(group.brick_template)];
+      s.division.item_cost.back() += static_cast<double>(shape.stiffness.coefficient.size());
+      s.division.largest_group = std::max(s.division.largest_group, static_cast<std::size_t>(shape.node_count) * kLine);
+    }
+  }
+  for (const BodyGroup& group : s.model.body_groups)
+    s.division.item_cost.push_back(kBodySlot *
+                                   (s.model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
+  for (const int b : s.model.lone_bodies)
+    s.division.item_cost.push_back(
+        kBodyPoint * (static_cast<double>(s.model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
+  for (int p = 0; s.large_motion && p < s.large_motion->piece_count(); ++p)
+    s.division.item_cost.push_back(s.large_motion->piece_work(p));
+  s.division.item_by_block.assign(s.large_motion ? static_cast<std::size_t>(s.large_motion->block_count()) : 0, -1);
+  for (int p = 0; s.large_motion && p < s.large_motion->piece_count(); ++p) {
+    for (const std::int32_t block : s.large_motion->blocks_of_piece(p))
+      s.division.item_by_block[static_cast<std::size_t>(block)] = p;
+  }
+  s.reactions.restrained_of_item.assign(s.division.item_cost.size(), {});
+  for (const int block : s.reactions.restrained_blocks) {
+    const int item = s.large_motion ? s.division.item_by_block[static_cast<std::size_t>(block)] : -1;
+    if (item >= 0) s.reactions.restrained_of_item[static_cast<std::size_t>(item)].push_back(block);
+  }
+  s.division.share = share_of_this_rank(s);
+}
+
+}  // namespace quoin
