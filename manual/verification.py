@@ -10,6 +10,7 @@ usage: manual/verification.py [RECORDS]          writes them from RECORDS, build
 import csv
 import filecmp
 import glob
+import math
 import os
 import re
 import shutil
@@ -25,7 +26,7 @@ KEPT = f"{PAGES}/records.csv"  # the records that the pages show
 COLUMNS = ["test", "case", "expected", "measured", "unit", "error", "allowed", "note"]
 # Of what is allowed, by which an error may differ from that on the page: other processors and compilers round otherwise.
 SAME_ERROR = 0.25
-# Of the range of a figure, by which a point may, and the part of all points that must not.
+# Of the range of a figure, by which a point may, and the part of the points of a curve that must not.
 SAME_POINT, SAME_POINTS = 0.03, 0.9
 
 
@@ -88,12 +89,12 @@ def pages(kept):
     for group in groups():
         lines, shown = [f"# {group['title']}", "", "One of the pages of [verification](../VERIFICATION.md)."], []
         for case in group["case"]:
-            rows = [row for test in case["tests"] for row in kept[test]]
+            rows = list(dict.fromkeys(tuple(row) for test in case["tests"] for row in kept[test]))  # a long test repeats a short one
             shown += rows
             lines += section(case, rows, files)
         out[f"{PAGES}/{group['page']}.md"] = "\n".join(lines) + "\n"
-        figures = sum(len(case.get("figures", [])) for case in group["case"])
-        table.append(f"| [{group['title']}](verification/{group['page']}.md) | {len(group['case'])} | {len(shown)} | {figures} | {largest(shown):.2f} |")
+        drawn = sum(len(case.get("figures", [])) for case in group["case"])
+        table.append(f"| [{group['title']}](verification/{group['page']}.md) | {len(group['case'])} | {len(shown)} | {drawn} | {largest(shown):.2f} |")
     out[f"{ROOT}/manual/VERIFICATION.md"] = "\n".join([
         "# Verification, case by case", "",
         "Each case of `tests/verification`: what is checked, the input, a figure where there is a curve, and what was expected and measured.",
@@ -177,14 +178,19 @@ def differs(kept, now):
     return not all(same_texts) or not expected or abs(float(kept[4]) - float(now[4])) > SAME_ERROR * float(now[5])
 
 
-def figure_differs(kept, now):
+def figure_differs(kept, now, log):
+    """Whether a curve has other names or points than on the page; points as they stand on its axes."""
     kept, now = figure.read(kept), figure.read(now)
-    if kept[:2] != now[:2] or [c[:2] for c in kept[2]] != [c[:2] for c in now[2]]:
+    if kept[:2] != now[:2] or [(*c[:2], len(c[2])) for c in kept[2]] != [(*c[:2], len(c[2])) for c in now[2]]:
         return True
-    ranges = [max(max(c[k]) for c in kept[2]) - min(min(c[k]) for c in kept[2]) for k in (2, 3)]
-    points = [all(abs(a - b) <= SAME_POINT * r for a, b, r in zip(at_page, at_now, ranges))
-              for c, d in zip(kept[2], now[2]) for at_page, at_now in zip(zip(c[2], c[3]), zip(d[2], d[3]))]
-    return sum(points) < SAME_POINTS * len(points) or any(len(c[2]) != len(d[2]) for c, d in zip(kept[2], now[2]))
+    same = [[True] * len(c[2]) for c in kept[2]]
+    for axis, at in (("x", 2), ("y", 3)):
+        scale = math.log10 if axis in log else float
+        places = [[scale(v) for v in c[at]] for c in kept[2]]
+        span = max(map(max, places)) - min(map(min, places))
+        for curve, old, new in zip(same, places, (c[at] for c in now[2])):
+            curve[:] = [was and abs(a - scale(b)) <= SAME_POINT * span for was, a, b in zip(curve, old, new)]
+    return any(sum(curve) < SAME_POINTS * len(curve) for curve in same)
 
 
 def faults_of_numbers(kept, folder):
@@ -197,16 +203,16 @@ def faults_of_numbers(kept, folder):
         elif test in kept:
             faults += [f"{test}, {now[0]}: {', '.join(now[1:])}; its page has {', '.join(row[1:])}"
                        for row, now in zip(kept[test], rows) if differs(row, now)]
-    for name in figures():
+    for name, log in figures().items():
         now = f"{folder}/{name}.figure.csv"
-        if os.path.exists(now) and figure_differs(f"{PAGES}/{name}.csv", now):
+        if os.path.exists(now) and figure_differs(f"{PAGES}/{name}.csv", now, log):
             faults.append(f"{PAGES}/{name}.csv is not {now}")
     return faults
 
 
 def check(folder):
     kept = kept_records()
-    faults = faults_of_lists(kept) or faults_of_pages(kept) + faults_of_numbers(kept, folder)
+    faults = faults_of_lists({**records(folder), **kept}) or faults_of_pages(kept) + faults_of_numbers(kept, folder)
     print("\n".join(faults) or f"{sum(map(len, kept.values()))} comparisons, {len(figures())} figures")
     if faults:
         print("/usr/bin/python3 manual/verification.py writes the pages anew.")
