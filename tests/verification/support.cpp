@@ -83,7 +83,7 @@ void write_figure(const std::string& name, const std::string& x, const std::stri
 }
 
 void EnergyCurves::add(const Model& m) {
-  const Energies& e = m.energies();
+  const blocks::Energies& e = m.energies();
   work.add(m.time(), e.external), kinetic.add(m.time(), e.kinetic);
   lost.add(m.time(), e.dissipated_total() + e.damping + e.contact_stored + e.strain + e.detection);
   sum.add(m.time(), e.balance_error(0.0) + e.external);
