@@ -6,7 +6,7 @@ project, author, copyright = "Quoin", "the authors of Quoin", "the authors of Qu
 extensions = ["myst_parser"]
 root_doc = "manual/index"
 source_suffix = {".md": "markdown"}
-include_patterns = ["manual/*.md", "manual/tutorial/*.md", "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "host/*.md", "host/**/*.md", "plugin_api/*.md", "plugin_api/**/*.md", "contact_models/**/*.md",
+include_patterns = ["manual/*.md", "manual/tutorial/*.md", "manual/verification/*.md", "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "host/*.md", "host/**/*.md", "plugin_api/*.md", "plugin_api/**/*.md", "contact_models/**/*.md",
                     "benchmarks/*.md", "tests/README.md", "tests/verification/README.md", "tests/cyclic_joint/README.md",
                     "tests/law/README.md"]
 exclude_patterns = ["build"]

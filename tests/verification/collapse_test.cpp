@@ -29,12 +29,17 @@ void collapse(int courses, int width, double rest) {
   const auto started = std::chrono::steady_clock::now();
   // a push out of plane and along, then left alone
   m->set_gravity({0.35 * gravity, -gravity, 0.6 * gravity});
-  m->run(0.6);
+  EnergyCurves curves;
+  for (double next = 0.0, end = m->time() + 0.6; m->time() < end - 0.5 * m->time_step();) {
+    m->step();
+    if (m->time() >= next) curves.add(*m), next = m->time() + 0.01;
+  }
   m->set_gravity({0, -gravity, 0});
   double work_scale = (m->mass() - 1800 * 60 * 0.2 * 60) * gravity * courses * height / 2, created = 0.0,
          largest_speed = 0.0;
   while (m->time() < rest) {
     m->run(0.01);
+    curves.add(*m);
     created = std::max(created, m->energies().balance_error(0.0) / work_scale);
     for (int i = 0; i < m->block_count(); ++i) {
       ASSERT_TRUE(std::isfinite(m->position(i).y + m->orientation(i).row[0].x)) << i;
@@ -67,6 +72,7 @@ void collapse(int courses, int width, double rest) {
       "balance %.3g\n",
       e.kinetic, e.contact_stored, e.dissipated[0], e.dissipated[1], e.dissipated[2], e.dissipated[3], e.damping,
       e.external, e.detection, e.balance_error(0));
+  if (courses == 6) curves.write("collapse");
   const std::string name = "collapse of " + std::to_string(m->block_count() - 1) + " blocks: ";
   check_error(name + "deepest corner below the floor", deepest, 2e-3, "m", "residual compression holds");
   check_error(name + "largest overlap of two blocks", overlap, 4e-3, "m", "no tunnelling: 2 % of the height");

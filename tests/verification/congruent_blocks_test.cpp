@@ -11,7 +11,7 @@ const Vector kAxis = normalized(Vector{0.5, -0.3, 0.8});
 
 enum class Kind { congruent, distinct };
 constexpr Kind kKinds[] = {Kind::congruent, Kind::distinct};
-std::string name_of(Kind kind) { return kind == Kind::congruent ? "blocks alike" : "blocks unlike"; }
+std::string name_of(Kind kind) { return kind == Kind::congruent ? "blocks of one shape" : "blocks of unlike shapes"; }
 
 // `count` bricks apart from each other, each turned otherwise; unlike ones of other lengths and numbers of gridpoints.
 Scene bricks_apart(int count, Kind kind = Kind::congruent) {
@@ -208,7 +208,8 @@ TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
     lost = std::max(lost, change(*congruent, start)), lost_alone = std::max(lost_alone, change(*alone, start_alone));
   }
   EXPECT_GT(furthest, 0.02 * 0.1);
-  check("blocks alike, stretched by percents: swing of the energy", lost_alone, lost, 0.1, "-", "that of zone by zone");
+  check("blocks of one shape, stretched by percents: swing of the energy", lost_alone, lost, 0.1, "-",
+        "that of zone by zone");
   EXPECT_LT(largest_difference(displacements(*congruent, 0), displacements(*alone, 0)), 0.03 * furthest);
 }
 

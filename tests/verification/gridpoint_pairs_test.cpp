@@ -30,7 +30,7 @@ int points_on_gridpoints(const Model& m) {
 // Without the moment on the frame of a, angular momentum would change by slip times force.
 TEST(PointsOnGridpoints, KeepMomentaAndEnergyHoweverFarTheySlide) {
   for (const Zones zones : {Zones::same, Zones::own}) {
-    const std::string what = zones == Zones::same ? "bricks alike" : "bricks unlike";
+    const std::string what = zones == Zones::same ? "bricks of one mesh" : "bricks of unlike meshes";
     auto m = row_of_bricks(zones).model(undamped(0.5));
     EXPECT_EQ(points_on_gridpoints(*m), 2 * 9) << what;
     for (int i = 0; i < 3; ++i) {

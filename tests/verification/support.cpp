@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,21 @@
 namespace quoin::verification {
 
 namespace {
+const std::filesystem::path kRecords = "verification_records";
+
+// Of the running test, without the mark of the long ones. Its first line takes the place of what an earlier run wrote.
+std::ofstream record() {
+  static std::string last;
+  const ::testing::TestInfo& test = *::testing::UnitTest::GetInstance()->current_test_info();
+  std::string name = test.name();
+  if (name.starts_with("DISABLED_")) name.erase(0, 9);
+  name = test.test_suite_name() + ("." + name);
+  std::filesystem::create_directories(kRecords);
+  std::ofstream file(kRecords / (name + ".csv"), name == last ? std::ios::app : std::ios::trunc);
+  last = name;
+  return file;
+}
+
 void write(const std::string& what, const std::string& expected, double measured, const std::string& error,
            double tolerance, const std::string& unit, const std::string& note) {
   char line[400];
@@ -18,8 +34,8 @@ void write(const std::string& what, const std::string& expected, double measured
                 measured, unit.c_str(), error.c_str(), tolerance, note.c_str());
   std::printf("  | %s\n", line);
   std::fflush(stdout);
-  std::ofstream("verification.csv", std::ios::app) << '"' << what << "\"," << expected << ',' << measured << ',' << unit
-                                                   << ',' << error << ',' << tolerance << ",\"" << note << "\"\n";
+  record() << '"' << what << "\"," << expected << ',' << measured << ',' << unit << ',' << error << ',' << tolerance
+           << ",\"" << note << "\"\n";
 }
 std::string text(double x, const char* format) {
   char b[40];
@@ -40,6 +56,40 @@ void check_error(const std::string& what, double error, double bound, const std:
                  const std::string& note) {
   write(what, "0", error, text(std::abs(error), "%.2e"), bound, unit, note);
   EXPECT_LE(std::abs(error), bound) << what;
+}
+
+Curve reference(const std::string& name, double from, double to, const std::function<double(double)>& y) {
+  Curve curve{name, CurveKind::reference};
+  for (int i = 0; i <= 200; ++i) {
+    const double x = from + (to - from) * i / 200;
+    curve.add(x, y(x));
+  }
+  return curve;
+}
+
+void write_figure(const std::string& name, const std::string& x, const std::string& y,
+                  const std::vector<Curve>& curves) {
+  std::filesystem::create_directories(kRecords);
+  std::ofstream file(kRecords / (name + ".figure.csv"));
+  file << "curve,kind,\"" << x << "\",\"" << y << "\"\n";
+  for (const Curve& curve : curves) {
+    const size_t size = curve.points.size(), kept = std::min<size_t>(size, 200);
+    for (size_t k = 0; k < kept; ++k) {
+      const auto& point = curve.points[kept < 2 ? 0 : k * (size - 1) / (kept - 1)];
+      file << '"' << curve.name << "\"," << (curve.kind == CurveKind::reference ? "reference" : "measured") << ','
+           << text(point[0], "%.5g") << ',' << text(point[1], "%.5g") << '\n';
+    }
+  }
+}
+
+void EnergyCurves::add(const Model& m) {
+  const blocks::Energies& e = m.energies();
+  work.add(m.time(), e.external), kinetic.add(m.time(), e.kinetic);
+  lost.add(m.time(), e.dissipated_total() + e.damping + e.contact_stored + e.strain + e.detection);
+  sum.add(m.time(), e.balance_error(0.0) + e.external);
+}
+void EnergyCurves::write(const std::string& figure) const {
+  write_figure(figure, "time, s", "energy, J", {work, sum, kinetic, lost});
 }
 
 JointFamily joint(const std::string& law, std::vector<std::pair<std::string, double>> properties) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -25,12 +27,36 @@ constexpr double pi = std::numbers::pi;
 constexpr double gravity = 9.81;
 
 // A line of the verification table: fails the test when |measured - expected| > tolerance * scale, with scale =
-// |expected| or, where that is 0, `scale`. Lines go to standard output and to verification.csv in the working folder.
+// |expected| or, where that is 0, `scale`. Lines go to standard output and to verification_records/SUITE.TEST.csv in
+// the working folder, which manual/verification.py makes pages of.
 void check(const std::string& what, double expected, double measured, double tolerance, const std::string& unit,
            const std::string& note = "", double scale = 0.0);
 // The error of a quantity that has no single expected value (a drift, an imbalance), against its bound.
 void check_error(const std::string& what, double error, double bound, const std::string& unit,
                  const std::string& note = "");
+
+// A curve of a figure, in the units of its axes.
+enum class CurveKind { reference, measured };
+struct Curve {
+  std::string name;
+  CurveKind kind = CurveKind::measured;
+  std::vector<std::array<double, 2>> points{};  // x, y
+  void add(double x, double y) { points.push_back({x, y}); }
+};
+// y(x) at 201 places between `from` and `to`.
+Curve reference(const std::string& name, double from, double to, const std::function<double(double)>& y);
+// verification_records/NAME.figure.csv: what the page of the running test draws. A curve keeps 200 of its points at
+// most.
+void write_figure(const std::string& name, const std::string& x, const std::string& y,
+                  const std::vector<Curve>& curves);
+
+// Energies of a run over its time, beside the work that goes into it.
+struct EnergyCurves {
+  Curve work{"work of weight and supports", CurveKind::reference}, kinetic{"kinetic"}, lost{"joints and damping"},
+      sum{"sum of all"};  // J over s
+  void add(const Model& m);
+  void write(const std::string& figure) const;
+};
 
 JointFamily elastic_joint(double kn, double ks);
 // Dry friction: no tension, no cohesion, from the shipped law coulomb_slip.
