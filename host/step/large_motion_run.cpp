@@ -255,7 +255,6 @@ void Simulation::Impl::measure_large_motion(HistoryRow& row) const {
   row.multiplier = multiplier;
   row.largest_displacement = largest_displacement();
   const double whole = model.assembly.symmetry_factor;
-  if (const members::Members* const members = large_motion->members()) row.members = members->columns();
   row.dynamic_force = whole * large_motion->net_force()[static_cast<int>(direction)];
   measure_base(row);
   if (monitor_blocks.empty()) return;

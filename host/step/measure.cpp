@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "step/columns/columns.h"
 #include "step/monitor_side.h"
 #include "step/state.h"
 
@@ -58,6 +59,7 @@ HistoryRow Simulation::Impl::measure() const {
   row.kinetic_energy = kinetic;
   row.energies = energies;
   measure_reactions(row);
+  row.added = added_values(*this);
   if (large_motion) {
     measure_large_motion(row);
     return row;
