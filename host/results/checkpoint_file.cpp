@@ -103,7 +103,7 @@ void transfer_rows(Archive& archive, Rows& rows) {
     using Numbers = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(row)>>, const HistoryNumbers,
                                        HistoryNumbers>;
     a.value(static_cast<Numbers&>(row));
-    a.array(row.members);
+    a.array(row.added);
   });
 }
 

@@ -7,7 +7,7 @@
 
 #include "files/csv_text.h"
 #include "files/file.h"
-#include "members/members.h"
+#include "step/columns/columns.h"
 
 namespace quoin {
 
@@ -141,13 +141,11 @@ void add_block_columns(const Scene& scene, bool on_ground, const std::function<v
   add("detection_J", energy<&Energies::detection>);
 }
 
-void add_member_columns(const Scene& scene, const std::function<void(const std::string&, Value)>& add) {
-  const std::vector<std::string> names = members::column_names(*scene.members);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    add(names[i],
-        [i](const HistoryRow& row, const Stage&) { return i < row.members.size() ? row.members[i] : std::nan(""); });
-  }
-  if (!scene.output.energy) return;
+void add_groups(const Scene& scene, const std::function<void(const std::string&, Value)>& add) {
+  const std::vector<std::string> names = added_columns(scene);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    add(names[i], [i](const HistoryRow& row, const Stage&) { return row.added[i]; });
+  if (!scene.members || !scene.output.energy) return;
   add("members_stored_J", energy<&Energies::members_stored>);
   add("members_dissipated_J", energy<&Energies::members_dissipated>);
 }
@@ -205,7 +203,7 @@ std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector
   const bool on_ground = std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.ground.has_value(); });
   const bool acts =
       std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
-  if (scene.members) add_member_columns(scene, add);
+  add_groups(scene, add);
   if (scene.blocks || acts) add_block_columns(scene, on_ground, add);
   add_reaction_columns(restraints, add);
   return columns;

@@ -159,7 +159,7 @@ Json of_ties(const members::Members& members, const std::vector<HistoryRow>& row
   for (std::size_t i = 0; i < members.ties().size(); ++i) {
     const members::Tie& tie = members.ties()[i];
     double largest = tie.state.force;
-    for (const HistoryRow& row : rows) largest = std::max(largest, row.members[i]);
+    for (const HistoryRow& row : rows) largest = std::max(largest, row.added[i]);
     ties.push_back({{"name", tie.name},
                     {"force_N", tie.state.force},
                     {"largest_force_N", largest},

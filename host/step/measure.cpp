@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "base/error.h"
-#include "members/members.h"
 #include "step/actions/ground.h"
 #include "step/actions/whiffletree.h"
+#include "step/columns/columns.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -29,7 +29,6 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.multiplier = s.actions.multiplier;
   row.largest_displacement = largest_displacement(s);
   const double whole = s.model.assembly.symmetry_factor;
-  if (const members::Members* const members = s.large_motion->members()) row.members = members->columns();
   row.dynamic_force = whole * s.large_motion->net_force()[static_cast<int>(direction)];
   measure_base(s, row);
   if (s.monitor.blocks.empty()) return;
@@ -164,6 +163,7 @@ HistoryRow measure_row(const Simulation::Impl& s) {
   row.kinetic_energy = s.energy.kinetic;
   row.energies = s.energy.now;
   measure_reactions(s, row);
+  row.added = added_values(s);
   if (s.large_motion) {
     measure_large_motion(s, row);
     return row;

@@ -94,7 +94,7 @@ struct Restraint {
 
 // One line of the history.
 struct HistoryRow : HistoryNumbers {
-  std::vector<double> members;  // what the scene's members show, by members::column_names
+  std::vector<double> added;  // by added_columns (step/columns)
 };
 
 struct Progress {

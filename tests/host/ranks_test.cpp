@@ -53,7 +53,7 @@ struct Rows : Observer {
                            row.unbalanced_ratio, row.kinetic_energy, row.multiplier, row.largest_displacement,
                            row.monitor_displacement[0], row.joint_force[0], row.joint_force[1]})
       bits.push_back(std::bit_cast<std::uint64_t>(x));
-    for (const double x : row.members) bits.push_back(std::bit_cast<std::uint64_t>(x));
+    for (const double x : row.added) bits.push_back(std::bit_cast<std::uint64_t>(x));
     if (!row.energies) return;
     const Energies& e = *row.energies;
     for (const double x : {e.kinetic, e.strain, e.contact_stored, e.dissipated[0], e.dissipated[1], e.dissipated[2],
