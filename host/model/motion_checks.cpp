@@ -25,6 +25,8 @@ double lever_of(const World& w, const Contact& c, double distance) {
   return std::max(w.blocks[c.pair.b].radius, std::min(w.blocks[c.pair.a].radius, distance));
 }
 
+}  // namespace
+
 // How far b has moved as seen from a since the pair's last narrow detection: translation plus rotation times radius, m.
 double pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& a, const Pose& b) {
   const Vector shift = transposed_times(a.r, b.x - a.x) - place.relative_x;
@@ -32,7 +34,12 @@ double pair_motion(const World& w, const Contact& c, const PairPlace& place, con
   return norm(shift) + angle * lever_of(w, c, norm(b.x - a.x));
 }
 
-}  // namespace
+double allowed_motion(const World& w, const Contact& c, const PairPlace& place) {
+  const double extent = std::min(w.blocks[c.pair.a].least_extent, w.blocks[c.pair.b].least_extent);
+  const double fraction = detection_fraction(w);
+  if (c.count == 0) return std::max(fraction * extent, 0.5 * place.separation.distance);
+  return (c.initial ? std::max(fraction, w.assembly.contact.joint_motion) : fraction) * extent;
+}
 
 double motion_since_broad_phase(const World& w, int block) {
   const ModelBlock& b = w.blocks[block];
@@ -46,13 +53,6 @@ double detection_fraction(const World& w) {
 }
 
 namespace {
-
-double allowed_motion(const World& w, const Contact& c, const PairPlace& place) {
-  const double extent = std::min(w.blocks[c.pair.a].least_extent, w.blocks[c.pair.b].least_extent);
-  const double fraction = detection_fraction(w);
-  if (c.count == 0) return std::max(fraction * extent, 0.5 * place.separation.distance);
-  return (c.initial ? std::max(fraction, w.assembly.contact.joint_motion) : fraction) * extent;
-}
 
 // The speed that a block may gain unnoticed uses up the way of a pair of the smallest ones in so many steps. One number
 // is for the first check, one for blocks that deviate all the time.

@@ -47,6 +47,9 @@ struct MotionChecks {
 bool moved_enough(World& w);
 double detection_fraction(const World& w);                   // of a block's least extent
 double motion_since_broad_phase(const World& w, int block);  // translation plus rotation times radius, m
+// Of b as seen from a since the pair's last narrow detection, and what it may until the next one, m.
+double pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& a, const Pose& b);
+double allowed_motion(const World& w, const Contact& c, const PairPlace& place);
 // Whether a pair is to be looked at closely.
 bool is_ripe(const World& w, const Contact& c, const PairPlace& place, const PairCheck& check);
 bool check_pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,

@@ -2,25 +2,23 @@
 // checks, however long they are apart and whatever hits it.
 #include <algorithm>
 
+#include "model/block_layout.h"
 #include "support.h"
 
 namespace quoin::verification {
 namespace {
 
-class Watched : public Model {
- public:
-  using Model::Model;
-  // Motion of the pair that has moved furthest since its contact was found, over what it may.
-  double furthest() const {
-    double most = 0.0;
-    for (size_t i = 0; i < contacts_.size(); ++i) {
-      const Contact& c = contacts_[i];
-      const double moved = pair_motion(c, pair_place_[i], pose(c.pair.a), pose(c.pair.b));
-      most = std::max(most, moved / allowed_motion(c, pair_place_[i]));
-    }
-    return most;
+// Motion of the pair that has moved furthest since its contact was found, over what it may.
+double furthest_of(const Model& m) {
+  double most = 0.0;
+  for (size_t i = 0; i < m.contacts.list.size(); ++i) {
+    const Contact& c = m.contacts.list[i];
+    const PairPlace& place = m.contacts.place[i];
+    const double moved = pair_motion(m, c, place, pose(m, c.pair.a), pose(m, c.pair.b));
+    most = std::max(most, moved / allowed_motion(m, c, place));
   }
-};
+  return most;
+}
 
 TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   Scene scene(dry_joint(2e9, 1e9, 33));
@@ -28,7 +26,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   std::vector<int> stack;
   for (int i = 0; i < 4; ++i) stack.push_back(scene.brick({0, 0.1 * i, 0}, {0.2, 0.1, 0.2}));
   const int ball = scene.brick({-0.5, 0.25, 0.05}, {0.1, 0.1, 0.1});
-  Watched m(scene.assembly, viscous(0, 4e-5));
+  Model m(scene.assembly, viscous(0, 4e-5));
   m.set_gravity({0, -gravity, 0});
   m.prescribe(ball, {});
   m.run_steps(500);  // the stack settles
@@ -48,7 +46,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   const double end = m.time() + 0.15;
   while (m.time() < end) {
     m.step();
-    furthest = std::max(furthest, m.furthest());
+    furthest = std::max(furthest, furthest_of(m));
   }
   EXPECT_GT(norm(m.velocity(stack[2])) + norm(m.velocity(stack[3])), 0.1) << "nothing was hit: nothing is tested";
   EXPECT_GT(m.detections(), detections + 10);
@@ -74,7 +72,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
   for (const auto& motion : motions) {
     Scene scene(dry_joint(2e9, 1e9, 33));
     const int a = scene.brick({0, 0, 0}, {0.2, 0.1, 0.2}), b = scene.brick({0, 0.104, 0}, {0.2, 0.1, 0.2});
-    Watched m(scene.assembly, viscous(0, 4e-5));
+    Model m(scene.assembly, viscous(0, 4e-5));
     m.run_steps(1);
     m.set_velocity(a, motion.va, motion.wa);
     m.set_velocity(b, motion.vb, motion.wb);
@@ -83,7 +81,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
     for (; m.time() < 0.05; ++steps) {
       looks += m.checks_motion();
       m.step();
-      furthest = std::max(furthest, m.furthest());
+      furthest = std::max(furthest, furthest_of(m));
     }
     EXPECT_LT(looks, 0.7 * steps) << "looked at all the time: nothing is tested";
     EXPECT_LE(furthest, 1.0 + 1e-12) << motion.va.x << ' ' << motion.va.y << ' ' << motion.wa.y << ' ' << motion.wa.z;
