@@ -1,9 +1,6 @@
 // When contacts are found again (model/motion_checks.cpp). No pair of rigid blocks moves further than its bound between
 // checks, however long they are apart and whatever hits it.
-#include "model/motion_checks.h"
-
 #include <algorithm>
-#include <limits>
 
 #include "model/block_layout.h"
 #include "support.h"
@@ -11,29 +8,26 @@
 namespace quoin::verification {
 namespace {
 
-class Watched : public Model {
- public:
-  using Model::Model;
-  // Motion of the pair that has moved furthest since its contact was found, over what it may.
-  double furthest() const {
-    double most = 0.0;
-    for (size_t i = 0; i < contacts.list.size(); ++i) {
-      const Contact& c = contacts.list[i];
-      const PairPlace& place = contacts.place[i];
-      const double moved = pair_motion(*this, c, place, pose(*this, c.pair.a), pose(*this, c.pair.b));
-      most = std::max(most, moved / allowed_motion(*this, c, place));
-    }
-    return most;
+// Motion of the pair that has moved furthest since its contact was found, over what it may.
+double furthest_of(const Model& m) {
+  double most = 0.0;
+  for (size_t i = 0; i < m.contacts.list.size(); ++i) {
+    const Contact& c = m.contacts.list[i];
+    const PairPlace& place = m.contacts.place[i];
+    const double moved = pair_motion(m, c, place, pose(m, c.pair.a), pose(m, c.pair.b));
+    most = std::max(most, moved / allowed_motion(m, c, place));
   }
-  // When the pairs of this block are checked next, the earliest of them, steps.
-  long next_check_of(int block) const {
-    long first = std::numeric_limits<long>::max();
-    for (const PairCheck& check : checks.pair) {
-      if (check.a == block || check.b == block) first = std::min(first, check.step);
-    }
-    return first;
+  return most;
+}
+
+// When the pairs of this block are checked next, the earliest of them, steps.
+long next_check_of(const Model& m, int block) {
+  long first = std::numeric_limits<long>::max();
+  for (const PairCheck& check : m.checks.pair) {
+    if (check.a == block || check.b == block) first = std::min(first, check.step);
   }
-};
+  return first;
+}
 
 TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   Scene scene(dry_joint(2e9, 1e9, 33));
@@ -41,7 +35,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   std::vector<int> stack;
   for (int i = 0; i < 4; ++i) stack.push_back(scene.brick({0, 0.1 * i, 0}, {0.2, 0.1, 0.2}));
   const int ball = scene.brick({-0.5, 0.25, 0.05}, {0.1, 0.1, 0.1});
-  Watched m(scene.assembly, viscous(0, 4e-5));
+  Model m(scene.assembly, viscous(0, 4e-5));
   m.set_gravity({0, -gravity, 0});
   m.prescribe(ball, {});
   m.run_steps(500);  // the stack settles
@@ -61,7 +55,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   const double end = m.time() + 0.15;
   while (m.time() < end) {
     m.step();
-    furthest = std::max(furthest, m.furthest());
+    furthest = std::max(furthest, furthest_of(m));
   }
   EXPECT_GT(norm(m.velocity(stack[2])) + norm(m.velocity(stack[3])), 0.1) << "nothing was hit: nothing is tested";
   EXPECT_GT(m.detections(), detections + 10);
@@ -87,7 +81,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
   for (const auto& motion : motions) {
     Scene scene(dry_joint(2e9, 1e9, 33));
     const int a = scene.brick({0, 0, 0}, {0.2, 0.1, 0.2}), b = scene.brick({0, 0.104, 0}, {0.2, 0.1, 0.2});
-    Watched m(scene.assembly, viscous(0, 4e-5));
+    Model m(scene.assembly, viscous(0, 4e-5));
     m.run_steps(1);
     m.set_velocity(a, motion.va, motion.wa);
     m.set_velocity(b, motion.vb, motion.wb);
@@ -96,7 +90,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
     for (; m.time() < 0.05; ++steps) {
       looks += m.checks_motion();
       m.step();
-      furthest = std::max(furthest, m.furthest());
+      furthest = std::max(furthest, furthest_of(m));
     }
     EXPECT_LT(looks, 0.7 * steps) << "looked at all the time: nothing is tested";
     EXPECT_LE(furthest, 1.0 + 1e-12) << motion.va.x << ' ' << motion.va.y << ' ' << motion.wa.y << ' ' << motion.wa.z;
@@ -110,7 +104,7 @@ TEST(MotionLooks, DeformableBlocksAreCheckedByTheirOwnSpeed) {
   scene.brick({-5, -0.2, -5}, {20, 0.2, 10}, true);
   const int slider = scene.soft({0, 0, 0}, {0.2, 0.1, 0.2}, {2, 1, 2});
   const int standing = scene.soft({0, 0, 1}, {0.2, 0.1, 0.2}, {2, 1, 2});
-  Watched m(scene.assembly, viscous(0, 4e-5));
+  Model m(scene.assembly, viscous(0, 4e-5));
   m.set_gravity({0, -gravity, 0});
   m.run_steps(4000);  // both settle
   m.set_velocity(slider, {2, 0, 0});
@@ -119,10 +113,10 @@ TEST(MotionLooks, DeformableBlocksAreCheckedByTheirOwnSpeed) {
   int of_slider = 0, of_standing = 0;
   double furthest = 0.0;
   for (int i = 0; i < kSteps; ++i) {
-    of_slider += m.next_check_of(slider) == m.steps() + 1;
-    of_standing += m.next_check_of(standing) == m.steps() + 1;
+    of_slider += next_check_of(m, slider) == m.stepping.count + 1;
+    of_standing += next_check_of(m, standing) == m.stepping.count + 1;
     m.step();
-    furthest = std::max(furthest, m.furthest());
+    furthest = std::max(furthest, furthest_of(m));
   }
   EXPECT_GT(norm(m.position(slider) - start), 0.05) << "nothing has slid: nothing is tested";
   EXPECT_LT(of_slider, kSteps) << "looked at all the time";
