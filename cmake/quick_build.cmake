@@ -24,7 +24,7 @@ set(batches
     quoin_validate:4
     quoin_ensemble:4:page.cpp,run_sample.cpp,sensitivity.cpp,statistics.cpp
     quoin_reproduce:6:cyclic_studies.cpp,parameter_studies.cpp,run_cache.cpp
-    quoin:5:limit_command.cpp,modes_command.cpp,run_command.cpp
+    quoin:5:limit_command.cpp,modes_command.cpp,reproduce_command.cpp
     quoin_python:3
     cli_test:4
     verification_test:4:threads_test.cpp

@@ -349,7 +349,7 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& name, const std::string& what) {
+[[noreturn]] void refuse_tetrahedra(const std::string& name, const std::string& what) {
   throw Error(Exit::bad_input, fmt::format("block {}: {}", name, what));
 }
 
@@ -368,16 +368,18 @@ double sound_volume(const std::vector<Vector>& points, const std::array<int, 4>&
   double longest = 0.0;
   for (size_t i = 0; i < t.size(); ++i) {
     if (t[i] < 0 || t[i] >= count)
-      refuse(name, fmt::format("tetrahedron {} names vertex {}; there are vertices 0 to {}", number, t[i], count - 1));
+      refuse_tetrahedra(
+          name, fmt::format("tetrahedron {} names vertex {}; there are vertices 0 to {}", number, t[i], count - 1));
     for (size_t j = 0; j < i; ++j) longest = std::max(longest, norm(points[size_t(t[i])] - points[size_t(t[j])]));
   }
   const double volume = volume_of(points, t);
   if (!(std::abs(volume) > kFlat * longest * longest * longest))
-    refuse(name, fmt::format("tetrahedron {} near {} is flat: {:.3g} m3 with an edge of {:.3g} m; mesh the body anew",
-                             number, place(points[size_t(t[0])]), volume, longest));
+    refuse_tetrahedra(
+        name, fmt::format("tetrahedron {} near {} is flat: {:.3g} m3 with an edge of {:.3g} m; mesh the body anew",
+                          number, place(points[size_t(t[0])]), volume, longest));
   if (volume < 0)
-    refuse(name, fmt::format("tetrahedron {} near {} is inverted ({:.3g} m3): swap two of its corners", number,
-                             place(points[size_t(t[0])]), volume));
+    refuse_tetrahedra(name, fmt::format("tetrahedron {} near {} is inverted ({:.3g} m3): swap two of its corners",
+                                        number, place(points[size_t(t[0])]), volume));
   return volume;
 }
 
@@ -387,14 +389,16 @@ void add_triangle(const std::array<int, 3>& f, int tetrahedron, const std::vecto
   if (is_new) return;
   Owners& o = it->second;
   if (o.second >= 0)
-    refuse(name, fmt::format("tetrahedra {}, {} and {} share the triangle near {}; a triangle has two at most", o.first,
-                             o.second, tetrahedron, place(points[size_t(f[0])])));
+    refuse_tetrahedra(
+        name, fmt::format("tetrahedra {}, {} and {} share the triangle near {}; a triangle has two at most", o.first,
+                          o.second, tetrahedron, place(points[size_t(f[0])])));
   o.second = tetrahedron;
   size_t turn = 0;
   while (o.triangle[turn] != f[0]) ++turn;
   if (o.triangle[(turn + 1) % 3] == f[1])
-    refuse(name, fmt::format("tetrahedra {} and {} overlap: both lie on the same side of the triangle near {}", o.first,
-                             tetrahedron, place(points[size_t(f[0])])));
+    refuse_tetrahedra(
+        name, fmt::format("tetrahedra {} and {} overlap: both lie on the same side of the triangle near {}", o.first,
+                          tetrahedron, place(points[size_t(f[0])])));
 }
 
 // Corners of triangles that one tetrahedron has alone.
@@ -438,10 +442,10 @@ Zoning numbered(const ConvexPolyhedron& shape, const std::vector<Vector>& points
 ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<std::array<int, 4>>& tetrahedra,
                            const std::string& name) {
   if (tetrahedra.empty() || double(tetrahedra.size()) > most_zones)
-    refuse(name, fmt::format("{} tetrahedra; allowed: 1 to {:g}", tetrahedra.size(), most_zones));
+    refuse_tetrahedra(name, fmt::format("{} tetrahedra; allowed: 1 to {:g}", tetrahedra.size(), most_zones));
   for (size_t i = 0; i < points.size(); ++i) {
     const Vector& p = points[i];
-    if (!std::isfinite(p.x + p.y + p.z)) refuse(name, fmt::format("vertex {} is not a number", i));
+    if (!std::isfinite(p.x + p.y + p.z)) refuse_tetrahedra(name, fmt::format("vertex {} is not a number", i));
   }
   Triangles triangles;
   std::vector<bool> used(points.size(), false);
@@ -455,7 +459,8 @@ ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<
   const auto idle = std::find(used.begin(), used.end(), false);
   if (idle != used.end()) {
     const auto i = idle - used.begin();
-    refuse(name, fmt::format("vertex {} at {} belongs to no tetrahedron; leave it out", i, place(points[size_t(i)])));
+    refuse_tetrahedra(
+        name, fmt::format("vertex {} at {} belongs to no tetrahedron; leave it out", i, place(points[size_t(i)])));
   }
   ZonedShape made{from_vertices(skin_of(points, triangles), name), {}};
   made.zoning = numbered(made.shape, points, tetrahedra);
@@ -467,10 +472,11 @@ ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<
       "or cut it into convex parts");
   const double hull = mass_properties(made.shape).volume;
   if (std::abs(volume - hull) > 10 * shape_tolerance * hull)
-    refuse(name,
-           fmt::format("its tetrahedra have {:.9g} m3 in all, and the body that they bound {:.9g} m3: they overlap or "
-                       "leave holes",
-                       volume, hull));
+    refuse_tetrahedra(
+        name,
+        fmt::format("its tetrahedra have {:.9g} m3 in all, and the body that they bound {:.9g} m3: they overlap or "
+                    "leave holes",
+                    volume, hull));
   return made;
 }
 
