@@ -1,6 +1,9 @@
 // When contacts are found again (model/motion_checks.cpp). No pair of rigid blocks moves further than its bound between
 // checks, however long they are apart and whatever hits it.
+#include "model/motion_checks.h"
+
 #include <algorithm>
+#include <limits>
 
 #include "model/block_layout.h"
 #include "support.h"
