@@ -109,7 +109,7 @@ TEST(Rocking, VelocityOverTheImpact) {
 TEST(Toppling, Threshold) {
   const double b = 0.1, h = 0.3;
   std::vector<Curve> curves{{"tan(theta) = b/h", CurveKind::reference, {{b / h, 0}, {b / h, 2}}}};
-  for (double kn : {1e10, 1e11}) {
+  for (double kn : {1e9, 1e10}) {
     Curve& curve = curves.emplace_back(kn < 5e9 ? "kn 1e9 Pa/m" : "kn 1e10 Pa/m");
     Scene scene(dry_joint(kn, kn, 60));
     scene.brick({-1, -0.2, -1}, {4, 0.2, 2}, true);
