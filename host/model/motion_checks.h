@@ -44,8 +44,8 @@ struct MotionChecks {
 };
 
 bool moved_enough(World& w);
-// Of a pair since its last narrow detection, m: how far b has moved as seen from a, translation plus rotation times
-// radius; and how far it may until it is detected again.
+// Motion of b as seen from a since the pair's last narrow detection, m: translation plus rotation times radius.
+// allowed_motion is its bound, beyond which the pair is detected again.
 double pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& a, const Pose& b);
 double allowed_motion(const World& w, const Contact& c, const PairPlace& place);
 double detection_fraction(const World& w);                   // of a block's least extent

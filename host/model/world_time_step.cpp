@@ -25,7 +25,7 @@ struct JointSprings {
   double of_zones, of_members;                   // 1; of dashpots s
 };
 
-// Of pairs with a block that is wanted: is_wanted(block).
+// Contact points of pairs with a block for which is_wanted(block) holds.
 template <class Visit, class IsWanted>
 void each_own_point(const World& w, Visit visit, IsWanted is_wanted) {
   for (size_t k = 0; k < w.contacts.families.size(); ++k) {

@@ -1,4 +1,4 @@
-// Arrays that keep most of their items in place, beside the same array built anew (model/kept_items.h).
+// Arrays that keep most of their items in place, beside the same array built from nothing (model/kept_items.h).
 #include "model/kept_items.h"
 
 #include <gtest/gtest.h>

@@ -225,8 +225,10 @@ def memory():
         program += ["--set", setting]
     host = ["--oversubscribe", "--bind-to", "none", "--allow-run-as-root"]
     # What MPI itself takes differs by machine: less than that is not our fault to name, more is enough for the model.
+    # MPI may also wait without end where its shared memory is too small (Open MPI 4.1, status 124 of timeout).
     for kilobytes in range(150000, 400000, 25000):
-        done = subprocess.run([mpirun, *host, "-n", "1", *program, ":", "-n", "1", *starve, str(kilobytes), *program],
+        done = subprocess.run(["timeout", "--kill-after=5", "15", mpirun, *host, "-n", "1", *program, ":",
+                               "-n", "1", *starve, str(kilobytes), *program],
                               capture_output=True, text=True, timeout=120)
         text = done.stdout + done.stderr
         assert done.returncode != 0, f"enough memory with {kilobytes} kB, and no word of too little with less"
