@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/index.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "step/implicit_contacts.cpp"

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/index.h"
 #include "base/thread_pool.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
@@ -71,7 +72,5 @@ struct Simulation::Impl {
   RankLoad rank_load;
   RankAgreement agreed;
 };
-
-inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace quoin
