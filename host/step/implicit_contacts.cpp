@@ -205,7 +205,6 @@ HWY_EXPORT(WeighPoints);
 HWY_EXPORT(SettleCluster);
 
 namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double kHeld = 1e30;  // kg, of what moves as prescribed
 }  // namespace
 
