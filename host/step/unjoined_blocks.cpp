@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/index.h"
 #include "step/time_for.h"
 
 namespace quoin {
@@ -13,8 +14,6 @@ using geometry::Pair;
 namespace {
 
 constexpr double kTouching = 1e-4;  // of the least extent: blocks closer than this at the start touch
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double least_extent(const Brick& b) { return *std::min_element(b.size.begin(), b.size.end()); }
 double norm_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
