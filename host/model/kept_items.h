@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <ranges>
 #include <span>
 
 namespace quoin::blocks {
@@ -41,7 +40,8 @@ void keep_in_place(Array& items, std::span<const KeptItems> kept, std::size_t co
   for (const KeptItems& k : kept) {
     if (k.to < k.from) std::copy_n(at + k.from, k.count, at + k.to);
   }
-  for (const KeptItems& k : std::views::reverse(kept)) {
+  for (size_t i = kept.size(); i-- > 0;) {
+    const KeptItems& k = kept[i];
     if (k.to > k.from) std::copy_backward(at + k.from, at + k.from + k.count, at + k.to + k.count);
   }
   items.resize(count);
