@@ -26,7 +26,7 @@
 #include "step/watch.h"
 
 namespace quoin::blocks {
-class Model;
+struct Model;
 }
 
 namespace quoin {
