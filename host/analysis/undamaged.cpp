@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "law/material_point.h"
 #include "members/linear.h"
 #include "members/members.h"
@@ -27,8 +28,6 @@ namespace {
 
 using geometry::Vector;
 using Triplet = Eigen::Triplet<double>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct JointStiffness {
   double normal, shear;  // Pa/m

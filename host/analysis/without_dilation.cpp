@@ -10,13 +10,12 @@
 #include <utility>
 
 #include "analysis/stands.h"
+#include "base/index.h"
 
 namespace quoin {
 namespace {
 
 using geometry::Vector;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Gilbert's: slope of strength over the normal force, as a part of friction, and how far normal forces follow a
 // problem.

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "model/body_groups.h"
 #include "model/point_finder.h"
 #include "model/point_order.h"
@@ -16,8 +17,6 @@
 
 namespace quoin {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool same_template(const BrickTemplate& t, const Brick& brick) {
   const double tolerance = 1e-9 * *std::max_element(brick.size.begin(), brick.size.end());

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/index.h"
 #include "model/point_finder.h"
 
 namespace quoin {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 const Joint& joint_of(const Model& model, std::int32_t point) {
   return model.assembly.joints[at(model.point_joint[at(point)])];

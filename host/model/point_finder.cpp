@@ -6,12 +6,11 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "geometry/overlap.h"
 
 namespace quoin {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double smallest_edge(const Brick& a, const Brick& b) {
   double edge = a.size[0];

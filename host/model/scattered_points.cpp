@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <map>
 
+#include "base/index.h"
 #include "model/placed_points.h"
 
 namespace quoin {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool is_correlated(const JointFamily& family) {
   return std::any_of(family.properties.begin(), family.properties.end(),

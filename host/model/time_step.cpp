@@ -8,13 +8,12 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "model/lanczos.h"
 #include "model/undamaged_kernels.h"
 
 namespace quoin {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Stiffness of joints, by family normal and shear, Pa/m, and of zones over their own.
 struct Springs {

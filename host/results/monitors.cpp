@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "base/number_text.h"
 #include "files/csv_text.h"
 #include "files/file.h"
@@ -29,8 +30,6 @@ constexpr std::size_t kHead = 2;                       // step and time
 constexpr std::size_t kOfGround = 9, kOfMonitor = 20;  // columns
 
 fs::path file_in(const fs::path& folder) { return folder / "monitors.csv"; }
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Displacement, velocity, acceleration of one point, by component.
 void name_motion(const std::string& prefix, std::vector<std::string>& columns) {

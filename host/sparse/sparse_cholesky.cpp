@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/index.h"
 
 // LAPACK's, as OpenBLAS has it.
 extern "C" void dpotrf_(const char* triangle, const int* n, double* a, const int* lda, int* info);
@@ -18,8 +19,6 @@ namespace {
 using Eigen::MatrixXd;
 using geometry::Vector;
 using Matrix = Eigen::SparseMatrix<double>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Unknowns from which on a part of the masonry is cut no further. A front of that size is quick, and a small one is
 // mostly overhead.

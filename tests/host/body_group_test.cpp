@@ -7,14 +7,13 @@
 #include <map>
 #include <random>
 
+#include "base/index.h"
 #include "scene/read_scene.h"
 #include "step/rigid_bodies.h"
 #include "support.h"
 
 namespace quoin {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Model cube_wall(int size) {
   Assembly assembly = assemble(read_scene(QUOIN_SCENES "/cube_wall_" + std::to_string(size) + ".toml", {}));

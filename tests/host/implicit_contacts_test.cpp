@@ -7,12 +7,11 @@
 #include <algorithm>
 #include <random>
 
+#include "base/index.h"
 #include "support.h"
 
 namespace quoin {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Columns {
   LaneVector<double> traction[3], old_traction[3], viscous[3], way[3];

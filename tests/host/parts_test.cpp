@@ -11,6 +11,7 @@
 
 #include "base/archive.h"
 #include "base/error.h"
+#include "base/index.h"
 #include "base/sparse_memory.h"
 #include "model/lanczos.h"
 #include "scene/read_scene.h"
@@ -53,8 +54,6 @@ TEST(SparseMemory, TakesRoomWhereItIsWrittenTo) {
   EXPECT_LT(memory_in_use() - before, kOther);
   sparse_memory_wanted = wanted;
 }
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Holds the arrays of chunks and unit groups of `part` against those of the whole model.
 void expect_laid_out(const Model& whole, const Model& part, const std::vector<int>& units,
