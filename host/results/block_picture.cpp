@@ -268,8 +268,7 @@ Frame frame_of(const View& view, const std::vector<Drawn>& blocks) {
 }
 
 // Every face as a polygon with its outline and its cracks, the nearer over the further. gnuplot keeps objects in a list
-// by their numbers, from which it draws, and goes through all lower ones to set another. So the last number is set
-// first.
+// by number, and draws in this order. To set one it passes all lower numbers, so the highest number is set first.
 std::string polygons_of(const Frame& f, const View& view, const std::vector<Drawn>& blocks,
                         const std::vector<Face>& faces, const Paint& paint) {
   // Cut here: gnuplot garbles filled polygons that reach beyond the picture.
