@@ -267,8 +267,8 @@ Frame frame_of(const View& view, const std::vector<Drawn>& blocks) {
   return f;
 }
 
-// Every face as a polygon with its outline and its cracks, the nearer over the further. gnuplot keeps objects in a list
-// by number, and draws in this order. To set one it passes all lower numbers, so the highest number is set first.
+// Every face as a polygon with its outline and its cracks, the nearer over the further. Numbers are the order in which
+// gnuplot draws. It passes all lower ones to set an object, so the highest is set first.
 std::string polygons_of(const Frame& f, const View& view, const std::vector<Drawn>& blocks,
                         const std::vector<Face>& faces, const Paint& paint) {
   // Cut here: gnuplot garbles filled polygons that reach beyond the picture.
