@@ -45,7 +45,7 @@ void World::adopt_histories(const std::vector<PointHistory>& histories) {
       const Matrix start =
           on_triangle ? Matrix{} : (p.on_gridpoints ? start_of_frame(*this, p.a) : poses.start[size_t(p.a)].r);
       const Vector s = start * p.s, t = start * p.t;
-      if (on_triangle) refresh_facet_frame(*this, p, contacts.facets[size_t(p.facet_a)]);
+      if (on_triangle) take_axes(p, triangle_frame(nodes.x, contacts.facets[size_t(p.facet_a)]));
 
       const Location now = locate(*this, p, contacts.facets);
       double opening = std::max(0.0, now.jump), slip[2] = {};

@@ -41,11 +41,12 @@ struct PairAxes {
   double axis[3][4];
 };
 
-// A point with one deformable side. Of the last step:
+// A point with one deformable side. Of the last step but for its index:
 struct OtherPoint {
-  uint32_t index;   // of the family
-  Vector force;     // on a, in space, viscous part included, N
-  double shear[2];  // traction along s and t that goes with it, Pa
+  uint32_t index;           // of the family
+  ShapeGradients gradient;  // of the triangle of a; in small displacements of its shape at rest
+  Vector force;             // on a, in space, viscous part included, N
+  double shear[2];          // traction along s and t that goes with it, Pa
 };
 
 // Up to kCount points in a row on triangles, lane by lane; those beyond `count` repeat the last one.

@@ -11,34 +11,25 @@ Vector in_space(const World& w, const Point& p, const Vector& v) {
   return p.facet_a >= 0 || w.blocks[p.a].body < 0 ? v : w.bodies[w.blocks[p.a].body].r * v;
 }
 
-namespace {
-
-// n of a triangle, s along its first edge.
-struct Triangle {
-  Vector e2, e3, n, s, t;
-  double length;
-  Triangle(const LaneVector<Vector>& x, const Facet& f)
-      : e2(x[size_t(f.node[1])] - x[size_t(f.node[0])]),
-        e3(x[size_t(f.node[2])] - x[size_t(f.node[0])]),
-        n(normalized(cross(e2, e3))),
-        s(e2 / norm(e2)),
-        t(cross(n, s)),
-        length(norm(e2)) {}
-};
-
-}  // namespace
-
-void refresh_facet_frame(const World& w, Point& p, const Facet& facet) {
-  const Triangle now(w.nodes.x, facet);
-  p.n = now.n, p.s = now.s, p.t = now.t;
+TriangleFrame triangle_frame(const LaneVector<Vector>& x, const Facet& facet) {
+  const Vector &x1 = x[facet.node[0]], e2 = x[facet.node[1]] - x1, e3 = x[facet.node[2]] - x1;
+  const double length = norm(e2);
+  TriangleFrame f;
+  f.s = e2 / length;
+  f.n = normalized(cross(e2, e3));
+  f.t = cross(f.n, f.s);
+  const double x3 = dot(f.s, e3), y3 = dot(f.t, e3);
+  f.gradient[1] = {1 / length, -x3 / (length * y3)};
+  f.gradient[2] = {0, 1 / y3};
+  for (size_t k = 0; k < 2; ++k) f.gradient[0][k] = -f.gradient[1][k] - f.gradient[2][k];
+  return f;
 }
 
-ShapeGradients shape_gradients(const World& w, const Facet& facet) {
-  const Triangle triangle(w.is_small ? w.nodes.reference : w.nodes.x, facet);
-  const double x3 = dot(triangle.s, triangle.e3), y3 = dot(triangle.t, triangle.e3);
-  const double s1 = 1 / triangle.length, t1 = -x3 / (triangle.length * y3), t2 = 1 / y3;
-  return {{{-s1, -t1 - t2}, {s1, t1}, {0.0, t2}}};
+void move_foot(Facet& facet, const ShapeGradients& gradient, double along_s, double along_t) {
+  for (size_t k = 0; k < 3; ++k) facet.weight[k] += gradient[k][0] * along_s + gradient[k][1] * along_t;
 }
+
+void take_axes(Point& p, const TriangleFrame& frame) { p.n = frame.n, p.s = frame.s, p.t = frame.t; }
 
 void take_back_facets(World& w) {
   for (const int c : w.chunks.own) {
@@ -48,7 +39,7 @@ void take_back_facets(World& w) {
       for (size_t l = 0; l < lanes.count; ++l) {
         Facet& facet = w.contacts.facets[size_t(lanes.facet_a[l])];
         for (int k = 0; k < 3; ++k) facet.weight[k] = lanes.weight_a[k][l];
-        if (!w.is_small) refresh_facet_frame(w, f.point[lanes.first + l], facet);
+        if (!w.is_small) take_axes(f.point[lanes.first + l], triangle_frame(w.nodes.x, facet));
       }
     }
   }
@@ -95,7 +86,8 @@ void leave_gridpoints(World& w, Family& f, size_t i) {
   const Location before = locate(w, p, w.contacts.facets);
   const Matrix then = w.frame_of(p);
   p.on_gridpoints = false;
-  refresh_facet_frame(w, p, facet);
+  const TriangleFrame frame = triangle_frame(w.nodes.x, facet);
+  take_axes(p, frame);
   const auto turn = [&](const auto& then_s, const auto& then_t, auto& now_s, auto& now_t) {
     std::tie(now_s[i], now_t[i]) = turned_into(p.s, p.t, then_s[i] * then.row[1] + then_t[i] * then.row[2]);
   };
@@ -103,8 +95,7 @@ void leave_gridpoints(World& w, Family& f, size_t i) {
   for (int k = 0; k < 2; ++k) f.slid[k][i] -= before.slid[k];
   turn(f.slid[0], f.slid[1], f.slid[0], f.slid[1]);
   const Location now = locate(w, p, w.contacts.facets);
-  const ShapeGradients gradient = shape_gradients(w, facet);
-  for (int k = 0; k < 3; ++k) facet.weight[k] += gradient.of[k][0] * now.slid[0] + gradient.of[k][1] * now.slid[1];
+  move_foot(facet, frame.gradient, now.slid[0], now.slid[1]);
   p.reference += locate(w, p, w.contacts.facets).jump - before.jump;
 }
 

@@ -1,6 +1,7 @@
 // Contact points between blocks of any shape.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -36,6 +37,9 @@ struct Facet {
   int32_t node[3];
   double weight[3];
 };
+
+// Of the shape functions of a triangle, along its s and t, 1/m.
+using ShapeGradients = std::array<std::array<double, 2>, 3>;
 
 // On its first one.
 inline bool sits_on_gridpoint(const Facet& f) { return f.weight[0] == 1.0 && f.weight[1] == 0.0 && f.weight[2] == 0.0; }

@@ -86,7 +86,7 @@ void choose_frame(const World& w, NewPoint& made) {
   put_on_gridpoint(on_a);
   p.on_gridpoints =
       p.facet_b >= 0 && may_have_frame(w, p.a) && sits_on_gridpoint(on_a) && sits_on_gridpoint(made.facet_b);
-  if (!p.on_gridpoints) return refresh_facet_frame(w, p, made.facet_a);
+  if (!p.on_gridpoints) return take_axes(p, triangle_frame(w.nodes.x, made.facet_a));
   made.facet_a = on_a;
   const Matrix r = rotation_of_frame(w, p.a);
   p.n = transposed_times(r, p.n), p.s = transposed_times(r, p.s), p.t = transposed_times(r, p.t);

@@ -81,8 +81,7 @@ Matrix World::frame_of(const Point& p) const {
     return {{r * p.n, r * p.s, r * p.t}};
   }
   if (p.facet_a >= 0 && !is_small) {
-    Point now = p;
-    refresh_facet_frame(*this, now, contacts.facets[size_t(p.facet_a)]);
+    const TriangleFrame now = triangle_frame(nodes.x, contacts.facets[size_t(p.facet_a)]);
     return {{now.n, now.s, now.t}};
   }
   if (p.facet_a >= 0) return {{p.n, p.s, p.t}};

@@ -229,8 +229,9 @@ struct Vibration {
     if (splits_motion(world.solver)) inertia = inertia_of_units(world, blocks);
   }
 
-  // Numbers of unknowns. A unit alone has none but its own.
-  size_t size() const { return 6 * (alone ? own_bodies.size() : v.size()) + 3 * (alone ? node_count() : nv.size()); }
+  // Unknowns: six of each body, then three of each gridpoint. A unit alone has none but its own.
+  size_t of_nodes() const { return 6 * (alone ? own_bodies.size() : v.size()); }
+  size_t size() const { return of_nodes() + 3 * (alone ? node_count() : nv.size()); }
   size_t node_count() const {
     size_t count = 0;
     for (const VectorRow& row : own_nodes) count += row.end - row.first;
@@ -246,9 +247,9 @@ struct Vibration {
   // visit(gridpoint, where its unknowns begin)
   template <class Visit>
   void each_node(const Visit& visit) const {
-    size_t next = 6 * (alone ? own_bodies.size() : v.size());
+    size_t next = of_nodes();
     for (const VectorRow& row : own_nodes) {
-      for (size_t i = row.first; i < row.end; ++i) visit(i, alone ? next : 6 * v.size() + 3 * i), next += 3;
+      for (size_t i = row.first; i < row.end; ++i) visit(i, alone ? next : of_nodes() + 3 * i), next += 3;
     }
   }
 

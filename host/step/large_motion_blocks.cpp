@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "members/members.h"
-#include "model/contact_frames.h"
 #include "model/zone_kernels.h"
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
@@ -190,11 +189,11 @@ Vector forces_on_gridpoints(Model& m, int block, double* force) {
     const Point& p = f.point[other.index];
     if (touch.side_a) {
       const Facet& facet = m.contacts.facets[p.facet_a];
-      const ShapeGradients gradient = shape_gradients(m, facet);
       // The pair acts at p.at: shear times the gap is a couple that the triangle takes as normal forces.
       const double gap = f.normal_jump[other.index] + p.reference;
-      for (int i = 0; i < 3; ++i) {
-        const double couple = -gap * p.area * (gradient.of[i][0] * other.shear[0] + gradient.of[i][1] * other.shear[1]);
+      for (size_t i = 0; i < 3; ++i) {
+        const double couple =
+            -gap * p.area * (other.gradient[i][0] * other.shear[0] + other.gradient[i][1] * other.shear[1]);
         add(facet.node[i], facet.weight[i] * other.force + couple * p.n);
       }
       contacts += other.force;

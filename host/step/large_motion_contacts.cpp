@@ -53,20 +53,21 @@ void contact_kinematics(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
   gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, m.is_small ? nullptr : m.frames.frame.data(), m.nodes.x.data(),
                   gridpoint_columns(f, chunk));
   facet_jumps(chunk.facets, axes.triangles, m.nodes.x.data(), facet_columns(f), m.is_small);
-  for (const OtherPoint& other : chunk.others) {
+  for (OtherPoint& other : chunk.others) {
     const uint32_t i = other.index;
     Point& p = f.point[i];
-    if (p.facet_a >= 0 && !m.is_small) refresh_facet_frame(m, p, m.contacts.facets[p.facet_a]);
+    if (p.facet_a >= 0 && !m.is_small) {
+      const TriangleFrame frame = triangle_frame(m.nodes.x, m.contacts.facets[p.facet_a]);
+      take_axes(p, frame);
+      other.gradient = frame.gradient;
+    }
     const Location now = locate(m, p, m.contacts.facets);
     p.at = now.at;
     f.normal_jump[i] = now.jump;
     for (int k = 0; k < 2; ++k) f.slip[k][i] = now.slid[k] - f.slid[k][i], f.slid[k][i] = now.slid[k];
     if (p.facet_a >= 0 && !m.is_small) {
       // The foot on the triangle follows the point, so that the pair of forces stays collinear.
-      Facet& facet = m.contacts.facets[p.facet_a];
-      const ShapeGradients gradient = shape_gradients(m, facet);
-      for (int k = 0; k < 3; ++k)
-        facet.weight[k] += gradient.of[k][0] * f.slid[0][i] + gradient.of[k][1] * f.slid[1][i];
+      move_foot(m.contacts.facets[p.facet_a], other.gradient, f.slid[0][i], f.slid[1][i]);
       f.slid[0][i] = f.slid[1][i] = 0.0;
     }
   }
