@@ -634,21 +634,24 @@ TEST_F(Outputs, CellsOfAFrameFillTheWall) {
     EXPECT_EQ(joints.array<float>(name).size(), at.size() / 3) << name;
 }
 
-// Corners of every polygon of a script, with what stands behind "cb" as the third number, or 0.
+// Corners of every polygon of a script, with what stands behind "cb" as the third number, or 0. In the order of their
+// numbers, in which gnuplot draws them.
 std::vector<Rows> polygons_of(const std::string& script) {
-  std::vector<Rows> polygons;
+  std::map<int, Rows> polygons;
   std::istringstream lines(script);
   for (std::string line; std::getline(lines, line);) {
     if (line.rfind("set object ", 0) != 0) continue;
     const size_t cb = line.find(" cb ");
     const double value = cb == std::string::npos ? 0.0 : std::stod(line.substr(cb + 4));
-    Rows& corners = polygons.emplace_back();
+    Rows& corners = polygons[std::stoi(line.substr(std::string("set object ").size()))];
     for (size_t at = line.find("from "); at != std::string::npos; at = line.find(" to ", at + 1)) {
       const size_t begin = line.find(' ', at + 1) + 1, comma = line.find(',', begin);
       corners.push_back({std::stod(line.substr(begin)), std::stod(line.substr(comma + 1)), value});
     }
   }
-  return polygons;
+  std::vector<Rows> in_order;
+  for (const auto& [number, corners] : polygons) in_order.push_back(corners);
+  return in_order;
 }
 
 // Two blocks side by side on a longer one, all in one plane: their fronts, where they stand, and the three joints.

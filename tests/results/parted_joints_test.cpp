@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string>
@@ -198,15 +199,19 @@ TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
                         1);
   plot_block_cracks(folder_, simulation, Surfaces(), {}, "");
   std::istringstream script(read_all(folder_ / "plots" / "cracks.gp"));
-  std::vector<std::array<double, 2>> across;  // of each polygon: left and right end on paper, m
+  // Left and right end on paper, m, of each polygon by its number: the order in which gnuplot draws.
+  std::map<int, std::array<double, 2>> by_number;
   for (std::string line; std::getline(script, line);) {
     if (!line.starts_with("set object ")) continue;
-    auto& [left, right] = across.emplace_back(std::array{1e9, -1e9});
+    const int number = std::stoi(line.substr(std::string("set object ").size()));
+    auto& [left, right] = by_number[number] = {1e9, -1e9};
     for (std::size_t at = line.find(" from "); at != std::string::npos; at = line.find(" to ", at + 1)) {
       const double x = std::stod(line.substr(line.find(' ', at + 1) + 1));
       left = std::min(left, x), right = std::max(right, x);
     }
   }
+  std::vector<std::array<double, 2>> across;
+  for (const auto& [number, ends] : by_number) across.push_back(ends);
   ASSERT_GE(across.size(), 7u) << "three faces of each stone, and the top of the ground";
   EXPECT_GT(across[0][1] - across[0][0], 0.5) << "the ground, as far as the picture goes";
   // 2 m nearer is 2 m 0.55/sqrt(0.55^2 + 1) further to the left; a stone is 0.3 m across.
