@@ -77,7 +77,9 @@ LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector
                                                       [](double x) { return x != 0.0; }));
   }));
   RitzValue ritz(settings, moving);
-  LaneVector<double> q = settings.with_vector ? start : std::move(start), previous(n, 0.0), y(n);
+  LaneVector<double> first;  // of the basis, for the recurrence again
+  if (settings.with_vector) first = start;
+  LaneVector<double> q = std::move(start), previous(n, 0.0), y(n);
   // y - a q - old_b previous, whose squared length comes back; then the next q is that over its length.
   const auto orthogonalise = [&](double a, double old_b) {
     double b = 0.0;
@@ -120,7 +122,7 @@ LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector
   // The same recurrence again: a basis to keep would fill the memory.
   const Eigen::VectorXd weight = ritz.vector();
   result.vector.assign(n, 0.0);
-  q = std::move(start);
+  q = std::move(first);
   std::fill(previous.begin(), previous.end(), 0.0);
   for (int j = 0;; ++j) {
     for (std::size_t i = 0; i < n; ++i) result.vector[i] += weight[j] * q[i];
