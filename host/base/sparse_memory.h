@@ -8,12 +8,9 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <map>
-#include <mutex>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -39,45 +36,6 @@ inline constexpr bool kSparse = true;
 // With ranks: room is counted where it is written to, and never by more than one small page.
 inline std::atomic<bool> sparse_memory_wanted = false;
 
-// Pieces of large arrays that were given back. Contact detection replaces arrays by others of about the same size.
-// Pages from the system would take several times as long as what is written into them.
-class KeptPieces {
- public:
-  // Sizes in steps of an eighth at most, so that arrays that grow a little fit into the piece of before, bytes.
-  static std::size_t size_for(std::size_t bytes) {
-    const std::size_t step = std::bit_floor(bytes) / 8;
-    return (bytes + step - 1) / step * step;
-  }
-  static KeptPieces& all() {
-    static auto* const pieces = new KeptPieces;  // outlives every static array
-    return *pieces;
-  }
-  // Of this size, with the numbers of before; null: there is none.
-  void* take(std::size_t size) {
-    const std::lock_guard lock(mutex_);
-    const auto found = pieces_.find(size);
-    if (found == pieces_.end()) return nullptr;
-    void* const memory = found->second;
-    pieces_.erase(found);
-    kept_ -= size;
-    return memory;
-  }
-  // False: there are enough.
-  bool keep(void* memory, std::size_t size) {
-    const std::lock_guard lock(mutex_);
-    if (kept_ + size > kMostBytes) return false;
-    pieces_.emplace(size, memory);
-    kept_ += size;
-    return true;
-  }
-
- private:
-  static constexpr std::size_t kMostBytes = std::size_t{1} << 26;  // the arrays of some 50,000 contact points
-  std::mutex mutex_;
-  std::multimap<std::size_t, void*> pieces_;
-  std::size_t kept_ = 0;
-};
-
 // Aligned to a cache line; begins as zeros.
 template <class T>
 struct SparseMemory {
@@ -96,23 +54,18 @@ struct SparseMemory {
       memory[skipped - 1] = static_cast<unsigned char>(skipped);
       return reinterpret_cast<T*>(std::memset(memory + skipped, 0, bytes));
     }
-    const std::size_t size = KeptPieces::size_for(bytes);
-    if (!sparse_memory_wanted) {
-      if (void* const kept = KeptPieces::all().take(size)) return static_cast<T*>(std::memset(kept, 0, bytes));
-    }
     const int kind = MAP_PRIVATE | MAP_ANONYMOUS | (sparse_memory_wanted ? MAP_NORESERVE : 0);
-    void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, kind, -1, 0);
+    void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, kind, -1, 0);
     if (memory == MAP_FAILED) throw std::bad_alloc();
-    if (sparse_memory_wanted) madvise(memory, size, MADV_NOHUGEPAGE);
+    if (sparse_memory_wanted) madvise(memory, bytes, MADV_NOHUGEPAGE);
     return static_cast<T*>(memory);
   }
   void deallocate(T* p, std::size_t n) {
-    if (!kSparse || n * sizeof(T) < kSparseBytes) {
+    if (kSparse && n * sizeof(T) >= kSparseBytes) {
+      munmap(p, n * sizeof(T));
+    } else {
       auto* const memory = reinterpret_cast<unsigned char*>(p);
       ::operator delete(memory - memory[-1]);
-    } else {
-      const std::size_t size = KeptPieces::size_for(n * sizeof(T));
-      if (sparse_memory_wanted || !KeptPieces::all().keep(p, size)) munmap(p, size);
     }
   }
   // What is made by default is zeros, whatever its type says, and those are left where they are.

@@ -116,8 +116,9 @@ Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, c
   posix_spawn_file_actions_adddup2(&actions, output.number(), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, messages.number(), STDERR_FILENO);
   posix_spawn_file_actions_addchdir_np(&actions, working_folder.c_str());
-  // -d: not the user's own settings. -: with a named input, the first fault ends gnuplot.
-  std::array<std::string, 3> words{"gnuplot", "-d", "-"};
+  // -d: not the user's own settings. With a named input the first fault ends gnuplot. From "-" it reads byte by byte, a
+  // call of the system each.
+  std::array<std::string, 3> words{"gnuplot", "-d", "/dev/stdin"};
   std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
   pid_t child = 0;
   const int no_start = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);

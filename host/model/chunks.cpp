@@ -70,7 +70,8 @@ void put_in_lanes(World& w, const Point& p, uint32_t i, Chunk& chunk) {
   FacetLanes& lanes = all.back();
   const Facet &a = w.contacts.facets[size_t(p.facet_a)], &b = w.contacts.facets[size_t(p.facet_b)];
   lanes.on_gridpoints = lanes.on_gridpoints && sits_on_gridpoint(b);
-  const double slope[3] = {a.gradient[1][0], a.gradient[1][1], a.gradient[2][1]};
+  const ShapeGradients gradient = w.is_small ? shape_gradients(w, a) : ShapeGradients{};
+  const double slope[3] = {gradient.of[1][0], gradient.of[1][1], gradient.of[2][1]};
   for (int l = int(lanes.count); l < kCount; ++l) {
     lanes.facet_a[l] = p.facet_a;
     lanes.reference[l] = p.reference, lanes.area[l] = p.area;
@@ -100,7 +101,7 @@ void bind_points(World& w, Chunk& chunk) {
       continue;
     }
     if (p.facet_a >= 0 || p.facet_b >= 0) {
-      chunk.others.push_back(i);
+      chunk.others.push_back({i, {}, {}});
       continue;
     }
     const int32_t a = w.blocks[size_t(p.a)].body, b = w.blocks[size_t(p.b)].body;
@@ -130,7 +131,9 @@ void pack(World& w, const Chunk& chunk) {
   Family& f = w.contacts.families[size_t(chunk.family)];
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
-    for (int c = 0; c < 3; ++c) f.arm[c][i] = p.arm[c];
+    for (int c = 0; c < 3; ++c) {
+      if (p.facet_b < 0) f.arm[c][i] = p.arm[c];
+    }
     f.offset[i] = p.on_gridpoints ? p.reference : p.offset, f.area[i] = p.area;
   }
 }

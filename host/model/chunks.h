@@ -41,6 +41,13 @@ struct PairAxes {
   double axis[3][4];
 };
 
+// A point with one deformable side. Of the last step:
+struct OtherPoint {
+  uint32_t index;   // of the family
+  Vector force;     // on a, in space, viscous part included, N
+  double shear[2];  // traction along s and t that goes with it, Pa
+};
+
 // Up to kCount points in a row on triangles, lane by lane; those beyond `count` repeat the last one.
 struct FacetLanes {
   static constexpr int kCount = 8;
@@ -89,7 +96,7 @@ struct Chunk {
   std::vector<int32_t> node_a, node_b;            // of these, by point of the chunk
   std::vector<FacetLanes> facets;                 // on triangles
   std::vector<FacetFrames> frames;                // of these; in small displacements, where they stay
-  std::vector<uint32_t> others;                   // with one deformable side
+  std::vector<OtherPoint> others;                 // with one deformable side
   // of the last step
   quoin_status status = QUOIN_OK;
   bool failed = false;

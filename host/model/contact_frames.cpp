@@ -11,17 +11,33 @@ Vector in_space(const World& w, const Point& p, const Vector& v) {
   return p.facet_a >= 0 || w.blocks[p.a].body < 0 ? v : w.bodies[w.blocks[p.a].body].r * v;
 }
 
-// The frame of a deformable plane side: n of its triangle, s along its first edge.
-void refresh_facet_frame(const World& w, Point& p, Facet& facet) {
-  const Vector &x1 = w.nodes.x[facet.node[0]], e2 = w.nodes.x[facet.node[1]] - x1, e3 = w.nodes.x[facet.node[2]] - x1;
-  const double length = norm(e2);
-  p.s = e2 / length;
-  p.n = normalized(cross(e2, e3));
-  p.t = cross(p.n, p.s);
-  const double x3 = dot(p.s, e3), y3 = dot(p.t, e3);
-  facet.gradient[1][0] = 1 / length, facet.gradient[1][1] = -x3 / (length * y3);
-  facet.gradient[2][0] = 0, facet.gradient[2][1] = 1 / y3;
-  for (int k = 0; k < 2; ++k) facet.gradient[0][k] = -facet.gradient[1][k] - facet.gradient[2][k];
+namespace {
+
+// n of a triangle, s along its first edge.
+struct Triangle {
+  Vector e2, e3, n, s, t;
+  double length;
+  Triangle(const LaneVector<Vector>& x, const Facet& f)
+      : e2(x[size_t(f.node[1])] - x[size_t(f.node[0])]),
+        e3(x[size_t(f.node[2])] - x[size_t(f.node[0])]),
+        n(normalized(cross(e2, e3))),
+        s(e2 / norm(e2)),
+        t(cross(n, s)),
+        length(norm(e2)) {}
+};
+
+}  // namespace
+
+void refresh_facet_frame(const World& w, Point& p, const Facet& facet) {
+  const Triangle now(w.nodes.x, facet);
+  p.n = now.n, p.s = now.s, p.t = now.t;
+}
+
+ShapeGradients shape_gradients(const World& w, const Facet& facet) {
+  const Triangle triangle(w.is_small ? w.nodes.reference : w.nodes.x, facet);
+  const double x3 = dot(triangle.s, triangle.e3), y3 = dot(triangle.t, triangle.e3);
+  const double s1 = 1 / triangle.length, t1 = -x3 / (triangle.length * y3), t2 = 1 / y3;
+  return {{{-s1, -t1 - t2}, {s1, t1}, {0.0, t2}}};
 }
 
 void take_back_facets(World& w) {
@@ -87,8 +103,8 @@ void leave_gridpoints(World& w, Family& f, size_t i) {
   for (int k = 0; k < 2; ++k) f.slid[k][i] -= before.slid[k];
   turn(f.slid[0], f.slid[1], f.slid[0], f.slid[1]);
   const Location now = locate(w, p, w.contacts.facets);
-  for (int k = 0; k < 3; ++k)
-    facet.weight[k] += facet.gradient[k][0] * now.slid[0] + facet.gradient[k][1] * now.slid[1];
+  const ShapeGradients gradient = shape_gradients(w, facet);
+  for (int k = 0; k < 3; ++k) facet.weight[k] += gradient.of[k][0] * now.slid[0] + gradient.of[k][1] * now.slid[1];
   p.reference += locate(w, p, w.contacts.facets).jump - before.jump;
 }
 

@@ -18,8 +18,13 @@ struct Location {
   double jump = 0.0, slid[2] = {0.0, 0.0};  // gap from the plane less the reference; along s and t in a's frame, m
 };
 Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets);
-Vector in_space(const World& w, const Point& p, const Vector& v);  // of p's frame
-void refresh_facet_frame(const World& w, Point& p, Facet& facet);
+Vector in_space(const World& w, const Point& p, const Vector& v);        // of p's frame
+void refresh_facet_frame(const World& w, Point& p, const Facet& facet);  // to the triangle that owns the plane
+// Gradients of the shape functions of that triangle along s, t, 1/m. In small displacements those of its shape at rest.
+struct ShapeGradients {
+  double of[3][2];
+};
+ShapeGradients shape_gradients(const World& w, const Facet& facet);
 void take_back_facets(World& w);                           // frames and feet, from lanes to points
 void leave_gridpoints(World& w, Family& f, size_t point);  // whose block a has no frame: it goes on from a triangle
 

@@ -28,17 +28,13 @@ struct Point {
   Vector arm;              // of the point in b's body frame (rigid b), m
   double area = 0.0;       // m2
   double reference = 0.0;  // gap at which d_n = 0, m
-  Vector at;               // in space where it was placed; of the last step if a side is deformable, m
-  // Of the last step, if a side is deformable:
-  Vector force;                  // on a, in space, viscous part included, N
-  double shear[2] = {0.0, 0.0};  // traction along s and t that goes with it, Pa
+  Vector at;               // in space where it was placed; of the last step if one side is deformable, m
 };
 
 // Where a point sits on a triangle of a deformable block.
 struct Facet {
   int32_t node[3];
   double weight[3];
-  double gradient[3][2];  // of the shape functions along s, t, 1/m; of the triangle that owns the plane
 };
 
 // On its first one.

@@ -29,9 +29,7 @@ constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 struct Detection {
   bool at_start;
   std::vector<Contact> contacts;  // in the order of the pairs
-  LaneVector<PairPlace> places;   // of each contact
-  LaneVector<PairCheck> checks;   // the same
-  std::vector<Finding> findings;  // the same
+  std::vector<Finding> findings;  // of each contact
   std::vector<NewPoint> points;
   std::vector<Contact> lost;  // had points, and are no longer close to each other
   bool changed = false;       // some contact has other points than before
@@ -87,12 +85,12 @@ void name_family(const World& w, Contact& c, const Vector& normal, std::span<con
 }
 
 // Where the two blocks of a pair touch, and the points that belong there.
-void detect_pair(World& w, Contact& c, PairPlace& place, bool known, Finding& finding, Detection& found) {
+void detect_pair(World& w, Contact& c, PairPlace& place, Finding& finding, Detection& found) {
   finding.examined = true;
   const Pair pair = c.pair;
   const Placed a = placed(w, pair.a), b = placed(w, pair.b);
-  place.separation =
-      separate(a, b, w.detection.skin, preference_fraction * w.detection.size, known ? &place.separation : nullptr);
+  place.separation = separate(a, b, w.detection.skin, preference_fraction * w.detection.size,
+                              finding.known ? &place.separation : nullptr);
   const double distance = place.separation.distance;
   const Pose of_a = pose(w, pair.a), of_b = pose(w, pair.b);
   place.relative_x = transposed_times(of_a.r, of_b.x - of_a.x);
@@ -121,39 +119,43 @@ void detect_pair(World& w, Contact& c, PairPlace& place, bool known, Finding& fi
   finding.fresh_count = c.family < 0 ? 0 : uint32_t(fresh.size());  // none: declared to pass through each other
 }
 
-// Narrow phase: of own pairs those that are new, or have moved enough, are looked at; the others go on as they are.
-void narrow_phase(World& w, const std::vector<Pair>& pairs, bool everything, Detection& found) {
-  found.contacts.reserve(pairs.size());
-  found.places = LaneVector<PairPlace>(pairs.size());
-  found.checks = LaneVector<PairCheck>(pairs.size());
-  found.findings.reserve(pairs.size());
-  auto old = w.contacts.list.begin();
+// Contacts of now with what those of before go on with; pairs that are no longer close are lost.
+void keep_contacts(World& w, const std::vector<Pair>& pairs, Detection& found) {
+  const std::vector<Contact>& old = w.contacts.list;
+  std::vector<KeptItems> kept;
+  size_t then = 0;
   const auto lose = [&] {
-    if (old->count > 0) found.lost.push_back(*old);
-    ++old;
+    if (old[then].count > 0) found.lost.push_back(old[then]);
+    ++then;
   };
+  found.contacts.reserve(pairs.size()), found.findings.reserve(pairs.size());
   for (const Pair& pair : pairs) {
-    while (old != w.contacts.list.end() && old->pair < pair) lose();
-    const bool known = old != w.contacts.list.end() && old->pair == pair;
-    const size_t then = size_t(old - w.contacts.list.begin()), now = found.contacts.size();
+    while (then < old.size() && old[then].pair < pair) lose();
     Contact c;
-    if (known) c = *old++;
     c.pair = pair;
     Finding finding;
-    finding.first = c.first, finding.count = c.count, finding.first_facet = c.first_facet;
-    if (w.part.owns(c.pair)) {
-      PairPlace& place = found.places[now];
-      PairCheck& check = found.checks[now];
-      if (known) place = w.contacts.place[then], check = w.checks.pair[then];
-      if (!known || everything || check.ripe) {
-        detect_pair(w, c, place, known, finding, found);
-        check_pair_motion(w, c, place, checked_motion(w, c.pair.a), checked_motion(w, c.pair.b), check);
-      }
+    finding.known = then < old.size() && old[then].pair == pair;
+    if (finding.known) {
+      if (w.part.owns(pair)) keep_on(kept, uint32_t(then), uint32_t(found.contacts.size()), 1);
+      c = old[then++];
     }
-    found.contacts.push_back(c);
-    found.findings.push_back(finding);
+    finding.first = c.first, finding.count = c.count, finding.first_facet = c.first_facet;
+    found.contacts.push_back(c), found.findings.push_back(finding);
   }
-  while (old != w.contacts.list.end()) lose();
+  while (then < old.size()) lose();
+  keep_pairs(w, kept, pairs.size());
+}
+
+// Narrow phase: of own pairs those that are new, or have moved enough, are looked at; the others go on as they are.
+void narrow_phase(World& w, bool everything, Detection& found) {
+  for (size_t i = 0; i < found.contacts.size(); ++i) {
+    Contact& c = found.contacts[i];
+    Finding& finding = found.findings[i];
+    PairCheck& check = w.checks.pair[i];
+    if (!w.part.owns(c.pair) || (finding.known && !everything && !check.ripe)) continue;
+    detect_pair(w, c, w.contacts.place[i], finding, found);
+    check_pair_motion(w, c, w.contacts.place[i], checked_motion(w, c.pair.a), checked_motion(w, c.pair.b), check);
+  }
 }
 
 // How many points each pair has now, and of what: known to all, so that points have the numbers of one process.
@@ -269,8 +271,6 @@ void place_points(World& w, Detection& found) {
   for (const double energy : freed) sum += energy;
   if (w.books_energy) w.step_sums.later.detection += sum;
   w.contacts.list = std::move(found.contacts);
-  w.contacts.place = std::move(found.places);
-  w.checks.pair = std::move(found.checks);
   if (found.at_start) note_start_joints(w);
   divide_work(w);
   if (found.at_start) return;
@@ -301,9 +301,10 @@ void detect_contacts(World& w, bool everything) {
   take_back_facets(w);
   place_blocks(w);
   const std::vector<Pair> pairs = close_pairs(w, everything);
+  keep_contacts(w, pairs, found);
   std::optional<Error> fault;
   try {
-    narrow_phase(w, pairs, everything, found);
+    narrow_phase(w, everything, found);
   } catch (const Error& error) {
     fault = error;
   }
@@ -313,8 +314,6 @@ void detect_contacts(World& w, bool everything) {
     place_points(w, found);
   } else {
     w.contacts.list = std::move(found.contacts);
-    w.contacts.place = std::move(found.places);
-    w.checks.pair = std::move(found.checks);
   }
   for (size_t i = 0; i < w.contacts.list.size(); ++i) {
     if (w.part.owns(w.contacts.list[i].pair)) w.checks.next = std::min(w.checks.next, w.checks.pair[i].step);

@@ -74,6 +74,10 @@ void keep_facets(World& w, std::span<const KeptItems> kept, size_t count) {
   keep_items(w, w.contacts.facets, kept, count);
 }
 
+void keep_pairs(World& w, std::span<const KeptItems> kept, size_t count) {
+  WorldFields::of_pairs(w, [&](const Field&, auto& items) { keep_items(w, items, kept, count); });
+}
+
 namespace {
 
 // What a new point has from its nearest old one.

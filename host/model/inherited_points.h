@@ -13,6 +13,7 @@ struct World;
 
 // What a pair has after detection, and had before.
 struct Finding {
+  bool known = false;  // close before
   bool examined = false;
   bool fresh = false;             // new points, or none any more
   size_t begin = 0;               // of its new points, where they are found here
@@ -33,9 +34,10 @@ void move_facets(Point& p, uint32_t now, uint32_t before);
 // Copies points [first, first + count) of a contact, and their facets; first ones are then those of the copies.
 void set_aside(const World& w, const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count,
                PointsBefore& before);
-// Columns of a family, or facets, in which these go on.
+// Columns of a family, facets, or what pairs have, in which these go on.
 void keep_points(const World& w, Family& f, std::span<const KeptItems> kept, size_t count);
 void keep_facets(World& w, std::span<const KeptItems> kept, size_t count);
+void keep_pairs(World& w, std::span<const KeptItems> kept, size_t count);
 void hand_over(World& w, const PointsBefore& before, const Finding& finding, const Contact& c,
                std::span<const NewPoint> points, bool at_start);
 double energy_of_points(const World& w, const Family& f, const LaneVector<Facet>& facets, uint32_t first,

@@ -77,7 +77,7 @@ LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector
                                                       [](double x) { return x != 0.0; }));
   }));
   RitzValue ritz(settings, moving);
-  LaneVector<double> q = start, previous(n, 0.0), y(n);
+  LaneVector<double> q = settings.with_vector ? start : std::move(start), previous(n, 0.0), y(n);
   // y - a q - old_b previous, whose squared length comes back; then the next q is that over its length.
   const auto orthogonalise = [&](double a, double old_b) {
     double b = 0.0;

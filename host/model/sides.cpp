@@ -43,10 +43,10 @@ void divide_sides(World& w) {
   by_block(w.blocks.size(), w.sides.single, own, [&](const auto& visit) {
     for (const int c : w.chunks.own) {
       const Chunk& chunk = w.chunks.all[size_t(c)];
-      for (const uint32_t i : chunk.others) {
-        const Point& p = w.contacts.families[size_t(chunk.family)].point[i];
-        visit(p.a, Touch{chunk.family, i, true});
-        visit(p.b, Touch{chunk.family, i, false});
+      for (const OtherPoint& other : chunk.others) {
+        const Point& p = w.contacts.families[size_t(chunk.family)].point[other.index];
+        visit(p.a, Touch{&other, chunk.family, true});
+        visit(p.b, Touch{&other, chunk.family, false});
       }
     }
   });

@@ -9,10 +9,10 @@ namespace quoin::blocks {
 
 struct World;
 
-// One side of a contact point, as its block sees it.
+// One side of a point with one deformable side, as its block sees it.
 struct Touch {
+  const OtherPoint* point;
   int32_t family;
-  uint32_t point;
   bool side_a;
 };
 

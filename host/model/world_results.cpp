@@ -82,8 +82,7 @@ Matrix World::frame_of(const Point& p) const {
   }
   if (p.facet_a >= 0 && !is_small) {
     Point now = p;
-    Facet facet = contacts.facets[size_t(p.facet_a)];
-    refresh_facet_frame(*this, now, facet);
+    refresh_facet_frame(*this, now, contacts.facets[size_t(p.facet_a)]);
     return {{now.n, now.s, now.t}};
   }
   if (p.facet_a >= 0) return {{p.n, p.s, p.t}};

@@ -229,17 +229,26 @@ struct Vibration {
     if (splits_motion(world.solver)) inertia = inertia_of_units(world, blocks);
   }
 
-  size_t of_nodes() const { return 6 * v.size(); }
-  size_t size() const { return of_nodes() + 3 * nv.size(); }
+  // Numbers of unknowns. A unit alone has none but its own.
+  size_t size() const { return 6 * (alone ? own_bodies.size() : v.size()) + 3 * (alone ? node_count() : nv.size()); }
+  size_t node_count() const {
+    size_t count = 0;
+    for (const VectorRow& row : own_nodes) count += row.end - row.first;
+    return count;
+  }
 
+  // visit(body, where its unknowns begin)
   template <class Visit>
   void each_body(const Visit& visit) const {
-    for (const int i : own_bodies) visit(size_t(i));
+    size_t next = 0;
+    for (const int i : own_bodies) visit(size_t(i), alone ? next : 6 * size_t(i)), next += 6;
   }
+  // visit(gridpoint, where its unknowns begin)
   template <class Visit>
   void each_node(const Visit& visit) const {
+    size_t next = 6 * (alone ? own_bodies.size() : v.size());
     for (const VectorRow& row : own_nodes) {
-      for (size_t i = row.first; i < row.end; ++i) visit(i);
+      for (size_t i = row.first; i < row.end; ++i) visit(i, alone ? next : 6 * v.size() + 3 * i), next += 3;
     }
   }
 
@@ -266,29 +275,29 @@ struct Vibration {
 
   void fill_scale() {
     scale = LaneVector<double>(size());
-    each_body([&](size_t i) {
+    each_body([&](size_t i, size_t first) {
       const Body& b = world.bodies[i];
       for (int k = 0; k < 3; ++k) {
-        scale[6 * i + k] = b.held >> k & 1 ? 0.0 : 1 / std::sqrt(b.mass);
+        scale[first + k] = b.held >> k & 1 ? 0.0 : 1 / std::sqrt(b.mass);
         // Held about some axes only: as if free, which a constraint can only make softer.
-        scale[6 * i + 3 + k] = b.held >> 3 == 7 ? 0.0 : 1 / std::sqrt(b.inertia[k]);
+        scale[first + 3 + k] = b.held >> 3 == 7 ? 0.0 : 1 / std::sqrt(b.inertia[k]);
       }
     });
-    each_node([&](size_t i) {
+    each_node([&](size_t i, size_t first) {
       for (int k = 0; k < 3; ++k)
-        scale[of_nodes() + 3 * i + k] = world.nodes.held[i] >> k & 1 ? 0.0 : 1 / std::sqrt(world.nodes.mass[i]);
+        scale[first + k] = world.nodes.held[i] >> k & 1 ? 0.0 : 1 / std::sqrt(world.nodes.mass[i]);
     });
   }
 
   void scatter(const LaneVector<double>& x) {
-    each_body([&](size_t i) {
-      const double *xi = x.data() + 6 * i, *si = scale.data() + 6 * i;
+    each_body([&](size_t i, size_t first) {
+      const double *xi = x.data() + first, *si = scale.data() + first;
       v[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
       w[i] = world.bodies[i].r * Vector{xi[3] * si[3], xi[4] * si[4], xi[5] * si[5]};
       f[i] = m[i] = {};
     });
-    each_node([&](size_t i) {
-      const double *xi = x.data() + of_nodes() + 3 * i, *si = scale.data() + of_nodes() + 3 * i;
+    each_node([&](size_t i, size_t first) {
+      const double *xi = x.data() + first, *si = scale.data() + first;
       nv[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
       nf[i] = {};
     });
@@ -323,7 +332,7 @@ struct Vibration {
     if (splits_motion(world.solver)) scale_motion(world, blocks, inertia, nv, false);
     halo.exchange(ranks);
     if (stiffness.of_zones != 0.0) add_zone_forces(world, blocks, nv, nf);
-    if (stiffness.of_zones != 1.0) each_node([&](size_t i) { nf[i] = stiffness.of_zones * nf[i]; });
+    if (stiffness.of_zones != 1.0) each_node([&](size_t i, size_t) { nf[i] = stiffness.of_zones * nf[i]; });
     for (const auto& [family, point, at, normal, area] : springs) {
       const auto& [kn, ks] = stiffness.of_family[size_t(family - world.contacts.families.data())];
       const Vector d = velocity(point->b, point->facet_b, at) - velocity(point->a, point->facet_a, at);
@@ -337,15 +346,15 @@ struct Vibration {
   }
 
   double gather(const LaneVector<double>& x, LaneVector<double>* y) {
-    each_body([&](size_t i) {
+    each_body([&](size_t i, size_t first) {
       const Vector torque = transposed_times(world.bodies[i].r, m[i]);
       for (int k = 0; k < 3; ++k) {
-        (*y)[6 * i + k] = f[i][k] * scale[6 * i + k];
-        (*y)[6 * i + 3 + k] = torque[k] * scale[6 * i + 3 + k];
+        (*y)[first + k] = f[i][k] * scale[first + k];
+        (*y)[first + 3 + k] = torque[k] * scale[first + 3 + k];
       }
     });
-    each_node([&](size_t i) {
-      for (int k = 0; k < 3; ++k) (*y)[of_nodes() + 3 * i + k] = nf[i][k] * scale[of_nodes() + 3 * i + k];
+    each_node([&](size_t i, size_t first) {
+      for (int k = 0; k < 3; ++k) (*y)[first + k] = nf[i][k] * scale[first + k];
     });
     const auto add = [&](const VectorRow& row, double sum) {
       for (size_t i = row.first; i < row.end; ++i) sum += x[i] * (*y)[i];

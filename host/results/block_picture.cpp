@@ -267,32 +267,34 @@ Frame frame_of(const View& view, const std::vector<Drawn>& blocks) {
   return f;
 }
 
-// Every face as a polygon with its outline and its cracks, the nearer over the further.
+// Every face as a polygon with its outline and its cracks, the nearer over the further. Numbers are the order in which
+// gnuplot draws. It passes all lower ones to set an object, so the highest is set first.
 std::string polygons_of(const Frame& f, const View& view, const std::vector<Drawn>& blocks,
                         const std::vector<Face>& faces, const Paint& paint) {
   // Cut here: gnuplot garbles filled polygons that reach beyond the picture.
   const geometry::Polygon paper{{f.x0, f.y0}, {f.x1, f.y0}, {f.x1, f.y1}, {f.x0, f.y1}};
-  std::string polygons;
-  int number = 0;
+  std::vector<std::string> polygons;
   for (const Face& face : faces) {
     geometry::Polygon seen, scratch;
     clip(face.outline, paper, 0.0, seen, scratch);
     if (seen.empty()) continue;
-    polygons += fmt::format("set object {} polygon from ", ++number);
-    for (const geometry::Point2& p : seen) polygons += fmt::format("{:.6g},{:.6g} to ", p.x, p.y);
-    polygons += fmt::format(
-        "{:.6g},{:.6g} fillcolor {} fillstyle solid 1.0 border linecolor {}\n", seen[0].x, seen[0].y,
-        paint.fill.empty() ? fmt::format("palette cb {:.6g}", face.displacement * 1e3) : paint.fill, paint.outline);
+    std::string& polygon = polygons.emplace_back();
+    for (const geometry::Point2& p : seen) polygon += fmt::format("{:.6g},{:.6g} to ", p.x, p.y);
+    polygon += fmt::format("{:.6g},{:.6g} fillcolor {} fillstyle solid 1.0 border linecolor {}\n", seen[0].x, seen[0].y,
+                           paint.fill.empty() ? fmt::format("palette cb {:.6g}", face.displacement * 1e3) : paint.fill,
+                           paint.outline);
     if (paint.edges == nullptr) continue;
     for (const Line& line : paint.edges->on(blocks[face.block], face)) {
       const CrackStyle& style = kCrackStyles[size_t(line.crack)];
       const auto place = [&](const Vector& p) { return fmt::format("{:.6g},{:.6g}", view.x(p), view.y(p)); };
-      polygons += fmt::format(
-          "set object {} polygon from {} to {} to {} fillstyle empty border linecolor rgb '{}' linewidth {}\n",
-          ++number, place(line.from), place(line.to), place(line.from), style.colour, style.width);
+      polygons.push_back(fmt::format("{} to {} to {} fillstyle empty border linecolor rgb '{}' linewidth {}\n",
+                                     place(line.from), place(line.to), place(line.from), style.colour, style.width));
     }
   }
-  return polygons;
+  std::string script;
+  for (size_t number = polygons.size(); number > 0; --number)
+    script += fmt::format("set object {} polygon from {}", number, polygons[number - 1]);
+  return script;
 }
 
 // Script up to the plot command. The picture is as high as the model asks for at 1200 pixels of width.

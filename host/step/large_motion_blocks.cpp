@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "members/members.h"
+#include "model/contact_frames.h"
 #include "model/zone_kernels.h"
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
@@ -77,14 +78,10 @@ void forces_on_body(Model& m, int block) {
       body.force -= pair.force, body.torque += pair.moment_b;
   }
   for (const Touch& touch : m.sides.single.of(block)) {
-    const Point& p = m.contacts.families[size_t(touch.family)].point[touch.point];
-    if (touch.side_a) {
-      body.force += p.force;
-      body.torque += cross(p.at - body.x, p.force);
-    } else {
-      body.force -= p.force;
-      body.torque -= cross(p.at - body.x, p.force);
-    }
+    const Vector& at = m.contacts.families[size_t(touch.family)].point[touch.point->index].at;
+    const Vector force = touch.side_a ? touch.point->force : -touch.point->force;
+    body.force += force;
+    body.torque += cross(at - body.x, force);
   }
   each_member_force(m, block, [&](const members::Node& node) {
     body.force += node.force;
@@ -189,20 +186,22 @@ Vector forces_on_gridpoints(Model& m, int block, double* force) {
                                    m.chunks.rows.data(), force);
   for (const Touch& touch : m.sides.single.of(block)) {
     const Family& f = m.contacts.families[size_t(touch.family)];
-    const Point& p = f.point[touch.point];
+    const OtherPoint& other = *touch.point;
+    const Point& p = f.point[other.index];
     if (touch.side_a) {
       const Facet& facet = m.contacts.facets[p.facet_a];
+      const ShapeGradients gradient = shape_gradients(m, facet);
       // The pair acts at p.at: shear times the gap is a couple that the triangle takes as normal forces.
-      const double gap = f.normal_jump[touch.point] + p.reference;
+      const double gap = f.normal_jump[other.index] + p.reference;
       for (int i = 0; i < 3; ++i) {
-        const double couple = -gap * p.area * (facet.gradient[i][0] * p.shear[0] + facet.gradient[i][1] * p.shear[1]);
-        add(facet.node[i], facet.weight[i] * p.force + couple * p.n);
+        const double couple = -gap * p.area * (gradient.of[i][0] * other.shear[0] + gradient.of[i][1] * other.shear[1]);
+        add(facet.node[i], facet.weight[i] * other.force + couple * p.n);
       }
-      contacts += p.force;
+      contacts += other.force;
     } else {
       const Facet& facet = m.contacts.facets[p.facet_b];
-      for (int i = 0; i < 3; ++i) add(facet.node[i], -facet.weight[i] * p.force);
-      contacts -= p.force;
+      for (int i = 0; i < 3; ++i) add(facet.node[i], -facet.weight[i] * other.force);
+      contacts -= other.force;
     }
   }
   each_member_force(m, block, [&](const members::Node& node) {

@@ -53,7 +53,8 @@ void contact_kinematics(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
   gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, m.is_small ? nullptr : m.frames.frame.data(), m.nodes.x.data(),
                   gridpoint_columns(f, chunk));
   facet_jumps(chunk.facets, axes.triangles, m.nodes.x.data(), facet_columns(f), m.is_small);
-  for (const uint32_t i : chunk.others) {
+  for (const OtherPoint& other : chunk.others) {
+    const uint32_t i = other.index;
     Point& p = f.point[i];
     if (p.facet_a >= 0 && !m.is_small) refresh_facet_frame(m, p, m.contacts.facets[p.facet_a]);
     const Location now = locate(m, p, m.contacts.facets);
@@ -63,8 +64,9 @@ void contact_kinematics(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
     if (p.facet_a >= 0 && !m.is_small) {
       // The foot on the triangle follows the point, so that the pair of forces stays collinear.
       Facet& facet = m.contacts.facets[p.facet_a];
+      const ShapeGradients gradient = shape_gradients(m, facet);
       for (int k = 0; k < 3; ++k)
-        facet.weight[k] += facet.gradient[k][0] * f.slid[0][i] + facet.gradient[k][1] * f.slid[1][i];
+        facet.weight[k] += gradient.of[k][0] * f.slid[0][i] + gradient.of[k][1] * f.slid[1][i];
       f.slid[0][i] = f.slid[1][i] = 0.0;
     }
   }
@@ -117,14 +119,15 @@ void contact_forces(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
   rigid_forces(chunk.pairs, m.bodies.data(), rigid_columns(f));
   gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, !m.is_small, gridpoint_columns(f, chunk), m.chunks.rows.data());
   facet_forces(chunk.facets, axes.triangles, facet_columns(f), m.chunks.rows.data());
-  for (const uint32_t i : chunk.others) {
-    Point& p = f.point[i];
+  for (OtherPoint& other : chunk.others) {
+    const uint32_t i = other.index;
+    const Point& p = f.point[i];
     double traction[3];
     for (int k = 0; k < 3; ++k) traction[k] = f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i]);
-    p.shear[0] = traction[1], p.shear[1] = traction[2];
-    p.force = {};
+    other.shear[0] = traction[1], other.shear[1] = traction[2];
+    other.force = {};
     if (traction[0] == 0 && traction[1] == 0 && traction[2] == 0) continue;
-    p.force = p.area * in_space(m, p, traction[0] * p.n + traction[1] * p.s + traction[2] * p.t);
+    other.force = p.area * in_space(m, p, traction[0] * p.n + traction[1] * p.s + traction[2] * p.t);
   }
 }
 

@@ -89,9 +89,10 @@ void Model::each_memory_of_chunk(Part wanted, int index, const VisitMemory& visi
       f);
   if (wanted != Part::all) return;
   visit(chunk.facets.data(), chunk.facets.size() * sizeof(FacetLanes));
-  for (const uint32_t i : chunk.others) {
-    visit(&f.point[i], sizeof(Point));
-    if (f.point[i].facet_a >= 0) visit(&contacts.facets[size_t(f.point[i].facet_a)], sizeof(Facet));
+  for (const OtherPoint& other : chunk.others) {
+    Point& p = f.point[other.index];
+    visit(&p, sizeof(Point));
+    if (p.facet_a >= 0) visit(&contacts.facets[size_t(p.facet_a)], sizeof(Facet));
   }
 }
 
