@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "ensemble/figures.h"
+#include "ensemble/no_number.h"
 #include "ensemble/shake.h"
 #include "ensemble/statistics.h"
 #include "files/csv_text.h"
