@@ -14,24 +14,26 @@ set(batches
     quoin_random:4
     quoin_records:6:pulses.cpp
     quoin_files:5
-    quoin_scene:6:generate_building.cpp,read_building.cpp,size.cpp
+    quoin_scene:10:generate_building.cpp,read_building.cpp,size.cpp
     quoin_host_law:5:law_trial.cpp
     quoin_host_path:3
     quoin_members:6
+    quoin_model:14:undamaged_kernels.cpp,zone_kernels.cpp
+    quoin_step:14:body_kernels.cpp,deformable_kernels.cpp,facet_kernels.cpp,gridpoint_kernels.cpp,implicit_contacts.cpp,kernels.cpp,point_kernels.cpp,rigid_kernels.cpp,rigid_motion_kernels.cpp,step.cpp
     quoin_analysis:5
     quoin_modes:3:modes.cpp
-    quoin_results:5:report.cpp,vtk.cpp,vtk_file.cpp
+    quoin_results:10:report.cpp,vtk.cpp,vtk_file.cpp
     quoin_validate:4
-    quoin_ensemble:4:page.cpp,run_sample.cpp,sensitivity.cpp,statistics.cpp
-    quoin_reproduce:6:cyclic_studies.cpp,parameter_studies.cpp,run_cache.cpp
-    quoin:5:limit_command.cpp,modes_command.cpp,reproduce_command.cpp
-    quoin_python:3
-    cli_test:4
-    verification_test:4:threads_test.cpp
+    quoin_ensemble:7
+    quoin_reproduce:11:cyclic_studies.cpp,parameter_studies.cpp,run_cache.cpp
+    quoin:11:limit_command.cpp,modes_command.cpp,reproduce_command.cpp
+    quoin_python:6
+    cli_test:9
+    verification_test:6:threads_test.cpp
     cyclic_joint_test:4:convergence_test.cpp
     law_test:4
-    scene_test:4:read_block_scene_test.cpp
-    host_test:5:kernels_choice_test.cpp,ranks_test.cpp,surface_test.cpp
+    scene_test:8:read_block_scene_test.cpp
+    host_test:8:kernels_choice_test.cpp,ranks_test.cpp,surface_test.cpp
     records_test:6
     results_test:2
     frames_test:3:frames_test.cpp

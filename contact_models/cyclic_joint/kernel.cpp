@@ -157,7 +157,7 @@ struct At {
 
 // The step of a vector after 0: law.evaluate with what is open, and where its outputs go. False, and nothing written,
 // where that has no result.
-template <bool kFull, bool kColumns, class Access, class Law, class Open>
+template <bool kFull, class Access, class Law, class Open>
 HWY_INLINE bool finish_step(const Law& law, const typename Law::Step& s, Open open, const At<Access>& at,
                             std::size_t count, Summary& summary) {
   Energies energies;
@@ -167,7 +167,7 @@ HWY_INLINE bool finish_step(const Law& law, const typename Law::Step& s, Open op
 
   // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state.
   M sound = is_finite(gather_non_finite(r.state.xi, gather_non_finite(r.trial, gather_non_finite(r.sigma, r.used))));
-  if constexpr (kColumns) sound = hn::And(sound, law.p.admissible);
+  if constexpr (kFull) sound = hn::And(sound, law.p.admissible);
   if (!all(sound)) {
     r.sigma = select(sound, r.sigma, at.in(kTractionOld));
     r.state = either(sound, r.state, s.old);
@@ -191,12 +191,12 @@ HWY_INLINE bool finish_step(const Law& law, const typename Law::Step& s, Open op
   return true;
 }
 
-template <bool kFull, bool kColumns, class Access, class Law>
+template <bool kFull, class Access, class Law>
 HWY_INLINE void step_any(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   const At<Access> at{c, i};
   const State old = at.state();
   const auto s = law.template step_of<false>(at.increment(), old);
-  finish_step<kFull, kColumns>(law, s, s.h > zero(), at, count, summary);
+  finish_step<kFull>(law, s, s.h > zero(), at, count, summary);
 }
 
 // Closed joints, or open ones, without crushing: false, and nothing written, where a vector has others or evaluate
@@ -208,14 +208,14 @@ HWY_INLINE bool step_plain(const Law& law, const Columns& c, std::size_t i, std:
   if (!all(old.l == zero())) return false;
   const auto s = law.template step_of<true>(at.increment(), old);
   const M open = s.h > zero();
-  if (none(open)) return finish_step<false, false>(law, s, Nowhere(), at, count, summary);
-  return all(open) && finish_step<false, false>(law, s, Everywhere(), at, count, summary);
+  if (none(open)) return finish_step<false>(law, s, Nowhere(), at, count, summary);
+  return all(open) && finish_step<false>(law, s, Everywhere(), at, count, summary);
 }
 
 // Out of line: most vectors are plain.
 template <class Access, class Law>
 HWY_NOINLINE void step_other(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
-  step_any<false, false, Access>(law, c, i, count, summary);
+  step_any<false, Access>(law, c, i, count, summary);
 }
 
 // Of c what an elastic step reads, column by column: a loop over vectors then need not keep c in memory.
@@ -275,48 +275,50 @@ HWY_NOINLINE bool step_touched(const Law& law, const Columns& c, std::size_t i) 
   return true;
 }
 
-template <bool kFull, bool kColumns, class Access, class Law>
+template <bool kFull, class Access, class Law>
 HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   if constexpr (kFull) {
-    step_any<kFull, kColumns, Access>(law, c, i, count, summary);
+    step_any<kFull, Access>(law, c, i, count, summary);
   } else {
     if (Access::kOnePoint && step_touched<Access>(law, c, i)) return;
     if (!step_plain<Access>(law, c, i, count, summary)) step_other<Access>(law, c, i, count, summary);
   }
 }
 
-template <class Softening, bool kFull, bool kColumns>
-void run(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
+HWY_INLINE const Lanes& own_lanes(const Material& material) { return *reinterpret_cast<const Lanes*>(material.lanes); }
+
+template <class Softening>
+void run_lean(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
+  run_lean(Equations<Softening>{own_lanes(material), Softening(material.parameters)}, c, count, summary);
+}
+
+template <class Softening>
+void run_full(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
+  const bool by_point = c.property_columns;
   Lanes point_lanes;
-  const Lanes& p = kColumns ? point_lanes : *reinterpret_cast<const Lanes*>(material.lanes);
-  const Equations<Softening> law{p, Softening(material.parameters)};
-  if constexpr (kFull) {
-    run_full<kColumns>(law, c, count, summary, [&](std::size_t i) {
-      if constexpr (kColumns) point_lanes = column_lanes(material.parameters, c, i);
-    });
-  } else {
-    run_lean(law, c, count, summary);
-  }
+  const Equations<Softening> law{by_point ? point_lanes : own_lanes(material), Softening(material.parameters)};
+  run_full(law, c, count, summary, [&](std::size_t i) {
+    if (by_point) point_lanes = column_lanes(material.parameters, c, i);
+  });
 }
 
 template <class Softening>
 void run_one(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
-  const Lanes& p = *reinterpret_cast<const Lanes*>(material.lanes);
-  run_one(Equations<Softening>{p, Softening(material.parameters)}, c, count, summary);
+  run_one(Equations<Softening>{own_lanes(material), Softening(material.parameters)}, c, count, summary);
 }
 
 template <class Softening>
 void choose_shape(Material& m) {
-  m.lean = &run<Softening, false, false>;
+  m.lean = &run_lean<Softening>;
   m.one = &run_one<Softening>;
-  m.full = &run<Softening, true, false>;
-  m.columns = &run<Softening, true, true>;
+  m.full = &run_full<Softening>;
 }
 
 void choose_for_target(Material& m) {
   static_assert(sizeof(Lanes) <= sizeof m.lanes && alignof(Lanes) <= alignof(Material));
   static_assert(std::is_trivially_copyable_v<Lanes>);
-  new (m.lanes) Lanes(material_lanes(m.parameters));
+  Lanes& lanes = *new (m.lanes) Lanes(material_lanes(m.parameters));
+  lanes.admissible = hn::Eq(zero(), zero());  // or there were no material
   switch (m.parameters.shape) {
     case Shape::linear:
       return choose_shape<LinearSoftening>(m);

@@ -40,10 +40,9 @@ using Kernel = void (*)(const Material&, const shim::Columns&, std::size_t count
 // A material as the kernels of the best instruction set of this machine read it.
 struct Material {
   Parameters parameters;
-  Kernel lean = nullptr;     // tractions and states only
-  Kernel one = nullptr;      // the same for a call of one point
-  Kernel full = nullptr;     // whatever outputs are asked for
-  Kernel columns = nullptr;  // per-point properties, whatever outputs are asked for
+  Kernel lean = nullptr;  // tractions and states only
+  Kernel one = nullptr;   // the same for a call of one point
+  Kernel full = nullptr;  // whatever outputs are asked for, properties by point
   // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
   static constexpr std::size_t kLaneVectors = 48;
   alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];

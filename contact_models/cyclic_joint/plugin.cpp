@@ -268,7 +268,7 @@ struct CyclicJointLaw {
   }
 
   static void evaluate(const Material& material, const Columns& columns, std::size_t count, Summary& summary) {
-    const Kernel kernel = columns.property_columns ? material.columns : columns.extras ? material.full : material.lean;
+    const Kernel kernel = columns.extras ? material.full : material.lean;
     kernel(material, columns, count, summary);
   }
 

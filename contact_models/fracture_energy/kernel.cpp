@@ -184,7 +184,7 @@ struct At {
   }
 };
 
-template <bool kFull, bool /*kColumns*/, class Access, class Law>
+template <bool kFull, class Access, class Law>
 HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   const Lanes& p = law.p;
   const At<Access> at{c, i};
@@ -258,23 +258,23 @@ void run(const Material& material, const Columns& c, std::size_t count, Summary&
   const Law law{own.property_columns ? by_point : lanes, Softening(material.parameters)};
   const Refill refill{material.parameters, lanes, own, own.property_columns ? &by_point : nullptr};
   if constexpr (kFull) {
-    run_full<true>(law, c, count, summary, refill);
+    run_full(law, c, count, summary, refill);
   } else if (!own.property_columns) {
     const auto elastic = [&](std::size_t i) HWY_ATTR { return step_elastic<Vectors>(law, own, i); };
-    run_lean<true>(law, c, count, elastic, refill, summary);
+    run_lean(law, c, count, elastic, refill, summary);
   } else if (QuickColumns::serve(material, own)) {
     const QuickColumns quick(material.parameters, lanes, own);
     const auto elastic = [&](std::size_t i) HWY_ATTR {
       Lanes p;
       return quick.sound(i, p) && step_elastic<Vectors>(Law{p, law.f}, own, i);
     };
-    run_lean<true>(law, c, count, elastic, refill, summary);
+    run_lean(law, c, count, elastic, refill, summary);
   } else {
     const auto elastic = [&](std::size_t i) HWY_ATTR {
       refill(i);
       return all(by_point.admissible) && step_elastic<Vectors>(law, own, i);
     };
-    run_lean<true>(law, c, count, elastic, refill, summary);
+    run_lean(law, c, count, elastic, refill, summary);
   }
 }
 

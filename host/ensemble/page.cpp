@@ -14,6 +14,7 @@
 
 #include "base/number_text.h"
 #include "ensemble/figures.h"
+#include "ensemble/no_number.h"
 #include "ensemble/statistics.h"
 #include "files/file.h"
 #include "files/gnuplot.h"
@@ -30,12 +31,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kGrid = 200;  // places of the bands along the displacement
 constexpr std::array kBands{0.05, 0.16, 0.5, 0.84, 0.95};
 
-Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
-Json pair(const Interval& i) { return Json::array({number(i.low), number(i.high)}); }
+Json pair(const Interval& i) { return Json::array({number_or_null(i.low), number_or_null(i.high)}); }
 
 using Numbered = std::vector<std::pair<std::uint64_t, Sample>>;
 
@@ -120,19 +119,19 @@ Json output_json(const Results& r, const std::string& name) {
   const std::vector<double>& values = r.column.at(name);
   const Moments m = moments_of(values);
   Json json{{"count", m.count},
-            {"mean", number(m.mean)},
+            {"mean", number_or_null(m.mean)},
             {"mean_95", pair(m.of_mean)},
-            {"scatter", number(m.scatter)},
+            {"scatter", number_or_null(m.scatter)},
             {"scatter_95", pair(m.of_scatter)}};
   for (const double p : kBands) {
-    json["quantiles"][fmt::format("{}", p)] = {{"value", number(quantile_of(values, p))},
+    json["quantiles"][fmt::format("{}", p)] = {{"value", number_or_null(quantile_of(values, p))},
                                                {"interval_95", pair(quantile_interval(values, p))}};
   }
-  json["of_means"] = r.of_means ? number(value_of(r.of_means->outputs, name)) : Json(nullptr);
+  json["of_means"] = r.of_means ? number_or_null(value_of(r.of_means->outputs, name)) : Json(nullptr);
   // How the estimate settles as samples are added.
   for (std::size_t n = 5; n <= values.size(); n = n < values.size() ? std::min(values.size(), n * 2) : n + 1) {
     const Moments then = moments_of({values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n)});
-    json["convergence"].push_back({{"samples", n}, {"mean", number(then.mean)}, {"mean_95", pair(then.of_mean)}});
+    json["convergence"].push_back({{"samples", n}, {"mean", number_or_null(then.mean)}, {"mean_95", pair(then.of_mean)}});
   }
   return json;
 }
@@ -378,9 +377,9 @@ Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t sam
   for (const Influence& i : influences)
     json["sensitivity"].push_back({{"input", i.input},
                                    {"output", i.output},
-                                   {"correlation", number(i.dependence.pearson)},
-                                   {"rank_correlation", number(i.dependence.spearman)},
-                                   {"correlation_ratio", number(i.dependence.correlation_ratio)}});
+                                   {"correlation", number_or_null(i.dependence.pearson)},
+                                   {"rank_correlation", number_or_null(i.dependence.spearman)},
+                                   {"correlation_ratio", number_or_null(i.dependence.correlation_ratio)}});
   std::vector<std::pair<std::string, std::vector<double>>> limits;
   for (const LimitState& asked : study.limits) {
     if (!r.column.contains(asked.output)) {
@@ -392,9 +391,9 @@ Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t sam
                                  {"output", asked.output},
                                  {"samples", f.samples},
                                  {"reached", f.reached},
-                                 {"median", number(f.median)},
+                                 {"median", number_or_null(f.median)},
                                  {"median_95", pair(f.of_median)},
-                                 {"spread", number(f.spread)},
+                                 {"spread", number_or_null(f.spread)},
                                  {"fit", f.fit}});
     limits.emplace_back(asked.name, r.column.at(asked.output));
   }

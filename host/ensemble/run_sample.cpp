@@ -13,6 +13,7 @@
 #include "base/any_error.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "ensemble/no_number.h"
 #include "files/result_folder.h"
 #include "results/checkpoint_file.h"
 #include "results/history.h"
@@ -32,7 +33,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLoss = 0.8;  // of the peak
 
 Json json_of(const Values& values) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ensemble/no_number.h"
 #include "files/csv_text.h"
 #include "files/file.h"
 #include "files/gnuplot.h"
@@ -14,8 +15,6 @@
 namespace quoin::ensemble {
 
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double output_of(const StudyFolder& folder, std::uint64_t number, const std::string& name) {
   if (!is_finished(folder.sample(number))) return kNone;

@@ -10,6 +10,7 @@
 #include "base/any_error.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "ensemble/no_number.h"
 #include "files/file.h"
 #include "results/checkpoint_file.h"
 #include "results/history.h"
@@ -28,11 +29,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastOfFirst = 1e-3;  // share of the first level below which no collapse is looked for
 constexpr double kSunk = 0.5;           // of its height: a block that is so much lower has lost its support
 
-Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 double number_in(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_number() ? json[key].get<double>() : kNone;
 }
@@ -42,11 +41,11 @@ fs::path folder_of(const fs::path& folder, std::size_t run) { return folder / "r
 void write_run(const fs::path& folder, const ShakenRun& run) {
   Json json{{"status", run.status}, {"reason", run.reason}, {"factor", run.factor}};
   for (std::size_t m = 0; m < kMeasures; ++m)
-    json[measure_column(static_cast<IntensityMeasure>(m))] = number(run.intensity[m]);
-  json["largest_displacement_m"] = number(run.largest);
-  json["residual_displacement_m"] = number(run.residual);
-  json["largest_base_shear_N"] = number(run.base_shear);
-  json["time_s"] = number(run.time);
+    json[measure_column(static_cast<IntensityMeasure>(m))] = number_or_null(run.intensity[m]);
+  json["largest_displacement_m"] = number_or_null(run.largest);
+  json["residual_displacement_m"] = number_or_null(run.residual);
+  json["largest_base_shear_N"] = number_or_null(run.base_shear);
+  json["time_s"] = number_or_null(run.time);
   write_json(folder / "run.json", json);
 }
 
@@ -192,9 +191,9 @@ Json outputs_of(const RecordSuite& suite, const std::vector<ShakenRun>& runs) {
       const auto measure = static_cast<IntensityMeasure>(m);
       const Bracket b = bracket_of(runs, measure, 0.0);
       const std::string column = measure_column(measure);
-      outputs["stands_" + column] = number(b.low);
+      outputs["stands_" + column] = number_or_null(b.low);
       outputs["collapse_" + column] =
-          b.low > 0.0 && std::isfinite(b.high) ? number(std::sqrt(b.low * b.high)) : Json(nullptr);
+          b.low > 0.0 && std::isfinite(b.high) ? number_or_null(std::sqrt(b.low * b.high)) : Json(nullptr);
     }
   }
   return outputs;

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "ensemble/no_number.h"
 #include "random/counter.h"
 #include "random/distribution.h"
 
@@ -18,7 +19,6 @@ namespace bm = boost::math;
 
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTail = 0.025;  // on either side of an interval
 
 std::vector<double> finite(const std::vector<double>& values) {

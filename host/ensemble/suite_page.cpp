@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "ensemble/figures.h"
+#include "ensemble/no_number.h"
 #include "ensemble/shake.h"
 #include "ensemble/statistics.h"
 #include "files/csv_text.h"
@@ -234,7 +235,6 @@ std::string page_body(const Study& study, const std::vector<ShakenWall>& walls, 
 }
 
 Json summary_of(const Study& study, const SuiteResults& results, const std::vector<SuiteFragility>& fragilities) {
-  const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
   Json json{{"study", study.title},      {"scene", fs::path(study.scene).filename().string()},
             {"seed", study.seed},        {"records", study.suite.records.size()},
             {"walls", study.samples},    {"finished", results.finished},
@@ -245,11 +245,11 @@ Json summary_of(const Study& study, const SuiteResults& results, const std::vect
              {"intensity", measure_column(f.measure)},
              {"observations", f.observations},
              {"reached", f.reached}};
-    one["median"] = f.fit ? number(f.fit->median) : Json(nullptr);
-    one["spread"] = f.fit ? number(f.fit->spread) : Json(nullptr);
+    one["median"] = f.fit ? number_or_null(f.fit->median) : Json(nullptr);
+    one["spread"] = f.fit ? number_or_null(f.fit->spread) : Json(nullptr);
     if (f.fit) {
-      one["median_95"] = {number(f.fit->of_median.low), number(f.fit->of_median.high)};
-      one["spread_95"] = {number(f.fit->of_spread.low), number(f.fit->of_spread.high)};
+      one["median_95"] = {number_or_null(f.fit->of_median.low), number_or_null(f.fit->of_median.high)};
+      one["spread_95"] = {number_or_null(f.fit->of_spread.low), number_or_null(f.fit->of_spread.high)};
     }
     json["fragility"].push_back(one);
   }

@@ -9,8 +9,6 @@
 namespace quoin {
 namespace {
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 using NodeBlock = std::array<double, 9>;  // rows of gridpoint i, columns of gridpoint j
 
 std::vector<std::map<int, NodeBlock>> blocks_of(std::span<const Zone> zones, int node_count, double lambda, double mu) {

@@ -16,13 +16,13 @@ namespace quoin {
 
 namespace {
 
-struct Line {
+struct PlottedLine {
   std::string name;
   std::function<double(const HistoryRow&)> value;  // in the unit of the panel
 };
 struct Panel {
   std::string label;
-  std::vector<Line> lines;
+  std::vector<PlottedLine> lines;
 };
 
 bool is_shaken(const Scene& scene) {
@@ -74,7 +74,7 @@ std::vector<Panel> panels_of(const std::vector<HistoryRow>& rows, const Scene& s
                             {"multiplier", {{"of the weight", [](const HistoryRow& r) { return r.multiplier; }}}},
                             energies(scene.output.energy || (!rows.empty() && rows.back().energies))};
   for (Panel& panel : panels) {
-    std::erase_if(panel.lines, [&](const Line& line) {
+    std::erase_if(panel.lines, [&](const PlottedLine& line) {
       return std::all_of(rows.begin(), rows.end(), [&](const HistoryRow& r) {
         const double value = line.value(r);
         return value == 0.0 || !std::isfinite(value);
@@ -96,7 +96,7 @@ std::string plot_histories(const std::filesystem::path& folder, const std::vecto
   for (const HistoryRow& row : rows) {
     data += fmt::format("{:.7g}", row.time);
     for (const Panel& panel : panels)
-      for (const Line& line : panel.lines) data += fmt::format(" {:.7g}", line.value(row));
+      for (const PlottedLine& line : panel.lines) data += fmt::format(" {:.7g}", line.value(row));
     data += '\n';
   }
   write_file(folder / "plots" / "histories.dat", data);

@@ -12,8 +12,6 @@ using namespace reader;
 
 namespace {
 
-constexpr double kFarthest = 1e6;  // m, of a point: beyond, positions in double precision are coarser than a joint
-
 // The block that something acts on. names: those that the scene has; empty: they are looked up later.
 void read_name(Table& t, std::string& block, const std::vector<std::string>& names) {
   if (names.empty())

@@ -13,7 +13,6 @@ using namespace reader;
 namespace {
 
 // Coordinates in m. Beyond, steps between numbers in double precision are 1e-10 m, too coarse for openings of joints.
-constexpr double kFarthest = 1e6;
 const Range kPlace = between(-kFarthest, kFarthest), kLength = above_to(0, kFarthest), kTurn = between(-360, 360);
 
 // A list of points, [[x, y, z], ...].

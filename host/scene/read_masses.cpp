@@ -10,7 +10,6 @@ using namespace reader;
 using geometry::Vector;
 
 std::vector<AddedMass> read_masses(Table& scene) {
-  constexpr double kFarthest = 1e6;  // m: beyond, positions in double precision are coarser than a joint
   std::vector<AddedMass> masses;
   int index = 0;
   for (const toml::table* table : scene.tables("mass", "tables [[mass]]")) {

@@ -13,8 +13,6 @@ using namespace reader;
 
 namespace {
 
-constexpr double kFarthest = 1e6;  // m, of a point: beyond, positions in double precision are coarser than a joint
-
 MemberEnd read_end(Table& t, const std::string& key) {
   MemberEnd end;
   end.source = {t.where(key)};

@@ -40,6 +40,7 @@ struct Range {
   }
 };
 inline constexpr Range kAny{}, kPositive{0.0, HUGE_VAL, true}, kNotNegative{0.0, HUGE_VAL};
+inline constexpr double kFarthest = 1e6;  // m, of a point: beyond, positions in double precision are coarser than a joint
 inline Range between(double lower, double upper) { return {lower, upper, false}; }
 inline Range above_to(double lower, double upper) { return {lower, upper, true}; }
 

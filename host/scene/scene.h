@@ -13,12 +13,11 @@
 #include <vector>
 
 #include "base/time_series.h"
+#include "base/vec3.h"
 #include "random/distribution.h"
 #include "scene/cyclic_motion.h"
 
 namespace quoin {
-
-using Vec3 = std::array<double, 3>;  // x along the wall, y up, z through the thickness
 
 // Where a value was written: "scene.toml:12: joints.mortar.cohesion". Empty for defaults and --set values say "--set".
 struct Source {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "step/state.h"
 
@@ -17,8 +16,6 @@ Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
     sum[k] = s.lattice.traction[k][point] + (s.lattice.damps_impacts() ? s.lattice.viscous[k][point] : 0.0);
   return sum;
 }
-
-double norm_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 }  // namespace
 

@@ -18,8 +18,6 @@ std::string describe(const Assembly& assembly, int block) {
                      brick.body.empty() ? "" : fmt::format(" '{}'", brick.body), at[0], at[1], at[2]);
 }
 
-double norm_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
 }  // namespace
 
 Vec3 at_arm(const WholeMotion& m, const Vec3& arm) {

@@ -16,7 +16,6 @@ namespace {
 constexpr double kTouching = 1e-4;  // of the least extent: blocks closer than this at the start touch
 
 double least_extent(const Brick& b) { return *std::min_element(b.size.begin(), b.size.end()); }
-double norm_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 }  // namespace
 

@@ -15,7 +15,7 @@
 namespace quoin {
 namespace {
 
-Model cube_wall(int size) {
+Model wall_of_cubes(int size) {
   Assembly assembly = assemble(read_scene(QUOIN_SCENES "/cube_wall_" + std::to_string(size) + ".toml", {}));
   auto materials = make_materials(assembly);
   return Model(std::move(assembly), std::move(materials));
@@ -23,7 +23,7 @@ Model cube_wall(int size) {
 
 TEST(BodyGroup, EveryBodyHasALaneAndEveryPointASlotOnEachSide) {
   for (const int size : {10, 20}) {
-    const Model model = cube_wall(size);
+    const Model model = wall_of_cubes(size);
     std::vector<int> seen(model.bodies.size(), 0);
     for (const int b : model.lone_bodies) ++seen[at(b)];
     std::vector<int> sides(at(model.point_count), 0);
@@ -74,7 +74,7 @@ TEST(BodyGroup, HotArraysAreWhatAStepReads) {
 
 // The reason for the order of contact points.
 TEST(BodyGroup, MostContactPointsOfAWallNeedNoGathers) {
-  const Model model = cube_wall(20);
+  const Model model = wall_of_cubes(20);
   const auto gathered = std::count(model.slot_run.begin(), model.slot_run.end(), -1);
   EXPECT_LT(static_cast<double>(gathered), 0.15 * static_cast<double>(model.slot_run.size()));
 }
@@ -143,7 +143,7 @@ struct StepInput {
 class BodyGroupDamping : public testing::TestWithParam<DampingKind> {};
 
 TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
-  Model model = cube_wall(10);
+  Model model = wall_of_cubes(10);
   for (std::size_t b = 0; b < model.bodies.size(); b += 7)
     model.bodies[b].held = {false, false, true, true, true, false};
   std::mt19937_64 random(1);
@@ -209,7 +209,7 @@ TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
 
 // Bodies at rest are left out of the step: what a step would do to them is nothing, to the bit.
 TEST_P(BodyGroupDamping, ABodyHeldStillIsNotChangedByAStep) {
-  const Model model = cube_wall(10);
+  const Model model = wall_of_cubes(10);
   std::mt19937_64 random(2);
   StepInput input(model, GetParam(), random);
   Inertia inertia;

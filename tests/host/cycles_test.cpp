@@ -28,11 +28,11 @@ Scene wall(std::vector<std::string> more = {}) {
   return scene;
 }
 
-struct Rows : Observer {
+struct RowsOfStage : Observer {
   std::vector<HistoryRow> rows;  // of the stage of cycles
   int stage;
   int promotions = 0;
-  explicit Rows(int of_stage) : stage(of_stage) {}
+  explicit RowsOfStage(int of_stage) : stage(of_stage) {}
   void on_row(const HistoryRow& row) override {
     if (row.stage == stage) rows.push_back(row);
   }
@@ -67,7 +67,7 @@ TEST(Cycles, OfAWallReachTheirAmplitudes) {
   for (const char* vertical : {"held", "pressure"}) {
     const Scene scene = wall({std::string("stage.cycles.vertical=") + vertical});
     Simulation s(scene);
-    Rows rows(1);
+    RowsOfStage rows(1);
     s.run(rows);
     EXPECT_FALSE(s.large_motion());
     expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
@@ -80,7 +80,7 @@ TEST(Cycles, OfAWallReachTheirAmplitudes) {
 TEST(Cycles, InLargeMotionReachTheirAmplitudes) {
   const Scene scene = wall({"solver.large_motion=always", "stage.cycles.vertical=pressure"});
   Simulation s(scene);
-  Rows rows(1);
+  RowsOfStage rows(1);
   s.run(rows);
   ASSERT_TRUE(s.large_motion());
   expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
@@ -90,7 +90,7 @@ TEST(Cycles, InLargeMotionReachTheirAmplitudes) {
 TEST(Cycles, GoOnThroughAPromotion) {
   const Scene scene = wall({"solver.rotation_bound=1e-4", "stage.cycles.vertical=pressure"});
   Simulation s(scene);
-  Rows rows(1);
+  RowsOfStage rows(1);
   s.run(rows);
   EXPECT_EQ(rows.promotions, 1);
   const CyclicMotion motion(*scene.stages[1].cycles);
@@ -111,7 +111,7 @@ TEST(Cycles, TakeOverWhatStillMoves) {
   shear.duration = 1e-3;
   scene.stages.insert(scene.stages.begin() + 1, shear);
   Simulation s(scene);
-  Rows rows(2);
+  RowsOfStage rows(2);
   s.run(rows);
   const double dt = rows.rows[1].time - rows.rows[0].time;
   EXPECT_NEAR(rows.rows[0].displacement, 0.0, 1e-15);
@@ -129,7 +129,7 @@ TEST(Cycles, StopWhereAHalfCycleLosesForce) {
     std::vector<std::string> settings = more;
     if (!fraction.empty()) settings.push_back("stage.cycles.stop_at_force_loss=" + fraction);
     auto s = std::make_unique<Simulation>(wall(settings));
-    Rows rows(1);
+    RowsOfStage rows(1);
     s->run(rows);
     return std::pair{std::move(s), rows.rows};
   };
@@ -214,7 +214,7 @@ TEST(Cycles, OfABlockReachTheirAmplitudesInEveryKindOfMotion) {
     SCOPED_TRACE(how);
     const Scene scene = blocks({how});
     Simulation s(scene);
-    Rows rows(1);
+    RowsOfStage rows(1);
     s.run(rows);
     EXPECT_EQ(s.large_motion() == nullptr, how == std::string("solver.kernels=lattice"));
     expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
@@ -238,7 +238,7 @@ TEST(Cycles, OfAWhiffletreeReachTheirAmplitudes) {
   std::filesystem::remove(file);
   ASSERT_TRUE(scene.stages[1].whiffletree);
   Simulation s(scene);
-  Rows rows(1);
+  RowsOfStage rows(1);
   s.run(rows);
   // One floor: the force that the walls carry to the ground is that of the tree, but for inertia and damping.
   const CyclicMotion motion(*scene.stages[1].cycles);

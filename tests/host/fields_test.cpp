@@ -24,9 +24,9 @@ struct Case {
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
 
-const std::string kWall = QUOIN_HOST_TESTS "/../cli/small_wall.toml";
+const std::string kSmallWall = QUOIN_HOST_TESTS "/../cli/small_wall.toml";
 
-Overrides weak(Overrides more) {
+Overrides weak_wall(Overrides more) {
   more.insert(more.end(), {"wall.courses=3", "wall.units_per_course=2", "joints.mortar.tensile_strength=3e4",
                            "joints.mortar.cohesion=5e4", "stage.precompression.duration=0.002",
                            "stage.shear.velocity=0.2", "stage.shear.ramp_time=0.0005", "output.energy=true"});
@@ -75,18 +75,18 @@ TEST_P(Fields, AreAllThatARunGoesOnFrom) {
 INSTANTIATE_TEST_SUITE_P(
     Kinds, Fields,
     ::testing::Values(
-        Case{"Lattice", kWall, weak({}), 60},
-        Case{"LatticeWithStiffnessDamping", kWall, weak({"solver.damping=viscous", "solver.stiffness_damping=1e-6"}),
+        Case{"Lattice", kSmallWall, weak_wall({}), 60},
+        Case{"LatticeWithStiffnessDamping", kSmallWall, weak_wall({"solver.damping=viscous", "solver.stiffness_damping=1e-6"}),
              60},
         Case{"LatticeOnGround", QUOIN_HOST_TESTS "/shaken_wall.toml", {"stage.shake.ground_motion.scale=1.5"}, 60},
-        Case{"LatticeAfterASwap", kWall, weak({"stage.shear.law=coulomb_slip"}), 60},
-        Case{"General", kWall, weak({"solver.kernels=general"}), 60},
-        Case{"GeneralWithStiffnessDamping", kWall,
-             weak({"solver.kernels=general", "solver.damping=viscous", "solver.stiffness_damping=1e-6"}), 60},
-        Case{"GeneralWithScatter", kWall,
-             weak({"solver.kernels=general", "joints.mortar.cohesion={distribution='lognormal', mean=5e4, cov=0.3}"}),
+        Case{"LatticeAfterASwap", kSmallWall, weak_wall({"stage.shear.law=coulomb_slip"}), 60},
+        Case{"General", kSmallWall, weak_wall({"solver.kernels=general"}), 60},
+        Case{"GeneralWithStiffnessDamping", kSmallWall,
+             weak_wall({"solver.kernels=general", "solver.damping=viscous", "solver.stiffness_damping=1e-6"}), 60},
+        Case{"GeneralWithScatter", kSmallWall,
+             weak_wall({"solver.kernels=general", "joints.mortar.cohesion={distribution='lognormal', mean=5e4, cov=0.3}"}),
              60},
-        Case{"Promoted", kWall, weak({"solver.rotation_bound=1e-5"}), 60},
+        Case{"Promoted", kSmallWall, weak_wall({"solver.rotation_bound=1e-5"}), 60},
         Case{"HalvesThatPart",
              QUOIN_HOST_TESTS "/halves_part.toml",
              {"solver.large_motion=always", "output.energy=true"},
