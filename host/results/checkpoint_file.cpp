@@ -323,20 +323,21 @@ std::string text_of(const Scene& scene, std::size_t index) {
 // Settings of [solver] on which the bits of a run depend.
 std::vector<Identity::Part> parts_of(const SolverSettings& s) {
   std::vector<Identity::Part> parts;
-  const auto add = [&](const char* key, double value) {
+  const auto add = [&](const std::string& key, double value) {
     parts.push_back({fmt::format("solver.{}", key), fmt::format("{}", value)});
   };
   parts.push_back({"solver.damping", name_of(s.damping)});
-  add("local_damping", s.local_damping);
-  add("settling_damping", s.settling_damping.value_or(s.local_damping));
-  add("deformation_damping", s.deformation_damping);
-  add("mass_damping", s.mass_damping);
-  add("stiffness_damping", s.stiffness_damping);
-  add("impact_damping", s.impact_damping);
-  add("maxwell_damping", s.maxwell_damping);
-  add("implicit_contacts", s.implicit_contacts ? 1.0 : 0.0);
-  add("maxwell_band, lowest", s.maxwell_band[0]);
-  add("maxwell_band, highest", s.maxwell_band[1]);
+  for (const DampingNumber& number : damping_numbers(s)) {
+    if (const auto* band = std::get_if<std::array<double, 2>>(&number.value)) {
+      add(number.key + ", lowest", (*band)[0]), add(number.key + ", highest", (*band)[1]);
+    } else {
+      std::visit(
+          [&](auto value) {
+            if constexpr (std::is_arithmetic_v<decltype(value)>) add(number.key, static_cast<double>(value));
+          },
+          number.value);
+    }
+  }
   add("time_step_fraction", s.time_step_fraction);
   add("mass_scaling", s.mass_scaling);
   add("selective_time_step", s.selective_time_step);

@@ -8,13 +8,10 @@ std::string leaves_lattice(const Scene& scene, std::size_t stage) {
   Stage others = settings;
   others.ground.reset();
   if (std::string acts = others.beyond_lattice(); !acts.empty()) return acts;
-  const SolverSettings& solver = scene.solver_in(stage);
+  const Damping damping = damping_of(scene.solver_in(stage));
   // Of joints the lattice has no viscous damping.
-  if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0.0)
-    return "moves the ground under stiffness_damping";
-  if (solver.damping == DampingKind::impact && solver.maxwell_damping > 0.0)
-    return "moves the ground under maxwell_damping";
-  return "";
+  if (damping.beta > 0.0) return "moves the ground under stiffness_damping";
+  return damping.has_maxwell() ? "moves the ground under maxwell_damping" : "";
 }
 
 }  // namespace quoin

@@ -309,7 +309,7 @@ void share_names(std::vector<Stage>* stages, std::vector<Brick>* bricks) {
 
 OnLattice made_of(const Assembly& assembly, const Scene& scene) {
   if (assembly.contact.small_displacement == 0.0) unfit("large motion is asked for from the start");
-  if (scene.solver.damping == DampingKind::impact) unfit("solver.damping = \"impact\"");
+  if (damping_of(scene.solver).impacts) unfit("solver.damping = \"{}\"", name_of(scene.solver.damping));
   OnLattice made{{}, scene};
   made.bricks.materials = assembly.materials;
   made.bricks.families = assembly.families;

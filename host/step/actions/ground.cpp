@@ -174,7 +174,7 @@ void follow_ground_of_lattice(Simulation::Impl& s, double ramp) {
   s.data.ground_velocity = {};
   if (body < 0 || s.progress.stage < 0) return;
   const BodyRamp& ground = s.controls.ramps[static_cast<std::size_t>(body)];
-  const double half = s.data.damping == DampingKind::viscous ? 0.0 : 0.5 * s.data.time_step;
+  const double half = s.data.mass_damping > 0.0 ? 0.0 : 0.5 * s.data.time_step;
   const Vector record =
       record_velocity(s, current_stage(s), time_now(s) - half, static_cast<std::int32_t>(ground.motion));
   for (std::size_t c = 0; c < 3; ++c)
