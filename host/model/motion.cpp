@@ -80,7 +80,7 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
     if (!why.empty()) beyond = &scene.stages[i];
   }
   const bool acts =
-      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return !beyond_lattice(s).empty(); });
   const char* const carried = what_is_carried(scene);
   if (!acts && !carried) return;
   const SolverSettings& s = scene.solver;

@@ -4,10 +4,10 @@ namespace quoin {
 
 std::string leaves_lattice(const Scene& scene, std::size_t stage) {
   const Stage& settings = scene.stages[stage];
-  if (!settings.ground) return settings.beyond_lattice();
+  if (!settings.ground) return beyond_lattice(settings);
   Stage others = settings;
   others.ground.reset();
-  if (std::string acts = others.beyond_lattice(); !acts.empty()) return acts;
+  if (std::string acts = beyond_lattice(others); !acts.empty()) return acts;
   const Damping damping = damping_of(scene.solver_in(stage));
   // Of joints the lattice has no viscous damping.
   if (damping.beta > 0.0) return "moves the ground under stiffness_damping";

@@ -228,17 +228,12 @@ struct Stage {
 
   std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage
   Source source;
-
-  // Whether something acts in it that bricks on the lattice do not have: what has it, in the words of messages.
-  std::string beyond_lattice() const {
-    return ground               ? "moves the ground"
-           : collapse           ? "pushes until collapse"
-           : moving_load        ? "has a moving load"
-           : !forces.empty()    ? "has forces at points"
-           : !pressures.empty() ? "has pressures on faces"
-                                : "";
-  }
 };
+
+// What acts in a stage that bricks on the lattice do not have, in the words of messages: "moves the ground".
+// Empty: nothing. And all of that, with the numbers that matter (scene/actions).
+std::string beyond_lattice(const Stage& stage);
+std::vector<std::string> action_texts(const Stage& stage);
 
 // Wall of rectangular units, generated in the plane z = 0 .. thickness, lower left corner at the origin.
 struct WallSpec {

@@ -177,7 +177,7 @@ class StageWriter {
 
   Stage on_bodies(const Stage& given) const {
     const auto refuse = [&](const std::string& what) { unfit("stage '{}' {}", given.name, what); };
-    if (given.ground || given.collapse || given.moving_load) refuse(given.beyond_lattice());
+    if (given.ground || given.collapse || given.moving_load) refuse(beyond_lattice(given));
     if (given.solver) refuse("has damping of its own");
     Stage stage = given;
     stage.forces.clear(), stage.pressures.clear();

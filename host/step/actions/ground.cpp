@@ -120,6 +120,8 @@ const Drive* Actions::ground_drive() const {
   return found;
 }
 
+namespace {
+
 // The ground is all fixed blocks that no table of the stage drives. What earlier records have left of its velocity goes
 // on, or fades over the ramp of the stage if it has one.
 void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
@@ -168,6 +170,8 @@ void follow_ground(Simulation::Impl& s, const Stage& settings, double ramp) {
   s.large_motion->move_ground(left_over + record_velocity(s, settings, now - half, motion),
                               left_over + record_velocity(s, settings, now, motion));
 }
+
+}  // namespace
 
 void follow_ground_of_lattice(Simulation::Impl& s, double ramp) {
   const int body = s.controls.ground_body();
@@ -241,5 +245,14 @@ void find_base_of_lattice(Simulation::Impl& s) {
   }
   if (area > 0.0) s.reactions.base_centre = s.reactions.base_centre / area;
 }
+
+extern const Action kGround{.names =
+                                [](const Stage& stage, const VisitName& visit) {
+                                  if (!stage.ground) return;
+                                  for (const GroundMotion& support : stage.ground->supports)
+                                    std::for_each(support.blocks.begin(), support.blocks.end(), visit);
+                                },
+                            .bind = bind_ground,
+                            .apply = follow_ground};
 
 }  // namespace quoin

@@ -1,0 +1,32 @@
+// What acts on blocks from outside in a stage of any scene: one file each of this folder, and its name in actions.cpp.
+// What it does in a step has a file of step/actions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/reader.h"
+
+namespace quoin {
+
+struct StageAction {
+  const char* key;  // of the table of a stage
+  const char* has;  // the same of a stage, in the words of messages: "has pressures on faces"
+  void (*read)(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names);
+  bool (*acts)(const Stage& stage);
+  // With all numbers on which the bits of a run depend; empty: it does not act.
+  std::string (*text)(const Stage& stage);
+};
+
+inline constexpr double kFarthest =
+    1e6;  // m, of a point: beyond, positions in double precision are coarser than a joint
+
+// The block that something acts on. names: those that the scene has; empty: they are looked up later.
+inline void read_block_name(reader::Table& t, std::string& block, const std::vector<std::string>& names) {
+  if (names.empty())
+    t.text("block", block, "the name of a block", true);
+  else
+    t.choice("block", block, names, true);
+}
+
+}  // namespace quoin
