@@ -1,5 +1,7 @@
 // A body force that grows until blocks move away.
 #include "scene/actions/action.h"
+#include "scene/collapse_load.h"
+#include "scene/read_ground.h"
 
 namespace quoin {
 
