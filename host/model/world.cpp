@@ -89,8 +89,8 @@ void World::set_solver(const SolverSettings& settings) {
     for (auto& column : f.viscous) column = LaneVector<double>(n);
     for (auto& column : f.maxwell) column = LaneVector<double>(damping.has_maxwell() ? f.size() : 0);
   }
-  impacts.maxwell = damping.impacts ? quoin::maxwell_elements(damping.impacts->maxwell, damping.impacts->maxwell_band)
-                                    : std::vector<MaxwellElement>();
+  const ImpactTerms of_impacts = damping.impacts.value_or(ImpactTerms{});
+  impacts.maxwell = quoin::maxwell_elements(of_impacts.maxwell, of_impacts.maxwell_band);
   for (const Contact& c : contacts.list) {
     if (!damping.of_contacts() || c.count == 0 || !part.owns(c.pair)) continue;
     std::fill_n(contacts.families[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
