@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/registry.h"
 #include "scene/reader.h"
 
 namespace quoin {
@@ -17,6 +18,8 @@ struct StageAction {
   // With all numbers on which the bits of a run depend; empty: it does not act.
   std::string (*text)(const Stage& stage);
 };
+
+QUOIN_REGISTRY(StageAction, kStageActions, kGroundMotion, kCollapseLoad, kMovingLoad, kPointForces, kFacePressures);
 
 inline constexpr double kFarthest =
     1e6;  // m, of a point: beyond, positions in double precision are coarser than a joint
