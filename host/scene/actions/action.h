@@ -1,10 +1,11 @@
-// What acts on blocks from outside in a stage of any scene: one file each of this folder, and its name in actions.cpp.
-// What it does in a step has a file of step/actions.
+// What acts on blocks from outside in a stage of any scene: one file each of this folder, and its name below. What it
+// does in a step has a file of step/actions.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "base/registry.h"
 #include "scene/reader.h"
 
 namespace quoin {
@@ -14,12 +15,13 @@ struct StageAction {
   const char* has;  // the same of a stage, in the words of messages: "has pressures on faces"
   void (*read)(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names);
   bool (*acts)(const Stage& stage);
-  // With all numbers on which the bits of a run depend; empty: it does not act.
-  std::string (*text)(const Stage& stage);
+  std::string (*text)(const Stage& stage);  // where it acts: all numbers on which the bits of a run depend
 };
 
-inline constexpr double kFarthest =
-    1e6;  // m, of a point: beyond, positions in double precision are coarser than a joint
+QUOIN_REGISTRY(StageAction, kStageActions, kGroundMotion, kCollapseLoad, kMovingLoad, kPointForces, kFacePressures);
+
+// Of a point, m: beyond, positions in double precision are coarser than a joint.
+inline constexpr double kFarthest = 1e6;
 
 // The block that something acts on. names: those that the scene has; empty: they are looked up later.
 inline void read_block_name(reader::Table& t, std::string& block, const std::vector<std::string>& names) {

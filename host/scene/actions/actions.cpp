@@ -1,11 +1,8 @@
 #include "scene/actions/actions.h"
 
-#include "base/registry.h"
 #include "scene/actions/action.h"
 
 namespace quoin {
-
-QUOIN_REGISTRY(StageAction, kStageActions, kGroundMotion, kCollapseLoad, kMovingLoad, kPointForces, kFacePressures);
 
 // `pressure` with a number is that of a stage of that kind.
 bool has_actions(const reader::Table& t) {
