@@ -30,7 +30,7 @@ set(batches
     verification_test:4:threads_test.cpp
     cyclic_joint_test:4:convergence_test.cpp
     law_test:4
-    scene_test:4:read_block_scene_test.cpp
+    scene_test:4:generate_blocks_test.cpp,read_block_scene_test.cpp
     host_test:5:kernels_choice_test.cpp,ranks_test.cpp,surface_test.cpp
     records_test:6
     results_test:2
