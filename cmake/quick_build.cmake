@@ -32,7 +32,7 @@ set(batches
     verification_test:6:threads_test.cpp
     cyclic_joint_test:4:convergence_test.cpp
     law_test:4
-    scene_test:8:read_block_scene_test.cpp
+    scene_test:8:generate_blocks_test.cpp,read_block_scene_test.cpp
     host_test:8:kernels_choice_test.cpp,ranks_test.cpp,surface_test.cpp
     records_test:6
     results_test:2

@@ -38,8 +38,8 @@ StageModes damped_modes(const Simulation& simulation, int stage) {
     return found;
   };
   const Scene& scene = simulation.scene();
-  const DampingKind kind = scene.solver_in(static_cast<std::size_t>(stage)).damping;
-  if (kind != DampingKind::impact && kind != DampingKind::viscous) return without("no viscosity damps");
+  const Damping damping = damping_of(scene.solver_in(static_cast<std::size_t>(stage)));
+  if (damping.alpha == 0.0 && !damping.of_contacts()) return without("no viscosity damps");
   if (simulation.ranks_collect()) return without("not on several ranks");
   if (scene.members) return without("stiffness of ties, floors and beams is not in them");
   if (std::string why = why_dear(simulation, scene.stages[static_cast<std::size_t>(stage)]); !why.empty())

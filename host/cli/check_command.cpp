@@ -80,7 +80,8 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
     const Stage& stage = scene.stages[i];
     const std::string own = own_solver_text(scene, i);
     const SolverSettings& solver = scene.solver_in(i);
-    const bool has_own_model = solver.damping == DampingKind::impact || has_own_inertia(scene, i);
+    const std::optional<ImpactTerms> impacts = damping_of(solver).impacts;
+    const bool has_own_model = impacts || has_own_inertia(scene, i);
     const StageStep alone = has_own_model ? step_of_own_model(scene, i) : StageStep{};
     const double time_step = has_own_model ? alone.time_step
                              : own.empty()
@@ -104,7 +105,7 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
     if (!own.empty())
       fmt::print("      {}: time step {:.4g} s, {:.2f} of 2/omega_max{}\n", own, time_step,
                  time_step / (has_own_model ? alone.critical : report.critical.value),
-                 alone.in_use > 0.0 && alone.in_use < 0.99 * solver.impact_damping
+                 impacts && alone.in_use < 0.99 * impacts->share
                      ? fmt::format(", at which {:.2g} of critical is in use", alone.in_use)
                      : "");
     if (const std::string warning = ground_damping_warning(scene, i); !warning.empty())

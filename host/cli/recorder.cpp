@@ -36,10 +36,10 @@ void Recorder::on_stage_begin(const Simulation& simulation, int stage) {
   if (const std::string own = own_solver_text(scene_, static_cast<size_t>(stage)); !own.empty())
     text += fmt::format("; {}: time step {:.3g} s ({:.2f} of 2/omega_max)", own, step.time_step,
                         step.time_step / step.critical.value);
-  const SolverSettings& solver = scene_.solver_in(static_cast<size_t>(stage));
+  const std::optional<ImpactTerms> impacts = damping_of(scene_.solver_in(static_cast<size_t>(stage))).impacts;
   const double in_use = step.impacts.in_use;
-  if (in_use > 0.0 && in_use < 0.99 * solver.impact_damping)
-    text += fmt::format(", at which {:.2g} of the impact damping of {:g} is in use", in_use, solver.impact_damping);
+  if (impacts && in_use > 0.0 && in_use < 0.99 * impacts->share)
+    text += fmt::format(", at which {:.2g} of the impact damping of {:g} is in use", in_use, impacts->share);
   if (in_use > 0.0)
     text += fmt::format("; an edge that lands comes back with {:.2g} of its velocity", landing_restitution(in_use));
   progress_.message(text);

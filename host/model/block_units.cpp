@@ -118,7 +118,7 @@ bool are_together(const World& w, int a, int b) {
 // their fall apart. Inertia that goes or comes back takes no momentum with it, as velocities stay and P_b - P_u has
 // none. Its kinetic energy, (s_u - 1)/2 v . M (P_b - P_u) v, is booked.
 void part_units(World& w) {
-  if (w.stepping.count < w.checks.next || !splits_motion(w.solver)) return;
+  if (w.stepping.count < w.checks.next || !splits_motion(w)) return;
   std::vector<double> freed(w.blocks.size(), std::nan(""));  // by the first half of those that part or meet, J
   bool changed = false;
   for (int a = 0; a < w.block_count(); ++a) {

@@ -79,7 +79,7 @@ Landing landing_frequencies(const World& w, int family) {
 void choose_impact_damping(World& w) {
   w.impacts.beta.clear();
   w.impacts.zone_beta = 0.0, w.impacts.share = 1.0;
-  if (!impacts_damped(w.solver)) return;
+  if (!w.damping.impacts) return;
   // Joints between the halves of units are glued from the start: nothing lands there. Their stiffness, which is that of
   // the units, would take all of the step.
   const auto within_units = [&](size_t f) {
@@ -97,7 +97,7 @@ void choose_impact_damping(World& w) {
       w.impacts.beta.insert(w.impacts.beta.end(), {0.0, 0.0});
       continue;
     }
-    const auto [normal, along] = impact_viscosity(landing_frequencies(w, int(f)), w.solver.impact_damping);
+    const auto [normal, along] = impact_viscosity(landing_frequencies(w, int(f)), w.damping.impacts->share);
     w.impacts.beta.insert(w.impacts.beta.end(), {normal, along});
   }
   for (int i = 0; i < w.block_count(); ++i) {

@@ -45,8 +45,8 @@ void set_aside(const World& w, const Contact& c, uint32_t& first, uint32_t& firs
 namespace {
 
 bool has_columns(const World& w, When when) {
-  return when == When::with_stiffness_damping ? viscous_contacts(w.solver)
-         : when == When::with_maxwell         ? has_maxwell(w.solver)
+  return when == When::with_stiffness_damping ? w.damping.of_contacts()
+         : when == When::with_maxwell         ? w.damping.has_maxwell()
          : when == When::with_energies        ? w.books_energy
                                               : true;
 }

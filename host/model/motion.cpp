@@ -47,8 +47,7 @@ const char* what_is_carried(const Scene& scene) {
 // Why a wall or building has no part of its run on the lattice; empty: it may have.
 std::string why_free_from_start(const Scene& scene) {
   if (const char* const carried = what_is_carried(scene)) return std::string("the scene has ") + carried;
-  if (scene.solver.damping == DampingKind::impact && scene.solver.maxwell_damping > 0.0)
-    return "solver.maxwell_damping";
+  if (damping_of(scene.solver).has_maxwell()) return "solver.maxwell_damping";
   const std::string first = scene.stages.empty() ? "" : leaves_lattice(scene, 0);
   return first.empty() ? "" : fmt::format("stage '{}' {}", scene.stages.front().name, first);
 }
@@ -81,7 +80,7 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
     if (!why.empty()) beyond = &scene.stages[i];
   }
   const bool acts =
-      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return !beyond_lattice(s).empty(); });
   const char* const carried = what_is_carried(scene);
   if (!acts && !carried) return;
   const SolverSettings& s = scene.solver;

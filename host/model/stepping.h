@@ -33,16 +33,6 @@ struct StepLimit {
 // The time step with these settings over the critical one, s, without damping.
 double step_over_critical(const SolverSettings& solver, double critical);
 
-// Rigid motion is advanced apart from the rest: inertia is scaled apart, or damping is by block.
-inline bool splits_motion(const SolverSettings& s) {
-  return s.damping == DampingKind::block || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0;
-}
-inline bool impacts_damped(const SolverSettings& s) { return s.damping == DampingKind::impact; }
-inline bool has_maxwell(const SolverSettings& s) { return impacts_damped(s) && s.maxwell_damping > 0.0; }
-inline bool viscous_contacts(const SolverSettings& s) {
-  return impacts_damped(s) || (s.damping == DampingKind::viscous && s.stiffness_damping > 0);
-}
-
 // Beside the one in use, which falls alone unless it may grow.
 void find_time_step(World& w, bool may_grow = false);
 bool shorten_step(const World& w, std::span<const int> changed);  // these own blocks

@@ -527,7 +527,8 @@ std::vector<std::array<double, 2>> impact_viscosities(const Model& model, const 
     }
   }
   for (std::size_t f = 0; f < squares.size(); ++f)
-    viscosities.push_back(lands[f] ? impact_viscosity(squares[f], settings.impact_damping) : std::array{0.0, 0.0});
+    viscosities.push_back(lands[f] ? impact_viscosity(squares[f], damping_of(settings).impacts->share)
+                                   : std::array{0.0, 0.0});
   return viscosities;
 }
 
@@ -565,7 +566,7 @@ ImpactStep damp_impacts(const Model& model, const SolverSettings& settings, cons
                          [&](double share, double dt) { return tree + eigenvalue(1.0, 2.0 * share / dt); });
   for (auto& of_family : damping.viscosity) of_family = {step.share * of_family[0], step.share * of_family[1]};
   damping.of_zones *= step.share;
-  damping.in_use = step.share * settings.impact_damping;
+  damping.in_use = step.share * damping_of(settings).impacts->share;
   return step;
 }
 
@@ -588,7 +589,7 @@ double step_of_zones(const Model& model, const SolverSettings& settings, const I
   ImpactDamping& damping = report->impacts;
   damping.viscosity = impact_viscosities(model, settings);
   damping.of_zones = least_zone_viscosity(model, settings);
-  damping.in_use = settings.impact_damping;
+  damping.in_use = damping_of(settings).impacts->share;
   Springs zones{std::vector<std::array<double, 2>>(model.families.size()), 1.0};
   const UndamagedSystem system(model, chunks_here(model, shared), std::move(zones));
   const double squared = tree + largest_eigenvalue(model, system, inertia, false, shared).value;
@@ -701,7 +702,7 @@ Inertia inertia_in_use(const Model& model, const SolverSettings& settings, Share
 
   inertia.deformation = settings.deformation_inertia;
   inertia.unit = settings.unit_inertia;
-  if (inertia.deformation != 1.0 || inertia.unit != 1.0 || settings.damping == DampingKind::block)
+  if (inertia.deformation != 1.0 || inertia.unit != 1.0 || damping_of(settings).splits_motion())
     inertia.rigid = rigid_motions(model, inertia.node);
   return inertia;
 }
@@ -723,27 +724,22 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   }
   // Damping proportional to velocity is taken from the velocity of half a step ago, which costs stability. The bound is
   // dt <= 2/omega (sqrt(1 + xi^2) - xi) with the damping ratio xi at the highest frequency.
-  double xi = 0.0;
+  const Damping damping = damping_of(settings);
   const double omega = 2.0 / report.critical.value;
-  if (settings.damping == DampingKind::viscous)
-    xi = 0.5 * (settings.mass_damping / omega + settings.stiffness_damping * omega);
-  if (settings.damping == DampingKind::block) xi = settings.deformation_damping;
-  if (settings.damping == DampingKind::local || settings.damping == DampingKind::block)
-    report.quiet_fraction =
-        1.0 / std::sqrt(1.0 + std::max(settings.local_damping, settings.settling_damping.value_or(0.0)));
-  if (settings.damping == DampingKind::viscous) report.stiffness_damping = settings.stiffness_damping;
-  if (settings.damping == DampingKind::block) report.stiffness_damping = 2.0 * settings.deformation_damping / omega;
-  const double reduction = std::sqrt(1.0 + xi * xi) - xi;
+  double xi = damping.zone_ratio;
+  if (damping.alpha > 0.0 || damping.beta > 0.0) xi += 0.5 * (damping.alpha / omega + damping.beta * omega);
+  report.quiet_fraction = 1.0 / std::sqrt(1.0 + std::max(damping.gamma, damping_of(settings, true).gamma));
+  report.stiffness_damping = damping.beta;
+  if (damping.zone_ratio > 0.0) report.stiffness_damping += 2.0 * damping.zone_ratio / omega;
   const double limit =
       settings.critical_time_step == CriticalTimeStep::nodal ? report.nodal.value : report.critical.value;
-  report.time_step = settings.time_step_fraction * reduction * limit;
-  if (settings.damping == DampingKind::impact && std::isfinite(report.critical.value)) {
+  report.time_step = settings.time_step_fraction * step_left(xi) * limit;
+  if (damping.impacts && std::isfinite(report.critical.value)) {
     constexpr double kClose = 0.95;  // of the limit
-    report.time_step = settings.implicit_contacts
-                           ? std::min(settings.time_step_fraction, kClose) *
-                                 step_of_zones(model, settings, *inertia, tree, shared, &report)
-                           : std::min(report.time_step, kClose * limit) *
-                                 damp_impacts(model, settings, *inertia, tree, shared, &report).left;
+    report.time_step = damping.is_implicit() ? std::min(settings.time_step_fraction, kClose) *
+                                                   step_of_zones(model, settings, *inertia, tree, shared, &report)
+                                             : std::min(report.time_step, kClose * limit) *
+                                                   damp_impacts(model, settings, *inertia, tree, shared, &report).left;
     report.stiffness_damping = report.impacts.of_zones;
   }
   if (settings.selective_time_step > 0.0) report.time_step = std::min(settings.selective_time_step, report.time_step);

@@ -63,29 +63,36 @@ World::World(const Assembly& scene, const SolverSettings& settings,
   if (!part.ranks) begin({});
 }
 
+void World::settle(bool on) {
+  is_settling = on;
+  damping = damping_of(solver, is_settling);
+}
+
 void World::set_solver(const SolverSettings& settings) {
   const double mass_scaling = solver.mass_scaling;
   const bool runs = stepping.critical_dt > 0, books = runs && books_energy;
   const double moving = books ? kinetic_energy_of_all() : 0.0;
   solver = settings;
   if (runs) solver.mass_scaling = mass_scaling;
+  settle(is_settling);
   if (books) step_sums.later.detection += moving - kinetic_energy_of_all();  // goes with the added inertia
-  if (solver.damping == DampingKind::local && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
+  if (damping.eq1 == Eq1::gridpoints && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
     throw Error(
         Exit::bad_input,
         "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
         "brake their motion; use damping = \"block\"");
   }
   for (Family& f : contacts.families) {
-    const size_t n = viscous_contacts(solver) ? f.size() : 0;
+    const size_t n = damping.of_contacts() ? f.size() : 0;
     for (auto& column : f.old_traction) column = LaneVector<double>(n);
     f.old_jump = LaneVector<double>(n);
     for (auto& column : f.viscous) column = LaneVector<double>(n);
-    for (auto& column : f.maxwell) column = LaneVector<double>(has_maxwell(solver) ? f.size() : 0);
+    for (auto& column : f.maxwell) column = LaneVector<double>(damping.has_maxwell() ? f.size() : 0);
   }
-  impacts.maxwell = quoin::maxwell_elements(has_maxwell(solver) ? solver.maxwell_damping : 0.0, solver.maxwell_band);
+  const ImpactTerms of_impacts = damping.impacts.value_or(ImpactTerms{});
+  impacts.maxwell = quoin::maxwell_elements(of_impacts.maxwell, of_impacts.maxwell_band);
   for (const Contact& c : contacts.list) {
-    if (!viscous_contacts(solver) || c.count == 0 || !part.owns(c.pair)) continue;
+    if (!damping.of_contacts() || c.count == 0 || !part.owns(c.pair)) continue;
     std::fill_n(contacts.families[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
   }
   bind_columns(*this);
@@ -267,7 +274,7 @@ void World::track_energy(bool on) {
   step_sums.energies = {};
   step_sums.later = {};
   for (Family& f : contacts.families) {
-    for (auto& column : f.viscous) column = LaneVector<double>(viscous_contacts(solver) ? f.size() : 0);
+    for (auto& column : f.viscous) column = LaneVector<double>(damping.of_contacts() ? f.size() : 0);
   }
   book_energy(on);
 }

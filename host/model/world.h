@@ -70,6 +70,7 @@ struct World {
   }
   // Of a stage: mass_scaling stays as it was at the start. The time step is chosen again.
   void set_solver(const SolverSettings& settings);
+  void settle(bool on);  // damping of stages that run to equilibrium
   // The law alone, for a state that is about to be restored.
   void take_law(int family, std::shared_ptr<const Material> material);
   // Another law for all points of a family, between two steps. state: columns of the new law one after the other.
@@ -99,7 +100,7 @@ struct World {
   double time_step() const { return stepping.dt; }
   double critical_time_step() const { return stepping.critical_dt; }
   // Of solver.impact_damping what the time step leaves, of critical; 0: damping is not that of impacts.
-  double impact_damping_in_use() const { return impacts_damped(solver) ? impacts.share * solver.impact_damping : 0.0; }
+  double impact_damping_in_use() const { return damping.impacts ? impacts.share * damping.impacts->share : 0.0; }
   // What moves most in the fastest vibration, which sets the step; of one process that has all blocks.
   StepLimit what_sets_time_step() const;
   long detections() const { return detection.count; }
@@ -260,15 +261,17 @@ struct World {
   StepSums step_sums;
   bool is_small = true;       // displacements: frames of contacts stay as at the start
   bool books_energy = false;  // energies are asked for
-  bool is_settling = false;   // damping is that of stages that run to equilibrium
+  bool is_settling = false;   // in a stage that runs to equilibrium
+  Damping damping;            // of `solver` and `is_settling`
 };
 
-inline double gamma(const World& w) {  // of eq. 1
-  return w.is_settling ? w.solver.settling_damping.value_or(w.solver.local_damping) : w.solver.local_damping;
+// Rigid motion is advanced apart from the rest: inertia is scaled apart, or damping is by block.
+inline bool splits_motion(const World& w) {
+  return w.damping.splits_motion() || w.solver.deformation_inertia != 1.0 || w.solver.unit_inertia != 1.0;
 }
 // Of the ground, at the time of what damping reads: signs are of half a step ago, viscous forces of now.
 inline Vector braking_ground(const World& w) {
-  return w.solver.damping == DampingKind::viscous ? w.actions.ground_now : w.actions.ground_then;
+  return w.damping.alpha > 0.0 ? w.actions.ground_now : w.actions.ground_then;
 }
 inline int facets_a_point(const World& w, const Contact& c) {
   return int(w.blocks[size_t(c.pair.a)].body < 0) + int(w.blocks[size_t(c.pair.b)].body < 0);

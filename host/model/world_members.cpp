@@ -74,11 +74,9 @@ void follow_members(World& w) {
     if (node.turns) node.turn = w.orientation(node.block);
   }
   if (w.held_by.exchange) w.held_by.exchange(w.held_by.members->nodes());
-  const bool eq1 = w.solver.damping == DampingKind::local || w.solver.damping == DampingKind::block;
   w.held_by.members->pull({w.stepping.dt, w.stepping.dt * w.actions.ground_then, braking_ground(w),
                            w.actions.gravity_factor.at(w.stepping.time) * w.actions.gravity, w.solver.mass_scaling,
-                           w.solver.damping == DampingKind::viscous ? w.solver.mass_damping : 0.0,
-                           eq1 ? gamma(w) : 0.0});
+                           w.damping.alpha, w.damping.gamma});
 }
 
 // As springs of the same stiffness in all directions, which bound them however they turn.

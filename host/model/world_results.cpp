@@ -185,7 +185,7 @@ double World::kinetic_energy_of(int block) const {
     }
   }
   const Unit unit = units.of(block);
-  if (splits_motion(solver) && unit.block[0] == block) sum += rigid_kinetic_energy(*this, unit);
+  if (splits_motion(*this) && unit.block[0] == block) sum += rigid_kinetic_energy(*this, unit);
   return sum;
 }
 

@@ -226,7 +226,7 @@ struct Vibration {
           springs.push_back({&family, &p, world.place_of(p), world.frame_of(p).row[0], factor * p.area});
         },
         [&](int block) { return !alone || alone->has(block); });
-    if (splits_motion(world.solver)) inertia = inertia_of_units(world, blocks);
+    if (splits_motion(world)) inertia = inertia_of_units(world, blocks);
   }
 
   // Unknowns: six of each body, then three of each gridpoint. A unit alone has none but its own.
@@ -330,7 +330,7 @@ struct Vibration {
   // y = M^-1/2 K M^-1/2 x; returns x . y over all ranks.
   double product(const LaneVector<double>& x, LaneVector<double>* y) {
     scatter(x);
-    if (splits_motion(world.solver)) scale_motion(world, blocks, inertia, nv, false);
+    if (splits_motion(world)) scale_motion(world, blocks, inertia, nv, false);
     halo.exchange(ranks);
     if (stiffness.of_zones != 0.0) add_zone_forces(world, blocks, nv, nf);
     if (stiffness.of_zones != 1.0) each_node([&](size_t i, size_t) { nf[i] = stiffness.of_zones * nf[i]; });
@@ -342,7 +342,7 @@ struct Vibration {
       add_force(point->b, point->facet_b, at, 1.0, force);
     }
     if (world.held_by.members && stiffness.of_members != 0.0) add_member_springs(world, alone, {v, w, nv}, {f, m, nf});
-    if (splits_motion(world.solver)) scale_motion(world, blocks, inertia, nf, true);
+    if (splits_motion(world)) scale_motion(world, blocks, inertia, nf, true);
     return gather(x, y);
   }
 
@@ -405,7 +405,7 @@ bool shorten_step(const World& w, std::span<const int> changed) {
   return std::any_of(changed.begin(), changed.end(), [&](int block) {
     const Unit unit = w.units.of(block);
     if (!(highest_frequency(w, nullptr, &unit) * w.stepping.critical_dt <= 2.0)) return true;
-    return impacts_damped(w.solver) && !(largest_over_inertia(w, impact_dashpots(w), nullptr, &unit) <= w.impacts.rate);
+    return w.damping.impacts && !(largest_over_inertia(w, impact_dashpots(w), nullptr, &unit) <= w.impacts.rate);
   });
 }
 
@@ -461,10 +461,8 @@ double step_under_impact_damping(World& w) {
 }  // namespace
 
 double step_over_critical(const SolverSettings& solver, double critical) {
-  double xi = 0.0;                                                                       // damping ratio at omega_max
-  if (solver.damping == DampingKind::viscous) xi = solver.stiffness_damping / critical;  // beta omega / 2
-  if (solver.damping == DampingKind::block) xi = solver.deformation_damping;
-  return solver.time_step_fraction * (std::sqrt(1 + xi * xi) - xi);
+  const Damping damping = damping_of(solver);
+  return solver.time_step_fraction * step_left(damping.zone_ratio + damping.beta / critical);  // beta omega / 2
 }
 
 void find_time_step(World& w, bool may_grow) {
@@ -496,7 +494,7 @@ void find_time_step(World& w, bool may_grow) {
     if (own > 0) w.stepping.critical_dt = std::min(w.stepping.critical_dt, 2 / std::sqrt(own));
   }
   double dt = step_over_critical(w.solver, w.stepping.critical_dt) * w.stepping.critical_dt;
-  if (impacts_damped(w.solver)) {
+  if (w.damping.impacts) {
     const double left = omega > 0 ? step_under_impact_damping(w) : kLeastImpactStep;
     double stiffer = 1.0;  // joints beyond the band, with Maxwell elements
     for (const MaxwellElement& e : w.impacts.maxwell) stiffer += e.share;

@@ -18,6 +18,7 @@
 #include "base/sha256.h"
 #include "files/file.h"
 #include "files/file_bytes.h"
+#include "scene/actions/actions.h"
 #include "scene/damping_text.h"
 #include "scene/scatter_text.h"
 #include "step/large_motion.h"
@@ -107,13 +108,9 @@ void transfer_rows(Archive& archive, Rows& rows) {
   });
 }
 
-}  // namespace
-
 void add_series(const TimeSeries& series, Sha256& hash) {
   for (const auto* column : {&series.time, &series.value}) hash.add(column->data(), column->size() * sizeof(double));
 }
-
-namespace {
 
 void add_motion(const GroundMotion& ground, Sha256& hash) {
   for (const std::string& block : ground.blocks) hash.add_text(block);
@@ -270,10 +267,6 @@ std::string masonry_hash(const Scene& scene) {
 }
 
 // What a stage does, but for its name and for what is recorded of it.
-std::string number_or(const std::optional<double>& number, const char* otherwise) {
-  return number ? fmt::format("{}", *number) : otherwise;
-}
-
 std::string text_of(const Scene& scene, std::size_t index) {
   const Stage& s = scene.stages[index];
   std::string text = fmt::format(
@@ -294,28 +287,7 @@ std::string text_of(const Scene& scene, std::size_t index) {
     add(fmt::format("{} at {} m/s, {}", text_of(*s.cycles), s.cycles->velocity,
                     s.cycles->stop_at_force_loss.value_or(0.0)));
   if (s.whiffletree) add(fmt::format("whiffletree {} N/m, {} m/s", s.whiffletree->stiffness, s.whiffletree->velocity));
-  for (const PointForce& f : s.forces)
-    add(fmt::format("{} N at {} of {}", fmt::join(f.force, " "), fmt::join(f.point, " "), f.block));
-  if (s.moving_load)
-    add(fmt::format("{} N moving from {} to {} by {} positions", fmt::join(s.moving_load->force, " "),
-                    fmt::join(s.moving_load->from, " "), fmt::join(s.moving_load->to, " "), s.moving_load->positions));
-  for (const FacePressure& p : s.pressures)
-    add(fmt::format("{} Pa on {} of {}", p.pressure, fmt::join(p.normal, " "), p.block));
-  const std::function<void(const GroundMotion&)> add_ground = [&](const GroundMotion& ground) {
-    for (const GroundMotion::Component& c : ground.components) {
-      Sha256 record;
-      add_series(c.acceleration, record);
-      add(fmt::format("ground motion {}along {}, record {}",
-                      ground.blocks.empty() ? "" : fmt::format("of {} ", fmt::join(ground.blocks, " ")),
-                      fmt::join(c.direction, " "), record.end()));
-    }
-    for (const GroundMotion& support : ground.supports) add_ground(support);
-  };
-  if (s.ground) add_ground(*s.ground);
-  if (s.collapse)
-    add(fmt::format("collapse along {}, {} to {} at {} 1/s, {} m", fmt::join(s.collapse->direction, " "),
-                    number_or(s.collapse->start, "limit"), number_or(s.collapse->limit, "limit"),
-                    number_or(s.collapse->rate, "auto"), s.collapse->displacement));
+  for (const std::string& action : action_texts(s)) add(action);
   for (const auto& [family, law] : s.law_swaps) add(fmt::format("law of {}: {}", family, law));
   return text;
 }
@@ -323,20 +295,21 @@ std::string text_of(const Scene& scene, std::size_t index) {
 // Settings of [solver] on which the bits of a run depend.
 std::vector<Identity::Part> parts_of(const SolverSettings& s) {
   std::vector<Identity::Part> parts;
-  const auto add = [&](const char* key, double value) {
+  const auto add = [&](const std::string& key, double value) {
     parts.push_back({fmt::format("solver.{}", key), fmt::format("{}", value)});
   };
   parts.push_back({"solver.damping", name_of(s.damping)});
-  add("local_damping", s.local_damping);
-  add("settling_damping", s.settling_damping.value_or(s.local_damping));
-  add("deformation_damping", s.deformation_damping);
-  add("mass_damping", s.mass_damping);
-  add("stiffness_damping", s.stiffness_damping);
-  add("impact_damping", s.impact_damping);
-  add("maxwell_damping", s.maxwell_damping);
-  add("implicit_contacts", s.implicit_contacts ? 1.0 : 0.0);
-  add("maxwell_band, lowest", s.maxwell_band[0]);
-  add("maxwell_band, highest", s.maxwell_band[1]);
+  for (const DampingNumber& number : damping_numbers(s)) {
+    if (const auto* band = std::get_if<std::array<double, 2>>(&number.value)) {
+      add(number.key + ", lowest", (*band)[0]), add(number.key + ", highest", (*band)[1]);
+    } else {
+      std::visit(
+          [&](auto value) {
+            if constexpr (std::is_arithmetic_v<decltype(value)>) add(number.key, static_cast<double>(value));
+          },
+          number.value);
+    }
+  }
   add("time_step_fraction", s.time_step_fraction);
   add("mass_scaling", s.mass_scaling);
   add("selective_time_step", s.selective_time_step);

@@ -77,7 +77,7 @@ bool acts_along_z(const Stage& stage) {
 
 int axis_of(const Stage& stage) {
   if (stage.direction == 0 && acts_along_z(stage)) return 2;
-  if (stage.direction != 0 || stage.whiffletree || stage.cycles || !stage.beyond_lattice().empty())
+  if (stage.direction != 0 || stage.whiffletree || stage.cycles || !beyond_lattice(stage).empty())
     return stage.direction;
   const std::array<bool, 3> driven = driven_along(stage);
   return driven == std::array{false, true, false} ? 1 : driven == std::array{false, false, true} ? 2 : 0;
@@ -202,7 +202,7 @@ std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector
   const auto& stages = scene.stages;
   const bool on_ground = std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.ground.has_value(); });
   const bool acts =
-      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
+      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return !beyond_lattice(s).empty(); });
   add_groups(scene, add);
   if (scene.blocks || acts) add_block_columns(scene, on_ground, add);
   add_reaction_columns(restraints, add);

@@ -98,15 +98,12 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
     Json j = {{"name", stage.name},
               {"ramp_time_s", stage.ramp_time},
               {"damping", name_of(used.damping)},
-              {"local_damping", local_damping_in(scene, i)},
-              {"mass_damping_per_s", used.damping == DampingKind::viscous ? used.mass_damping : 0.0},
-              {"maxwell_damping", used.damping == DampingKind::impact ? used.maxwell_damping : 0.0},
-              {"maxwell_band_Hz", used.maxwell_band},
-              {"stiffness_damping_s", used.damping == DampingKind::viscous ? used.stiffness_damping : 0.0},
               {"time_step_fraction", used.time_step_fraction}};
+    for (const DampingNumber& n : damping_numbers(used)) {
+      if (n.of_kind) std::visit([&](auto value) { j[n.key_in_summary] = value; }, n.value);
+    }
+    j["local_damping"] = local_damping_in(scene, i);  // settling or not
     if (stage.ground) j["ground_motion"] = ground_of(*stage.ground);
-    if (used.damping == DampingKind::impact)
-      j["impact_damping"] = used.impact_damping, j["implicit_contacts"] = used.implicit_contacts;
     if (stage.solver) j["deformation_inertia"] = used.deformation_inertia, j["unit_inertia"] = used.unit_inertia;
     if (stage.equilibrium_ratio) j["equilibrium_ratio"] = *stage.equilibrium_ratio;
     if (stage.displacement) j["displacement_m"] = *stage.displacement;
@@ -138,20 +135,19 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
                   {"of", moved_part(scene, stage)}};
     stages.push_back(j);
   }
-  return {{"set", info.provenance.request.overrides},
-          {"time_step_fraction", s.time_step_fraction},
-          {"critical_time_step", s.critical_time_step == CriticalTimeStep::nodal ? "nodal" : "assembled"},
-          {"mass_scaling", s.mass_scaling},
-          {"selective_time_step_s", s.selective_time_step},
-          {"deformation_inertia", s.deformation_inertia},
-          {"unit_inertia", s.unit_inertia},
-          {"deformation_damping", s.deformation_damping},
-          {"damping", name_of(s.damping)},
-          {"local_damping", s.local_damping},
-          {"settling_damping", s.settling_damping.value_or(s.local_damping)},
-          {"mass_damping_per_s", s.mass_damping},
-          {"stiffness_damping_s", s.stiffness_damping},
-          {"stages", stages}};
+  Json settings = {{"set", info.provenance.request.overrides},
+                   {"time_step_fraction", s.time_step_fraction},
+                   {"critical_time_step", s.critical_time_step == CriticalTimeStep::nodal ? "nodal" : "assembled"},
+                   {"mass_scaling", s.mass_scaling},
+                   {"selective_time_step_s", s.selective_time_step},
+                   {"deformation_inertia", s.deformation_inertia},
+                   {"unit_inertia", s.unit_inertia},
+                   {"damping", name_of(s.damping)}};
+  for (const DampingNumber& n : damping_numbers(s)) {
+    std::visit([&](auto value) { settings[n.key_in_summary] = value; }, n.value);
+  }
+  settings["stages"] = std::move(stages);
+  return settings;
 }
 
 Json of_ties(const members::Members& members, const std::vector<HistoryRow>& rows) {

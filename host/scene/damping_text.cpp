@@ -8,51 +8,12 @@
 
 namespace quoin {
 
-const char* name_of(DampingKind kind) {
-  switch (kind) {
-    case DampingKind::none:
-      return "none";
-    case DampingKind::local:
-      return "local";
-    case DampingKind::viscous:
-      return "viscous";
-    case DampingKind::block:
-      return "block";
-    case DampingKind::impact:
-      return "impact";
-  }
-  return "";
-}
-
-namespace {
-
-double gamma_of(const SolverSettings& solver, bool settling) {
-  if (solver.damping != DampingKind::local && solver.damping != DampingKind::block) return 0.0;
-  return settling ? solver.settling_damping.value_or(solver.local_damping) : solver.local_damping;
-}
-
-}  // namespace
-
 double local_damping_in(const Scene& scene, std::size_t stage) {
-  return gamma_of(scene.solver_in(stage), scene.stages[stage].equilibrium_ratio.has_value());
+  return damping_of(scene.solver_in(stage), scene.stages[stage].equilibrium_ratio.has_value()).gamma;
 }
 
 std::string solver_text(const SolverSettings& solver, bool settling) {
-  std::string text = fmt::format("damping {}", name_of(solver.damping));
-  const double gamma = gamma_of(solver, settling);
-  if (solver.damping == DampingKind::local) text += fmt::format(" {:g}", gamma);
-  if (solver.damping == DampingKind::block)
-    text += fmt::format(" {:g}, of deformation {:g}", gamma, solver.deformation_damping);
-  if (solver.damping == DampingKind::viscous)
-    text += fmt::format(", mass {:g} 1/s, stiffness {:g} s", solver.mass_damping, solver.stiffness_damping);
-  if (solver.damping == DampingKind::impact)
-    text += fmt::format(" {:g} of critical on closed contacts", solver.impact_damping);
-  if (solver.damping == DampingKind::impact && solver.maxwell_damping > 0.0)
-    text += fmt::format(", Maxwell {:g} from {:g} to {:g} Hz", solver.maxwell_damping, solver.maxwell_band[0],
-                        solver.maxwell_band[1]);
-  if (solver.damping == DampingKind::impact && solver.implicit_contacts)
-    text += ", joints implicit while blocks are on the lattice";
-  return text + fmt::format(", time_step_fraction {:g}", solver.time_step_fraction);
+  return fmt::format("damping {}, time_step_fraction {:g}", damping_text(solver, settling), solver.time_step_fraction);
 }
 
 bool has_own_inertia(const Scene& scene, std::size_t stage) {
@@ -71,13 +32,11 @@ std::string own_solver_text(const Scene& scene, std::size_t stage) {
 }
 
 std::string damping_in_space(const Scene& scene, std::size_t stage) {
-  const SolverSettings& solver = scene.solver_in(stage);
-  if (const double gamma = local_damping_in(scene, stage); gamma > 0.0)
-    return fmt::format("{} (gamma {:g})", solver.damping == DampingKind::local ? "local damping" : "damping by block",
-                       gamma);
-  if (solver.damping == DampingKind::viscous && solver.mass_damping > 0.0)
-    return fmt::format("mass damping ({:g} 1/s)", solver.mass_damping);
-  return "";
+  const Damping damping = damping_of(scene.solver_in(stage), scene.stages[stage].equilibrium_ratio.has_value());
+  if (damping.gamma > 0.0)
+    return fmt::format("{} (gamma {:g})", damping.eq1 == Eq1::gridpoints ? "local damping" : "damping by block",
+                       damping.gamma);
+  return damping.alpha > 0.0 ? fmt::format("mass damping ({:g} 1/s)", damping.alpha) : "";
 }
 
 std::string ground_damping_warning(const Scene& scene, std::size_t stage) {

@@ -7,8 +7,6 @@
 
 namespace quoin {
 
-const char* name_of(DampingKind kind);  // as scenes have it
-
 // gamma of eq. 1 in this stage; 0: it has none.
 double local_damping_in(const Scene& scene, std::size_t stage);
 

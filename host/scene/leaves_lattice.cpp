@@ -4,17 +4,14 @@ namespace quoin {
 
 std::string leaves_lattice(const Scene& scene, std::size_t stage) {
   const Stage& settings = scene.stages[stage];
-  if (!settings.ground) return settings.beyond_lattice();
+  if (!settings.ground) return beyond_lattice(settings);
   Stage others = settings;
   others.ground.reset();
-  if (std::string acts = others.beyond_lattice(); !acts.empty()) return acts;
-  const SolverSettings& solver = scene.solver_in(stage);
+  if (std::string acts = beyond_lattice(others); !acts.empty()) return acts;
+  const Damping damping = damping_of(scene.solver_in(stage));
   // Of joints the lattice has no viscous damping.
-  if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0.0)
-    return "moves the ground under stiffness_damping";
-  if (solver.damping == DampingKind::impact && solver.maxwell_damping > 0.0)
-    return "moves the ground under maxwell_damping";
-  return "";
+  if (damping.beta > 0.0) return "moves the ground under stiffness_damping";
+  return damping.has_maxwell() ? "moves the ground under maxwell_damping" : "";
 }
 
 }  // namespace quoin

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/read_actions.h"
+#include "scene/actions/actions.h"
 #include "scene/read_cycles.h"
 
 namespace quoin {

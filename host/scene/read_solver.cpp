@@ -10,19 +10,6 @@ namespace quoin::reader {
 
 namespace {
 
-DampingKind read_damping(Table& t, DampingKind damping) {
-  const std::map<std::string, DampingKind> kinds = {{"none", DampingKind::none},
-                                                    {"local", DampingKind::local},
-                                                    {"viscous", DampingKind::viscous},
-                                                    {"block", DampingKind::block},
-                                                    {"impact", DampingKind::impact}};
-  std::vector<std::string> names;
-  for (const auto& [name, kind] : kinds) names.push_back(name);
-  std::string chosen;
-  t.choice("damping", chosen, names);
-  return kinds.contains(chosen) ? kinds.at(chosen) : damping;
-}
-
 void read_large_motion(Table& t, SolverSettings* s) {
   const std::map<std::string, LargeMotion> kinds = {
       {"automatic", LargeMotion::automatic}, {"never", LargeMotion::never}, {"always", LargeMotion::always}};
@@ -48,41 +35,8 @@ void read_kernels(Table& t, SolverSettings* s) {
 }
 
 // What a stage may change: damping and the fraction of the time step.
-void read_damping_keys(Table& t, SolverSettings& s) {
-  const auto only_with = [&](const char* key, std::initializer_list<DampingKind> allowed, const char* text) {
-    if (std::find(allowed.begin(), allowed.end(), s.damping) == allowed.end())
-      t.refuse(key, fmt::format("only with damping = {}; remove it, or change damping", text));
-  };
-  if (t.number("local_damping", s.local_damping, between(0, 0.99), "(gamma of eq. 1)"))
-    only_with("local_damping", {DampingKind::local, DampingKind::block}, "\"local\" or \"block\"");
-  if (t.has("settling_damping")) {
-    s.settling_damping = s.local_damping;
-    t.number("settling_damping", *s.settling_damping, between(0, 0.99), "(gamma of stages that run to equilibrium)");
-    only_with("settling_damping", {DampingKind::local, DampingKind::block}, "\"local\" or \"block\"");
-  }
-  if (t.number("mass_damping", s.mass_damping, kNotNegative, "1/s"))
-    only_with("mass_damping", {DampingKind::viscous}, "\"viscous\"");
-  if (t.number("stiffness_damping", s.stiffness_damping, kNotNegative, "s"))
-    only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
-  if (t.number("impact_damping", s.impact_damping, between(0, 2), "(of critical, of a block that lands on an edge)"))
-    only_with("impact_damping", {DampingKind::impact}, "\"impact\"");
-  const bool flat =
-      t.number("maxwell_damping", s.maxwell_damping, between(0, 0.05), "(damping ratio within maxwell_band)");
-  if (flat) only_with("maxwell_damping", {DampingKind::impact}, "\"impact\"");
-  if (t.boolean("implicit_contacts", s.implicit_contacts) && s.implicit_contacts) {
-    only_with("implicit_contacts", {DampingKind::impact}, "\"impact\"");
-    if (s.maxwell_damping > 0.0) t.refuse("implicit_contacts", "false with maxwell_damping, or that without this");
-  }
-  constexpr double kNarrowest = 10.0, kWidest = 100.0;  // where three elements keep the ratio flat
-  if (t.numbers("maxwell_band", s.maxwell_band, kPositive, "Hz (lowest and highest frequency)")) {
-    const double width = s.maxwell_band[1] / s.maxwell_band[0];
-    if (!(width >= kNarrowest && width <= kWidest))
-      t.refuse("maxwell_band",
-               fmt::format("two frequencies, the second {:g} to {:g} times the first, Hz", kNarrowest, kWidest));
-    if (s.maxwell_damping == 0.0) t.refuse("maxwell_band", "only with maxwell_damping; remove it, or give that");
-  }
-  if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
-    only_with("deformation_damping", {DampingKind::block}, "\"block\"");
+void read_damping_and_fraction(Table& t, SolverSettings& s) {
+  read_damping(t, s);
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
            "of the critical time step (0.6 of 2/omega_max is sound)");
 }
@@ -98,7 +52,7 @@ void read_inertia(Table& t, SolverSettings& s) {
     if (factor == 1.0) continue;
     if (s.selective_time_step > 0.0)
       t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
-    if (s.damping == DampingKind::local)
+    if (damping_of(s).eq1 == Eq1::gridpoints)
       t.refuse(key,
                "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
                "15 % too strong); use damping = \"block\"");
@@ -110,11 +64,11 @@ void read_inertia(Table& t, SolverSettings& s) {
 SolverSettings read_solver(Table t, const Quality* quality) {
   SolverSettings s;
   const DampingKind usual = quality ? quality->solver.damping : s.damping;
-  const DampingKind damping = read_damping(t, usual);
+  s.damping = usual;
+  read_damping_kind(t, s);
   // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
-  if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
-  s.damping = damping;
-  read_damping_keys(t, s);
+  if (quality && s.damping == usual && !t.has("selective_time_step")) s = quality->solver;
+  read_damping_and_fraction(t, s);
   read_inertia(t, s);
   read_large_motion(t, &s);
   read_kernels(t, &s);
@@ -140,8 +94,8 @@ SolverSettings read_solver(Table t, const Quality* quality) {
 
 SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground) {
   SolverSettings s = before;
-  s.damping = read_damping(t, before.damping);
-  read_damping_keys(t, s);
+  read_damping_kind(t, s);
+  read_damping_and_fraction(t, s);
   if (moves_ground) {
     t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia");
     t.number("unit_inertia", s.unit_inertia, between(1, 1e6), "times the true inertia");
@@ -154,7 +108,7 @@ SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool 
     if (t.has(key) && (!moves_ground || key == std::string_view("selective_time_step")))
       t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
   }
-  if (s.damping == DampingKind::local && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
+  if (damping_of(s).eq1 == Eq1::gridpoints && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
     t.refuse("damping",
              "damping other than \"local\" with solver.deformation_inertia or unit_inertia above 1: slow vibrations of "
              "blocks would brake their motion");
@@ -177,9 +131,8 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
                       t.where(), key, text_of(*t.context().solver->get(key))));
     return given;
   };
-  const bool on_motion = s.damping == DampingKind::local || s.damping == DampingKind::block;
   const bool says = own && own->contains("damping");
-  if (on_motion && !says && s.local_damping > 0.0 && !written("damping") && !written("local_damping"))
+  if (damping_of(s).gamma > 0.0 && !says && !written("damping") && !written("local_damping"))
     s.damping = DampingKind::impact;
   if (s.deformation_inertia != 1.0 && !written("deformation_inertia")) s.deformation_inertia = 1.0;
   if (s.unit_inertia != 1.0 && !written("unit_inertia")) s.unit_inertia = 1.0;

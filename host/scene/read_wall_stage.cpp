@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "scene/generate.h"
-#include "scene/read_actions.h"
+#include "scene/actions/actions.h"
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
 
@@ -115,7 +115,7 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   const std::vector<std::string> held = bodies, loaded = loaded_names(scene);
   bodies.insert(bodies.end(), loaded.begin(), loaded.end());
   read_actions(t, stage, folder, bodies);
-  const bool acts = !stage.beyond_lattice().empty();
+  const bool acts = !beyond_lattice(stage).empty();
   if (acts) read_stage_solver(t, stage, scene);
   if (acts && stage.monitor.empty() && scene.building && !scene.building->floors.empty()) {
     const std::vector<std::string> beams = scene.building->floors.back().bodies();

@@ -293,6 +293,8 @@ class Table {
 
 // Tables that every kind of scene has.
 // quality: whose settings are the defaults; null: a scene with blocks of any shape that names none.
+void read_damping_kind(Table& t, DampingSettings& s);
+void read_damping(Table& t, DampingSettings& s);  // keys of any kind; those of other kinds than its own are refused
 SolverSettings read_solver(Table t, const Quality* quality);
 // before: of the stage before, whose settings stay where the table gives no other.
 SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground);

@@ -16,6 +16,7 @@
 #include "base/vec3.h"
 #include "random/distribution.h"
 #include "scene/cyclic_motion.h"
+#include "scene/damping.h"
 
 namespace quoin {
 
@@ -85,11 +86,6 @@ struct BlockMaterial {
   double density = 0.0;  // kg/m3
 };
 
-// local: eq. 1 at every degree of freedom. block: eq. 1 on the rigid motion of each block and viscous damping of its
-// deformation, so that its vibration brakes no motion of it. impact: on closed contacts alone, in proportion to their
-// stiffness, near critical for a block that lands on an edge.
-enum class DampingKind { none, local, viscous, block, impact };
-
 // Internal forces of deformable blocks. assembled is the template's assembled stiffness on 8 blocks at a time. zones is
 // zone by zone and block by block, as for blocks without companions. automatic is zones where a group has few blocks.
 enum class InternalForces { automatic, assembled, zones };
@@ -114,7 +110,7 @@ struct MotionBound {
   bool stop = true;         // past it, with LargeMotion::never; else only a warning
 };
 
-struct SolverSettings {
+struct SolverSettings : DampingSettings {
   double time_step_fraction = 0.6;  // of the critical time step of the undamaged assembled system
   CriticalTimeStep critical_time_step = CriticalTimeStep::assembled;
   double mass_scaling = 1.0;         // factor on inertia (not on weight); 1: none
@@ -123,20 +119,6 @@ struct SolverSettings {
   double unit_inertia = 1.0;         // and on that against motion of the two halves of a unit on each other
   InternalForces internal_forces = InternalForces::automatic;
   bool skip_resting_bodies = true;  // rigid blocks that controls hold still are left out of the step
-  DampingKind damping = DampingKind::local;
-  double local_damping = 0.8;  // local, block: gamma of eq. 1
-  // The same in stages that run to equilibrium: vibrations shall die there, while cracks shall run freely elsewhere.
-  std::optional<double> settling_damping;
-  double deformation_damping = 0.2;  // block: damping ratio at omega_max, less at lower frequencies in proportion
-  double mass_damping = 0.0;         // viscous: alpha, 1/s
-  double stiffness_damping = 0.0;    // viscous: beta, s
-  // impact: share of critical of a block landing on an edge. From 0.5 to 1 the restitution is that of Housner's rocking
-  // block within 0.4 %, for he takes the landing edge to stay in place.
-  double impact_damping = 0.7;
-  // impact: damping ratio of vibrations between two frequencies, Hz, by Maxwell elements beside the joints; 0: none.
-  double maxwell_damping = 0.0;
-  bool implicit_contacts = false;  // impact: joints by the mean of a step, on the lattice (step/implicit_contacts.h)
-  std::array<double, 2> maxwell_band{0.5, 25.0};
   LargeMotion large_motion = LargeMotion::automatic;
   MotionBound motion_bound;
   Kernels kernels = Kernels::automatic;
@@ -245,17 +227,12 @@ struct Stage {
 
   std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage
   Source source;
-
-  // Whether something acts in it that bricks on the lattice do not have: what has it, in the words of messages.
-  std::string beyond_lattice() const {
-    return ground               ? "moves the ground"
-           : collapse           ? "pushes until collapse"
-           : moving_load        ? "has a moving load"
-           : !forces.empty()    ? "has forces at points"
-           : !pressures.empty() ? "has pressures on faces"
-                                : "";
-  }
 };
+
+// What acts in a stage that bricks on the lattice do not have, in the words of messages: "moves the ground".
+// Empty: nothing. And all of that, with the numbers that matter (scene/actions).
+std::string beyond_lattice(const Stage& stage);
+std::vector<std::string> action_texts(const Stage& stage);
 
 // Wall of rectangular units, generated in the plane z = 0 .. thickness, lower left corner at the origin.
 struct WallSpec {

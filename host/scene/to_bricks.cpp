@@ -177,7 +177,7 @@ class StageWriter {
 
   Stage on_bodies(const Stage& given) const {
     const auto refuse = [&](const std::string& what) { unfit("stage '{}' {}", given.name, what); };
-    if (given.ground || given.collapse || given.moving_load) refuse(given.beyond_lattice());
+    if (given.ground || given.collapse || given.moving_load) refuse(beyond_lattice(given));
     if (given.solver) refuse("has damping of its own");
     Stage stage = given;
     stage.forces.clear(), stage.pressures.clear();
@@ -309,7 +309,7 @@ void share_names(std::vector<Stage>* stages, std::vector<Brick>* bricks) {
 
 OnLattice made_of(const Assembly& assembly, const Scene& scene) {
   if (assembly.contact.small_displacement == 0.0) unfit("large motion is asked for from the start");
-  if (scene.solver.damping == DampingKind::impact) unfit("solver.damping = \"impact\"");
+  if (damping_of(scene.solver).impacts) unfit("solver.damping = \"{}\"", name_of(scene.solver.damping));
   OnLattice made{{}, scene};
   made.bricks.materials = assembly.materials;
   made.bricks.families = assembly.families;

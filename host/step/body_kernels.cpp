@@ -137,11 +137,11 @@ HWY_INLINE void move_slaves(const Model& model, const BodyGroup& group, const St
 }
 
 // Equation 1: the damping force of one degree of freedom.
-template <DampingKind kDamping>
+template <Brake kBrake>
 HWY_INLINE V damping_force(const StepData& step, V force, V inertia, V velocity) {
   const D d;
-  if (kDamping == DampingKind::local) return local_damping(hn::Set(d, step.local_damping), force, velocity);
-  if (kDamping == DampingKind::viscous) return hn::Mul(hn::Mul(hn::Set(d, step.mass_damping), inertia), velocity);
+  if (kBrake == Brake::gridpoints) return local_damping(hn::Set(d, step.local_damping), force, velocity);
+  if (kBrake == Brake::mass) return hn::Mul(hn::Mul(hn::Set(d, step.mass_damping), inertia), velocity);
   return hn::Zero(d);
 }
 
@@ -152,7 +152,7 @@ struct LaneWork {
 };
 
 // A degree of freedom through a step: its new velocity, and the work if somebody asks.
-template <DampingKind kDamping, bool kMeasure>
+template <Brake kBrake, bool kMeasure>
 HWY_INLINE V advance_component(const BodyGroupInertia& lanes, const StepData& step, std::size_t dof, int p,
                                V joint_force, V given, V before, V prescribed, hn::Mask<D> is_prescribed,
                                LaneWork* work) {
@@ -161,7 +161,7 @@ HWY_INLINE V advance_component(const BodyGroupInertia& lanes, const StepData& st
   const V dt_over_inertia = hn::Load(d, lanes.dt_over_inertia[dof] + p * kWidth);  // 0 where held
   const V net = hn::Add(joint_force, given);
   const V ground = hn::Set(d, dof < 3 ? step.ground_velocity[dof] : 0.0);
-  const V damping = damping_force<kDamping>(step, net, inertia, hn::Sub(before, ground));
+  const V damping = damping_force<kBrake>(step, net, inertia, hn::Sub(before, ground));
   const V free = hn::MulAdd(hn::Sub(net, damping), dt_over_inertia, before);
   const V after = hn::IfThenElse(is_prescribed, prescribed, free);
   if (!kMeasure) return after;
@@ -183,7 +183,7 @@ HWY_INLINE V advance_component(const BodyGroupInertia& lanes, const StepData& st
   return after;
 }
 
-template <DampingKind kDamping, bool kMeasure>
+template <Brake kBrake, bool kMeasure>
 HWY_NOINLINE void AdvanceBodiesAs(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia,
                                   const StepData& step, BodyLanes* state, LaneWork* work) {
   const D d;
@@ -199,8 +199,8 @@ HWY_NOINLINE void AdvanceBodiesAs(const Model& model, const BodyGroup& group, co
       };
       const auto advance = [&](std::size_t dof, V joint_force, V given, V driven, double* velocity,
                                double* displacement) HWY_ATTR {
-        const V after = advance_component<kDamping, kMeasure>(inertia, step, dof, p, joint_force, given,
-                                                              hn::Load(d, velocity), driven, prescribed(dof), work);
+        const V after = advance_component<kBrake, kMeasure>(inertia, step, dof, p, joint_force, given,
+                                                            hn::Load(d, velocity), driven, prescribed(dof), work);
         hn::Store(after, d, velocity);
         hn::Store(hn::MulAdd(dt, after, hn::Load(d, displacement)), d, displacement);
       };
@@ -214,16 +214,16 @@ HWY_NOINLINE void AdvanceBodiesAs(const Model& model, const BodyGroup& group, co
   move_slaves(model, group, step, bodies);
 }
 
-template <DampingKind kDamping>
+template <Brake kBrake>
 void AdvanceBodiesAndMeasure(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia,
                              const StepData& step, BodyLanes* state, Measured* measured) {
-  if (!measured) return AdvanceBodiesAs<kDamping, false>(model, group, inertia, step, state, nullptr);
+  if (!measured) return AdvanceBodiesAs<kBrake, false>(model, group, inertia, step, state, nullptr);
   LaneWork work;
   for (V(*sum)[kParts] : {&work.unbalanced, &work.kinetic, &work.damping_before, &work.damping_after,
                           &work.external_before, &work.external_after}) {
     for (V& part : *sum) part = hn::Zero(D());
   }
-  AdvanceBodiesAs<kDamping, true>(model, group, inertia, step, state, &work);
+  AdvanceBodiesAs<kBrake, true>(model, group, inertia, step, state, &work);
   const auto in_lanes = [](const V(&x)[kParts], double(&lanes)[kLanes]) HWY_ATTR {
     for (int p = 0; p < kParts; ++p) hn::StoreU(x[p], D(), lanes + p * kWidth);
   };
@@ -249,15 +249,14 @@ void AdvanceBodiesAndMeasure(const Model& model, const BodyGroup& group, const B
 
 void AdvanceBodies(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia, const StepData& step,
                    BodyLanes* state, Measured* measured) {
-  switch (step.damping) {
-    case DampingKind::none:
-    case DampingKind::impact:  // of joints
-      return AdvanceBodiesAndMeasure<DampingKind::none>(model, group, inertia, step, state, measured);
-    case DampingKind::local:
-    case DampingKind::block:
-      return AdvanceBodiesAndMeasure<DampingKind::local>(model, group, inertia, step, state, measured);
-    case DampingKind::viscous:
-      return AdvanceBodiesAndMeasure<DampingKind::viscous>(model, group, inertia, step, state, measured);
+  switch (brake_of(step)) {
+    case Brake::nothing:
+      return AdvanceBodiesAndMeasure<Brake::nothing>(model, group, inertia, step, state, measured);
+    case Brake::gridpoints:
+    case Brake::rigid_motion:
+      return AdvanceBodiesAndMeasure<Brake::gridpoints>(model, group, inertia, step, state, measured);
+    case Brake::mass:
+      return AdvanceBodiesAndMeasure<Brake::mass>(model, group, inertia, step, state, measured);
   }
 }
 

@@ -260,7 +260,7 @@ HWY_INLINE void store_split(const GroupData* groups, int n, const V (&internal)[
 
 // Nodal forces and damping forces of kCount groups of one template: - K u, contact points in the order of the slots,
 // weight; Fd of equation 1.
-template <DampingKind kDamping, bool kMeasure, int kCount>
+template <Brake kBrake, bool kMeasure, int kCount>
 HWY_INLINE void group_forces(const GroupData* groups) {
   const D d;
   const StepData& step = groups[0].step;
@@ -322,7 +322,7 @@ HWY_INLINE void group_forces(const GroupData* groups) {
           V force = hn::Add(f[b][c][p], weight);
           if (g.load) force = hn::MulAdd(hn::Set(d, mass), hn::Load(d, g.load + c * kLanes + p * kWidth), force);
           V after = force;
-          if (kDamping == DampingKind::local) {
+          if (kBrake == Brake::gridpoints) {
             const V ground = hn::Set(d, step.ground_velocity[static_cast<std::size_t>(c)]);
             const V damping = local_damping(gamma, force, hn::Sub(hn::Load(d, g.v + i), ground));
             after = hn::Sub(force, damping);
@@ -480,7 +480,7 @@ struct RigidStep {
   Rigid extra[kUnitBlocks];    // m/s2, 1/s2
   Rigid damping[kUnitBlocks];  // the same, before the inertia of unit motion
 };
-template <DampingKind kDamping>
+template <Brake kBrake>
 HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
   const D d;
   const StepData& step = unit.step;
@@ -497,7 +497,7 @@ HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
     const GroupData& g = unit.blocks[b];
     force[b] = rigid_sums(g, g.scratch.net, [](int, int, int, V f) HWY_ATTR { return f; });
     acceleration[b] = over_inertia(*g.motion, force[b]);
-    if (kDamping != DampingKind::block) continue;
+    if (kBrake != Brake::rigid_motion) continue;
     momentum[b] = rigid_sums(g, g.v, [&](int n, int c, int, V v) HWY_ATTR {
       const V against_ground = hn::Sub(v, hn::Set(d, step.ground_velocity[static_cast<std::size_t>(c)]));
       return hn::Mul(hn::Set(d, g.shape.node_mass[static_cast<std::size_t>(n)]), against_ground);
@@ -511,14 +511,14 @@ HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
   };
   if (unit.count == 1) {
     result.extra[0] = times_factor(1.0 - of_deformation, acceleration[0]);
-    if (kDamping == DampingKind::block) {
+    if (kBrake == Brake::rigid_motion) {
       result.damping[0] = each(acceleration[0], velocity[0], damped);
       result.extra[0] = difference(result.extra[0], result.damping[0]);
     }
   } else {
     const Rigid whole = motion_of_unit(unit, force);
     Rigid whole_damping, beside_damping[kUnitBlocks], beside_force[kUnitBlocks], leak;
-    if (kDamping == DampingKind::block) {
+    if (kBrake == Brake::rigid_motion) {
       const Rigid whole_velocity = motion_of_unit(unit, momentum);
       whole_damping = each(whole, whole_velocity, damped);
       for (int b = 0; b < kUnitBlocks; ++b) {
@@ -532,7 +532,7 @@ HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
     for (int b = 0; b < kUnitBlocks; ++b) {
       result.extra[b] = each(times_factor(of_unit - of_deformation, acceleration[b]), at_block(unit, b, whole),
                              plus_times(1.0 - of_unit));
-      if (kDamping != DampingKind::block) continue;
+      if (kBrake != Brake::rigid_motion) continue;
       const Rigid of_whole = at_block(unit, b, whole_damping);
       const Rigid beside = difference(beside_damping[b], at_block(unit, b, leak));
       result.damping[b] = each(of_whole, beside, plus);
@@ -543,7 +543,7 @@ HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
 }
 
 // Central differences: v += dt M'^-1 (F - Fd), u += dt v.
-template <DampingKind kDamping>
+template <Brake kBrake>
 HWY_INLINE void integrate_group(const UnitData& unit, int b, const Rigid* extra) {
   const D d;
   const GroupData& g = unit.blocks[b];
@@ -554,7 +554,7 @@ HWY_INLINE void integrate_group(const UnitData& unit, int b, const Rigid* extra)
   const auto move = [&](int n, int c, int p, V more) HWY_ATTR {
     const int i = n * kLine + c * kLanes + p * kWidth;
     V before = hn::Load(d, g.v + i);
-    if (kDamping == DampingKind::viscous) {
+    if (kBrake == Brake::mass) {
       const V ground =
           hn::Mul(hn::Set(d, g.step.ground_velocity[static_cast<std::size_t>(c)]), hn::Load(d, g.in_use + p * kWidth));
       before = hn::NegMulAdd(decay, hn::Sub(before, ground), before);
@@ -600,7 +600,7 @@ struct LaneSums {
   V along_before[kParts], along_after[kParts];  // momentum times the velocity of the ground, viscous damping
 };
 
-template <DampingKind kDamping>
+template <Brake kBrake>
 HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
   const D d;
   const StepData& step = g.step;
@@ -618,13 +618,12 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
         const V before = hn::Load(d, s.velocity + i), after = hn::Load(d, g.v + i), inertia = inertia_at(g, n, c, p);
         const V damping = hn::Load(d, s.damping + i);
         // Local damping is part of the net force, beta K v of the internal force.
-        const V force =
-            kDamping == DampingKind::local ? hn::Add(hn::Load(d, s.net + i), damping) : hn::Load(d, s.net + i);
+        const V force = kBrake == Brake::gridpoints ? hn::Add(hn::Load(d, s.net + i), damping) : hn::Load(d, s.net + i);
         const V free_force = hn::IfThenElseZero(hn::Ne(inertia, zero), force);
         squared[p] = hn::MulAdd(free_force, free_force, squared[p]);
         sums->kinetic[p] = hn::MulAdd(inertia, hn::Mul(before, after), sums->kinetic[p]);
         if (!step.energies) continue;
-        if (kDamping == DampingKind::viscous) {
+        if (kBrake == Brake::mass) {
           const V along = hn::Mul(hn::IfThenElseZero(hn::Ne(inertia, zero), hn::Set(d, mass)),
                                   hn::Set(d, step.ground_velocity[static_cast<std::size_t>(c)]));
           sums->along_before[p] = hn::MulAdd(along, before, sums->along_before[p]);
@@ -634,7 +633,7 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
         // K u was formed before u moved on.
         const V displacement = hn::NegMulAdd(after, dt, hn::Load(d, g.u + i));
         sums->strain[p] = hn::MulAdd(hn::Mul(half, hn::Load(d, s.elastic + i)), displacement, sums->strain[p]);
-        if (kDamping != DampingKind::none || step.stiffness_damping != 0.0) {
+        if (kBrake != Brake::nothing || step.stiffness_damping != 0.0) {
           sums->damping_before[p] = hn::MulAdd(damping, hn::Mul(before, half_dt), sums->damping_before[p]);
           sums->damping_after[p] = hn::MulAdd(damping, hn::Mul(after, half_dt), sums->damping_after[p]);
         }
@@ -659,7 +658,7 @@ HWY_INLINE void add_product(double factor, const Rigid& x, const Rigid& y, V (&s
 
 // Energies of v M' w, of which measure_group has summed the first part, and the work of damping by block.
 //   v M' w = s_b v M w - (s_b - s_u) (P_b v) M (P_b w) - (s_u - 1) (P_u v) M (P_u w)
-template <DampingKind kDamping>
+template <Brake kBrake>
 HWY_INLINE void measure_rigid_motion(const UnitData& unit, const RigidStep& rigid, LaneSums* sums) {
   const StepData& step = unit.step;
   const double half_dt = 0.5 * step.time_step;
@@ -676,7 +675,7 @@ HWY_INLINE void measure_rigid_motion(const UnitData& unit, const RigidStep& rigi
     const Rigid motion = over_inertia(*g.motion, before[b]);
     add_product(-over_b, motion, after[b], sums->kinetic);
     add_product(-over_b, motion, before[b], sums->moment);
-    if (kDamping == DampingKind::block) {
+    if (kBrake == Brake::rigid_motion) {
       const Rigid force = times_inertia(*g.motion, rigid.damping[b]);
       add_product(half_dt / s_b, force, motion, sums->damping_before);
       add_product(half_dt / s_b, force, over_inertia(*g.motion, after[b]), sums->damping_after);
@@ -690,7 +689,7 @@ HWY_INLINE void measure_rigid_motion(const UnitData& unit, const RigidStep& rigi
   }
 }
 
-template <DampingKind kDamping>
+template <Brake kBrake>
 HWY_INLINE void measure_unit(const UnitData& unit, const RigidStep& rigid, Measured* measured) {
   const D d;
   LaneSums sums;
@@ -699,9 +698,9 @@ HWY_INLINE void measure_unit(const UnitData& unit, const RigidStep& rigid, Measu
         sums.damping_after[p] = sums.weight_before[p] = sums.weight_after[p] = sums.along_before[p] =
             sums.along_after[p] = hn::Zero(d);
   }
-  for (int b = 0; b < unit.count; ++b) measure_group<kDamping>(unit.blocks[b], &sums);
-  if (unit.motion) measure_rigid_motion<kDamping>(unit, rigid, &sums);
-  if (kDamping == DampingKind::viscous) {  // the part alpha M' (v - v of the ground)
+  for (int b = 0; b < unit.count; ++b) measure_group<kBrake>(unit.blocks[b], &sums);
+  if (unit.motion) measure_rigid_motion<kBrake>(unit, rigid, &sums);
+  if (kBrake == Brake::mass) {  // the part alpha M' (v - v of the ground)
     const V factor = hn::Set(d, unit.step.mass_damping * 0.5 * unit.step.time_step);
     for (int p = 0; p < kParts; ++p) {
       sums.damping_before[p] =
@@ -722,38 +721,37 @@ HWY_INLINE void measure_unit(const UnitData& unit, const RigidStep& rigid, Measu
   measured->external_after = sum_lanes(sums.weight_after);
 }
 
-template <DampingKind kDamping, bool kMeasure>
+template <Brake kBrake, bool kMeasure>
 HWY_NOINLINE void AdvanceUnitsAs(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                                  Measured* measured) {
   const UnitData unit(model, units, step, scratch);
   const bool congruent = unit.count == 2 && &unit.blocks[0].shape == &unit.blocks[1].shape;
   if (congruent && !forces_by_zone(unit.blocks[0])) {
-    group_forces<kDamping, kMeasure, 2>(unit.blocks);
+    group_forces<kBrake, kMeasure, 2>(unit.blocks);
   } else {
-    for (int b = 0; b < unit.count; ++b) group_forces<kDamping, kMeasure, 1>(&unit.blocks[b]);
+    for (int b = 0; b < unit.count; ++b) group_forces<kBrake, kMeasure, 1>(&unit.blocks[b]);
   }
   RigidStep rigid;
-  if (unit.motion) rigid = rigid_step<kDamping>(unit);
-  for (int b = 0; b < unit.count; ++b) integrate_group<kDamping>(unit, b, unit.motion ? &rigid.extra[b] : nullptr);
-  if (kMeasure) measure_unit<kDamping>(unit, rigid, measured);
+  if (unit.motion) rigid = rigid_step<kBrake>(unit);
+  for (int b = 0; b < unit.count; ++b) integrate_group<kBrake>(unit, b, unit.motion ? &rigid.extra[b] : nullptr);
+  if (kMeasure) measure_unit<kBrake>(unit, rigid, measured);
 }
 
 void AdvanceUnits(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                   Measured* measured) {
-  switch (step.damping) {
-    case DampingKind::none:
-    case DampingKind::impact:  // of joints, and of zones by stiffness_damping
-      return measured ? AdvanceUnitsAs<DampingKind::none, true>(model, units, step, scratch, measured)
-                      : AdvanceUnitsAs<DampingKind::none, false>(model, units, step, scratch, measured);
-    case DampingKind::local:
-      return measured ? AdvanceUnitsAs<DampingKind::local, true>(model, units, step, scratch, measured)
-                      : AdvanceUnitsAs<DampingKind::local, false>(model, units, step, scratch, measured);
-    case DampingKind::viscous:
-      return measured ? AdvanceUnitsAs<DampingKind::viscous, true>(model, units, step, scratch, measured)
-                      : AdvanceUnitsAs<DampingKind::viscous, false>(model, units, step, scratch, measured);
-    case DampingKind::block:
-      return measured ? AdvanceUnitsAs<DampingKind::block, true>(model, units, step, scratch, measured)
-                      : AdvanceUnitsAs<DampingKind::block, false>(model, units, step, scratch, measured);
+  switch (brake_of(step)) {
+    case Brake::nothing:
+      return measured ? AdvanceUnitsAs<Brake::nothing, true>(model, units, step, scratch, measured)
+                      : AdvanceUnitsAs<Brake::nothing, false>(model, units, step, scratch, measured);
+    case Brake::gridpoints:
+      return measured ? AdvanceUnitsAs<Brake::gridpoints, true>(model, units, step, scratch, measured)
+                      : AdvanceUnitsAs<Brake::gridpoints, false>(model, units, step, scratch, measured);
+    case Brake::mass:
+      return measured ? AdvanceUnitsAs<Brake::mass, true>(model, units, step, scratch, measured)
+                      : AdvanceUnitsAs<Brake::mass, false>(model, units, step, scratch, measured);
+    case Brake::rigid_motion:
+      return measured ? AdvanceUnitsAs<Brake::rigid_motion, true>(model, units, step, scratch, measured)
+                      : AdvanceUnitsAs<Brake::rigid_motion, false>(model, units, step, scratch, measured);
   }
 }
 

@@ -15,9 +15,9 @@ struct StepData {
   double time_step = 0.0;  // s
   InternalForces internal_forces = InternalForces::automatic;
   bool energies = false;  // measured steps record strain energy and work too, which costs a second internal force
-  DampingKind damping = DampingKind::none;
-  double local_damping = 0.0;      // gamma
-  double mass_damping = 0.0;       // alpha, 1/s
+  Eq1 eq1 = Eq1::nothing;
+  double local_damping = 0.0;      // gamma of eq. 1
+  double mass_damping = 0.0;       // alpha, 1/s; with gamma = 0
   double stiffness_damping = 0.0;  // beta, s
   Vec3 gravity{};                  // m/s2
   Vec3 ground_velocity{};          // m/s, against which damping brakes: signs of half a step ago, viscous forces of now
@@ -39,6 +39,13 @@ struct StepData {
   const double* traction[3] = {};        // sigma, tau_s, tau_t by contact point
   double* force[3] = {};                 // x, y, z on side a by contact point, then a dummy that stays 0
 };
+
+// What damping brakes: kernels are compiled for each.
+enum class Brake { nothing, gridpoints, rigid_motion, mass };
+inline Brake brake_of(const StepData& step) {
+  if (step.eq1 == Eq1::nothing) return step.mass_damping > 0.0 ? Brake::mass : Brake::nothing;
+  return step.eq1 == Eq1::gridpoints ? Brake::gridpoints : Brake::rigid_motion;
+}
 
 // What a measured step records of a unit group or a rigid body. Work is split into the half step that ends at the time
 // of the displacements and the half step that begins there. So energies belong to one time.

@@ -181,11 +181,11 @@ void Model::run(double duration) {
 }
 
 ImpactDamping Model::impact_damping() const {
-  ImpactDamping damping;
+  ImpactDamping found;
   for (std::size_t f = 0; 2 * f < impacts.beta.size(); ++f)
-    damping.viscosity.push_back({impacts.beta[2 * f], impacts.beta[2 * f + 1]});
-  damping.of_zones = impacts.zone_beta, damping.in_use = impact_damping_in_use();
-  return damping;
+    found.viscosity.push_back({impacts.beta[2 * f], impacts.beta[2 * f + 1]});
+  found.of_zones = impacts.zone_beta, found.in_use = impact_damping_in_use();
+  return found;
 }
 
 std::optional<WrongAnswer> Model::wrong_law(std::span<const int> own_chunks) const {

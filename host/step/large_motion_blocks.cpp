@@ -21,10 +21,6 @@ struct Wrench {
 
 constexpr size_t kRow = 4;  // doubles of a gridpoint where vectors are read from
 
-double viscous_alpha(const SolverSettings& solver) {
-  return solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
-}
-
 Vector in_lane(const ByLane (&column)[3], int lane) {
   return {column[0].of[lane], column[1].of[lane], column[2].of[lane]};
 }
@@ -114,9 +110,8 @@ void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
     return lap(clock, Phase::motion);
   }
   // A rigid block is its own rigid motion: damping by block is eq. 1.
-  const bool eq1 = m.solver.damping == DampingKind::local || m.solver.damping == DampingKind::block;
   const Vector g = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
-  const BodyStep step{m.stepping.dt, eq1 ? gamma(m) : 0.0, viscous_alpha(m.solver), braking_ground(m), g, m.measured};
+  const BodyStep step{m.stepping.dt, m.damping.gamma, m.damping.alpha, braking_ground(m), g, m.measured};
   advance_rigid(m.bodies.data(), m.checks.seen.empty() ? nullptr : m.checks.seen.data(), index, int(blocks.size()),
                 step, sums);
   lap(clock, Phase::motion);
@@ -137,10 +132,8 @@ struct LaneGroup {
 
 // Viscosity of zones: beta of stiffness-proportional damping, s.
 double zone_damping(const Model& m) {
-  if (m.solver.damping == DampingKind::block)
-    return m.solver.deformation_damping * m.stepping.critical_dt;  // 2 xi / omega_max
-  if (impacts_damped(m.solver)) return m.impacts.zone_beta;
-  return m.solver.damping == DampingKind::viscous ? m.solver.stiffness_damping : 0.0;
+  const double of_impacts = m.damping.impacts ? m.impacts.zone_beta : 0.0;
+  return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;  // 2 xi / omega_max
 }
 
 template <class Visit>
@@ -288,12 +281,12 @@ void split(Model& m, const Piece& piece, std::span<const LaneColumns> columns, R
   const size_t count = columns.size();
   const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, 0);
   const InertiaFactors factors{m.solver.deformation_inertia, m.solver.unit_inertia};
-  const double eq1 = m.solver.damping == DampingKind::block ? gamma(m) : 0.0;
+  const double eq1 = m.damping.eq1 == Eq1::rigid_motion ? m.damping.gamma : 0.0;
   RigidLanes lanes[2];
   split_motion(columns, int(blocks.size()), {factors, eq1, braking_ground(m), m.stepping.dt}, gains,
                m.measured ? lanes : nullptr);
   if (!m.measured) return;
-  const double alpha = viscous_alpha(m.solver);
+  const double alpha = m.damping.alpha;
   for (size_t u = 0; u < blocks.size(); ++u) {
     const int lane = int(u);
     UnitInertia inertia;
@@ -320,12 +313,12 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
   const size_t count = piece.group_count();
   for (size_t g = 0; g < count; ++g) find_forces(m, piece, g, groups[g], columns[g], clock);
   RigidGains gains[2];
-  if (splits_motion(m.solver)) split(m, piece, {columns, count}, gains);
+  if (splits_motion(m)) split(m, piece, {columns, count}, gains);
   const GridpointStep step{m.stepping.dt,
-                           m.solver.damping == DampingKind::local ? gamma(m) : 0.0,
-                           viscous_alpha(m.solver),
+                           m.damping.eq1 == Eq1::gridpoints ? m.damping.gamma : 0.0,
+                           m.damping.alpha,
                            braking_ground(m),
-                           splits_motion(m.solver) ? m.solver.deformation_inertia : 1.0,
+                           splits_motion(m) ? m.solver.deformation_inertia : 1.0,
                            1.0 / m.solver.mass_scaling,
                            m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity,
                            m.books_energy,
@@ -333,8 +326,7 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
   const CongruentBlocks* const shared = piece.congruent >= 0 ? &m.zones.congruent[size_t(piece.congruent)] : nullptr;
   for (size_t g = 0; g < count; ++g) {
     const LaneGroup& group = groups[g];
-    advance_gridpoints(group.blocks(), columns[g], splits_motion(m.solver) ? &gains[g] : nullptr, step, shared,
-                       group.sums);
+    advance_gridpoints(group.blocks(), columns[g], splits_motion(m) ? &gains[g] : nullptr, step, shared, group.sums);
     for (size_t l = 0; m.books_energy && l < group.count; ++l) {
       const int block = m.pieces.blocks_of(piece, g)[l];
       if (m.actions.loaded[size_t(block)])

@@ -114,13 +114,14 @@ void Model::save(ArchiveWriter& writer, const GiveArray& give) {
 void Model::restore(ArchiveReader& reader) {
   const std::size_t body_count = bodies.size(), node_count = nodes.x.size();
   transfer_state(reader, *this);
+  settle(is_settling);
   const auto require = [](bool fits) {
     if (!fits) throw Error(Exit::bad_input, kOther);
   };
   const auto require_items = [&](const Field& field, size_t count, size_t items) {
     const bool wanted = field.when == When::always ||
-                        (field.when == When::with_stiffness_damping && viscous_contacts(solver)) ||
-                        (field.when == When::with_maxwell && has_maxwell(solver)) ||
+                        (field.when == When::with_stiffness_damping && damping.of_contacts()) ||
+                        (field.when == When::with_maxwell && damping.has_maxwell()) ||
                         (field.when == When::with_energies && books_energy);
     require(count == items || (!wanted && count == 0));
   };

@@ -74,7 +74,7 @@ void contact_kinematics(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
 }
 
 void contact_law(Model& m, Family& f, Chunk& chunk) {
-  if (viscous_contacts(m.solver)) {
+  if (m.damping.of_contacts()) {
     for (int k = 0; k < 3; ++k)
       std::copy_n(f.traction[k].begin() + chunk.first, chunk.count, f.old_traction[k].begin() + chunk.first);
   }
@@ -101,22 +101,22 @@ void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
   c.area = f.area.data() + first;
   MaxwellColumns maxwell{};
   maxwell.normal_stiffness = f.kn, maxwell.shear_stiffness = f.ks;
-  for (size_t k = 0; has_maxwell(m.solver) && k < std::size(f.maxwell); ++k)
+  for (size_t k = 0; m.damping.has_maxwell() && k < std::size(f.maxwell); ++k)
     maxwell.traction[k] = f.maxwell[k].data() + first;
-  for (size_t e = 0; has_maxwell(m.solver) && e < m.impacts.maxwell.size(); ++e) {
+  for (size_t e = 0; m.damping.has_maxwell() && e < m.impacts.maxwell.size(); ++e) {
     const double way = m.impacts.maxwell[e].rate * m.stepping.dt;
     maxwell.keep[e] = std::exp(-way), maxwell.gain[e] = -m.impacts.maxwell[e].share * std::expm1(-way) / way;
   }
-  if (impacts_damped(m.solver))
+  if (m.damping.impacts)
     chunk.damping = damp_impacts(c, maxwell, chunk.count, m.impacts.beta[2 * size_t(chunk.family)] / m.stepping.dt,
                                  m.impacts.beta[2 * size_t(chunk.family) + 1] / m.stepping.dt);
   else
-    chunk.damping = damp_points(c, chunk.count, m.solver.stiffness_damping / m.stepping.dt);
+    chunk.damping = damp_points(c, chunk.count, m.damping.beta / m.stepping.dt);
 }
 
 void contact_forces(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
   chunk.damping = 0.0;
-  if (viscous_contacts(m.solver)) viscous_tractions(m, f, chunk);
+  if (m.damping.of_contacts()) viscous_tractions(m, f, chunk);
   rigid_forces(chunk.pairs, m.bodies.data(), rigid_columns(f));
   gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, !m.is_small, gridpoint_columns(f, chunk), m.chunks.rows.data());
   facet_forces(chunk.facets, axes.triangles, facet_columns(f), m.chunks.rows.data());

@@ -169,7 +169,7 @@ HistoryRow measure_row(const Simulation::Impl& s) {
     return row;
   }
   const bool acts = std::any_of(s.scene.stages.begin(), s.scene.stages.end(),
-                                [](const Stage& stage) { return !stage.beyond_lattice().empty(); });
+                                [](const Stage& stage) { return !beyond_lattice(stage).empty(); });
   if (s.scene.blocks || acts) row.largest_displacement = largest_displacement(s);
   if (acts) measure_base(s, row);
   if (!s.monitor.bodies.empty() || !s.monitor.loaded.empty()) measure_monitor(s, row);

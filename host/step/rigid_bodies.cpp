@@ -13,9 +13,9 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
 // Equation 1 for one degree of freedom, against a ground of this velocity. Returns the damping force.
 double advance_component(double force, double inertia, const StepData& step, double ground, double* velocity) {
   double damping = 0.0;
-  if (step.damping == DampingKind::local || step.damping == DampingKind::block) {
+  if (step.eq1 != Eq1::nothing) {
     damping = step.local_damping * std::abs(force) * (*velocity - ground < 0.0 ? -1.0 : 1.0);
-  } else if (step.damping == DampingKind::viscous) {
+  } else if (step.mass_damping > 0.0) {
     damping = step.mass_damping * inertia * (*velocity - ground);
   }
   *velocity += (force - damping) * (step.time_step / inertia);

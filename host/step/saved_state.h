@@ -3,12 +3,13 @@
 #pragma once
 
 #include "base/archive.h"
+#include "step/actions/actions.h"
 #include "step/lattice_fields.h"
 #include "step/state.h"
 
 namespace quoin {
 
-inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '6'};
+inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '7'};
 
 template <class Archive, class Impl>
 void transfer_state(Archive& archive, Impl& s) {
@@ -54,11 +55,10 @@ void transfer_state(Archive& archive, Impl& s) {
   archive.value(s.progress.force_loss);
   archive.array(s.outcome.force_losses);
   if (!s.large_motion) return;
-  archive.array(s.actions.drives);
-  archive.value(s.actions.fading_loads);
-  archive.value(s.actions.fading_pressures);
-  archive.value(s.actions.multiplier);
-  archive.value(s.actions.first_load);
+  if constexpr (std::is_base_of_v<ArchiveWriter, Archive>)
+    save_actions(archive, s);
+  else
+    restore_actions(archive, s);
   archive.array(s.monitor.blocks);
   archive.value(s.monitor.stands_below);
   archive.value(s.outcome.collapse_multiplier);

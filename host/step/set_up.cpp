@@ -32,7 +32,7 @@ void begin_damping(Simulation::Impl& s) {
     const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(c)];
     if (points > 0) std::fill_n(s.lattice.old_jump.begin() + chunk.first_point, chunk.point_count, std::nan(""));
   }
-  const bool implicit = points > 0 && solver_in_use(s).implicit_contacts;
+  const bool implicit = points > 0 && damping_of(solver_in_use(s)).is_implicit();
   s.contacts.implicit = implicit ? ImplicitContacts(s.model, s.inertia.in_use.node) : ImplicitContacts();
   if (implicit)
     s.contacts.implicit_end =
@@ -94,9 +94,6 @@ void bind_step(Simulation::Impl& s) {
   s.data.time_step = s.time_step.time_step;
   s.data.internal_forces = s.scene.solver.internal_forces;
   s.data.energies = s.energy.wanted;
-  const SolverSettings& solver = solver_in_use(s);
-  s.data.damping = solver.damping;
-  s.data.mass_damping = solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
   s.data.stiffness_damping = s.time_step.stiffness_damping;
   choose_damping(s);
   bind_columns(s);

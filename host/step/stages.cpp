@@ -80,7 +80,7 @@ void begin_stage(Simulation::Impl& s, int index) {
     gather(s, Part::all);
     promote(s, fmt::format("stage '{}' {}", settings.name, beyond));
   }
-  if (s.large_motion && !s.left && settings.solver && settings.solver->implicit_contacts)
+  if (s.large_motion && !s.left && settings.solver && damping_of(*settings.solver).is_implicit())
     throw Error(
         Exit::bad_input,
         fmt::format("{}: stage '{}': solver.implicit_contacts is for blocks on the lattice, and this scene runs in "
@@ -136,9 +136,9 @@ void begin_stage(Simulation::Impl& s, int index) {
 
 void choose_damping(Simulation::Impl& s) {
   const bool settling = s.progress.stage >= 0 && current_stage(s).equilibrium_ratio;
-  const SolverSettings& settings = s.large_motion ? s.scene.solver : solver_in_use(s);
-  if (s.large_motion) s.large_motion->is_settling = settling;
-  s.data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
+  if (s.large_motion) s.large_motion->settle(settling);
+  const Damping damping = damping_of(solver_in_use(s), settling);
+  s.data.eq1 = damping.eq1, s.data.local_damping = damping.gamma, s.data.mass_damping = damping.alpha;
 }
 
 bool force_lost(Simulation::Impl& s) {

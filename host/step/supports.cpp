@@ -33,7 +33,7 @@ std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settin
         return brick.rigid && !c.body.empty() && c.body == brick.body;
       });
       // What becomes the ground where the stage goes over to large motion.
-      const bool ground = brick.fixed && !settings.beyond_lattice().empty();
+      const bool ground = brick.fixed && !beyond_lattice(settings).empty();
       held.push_back(control != settings.controls.end() ? imposed_by(*control)
                      : ground                           ? std::uint8_t{7}
                                                         : std::uint8_t{0});

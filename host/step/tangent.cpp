@@ -166,16 +166,12 @@ struct Dashpots {
 };
 
 std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
-  const SolverSettings& solver = solver_in_use(s);
-  const std::size_t families = s.model.families.size();
-  if (solver.damping == DampingKind::impact) {
-    const ImpactDamping& impacts = s.time_step.impacts;
-    return Dashpots{impacts.viscosity, impacts.of_zones, 0.0};
-  }
-  if (solver.damping != DampingKind::viscous) return std::nullopt;
-  // On the lattice joints are not damped.
-  const double beta = solver.stiffness_damping, of_joints = s.large_motion ? beta : 0.0;
-  return Dashpots{std::vector<std::array<double, 2>>(families, {of_joints, of_joints}), beta, solver.mass_damping};
+  const Damping damping = damping_of(solver_in_use(s));
+  if (damping.impacts) return Dashpots{s.time_step.impacts.viscosity, s.time_step.impacts.of_zones, 0.0};
+  if (damping.alpha == 0.0 && damping.beta == 0.0) return std::nullopt;
+  const double of_joints = s.large_motion ? damping.beta : 0.0;  // on the lattice they are not damped
+  return Dashpots{std::vector<std::array<double, 2>>(s.model.families.size(), {of_joints, of_joints}), damping.beta,
+                  damping.alpha};
 }
 
 Tangent tangent_of(const Simulation& simulation) {
@@ -201,7 +197,7 @@ Tangent tangent_of(const Simulation& simulation) {
     ++t.points;
     if (normal == 0.0 && shear == 0.0) ++t.open;
     unknowns.add_point(p, p.area * normal, p.area * shear, &entries);
-    if (!dashpots || (p.traction[0] >= 0.0 && solver_in_use(s).damping == DampingKind::impact)) continue;
+    if (!dashpots || (p.traction[0] >= 0.0 && damping_of(solver_in_use(s)).impacts)) continue;
     const auto& [beta, along] = dashpots->of_family[at(p.family)];
     unknowns.add_point(p, p.area * beta * normal, p.area * along * shear, &viscous);
   }

@@ -124,23 +124,21 @@ struct Field {
 
 // A step with everything that acts on bodies, and random forces of the contact points.
 struct StepInput {
-  StepInput(const Model& model, DampingKind damping, std::mt19937_64& random) {
+  StepInput(const Model& model, const Damping& damping, std::mt19937_64& random) {
     for (std::size_t c = 0; c < 3; ++c) {
       for (int i = 0; i < model.point_count; ++i) force[c].push_back(100.0 * random_value(random));
       force[c].resize(force[c].size() + kLanes, 0.0);  // the dummy
       step.force[c] = force[c].data();
     }
     step.time_step = 1e-5;
-    step.damping = damping;
-    step.local_damping = 0.8;
-    step.mass_damping = 30.0;
+    step.eq1 = damping.eq1, step.local_damping = damping.gamma, step.mass_damping = damping.alpha;
     step.gravity = {0.5, -9.81, 0.1};
   }
   LaneVector<double> force[3];
   StepData step;
 };
 
-class BodyGroupDamping : public testing::TestWithParam<DampingKind> {};
+class BodyGroupDamping : public testing::TestWithParam<Damping> {};
 
 TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
   Model model = wall_of_cubes(10);
@@ -252,8 +250,8 @@ TEST_P(BodyGroupDamping, ABodyHeldStillIsNotChangedByAStep) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, BodyGroupDamping,
-                         testing::Values(DampingKind::none, DampingKind::local, DampingKind::viscous,
-                                         DampingKind::block));
+                         testing::Values(Damping{}, Damping{.eq1 = Eq1::gridpoints, .gamma = 0.8},
+                                         Damping{.alpha = 30.0}, Damping{.eq1 = Eq1::rigid_motion, .gamma = 0.8}));
 
 }  // namespace
 }  // namespace quoin

@@ -1,36 +1,46 @@
-// What acts on blocks from outside in stages: one file each in this folder, and one line each in actions.cpp. Their
-// keys are read in scene/read_actions.cpp.
+// What acts on blocks from outside in stages: one file each of this folder, and its name in actions.cpp. Their keys are
+// read in scene/actions.
 #pragma once
 
 #include <functional>
 #include <string>
 
+#include "base/archive.h"
 #include "step/state.h"
 
 namespace quoin {
 
-// Of blocks in large motion. What an action does not have is null.
-struct Action {
-  const char* name;
-  // Blocks that a stage names: looked up before anything runs, and known to all ranks when the stage begins.
-  void (*names)(const Stage& stage, const std::function<void(const std::string& block)>& visit);
-  // When a stage begins. previous: null: it is the first.
-  void (*bind)(Simulation::Impl& s, const Stage& stage, const Stage* previous);
-  // Before a step. ramp: how far that of the stage has come, 0 to 1.
-  void (*apply)(Simulation::Impl& s, const Stage& stage, double ramp);
+// State of an action in checkpoints.
+struct SavedState {
+  void (*save)(ArchiveWriter& to, const Actions& state) = nullptr;
+  void (*restore)(ArchiveReader& from, Actions& state) = nullptr;
 };
 
-void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previous);
-void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp);
-void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previous);
-void follow_ground(Simulation::Impl& s, const Stage& settings, double ramp);
-void bind_forces(Simulation::Impl& s, const Stage& settings, const Stage* previous);
-void scale_forces(Simulation::Impl& s, const Stage& settings, double ramp);
-void bind_pressures(Simulation::Impl& s, const Stage& settings, const Stage* previous);
-void scale_pressures(Simulation::Impl& s, const Stage& settings, double ramp);
-void apply_gravity(Simulation::Impl& s, const Stage& settings, double ramp);
-void jack_members(Simulation::Impl& s, const Stage& settings, double ramp);
-void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage* previous);
-void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp);
+template <class Archive, class Member>
+void transfer_member(Archive& archive, Member& member) {
+  if constexpr (requires { member.data(); })
+    archive.array(member);
+  else
+    archive.value(member);
+}
+
+// Of members of Actions.
+template <auto... kMembers>
+inline constexpr SavedState kSaved{
+    [](ArchiveWriter& to, const Actions& state) { (transfer_member(to, state.*kMembers), ...); },
+    [](ArchiveReader& from, Actions& state) { (transfer_member(from, state.*kMembers), ...); }};
+
+using VisitName = std::function<void(const std::string& block)>;
+
+// Of blocks in large motion. What an action does not have is null.
+struct Action {
+  // Blocks that a stage names: looked up before anything runs, and known to all ranks when the stage begins.
+  void (*names)(const Stage& stage, const VisitName& visit) = nullptr;
+  // When a stage begins. previous: null: it is the first.
+  void (*bind)(Simulation::Impl& s, const Stage& stage, const Stage* previous) = nullptr;
+  // Before a step. ramp: how far that of the stage has come, 0 to 1.
+  void (*apply)(Simulation::Impl& s, const Stage& stage, double ramp) = nullptr;
+  SavedState saved{};
+};
 
 }  // namespace quoin

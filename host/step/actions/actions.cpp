@@ -1,9 +1,6 @@
 #include "step/actions/actions.h"
 
-#include <algorithm>
-#include <functional>
-#include <span>
-
+#include "base/registry.h"
 #include "scene/load_place.h"
 #include "step/actions/action.h"
 #include "step/large_motion_run.h"
@@ -12,42 +9,8 @@
 
 namespace quoin {
 
-namespace {
-
-using Visit = std::function<void(const std::string&)>;
-
-void driven(const Stage& stage, const Visit& visit) {
-  for (const BodyControl& control : stage.controls) visit(control.body);
-}
-void pushed(const Stage& stage, const Visit& visit) {
-  for (const PointForce& force : stage.forces) visit(force.block);
-}
-void pressed(const Stage& stage, const Visit& visit) {
-  for (const FacePressure& pressure : stage.pressures) visit(pressure.block);
-}
-void of_supports(const Stage& stage, const Visit& visit) {
-  if (!stage.ground) return;
-  for (const GroundMotion& support : stage.ground->supports)
-    std::for_each(support.blocks.begin(), support.blocks.end(), visit);
-}
-void of_floors(const Stage& stage, const Visit& visit) {
-  if (!stage.whiffletree) return;
-  for (const auto& floor : stage.whiffletree->floors) std::for_each(floor.begin(), floor.end(), visit);
-}
-
 // In the order in which they act.
-constexpr Action kActions[] = {
-    {"drive", driven, bind_drives, drive_blocks},
-    {"ground", of_supports, bind_ground, follow_ground},
-    {"force", pushed, bind_forces, scale_forces},
-    {"pressure", pressed, bind_pressures, scale_pressures},
-    {"gravity", nullptr, nullptr, apply_gravity},
-    {"members", nullptr, nullptr, jack_members},
-    {"collapse", nullptr, bind_collapse, apply_collapse},
-    {"whiffletree", of_floors, nullptr, nullptr},  // on the lattice too: see pull_whiffletree
-};
-
-}  // namespace
+QUOIN_REGISTRY(Action, kActions, kDrive, kGround, kForce, kPressure, kGravity, kMembers, kCollapse, kWhiffletree);
 
 std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& settings) {
   std::vector<int> blocks;
@@ -69,6 +32,18 @@ std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& setting
 void bind_actions(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   for (const Action& action : kActions) {
     if (action.bind) action.bind(s, settings, previous);
+  }
+}
+
+void save_actions(ArchiveWriter& to, const Simulation::Impl& s) {
+  for (const Action& action : kActions) {
+    if (action.saved.save) action.saved.save(to, s.actions);
+  }
+}
+
+void restore_actions(ArchiveReader& from, Simulation::Impl& s) {
+  for (const Action& action : kActions) {
+    if (action.saved.restore) action.saved.restore(from, s.actions);
   }
 }
 

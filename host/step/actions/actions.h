@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "base/archive.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -10,5 +11,7 @@ namespace quoin {
 std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& settings);  // by its actions
 void bind_actions(Simulation::Impl& s, const Stage& settings, const Stage* previous);
 void apply_actions(Simulation::Impl& s, double ramp);
+void save_actions(ArchiveWriter& to, const Simulation::Impl& s);
+void restore_actions(ArchiveReader& from, Simulation::Impl& s);
 
 }  // namespace quoin

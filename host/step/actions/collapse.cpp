@@ -82,8 +82,6 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
   return multiplier;
 }
 
-}  // namespace
-
 void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {
   if (settings.collapse && (!settings.collapse->start || !settings.collapse->limit))
     throw Error(Exit::bad_input,
@@ -104,6 +102,8 @@ void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
                               s.actions.multiplier * norm(geometry::vector(settings.gravity)) *
                                   normalized(geometry::vector(settings.collapse->direction)));
 }
+
+}  // namespace
 
 // Blocks on their own side of the border alone: watch_uplift asks each rank for its own.
 void find_blocks_on_base(Simulation::Impl& s) {
@@ -171,5 +171,8 @@ void FirstLoad::look(double time, double moved, double allowed, double needed) {
   if (since < 0.0 || highest - lowest > allowed) since = time, lowest = highest = moved;
   carried = carried || time - since >= needed;
 }
+
+extern const Action kCollapse{
+    .bind = bind_collapse, .apply = apply_collapse, .saved = kSaved<&Actions::multiplier, &Actions::first_load>};
 
 }  // namespace quoin

@@ -13,6 +13,8 @@ namespace quoin {
 
 using geometry::Vector;
 
+namespace {
+
 // Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
 // components that are let go from what their support has carried. previous: null: there was no stage.
 void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
@@ -88,6 +90,8 @@ void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
   }
 }
 
+}  // namespace
+
 void pull_block(Simulation::Impl& s, int block, double pull) {
   const auto drive = std::find_if(s.actions.drives.begin(), s.actions.drives.end(),
                                   [block](const Drive& d) { return d.block == block; });
@@ -95,5 +99,13 @@ void pull_block(Simulation::Impl& s, int block, double pull) {
   applied.x = pull;
   s.large_motion->apply_force(block, applied);
 }
+
+extern const Action kDrive{.names =
+                               [](const Stage& stage, const VisitName& visit) {
+                                 for (const BodyControl& control : stage.controls) visit(control.body);
+                               },
+                           .bind = bind_drives,
+                           .apply = drive_blocks,
+                           .saved = kSaved<&Actions::drives>};
 
 }  // namespace quoin

@@ -36,8 +36,6 @@ double share_at(std::size_t k, std::size_t n, double way) {
   return std::max(0.0, 1.0 - std::abs(way * static_cast<double>(n - 1) - static_cast<double>(k)));
 }
 
-}  // namespace
-
 void bind_forces(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   if (previous) add_forces(s, *previous);
   s.actions.fading_loads = s.large_motion->actions.loads.size();
@@ -59,5 +57,15 @@ void scale_forces(Simulation::Impl& s, const Stage& settings, double ramp) {
   const double gone = s.large_motion->time() - s.progress.stage_start - settings.ramp_time;
   spread(*settings.moving_load, loads.size(), std::clamp(gone / moves, 0.0, 1.0));
 }
+
+}  // namespace
+
+extern const Action kForce{.names =
+                               [](const Stage& stage, const VisitName& visit) {
+                                 for (const PointForce& force : stage.forces) visit(force.block);
+                               },
+                           .bind = bind_forces,
+                           .apply = scale_forces,
+                           .saved = kSaved<&Actions::fading_loads>};
 
 }  // namespace quoin

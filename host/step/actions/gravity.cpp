@@ -4,8 +4,8 @@
 
 namespace quoin {
 
-void apply_gravity(Simulation::Impl& s, const Stage&, double) {
+extern const Action kGravity{.apply = [](Simulation::Impl& s, const Stage&, double) {
   s.large_motion->set_gravity(geometry::vector(s.data.gravity));
-}
+}};
 
 }  // namespace quoin

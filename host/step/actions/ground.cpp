@@ -120,6 +120,8 @@ const Drive* Actions::ground_drive() const {
   return found;
 }
 
+namespace {
+
 // The ground is all fixed blocks that no table of the stage drives. What earlier records have left of its velocity goes
 // on, or fades over the ramp of the stage if it has one.
 void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
@@ -169,12 +171,14 @@ void follow_ground(Simulation::Impl& s, const Stage& settings, double ramp) {
                               left_over + record_velocity(s, settings, now, motion));
 }
 
+}  // namespace
+
 void follow_ground_of_lattice(Simulation::Impl& s, double ramp) {
   const int body = s.controls.ground_body();
   s.data.ground_velocity = {};
   if (body < 0 || s.progress.stage < 0) return;
   const BodyRamp& ground = s.controls.ramps[static_cast<std::size_t>(body)];
-  const double half = s.data.damping == DampingKind::viscous ? 0.0 : 0.5 * s.data.time_step;
+  const double half = s.data.mass_damping > 0.0 ? 0.0 : 0.5 * s.data.time_step;
   const Vector record =
       record_velocity(s, current_stage(s), time_now(s) - half, static_cast<std::int32_t>(ground.motion));
   for (std::size_t c = 0; c < 3; ++c)
@@ -241,5 +245,14 @@ void find_base_of_lattice(Simulation::Impl& s) {
   }
   if (area > 0.0) s.reactions.base_centre = s.reactions.base_centre / area;
 }
+
+extern const Action kGround{.names =
+                                [](const Stage& stage, const VisitName& visit) {
+                                  if (!stage.ground) return;
+                                  for (const GroundMotion& support : stage.ground->supports)
+                                    std::for_each(support.blocks.begin(), support.blocks.end(), visit);
+                                },
+                            .bind = bind_ground,
+                            .apply = follow_ground};
 
 }  // namespace quoin

@@ -38,8 +38,8 @@ void build_members(Simulation::Impl& s) {
                                   std::move(exchange));
 }
 
-void jack_members(Simulation::Impl& s, const Stage&, double ramp) {
+extern const Action kMembers{.apply = [](Simulation::Impl& s, const Stage&, double ramp) {
   if (s.large_motion->members()) s.large_motion->members()->jack(s.progress.stage == 0 ? ramp : 1.0);
-}
+}};
 
 }  // namespace quoin

@@ -26,8 +26,6 @@ void add_pressures(Simulation::Impl& s, const Stage& settings) {
   }
 }
 
-}  // namespace
-
 void bind_pressures(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   if (previous) add_pressures(s, *previous);
   s.actions.fading_pressures = s.large_motion->actions.pressures.size();
@@ -39,5 +37,15 @@ void scale_pressures(Simulation::Impl& s, const Stage&, double ramp) {
   for (std::size_t i = 0; i < pressures.size(); ++i)
     pressures[i].scale = i < s.actions.fading_pressures ? 1.0 - ramp : ramp;
 }
+
+}  // namespace
+
+extern const Action kPressure{.names =
+                                  [](const Stage& stage, const VisitName& visit) {
+                                    for (const FacePressure& pressure : stage.pressures) visit(pressure.block);
+                                  },
+                              .bind = bind_pressures,
+                              .apply = scale_pressures,
+                              .saved = kSaved<&Actions::fading_pressures>};
 
 }  // namespace quoin

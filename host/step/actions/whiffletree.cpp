@@ -2,8 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/smooth_step.h"
+#include "step/actions/action.h"
 #include "step/actions/drive.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -84,5 +87,11 @@ void pull_whiffletree(Simulation::Impl& s) {
     }
   }
 }
+
+// Its pull is that of both kinds of motion: pull_whiffletree.
+extern const Action kWhiffletree{.names = [](const Stage& stage, const VisitName& visit) {
+  if (!stage.whiffletree) return;
+  for (const auto& floor : stage.whiffletree->floors) std::for_each(floor.begin(), floor.end(), visit);
+}};
 
 }  // namespace quoin

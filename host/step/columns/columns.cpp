@@ -1,21 +1,16 @@
 #include "step/columns/columns.h"
 
+#include "base/registry.h"
 #include "step/state.h"
 
 namespace quoin {
 
-extern const ColumnGroup kMemberColumns;
-
-namespace {
-
-constexpr const ColumnGroup* kGroups[] = {&kMemberColumns};
-
-}  // namespace
+QUOIN_REGISTRY(ColumnGroup, kColumnGroups, kMemberColumns);
 
 std::vector<std::string> added_columns(const Scene& scene) {
   std::vector<std::string> all;
-  for (const ColumnGroup* group : kGroups) {
-    const std::vector<std::string> names = group->names(scene);
+  for (const ColumnGroup& group : kColumnGroups) {
+    const std::vector<std::string> names = group.names(scene);
     all.insert(all.end(), names.begin(), names.end());
   }
   return all;
@@ -23,9 +18,9 @@ std::vector<std::string> added_columns(const Scene& scene) {
 
 std::vector<double> added_values(const Simulation::Impl& run) {
   std::vector<double> all;
-  for (const ColumnGroup* group : kGroups) {
-    const std::size_t count = all.size() + group->names(run.scene).size();
-    const std::vector<double> values = group->values(run);
+  for (const ColumnGroup& group : kColumnGroups) {
+    const std::size_t count = all.size() + group.names(run.scene).size();
+    const std::vector<double> values = group.values(run);
     all.insert(all.end(), values.begin(), values.end());
     all.resize(count, std::nan(""));
   }

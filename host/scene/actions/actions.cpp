@@ -1,0 +1,34 @@
+#include "scene/actions/actions.h"
+
+#include "scene/actions/action.h"
+
+namespace quoin {
+
+// `pressure` with a number is that of a stage of that kind.
+bool has_actions(const reader::Table& t) {
+  return std::ranges::any_of(kStageActions, [&](const StageAction& action) {
+    const toml::node* node = t.toml().get(action.key);
+    return node && !node->is_number();
+  });
+}
+
+void read_actions(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names) {
+  for (const StageAction& action : kStageActions) action.read(t, stage, folder, names);
+}
+
+std::string beyond_lattice(const Stage& stage) {
+  for (const StageAction& action : kStageActions) {
+    if (action.acts(stage)) return action.has;
+  }
+  return "";
+}
+
+std::vector<std::string> action_texts(const Stage& stage) {
+  std::vector<std::string> texts;
+  for (const StageAction& action : kStageActions) {
+    if (action.acts(stage)) texts.push_back(action.text(stage));
+  }
+  return texts;
+}
+
+}  // namespace quoin
