@@ -12,19 +12,15 @@ using geometry::Vector;
 std::vector<AddedMass> read_masses(Table& scene) {
   constexpr double kFarthest = 1e6;  // m: beyond, positions in double precision are coarser than a joint
   std::vector<AddedMass> masses;
-  int index = 0;
-  for (const toml::table* table : scene.tables("mass", "tables [[mass]]")) {
-    Table t(scene.context(), *table, fmt::format("mass.{}", ++index));
-    AddedMass added;
+  scene.each("mass", [&](Table& t) {
+    AddedMass& added = masses.emplace_back();
     added.source = {t.where()};
     t.text("block", added.block, "the name of a block, body or beam of a floor", true);
     t.number("mass", added.mass, kPositive, "kg", true);
     Vec3 point{};
     if (t.numbers("point", point, between(-kFarthest, kFarthest), "m, where the mass is at the start"))
       added.point = point;
-    t.finish();
-    masses.push_back(std::move(added));
-  }
+  });
   return masses;
 }
 
