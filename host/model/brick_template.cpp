@@ -1,7 +1,6 @@
 #include "model/brick_template.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace quoin {
 namespace {

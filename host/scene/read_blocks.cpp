@@ -12,9 +12,7 @@ using namespace reader;
 
 namespace {
 
-// Coordinates in m. Beyond, steps between numbers in double precision are 1e-10 m, too coarse for openings of joints.
-constexpr double kFarthest = 1e6;
-const Range kPlace = between(-kFarthest, kFarthest), kLength = above_to(0, kFarthest), kTurn = between(-360, 360);
+const Range kLength = above_to(0, kPlace.upper), kTurn = between(-360, 360);
 
 // A list of lists of vertex numbers; `which` says of what and in which order.
 std::vector<std::vector<int>> read_corners(Table& t, const std::string& key, size_t vertex_count, const char* which) {
@@ -100,7 +98,7 @@ BlockSpec read_block(Table& t, const Scene& scene) {
   }
   shapes += !b.vertices.empty();
   if (t.text("mesh", b.mesh, "a file .off, .obj, .stl or .json (COMPAS)")) ++shapes;
-  if (t.number("scale", b.scale, above_to(0, kFarthest), "(mesh file's unit in m)") && !t.has("mesh"))
+  if (t.number("scale", b.scale, kLength, "(mesh file's unit in m)") && !t.has("mesh"))
     t.refuse("scale", "only with mesh; remove it");
   if (shapes != 1)
     t.context().fault(t.where() +

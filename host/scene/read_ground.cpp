@@ -310,7 +310,7 @@ void read_made(Table& t, const Vec3& direction, GroundMotion& ground) {
 
 void read_direction(Table& t, const std::string& key, Vec3& direction, const char* what, bool required) {
   constexpr double least = 1e-6;
-  const bool given = t.numbers(key, direction, between(-1e6, 1e6), what, required);
+  const bool given = t.numbers(key, direction, kPlace, what, required);
   if (given && std::hypot(direction[0], direction[1], direction[2]) < least)
     t.refuse(key, fmt::format("a vector of length {} or more, as [1, 0, 0]", least));
 }

@@ -10,7 +10,6 @@ using namespace reader;
 using geometry::Vector;
 
 std::vector<AddedMass> read_masses(Table& scene) {
-  constexpr double kFarthest = 1e6;  // m: beyond, positions in double precision are coarser than a joint
   std::vector<AddedMass> masses;
   scene.each("mass", [&](Table& t) {
     AddedMass& added = masses.emplace_back();
@@ -18,8 +17,7 @@ std::vector<AddedMass> read_masses(Table& scene) {
     t.text("block", added.block, "the name of a block, body or beam of a floor", true);
     t.number("mass", added.mass, kPositive, "kg", true);
     Vec3 point{};
-    if (t.numbers("point", point, between(-kFarthest, kFarthest), "m, where the mass is at the start"))
-      added.point = point;
+    if (t.numbers("point", point, kPlace, "m, where the mass is at the start")) added.point = point;
   });
   return masses;
 }

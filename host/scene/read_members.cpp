@@ -13,9 +13,6 @@ using namespace reader;
 
 namespace {
 
-// m: beyond, positions in double precision are coarser than a joint.
-const Range kPlace = between(-1e6, 1e6);
-
 void read_place(Table& t, MemberEnd& end) {
   end.source = {t.where()};
   t.text("block", end.block, "the name of a block; without it the block that has the point");

@@ -24,7 +24,7 @@ std::vector<Monitor> read_monitors(Table& scene) {
     t.text("name", m.name, "letters, digits, _ and -", true);
     t.text("block", m.block, "a block, body or floor", true);
     Vec3 point{};
-    if (t.numbers("point", point, between(-1e6, 1e6), "m")) m.point = point;
+    if (t.numbers("point", point, kPlace, "m")) m.point = point;
     t.text("below", m.below, "the name of another monitor, from which drifts count");
     m.source = {t.where("block")};
     const auto called = [&](const std::string& name) {

@@ -52,6 +52,8 @@ struct Range {
 inline constexpr Range kAny{}, kPositive{0.0, HUGE_VAL, true}, kNotNegative{0.0, HUGE_VAL};
 inline Range between(double lower, double upper) { return {lower, upper, false}; }
 inline Range above_to(double lower, double upper) { return {lower, upper, true}; }
+// Of a coordinate, m: beyond, positions in double precision are coarser than a joint.
+inline constexpr Range kPlace{-1e6, 1e6};
 
 inline std::string text_of(const toml::node& node) { return node.is_table() ? "a table" : inline_toml(node); }
 

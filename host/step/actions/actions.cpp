@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <span>
 
 #include "scene/load_place.h"
 #include "step/actions/action.h"

@@ -39,7 +39,8 @@ void build_members(Simulation::Impl& s) {
 }
 
 void jack_members(Simulation::Impl& s, const Stage&, double ramp) {
-  if (s.large_motion->members()) s.large_motion->members()->jack(s.progress.stage == 0 ? ramp : 1.0);
+  if (s.large_motion->held_by.members.get())
+    s.large_motion->held_by.members.get()->jack(s.progress.stage == 0 ? ramp : 1.0);
 }
 
 }  // namespace quoin
