@@ -4,10 +4,12 @@
 // blocks of any shape in place of those of the lattice.
 #include <benchmark/benchmark.h>
 
+#include "hot_arrays.h"
 #include "machine_limits.h"
 #include "scene/generate.h"
 #include "scene/quality.h"
 #include "scene/read_scene.h"
+#include "step/findings.h"
 #include "step/kernels.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
@@ -66,9 +68,9 @@ void measure_steps(Simulation& simulation, benchmark::State& state) {
   constexpr int kWindow = 10;  // shorter than a time slice
   double contacts = 1e9, blocks = 1e9;
   for (auto _ : state) {
-    simulation.time_phases();
+    time_phases(simulation);
     simulation.advance(kWindow, false);
-    const PhaseTimes times = simulation.phase_times();
+    const PhaseTimes times = phase_times(simulation);
     const double of_contacts = times[Phase::jumps] + times[Phase::law] + times[Phase::contact_forces];
     const double of_blocks = times[Phase::internal_forces] + times[Phase::motion];
     if (of_contacts + of_blocks < contacts + blocks) {
@@ -81,7 +83,7 @@ void measure_steps(Simulation& simulation, benchmark::State& state) {
   const double counts[3] = {block_count, body_count, static_cast<double>(simulation.model().point_count)};
   const blocks::Model* const large_motion = simulation.large_motion();
   const double points = large_motion ? static_cast<double>(large_motion->point_count()) : counts[2];
-  for (const HotArray& array : simulation.hot_arrays())
+  for (const HotArray& array : hot_arrays(simulation))
     bytes[static_cast<int>(array.of)] += static_cast<double>(array.bytes);
   state.counters["contacts_us"] = contacts * 1e6 / kWindow;
   state.counters["blocks_us"] = blocks * 1e6 / kWindow;
@@ -92,7 +94,7 @@ void measure_steps(Simulation& simulation, benchmark::State& state) {
   for (int i = 0; i < 3; ++i) {
     if (counts[i] > 0.0) state.counters[names[i]] = bytes[i] / counts[i];
   }
-  state.SetLabel(simulation.instruction_set());
+  state.SetLabel(kernel_instruction_set());
 }
 
 void step(benchmark::State& state) {

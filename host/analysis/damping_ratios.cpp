@@ -8,6 +8,8 @@
 #include "analysis/modes.h"
 #include "analysis/state_modes.h"
 #include "base/error.h"
+#include "step/collect.h"
+#include "step/results.h"
 
 namespace quoin {
 
@@ -19,7 +21,7 @@ constexpr int kCount = 3;
 std::string why_dear(const Simulation& simulation, const Stage& stage) {
   double unknowns = 0.0;
   for (int block = 0; block < static_cast<int>(simulation.block_count()); ++block) {
-    const Simulation::BlockSize size = simulation.block_size(block);
+    const BlockSize size = block_size(simulation, block);
     unknowns += size.zones > 0 ? 3.0 * static_cast<double>(size.gridpoints) : 6.0;
   }
   // Measured: as long as so many steps (manual/EARTHQUAKES.md).
@@ -40,7 +42,7 @@ StageModes damped_modes(const Simulation& simulation, int stage) {
   const Scene& scene = simulation.scene();
   const Damping damping = damping_of(scene.solver_in(static_cast<std::size_t>(stage)));
   if (damping.alpha == 0.0 && !damping.of_contacts()) return without("no viscosity damps");
-  if (simulation.ranks_collect()) return without("not on several ranks");
+  if (ranks_collect(simulation)) return without("not on several ranks");
   if (scene.members) return without("stiffness of ties, floors and beams is not in them");
   if (std::string why = why_dear(simulation, scene.stages[static_cast<std::size_t>(stage)]); !why.empty())
     return without(std::move(why));

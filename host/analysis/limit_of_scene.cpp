@@ -17,7 +17,9 @@
 #include "members/members.h"
 #include "scene/from_bricks.h"
 #include "scene/load_place.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -249,7 +251,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
   for (int i = 0; i < static_cast<int>(simulation.block_count()); ++i) {
     const auto k = static_cast<std::size_t>(i);
     std::vector<Vector> corners;
-    for (const Vec3& x : simulation.block_mesh(i).gridpoint) corners.push_back(geometry::vector(x));
+    for (const Vec3& x : block_mesh(simulation, i).gridpoint) corners.push_back(geometry::vector(x));
     std::string name;
     double density = 0.0;
     LimitBlock block;
@@ -275,11 +277,11 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     limit->problem.blocks.push_back(block);
     limit->names.push_back(name);
     const Vector& x = block.centre;
-    limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", simulation.block_label(i), x.x, x.y, x.z));
+    limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", block_label(simulation, i), x.x, x.y, x.z));
   }
   std::map<std::string, Strength> strengths;  // of families that have points
   const std::vector<JointFamily>& families = shapes ? shapes->assembly.families : simulation.assembly().families;
-  for (const ContactPoint& p : simulation.contact_points()) {
+  for (const ContactPoint& p : contact_points(simulation)) {
     const std::string& family = families[static_cast<std::size_t>(p.family)].name;
     if (!strengths.contains(family)) strengths[family] = strength_of(scene.joints.at(family), scene.file);
     const Strength& s = strengths.at(family);
@@ -288,7 +290,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
   }
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
-  if (shapes && shapes->members()) add_members(*shapes->members(), scene.file, limit);
+  if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
   const std::vector<Wrench> dead = pull_of(*limit, limit->gravity);
   const std::vector<Wrench> live =
       pull_of(*limit, limit->direction ? norm(limit->gravity) * *limit->direction : Vector{});

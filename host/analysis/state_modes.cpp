@@ -9,7 +9,9 @@
 #include "results/checkpoint_file.h"
 #include "results/provenance.h"
 #include "scene/rest_scene.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "step/simulation.h"
 #include "step/tangent.h"
 
@@ -24,17 +26,17 @@ Vibrating vibrating_now(const Simulation& simulation, Tangent tangent) {
   v.points = tangent.points, v.open = tangent.open, v.zones = simulation.zone_count();
   v.symmetry_factor = tangent.symmetry_factor;
   for (int b = 0; b < static_cast<int>(simulation.block_count()); ++b) {
-    const Simulation::BlockMesh mesh = simulation.block_mesh(b);
-    const std::vector<Vec3> moved = simulation.block_displacement(b);
+    const BlockMesh mesh = block_mesh(simulation, b);
+    const std::vector<Vec3> moved = block_displacement(simulation, b);
     DrawnBlock& drawn = v.drawn.emplace_back();
     drawn.zone = mesh.zone, drawn.face = mesh.face, drawn.held = true;
     for (std::size_t i = 0; i < mesh.gridpoint.size(); ++i)
       drawn.point.push_back(geometry::vector(mesh.gridpoint[i]) + geometry::vector(moved[i]));
-    v.label.push_back(simulation.block_label(b));
+    v.label.push_back(block_label(simulation, b));
   }
   for (const Unknown& u : v.unknown) v.drawn[static_cast<std::size_t>(u.block)].held = false;
   const int last = static_cast<int>(simulation.scene().stages.size()) - 1;
-  if (last >= 0) v.held = simulation.supports(last).held;
+  if (last >= 0) v.held = supports_in(simulation, last).held;
   return v;
 }
 

@@ -17,6 +17,7 @@
 #include "model/contact_frames.h"
 #include "model/motion.h"
 #include "model/world.h"
+#include "model/world_results.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
@@ -101,7 +102,7 @@ std::string axes_text(std::uint8_t bits) {
   return text;
 }
 
-// As Simulation::supports: what is fixed, and what the stage imposes on it in its place.
+// As supports_in(): what is fixed, and what the stage imposes on it in its place.
 void World::hold(const Stage& stage, std::vector<std::string>* held) {
   const std::vector<blocks::Block>& given = assembly.blocks;
   held_.assign(given.size(), 0);
@@ -123,7 +124,7 @@ void World::hold(const Stage& stage, std::vector<std::string>* held) {
 }
 
 void World::number_body(int block, Vibrating* v) {
-  const blocks::Body& body = bodies[at(this->block(block).body)];
+  const blocks::Body& body = bodies[at(this->blocks[block].body)];
   const unsigned held = held_[at(block)] | body.support;
   first_of_body_[at(block)] = static_cast<int>(v->unknown.size());
   for (int c = 0; c < 3; ++c) {
@@ -158,7 +159,7 @@ void World::number_body(int block, Vibrating* v) {
 
 void World::number(Vibrating* v) {
   first_of_body_.assign(at(block_count()), 0), count_of_body_.assign(at(block_count()), 0);
-  of_gridpoint_.assign(node_positions().size(), {-1, -1, -1});
+  of_gridpoint_.assign(nodes.x.size(), {-1, -1, -1});
   const auto close_group = [&](const Vector& place) {
     const auto end = static_cast<int>(v->unknown.size());
     if (end == v->groups.begin.back()) return;
@@ -166,9 +167,9 @@ void World::number(Vibrating* v) {
   };
   v->groups.begin = {0};
   for (int i = 0; i < block_count(); ++i) {
-    const blocks::ModelBlock& b = block(i);
+    const blocks::ModelBlock& b = blocks[i];
     if (b.body >= 0) {
-      number_body(i, v), close_group(position(i));
+      number_body(i, v), close_group(position_of(*this, i));
       continue;
     }
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
@@ -178,26 +179,28 @@ void World::number(Vibrating* v) {
         of_gridpoint_[at(n)][at(c)] = static_cast<int>(v->unknown.size());
         Unknown u{i, n - b.first_node};
         u.translation[c] = 1.0;
-        v->unknown.push_back(u), v->mass.push_back(node_mass()[at(n)]);
+        v->unknown.push_back(u), v->mass.push_back(nodes.mass[at(n)]);
       }
-      close_group(node_reference()[at(n)]);
+      close_group(nodes.reference[at(n)]);
     }
   }
 }
 
 void World::draw(Vibrating* v) const {
   for (int i = 0; i < block_count(); ++i) {
-    const blocks::ModelBlock& b = block(i);
+    const blocks::ModelBlock& b = blocks[i];
     DrawnBlock& drawn = v->drawn.emplace_back();
     drawn.held = (held_[at(i)] & 7u) == 7u;
     drawn.face = b.shape->faces;  // the first gridpoints of a deformable block are its corners
     v->label.push_back(blocks::label(assembly, i));
     if (b.body >= 0) {
-      for (std::size_t k = 0; k < b.shape->vertices.size(); ++k) drawn.point.push_back(corner(i, static_cast<int>(k)));
+      for (std::size_t k = 0; k < b.shape->vertices.size(); ++k)
+        drawn.point.push_back(corner_of(*this, i, static_cast<int>(k)));
       continue;
     }
-    for (int n = b.first_node; n < b.first_node + b.node_count; ++n) drawn.point.push_back(node_reference()[at(n)]);
-    for (int z = 0; z < b.zone_count; ++z) std::ranges::copy(zone(i, z).node, drawn.zone.emplace_back().begin());
+    for (int n = b.first_node; n < b.first_node + b.node_count; ++n) drawn.point.push_back(nodes.reference[at(n)]);
+    for (int z = 0; z < b.zone_count; ++z)
+      std::ranges::copy(zone_of(*this, i, z).node, drawn.zone.emplace_back().begin());
     v->zones += b.zone_count;
   }
 }
@@ -205,7 +208,7 @@ void World::draw(Vibrating* v) const {
 // Linear elasticity, constant strain. Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T +
 // mu g_j g_i^T + mu (g_i . g_j) I).
 void World::add_zones(std::vector<Triplet>* entries) const {
-  each_zone([&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
+  each_zone(*this, [&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < 4; ++j) {
         const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
@@ -247,8 +250,8 @@ void World::add_side(int block, int facet, const Vector& place, double sign, con
 
 void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
   std::vector<Share> shares;
-  for (std::size_t k = 0; k < families().size(); ++k) {
-    const blocks::Family& family = families()[k];
+  for (std::size_t k = 0; k < contacts.families.size(); ++k) {
+    const blocks::Family& family = contacts.families[k];
     const JointStiffness mean = stiffness_of(family.material, assembly.families[k].initial_state);
     const auto scattered = [&](const char* id, std::size_t i) {
       for (const PropertyColumn& column : family.columns) {
@@ -263,7 +266,7 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
       shares.clear();
       add_side(p.a, p.facet_a, here.at, -1.0, *v, &shares);
       add_side(p.b, p.facet_b, here.at, 1.0, *v, &shares);
-      add_spring(shares, frame_of(p).row[0], p.area * mean.normal * scattered("normal_stiffness", i),
+      add_spring(shares, frame_of(*this, p).row[0], p.area * mean.normal * scattered("normal_stiffness", i),
                  p.area * mean.shear * scattered("shear_stiffness", i), entries);
       ++v->points;
     }
@@ -271,7 +274,7 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
 }
 
 void World::add_node(const members::Node& node, double sign, const Vibrating& v, std::vector<Share>* shares) const {
-  if (block(node.block).body >= 0) return add_side(node.block, -1, node.start, sign, v, shares);
+  if (blocks[node.block].body >= 0) return add_side(node.block, -1, node.start, sign, v, shares);
   for (const auto& [gridpoint, weight] : node.share) {
     for (int c = 0; c < 3; ++c) {
       const int unknown = of_gridpoint_[at(gridpoint)][at(c)];
@@ -285,14 +288,15 @@ void World::add_node(const members::Node& node, double sign, const Vibrating& v,
 
 // Ties without slack are taut, springs of beddings touch.
 void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const {
-  if (!members()) return;
+  if (!held_by.members.get()) return;
   std::vector<Share> shares;
-  const auto& riders = members()->nodes();
-  for (const members::Tie& tie : members()->ties()) {
+  const auto& riders = held_by.members.get()->nodes();
+  for (const members::Tie& tie : held_by.members.get()->ties()) {
     if (tie.law.slack > 0.0) continue;
     shares.clear();  // of its elongation, along the axis x
     for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
-      const Vector along = normalized(members()->start_of(tie.stops[i + 1]) - members()->start_of(tie.stops[i]));
+      const Vector along =
+          normalized(held_by.members.get()->start_of(tie.stops[i + 1]) - held_by.members.get()->start_of(tie.stops[i]));
       const auto add_stop = [&](const members::Tie::Stop& stop, double sign) {
         for (const auto& [node, share] : stop) {
           const std::size_t first = shares.size();
@@ -304,18 +308,18 @@ void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const
     }
     add_spring(shares, {1, 0, 0}, tie.law.stiffness, 0.0, entries);
   }
-  for (const members::Dowel& dowel : members()->dowels()) {
+  for (const members::Dowel& dowel : held_by.members.get()->dowels()) {
     shares.clear();
     add_node(riders[at(dowel.first)], -1.0, v, &shares), add_node(riders[at(dowel.second)], 1.0, v, &shares);
     add_spring(shares, dowel.along, dowel.law.axial, dowel.law.shear, entries);
   }
-  for (const members::FillPoint& p : members()->fill_points()) {
+  for (const members::FillPoint& p : held_by.members.get()->fill_points()) {
     if (p.law.level == 0.0) continue;
     shares.clear();
     add_node(riders[at(p.node)], 1.0, v, &shares);
     add_spring(shares, p.law.out, p.law.level * p.law.stiffness, 0.0, entries);
   }
-  for (const members::SpringPoint& p : members()->spring_points()) {
+  for (const members::SpringPoint& p : held_by.members.get()->spring_points()) {
     shares.clear();
     add_node(riders[at(p.node)], 1.0, v, &shares);
     add_spring(shares, p.out, p.law.normal, p.law.shear, entries);
@@ -356,7 +360,7 @@ void World::add_deformations(const Vibrating& v, std::vector<Triplet>* entries) 
         continue;
       }
       shares.clear();
-      add_node(members()->nodes()[at(share.node)], 1.0, v, &shares);
+      add_node(held_by.members.get()->nodes()[at(share.node)], 1.0, v, &shares);
       for (const Share& s : shares) row.emplace_back(s.unknown, dot(share.way, s.moves));
     }
     return row;
@@ -386,7 +390,7 @@ void World::add_deformations(const Vibrating& v, std::vector<Triplet>* entries) 
 void World::fill(const std::string& file, Vibrating* v) {
   number(v);
   draw(v);
-  if (members()) own_ = members::linear_of(*members(), file), number_members(v);
+  if (held_by.members.get()) own_ = members::linear_of(*held_by.members.get(), file), number_members(v);
   const auto count = static_cast<Eigen::Index>(v->unknown.size());
   v->stiffness.resize(count, count);
   std::vector<Triplet> entries;

@@ -23,7 +23,9 @@
 #include "scene/read_tests.h"
 #include "scene/scatter_text.h"
 #include "scene/size.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -119,13 +121,13 @@ void print_supports(const Simulation& simulation) {
   constexpr std::size_t kNamed = 5;
   std::vector<std::pair<std::string, std::string>> lines;  // text, stages
   for (std::size_t i = 0; i < simulation.scene().stages.size(); ++i) {
-    const Simulation::Supports supports = simulation.supports(static_cast<int>(i));
+    const Supports supports = supports_in(simulation, static_cast<int>(i));
     std::string text = supports.held.empty() ? "nothing is held" : fmt::format("{}", fmt::join(supports.held, "; "));
     if (!supports.loose.empty()) {
       text += fmt::format("\n  {:<16} warning: {} of {} blocks may fall, as no joint ties them to what is held:", "",
                           supports.loose.size(), simulation.block_count());
       for (std::size_t k = 0; k < std::min(kNamed, supports.loose.size()); ++k)
-        text += (k == 0 ? " " : ", ") + simulation.block_label(supports.loose[k]);
+        text += (k == 0 ? " " : ", ") + block_label(simulation, supports.loose[k]);
       if (supports.loose.size() > kNamed) text += ", ...";
     }
     const std::string& name = simulation.scene().stages[i].name;
@@ -147,7 +149,7 @@ void print_overhang(const Simulation& simulation) {
   std::vector<bool> fixed(foot.size()), stands(foot.size());
   double lowest = HUGE_VAL, highest = -HUGE_VAL;
   for (int b = 0; b < count; ++b) {
-    const Simulation::BlockMesh mesh = simulation.block_mesh(b);
+    const BlockMesh mesh = block_mesh(simulation, b);
     const auto block = static_cast<std::size_t>(b);
     fixed[block] = mesh.fixed;
     for (const Vec3& p : mesh.gridpoint) {
@@ -173,7 +175,7 @@ void print_overhang(const Simulation& simulation) {
   if (hanging.empty() || !others) return;
   std::string names;
   for (std::size_t k = 0; k < std::min(kNamed, hanging.size()); ++k)
-    names += (k == 0 ? "" : ", ") + simulation.block_label(hanging[k]);
+    names += (k == 0 ? "" : ", ") + block_label(simulation, hanging[k]);
   fmt::print(
       "  {:<16} warning: {} blocks of the lowest course stand on no fixed block: {}{}; is the ground too short?\n", "",
       hanging.size(), names, hanging.size() > kNamed ? ", ..." : "");
@@ -250,7 +252,7 @@ void print_rigid_joints(const JointFamily& family, const Material& material, lon
 }
 
 long rigid_joints(const blocks::Model& m, int family) {
-  const auto is_rigid = [&](int block) { return m.block(block).body >= 0; };
+  const auto is_rigid = [&](int block) { return m.blocks[block].body >= 0; };
   return std::count_if(m.contacts.list.begin(), m.contacts.list.end(), [&](const blocks::Contact& c) {
     return c.initial && c.family == family && is_rigid(c.pair.a) && is_rigid(c.pair.b) && c.count >= 3;
   });
@@ -271,7 +273,7 @@ void print_notes(const TimeStepReport& report) {
 }
 
 void print_what_sets_step(const blocks::Model& model) {
-  const blocks::StepLimit limit = model.what_sets_time_step();
+  const blocks::StepLimit limit = what_sets_time_step(model);
   if (limit.block < 0) return;
   std::string zone = "rigid";
   if (limit.height > 0.0)
@@ -316,7 +318,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
              simulation.point_count(), step.model_mass);
-  const auto& families = simulation.large_motion()->families();
+  const auto& families = simulation.large_motion()->contacts.families;
   for (std::size_t f = 0; f < families.size(); ++f) {
     print_family(simulation.large_motion()->assembly.families[f], *families[f].material,
                  static_cast<long>(families[f].size()), families[f].kn, families[f].ks, families[f].columns);
@@ -326,13 +328,13 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   }
   print_memory(size_of(scene));
   using Kind = blocks::Piece::Kind;
-  const auto count_of = [&](Kind kind) { return simulation.large_motion()->count_of(kind); };
+  const auto blocks_of = [&](Kind kind) { return count_of(*simulation.large_motion(), kind); };
   fmt::print(
       "  motion in {} displacement: {} rigid, {} congruent by one stiffness a shape, {} in a frame of their own, {} "
       "zone "
       "by zone\n",
-      simulation.large_motion()->is_small ? "large (small at first)" : "large", count_of(Kind::rigid),
-      count_of(Kind::congruent), count_of(Kind::distinct), count_of(Kind::by_zone));
+      simulation.large_motion()->is_small ? "large (small at first)" : "large", blocks_of(Kind::rigid),
+      blocks_of(Kind::congruent), blocks_of(Kind::distinct), blocks_of(Kind::by_zone));
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   for (const std::string& note : simulation.large_motion()->assembly.notes) fmt::print("  {}\n", note);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
@@ -341,7 +343,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   print_notes(step);
   print_supports(simulation);
   print_overhang(simulation);
-  if (const members::Members* const members = simulation.large_motion()->members())
+  if (const members::Members* const members = simulation.large_motion()->held_by.members.get())
     print_members(*members, simulation.large_motion()->assembly);
   print_time(simulation, print_stages(scene, step), options.force);
 }

@@ -17,6 +17,7 @@
 #include "files/result_folder.h"
 #include "law/law_calls.h"
 #include "results/surface.h"
+#include "step/findings.h"
 
 namespace quoin {
 
@@ -74,7 +75,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
     notices_wanted = true;
     notice(fmt::format("quoin: rank {}: the law '{}' has not returned from a batch within {:g} s: {}", ranks.rank(),
-                       material.api().id, options.law_seconds, simulation.batch_text(batch)));
+                       material.api().id, options.law_seconds, batch_text(simulation, batch)));
     _exit(static_cast<int>(Exit::numerical));
   });
   const StopOnSignal guard(simulation);
@@ -89,7 +90,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   } catch (const Error& error) {
     failed = true;
     exit_code = static_cast<int>(error.exit_code);
-    if (!simulation.ranks_together()) {
+    if (!ranks_together(simulation)) {
       print_fault(error.what());
       ranks.abort(exit_code);
     }

@@ -17,6 +17,8 @@
 #include "results/quasi_static.h"
 #include "results/report.h"
 #include "results/warnings.h"
+#include "step/collect.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
 
 namespace quoin {
@@ -41,7 +43,7 @@ bool shows_blocks(const Simulation& simulation) { return simulation.large_motion
 // So that rank 0 has what its pictures show, where that is little. By all ranks.
 void gather_for_pictures(Simulation& simulation) {
   if (simulation.scene().output.plots && shows_blocks(simulation) && simulation.block_count() <= kMostBlocks)
-    simulation.gather_at_first();
+    gather_at_first(simulation);
 }
 
 // curve.png, cracks.png, mechanism.png, histories.png; what is missing is reported.
@@ -88,7 +90,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   };
   const OutputSettings& output = simulation.scene().output;
   const auto& rows = recorder.history().rows();
-  const bool has_all = !failure || simulation.ranks_together();  // else of this rank alone
+  const bool has_all = !failure || ranks_together(simulation);  // else of this rank alone
   info.law_answers = laws_answer(simulation);
   if (failure) {
     info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";

@@ -20,6 +20,7 @@
 #include "results/json_file.h"
 #include "results/report.h"
 #include "results/virtual_motion.h"
+#include "step/results.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -42,7 +43,7 @@ void write_mechanism(const std::filesystem::path& folder, const Simulation& simu
     const Vector& x = limit.problem.blocks[k].centre;
     table += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", k,
                          csv_text(limit.names[k]), x.x, x.y, x.z, v.x, v.y, v.z, w.x, w.y, w.z);
-    const Simulation::BlockMesh mesh = simulation.block_mesh(static_cast<int>(k));
+    const BlockMesh mesh = block_mesh(simulation, static_cast<int>(k));
     StillBlock& block = drawn.emplace_back();
     block.zone = mesh.zone, block.face = mesh.face;
     auto& of_block = motion.displacement.emplace_back();

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "results/summary.h"
+#include "step/findings.h"
 
 namespace quoin {
 
@@ -32,7 +33,7 @@ std::string history_text(const std::vector<HistoryColumn>& columns, const std::v
 LiveRun::LiveRun(int port, const std::filesystem::path& folder, const Simulation& simulation,
                  const std::vector<HistoryRow>& before, std::vector<double> frame_times)
     : scene_(simulation.scene()),
-      columns_(history_columns(scene_, simulation.restraints())),
+      columns_(history_columns(scene_, restraints_of(simulation))),
       rows_(before),
       times_(std::move(frame_times)),
       state_("{}"),

@@ -11,6 +11,7 @@
 #include "results/plots.h"
 #include "scene/collapse_load.h"
 #include "scene/quality.h"
+#include "step/findings.h"
 
 namespace quoin {
 
@@ -85,8 +86,8 @@ void print_results(const std::filesystem::path& folder, const Simulation& simula
       fmt::print("dissipated {:.4g} J: damping {:.0f} %, joints {:.0f} %\n", all, share(e.damping), share(joints));
     }
   }
-  fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
-  if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));
+  fmt::print("{}\n", phases_text(phase_times(simulation), info.wall_clock_s));
+  if (!rank_traffic(simulation).empty()) fmt::print("{}\n", ranks_text(rank_traffic(simulation)));
   print_isolation(simulation);
 }
 

@@ -11,6 +11,7 @@
 #endif
 #include "scene/damping_text.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 
 namespace quoin {
 
@@ -157,7 +158,7 @@ void Recorder::take(const HistoryRow& row) {
 }
 
 double Recorder::cracked_share(const Simulation& simulation) {
-  const auto counts = simulation.condition_counts();
+  const auto counts = condition_counts(simulation);
   const long all = std::accumulate(counts.begin(), counts.end(), 0L);
   const long elastic = counts[static_cast<std::size_t>(Condition::elastic)];
   return all > 0 ? static_cast<double>(all - elastic) / static_cast<double>(all) : 0.0;

@@ -27,6 +27,8 @@
 #include "law/law_trial.h"
 #include "ranks/join.h"
 #include "results/monitors.h"
+#include "step/findings.h"
+#include "step/kernels.h"
 #include "step/large_motion.h"
 
 namespace quoin {
@@ -60,8 +62,7 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
       "threads, {}",
       options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(),
       law_names(simulation.assembly()), step.time_step, step.time_step / step.critical.value,
-      ranks ? fmt::format("{} ranks of ", ranks->count()) : "", simulation.thread_count(),
-      simulation.instruction_set()));
+      ranks ? fmt::format("{} ranks of ", ranks->count()) : "", simulation.thread_count(), kernel_instruction_set()));
 
   const OutputSettings& output = simulation.scene().output;
   const bool has_frames = simulation.scene().has_frames();
@@ -213,7 +214,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   if (there && info.status != "interrupted" && !say_whether_same(info.provenance, folder, *there, options.again) &&
       exit_code == 0)
     exit_code = static_cast<int>(Exit::numerical);
-  if (info.status != "done" && !simulation.ranks_together()) {
+  if (info.status != "done" && !ranks_together(simulation)) {
     std::fflush(stdout);
     ranks->abort(exit_code);
   }

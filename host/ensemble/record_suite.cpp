@@ -42,17 +42,13 @@ std::vector<std::pair<std::string, toml::table>> expanded(Table& t, int index) {
   toml::table motion = t.toml();
   for (const char* key : {"name", "count", "files"}) motion.erase(key);
   std::vector<std::pair<std::string, toml::table>> all;
-  if (const toml::node* files = t.find("files", "a list of records, one file each", false)) {
-    const toml::array* list = files->as_array();
-    for (std::size_t i = 0; list && i < list->size(); ++i) {
-      const auto file = list->get(i)->value<std::string>();
-      if (!file) break;
-      toml::table one = motion;
-      one.insert_or_assign("file", *file);
-      all.emplace_back(std::filesystem::path(*file).stem().string(), one);
+  if (t.has("files")) {
+    std::vector<std::string> files;
+    t.texts("files", files, "a list of texts, one file each");
+    for (const std::string& file : files) {
+      motion.insert_or_assign("file", file);
+      all.emplace_back(std::filesystem::path(file).stem().string(), motion);
     }
-    if (!list || list->empty() || all.size() != list->size())
-      t.wrong_type("files", *files, "a list of texts, one file each");
     return all;
   }
   if (name.empty()) name = fmt::format("record {}", index);

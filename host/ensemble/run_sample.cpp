@@ -24,6 +24,7 @@
 #include "results/summary.h"
 #include "results/warnings.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "step/simulation.h"
 
 namespace quoin::ensemble {
@@ -87,8 +88,8 @@ void add_drawn(const Simulation& simulation, Values& inputs) {
   };
   const auto& names = simulation.assembly().families;
   if (const blocks::Model* large_motion = simulation.large_motion()) {
-    for (std::size_t f = 0; f < large_motion->families().size(); ++f) {
-      const blocks::Family& family = large_motion->families()[f];
+    for (std::size_t f = 0; f < large_motion->contacts.families.size(); ++f) {
+      const blocks::Family& family = large_motion->contacts.families[f];
       for (const PropertyColumn& c : family.columns)
         add(names[f].name, c, [&](std::size_t i) { return family.point[i].area; });
     }
@@ -148,7 +149,7 @@ void write_joints(const Simulation& simulation, const fs::path& file) {
     j.x0 = std::min(j.x0, x), j.y0 = std::min(j.y0, y), j.x1 = std::max(j.x1, x), j.y1 = std::max(j.y1, y);
     j.opening = std::max(j.opening, opening);
   };
-  for (const ContactPoint& p : simulation.contact_points()) add(p.block_a, p.block_b, p.position, p.jump[0]);
+  for (const ContactPoint& p : contact_points(simulation)) add(p.block_a, p.block_b, p.position, p.jump[0]);
   for (const PartedPoint& p : parted_points(simulation)) {
     const ContactPoint& last = p.joint.contact;
     add(last.block_a, last.block_b, last.position, p.joint.opening);

@@ -12,6 +12,7 @@
 #include "base/input_file.h"
 #include "ensemble/no_number.h"
 #include "files/file.h"
+#include "model/world_results.h"
 #include "results/checkpoint_file.h"
 #include "results/history.h"
 #include "results/json_file.h"
@@ -19,7 +20,9 @@
 #include "results/provenance.h"
 #include "results/summary.h"
 #include "results/warnings.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "step/simulation.h"
 
 namespace quoin::ensemble {
@@ -70,7 +73,7 @@ class CollapseWatch : public Observer {
       : history_(folder / "history.csv", *simulation), simulation_(simulation), suite_(suite) {
     for (int block = 0; block < simulation->block_count(); ++block) {
       Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-      for (const Vec3& x : simulation->block_mesh(block).gridpoint) {
+      for (const Vec3& x : block_mesh(*simulation, block).gridpoint) {
         for (std::size_t c = 0; c < 3; ++c) low[c] = std::min(low[c], x[c]), high[c] = std::max(high[c], x[c]);
       }
       extent_.push_back({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
@@ -104,11 +107,12 @@ class CollapseWatch : public Observer {
   // A step ago, as the ground in a row.
   Vec3 translation_of(const blocks::Model& model, int block) const {
     const double step = simulation_->time_step_report().time_step;
-    return geometry::array(model.position(block) - step * model.velocity(block) - model.start_position(block));
+    return geometry::array(position_of(model, block) - step * velocity_of(model, block) -
+                           start_position_of(model, block));
   }
   Vec3 translation_on_lattice(int block) const {
     const double step = simulation_->time_step_report().time_step;
-    const std::vector<Vec3> moved = simulation_->block_displacement(block), v = simulation_->block_velocity(block);
+    const std::vector<Vec3> moved = block_displacement(*simulation_, block), v = block_velocity(*simulation_, block);
     Vec3 mean{};
     for (std::size_t i = 0; i < moved.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) mean[c] += (moved[i][c] - step * v[i][c]) / static_cast<double>(moved.size());
@@ -131,7 +135,7 @@ class CollapseWatch : public Observer {
     const bool far = distance >= suite_.displacement, fallen = height > 0.0 && sunk >= kSunk * height;
     if (run.collapsed() || (!far && !fallen)) return;
     run.status = "collapsed";
-    run.reason = fmt::format("{}: {}", simulation_->block_label(block),
+    run.reason = fmt::format("{}: {}", block_label(*simulation_, block),
                              fallen ? "has lost its support" : "has reached the displacement of collapse");
   }
 

@@ -34,17 +34,13 @@ void add_overrides(Context& context, const toml::table& table, const std::string
 }
 
 void read_quantities(Table& t, Study& study) {
-  int index = 0;
-  for (const toml::table* table : t.tables("quantity", "tables [[quantity]]")) {
-    Table q(t.context(), *table, fmt::format("quantity.{}", ++index));
-    StudyQuantity quantity;
+  t.each("quantity", [&](Table& q) {
+    StudyQuantity& quantity = study.quantities.emplace_back();
     q.text("key", quantity.key, "a key of the scene, as \"materials.brick.young_modulus\"", true);
     quantity.name = quantity.key;
     q.text("name", quantity.name, "text, for columns");
     quantity.distribution = read_distribution(q);
-    q.finish();
-    study.quantities.push_back(quantity);
-  }
+  });
 }
 
 void read_quantity_correlation(Table& t, Study& study) {
@@ -57,12 +53,10 @@ void read_quantity_correlation(Table& t, Study& study) {
     while (i < n && study.quantities[i].name != name) ++i;
     return i;
   };
-  if (const toml::node* node = t.find("correlation", allowed, false)) {
-    const toml::array* list = node->as_array();
-    if (!list) return t.wrong_type("correlation", *node, allowed);
+  if (const toml::array* list = t.list("correlation", allowed)) {
     for (const toml::node& element : *list) {
       const toml::array* entry = element.as_array();
-      if (!entry || entry->size() != 3) return t.wrong_type("correlation", *node, allowed);
+      if (!entry || entry->size() != 3) return t.wrong_type("correlation", allowed);
       const std::size_t i = index_of(entry->get(0)->value<std::string>()),
                         j = index_of(entry->get(1)->value<std::string>());
       const std::optional<double> value = number_of(*entry->get(2));
@@ -84,10 +78,8 @@ void read_limit_of_records(Table& f, LimitState& limit) {
 }
 
 void read_limits(Table& t, Study& study) {
-  int index = 0;
-  for (const toml::table* table : t.tables("fragility", "tables [[fragility]]")) {
-    Table f(t.context(), *table, fmt::format("fragility.{}", ++index));
-    LimitState limit;
+  t.each("fragility", [&](Table& f) {
+    LimitState& limit = study.limits.emplace_back();
     if (study.suite.any()) {
       read_limit_of_records(f, limit);
     } else {
@@ -96,9 +88,7 @@ void read_limits(Table& t, Study& study) {
       limit.name = limit.output;
       f.text("name", limit.name, "text");
     }
-    f.finish();
-    study.limits.push_back(limit);
-  }
+  });
   if (!study.limits.empty()) return;
   if (study.suite.any())
     study.limits = {{"collapse", "", "", 0.0}};

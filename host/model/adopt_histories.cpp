@@ -18,21 +18,21 @@ constexpr double kSamePlace = 1e-6;
 
 }  // namespace
 
-void World::set_pose(int block, const Vector& centre, const Quaternion& turn) {
-  Body& body = bodies[size_t(blocks[size_t(block)].body)];
+void set_pose(World& w, int block, const Vector& centre, const Quaternion& turn) {
+  Body& body = w.bodies[size_t(w.blocks[size_t(block)].body)];
   body.x = centre;
   body.turn_to(normalized(turn * body.q));
 }
 
-void World::adopt_histories(const std::vector<PointHistory>& histories) {
-  if (frames.are_old) find_block_frames(*this);
-  leave_frames_of_deformed(*this);
+void adopt_histories(World& w, const std::vector<PointHistory>& histories) {
+  if (w.frames.are_old) find_block_frames(w);
+  leave_frames_of_deformed(w);
   std::map<Pair, std::vector<const PointHistory*>> of_pair;
   for (const PointHistory& h : histories)
     of_pair[{std::min(h.block_a, h.block_b), std::max(h.block_a, h.block_b)}].push_back(&h);
-  const double near2 = kSamePlace * kSamePlace * detection.size * detection.size;
+  const double near2 = kSamePlace * kSamePlace * w.detection.size * w.detection.size;
   size_t taken = 0;
-  for (Family& f : contacts.families) {
+  for (Family& f : w.contacts.families) {
     for (size_t i = 0; i < f.size(); ++i) {
       Point& p = f.point[i];
       const PointHistory* history = nullptr;
@@ -43,11 +43,11 @@ void World::adopt_histories(const std::vector<PointHistory>& histories) {
       // Axes of the start, as the history has them.
       const bool on_triangle = p.facet_a >= 0 && !p.on_gridpoints;
       const Matrix start =
-          on_triangle ? Matrix{} : (p.on_gridpoints ? start_of_frame(*this, p.a) : poses.start[size_t(p.a)].r);
+          on_triangle ? Matrix{} : (p.on_gridpoints ? start_of_frame(w, p.a) : w.poses.start[size_t(p.a)].r);
       const Vector s = start * p.s, t = start * p.t;
-      if (on_triangle) take_axes(p, triangle_frame(nodes.x, contacts.facets[size_t(p.facet_a)]));
+      if (on_triangle) take_axes(p, triangle_frame(w.nodes.x, w.contacts.facets[size_t(p.facet_a)]));
 
-      const Location now = locate(*this, p, contacts.facets);
+      const Location now = locate(w, p, w.contacts.facets);
       double opening = std::max(0.0, now.jump), slip[2] = {};
       if (history) {
         ++taken;
@@ -76,7 +76,7 @@ void World::adopt_histories(const std::vector<PointHistory>& histories) {
       for (int k = 0; k < 2; ++k) f.slid[k][i] = now.slid[k] - slip[k];
     }
   }
-  divide_work(*this);
+  divide_work(w);
   if (taken == histories.size()) return;
   throw Error(Exit::numerical, fmt::format("large motion finds {} of the {} contact points of small displacements",
                                            taken, histories.size()));

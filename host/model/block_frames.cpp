@@ -1,8 +1,6 @@
 // Frames of deformable blocks, outside of steps; and contact points that leave them.
 #include "model/block_frames.h"
 
-#include <tuple>
-
 #include "model/world.h"
 
 namespace quoin::blocks {

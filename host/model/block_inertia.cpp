@@ -1,7 +1,6 @@
 #include "model/block_inertia.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace quoin::blocks {
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <set>
 
 #include "base/error.h"
 #include "model/block_units.h"
@@ -90,7 +89,7 @@ std::vector<int> kinds_of_shapes(const std::vector<ConvexPolyhedron>& shapes) {
 }
 
 // A rigid block at the start.
-Body body_of(const World& w, int block) {
+Body make_body(const World& w, int block) {
   const Block& input = w.assembly.blocks[size_t(block)];
   const ConvexPolyhedron& shape = w.assembly.shapes[size_t(input.shape)];
   const RigidMass own = rigid_mass(w, input);
@@ -150,7 +149,7 @@ void number_block(World& w, int i, Counts& counts) {
   for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - centre));
   b.first_node = int32_t(counts.nodes);
   if (input.rigid) {
-    const Body body = body_of(w, i);
+    const Body body = make_body(w, i);
     if (!is_positive(body.mass) || !is_positive(body.inertia.x) || !is_positive(body.inertia.y) ||
         !is_positive(body.inertia.z)) {
       throw fault(
@@ -215,7 +214,7 @@ void make_congruent(World& w, int block) {
     node.push_back(transposed_times(turned, w.nodes.reference[size_t(n)] - w.nodes.reference[size_t(b.first_node)]));
   std::vector<quoin::Zone> zones;
   for (int z = 0; z < b.zone_count; ++z) {
-    const Zone from = w.zone(block, z);
+    const Zone from = zone_of(w, block, z);
     quoin::Zone& to = zones.emplace_back();
     to.volume = from.volume;
     for (size_t k = 0; k < 4; ++k) {
@@ -223,7 +222,7 @@ void make_congruent(World& w, int block) {
       to.shape_gradient[k] = array(transposed_times(turned, from.gradient[k]));
     }
   }
-  const Zone first = w.zone(block, 0);
+  const Zone first = zone_of(w, block, 0);
   w.zones.congruent.push_back(make_congruent_blocks(node, {w.nodes.mass.data() + b.first_node, size_t(b.node_count)},
                                                     zones, first.lambda, first.mu));
 }
@@ -354,7 +353,7 @@ void lay_out_zones(World& w, int block) {
   if (w.zones.lanes_of(b).front().count == 0)
     blocks::lay_out(*z, turned, m, {w.zones.lanes.data() + b.first_lanes, size_t(b.lanes_count)});
   for (int k = 0; k < b.zone_count; ++k) {
-    const Zone zone = w.zone(block, k);
+    const Zone zone = zone_of(w, block, k);
     for (const int32_t node : zone.node) w.nodes.mass[first + size_t(node)] += density * zone.volume / 4;
   }
   for (const PointMass& point : input.masses) {
@@ -393,7 +392,7 @@ void lay_out(World& w, int block) {
   w.part.laid_out[size_t(block)] = true;
   const ModelBlock& b = w.blocks[size_t(block)];
   if (b.body >= 0) {
-    w.bodies[size_t(b.body)] = body_of(w, block);
+    w.bodies[size_t(b.body)] = make_body(w, block);
     const RigidMass own = rigid_mass(w, w.assembly.blocks[size_t(block)]);
     auto corner = w.shapes.corner.begin() + b.first_corner;
     for (const Vector& p : b.shape->vertices) *corner++ = transposed_times(own.axes.vectors, p - own.centre);
@@ -425,7 +424,7 @@ std::vector<std::pair<int32_t, double>> shares_at(const World& w, int block, con
   double best = -1e300;
   std::vector<std::pair<int32_t, double>> share;
   for (int z = 0; z < b.zone_count; ++z) {
-    const Zone zone = w.zone(block, z);
+    const Zone zone = zone_of(w, block, z);
     const Vector from_first = point - w.nodes.reference[size_t(b.first_node + zone.node[0])];
     double n[4], least = 1e300;
     for (int k = 0; k < 4; ++k) {

@@ -151,7 +151,7 @@ void bind_work(World& w) {
     chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
     chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
     bool own = !w.part.ranks;
-    if (w.part.ranks) w.each_block_of_chunk(c, [&](int block) { own |= w.part.owns(block); });
+    if (w.part.ranks) each_block_of_chunk(w, c, [&](int block) { own |= w.part.owns(block); });
     if (!own) {
       chunk.batch = {};
       continue;

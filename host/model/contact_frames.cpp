@@ -1,6 +1,7 @@
 #include "model/contact_frames.h"
 
 #include "model/world.h"
+#include "model/world_results.h"
 
 namespace quoin::blocks {
 
@@ -84,7 +85,7 @@ void leave_gridpoints(World& w, Family& f, size_t i) {
   Point& p = f.point[i];
   Facet& facet = w.contacts.facets[size_t(p.facet_a)];
   const Location before = locate(w, p, w.contacts.facets);
-  const Matrix then = w.frame_of(p);
+  const Matrix then = frame_of(w, p);
   p.on_gridpoints = false;
   const TriangleFrame frame = triangle_frame(w.nodes.x, facet);
   take_axes(p, frame);

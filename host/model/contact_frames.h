@@ -1,7 +1,6 @@
 // Where contact points are, and the axes that they have.
 #pragma once
 
-#include <array>
 #include <iterator>
 #include <utility>
 

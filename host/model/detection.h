@@ -1,8 +1,6 @@
 // Contact detection: how near blocks are looked at, and how often it has been done.
 #pragma once
 
-#include <cstddef>
-
 namespace quoin::blocks {
 
 struct World;

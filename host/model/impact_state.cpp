@@ -6,6 +6,7 @@
 #include "model/block_layout.h"
 #include "model/impact_damping.h"
 #include "model/world.h"
+#include "model/world_results.h"
 
 namespace quoin::blocks {
 
@@ -22,8 +23,8 @@ Landing landing_frequencies(const World& w, const Contact& c, int block) {
   const RigidMass own_mass = rigid_mass(w, input);
   const ConvexPolyhedron& shape = w.assembly.shapes[size_t(input.shape)];
   const Family& f = w.contacts.families[size_t(c.family)];
-  const Matrix turned = w.orientation(block) * matrix(input.orientation);
-  const Vector towards = transposed_times(turned, w.frame_of(f.point[c.first]).row[0]);
+  const Matrix turned = orientation_of(w, block) * matrix(input.orientation);
+  const Vector towards = transposed_times(turned, frame_of(w, f.point[c.first]).row[0]);
   size_t face = 0;
   for (size_t i = 1; i < shape.faces.size(); ++i) {
     if (std::abs(dot(shape.normals[i], towards)) > std::abs(dot(shape.normals[face], towards))) face = i;
@@ -108,6 +109,10 @@ void choose_impact_damping(World& w) {
     const double beta = zone_viscosity(2.0 * w.blocks[size_t(i)].radius, speed);
     w.impacts.zone_beta = w.impacts.zone_beta > 0.0 ? std::min(w.impacts.zone_beta, beta) : beta;
   }
+}
+
+double impact_damping_in_use(const World& w) {
+  return w.damping.impacts ? w.impacts.share * w.damping.impacts->share : 0.0;
 }
 
 }  // namespace quoin::blocks

@@ -20,5 +20,7 @@ struct ImpactState {
 };
 
 void choose_impact_damping(World& w);
+// Of solver.impact_damping what the time step leaves, of critical; 0: damping is not that of impacts.
+double impact_damping_in_use(const World& w);
 
 }  // namespace quoin::blocks

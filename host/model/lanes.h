@@ -5,8 +5,6 @@
 // order of every sum, and so every bit, is the same with vectors of 2, 4 or 8.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "base/sparse_memory.h"

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 namespace quoin {
 
@@ -56,16 +55,6 @@ std::array<MaxwellElement, kCount> maxwell_elements(double damping_ratio, std::a
   const Row shares = solved(normal, right);
   for (std::size_t e = 0; e < kCount; ++e) elements[e].share = shares[e];
   return elements;
-}
-
-MaxwellResponse response_of(const std::array<MaxwellElement, kCount>& elements, double frequency_Hz) {
-  double kept = 1.0, lost = 0.0;
-  for (const MaxwellElement& e : elements) {
-    if (e.share == 0.0) continue;
-    const double x = 2.0 * std::numbers::pi * frequency_Hz / e.rate;
-    kept += e.share * x * x / (1.0 + x * x), lost += e.share * x / (1.0 + x * x);
-  }
-  return {lost / (2.0 * kept), kept};
 }
 
 }  // namespace quoin

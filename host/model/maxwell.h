@@ -19,10 +19,4 @@ struct MaxwellElement {
 // then flat within 5 % for bands of 10 to 100 times and ratios up to 5 %. 0: none.
 std::array<MaxwellElement, kMaxwellElements> maxwell_elements(double damping_ratio, std::array<double, 2> band_Hz);
 
-// What joints with these elements have at a frequency: damping ratio, and stiffness over that without them.
-struct MaxwellResponse {
-  double damping_ratio, stiffness;
-};
-MaxwellResponse response_of(const std::array<MaxwellElement, kMaxwellElements>& elements, double frequency_Hz);
-
 }  // namespace quoin

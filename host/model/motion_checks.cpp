@@ -8,7 +8,6 @@
 #include "model/motion_checks.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "model/block_layout.h"
 #include "model/world.h"

@@ -14,6 +14,7 @@
 #include "model/block_layout.h"
 #include "model/contact_frames.h"
 #include "model/world.h"
+#include "model/world_results.h"
 
 namespace quoin::blocks {
 
@@ -128,32 +129,32 @@ namespace {
 std::vector<Vector> places_of(const World& w, const Contact& c) {
   std::vector<Vector> places;
   for (uint32_t i = c.first; i < c.first + c.count; ++i)
-    places.push_back(w.place_of(w.contacts.families[size_t(c.family)].point[i]));
+    places.push_back(place_of(w, w.contacts.families[size_t(c.family)].point[i]));
   return places;
 }
 
 }  // namespace
 
-std::vector<PartedPoint> World::parted_points(int first_block, int end_block) const {
+std::vector<PartedPoint> parted_points(const World& w, int first_block, int end_block) {
   std::vector<PartedPoint> parted;
-  if (!has_replaced_points()) return parted;
-  const size_t width = kept_width(*this);
-  auto joint =
-      std::ranges::lower_bound(start_joints.joint, first_block, {}, [](const StartJoint& j) { return int(j.pair.a); });
-  for (; joint != start_joints.joint.end() && joint->pair.a < end_block; ++joint) {
-    if (head_of(&start_joints.kept[joint->first * width]).owner == 0.0) continue;
-    const auto contact = std::ranges::lower_bound(contacts.list, joint->pair, {}, &Contact::pair);
-    const bool touches = contact != contacts.list.end() && contact->pair == joint->pair && contact->count > 0;
-    const std::vector<Vector> places = touches ? places_of(*this, *contact) : std::vector<Vector>{};
-    const auto points = std::span(start_joints.point).subspan(joint->first, joint->count);
+  if (!w.start_joints.any_replaced()) return parted;
+  const size_t width = kept_width(w);
+  auto joint = std::ranges::lower_bound(w.start_joints.joint, first_block, {},
+                                        [](const StartJoint& j) { return int(j.pair.a); });
+  for (; joint != w.start_joints.joint.end() && joint->pair.a < end_block; ++joint) {
+    if (head_of(&w.start_joints.kept[joint->first * width]).owner == 0.0) continue;
+    const auto contact = std::ranges::lower_bound(w.contacts.list, joint->pair, {}, &Contact::pair);
+    const bool touches = contact != w.contacts.list.end() && contact->pair == joint->pair && contact->count > 0;
+    const std::vector<Vector> places = touches ? places_of(w, *contact) : std::vector<Vector>{};
+    const auto points = std::span(w.start_joints.point).subspan(joint->first, joint->count);
     const double reach = squared_reach(points);
-    const Motion a{poses.start[size_t(joint->pair.a)], pose(*this, joint->pair.a)};
-    const Motion b{poses.start[size_t(joint->pair.b)], pose(*this, joint->pair.b)};
-    const Family& f = contacts.families[size_t(joint->family)];
+    const Motion a{w.poses.start[size_t(joint->pair.a)], pose(w, joint->pair.a)};
+    const Motion b{w.poses.start[size_t(joint->pair.b)], pose(w, joint->pair.b)};
+    const Family& f = w.contacts.families[size_t(joint->family)];
     for (size_t k = 0; k < points.size(); ++k) {
       const Vector on_a = a.place(points[k].at), on_b = b.place(points[k].at);
       if (nearest_of(places, on_a, on_b).squared <= reach) continue;
-      const double* const row = &start_joints.kept[(joint->first + k) * width];
+      const double* const row = &w.start_joints.kept[(joint->first + k) * width];
       const Head head = head_of(row);
       const bool from_a = head.owner == 1.0;
       const Motion& owner = from_a ? a : b;
@@ -174,7 +175,7 @@ std::vector<PartedPoint> World::parted_points(int first_block, int end_block) co
 
 // States go over by their names, as those of points in contact do; others begin as those of a dry joint.
 void keep_states_by_id(World& w, int family, const quoin_law& old, size_t old_width) {
-  if (!w.has_replaced_points()) return;
+  if (!w.start_joints.any_replaced()) return;
   const Family& f = w.contacts.families[size_t(family)];
   const quoin_law& law = f.material->api();
   const size_t width = kept_width(w);

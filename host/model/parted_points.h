@@ -44,8 +44,12 @@ struct StartJoints {
   std::vector<StartJoint> joint;  // in the order of their pairs
   LaneVector<StartPoint> point;
   LaneVector<double> kept;  // of the last contact point at each of these, a row of numbers; empty: nothing yet
+  bool any_replaced() const { return !kept.empty(); }
 };
 
+// Of joints that begin at blocks [first, end), in their order. With ranks of own blocks, after
+// exchange_parted_blocks().
+std::vector<PartedPoint> parted_points(const World& w, int first_block, int end_block);
 void note_start_joints(World& w);
 // Before the points of a joint go or are replaced: `count` of `old` from `first` on.
 void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,

@@ -170,27 +170,27 @@ int most_gridpoints(const World& w, const Piece& piece) {
   return most;
 }
 
-int World::count_of(Piece::Kind kind) const {
+int count_of(const World& w, Piece::Kind kind) {
   int count = 0;
-  for (const Piece& piece : pieces.all) count += piece.kind == kind ? int(piece.count) : 0;
+  for (const Piece& piece : w.pieces.all) count += piece.kind == kind ? int(piece.count) : 0;
   return count;
 }
 
-double World::piece_work(int index) const {
+double piece_work(const World& w, int index) {
   // In sides of contact points, of which a pair of rigid blocks has one. A zone of congruent blocks costs a quarter of
   // one with a stiffness of its own, as eight blocks share a product.
   constexpr double kZone = 2.0, kDistinctZone = 1.0, kCongruentZone = 4.0, kBody = 3.0;
-  const Piece& piece = pieces.all[size_t(index)];
+  const Piece& piece = w.pieces.all[size_t(index)];
   double work = 0.0;
-  for (const int32_t i : pieces.blocks_of(piece)) {
-    work += sides.cost[size_t(i)];
-    const int of_block = blocks[size_t(i)].zone_count;
+  for (const int32_t i : w.pieces.blocks_of(piece)) {
+    work += w.sides.cost[size_t(i)];
+    const int of_block = w.blocks[size_t(i)].zone_count;
     if (piece.kind == Piece::Kind::rigid) work += kBody;
     if (piece.kind == Piece::Kind::distinct) work += kDistinctZone * of_block;
     if (piece.kind == Piece::Kind::by_zone) work += kZone * of_block;
   }
   if (piece.kind == Piece::Kind::congruent)
-    work += kCongruentZone * double(piece.group_count()) * blocks[size_t(pieces.blocks[piece.first])].zone_count;
+    work += kCongruentZone * double(piece.group_count()) * w.blocks[size_t(w.pieces.blocks[piece.first])].zone_count;
   return work;
 }
 

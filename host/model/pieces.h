@@ -64,6 +64,7 @@ struct Pieces {
   std::vector<int> held_changed;       // deformable blocks, since the last step
   bool any_held_changed = false;       // of any gridpoints
 
+  std::span<const int32_t> blocks_of(int piece) const { return blocks_of(all[size_t(piece)]); }
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(blocks).subspan(piece.first, piece.count);
   }
@@ -73,6 +74,8 @@ struct Pieces {
   }
 };
 
+int count_of(const World& w, Piece::Kind kind);  // blocks that get their inner forces so
+double piece_work(const World& w, int piece);
 void divide_blocks(World& w);
 void bind_pieces(World& w);                               // to their columns
 void follow_held(World& w);                               // in these, before a step

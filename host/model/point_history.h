@@ -8,6 +8,9 @@
 
 namespace quoin::blocks {
 
+struct World;
+
+using geometry::Quaternion;
 using geometry::Vector;
 
 // What a contact point of the start goes on from: its law's columns in a model of small displacements.
@@ -21,5 +24,12 @@ struct PointHistory {
   std::vector<double> state;
   std::vector<double> properties{};  // that scatter, in the order of the family's columns
 };
+
+// A run goes on from one in small displacements (adopt_histories.cpp), before the first step. Clock; then the pose of
+// every rigid block, gridpoints and their velocities; then all contact points. adopt_histories keeps tractions, states
+// and openings as they are, whatever the turning of the blocks means for the gap. Throws Error(numerical) when a
+// history has no contact point here. Points without a history begin without load.
+void set_pose(World& w, int block, const Vector& centre, const Quaternion& turn);  // rigid; turn: since the start
+void adopt_histories(World& w, const std::vector<PointHistory>& histories);
 
 }  // namespace quoin::blocks

@@ -1,7 +1,6 @@
 // The order in which contact points are stored.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 

@@ -2,7 +2,6 @@
 // value depends on the sample and on where in the masonry its point is, not on the order of points.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "model/rigid_motion.h"
 
 #include <Eigen/Dense>
-#include <cmath>
 
 namespace quoin {
 namespace {

@@ -1,7 +1,6 @@
 // The clock of a run, and what sets its time step.
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <span>
 
@@ -33,6 +32,8 @@ struct StepLimit {
 // The time step with these settings over the critical one, s, without damping.
 double step_over_critical(const SolverSettings& solver, double critical);
 
+// What moves most in the fastest vibration, which sets the step; of one process that has all blocks.
+StepLimit what_sets_time_step(const World& w);
 // Beside the one in use, which falls alone unless it may grow.
 void find_time_step(World& w, bool may_grow = false);
 bool shorten_step(const World& w, std::span<const int> changed);  // these own blocks

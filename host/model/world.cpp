@@ -3,12 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <map>
-
 #include "base/error.h"
 #include "model/block_layout.h"
 #include "model/contact_frames.h"
-#include "model/world_parts.h"
+#include "model/world_results.h"
 
 namespace quoin::blocks {
 
@@ -71,11 +69,11 @@ void World::settle(bool on) {
 void World::set_solver(const SolverSettings& settings) {
   const double mass_scaling = solver.mass_scaling;
   const bool runs = stepping.critical_dt > 0, books = runs && books_energy;
-  const double moving = books ? kinetic_energy_of_all() : 0.0;
+  const double moving = books ? kinetic_energy_of_all(*this) : 0.0;
   solver = settings;
   if (runs) solver.mass_scaling = mass_scaling;
   settle(is_settling);
-  if (books) step_sums.later.detection += moving - kinetic_energy_of_all();  // goes with the added inertia
+  if (books) step_sums.later.detection += moving - kinetic_energy_of_all(*this);  // goes with the added inertia
   if (damping.eq1 == Eq1::gridpoints && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
     throw Error(
         Exit::bad_input,
@@ -213,8 +211,6 @@ void World::prescribe(int block, const Vector& velocity, const Vector& omega, ui
   pieces.held_changed.push_back(block);
 }
 
-void World::release(int block) { prescribe(block, {}, {}, 0); }
-
 void World::set_velocity(int block, const Vector& velocity, const Vector& omega) {
   const ModelBlock& b = blocks[block];
   if (b.body >= 0) {
@@ -225,7 +221,7 @@ void World::set_velocity(int block, const Vector& velocity, const Vector& omega)
     return;
   }
   checks.dt = 0.0;  // sooner than its checks have reckoned with
-  const Vector centre = position(block);
+  const Vector centre = position_of(*this, block);
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
     nodes.v[i] = velocity + cross(omega, nodes.x[i] - centre);
 }

@@ -9,6 +9,7 @@
 #include "model/block_layout.h"
 #include "model/stepping.h"
 #include "model/world.h"
+#include "model/world_results.h"
 
 namespace quoin::blocks {
 
@@ -71,7 +72,7 @@ void follow_members(World& w) {
       node.x = {};
       for (const auto& [i, weight] : node.share) node.x += weight * w.nodes.x[size_t(i)];
     }
-    if (node.turns) node.turn = w.orientation(node.block);
+    if (node.turns) node.turn = orientation_of(w, node.block);
   }
   if (w.held_by.exchange) w.held_by.exchange(w.held_by.members->nodes());
   w.held_by.members->pull({w.stepping.dt, w.stepping.dt * w.actions.ground_then, braking_ground(w),

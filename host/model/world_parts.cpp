@@ -164,10 +164,10 @@ size_t exchange(World& w, const Wanted& wanted) {
 
 }  // namespace
 
-void World::each_owned_memory(const VisitOwned& visit) {
-  Wanted all(*this, part.rank_of_block);
-  all.block.assign(blocks.size(), true), all.contact.assign(contacts.list.size(), true);
-  each_exchanged_memory(*this, all, [&](int rank, void* first, size_t bytes, bool) { visit(rank, first, bytes); });
+void each_owned_memory(World& w, const VisitOwned& visit) {
+  Wanted all(w, w.part.rank_of_block);
+  all.block.assign(w.blocks.size(), true), all.contact.assign(w.contacts.list.size(), true);
+  each_exchanged_memory(w, all, [&](int rank, void* first, size_t bytes, bool) { visit(rank, first, bytes); });
 }
 
 // ---- Which items are exchanged --------------------------------------------------------------------------------------
@@ -230,115 +230,115 @@ void forget_points(World& w, size_t family, const std::vector<bool>& contact_sta
 
 }  // namespace
 
-void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
-  take_back_facets(*this);
-  const std::vector<int> before = std::exchange(part.rank_of_block, std::move(rank_of_block));
-  const int here = part.ranks->rank();
-  Wanted wanted(*this, before);
+void hold_blocks(World& w, std::vector<int> rank_of_block, std::span<const int> known) {
+  take_back_facets(w);
+  const std::vector<int> before = std::exchange(w.part.rank_of_block, std::move(rank_of_block));
+  const int here = w.part.ranks->rank();
+  Wanted wanted(w, before);
   Need of_blocks{wanted.block, wanted.block_here, here}, of_contacts{wanted.contact, wanted.contact_here, here};
-  std::vector<bool> stays(blocks.size()), contact_stays(contacts.list.size());
+  std::vector<bool> stays(w.blocks.size()), contact_stays(w.contacts.list.size());
   const auto need_block = [&](int block, int rank) {
     if (rank == here) stays[size_t(block)] = true;
     of_blocks.add(size_t(block), rank, before[size_t(block)] == rank);
   };
   const auto need_contact = [&](size_t i, int rank) {
-    const auto [a, b] = contacts.list[i].pair;
+    const auto [a, b] = w.contacts.list[i].pair;
     if (rank == here) contact_stays[i] = true;
     of_contacts.add(i, rank, before[size_t(a)] == rank || before[size_t(b)] == rank);
   };
-  for (int b = 0; b < block_count(); ++b) need_block(b, part.rank_of_block[size_t(b)]);
-  for (size_t i = 0; i < contacts.list.size(); ++i) {
-    const auto [a, b] = contacts.list[i].pair;
-    for (const int rank : {part.rank_of_block[size_t(a)], part.rank_of_block[size_t(b)]})
+  for (int b = 0; b < w.block_count(); ++b) need_block(b, w.part.rank_of_block[size_t(b)]);
+  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
+    const auto [a, b] = w.contacts.list[i].pair;
+    for (const int rank : {w.part.rank_of_block[size_t(a)], w.part.rank_of_block[size_t(b)]})
       need_block(a, rank), need_block(b, rank), need_contact(i, rank);
   }
   std::vector<int> evaluate;
-  for (int c = 0; c < chunk_count(); ++c) {
+  for (int c = 0; c < w.chunk_count(); ++c) {
     evaluate.clear();
-    each_contact_of_chunk(c, [&](size_t i) {
-      for (const int block : {contacts.list[i].pair.a, contacts.list[i].pair.b}) {
-        const int rank = part.rank_of_block[size_t(block)];
+    each_contact_of_chunk(w, c, [&](size_t i) {
+      for (const int block : {w.contacts.list[i].pair.a, w.contacts.list[i].pair.b}) {
+        const int rank = w.part.rank_of_block[size_t(block)];
         if (std::ranges::find(evaluate, rank) == evaluate.end()) evaluate.push_back(rank);
       }
     });
     if (evaluate.size() == 1) continue;
-    each_contact_of_chunk(c, [&](size_t i) {
+    each_contact_of_chunk(w, c, [&](size_t i) {
       for (const int rank : evaluate) {
         need_contact(i, rank);
-        need_block(contacts.list[i].pair.a, rank), need_block(contacts.list[i].pair.b, rank);
+        need_block(w.contacts.list[i].pair.a, rank), need_block(w.contacts.list[i].pair.b, rank);
       }
     });
   }
   for (const int block : known) {
-    for (int r = 0; r < part.ranks->count(); ++r) need_block(block, r);
+    for (int r = 0; r < w.part.ranks->count(); ++r) need_block(block, r);
   }
-  for (int b = 0; b < block_count(); ++b) {
-    if (stays[size_t(b)]) lay_out(*this, b);
+  for (int b = 0; b < w.block_count(); ++b) {
+    if (stays[size_t(b)]) lay_out(w, b);
   }
-  exchange(*this, wanted);
+  exchange(w, wanted);
 
-  each_row(stays, false, [&](size_t first, size_t end) { forget_blocks(*this, first, end); });
+  each_row(stays, false, [&](size_t first, size_t end) { forget_blocks(w, first, end); });
   each_row(contact_stays, false, [&](size_t first, size_t end) {
-    WorldFields::of_pairs(*this, [&](const Field&, auto& array) { forget_part(array, first, end); });
+    WorldFields::of_pairs(w, [&](const Field&, auto& array) { forget_part(array, first, end); });
   });
-  for (size_t k = 0; k < contacts.families.size(); ++k) forget_points(*this, k, contact_stays);
-  bind_work(*this);
-  bind_neighbours(*this);
+  for (size_t k = 0; k < w.contacts.families.size(); ++k) forget_points(w, k, contact_stays);
+  bind_work(w);
+  bind_neighbours(w);
 }
 
-void World::exchange_blocks(std::span<const int> chosen) {
-  Wanted wanted(*this, part.rank_of_block);
+void exchange_blocks(World& w, std::span<const int> chosen) {
+  Wanted wanted(w, w.part.rank_of_block);
   for (const int b : chosen) {
-    lay_out(*this, b);
-    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !part.owns(b);
+    lay_out(w, b);
+    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !w.part.owns(b);
   }
-  exchange(*this, wanted);
+  exchange(w, wanted);
 }
 
-void World::exchange_joints(std::span<const int> of_blocks) {
-  Wanted wanted(*this, part.rank_of_block);
-  std::vector<bool> asked(blocks.size());
+void exchange_joints(World& w, std::span<const int> of_blocks) {
+  Wanted wanted(w, w.part.rank_of_block);
+  std::vector<bool> asked(w.blocks.size());
   for (const int b : of_blocks) asked[size_t(b)] = true;
-  for (size_t i = 0; i < contacts.list.size(); ++i) {
-    const Contact& c = contacts.list[i];
+  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
+    const Contact& c = w.contacts.list[i];
     if (c.count == 0 || !(asked[size_t(c.pair.a)] || asked[size_t(c.pair.b)])) continue;
-    wanted.contact[i] = true, wanted.contact_here[i] = !part.owns(c.pair);
+    wanted.contact[i] = true, wanted.contact_here[i] = !w.part.owns(c.pair);
     for (const int b : {c.pair.a, c.pair.b}) {
-      lay_out(*this, b);
-      wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !part.owns(b);
+      lay_out(w, b);
+      wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !w.part.owns(b);
     }
   }
-  exchange(*this, wanted);
+  exchange(w, wanted);
 }
 
 // The rank of a joint's first block may know nothing of the other one any more, or no more than what it touches of it.
-void World::exchange_parted_blocks() {
-  if (!part.ranks || !has_replaced_points()) return;
-  Wanted wanted(*this, part.rank_of_block);
-  Need need{wanted.block, wanted.block_here, part.ranks->rank()};
-  for (const StartJoint& joint : start_joints.joint) {
-    const int rank_a = part.rank_of_block[size_t(joint.pair.a)], rank_b = part.rank_of_block[size_t(joint.pair.b)];
+void exchange_parted_blocks(World& w) {
+  if (!w.part.ranks || !w.start_joints.any_replaced()) return;
+  Wanted wanted(w, w.part.rank_of_block);
+  Need need{wanted.block, wanted.block_here, w.part.ranks->rank()};
+  for (const StartJoint& joint : w.start_joints.joint) {
+    const int rank_a = w.part.rank_of_block[size_t(joint.pair.a)], rank_b = w.part.rank_of_block[size_t(joint.pair.b)];
     need.add(size_t(joint.pair.b), rank_a, rank_a == rank_b);
   }
-  for (int b = 0; b < block_count(); ++b) {
-    if (wanted.block_here[size_t(b)]) lay_out(*this, b);
+  for (int b = 0; b < w.block_count(); ++b) {
+    if (wanted.block_here[size_t(b)]) lay_out(w, b);
   }
-  exchange(*this, wanted);
+  exchange(w, wanted);
 }
 
-size_t World::gather_everything(bool to_all) {
-  take_back_facets(*this);
-  Wanted wanted(*this, part.rank_of_block);
-  const bool here = to_all || part.ranks->rank() == 0;
-  for (int b = 0; b < block_count(); ++b) {
-    if (here) lay_out(*this, b);
-    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = here && !part.owns(b);
+size_t gather_everything(World& w, bool to_all) {
+  take_back_facets(w);
+  Wanted wanted(w, w.part.rank_of_block);
+  const bool here = to_all || w.part.ranks->rank() == 0;
+  for (int b = 0; b < w.block_count(); ++b) {
+    if (here) lay_out(w, b);
+    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = here && !w.part.owns(b);
   }
-  for (size_t i = 0; i < contacts.list.size(); ++i)
-    wanted.contact[i] = true, wanted.contact_here[i] = here && !part.owns(contacts.list[i].pair);
-  const size_t bytes = exchange(*this, wanted);
-  for (Chunk& chunk : chunks.all) {
-    if (here) pack(*this, chunk), bind(*this, contacts.families[size_t(chunk.family)], chunk);
+  for (size_t i = 0; i < w.contacts.list.size(); ++i)
+    wanted.contact[i] = true, wanted.contact_here[i] = here && !w.part.owns(w.contacts.list[i].pair);
+  const size_t bytes = exchange(w, wanted);
+  for (Chunk& chunk : w.chunks.all) {
+    if (here) pack(w, chunk), bind(w, w.contacts.families[size_t(chunk.family)], chunk);
   }
   return bytes;
 }

@@ -1,6 +1,7 @@
 // What can be asked of a model.
+#include "model/world_results.h"
+
 #include <bit>
-#include <cstring>
 #include <limits>
 
 #include "base/fnv_hash.h"
@@ -8,7 +9,6 @@
 #include "model/block_layout.h"
 #include "model/contact_frames.h"
 #include "model/fields.h"
-#include "model/world.h"
 
 namespace quoin::blocks {
 
@@ -27,30 +27,34 @@ Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& fiel
 
 }  // namespace
 
-Vector World::position(int block) const {
-  const ModelBlock& b = blocks[block];
-  if (b.body >= 0) return bodies[b.body].x;
-  return mass_mean(b, nodes.mass, nodes.x);
+Vector position_of(const World& w, int block) {
+  const ModelBlock& b = w.blocks[block];
+  if (b.body >= 0) return w.bodies[b.body].x;
+  return mass_mean(b, w.nodes.mass, w.nodes.x);
 }
 
-Vector World::start_position(int block) const {
-  const ModelBlock& b = blocks[size_t(block)];
-  if (b.body >= 0) return poses.start[size_t(block)].x;
-  return mass_mean(b, nodes.mass, nodes.reference);
+Vector start_position_of(const World& w, int block) {
+  const ModelBlock& b = w.blocks[size_t(block)];
+  if (b.body >= 0) return w.poses.start[size_t(block)].x;
+  return mass_mean(b, w.nodes.mass, w.nodes.reference);
 }
 
-Matrix World::orientation(int block) const { return pose(*this, block).r * transposed(poses.start[size_t(block)].r); }
-
-double World::moved(int block) const {
-  return part.ranks ? step_sums.of_block[size_t(block)].moved : moved_by_now(block);
+Matrix orientation_of(const World& w, int block) {
+  return pose(w, block).r * transposed(w.poses.start[size_t(block)].r);
 }
 
-double World::turned(int block) const {
-  return part.ranks ? step_sums.of_block[size_t(block)].turned : turned_by_now(block);
+double moved_by_now(const World& w, int block) { return norm(position_of(w, block) - start_position_of(w, block)); }
+
+double moved(const World& w, int block) {
+  return w.part.ranks ? w.step_sums.of_block[size_t(block)].moved : moved_by_now(w, block);
 }
 
-double World::turned_by_now(int block) const {
-  const Matrix r = transposed(orientation(block));
+double turned(const World& w, int block) {
+  return w.part.ranks ? w.step_sums.of_block[size_t(block)].turned : turned_by_now(w, block);
+}
+
+double turned_by_now(const World& w, int block) {
+  const Matrix r = transposed(orientation_of(w, block));
   // |R - 1|^2 = 8 sin^2(angle / 2), which keeps its digits at small angles.
   double squares = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -62,54 +66,38 @@ double World::turned_by_now(int block) const {
   return 2.0 * std::asin(std::min(1.0, std::sqrt(squares / 8.0)));
 }
 
-Vector World::velocity(int block) const {
-  const ModelBlock& b = blocks[block];
-  if (b.body >= 0) return bodies[b.body].v;
-  return mass_mean(b, nodes.mass, nodes.v);
+Vector velocity_of(const World& w, int block) {
+  const ModelBlock& b = w.blocks[block];
+  if (b.body >= 0) return w.bodies[b.body].v;
+  return mass_mean(b, w.nodes.mass, w.nodes.v);
 }
 
-Vector World::angular_velocity(int block) const {
-  const ModelBlock& b = blocks[block];
-  return b.body >= 0 ? bodies[b.body].omega : Vector{};
+Vector spin_of(const World& w, int block) {
+  const ModelBlock& b = w.blocks[block];
+  return b.body >= 0 ? w.bodies[b.body].omega : Vector{};
 }
 
-Vector World::contact_force(int block) const { return step_sums.contact_force[block]; }
-
-Matrix World::frame_of(const Point& p) const {
+Matrix frame_of(const World& w, const Point& p) {
   if (p.on_gridpoints) {
-    const Matrix r = rotation_of_frame(*this, p.a);
+    const Matrix r = rotation_of_frame(w, p.a);
     return {{r * p.n, r * p.s, r * p.t}};
   }
-  if (p.facet_a >= 0 && !is_small) {
-    const TriangleFrame now = triangle_frame(nodes.x, contacts.facets[size_t(p.facet_a)]);
+  if (p.facet_a >= 0 && !w.is_small) {
+    const TriangleFrame now = triangle_frame(w.nodes.x, w.contacts.facets[size_t(p.facet_a)]);
     return {{now.n, now.s, now.t}};
   }
   if (p.facet_a >= 0) return {{p.n, p.s, p.t}};
-  const Matrix& r = bodies[size_t(blocks[size_t(p.a)].body)].r;
+  const Matrix& r = w.bodies[size_t(w.blocks[size_t(p.a)].body)].r;
   return {{r * p.n, r * p.s, r * p.t}};
 }
 
-Vector World::place_of(const Point& p) const { return locate(*this, p, contacts.facets).at; }
+Vector place_of(const World& w, const Point& p) { return locate(w, p, w.contacts.facets).at; }
 
-Vector World::corner(int block, int vertex) const {
-  const ModelBlock& b = blocks[block];
-  if (b.body < 0) return nodes.x[size_t(b.first_node) + size_t(vertex)];
-  const Body& body = bodies[b.body];
-  return body.x + body.r * shapes.corner[b.first_corner + size_t(vertex)];
-}
-
-std::vector<std::vector<Vector>> World::faces(int block) const {
-  const ModelBlock& b = blocks[size_t(block)];
-  std::vector<std::vector<Vector>> result;
-  if (b.body >= 0) {
-    for (const auto& face : b.shape->faces) {
-      auto& corners = result.emplace_back();
-      for (int v : face) corners.push_back(corner(block, v));
-    }
-    return result;
-  }
-  for (const auto& t : b.surface) result.push_back({nodes.x[t.node[0]], nodes.x[t.node[1]], nodes.x[t.node[2]]});
-  return result;
+Vector corner_of(const World& w, int block, int vertex) {
+  const ModelBlock& b = w.blocks[block];
+  if (b.body < 0) return w.nodes.x[size_t(b.first_node) + size_t(vertex)];
+  const Body& body = w.bodies[b.body];
+  return body.x + body.r * w.shapes.corner[b.first_corner + size_t(vertex)];
 }
 
 size_t World::zone_count() const {
@@ -118,9 +106,9 @@ size_t World::zone_count() const {
   return count;
 }
 
-Matrix World::zone_stress(int block, int z) const {
-  const Zone zone = this->zone(block, z);
-  const Vector* const x = nodes.x.data() + blocks[size_t(block)].first_node;
+Matrix zone_stress(const World& w, int block, int z) {
+  const Zone zone = zone_of(w, block, z);
+  const Vector* const x = w.nodes.x.data() + w.blocks[size_t(block)].first_node;
   Matrix f = Matrix::zero();
   for (int k = 0; k < 4; ++k) f += outer(x[zone.node[k]], zone.gradient[k]);
   const Matrix strain = 0.5 * (transposed(f) * f - Matrix{});
@@ -128,51 +116,45 @@ Matrix World::zone_stress(int block, int z) const {
   return 1 / determinant(f) * (f * second * transposed(f));
 }
 
-double World::strain_energy() const {
+double strain_energy(const World& w) {
   double sum = 0.0;
-  each_zone([&](const ModelBlock& b, const Zone& zone) {
+  each_zone(w, [&](const ModelBlock& b, const Zone& zone) {
     Matrix h = Matrix::zero();
     for (int k = 0; k < 4; ++k) {
       const auto node = size_t(b.first_node + zone.node[k]);
-      h += outer(nodes.x[node] - nodes.reference[node], zone.gradient[k]);
+      h += outer(w.nodes.x[node] - w.nodes.reference[node], zone.gradient[k]);
     }
     sum += zone.energy(0.5 * (h + transposed(h) + transposed(h) * h));
   });
   return sum;
 }
 
-double World::extent() const {
+double extent_of(const World& w) {
   Box around;
-  for (size_t i = 0; i < blocks.size(); ++i) {
-    const double r = blocks[i].radius;
-    around.include(part.rough_place[i] - Vector{r, r, r}), around.include(part.rough_place[i] + Vector{r, r, r});
+  for (size_t i = 0; i < w.blocks.size(); ++i) {
+    const double r = w.blocks[i].radius;
+    around.include(w.part.rough_place[i] - Vector{r, r, r}), around.include(w.part.rough_place[i] + Vector{r, r, r});
   }
   return norm(around.upper - around.lower);
 }
 
-double World::kinetic_energy() const {
-  double sum = 0.0;
-  for (int i = 0; i < block_count(); ++i) sum += kinetic_energy_of(i);
-  return sum;
-}
-
-double World::kinetic_energy_of_all() const {
-  std::vector<double> of_block(blocks.size(), 0.0);
-  for (int i = 0; i < block_count(); ++i) {
-    if (part.owns(i)) of_block[size_t(i)] = kinetic_energy_of(i);
+double kinetic_energy_of_all(const World& w) {
+  std::vector<double> of_block(w.blocks.size(), 0.0);
+  for (int i = 0; i < w.block_count(); ++i) {
+    if (w.part.owns(i)) of_block[size_t(i)] = kinetic_energy_of(w, i);
   }
-  part.gather_by_block(of_block);
+  w.part.gather_by_block(of_block);
   double sum = 0.0;
   for (const double e : of_block) sum += e;
   return sum;
 }
 
 // Of a unit of two halves, what they have together is the first one's.
-double World::kinetic_energy_of(int block) const {
-  const ModelBlock& b = blocks[size_t(block)];
+double kinetic_energy_of(const World& w, int block) {
+  const ModelBlock& b = w.blocks[size_t(block)];
   double sum = 0.0;
   if (b.body >= 0) {
-    const Body& body = bodies[size_t(b.body)];
+    const Body& body = w.bodies[size_t(b.body)];
     for (int k = 0; k < 3; ++k)
       if (!(body.held >> k & 1)) sum += 0.5 * body.mass * body.v[k] * body.v[k];
     if ((body.held >> 3) != 7) sum += 0.5 * dot(body.momentum, body.omega);
@@ -180,39 +162,25 @@ double World::kinetic_energy_of(int block) const {
   }
   for (size_t i = size_t(b.first_node); i < size_t(b.first_node + b.node_count); ++i) {
     for (int k = 0; k < 3; ++k) {
-      const double factor = nodes.held[i] >> k & 1 ? 0.0 : solver.deformation_inertia;
-      sum += 0.5 * factor * nodes.mass[i] * nodes.v[i][k] * nodes.v[i][k];
+      const double factor = w.nodes.held[i] >> k & 1 ? 0.0 : w.solver.deformation_inertia;
+      sum += 0.5 * factor * w.nodes.mass[i] * w.nodes.v[i][k] * w.nodes.v[i][k];
     }
   }
-  const Unit unit = units.of(block);
-  if (splits_motion(*this) && unit.block[0] == block) sum += rigid_kinetic_energy(*this, unit);
+  const Unit unit = w.units.of(block);
+  if (splits_motion(w) && unit.block[0] == block) sum += rigid_kinetic_energy(w, unit);
   return sum;
 }
 
-Vector World::linear_momentum() const {
-  Vector p;
-  for (const Body& b : bodies) p += b.mass * b.v;
-  for (size_t i = 0; i < nodes.x.size(); ++i) p += nodes.mass[i] * nodes.v[i];
-  return p;
-}
-
-Vector World::angular_momentum(const Vector& about) const {
-  // Velocities live half a step before positions; x - v dt/2 takes both to the same time (cross(v, v) = 0).
-  Vector l;
-  for (const Body& b : bodies) l += b.momentum + b.mass * cross(b.x - about, b.v);
-  for (size_t i = 0; i < nodes.x.size(); ++i) l += nodes.mass[i] * cross(nodes.x[i] - about, nodes.v[i]);
-  return l;
-}
-
-double World::unbalanced_ratio() const {
+double unbalanced_ratio(const World& w) {
   double forces = 0.0;
-  for (const Chunk& chunk : chunks.all) forces += part.ranks ? chunk.force_sum : force_sum_of(chunk);
-  if (step_sums.unbalanced == 0.0) return 0.0;
-  return forces > 0 ? step_sums.unbalanced * double(point_count()) / forces : std::numeric_limits<double>::infinity();
+  for (const Chunk& chunk : w.chunks.all) forces += w.part.ranks ? chunk.force_sum : force_sum_of(w, chunk);
+  if (w.step_sums.unbalanced == 0.0) return 0.0;
+  return forces > 0 ? w.step_sums.unbalanced * double(w.point_count()) / forces
+                    : std::numeric_limits<double>::infinity();
 }
 
-double World::force_sum_of(const Chunk& chunk) const {
-  const Family& f = contacts.families[size_t(chunk.family)];
+double force_sum_of(const World& w, const Chunk& chunk) {
+  const Family& f = w.contacts.families[size_t(chunk.family)];
   double sum = 0.0;
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     double square = 0.0;
@@ -225,15 +193,15 @@ double World::force_sum_of(const Chunk& chunk) const {
   return sum;
 }
 
-Deepest World::deepest_of_chunk(int chunk) const {
-  const Chunk& c = chunks.all[size_t(chunk)];
-  return part.ranks ? c.deepest : deepest_of(c);
+Deepest deepest_of_chunk(const World& w, int chunk) {
+  const Chunk& c = w.chunks.all[size_t(chunk)];
+  return w.part.ranks ? c.deepest : deepest_of(w, c);
 }
 
-Deepest World::deepest_of(const Chunk& chunk) const {
-  const Family& f = contacts.families[size_t(chunk.family)];
+Deepest deepest_of(const World& w, const Chunk& chunk) {
+  const Family& f = w.contacts.families[size_t(chunk.family)];
   const auto first = f.normal_jump.begin() + chunk.first, least = std::min_element(first, first + chunk.count);
-  return {*least, place_of(f.point[size_t(least - f.normal_jump.begin())])};
+  return {*least, place_of(w, f.point[size_t(least - f.normal_jump.begin())])};
 }
 
 size_t World::point_count() const {
@@ -242,11 +210,9 @@ size_t World::point_count() const {
   return count;
 }
 
-double World::mass_of(int block) const { return blocks[size_t(block)].mass; }
-
-double World::mass() const {
+double whole_mass(const World& w) {
   double m = 0.0;
-  for (const ModelBlock& b : blocks) m += b.mass;
+  for (const ModelBlock& b : w.blocks) m += b.mass;
   return m;
 }
 

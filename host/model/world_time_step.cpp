@@ -11,6 +11,7 @@
 #include "model/lanczos.h"
 #include "model/stepping.h"
 #include "model/world.h"
+#include "model/world_results.h"
 #include "model/zone_kernels.h"
 
 namespace quoin::blocks {
@@ -48,7 +49,7 @@ double local_stiffness_bound(const World& w, const std::function<bool(int block)
   LaneVector<double> body(w.bodies.size()), node(w.nodes.x.size());
   const auto add = [&](const Family& f, const Point& p) {
     const double k = std::max(f.kn, f.ks);
-    const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : w.place_of(p);
+    const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(w, p);
     const auto rigid = [&](int block) {
       const Body& b = w.bodies[w.blocks[block].body];
       if (b.held == 0x3f) return;
@@ -93,7 +94,7 @@ void add_zone_forces(const World& w, std::span<const int> blocks, const LaneVect
     if (w.frames.by_zone[size_t(i)]) {
       const auto first = size_t(b.first_node);
       for (int z = 0; z < b.zone_count; ++z) {
-        const Zone zone = w.zone(i, z);
+        const Zone zone = zone_of(w, i, z);
         Matrix deformation = Matrix::zero(), h = Matrix::zero();
         for (int k = 0; k < 4; ++k) {
           deformation += outer(w.nodes.x[first + size_t(zone.node[k])], zone.gradient[k]);
@@ -105,7 +106,7 @@ void add_zone_forces(const World& w, std::span<const int> blocks, const LaneVect
       }
       continue;
     }
-    const Matrix turned = w.orientation(i);
+    const Matrix turned = orientation_of(w, i);
     rows.assign(4 * size_t(b.node_count), 0.0), product.resize(rows.size());
     for (size_t n = 0; n < size_t(b.node_count); ++n) {
       const Vector v = transposed_times(turned, velocity[size_t(b.first_node) + n]);
@@ -223,7 +224,7 @@ struct Vibration {
         world,
         [&](const Family& family, const Point& p) {
           const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
-          springs.push_back({&family, &p, world.place_of(p), world.frame_of(p).row[0], factor * p.area});
+          springs.push_back({&family, &p, place_of(world, p), frame_of(world, p).row[0], factor * p.area});
         },
         [&](int block) { return !alone || alone->has(block); });
     if (splits_motion(world)) inertia = inertia_of_units(world, blocks);
@@ -409,9 +410,9 @@ bool shorten_step(const World& w, std::span<const int> changed) {
   });
 }
 
-StepLimit World::what_sets_time_step() const {
+StepLimit what_sets_time_step(const World& w) {
   LaneVector<double> mode;
-  highest_frequency(*this, &mode);
+  highest_frequency(w, &mode);
   double most = 0.0;
   StepLimit limit;
   int gridpoint = -1;
@@ -422,15 +423,15 @@ StepLimit World::what_sets_time_step() const {
     if (is_more) most = energy;
     return is_more;
   };
-  for (int i = 0; i < block_count(); ++i) {
-    const ModelBlock& b = blocks[size_t(i)];
-    if (b.body >= 0 && look(6 * size_t(b.body), 6)) limit = {i, bodies[size_t(b.body)].x}, gridpoint = -1;
+  for (int i = 0; i < w.block_count(); ++i) {
+    const ModelBlock& b = w.blocks[size_t(i)];
+    if (b.body >= 0 && look(6 * size_t(b.body), 6)) limit = {i, w.bodies[size_t(b.body)].x}, gridpoint = -1;
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
-      if (look(6 * bodies.size() + 3 * size_t(n), 3)) limit = {i, nodes.x[size_t(n)]}, gridpoint = n - b.first_node;
+      if (look(6 * w.bodies.size() + 3 * size_t(n), 3)) limit = {i, w.nodes.x[size_t(n)]}, gridpoint = n - b.first_node;
     }
   }
   if (gridpoint < 0) return limit;
-  const Zoning zoning = make_zoning(*this, limit.block);
+  const Zoning zoning = make_zoning(w, limit.block);
   limit.height = 1e300;
   for (const auto& zone : zoning.zones) {
     if (std::find(zone.begin(), zone.end(), gridpoint) == zone.end()) continue;

@@ -38,11 +38,13 @@
 #include "scene/read_tests.h"
 #include "scene/reader.h"
 #include "step/large_motion.h"
+#include "step/steer.h"
 
 namespace {
 
 namespace py = pybind11;
-using quoin::Simulation;
+using quoin::BlockArray;
+using quoin::PointArray;
 using quoin::python::Session;
 
 using Hashes = std::map<std::string, std::string>;  // SHA-256 by file
@@ -245,39 +247,30 @@ PYBIND11_MODULE(_quoin, m) {
       .def("damage", [](const Session& s, const std::string& joint) { return s.damage(s.family_named(joint)); })
       .def("displacement",
            [](Session& s, const py::object& block) {
-             return s.block_array(Simulation::BlockArray::displacement, s.block_named(block));
+             return s.block_array(BlockArray::displacement, s.block_named(block));
            })
-      .def("velocity",
-           [](Session& s, const py::object& block) {
-             return s.block_array(Simulation::BlockArray::velocity, s.block_named(block));
-           })
+      .def(
+          "velocity",
+          [](Session& s, const py::object& block) { return s.block_array(BlockArray::velocity, s.block_named(block)); })
       .def("sigma",
-           [](Session& s, const std::string& joint) {
-             return s.point_array(Simulation::PointArray::sigma, s.family_named(joint));
-           })
+           [](Session& s, const std::string& joint) { return s.point_array(PointArray::sigma, s.family_named(joint)); })
       .def("tau_s",
-           [](Session& s, const std::string& joint) {
-             return s.point_array(Simulation::PointArray::tau_s, s.family_named(joint));
-           })
+           [](Session& s, const std::string& joint) { return s.point_array(PointArray::tau_s, s.family_named(joint)); })
       .def("tau_t",
-           [](Session& s, const std::string& joint) {
-             return s.point_array(Simulation::PointArray::tau_t, s.family_named(joint));
-           })
+           [](Session& s, const std::string& joint) { return s.point_array(PointArray::tau_t, s.family_named(joint)); })
       .def("area",
-           [](Session& s, const std::string& joint) {
-             return s.point_array(Simulation::PointArray::area, s.family_named(joint));
-           })
+           [](Session& s, const std::string& joint) { return s.point_array(PointArray::area, s.family_named(joint)); })
       .def("position",
            [](Session& s, const std::string& joint) {
-             return s.point_array(Simulation::PointArray::position, s.family_named(joint));
+             return s.point_array(PointArray::position, s.family_named(joint));
            })
       .def("state", [](Session& s, const std::string& joint,
                        const std::string& id) { return s.state(s.family_named(joint), id); })
       .def("velocities_changed", &Session::velocities_changed)
       .def("set_velocity",
-           [](Session& s, const std::string& body, const quoin::Vec3& value) { s.use().set_velocity(body, value); })
+           [](Session& s, const std::string& body, const quoin::Vec3& value) { set_velocity(s.use(), body, value); })
       .def("set_force",
-           [](Session& s, const std::string& body, const quoin::Vec3& value) { s.use().set_force(body, value); })
+           [](Session& s, const std::string& body, const quoin::Vec3& value) { set_force(s.use(), body, value); })
       .def("swap_law",
            [](Session& s, const std::string& joint, const std::string& law) { return dict_of(s.swap_law(joint, law)); })
       .def("save", &Session::save)

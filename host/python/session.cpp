@@ -22,7 +22,10 @@
 #include "results/warnings.h"
 #include "scene/generate_blocks.h"
 #include "scene/read_scene.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
+#include "step/results.h"
+#include "step/steer.h"
 
 namespace quoin::python {
 
@@ -90,7 +93,7 @@ class Isolated {
 std::vector<Vec3> gridpoints_of(const Simulation& simulation) {
   std::vector<Vec3> places;
   for (int b = 0; b < simulation.block_count(); ++b) {
-    const auto of_block = simulation.block_mesh(b).gridpoint;
+    const auto of_block = block_mesh(simulation, b).gridpoint;
     places.insert(places.end(), of_block.begin(), of_block.end());
   }
   return places;
@@ -105,7 +108,7 @@ std::vector<std::size_t> numbers_among(const std::vector<Vec3>& places, const Si
   };
   std::vector<std::size_t> numbers;
   for (int b = 0; b < simulation.block_count(); ++b) {
-    const auto of_block = simulation.block_mesh(b).gridpoint;
+    const auto of_block = block_mesh(simulation, b).gridpoint;
     std::map<std::array<long long, 3>, std::size_t> then;
     for (std::size_t i = 0; i < of_block.size(); ++i) then.emplace(key(places[numbers.size() + i]), numbers.size() + i);
     for (const Vec3& x : of_block) numbers.push_back(then.at(key(x)));
@@ -128,7 +131,7 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   files_ = input_files(simulation_->scene());
   for (const HashedFile& law : law_files(simulation_->scene())) files_.push_back(law);
   if (!folder.empty() && simulation_->scene().output.end_state) provenance_ = provenance_of(*simulation_, {});
-  columns_ = history_columns(simulation_->scene(), simulation_->restraints());
+  columns_ = history_columns(simulation_->scene(), restraints_of(*simulation_));
   if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>();
   if (!folder.empty()) {
     own_ = std::make_unique<ResultFolder>(folder_);
@@ -240,7 +243,7 @@ void Session::on_frame(const Simulation& simulation, int, int) {
   frame.time = simulation.time();
   frame.place = std::move(places);
   for (int b = 0; b < simulation.block_count(); ++b) {
-    const std::vector<Vec3> moved = simulation.block_displacement(b);
+    const std::vector<Vec3> moved = block_displacement(simulation, b);
     frame.displacement.insert(frame.displacement.end(), moved.begin(), moved.end());
   }
   frame.joints = surfaces_->joint_points(simulation);
@@ -336,7 +339,7 @@ py::dict Session::mesh() const {
   std::vector<int> block;  // by gridpoint
   py::list faces;
   for (int b = 0; b < simulation.block_count(); ++b) {
-    const Simulation::BlockMesh mesh = simulation.block_mesh(b);
+    const BlockMesh mesh = block_mesh(simulation, b);
     const int first = static_cast<int>(points.size());
     points.insert(points.end(), mesh.gridpoint.begin(), mesh.gridpoint.end());
     block.insert(block.end(), mesh.gridpoint.size(), b);
@@ -359,14 +362,14 @@ py::dict Session::mesh() const {
 
 std::pair<std::size_t, std::size_t> Session::points_of(int family) const {
   std::size_t first = 0;
-  for (int f = 0; f < family; ++f) first += simulation_->view(Simulation::PointArray::area, f).rows;
-  return {first, first + simulation_->view(Simulation::PointArray::area, family).rows};
+  for (int f = 0; f < family; ++f) first += view(*simulation_, PointArray::area, f).rows;
+  return {first, first + view(*simulation_, PointArray::area, family).rows};
 }
 
 py::dict Session::contacts(int family) const {
   use();
   const auto [first, end] = points_of(family);
-  const std::vector<ContactPoint> all = simulation_->contact_points();
+  const std::vector<ContactPoint> all = contact_points(*simulation_);
   const std::vector<ContactPoint> points(all.begin() + static_cast<long>(first), all.begin() + static_cast<long>(end));
   py::dict d;
   d["position"] = vectors_of(points, [](const ContactPoint& p) { return p.position; });
@@ -385,7 +388,7 @@ py::dict Session::contacts(int family) const {
 std::array<py::array, 3> Session::damage(int family) const {
   use();
   const auto [first, end] = points_of(family);
-  const auto all = simulation_->damage();
+  const auto all = damage_of_points(*simulation_);
   std::array<py::array, 3> result;
   for (std::size_t k = 0; k < result.size(); ++k) {
     const std::vector<double> part(all[k].begin() + static_cast<long>(first), all[k].begin() + static_cast<long>(end));
@@ -394,7 +397,7 @@ std::array<py::array, 3> Session::damage(int family) const {
   return result;
 }
 
-py::array Session::array_of(const Simulation::View& view, bool writeable) const {
+py::array Session::array_of(const ArrayView& view, bool writeable) const {
   constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
   std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(view.rows)}, strides{view.row_stride * kSize};
   if (view.columns > 1)
@@ -405,20 +408,20 @@ py::array Session::array_of(const Simulation::View& view, bool writeable) const 
   return array;
 }
 
-py::array Session::block_array(Simulation::BlockArray what, int block) {
-  const Simulation::View view = use().view(what, block);
-  if (view.data) return array_of(view, what == Simulation::BlockArray::velocity);
-  const std::vector<Vec3> moved = simulation_->block_displacement(block);
+py::array Session::block_array(BlockArray what, int block) {
+  const ArrayView lies = view(use(), what, block);
+  if (lies.data) return array_of(lies, what == BlockArray::velocity);
+  const std::vector<Vec3> moved = block_displacement(*simulation_, block);
   return vectors_of(moved, [](const Vec3& u) { return u; });
 }
 
-py::array Session::point_array(Simulation::PointArray what, int family) {
-  const Simulation::View view = use().view(what, family);
-  if (!view.data) return py::array_t<double>(0);
-  return array_of(view, false);
+py::array Session::point_array(PointArray what, int family) {
+  const ArrayView lies = view(use(), what, family);
+  if (!lies.data) return py::array_t<double>(0);
+  return array_of(lies, false);
 }
 
-py::array Session::state(int family, const std::string& id) { return array_of(use().view_state(family, id), false); }
+py::array Session::state(int family, const std::string& id) { return array_of(view_state(use(), family, id), false); }
 
 int Session::block_named(const py::object& block) const {
   const Simulation& simulation = use();
@@ -461,7 +464,7 @@ int Session::family_named(const std::string& name) const {
 
 LawSwap Session::swap_law(const std::string& joint, const std::string& law) {
   const Isolated isolated(isolation_);
-  return use().swap_law(joint, law);
+  return exchange_law(use(), joint, law);
 }
 
 py::bytes Session::save() const {

@@ -23,6 +23,7 @@
 #include "results/surface.h"
 #include "results/vtk.h"
 #include "step/simulation.h"
+#include "step/steer.h"
 
 namespace quoin::python {
 
@@ -59,11 +60,11 @@ class Session : private Observer {
   py::dict contacts(int family) const;
   std::array<py::array, 3> damage(int family) const;
 
-  py::array block_array(Simulation::BlockArray what, int block);
-  py::array point_array(Simulation::PointArray what, int family);
+  py::array block_array(BlockArray what, int block);
+  py::array point_array(PointArray what, int family);
   py::array state(int family, const std::string& id);
   LawSwap swap_law(const std::string& joint, const std::string& law);
-  void velocities_changed() { use().velocities_changed(); }
+  void velocities_changed() { quoin::velocities_changed(use()); }
   int block_named(const py::object& block) const;  // a number or a name; IndexError, KeyError
   int family_named(const std::string& name) const;
 
@@ -84,7 +85,7 @@ class Session : private Observer {
   void on_progress(const Progress& progress) override;
   void on_frame(const Simulation& simulation, int stage, int frame) override;
   [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds);
-  py::array array_of(const Simulation::View& view, bool writeable) const;
+  py::array array_of(const ArrayView& view, bool writeable) const;
   Identity identity_of(const std::string& scene_hash) const;
   std::pair<std::size_t, std::size_t> points_of(int family) const;  // the first, and one past the last
 

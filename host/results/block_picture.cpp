@@ -12,6 +12,7 @@
 #include "results/colours.h"
 #include "results/parted_joints.h"
 #include "results/picture_text.h"
+#include "step/results.h"
 
 namespace quoin {
 
@@ -37,8 +38,8 @@ struct Drawn {
 std::vector<Drawn> blocks_of(const Simulation& simulation) {
   std::vector<Drawn> blocks;
   for (int i = 0; i < simulation.block_count(); ++i) {
-    const Simulation::BlockMesh mesh = simulation.block_mesh(i);
-    const std::vector<Vec3> moved = simulation.block_displacement(i);
+    const BlockMesh mesh = block_mesh(simulation, i);
+    const std::vector<Vec3> moved = block_displacement(simulation, i);
     Drawn& block = blocks.emplace_back();
     block.fixed = mesh.fixed;
     for (const Vec3& u : moved) block.displacement += geometry::vector(u) / double(moved.size());

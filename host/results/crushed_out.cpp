@@ -4,22 +4,25 @@
 
 #include <algorithm>
 
+#include "step/collect.h"
+#include "step/results.h"
+
 namespace quoin {
 
 CrushedOut find_crushed_out(const Simulation& simulation) {
   CrushedOut found;
   // Asked first, as it is known.
-  if (simulation.condition_counts()[static_cast<size_t>(Condition::crushed_out)] == 0) return found;
-  for (const Simulation::Run& run : simulation.runs_of_points()) {
-    if (!simulation.brings(run)) continue;
-    for (const ContactPoint& p : simulation.contact_points({run.first, run.end})) {
+  if (condition_counts(simulation)[static_cast<size_t>(Condition::crushed_out)] == 0) return found;
+  for (const ResultRun& run : runs_of_points(simulation)) {
+    if (!brings(simulation, run)) continue;
+    for (const ContactPoint& p : contact_points(simulation, {run.first, run.end})) {
       if (p.condition != Condition::crushed_out) continue;
       ++found.points;
       found.overlap = std::max(found.overlap, -p.jump[0]);
     }
   }
-  found.points = static_cast<long>(simulation.sum_of_ranks(static_cast<double>(found.points)));
-  found.overlap = simulation.largest_of_ranks(found.overlap);
+  found.points = static_cast<long>(sum_brought(simulation, static_cast<double>(found.points)));
+  found.overlap = largest_brought(simulation, found.overlap);
   return found;
 }
 

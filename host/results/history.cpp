@@ -8,6 +8,7 @@
 #include "files/csv_text.h"
 #include "files/file.h"
 #include "step/columns/columns.h"
+#include "step/findings.h"
 
 namespace quoin {
 
@@ -212,7 +213,7 @@ std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector
 History::History(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& before)
     : path_(path),
       scene_(simulation.scene()),
-      columns_(history_columns(scene_, simulation.restraints())),
+      columns_(history_columns(scene_, restraints_of(simulation))),
       stream_(begin_file(path), std::ios::trunc) {
   for (const HistoryColumn& column : columns_) {
     const bool plain = column.name.find_first_of(",\"\r\n") == std::string::npos;  // blocks have any name

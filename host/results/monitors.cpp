@@ -16,6 +16,7 @@
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 
 namespace quoin {
 
@@ -97,7 +98,7 @@ void MonitorFile::find_places() {
     double nearest = HUGE_VAL, count = 0.0;
     Vec3 middle{};
     for (const int block : blocks) {
-      const std::vector<Vec3> corners = simulation_.block_mesh(block).gridpoint;
+      const std::vector<Vec3> corners = block_mesh(simulation_, block).gridpoint;
       if (!m.point) place.gridpoint.emplace_back(block, -1);
       for (std::size_t i = 0; i < corners.size(); ++i) {
         for (std::size_t c = 0; c < 3; ++c) middle[c] += corners[i][c];
@@ -125,8 +126,8 @@ MonitorFile::Motion MonitorFile::motion_of(const Place& place) const {
   };
   const double share = 1.0 / static_cast<double>(place.gridpoint.size());
   for (const auto& [block, point] : place.gridpoint) {
-    add(simulation_.block_displacement(block), point, share, mean.displacement);
-    add(simulation_.block_velocity(block), point, share, mean.velocity);
+    add(block_displacement(simulation_, block), point, share, mean.displacement);
+    add(block_velocity(simulation_, block), point, share, mean.velocity);
   }
   // At the time of the forces of a row, a step ago.
   const double step = simulation_.time_step_report().time_step;

@@ -6,6 +6,7 @@
 #include "geometry/vector.h"
 #include "law/at_rest.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 
 namespace quoin {
 
@@ -69,17 +70,17 @@ void evaluate_family(const std::vector<blocks::PartedPoint>& points, const block
 std::vector<PartedPoint> parted_points(const Simulation& simulation, int first_block, int end_block) {
   const blocks::Model* large_motion = simulation.large_motion();
   if (!large_motion) return {};
-  const std::vector<blocks::PartedPoint> points = large_motion->parted_points(first_block, end_block);
+  const std::vector<blocks::PartedPoint> points = parted_points(*large_motion, first_block, end_block);
   std::array<double, QUOIN_DAMAGE_COUNT> unknown;
   unknown.fill(kUnknown);
   LastSeen seen{std::vector(points.size(), unknown), std::vector<std::uint32_t>(points.size(), 0)};
-  for (std::size_t f = 0; f < large_motion->families().size(); ++f)
-    evaluate_family(points, large_motion->families()[f], static_cast<int>(f), seen);
+  for (std::size_t f = 0; f < large_motion->contacts.families.size(); ++f)
+    evaluate_family(points, large_motion->contacts.families[f], static_cast<int>(f), seen);
 
   std::vector<PartedPoint> parted;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const blocks::PartedPoint& p = points[i];
-    const Law& law = large_motion->families()[static_cast<std::size_t>(p.family)].material->law();
+    const Law& law = large_motion->contacts.families[static_cast<std::size_t>(p.family)].material->law();
     const auto state = [&](const char* id) {
       const int k = law.state_index(id);
       return k < 0 ? kUnknown : p.state[static_cast<std::size_t>(k)];

@@ -15,6 +15,8 @@
 #include "results/history.h"
 #include "results/picture_text.h"
 #include "scene/generate.h"
+#include "step/collect.h"
+#include "step/results.h"
 
 namespace quoin {
 
@@ -55,7 +57,7 @@ Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
 
 namespace {
 
-using Run = Simulation::Run;
+using Run = ResultRun;
 
 constexpr long kMostBricks = 100'000;  // gnuplot takes 10 kB for each, and nobody sees them any more
 
@@ -73,13 +75,13 @@ struct Magnified {
 
 Magnified magnified(const Simulation& simulation) {
   Magnified view;
-  for (const Run& run : simulation.runs_of_blocks()) {
-    for (int b = run.first; simulation.brings(run) && b < run.end; ++b) {
-      for (const Vec3& u : simulation.block_displacement(b))
+  for (const Run& run : runs_of_blocks(simulation)) {
+    for (int b = run.first; brings(simulation, run) && b < run.end; ++b) {
+      for (const Vec3& u : block_displacement(simulation, b))
         view.largest = std::max(view.largest, std::hypot(u[0], u[1]));
     }
   }
-  view.largest = simulation.largest_of_ranks(view.largest);
+  view.largest = largest_brought(simulation, view.largest);
   for (const Brick& brick : simulation.assembly().bricks) {
     for (size_t axis = 0; axis < 3; ++axis) {
       view.low[axis] = std::min(view.low[axis], brick.origin[axis]);
@@ -103,8 +105,8 @@ std::string name_of_data(size_t file) {
 // Outlines of the front faces, counter-clockwise, along the gridpoints of their edges.
 void add_outline(const Simulation& simulation, const Magnified& view, int block, Data& data) {
   const Brick& brick = simulation.assembly().bricks[static_cast<size_t>(block)];
-  const auto mesh = simulation.block_mesh(block);
-  const auto displacement = simulation.block_displacement(block);
+  const auto mesh = block_mesh(simulation, block);
+  const auto displacement = block_displacement(simulation, block);
   const double x0 = brick.origin[0], y0 = brick.origin[1], x1 = x0 + brick.size[0], y1 = y0 + brick.size[1];
   const double tolerance = 1e-6 * (brick.size[0] + brick.size[1]), front = brick.origin[2] + brick.size[2];
   std::vector<std::pair<double, size_t>> outline;  // place along the edge, gridpoint
@@ -137,8 +139,8 @@ class JointQuads {
         view_(view),
         order_(points_by_joint(simulation)),
         crack_(static_cast<size_t>(simulation.point_count())) {
-    for (const Run& run : simulation.runs_of_points()) {
-      for (const JointPoint& p : surfaces.joint_points(simulation, {run.first, run.end}, simulation.ranks_collect()))
+    for (const Run& run : runs_of_points(simulation)) {
+      for (const JointPoint& p : surfaces.joint_points(simulation, {run.first, run.end}, ranks_collect(simulation)))
         crack_[static_cast<size_t>(p.contact.index)] = p.crack;
     }
   }
@@ -178,7 +180,7 @@ class JointQuads {
   // A half segment is drawn as the quad between its two sides: an open crack is a coloured gap, a closed one a line.
   // Intact joints inside a unit are drawn so that the unit reads as one brick.
   void add_half(std::int32_t worst, std::int32_t a, std::int32_t b, double from, double to, Data& data) const {
-    const auto at_a = simulation_.displacement_of_sides(a), at_b = simulation_.displacement_of_sides(b);
+    const auto at_a = displacement_of_sides(simulation_, a), at_b = displacement_of_sides(simulation_, b);
     const auto corner = [&](double t, Vec3 std::pair<Vec3, Vec3>::*side) {
       Vec3 x{}, u{};
       for (size_t axis = 0; axis < 2; ++axis) {
@@ -211,8 +213,8 @@ Magnified collect_data(const Simulation& simulation, const Surfaces& surfaces, c
   const Magnified view = magnified(simulation);
   const JointQuads joints(simulation, surfaces, view);
   const auto collect = [&](const std::vector<Run>& runs, const auto& add) {
-    simulation.collect_at_first(
-        runs,
+    collect_at_first(
+        simulation, runs,
         [&](const Run& run) {
           Data data;
           add(run, data);
@@ -230,10 +232,10 @@ Magnified collect_data(const Simulation& simulation, const Surfaces& surfaces, c
           take(data);
         });
   };
-  collect(simulation.runs_of_blocks(), [&](const Run& run, Data& data) {
+  collect(runs_of_blocks(simulation), [&](const Run& run, Data& data) {
     for (int b = run.first; b < run.end; ++b) add_outline(simulation, view, b, data);
   });
-  collect(simulation.runs_of_joints(), [&](const Run& run, Data& data) { joints.add(run, data); });
+  collect(runs_of_joints(simulation), [&](const Run& run, Data& data) { joints.add(run, data); });
   return view;
 }
 
@@ -349,7 +351,7 @@ plot "beams.dat" with filledcurves closed fillcolor rgb "{}" notitle, \
 }
 
 void collect_cracks(const Simulation& simulation, const Surfaces& surfaces) {
-  if (simulation.ranks_collect() && simulation.block_count() <= kMostBricks)
+  if (ranks_collect(simulation) && simulation.block_count() <= kMostBricks)
     collect_data(simulation, surfaces, [](const Data&) {});
 }
 

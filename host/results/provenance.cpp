@@ -13,6 +13,7 @@
 #include "base/input_file.h"
 #include "base/sha256.h"
 #include "files/memory.h"
+#include "step/kernels.h"
 
 #ifndef QUOIN_VERSION
 #define QUOIN_VERSION "unknown"
@@ -112,7 +113,7 @@ Provenance provenance_of(const Simulation& simulation, const Request& request) {
   p.working_directory = fs::current_path(none).string();
   p.processor = processor_name();
   p.system = system_name();
-  p.instruction_set = simulation.instruction_set();
+  p.instruction_set = kernel_instruction_set();
   p.memory = memory_here();
   p.threads = simulation.thread_count();
   return p;

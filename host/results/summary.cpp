@@ -16,7 +16,10 @@
 #include "scene/generate.h"
 #include "scene/measured.h"
 #include "scene/quality.h"
+#include "step/findings.h"
+#include "step/kernels.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 
 #ifndef QUOIN_VERSION
 #define QUOIN_VERSION "unknown"
@@ -234,11 +237,11 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["base_slip_at_uplift_m"] = or_null(simulation.outcome().base_slip_at_uplift);
   json["largest_displacement_m"] = largest_displacement(rows);
   json["small_displacement"] = m.is_small;
-  json["contact_detections"] = m.detections();
-  if (m.members())
-    json["ties"] = of_ties(*m.members(), rows), json["floors"] = of_floors(*m.members()),
-    json["beams"] = of_beams(*m.members()), json["strips"] = of_strips(*m.members()),
-    json["dowels"] = of_dowels(*m.members()), json["fills"] = of_fills(*m.members());
+  json["contact_detections"] = m.detection.count;
+  if (m.held_by.members.get())
+    json["ties"] = of_ties(*m.held_by.members.get(), rows), json["floors"] = of_floors(*m.held_by.members.get()),
+    json["beams"] = of_beams(*m.held_by.members.get()), json["strips"] = of_strips(*m.held_by.members.get()),
+    json["dowels"] = of_dowels(*m.held_by.members.get()), json["fills"] = of_fills(*m.held_by.members.get());
   return json;
 }
 
@@ -286,10 +289,10 @@ Json block_names(const Simulation& simulation) {
 }
 
 Json motion_of(const Simulation& simulation) {
-  const MotionSeen& seen = simulation.motion_seen();
+  const MotionSeen& seen = motion_seen(simulation);
   const SolverSettings& solver = simulation.scene().solver;
   const bool large = simulation.large_motion() && !simulation.large_motion()->is_small;
-  const std::string past = simulation.past_motion_bound();
+  const std::string past = past_motion_bound(simulation);
   Json promoted = nullptr;
   if (const auto& p = simulation.outcome().promotion) {
     promoted = {{"why", p->why},
@@ -315,14 +318,14 @@ Json motion_of(const Simulation& simulation) {
 }
 
 // What the looks at the rows of the history have seen. The other assumptions stand under motion and quasi_static.
-Json watch_of(const Simulation& simulation) {
-  const Watch& w = simulation.watch();
+Json watch_json(const Simulation& simulation) {
+  const Watch& w = watch_of(simulation);
   const bool balanced = w.energy_moved > 0.0;
   return {{"energy_missing_over_moved", balanced ? Json(w.energy_missing / w.energy_moved) : Json(nullptr)},
           {"energy_missing_allowed", Watch::kAllowedMissing},
           {"energy_of_all_steps", simulation.scene().output.energy},
           {"largest_overlap_m", w.overlap},
-          {"overlap_allowed_m", simulation.allowed_overlap()},
+          {"overlap_allowed_m", allowed_overlap(simulation)},
           {"largest_overlap_at_m", w.overlap_at},
           {"crushed_out", w.crushed_out},
           {"stiffness_over_bound", w.stiffness_ratio > 0.0 ? Json(w.stiffness_ratio) : Json(nullptr)}};
@@ -368,7 +371,7 @@ std::string overdue_text(const Simulation& simulation, const Material& material,
       "the law '{}' of {} has not returned from a batch within {:g} s: {}; step {}. Tell its author, choose another "
       "law, "
       "or give it more time with ",
-      material.api().id, material.law().library->path(), seconds, simulation.batch_text(batch), simulation.step());
+      material.api().id, material.law().library->path(), seconds, batch_text(simulation, batch), simulation.step());
 }
 
 std::string law_names(const Assembly& assembly) {
@@ -418,7 +421,7 @@ void add_counts(const Simulation& simulation, bool law_answers, Json* json) {
   (*json)["zones"] = simulation.zone_count();
   (*json)["contact_points"] = simulation.point_count();
   Json& states = (*json)["contact_points_by_state"];
-  const auto counts = law_answers ? simulation.condition_counts() : std::array<long, kConditionCount>{};
+  const auto counts = law_answers ? condition_counts(simulation) : std::array<long, kConditionCount>{};
   for (const Condition c : {Condition::elastic, Condition::softening, Condition::open, Condition::slipping,
                             Condition::crushing, Condition::crushed_out})
     states[condition_name(c)] = law_answers ? Json(counts[static_cast<size_t>(c)]) : Json(nullptr);
@@ -503,8 +506,8 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   json["added_mass_kg"] = step.added_mass;
   json["wall_clock_s"] = info.wall_clock_s;
   json["threads"] = simulation.thread_count();
-  if (!simulation.rank_traffic().empty()) json["ranks"] = ranks_of(simulation.rank_traffic());
-  json["instruction_set"] = simulation.instruction_set();
+  if (!rank_traffic(simulation).empty()) json["ranks"] = ranks_of(rank_traffic(simulation));
+  json["instruction_set"] = kernel_instruction_set();
   add_counts(simulation, info.law_answers, &json);
   json["overlap_of_crushed_out_m"] = info.crushed_out.overlap;
   json["laws"] = laws_of(simulation);
@@ -519,7 +522,7 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   if (simulation.large_motion() || on_ground) json.update(of_motion(simulation, rows));
   for (const StageModes& of_stage : info.modes)
     json["damping_of_modes"][scene.stages[static_cast<size_t>(of_stage.stage)].name] = damping_of(of_stage);
-  json["watch"] = watch_of(simulation);
+  json["watch"] = watch_json(simulation);
   json["warnings"] = list_of(info.warnings, scene);
   json["set"] = info.provenance.request.overrides;
   json["settings"] = settings_of(scene, info);

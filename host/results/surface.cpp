@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "step/results.h"
+
 namespace quoin {
 
 namespace {
@@ -119,7 +121,7 @@ JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact
   JointPoint p{};
   p.contact = contact;
   if (!simulation.large_motion()) {
-    std::tie(p.side_a, p.side_b) = simulation.displacement_of_sides(contact.index);
+    std::tie(p.side_a, p.side_b) = displacement_of_sides(simulation, contact.index);
     for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
   }
   p.opening = std::max(0.0, contact.jump[0]);
@@ -145,10 +147,10 @@ JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact
 
 std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, const PointRange& range,
                                                bool own_alone) const {
-  const auto contacts = simulation.contact_points(range, own_alone);
+  const auto contacts = contact_points(simulation, range, own_alone);
   if (contacts.empty()) return {};
-  const auto damage = simulation.damage(range);
-  const auto slip = simulation.state("slip", range), closure = simulation.state("w", range);
+  const auto damage = damage_of_points(simulation, range);
+  const auto slip = law_state(simulation, "slip", range), closure = law_state(simulation, "w", range);
   std::vector<JointPoint> points;
   points.reserve(contacts.size());
   for (const ContactPoint& c : contacts) {

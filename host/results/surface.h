@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "step/results.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -45,7 +46,7 @@ class Surfaces {
   std::vector<JointPoint> joint_points(const Simulation& simulation, const PointRange& range,
                                        bool own_alone = false) const;
   std::vector<JointPoint> joint_points(const Simulation& simulation) const {
-    return joint_points(simulation, simulation.all_points());
+    return joint_points(simulation, all_points(simulation));
   }
   // Quads between neighbouring contact points of each joint on the lattice, as indices of points; of those points that
   // this rank has, joint after joint. The mesh of joints never changes.

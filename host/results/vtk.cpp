@@ -15,7 +15,9 @@
 #include "results/joint_table.h"
 #include "results/parted_joints.h"
 #include "results/vtk_file.h"
+#include "step/collect.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 
 namespace quoin {
 
@@ -115,17 +117,17 @@ std::vector<VtkArray> arrays_of_blocks() {
 
 // Bricks that are rigid are hexahedra, other rigid blocks their faces, deformable ones their zones.
 VtkSizes sizes_of_block(const Simulation& simulation, int block) {
-  const Simulation::BlockSize size = simulation.block_size(block);
+  const BlockSize size = block_size(simulation, block);
   if (size.zones > 0) return {size.gridpoints, size.zones, 4 * size.zones};
   if (!simulation.large_motion()) return {size.gridpoints, 1, 8};
   return {size.gridpoints, size.faces, size.face_corners};
 }
 
 void add_block(const Simulation& simulation, int b, Rows& rows) {
-  const auto mesh = simulation.block_mesh(b);
+  const auto mesh = block_mesh(simulation, b);
   const auto first = static_cast<std::int64_t>(rows.points());
   for (const Vec3& p : mesh.gridpoint) rows.add(kPosition, p);
-  for (const Vec3& u : simulation.block_displacement(b)) rows.add(kDisplacement, u);
+  for (const Vec3& u : block_displacement(simulation, b)) rows.add(kDisplacement, u);
   const auto add_cell = [&](const auto& corners, std::uint8_t type) {
     for (const int corner : corners) rows.add_corner(first + corner);
     rows.end_cell(type);
@@ -133,7 +135,7 @@ void add_block(const Simulation& simulation, int b, Rows& rows) {
     rows.add(kCourse, std::int32_t{mesh.course});
   };
   for (const auto& zone : mesh.zone) add_cell(zone, kVtkTetrahedron);
-  for (const auto& tensor : simulation.block_stress(b)) {
+  for (const auto& tensor : block_stress(simulation, b)) {
     for (const double s : tensor) rows.add(kStress, static_cast<float>(s));
   }
   if (!mesh.zone.empty()) return;
@@ -171,7 +173,7 @@ std::vector<std::string> state_ids(const Simulation& simulation) {
   for (const ContactFamily& f : simulation.model().families) {
     const quoin_law& law = f.material->api();
     for (uint64_t s = 0; s < law.state_count; ++s) {
-      if (simulation.keeps_state(law.states[s]->id)) ids.insert(law.states[s]->id);
+      if (keeps_state(simulation, law.states[s]->id)) ids.insert(law.states[s]->id);
     }
   }
   return {ids.begin(), ids.end()};
@@ -220,14 +222,14 @@ void add_points(const Simulation& simulation, const Surfaces& surfaces, const st
   const std::vector<JointPoint> points = surfaces.joint_points(simulation, range, own_alone);
   for (const JointPoint& p : points) add_point(simulation, p, rows);
   for (std::size_t k = 0; k < states.size() && !points.empty(); ++k) {
-    const std::vector<double> column = simulation.state(states[k], range);
+    const std::vector<double> column = law_state(simulation, states[k], range);
     for (const JointPoint& p : points)
       rows.add(kFirstState + k, static_cast<float>(column[static_cast<std::size_t>(p.contact.index - range.first)]));
   }
 }
 
 // Of joints that begin at these blocks, where no contact point is left.
-void add_parted_points(const Simulation& simulation, const std::vector<std::string>& states, const Simulation::Run& run,
+void add_parted_points(const Simulation& simulation, const std::vector<std::string>& states, const ResultRun& run,
                        Rows& rows) {
   for (const PartedPoint& p : parted_points(simulation, run.first, run.end)) {
     add_point(simulation, p.joint, rows);
@@ -280,7 +282,7 @@ std::filesystem::path members_file(const std::filesystem::path& folder, size_t f
 }
 
 const members::Members* members_of(const Simulation& simulation) {
-  return simulation.large_motion() ? simulation.large_motion()->members() : nullptr;
+  return simulation.large_motion() ? simulation.large_motion()->held_by.members.get() : nullptr;
 }
 
 // ---- Files ---------------------------------------------------------------------------------------------------------
@@ -319,7 +321,7 @@ class Sink {
   std::uint64_t points_ = 0, corners_ = 0;
 };
 
-using Run = Simulation::Run;
+using Run = ResultRun;
 
 // Of a frame: which file, what goes there.
 struct Target {
@@ -331,11 +333,11 @@ struct Target {
 
 void write_blocks(const Simulation& simulation, const Target& target, Attempt& attempt) {
   Sink sink(attempt);
-  const std::vector<Run> runs = simulation.runs_of_blocks();
+  const std::vector<Run> runs = runs_of_blocks(simulation);
   VtkSizes sizes;
   for (const Run& run : runs) {
     for (int b = run.first; b < run.end && target.written; ++b) {
-      if (!target.piece || simulation.owns_block(b)) sizes += sizes_of_block(simulation, b);
+      if (!target.piece || owns_block(simulation, b)) sizes += sizes_of_block(simulation, b);
     }
   }
   if (target.written) sink.open(target.path, arrays_of_blocks(), sizes, target.compressed);
@@ -346,11 +348,11 @@ void write_blocks(const Simulation& simulation, const Target& target, Attempt& a
   };
   if (target.piece) {
     for (const Run& run : runs) {
-      if (simulation.owns_block(run.first)) sink.take(rows_of(run));
+      if (owns_block(simulation, run.first)) sink.take(rows_of(run));
     }
   } else {
-    simulation.collect_at_first(
-        runs, [&](const Run& run) { return rows_of(run).packed(); },
+    collect_at_first(
+        simulation, runs, [&](const Run& run) { return rows_of(run).packed(); },
         [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
   }
   if (target.written) sink.finish();
@@ -380,30 +382,30 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
     add_parted_points(simulation, states, run, rows);
     return rows;
   };
-  const std::vector<Run> runs_of_blocks = quads ? std::vector<Run>{} : simulation.runs_of_blocks();
+  const std::vector<Run> of_blocks = quads ? std::vector<Run>{} : runs_of_blocks(simulation);
   const auto count_parted = [&](const auto& is_here) {
     std::uint64_t count = 0;
-    for (const Run& run : runs_of_blocks) count += is_here(run) ? parted_of(run).points() : 0;
+    for (const Run& run : of_blocks) count += is_here(run) ? parted_of(run).points() : 0;
     return count;
   };
   constexpr std::uint64_t kAbsolute = 0;  // corners of quads are points of the file
-  const std::vector<Run> runs = simulation.runs_of_points();
+  const std::vector<Run> runs = runs_of_points(simulation);
   if (target.piece) {
     // Points of joints that begin at blocks of this rank, one after the other.
     LaneVector<std::int32_t> place(static_cast<std::size_t>(simulation.point_count()));  // from 1 on; 0: elsewhere
     std::int32_t next = 0;
-    simulation.each_own_point([&](std::int32_t point) { place[static_cast<std::size_t>(point)] = ++next; });
+    each_own_point(simulation, [&](std::int32_t point) { place[static_cast<std::size_t>(point)] = ++next; });
     std::vector<Surfaces::Quad> own;
     for (std::size_t i = 0; quads && i < surfaces.quads(simulation).size(); ++i) {
       const Surfaces::Quad& quad = surfaces.quads(simulation)[i];
       if (place[static_cast<std::size_t>(quad[0])] > 0) own.push_back(quad);
     }
-    const auto is_own = [&](const Run& run) { return simulation.owns_block(run.first); };
+    const auto is_own = [&](const Run& run) { return owns_block(simulation, run.first); };
     const std::uint64_t points = static_cast<std::uint64_t>(next) + count_parted(is_own);
     sink.open(target.path, arrays_of_joints(simulation, states),
               {points, quads ? own.size() : points, quads ? 4 * own.size() : points}, target.compressed);
     for (const Run& run : runs) sink.take(points_of(run));
-    for (const Run& run : runs_of_blocks) {
+    for (const Run& run : of_blocks) {
       if (is_own(run)) sink.take(parted_of(run));
     }
     sink.take(quads_of(own, [&](int point) { return std::int64_t{place[static_cast<std::size_t>(point)]} - 1; }),
@@ -411,25 +413,26 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
     sink.finish();
     return;
   }
-  const std::vector<Run> of_joints = quads ? simulation.runs_of_joints() : std::vector<Run>{};
+  const std::vector<Run> of_joints = quads ? runs_of_joints(simulation) : std::vector<Run>{};
   const auto quads_in = [&](const Run& run) { return surfaces.quads_of_joints(simulation, run.first, run.end); };
-  double more = static_cast<double>(count_parted([&](const Run& run) { return simulation.brings(run); }));
-  for (const Run& run : of_joints) more += simulation.brings(run) ? static_cast<double>(quads_in(run).size()) : 0.0;
-  const auto parted_or_quads = static_cast<std::uint64_t>(simulation.sum_of_ranks(more));
+  double more = static_cast<double>(count_parted([&](const Run& run) { return brings(simulation, run); }));
+  for (const Run& run : of_joints) more += brings(simulation, run) ? static_cast<double>(quads_in(run).size()) : 0.0;
+  const auto parted_or_quads = static_cast<std::uint64_t>(sum_brought(simulation, more));
   if (target.written) {
     const auto alive = static_cast<std::uint64_t>(simulation.point_count()), points = alive + parted_or_quads;
     sink.open(target.path, arrays_of_joints(simulation, states),
               quads ? VtkSizes{alive, parted_or_quads, 4 * parted_or_quads} : VtkSizes{points, points, points},
               target.compressed);
   }
-  simulation.collect_at_first(
-      runs, [&](const Run& run) { return points_of(run).packed(); },
+  collect_at_first(
+      simulation, runs, [&](const Run& run) { return points_of(run).packed(); },
       [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
-  simulation.collect_at_first(
-      runs_of_blocks, [&](const Run& run) { return parted_of(run).packed(); },
+  collect_at_first(
+      simulation, of_blocks, [&](const Run& run) { return parted_of(run).packed(); },
       [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
-  simulation.collect_at_first(
-      of_joints, [&](const Run& run) { return quads_of(quads_in(run), [](int point) { return point; }).packed(); },
+  collect_at_first(
+      simulation, of_joints,
+      [&](const Run& run) { return quads_of(quads_in(run), [](int point) { return point; }).packed(); },
       [&](const std::string& rows) { sink.take(Rows::unpacked(rows), kAbsolute); });
   if (target.written) sink.finish();
 }

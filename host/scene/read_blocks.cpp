@@ -12,30 +12,7 @@ using namespace reader;
 
 namespace {
 
-// Coordinates in m. Beyond, steps between numbers in double precision are 1e-10 m, too coarse for openings of joints.
-const Range kPlace = between(-kFarthest, kFarthest), kLength = above_to(0, kFarthest), kTurn = between(-360, 360);
-
-// A list of points, [[x, y, z], ...].
-std::vector<Vec3> read_points(Table& t, const std::string& key) {
-  std::vector<Vec3> points;
-  const std::string allowed = fmt::format("a list of [x, y, z], each {}, m", kPlace.text());
-  const toml::node* node = t.find(key, allowed, false);
-  if (!node) return points;
-  const toml::array* list = node->as_array();
-  if (!list) return t.wrong_type(key, *node, allowed), points;
-  for (const toml::node& element : *list) {
-    const toml::array* p = element.as_array();
-    if (!p || p->size() != 3) return t.wrong_type(key, *node, allowed), std::vector<Vec3>{};
-    Vec3& point = points.emplace_back();
-    for (size_t k = 0; k < 3; ++k) {
-      const std::optional<double> v = number_of(*p->get(k));
-      if (!v) return t.wrong_type(key, *node, allowed), std::vector<Vec3>{};
-      if (!kPlace.holds(*v)) return t.refuse(key, allowed), std::vector<Vec3>{};
-      point[k] = *v;
-    }
-  }
-  return points;
-}
+const Range kLength = above_to(0, kPlace.upper), kTurn = between(-360, 360);
 
 // A list of lists of vertex numbers; `which` says of what and in which order.
 std::vector<std::vector<int>> read_corners(Table& t, const std::string& key, size_t vertex_count, const char* which) {
@@ -43,17 +20,15 @@ std::vector<std::vector<int>> read_corners(Table& t, const std::string& key, siz
   const std::string allowed =
       fmt::format("a list of lists of vertex numbers, integers from 0 and less than {} (the count of vertices), {}",
                   vertex_count, which);
-  const toml::node* node = t.find(key, allowed, false);
-  if (!node) return faces;
-  const toml::array* list = node->as_array();
-  if (!list) return t.wrong_type(key, *node, allowed), faces;
+  const toml::array* list = t.list(key, allowed);
+  if (!list) return faces;
   for (const toml::node& element : *list) {
     const toml::array* f = element.as_array();
-    if (!f) return t.wrong_type(key, *node, allowed), std::vector<std::vector<int>>{};
+    if (!f) return t.wrong_type(key, allowed), std::vector<std::vector<int>>{};
     auto& face = faces.emplace_back();
     for (const toml::node& corner : *f) {
       const auto* v = corner.as_integer();
-      if (!v) return t.wrong_type(key, *node, allowed), std::vector<std::vector<int>>{};
+      if (!v) return t.wrong_type(key, allowed), std::vector<std::vector<int>>{};
       if (v->get() < 0 || v->get() >= static_cast<int64_t>(vertex_count))
         return t.refuse(key, allowed), std::vector<std::vector<int>>{};
       face.push_back(static_cast<int>(v->get()));
@@ -73,9 +48,7 @@ std::vector<std::array<int, 4>> read_tetrahedra(Table& t, const std::string& key
 }
 
 void read_kind(Table& t, const Scene& scene, std::string& material, bool& rigid, double& zone_edge) {
-  std::vector<std::string> names;
-  for (const auto& [name, m] : scene.materials) names.push_back(name);
-  t.choice("material", material, names, true);
+  t.choice("material", material, names_of(scene.materials), true);
   t.boolean("rigid", rigid);
   if (t.number("zone_edge", zone_edge, kLength, "m") && rigid) t.refuse("zone_edge", "only with rigid = false");
 }
@@ -84,20 +57,15 @@ void read_kind(Table& t, const Scene& scene, std::string& material, bool& rigid,
 void read_fixed(Table& t, BlockSpec& b) {
   const std::string allowed = "true or false, or of a mesh a list of names of blocks";
   const toml::node* node = t.find("fixed", allowed, false);
-  if (!node) return;
-  if (node->is_boolean()) {
+  if (node && node->is_boolean())
     b.fixed = *node->value<bool>();
-    return;
-  }
-  const toml::array* list = node->as_array();
-  if (!list || list->empty() || !t.has("mesh")) return t.wrong_type("fixed", *node, allowed);
-  for (const toml::node& name : *list) {
-    if (!name.is_string()) return t.wrong_type("fixed", *node, allowed);
-    b.fixed_names.push_back(*name.value<std::string>());
-  }
+  else if (node && !t.has("mesh"))
+    t.wrong_type("fixed", allowed);
+  else if (node)
+    t.texts("fixed", b.fixed_names, allowed);
 }
 
-BlockSpec read_block(Table t, const Scene& scene) {
+BlockSpec read_block(Table& t, const Scene& scene) {
   BlockSpec b;
   b.source = {t.where()};
   t.text("name", b.name, "text");
@@ -113,16 +81,13 @@ BlockSpec read_block(Table t, const Scene& scene) {
   t.numbers("position", b.position, kPlace, "m");
   t.numbers("rotation", b.rotation, kTurn, "deg, about its own direction");
   int shapes = 0;
-  if (const toml::table* box = t.table("box", "{ lower = [x, y, z], size = [x, y, z] }, m")) {
-    ++shapes;
-    Table bt(t.context(), *box, t.path("box"));
+  shapes += t.within("box", "{ lower = [x, y, z], size = [x, y, z] }, m", [&](Table& box) {
     b.box_lower = Vec3{0, 0, 0};
     b.box_size = Vec3{1, 1, 1};
-    bt.numbers("lower", *b.box_lower, kPlace, "m");
-    bt.numbers("size", *b.box_size, kLength, "m", true);
-    bt.finish();
-  }
-  b.vertices = read_points(t, "vertices");
+    box.numbers("lower", *b.box_lower, kPlace, "m");
+    box.numbers("size", *b.box_size, kLength, "m", true);
+  });
+  t.points("vertices", b.vertices, kPlace, fmt::format("a list of [x, y, z], each {}, m", kPlace.text()));
   b.faces = read_corners(t, "faces", b.vertices.size(), "counter-clockwise seen from outside");
   b.tetrahedra = read_tetrahedra(t, "tetrahedra", b.vertices.size());
   if (t.has("tetrahedra")) {
@@ -133,16 +98,15 @@ BlockSpec read_block(Table t, const Scene& scene) {
   }
   shapes += !b.vertices.empty();
   if (t.text("mesh", b.mesh, "a file .off, .obj, .stl or .json (COMPAS)")) ++shapes;
-  if (t.number("scale", b.scale, above_to(0, kFarthest), "(mesh file's unit in m)") && !t.has("mesh"))
+  if (t.number("scale", b.scale, kLength, "(mesh file's unit in m)") && !t.has("mesh"))
     t.refuse("scale", "only with mesh; remove it");
   if (shapes != 1)
     t.context().fault(t.where() +
                       ": give the shape by one of box, vertices (with or without faces or tetrahedra), mesh");
-  t.finish();
   return b;
 }
 
-DryWallSpec read_dry_wall(Table t, const Scene& scene) {
+DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
   DryWallSpec w;
   w.source = {t.where()};
   t.text("name", w.name, "text");
@@ -166,23 +130,18 @@ DryWallSpec read_dry_wall(Table t, const Scene& scene) {
   t.number("direction", w.direction, kTurn, "deg in plan, from x towards z");
   t.numbers("trim_start", w.trim_start, kPlace, "m, of even and of odd courses");
   t.numbers("trim_end", w.trim_end, kPlace, "m, of even and of odd courses");
-  int index = 0;
-  for (const toml::table* table : t.tables("opening", "tables [[dry_wall.opening]]")) {
-    Table o(t.context(), *table, fmt::format("{}.opening.{}", t.path(""), ++index));
-    DryWallSpec::Opening opening{};
+  t.each("opening", [&](Table& o) {
+    DryWallSpec::Opening& opening = w.openings.emplace_back();
     o.number("from", opening.from, kNotNegative, "m along the wall", true);
     o.number("to", opening.to, kPositive, "m along the wall", true);
     o.number("sill", opening.sill, kNotNegative, "m above the foot", true);
     o.number("head", opening.head, kPositive, "m above the foot", true);
     o.number("bearing", opening.bearing, kNotNegative, "m of lintel either side (0: no lintel)");
-    o.finish();
-    w.openings.push_back(opening);
-  }
-  t.finish();
+  });
   return w;
 }
 
-ArchSpec read_arch(Table t, const Scene& scene) {
+ArchSpec read_arch(Table& t, const Scene& scene) {
   ArchSpec a;
   a.source = {t.where()};
   t.text("name", a.name, "text");
@@ -196,30 +155,25 @@ ArchSpec read_arch(Table t, const Scene& scene) {
   t.integer("voussoirs", a.voussoirs, 2, 10000, true);
   t.numbers("angles", a.angles, kTurn, "deg from x");
   t.boolean("abutments", a.abutments);
-  t.finish();
   return a;
 }
 
-JointRule read_rule(Table t, const Scene& scene) {
+JointRule read_rule(Table& t, const Scene& scene) {
   JointRule r;
-  std::vector<std::string> names{"none"};
-  for (const auto& [name, f] : scene.joints) names.push_back(name);
-  t.choice("family", r.family, names, true);
+  std::vector<std::string> families = names_of(scene.joints), ends;
+  families.insert(families.begin(), "none");
+  t.choice("family", r.family, families, true);
   t.choice("normal", r.normal, {"vertical", "horizontal", "any"});
   t.boolean("inside_units", r.inside_units);
-  if (const toml::node* node = t.find("between", "two beginnings of block names", false)) {
-    const toml::array* list = node->as_array();
-    if (!list || list->size() != 2 || !list->get(0)->is_string() || !list->get(1)->is_string()) {
-      t.wrong_type("between", *node, "two beginnings of block names");
-    } else {
-      r.between = {*list->get(0)->value<std::string>(), *list->get(1)->value<std::string>()};
-    }
-  }
-  t.finish();
+  const std::string allowed = "two beginnings of block names";
+  if (t.texts("between", ends, allowed) && ends.size() == 2)
+    r.between = {ends[0], ends[1]};
+  else if (!ends.empty())
+    t.wrong_type("between", allowed);
   return r;
 }
 
-void read_drive(Table v, Stage& stage) {
+void read_drive(Table& v, Stage& stage) {
   BodyControl c;
   v.text("block", c.body, "the name of a block", true);
   v.numbers("omega", c.omega, kAny, "rad/s");
@@ -227,7 +181,6 @@ void read_drive(Table v, Stage& stage) {
   v.boolean("rotation_held", held);
   c.may_turn = !held;
   v.velocity(c, true);
-  v.finish();
   stage.controls.push_back(c);
 }
 
@@ -238,9 +191,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   s.source = {t.where()};
   s.name = "stage";
   read_stage_basics(t, s, previous);
-  int index = 0;
-  for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]"))
-    read_drive(Table(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index)), s);
+  t.each("velocity", [&](Table& v) { read_drive(v, s); });
   read_actions(t, s, folder, {});
   read_stage_solver(t, s, scene);
   s.kind = "custom";
@@ -277,23 +228,17 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
 
 BlocksSpec read_blocks(Table& t, const Scene& scene, const std::string& folder) {
   BlocksSpec spec;
-  const auto all = [&](const char* kind, auto&& read) {
-    int index = 0;
-    for (const toml::table* table : t.tables(kind, fmt::format("tables [[{}]]", kind)))
-      read(Table(t.context(), *table, fmt::format("{}.{}", kind, ++index)));
-  };
-  all("block", [&](Table b) {
-    BlockSpec block = read_block(b, scene);
+  t.each("block", [&](Table& b) {
+    BlockSpec& block = spec.blocks.emplace_back(read_block(b, scene));
     if (!block.mesh.empty() && !block.mesh.starts_with('/')) block.mesh = folder + block.mesh;
     if (!block.mesh.empty()) t.context().inputs.push_back(block.mesh);
-    spec.blocks.push_back(block);
   });
-  all("dry_wall", [&](Table w) { spec.walls.push_back(read_dry_wall(w, scene)); });
-  all("arch", [&](Table a) { spec.arches.push_back(read_arch(a, scene)); });
-  all("joint_rule", [&](Table r) { spec.rules.push_back(read_rule(r, scene)); });
+  t.each("dry_wall", [&](Table& w) { spec.walls.push_back(read_dry_wall(w, scene)); });
+  t.each("arch", [&](Table& a) { spec.arches.push_back(read_arch(a, scene)); });
+  t.each("joint_rule", [&](Table& r) { spec.rules.push_back(read_rule(r, scene)); });
   if (!scene.joints.empty()) spec.default_joint = scene.joints.begin()->first;
-  std::vector<std::string> families{"none"};
-  for (const auto& [name, f] : scene.joints) families.push_back(name);
+  std::vector<std::string> families = names_of(scene.joints);
+  families.insert(families.begin(), "none");
   t.choice("default_joint", spec.default_joint, families, scene.joints.size() > 1 && spec.rules.empty());
   return spec;
 }

@@ -12,7 +12,7 @@ namespace {
 
 using Wall = BuildingSpec::Wall;
 
-Wall read_wall(Table t, const BuildingSpec& b, const Scene& scene) {
+Wall read_wall(Table& t, const BuildingSpec& b, const Scene& scene) {
   Wall w;
   w.source = {t.where()};
   t.text("name", w.name, "text, as \"B\"", true);
@@ -24,17 +24,15 @@ Wall read_wall(Table t, const BuildingSpec& b, const Scene& scene) {
   const bool measured = t.number("half_unit", w.half_unit, kPositive, "m (length)", true);
   t.choice("first_course", w.first_course, {"whole", "half"});
   w.openings = read_openings(t, {counted ? w.half_units : 0, b.courses, measured ? w.half_unit : 0.0}, scene.materials);
-  t.finish();
   return w;
 }
 
 // A list of integers, each from 0 below `count`.
 void read_half_units(Table& t, std::vector<int>& values, int count) {
   const std::string allowed = fmt::format("a list of integers, 0 to {}", count - 1);
-  const toml::node* node = t.find("half_units", allowed, true);
-  if (!node) return;
-  const toml::array* list = node->as_array();
-  if (!list || list->empty()) return t.wrong_type("half_units", *node, allowed);
+  const toml::array* list = t.list("half_units", allowed, true);
+  if (!list) return;
+  if (list->empty()) return t.wrong_type("half_units", allowed);
   for (const toml::node& element : *list) {
     const auto value = element.value<long>();
     if (!element.is_integer() || *value < 0 || *value >= count) return t.refuse("half_units", allowed);
@@ -54,7 +52,7 @@ void refuse_beams_in_lintels(Table& t, const BuildingSpec::Floor& floor, const W
 
 }  // namespace
 
-BuildingSpec read_building(Table t, const Scene& scene) {
+BuildingSpec read_building(Table& t, const Scene& scene) {
   BuildingSpec b;
   const bool counted = t.integer("courses", b.courses, 1, 10000, true);
   if (!counted) b.courses = 10000;
@@ -63,47 +61,34 @@ BuildingSpec read_building(Table t, const Scene& scene) {
   t.numbers("zones", b.zones, between(1, 64), "hexahedra per half unit along the wall, up and through it");
   t.number("beam_height", b.beam_height, kPositive, "m");
   t.number("beam_density", b.beam_density, kPositive, "kg/m3");
-  auto name_of = [&](const char* key, std::string& name, const auto& known, const char* kind) {
-    std::vector<std::string> names;
-    for (const auto& [known_name, value] : known) names.push_back(known_name);
-    const std::string allowed = fmt::format("a name among [{}.*]: {}", kind, names.empty() ? "none yet" : join(names));
-    if (t.text(key, name, allowed, true) && !known.contains(name)) t.refuse(key, allowed + did_you_mean(name, names));
-  };
-  name_of("unit_material", b.unit_material, scene.materials, "materials");
-  name_of("bed_joint", b.bed_joint, scene.joints, "joints");
-  name_of("head_joint", b.head_joint, scene.joints, "joints");
-  name_of("unit_joint", b.unit_joint, scene.joints, "joints");
-  name_of("beam_joint", b.beam_joint, scene.joints, "joints");
+  t.name_of("unit_material", b.unit_material, scene.materials, "materials", true);
+  t.name_of("bed_joint", b.bed_joint, scene.joints, "joints", true);
+  t.name_of("head_joint", b.head_joint, scene.joints, "joints", true);
+  t.name_of("unit_joint", b.unit_joint, scene.joints, "joints", true);
+  t.name_of("beam_joint", b.beam_joint, scene.joints, "joints", true);
 
   std::vector<std::string> names;
-  int index = 0;
-  for (const toml::table* table : t.tables("wall", "tables [[building.wall]]", true)) {
-    b.walls.push_back(read_wall(Table(t.context(), *table, fmt::format("building.wall.{}", ++index)), b, scene));
-    const Wall& wall = b.walls.back();
+  const auto add_wall = [&](Table& w) {
+    const Wall& wall = b.walls.emplace_back(read_wall(w, b, scene));
     if (std::find(names.begin(), names.end(), wall.name) != names.end())
       t.context().fault(fmt::format("{}: a second wall '{}'; allowed: a name of its own", wall.source.text, wall.name));
     names.push_back(wall.name);
-  }
+  };
+  t.each("wall", add_wall, true);
   auto wall_of = [&](Table& table, const char* key, int& wall) {
     std::string name;
     if (!table.choice(key, name, names, true)) return false;
     wall = static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
     return true;
   };
-  index = 0;
-  for (const toml::table* table : t.tables("corner", "tables [[building.corner]]")) {
-    Table c(t.context(), *table, fmt::format("building.corner.{}", ++index));
-    BuildingSpec::Corner corner;
+  t.each("corner", [&](Table& c) {
+    BuildingSpec::Corner& corner = b.corners.emplace_back();
     corner.source = {c.where()};
     c.numbers("at", corner.at, kAny, "m (x and z of the lowest corner)", true);
     const bool first_known = wall_of(c, "first", corner.first), second_known = wall_of(c, "second", corner.second);
     if (first_known && second_known && corner.first == corner.second) c.refuse("second", "another wall than first");
-    c.finish();
-    b.corners.push_back(corner);
-  }
-  index = 0;
-  for (const toml::table* table : t.tables("floor", "tables [[building.floor]]")) {
-    Table f(t.context(), *table, fmt::format("building.floor.{}", ++index));
+  });
+  t.each("floor", [&](Table& f) {
     BuildingSpec::Floor floor;
     floor.source = {f.where()};
     f.text("name", floor.name, "text, as \"floor_1\"", true);
@@ -114,13 +99,11 @@ BuildingSpec read_building(Table t, const Scene& scene) {
     f.boolean("rigid_beams", floor.rigid);
     const bool has_mass = f.number("mass", floor.mass, kNotNegative, "kg (all beams together; it has weight)");
     f.number("load", floor.load, kNotNegative, "N (downwards, all beams together, without inertia)", !has_mass);
-    f.finish();
     for (const BuildingSpec::Floor& other : b.floors) {
       if (other.name == floor.name) f.refuse("name", "a name that no other floor has");
     }
     b.floors.push_back(floor);
-  }
-  t.finish();
+  });
   return b;
 }
 

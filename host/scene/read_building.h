@@ -5,7 +5,7 @@
 
 namespace quoin {
 
-BuildingSpec read_building(reader::Table t, const Scene& scene);
+BuildingSpec read_building(reader::Table& t, const Scene& scene);
 // Stages of a building. weight: dead load and floors, to equilibrium; push: the floors' whiffletree.
 void read_weight(reader::Table& t, Stage& stage, const BuildingSpec& building);
 void read_push(reader::Table& t, Stage& stage, const BuildingSpec& building);

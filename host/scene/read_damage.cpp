@@ -5,15 +5,14 @@ namespace quoin::reader {
 namespace {
 
 void read_joints(Table& t, const Scene& scene, Damage& damage) {
-  std::vector<std::string> names;
-  for (const auto& [name, family] : scene.joints) names.push_back(name);
+  const std::vector<std::string> names = names_of(scene.joints);
   const std::string allowed = "a name among [joints.*], or a list of them: " + join(names);
   const toml::node* node = t.find("joints", allowed, false);
   if (!node) return;
   const auto add = [&](const toml::node& given) {
     const auto word = given.value<std::string>();
     if (!given.is_string())
-      t.wrong_type("joints", *node, allowed);
+      t.wrong_type("joints", allowed);
     else if (!scene.joints.contains(*word))
       t.refuse("joints", allowed + did_you_mean(*word, names));
     else
@@ -26,22 +25,8 @@ void read_joints(Table& t, const Scene& scene, Damage& damage) {
 }
 
 void read_crack(Table& t, Damage& damage) {
-  const std::string allowed = "a list of 2 or more points [along the wall, up], numbers in m, no two in a row the same";
-  if (const toml::node* node = t.find("crack", allowed, false)) {
-    const toml::array* list = node->as_array();
-    if (!list) return t.wrong_type("crack", *node, allowed);
-    for (const toml::node& element : *list) {
-      const toml::array* point = element.as_array();
-      if (!point || point->size() != 2) return t.wrong_type("crack", *node, allowed);
-      const auto x = number_of(*point->get(0)), y = number_of(*point->get(1));
-      if (!x || !y) return t.wrong_type("crack", *node, allowed);
-      const std::array<double, 2> corner{*x, *y};
-      if (!std::isfinite(*x) || !std::isfinite(*y) || (!damage.crack.empty() && damage.crack.back() == corner))
-        return t.refuse("crack", allowed);
-      damage.crack.push_back(corner);
-    }
-    if (damage.crack.size() < 2) t.refuse("crack", allowed);
-  }
+  t.line("crack", damage.crack, kAny,
+         "a list of 2 or more points [along the wall, up], numbers in m, no two in a row the same");
   std::string along = "x";
   if (t.choice("along", along, {"x", "z"}) && along == "z") damage.crack_along = 2;
   t.boolean("through_units", damage.through_units);
@@ -53,19 +38,17 @@ void read_crack(Table& t, Damage& damage) {
 void read_state(Table& t, Damage& damage) {
   double xi = 0.0;
   if (t.number("xi", xi, kNotNegative, "(internal variable of softening)")) damage.xi = xi;
-  const toml::table* states = t.table("state", "a table of the law's states, as { w = 1e-4 }");
-  if (!states) return;
-  Table s(t.context(), *states, t.path("state"));
-  for (auto&& [key, node] : *states) {
-    const std::string id(key.str());
-    s.number(id, damage.state[id], kAny, "in the unit of the law's state");
-  }
-  s.finish();
+  t.within("state", "a table of the law's states, as { w = 1e-4 }", [&](Table& s) {
+    for (auto&& [key, node] : s.toml()) {
+      const std::string id(key.str());
+      s.number(id, damage.state[id], kAny, "in the unit of the law's state");
+    }
+  });
 }
 
 }  // namespace
 
-Damage read_damage(Table t, const Scene& scene) {
+Damage read_damage(Table& t, const Scene& scene) {
   Damage damage;
   damage.source = {t.where()};
   read_joints(t, scene, damage);
@@ -83,7 +66,6 @@ Damage read_damage(Table t, const Scene& scene) {
   t.number("slip", damage.slip, kNotNegative, "m");
   t.number("opening", damage.opening, kNotNegative, "m");
   if (!t.has("initial_state") && !t.has("xi") && !t.has("state") && !t.has("slip")) damage.initial_state = "dry";
-  t.finish();
   return damage;
 }
 

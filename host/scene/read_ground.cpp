@@ -310,7 +310,7 @@ void read_made(Table& t, const Vec3& direction, GroundMotion& ground) {
 
 void read_direction(Table& t, const std::string& key, Vec3& direction, const char* what, bool required) {
   constexpr double least = 1e-6;
-  const bool given = t.numbers(key, direction, between(-1e6, 1e6), what, required);
+  const bool given = t.numbers(key, direction, kPlace, what, required);
   if (given && std::hypot(direction[0], direction[1], direction[2]) < least)
     t.refuse(key, fmt::format("a vector of length {} or more, as [1, 0, 0]", least));
 }
@@ -348,23 +348,10 @@ void read_motion(Table& t, const std::string& folder, GroundMotion& ground) {
 }
 
 // Blocks that have a motion of their own. factor: of the whole ground motion.
-GroundMotion read_support(Table t, const std::string& folder, double factor) {
+GroundMotion read_support(Table& t, const std::string& folder, double factor) {
   GroundMotion support{};
-  const std::string allowed = "a list of names of fixed blocks";
-  if (const toml::node* node = t.find("blocks", allowed, true)) {
-    const toml::array* list = node->as_array();
-    if (!list || list->empty()) {
-      t.wrong_type("blocks", *node, allowed);
-    } else {
-      for (const toml::node& element : *list) {
-        const auto name = element.value<std::string>();
-        if (!name || !element.is_string()) return t.wrong_type("blocks", *node, allowed), support;
-        support.blocks.push_back(*name);
-      }
-    }
-  }
+  t.texts("blocks", support.blocks, "a list of names of fixed blocks", true);
   read_motion(t, folder, support);
-  t.finish();
   for (GroundMotion::Component& c : support.components) {
     for (double& a : c.acceleration.value) a *= factor;
   }
@@ -375,17 +362,14 @@ GroundMotion read_support(Table t, const std::string& folder, double factor) {
 
 GroundMotion read_ground(Table t, const std::string& folder) {
   GroundMotion ground{};
-  const std::vector<const toml::table*> groups = t.tables("support", "tables [[stage.ground_motion.support]]");
+  const toml::array* groups = t.toml()["support"].as_array();
   const bool moves = std::any_of(t.toml().begin(), t.toml().end(), [](const auto& entry) {
     return entry.first.str() != "support" && entry.first.str() != "scale";
   });
   double factor = 1.0;
-  if (moves || groups.empty()) read_motion(t, folder, ground);
+  if (moves || !groups || groups->empty()) read_motion(t, folder, ground);
   t.number("scale", factor, kAny, "(on the record)");
-  int index = 0;
-  for (const toml::table* group : groups)
-    ground.supports.push_back(
-        read_support({t.context(), *group, fmt::format("{}.{}", t.path("support"), ++index)}, folder, factor));
+  t.each("support", [&](Table& group) { ground.supports.push_back(read_support(group, folder, factor)); });
   for (GroundMotion::Component& c : ground.components) c.velocity = RunningIntegral(c.acceleration);
   for (GroundMotion& support : ground.supports) {
     for (GroundMotion::Component& c : support.components) c.velocity = RunningIntegral(c.acceleration);

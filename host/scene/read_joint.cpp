@@ -6,18 +6,17 @@
 
 namespace quoin::reader {
 
-BlockMaterial read_material(const std::string& name, Table t, bool rigid) {
+BlockMaterial read_material(const std::string& name, Table& t, bool rigid) {
   BlockMaterial m;
   m.name = name;
   t.number("young_modulus", m.young_modulus, kPositive, "Pa", !rigid);
   t.number("poisson_ratio", m.poisson_ratio, between(0, 0.49), "", !rigid);
   t.number("density", m.density, kPositive, "kg/m3", true);
-  t.finish();
   return m;
 }
 
 // Everything but the host's own keys is a property of the law, which alone can judge it.
-JointFamily read_joint(const std::string& name, Table t) {
+JointFamily read_joint(const std::string& name, Table& t) {
   JointFamily family;
   family.name = name;
   family.source = {t.where()};
@@ -32,12 +31,11 @@ JointFamily read_joint(const std::string& name, Table t) {
     t.accept(p.id);
     p.source = {t.where(p.id)};
     const char* allowed = "a number (not nan), a list of numbers, a word, or a distribution";
-    const toml::node& given = node;  // a lambda captures no structured binding
     // What is allowed is for the law to say; not a number is allowed nowhere.
     const auto add = [&](const toml::node& number) {
       const std::optional<double> value = number_of(number);
       if (!value)
-        t.wrong_type(p.id, given, allowed);
+        t.wrong_type(p.id, allowed);
       else if (std::isnan(*value))
         t.refuse(p.id, allowed);
       else
@@ -59,16 +57,15 @@ JointFamily read_joint(const std::string& name, Table t) {
         } else if (pair->size() == 2) {
           for (const toml::node& number : *pair) add(number);
         } else {
-          t.wrong_type(p.id, node, "a list of pairs, as [[0, 1], [0.3, 0.5], [1, 0]]");
+          t.wrong_type(p.id, "a list of pairs, as [[0, 1], [0.3, 0.5], [1, 0]]");
         }
       }
     } else {
-      t.wrong_type(p.id, node, allowed);
+      t.wrong_type(p.id, allowed);
     }
     family.properties.push_back(std::move(p));
   }
   read_correlation(t, family);
-  t.finish();
   return family;
 }
 

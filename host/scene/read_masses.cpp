@@ -11,19 +11,14 @@ using geometry::Vector;
 
 std::vector<AddedMass> read_masses(Table& scene) {
   std::vector<AddedMass> masses;
-  int index = 0;
-  for (const toml::table* table : scene.tables("mass", "tables [[mass]]")) {
-    Table t(scene.context(), *table, fmt::format("mass.{}", ++index));
-    AddedMass added;
+  scene.each("mass", [&](Table& t) {
+    AddedMass& added = masses.emplace_back();
     added.source = {t.where()};
     t.text("block", added.block, "the name of a block, body or beam of a floor", true);
     t.number("mass", added.mass, kPositive, "kg", true);
     Vec3 point{};
-    if (t.numbers("point", point, between(-kFarthest, kFarthest), "m, where the mass is at the start"))
-      added.point = point;
-    t.finish();
-    masses.push_back(std::move(added));
-  }
+    if (t.numbers("point", point, kPlace, "m, where the mass is at the start")) added.point = point;
+  });
   return masses;
 }
 

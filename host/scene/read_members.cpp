@@ -13,17 +13,19 @@ using namespace reader;
 
 namespace {
 
-MemberEnd read_end(Table& t, const std::string& key) {
-  MemberEnd end;
+void read_place(Table& t, MemberEnd& end) {
+  end.source = {t.where()};
+  t.text("block", end.block, "the name of a block; without it the block that has the point");
+  t.numbers("point", end.point, kPlace, "m, at the start", true);
+}
+
+void read_end(Table& t, const std::string& key, MemberEnd& end) {
+  const auto read = [&](Table& e) {
+    read_place(e, end);
+    e.numbers("plate", end.plate, kPositive, "m, both sides of the anchor plate");
+  };
   end.source = {t.where(key)};
-  const toml::table* given = t.table(key, "a table { block = NAME, point = [x, y, z] }", true);
-  if (!given) return end;
-  Table e(t.context(), *given, t.path(key));
-  e.text("block", end.block, "the name of a block; without it the block that has the point");
-  e.numbers("point", end.point, between(-kFarthest, kFarthest), "m, at the start", true);
-  e.numbers("plate", end.plate, kPositive, "m, both sides of the anchor plate");
-  e.finish();
-  return end;
+  t.within(key, "a table { block = NAME, point = [x, y, z] }", read, true);
 }
 
 // Names go into columns of files.
@@ -43,27 +45,11 @@ void read_name(Table& t, const std::string& fallback, std::set<std::string>& tak
                     t.where(), name));
 }
 
-std::vector<MemberEnd> read_through(Table& t) {
-  std::vector<MemberEnd> ends;
-  int index = 0;
-  for (const toml::table* table : t.tables("through", "tables { block = NAME, point = [x, y, z] }")) {
-    Table e(t.context(), *table, t.path(fmt::format("through.{}", ++index)));
-    MemberEnd end;
-    end.source = {e.where()};
-    e.text("block", end.block, "the name of a block; without it the block that has the point");
-    e.numbers("point", end.point, between(-kFarthest, kFarthest), "m, at the start", true);
-    e.finish();
-    ends.push_back(end);
-  }
-  return ends;
-}
-
-TieSpec read_tie(Table t, int number, std::set<std::string>& taken) {
-  TieSpec tie;
-  tie.source = {t.where()};
-  read_name(t, std::to_string(number), taken, tie.name);
-  tie.from = read_end(t, "from"), tie.to = read_end(t, "to");
-  tie.through = read_through(t);
+void read_tie(Table& t, TieSpec& tie) {
+  read_end(t, "from", tie.from), read_end(t, "to", tie.to);
+  t.each(
+      "through", [&](Table& e) { read_place(e, tie.through.emplace_back()); }, false,
+      "tables { block = NAME, point = [x, y, z] }");
   t.number("area", tie.area, kPositive, "m2", true);
   t.number("young_modulus", tie.young_modulus, kPositive, "Pa", true);
   const bool yields = t.number("yield_stress", tie.yield_stress, kPositive, "Pa", true);
@@ -80,14 +66,9 @@ TieSpec read_tie(Table t, int number, std::set<std::string>& taken) {
   t.boolean("compression", tie.compression);
   if (tie.slack > 0.0 && (tie.pretension > 0.0 || tie.compression))
     t.refuse("slack", "0 with pretension or compression, which leave no slack");
-  t.finish();
-  return tie;
 }
 
-SpringSpec read_spring(Table t, int number, std::set<std::string>& taken) {
-  SpringSpec spring;
-  spring.source = {t.where()};
-  read_name(t, std::to_string(number), taken, spring.name);
+void read_spring(Table& t, SpringSpec& spring) {
   t.text("block", spring.block, "the name of a block", true);
   read_direction(t, "normal", spring.normal, "outward, of the face that is meant", false);
   t.number("normal_stiffness", spring.normal_stiffness, kPositive, "Pa/m", true);
@@ -99,57 +80,26 @@ SpringSpec read_spring(Table t, int number, std::set<std::string>& taken) {
   if (spring.tension && t.has("friction_angle") && spring.friction_angle < 90.0)
     t.refuse("friction_angle", "90 with tension = true, which has no pressure to rub by; remove one of the two");
   t.integer("divisions", spring.divisions, 1, 50);
-  t.finish();
-  return spring;
 }
 
-std::vector<Vec3> read_line(Table& t) {
-  std::vector<Vec3> points;
-  const std::string allowed = fmt::format("a list of 2 or more points [x, y, z], each {}, m, no two in a row the same",
-                                          between(-kFarthest, kFarthest).text());
-  const toml::node* node = t.find("points", allowed, true);
-  if (!node) return points;
-  const toml::array* list = node->as_array();
-  if (!list) return t.wrong_type("points", *node, allowed), points;
-  for (const toml::node& element : *list) {
-    const toml::array* given = element.as_array();
-    if (!given || given->size() != 3) return t.wrong_type("points", *node, allowed), points;
-    Vec3 point{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::optional<double> number = number_of(*given->get(c));
-      if (!number) return t.wrong_type("points", *node, allowed), points;
-      if (!(std::abs(*number) <= kFarthest)) return t.refuse("points", allowed), points;
-      point[c] = *number;
-    }
-    if (!points.empty() && points.back() == point) return t.refuse("points", allowed), points;
-    points.push_back(point);
-  }
-  if (points.size() < 2) t.refuse("points", allowed);
-  return points;
+void read_line(Table& t, std::vector<Vec3>& points) {
+  t.line("points", points, kPlace,
+         fmt::format("a list of 2 or more points [x, y, z], each {}, m, no two in a row the same", kPlace.text()),
+         true);
 }
 
-StripSpec read_strip(Table t, int number, const Scene& scene, std::set<std::string>& taken) {
-  StripSpec strip;
-  strip.source = {t.where()};
-  read_name(t, std::to_string(number), taken, strip.name);
-  std::vector<std::string> families;
-  for (const auto& [name, family] : scene.joints) families.push_back(name);
-  t.choice("joint", strip.joint, families, true);
-  strip.points = read_line(t);
+void read_strip(Table& t, const Scene& scene, StripSpec& strip) {
+  t.choice("joint", strip.joint, names_of(scene.joints), true);
+  read_line(t, strip.points);
   t.number("width", strip.width, kPositive, "m", true);
   t.number("thickness", strip.thickness, kPositive, "m", true);
   t.number("young_modulus", strip.young_modulus, kPositive, "Pa", true);
   t.number("strength", strip.strength, kPositive, "Pa");
   t.number("spacing", strip.spacing, kPositive, "m", true);
   t.boolean("compression", strip.compression);
-  t.finish();
-  return strip;
 }
 
-void read_connector(Table& t, FloorSpec& floor) {
-  const toml::table* given = t.table("connector", "a table { axial_stiffness, shear_stiffness, ... }", true);
-  if (!given) return;
-  Table c(t.context(), *given, t.path("connector"));
+void read_connector(Table& c, FloorSpec& floor) {
   c.number("axial_stiffness", floor.axial_stiffness, kPositive, "N/m of a metre of edge", true);
   c.number("shear_stiffness", floor.connector_stiffness, kNotNegative, "N/m of a metre of edge", true);
   c.number("axial_strength", floor.axial_strength, kNotNegative, "N of a metre of edge");
@@ -157,14 +107,10 @@ void read_connector(Table& t, FloorSpec& floor) {
   c.number("friction", floor.friction, between(0.0, 2.0), "(shear over the weight on the edge)");
   c.number("pull_out", floor.pull_out, kPositive, "m");
   c.boolean("bearing", floor.bearing);
-  c.finish();
 }
 
-FloorSpec read_floor(Table t, int number, std::set<std::string>& taken) {
-  FloorSpec floor;
-  floor.source = {t.where()};
-  read_name(t, std::to_string(number), taken, floor.name);
-  t.numbers("corner", floor.corner, between(-kFarthest, kFarthest), "m", true);
+void read_floor(Table& t, FloorSpec& floor) {
+  t.numbers("corner", floor.corner, kPlace, "m", true);
   read_direction(t, "along", floor.along, "m, from the corner to the next", true);
   read_direction(t, "across", floor.across, "m, from the corner to the one before, square to along", true);
   constexpr double kSquare = 1e-6;  // cosine of the angle between both edges
@@ -184,31 +130,13 @@ FloorSpec read_floor(Table t, int number, std::set<std::string>& taken) {
   t.number("mass", floor.mass, kPositive, "kg/m2", true);
   t.number("load", floor.load, kNotNegative, "Pa");
   t.choice("span", floor.span, {"along", "across", "both"});
-  read_connector(t, floor);
-  t.finish();
-  return floor;
+  t.within(
+      "connector", "a table { axial_stiffness, shear_stiffness, ... }", [&](Table& c) { read_connector(c, floor); },
+      true);
 }
 
-void read_supports(Table& t, BeamSpec& beam) {
-  int index = 0;
-  for (const toml::table* table : t.tables("support", "tables [[beam.support]]")) {
-    ++index;
-    Table s(t.context(), *table, t.path(fmt::format("support.{}", index)));
-    BeamSupportSpec support;
-    support.source = {s.where()};
-    s.numbers("point", support.point, between(-kFarthest, kFarthest), "m, on the line", true);
-    s.text("block", support.block, "the name of a block; without it the block that has the point");
-    s.choice("hold", support.hold, {"built_in", "pinned", "resting"});
-    s.finish();
-    beam.supports.push_back(support);
-  }
-}
-
-BeamSpec read_beam(Table t, int number, std::set<std::string>& taken) {
-  BeamSpec beam;
-  beam.source = {t.where()};
-  read_name(t, std::to_string(number), taken, beam.name);
-  beam.points = read_line(t);
+void read_beam(Table& t, BeamSpec& beam) {
+  read_line(t, beam.points);
   t.number("spacing", beam.spacing, kPositive, "m", true);
   read_direction(t, "up", beam.up, "across the line", false);
   for (std::size_t k = 0; k + 1 < beam.points.size(); ++k) {
@@ -233,23 +161,22 @@ BeamSpec read_beam(Table t, int number, std::set<std::string>& taken) {
   t.number("friction", beam.friction, between(0.0, 2.0), "");
   t.choice("bedding", beam.bedding, {"none", "resting", "pinned", "built_in"});
   if ((beam.inertia[0] == 0.0) != (beam.inertia[1] == 0.0)) t.refuse("inertia", "both more than 0, or both 0: a cable");
-  read_supports(t, beam);
-  t.finish();
-  return beam;
+  t.each("support", [&](Table& s) {
+    BeamSupportSpec& support = beam.supports.emplace_back();
+    support.source = {s.where()};
+    s.numbers("point", support.point, kPlace, "m, on the line", true);
+    s.text("block", support.block, "the name of a block; without it the block that has the point");
+    s.choice("hold", support.hold, {"built_in", "pinned", "resting"});
+  });
 }
 
-DowelSpec read_dowel(Table t, int number, std::set<std::string>& taken) {
-  DowelSpec dowel;
-  dowel.source = {t.where()};
-  read_name(t, std::to_string(number), taken, dowel.name);
-  t.numbers("point", dowel.point, between(-kFarthest, kFarthest), "m, on the joint", true);
+void read_dowel(Table& t, DowelSpec& dowel) {
+  t.numbers("point", dowel.point, kPlace, "m, on the joint", true);
   read_direction(t, "direction", dowel.direction, "of the bar, through the joint", true);
   t.number("axial_stiffness", dowel.axial_stiffness, kPositive, "N/m", true);
   t.number("shear_stiffness", dowel.shear_stiffness, kPositive, "N/m", true);
   t.number("yield_force", dowel.yield_force, kPositive, "N, along the bar", true);
   t.number("yield_shear", dowel.yield_shear, kPositive, "N, across it", true);
-  t.finish();
-  return dowel;
 }
 
 // Coefficients after Rankine and Jaky, unless they are given.
@@ -268,68 +195,49 @@ void read_pressure(Table& t, FillSpec& fill) {
                          fill.at_rest, fill.passive));
 }
 
-FillSpec read_fill(Table t, int number, std::set<std::string>& taken) {
-  FillSpec fill;
-  fill.source = {t.where()};
-  read_name(t, std::to_string(number), taken, fill.name);
+void read_fill(Table& t, FillSpec& fill) {
   t.text("block", fill.block, "the name of a block, or of a group of them", true);
   read_direction(t, "towards", fill.towards, "outward, of the faces that are meant", false);
-  t.numbers("surface", fill.surface, between(-kFarthest, kFarthest), "m, a point of its top", true);
+  t.numbers("surface", fill.surface, kPlace, "m, a point of its top", true);
   read_direction(t, "up", fill.up, "against gravity", false);
   t.number("unit_weight", fill.unit_weight, kPositive, "N/m3", true);
   t.number("surcharge", fill.surcharge, kNotNegative, "Pa");
   read_pressure(t, fill);
   t.number("stiffness", fill.stiffness, kPositive, "Pa/m", true);
   t.integer("divisions", fill.divisions, 1, 50);
-  t.finish();
-  return fill;
 }
 
-// The kind of the first member that there is.
-const char* first_kind(const MemberSpecs& specs) {
-  return !specs.ties.empty()      ? "tie"
-         : !specs.springs.empty() ? "spring"
-         : !specs.strips.empty()  ? "strip"
-         : !specs.floors.empty()  ? "floor"
-         : !specs.beams.empty()   ? "beam"
-         : !specs.dowels.empty()  ? "dowel"
-         : !specs.fills.empty()   ? "fill"
-                                  : nullptr;
+// Members of a kind, whose names are their own. read(table, member).
+template <class Spec, class Read>
+void read_kind(Table& scene, const char* kind, std::vector<Spec>& members, const Read& read) {
+  std::set<std::string> taken;
+  scene.each(kind, [&](Table& t) {
+    Spec& member = members.emplace_back();
+    member.source = {t.where()};
+    read_name(t, std::to_string(members.size()), taken, member.name);
+    read(t, member);
+  });
 }
 
 }  // namespace
 
 std::shared_ptr<const MemberSpecs> read_members(Table& t, const Scene& scene) {
   auto specs = std::make_shared<MemberSpecs>();
-  std::set<std::string> taken;
-  // read(table, number): adds it. Names are of a kind.
-  const auto each = [&](const std::vector<const toml::table*>& tables, const char* kind, const auto& read) {
-    int index = 0;
-    taken.clear();
-    for (const toml::table* table : tables) {
-      ++index;
-      read(Table(t.context(), *table, fmt::format("{}.{}", kind, index)), index);
-    }
-  };
-  each(t.tables("tie", "tables [[tie]]"), "tie",
-       [&](Table m, int i) { specs->ties.push_back(read_tie(std::move(m), i, taken)); });
-  each(t.tables("spring", "tables [[spring]]"), "spring",
-       [&](Table m, int i) { specs->springs.push_back(read_spring(std::move(m), i, taken)); });
-  each(t.tables("strip", "tables [[strip]]"), "strip",
-       [&](Table m, int i) { specs->strips.push_back(read_strip(std::move(m), i, scene, taken)); });
-  each(t.tables("floor", "tables [[floor]]"), "floor",
-       [&](Table m, int i) { specs->floors.push_back(read_floor(std::move(m), i, taken)); });
-  each(t.tables("beam", "tables [[beam]]"), "beam",
-       [&](Table m, int i) { specs->beams.push_back(read_beam(std::move(m), i, taken)); });
-  each(t.tables("dowel", "tables [[dowel]]"), "dowel",
-       [&](Table m, int i) { specs->dowels.push_back(read_dowel(std::move(m), i, taken)); });
-  each(t.tables("fill", "tables [[fill]]"), "fill",
-       [&](Table m, int i) { specs->fills.push_back(read_fill(std::move(m), i, taken)); });
-  const char* const kind = first_kind(*specs);
-  if (!kind) return nullptr;
-  if (scene.wall && scene.wall->half_thickness)
-    t.refuse(kind, "none with wall.half_thickness = true: members have no half; make that false");
-  return specs;
+  read_kind(t, "tie", specs->ties, read_tie);
+  read_kind(t, "spring", specs->springs, read_spring);
+  read_kind(t, "strip", specs->strips, [&](Table& m, StripSpec& strip) { read_strip(m, scene, strip); });
+  read_kind(t, "floor", specs->floors, read_floor);
+  read_kind(t, "beam", specs->beams, read_beam);
+  read_kind(t, "dowel", specs->dowels, read_dowel);
+  read_kind(t, "fill", specs->fills, read_fill);
+  for (const char* kind : {"tie", "spring", "strip", "floor", "beam", "dowel", "fill"}) {
+    const toml::array* given = t.toml()[kind].as_array();
+    if (!given || given->empty()) continue;
+    if (scene.wall && scene.wall->half_thickness)
+      t.refuse(kind, "none with wall.half_thickness = true: members have no half; make that false");
+    return specs;
+  }
+  return nullptr;
 }
 
 }  // namespace quoin

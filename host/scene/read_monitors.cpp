@@ -19,16 +19,13 @@ bool fits_columns(const std::string& name) {
 
 std::vector<Monitor> read_monitors(Table& scene) {
   std::vector<Monitor> monitors;
-  int index = 0;
-  for (const toml::table* table : scene.tables("monitor", "tables [[monitor]]")) {
-    Table t(scene.context(), *table, fmt::format("monitor.{}", ++index));
+  scene.each("monitor", [&](Table& t) {
     Monitor m;
     t.text("name", m.name, "letters, digits, _ and -", true);
     t.text("block", m.block, "a block, body or floor", true);
     Vec3 point{};
-    if (t.numbers("point", point, between(-1e6, 1e6), "m")) m.point = point;
+    if (t.numbers("point", point, kPlace, "m")) m.point = point;
     t.text("below", m.below, "the name of another monitor, from which drifts count");
-    t.finish();
     m.source = {t.where("block")};
     const auto called = [&](const std::string& name) {
       return std::any_of(monitors.begin(), monitors.end(), [&](const Monitor& other) { return other.name == name; });
@@ -37,7 +34,7 @@ std::vector<Monitor> read_monitors(Table& scene) {
     if (called(m.name) || m.name == "ground") t.refuse("name", "a name that no other monitor has, and not \"ground\"");
     if (!m.below.empty() && !called(m.below)) t.refuse("below", "the name of a monitor that is given before this one");
     monitors.push_back(m);
-  }
+  });
   return monitors;
 }
 

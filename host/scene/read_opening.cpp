@@ -32,9 +32,7 @@ void read_bearing(Table& o, Opening& opening, const Lattice& lattice,
       opening.bearing = static_cast<int>(std::lround(count));
   }
   if (!o.has("lintel_material")) return o.accept("lintel_material");
-  std::vector<std::string> names;
-  for (const auto& [name, material] : materials) names.push_back(name);
-  o.choice("lintel_material", opening.lintel_material, names);
+  o.choice("lintel_material", opening.lintel_material, names_of(materials));
   if (bearing == 0.0) o.refuse("lintel_material", "only with a lintel; give bearing > 0 too, or remove it");
 }
 
@@ -95,9 +93,7 @@ std::vector<Opening> read_openings(Table& wall, const Lattice& lattice,
   std::vector<Opening> openings;
   std::vector<Table> tables;
   bool placed = lattice.half_units > 0 && lattice.courses > 0 && lattice.half_unit > 0.0;
-  for (const toml::table* table : wall.tables("opening", fmt::format("tables [[{}]]", wall.path("opening")))) {
-    Table& o =
-        tables.emplace_back(wall.context(), *table, fmt::format("{}.{}", wall.path("opening"), openings.size() + 1));
+  wall.each("opening", [&](Table& o) {
     Opening& opening = openings.emplace_back();
     // Both keys are read before either is judged, so that one report has the faults of both.
     const bool has_column = o.integer("first_half_unit", opening.first_half_unit, 0, half_units - 1, true);
@@ -112,8 +108,8 @@ std::vector<Opening> read_openings(Table& wall, const Lattice& lattice,
       placed = false;
     }
     read_bearing(o, opening, lattice, materials);
-    o.finish();
-  }
+    tables.push_back(o);
+  });
   for (std::size_t i = 0; placed && i < openings.size(); ++i) {
     if (openings[i].bearing > 0) check_lintel(tables[i], openings, i, lattice);
   }
@@ -122,11 +118,8 @@ std::vector<Opening> read_openings(Table& wall, const Lattice& lattice,
 
 std::vector<WallSpec::Changed> read_changed(Table& wall, const Lattice& lattice, const std::vector<Opening>& openings,
                                             const std::map<std::string, BlockMaterial>& materials) {
-  std::vector<std::string> names;
-  for (const auto& [name, material] : materials) names.push_back(name);
   std::vector<WallSpec::Changed> changed;
-  for (const toml::table* table : wall.tables("changed", fmt::format("tables [[{}]]", wall.path("changed")))) {
-    Table u(wall.context(), *table, fmt::format("{}.{}", wall.path("changed"), changed.size() + 1));
+  wall.each("changed", [&](Table& u) {
     WallSpec::Changed& unit = changed.emplace_back();
     const bool placed =
         u.integer("course", unit.course, 0, (lattice.courses > 0 ? lattice.courses : kManyCourses) - 1, true) &&
@@ -134,13 +127,12 @@ std::vector<WallSpec::Changed> read_changed(Table& wall, const Lattice& lattice,
                   true);
     bool missing = false;
     u.boolean("missing", missing);
-    u.choice("material", unit.material, names);
+    u.choice("material", unit.material, names_of(materials));
     if (missing == u.has("material"))
       u.context().fault(u.where() + ": give one of missing = true and material, the name of another one");
     if (placed && in_opening(openings, unit.course, unit.half_unit))
       u.refuse("half_unit", "one that is there: an opening takes this one");
-    u.finish();
-  }
+  });
   return changed;
 }
 

@@ -20,10 +20,8 @@ const std::vector<std::pair<std::string, ScatterLevel>> kLevels = {{"point", Sca
 template <class Value>
 bool choose(Table& t, const std::string& key, const std::vector<std::pair<std::string, Value>>& known, Value& value,
             bool required = false) {
-  std::vector<std::string> names;
-  for (const auto& [name, of] : known) names.push_back(name);
   std::string word;
-  if (!t.choice(key, word, names, required)) return false;
+  if (!t.choice(key, word, names_of(known), required)) return false;
   for (const auto& [name, of] : known) {
     if (name == word) value = of;
   }
@@ -94,20 +92,18 @@ Scatter read_scatter(Table t) {
 
 void read_correlation(Table& t, JointFamily& family) {
   const std::string key = "correlation", allowed = "a list as [[\"tensile_strength\", \"cohesion\", 0.8]]";
-  const toml::node* node = t.find(key, allowed, false);
-  if (!node) return;
-  const toml::array* list = node->as_array();
-  if (!list) return t.wrong_type(key, *node, allowed);
+  const toml::array* list = t.list(key, allowed);
+  if (!list) return;
   std::vector<std::string> ids;
   const auto index_of = [&](const std::string& id) {
     return static_cast<std::size_t>(std::find(ids.begin(), ids.end(), id) - ids.begin());
   };
   for (const toml::node& element : *list) {
     const toml::array* entry = element.as_array();
-    if (!entry || entry->size() != 3) return t.wrong_type(key, *node, allowed);
+    if (!entry || entry->size() != 3) return t.wrong_type(key, allowed);
     const auto first = entry->get(0)->value<std::string>(), second = entry->get(1)->value<std::string>();
     const std::optional<double> value = number_of(*entry->get(2));
-    if (!first || !second || !value) return t.wrong_type(key, *node, allowed);
+    if (!first || !second || !value) return t.wrong_type(key, allowed);
     if (*first == *second || !(std::abs(*value) < 1.0))
       return t.refuse(key, "two properties, and a number between -1 and 1 without these");
     const Scatter *a = scatter_of(family, *first), *b = scatter_of(family, *second);
@@ -130,12 +126,11 @@ void read_correlation(Table& t, JointFamily& family) {
     t.refuse(key, "correlations that can be together: those given are not positive definite");
 }
 
-RandomSample read_random(Table t) {
+RandomSample read_random(Table& t) {
   constexpr long kMost = 1L << 53;  // whole as a double
   RandomSample random;
   t.integer("seed", random.seed, 0, kMost);
   t.integer("sample", random.sample, 0, kMost);
-  t.finish();
   return random;
 }
 

@@ -11,6 +11,6 @@ random::Distribution read_distribution(Table& t);
 Scatter read_scatter(Table t);
 // correlation = [["tensile_strength", "cohesion", 0.8]], of properties that scatter and have been read.
 void read_correlation(Table& t, JointFamily& family);
-RandomSample read_random(Table t);  // [random]
+RandomSample read_random(Table& t);  // [random]
 
 }  // namespace quoin::reader

@@ -80,12 +80,11 @@ std::set<std::string> zoned_materials(const toml::table& root) {
 }
 
 // After the scene's blocks and its wall.
-void read_contact_table(Table c, Scene* scene) {
+void read_contact_table(Table& c, Scene* scene) {
   if (bool cubic = false; c.boolean("cubic_points", cubic)) scene->cubic_points = cubic;
   if (scene->cubic_points && !scene->blocks && !(scene->wall && scene->wall->rigid_units))
     c.refuse("cubic_points", "only with wall.rigid_units = true: deformable units have their gridpoints; remove it");
   if (scene->blocks) read_contact(c, scene->solver, &scene->blocks->contact);
-  c.finish();
 }
 
 // Returns the quality that the table names, or the given one; null: none, of blocks.
@@ -110,7 +109,7 @@ const Quality* read_solver_table(Table solver, const Quality* quality, bool of_b
   return quality;
 }
 
-void read_output(Table o, bool of_blocks, OutputSettings* output) {
+void read_output(Table& o, bool of_blocks, OutputSettings* output) {
   o.integer("frames", output->frames, 0, 100000);
   std::string of = output->all_stages ? "all" : "last";
   o.choice("frames_of", of, {"all", "last"});
@@ -122,22 +121,21 @@ void read_output(Table o, bool of_blocks, OutputSettings* output) {
   o.boolean("end_state", output->end_state);
   o.number("record_interval", output->record_interval, kNotNegative, "s");
   if (of_blocks) o.text("monitor", output->monitor, "the name of a block");
-  o.finish();
 }
 
 // Each table [kind.NAME], with its name.
 template <class Read>
 void each_named(Table& t, const char* kind, const Read& read) {
-  const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), true);
-  if (!all) return;
-  if (all->empty()) t.refuse(kind, fmt::format("at least one table [{}.NAME]", kind));
-  Table outer(t.context(), *all, kind);
-  for (auto&& [key, node] : *all) {
-    const std::string name(key.str());
-    if (const auto* table = outer.table(name, fmt::format("a table [{}.{}]", kind, name)))
-      read(name, Table(t.context(), *table, outer.path(name)));
-  }
-  outer.finish();
+  t.within(
+      kind, fmt::format("tables [{}.NAME]", kind),
+      [&](Table& outer) {
+        if (outer.toml().empty()) t.refuse(kind, fmt::format("at least one table [{}.NAME]", kind));
+        for (auto&& [key, node] : outer.toml()) {
+          const std::string name(key.str());
+          outer.within(name, fmt::format("a table [{}.{}]", kind, name), [&](Table& inner) { read(name, inner); });
+        }
+      },
+      true);
 }
 
 void read_settings(Table& t, bool of_blocks, Scene* scene) {
@@ -154,26 +152,23 @@ void read_settings(Table& t, bool of_blocks, Scene* scene) {
 
 void read_materials_and_joints(Table& t, Scene* scene) {
   const std::set<std::string> zoned = zoned_materials(t.toml());
-  each_named(t, "materials", [&](const std::string& name, Table m) {
+  each_named(t, "materials", [&](const std::string& name, Table& m) {
     scene->materials[name] = read_material(name, m, !zoned.contains(name));
   });
-  each_named(t, "joints", [&](const std::string& name, Table j) { scene->joints[name] = read_joint(name, j); });
-  if (const auto* table = t.table("random", "a table [random]"))
-    scene->random = read_random({t.context(), *table, "random"});
+  each_named(t, "joints", [&](const std::string& name, Table& j) { scene->joints[name] = read_joint(name, j); });
+  t.within("random", "a table [random]", [&](Table& r) { scene->random = read_random(r); });
   for (auto& [name, family] : scene->joints) family.random = scene->random;
 }
 
 // A building, a wall, or blocks of any shape.
 void read_masonry(Table& t, bool of_blocks, const std::string& folder, Scene* scene) {
-  Context& context = t.context();
-  if (const auto* table = t.table("building", "a table [building]"))
-    scene->building = read_building({context, *table, "building"}, *scene);
+  t.within("building", "a table [building]", [&](Table& b) { scene->building = read_building(b, *scene); });
   if (scene->building) scene->quality_as_is = false;  // its errors were measured on walls
   if (of_blocks) scene->blocks = read_blocks(t, *scene, folder);
-  if (const auto* table = t.table("wall", "a table [wall]", !scene->building && !scene->blocks))
-    scene->wall = read_wall({context, *table, "wall"}, *scene);
-  if (const auto* table = t.table("contact", "a table [contact]"))
-    read_contact_table({context, *table, "contact"}, scene);
+  t.within(
+      "wall", "a table [wall]", [&](Table& w) { scene->wall = read_wall(w, *scene); },
+      !scene->building && !scene->blocks);
+  t.within("contact", "a table [contact]", [&](Table& c) { read_contact_table(c, scene); });
   if (of_blocks && scene->solver.large_motion == LargeMotion::always) scene->blocks->contact.small_displacement = 0.0;
   if (of_blocks && scene->blocks->contact.small_displacement == 0.0) scene->solver.large_motion = LargeMotion::always;
   if (scene->wall && scene->building) t.refuse("wall", "one of [wall] and [building]; remove the other");
@@ -190,8 +185,7 @@ void read_start(Table& t, const std::string& folder, Scene* scene) {
     t.refuse("mass", "none with wall.half_thickness = true: masses have no half; make that false");
   scene->members = read_members(t, *scene);
   if (scene->members) scene->quality_as_is = false;  // its errors were measured without them
-  for (size_t i = 0; const auto* table : t.tables("damage", "tables [[damage]]"))
-    scene->damage.push_back(read_damage({t.context(), *table, fmt::format("damage.{}", ++i)}, *scene));
+  t.each("damage", [&](Table& d) { scene->damage.push_back(read_damage(d, *scene)); });
   if (t.text("start", scene->start, "the folder of a run with output.end_state = true")) {
     if (!scene->start.starts_with('/')) scene->start = folder + scene->start;
     if (!scene->damage.empty()) t.refuse("start", "without [[damage]], which belongs to the run that ends there");
@@ -237,8 +231,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   read_masonry(t, of_blocks, folder, &scene);
   read_start(t, folder, &scene);
   read_stages(t, of_blocks, folder, &scene);
-  if (const auto* table = t.table("output", "a table [output]"))
-    read_output({context, *table, "output"}, of_blocks, &scene.output);
+  t.within("output", "a table [output]", [&](Table& o) { read_output(o, of_blocks, &scene.output); });
   t.finish();
   scene.inputs = std::move(context.inputs);
   if (const std::string faults = context.faults(); !faults.empty()) throw SceneFaults(faults, std::move(scene));

@@ -39,17 +39,16 @@ void read_law_swaps(Table& t, const Scene& scene, Stage& stage) {
   const std::string allowed = "a law for all joint families, or a table { family = \"law\" }";
   const toml::node* law = t.find("law", allowed, false);
   if (!law) return;
-  if (const toml::table* swaps = law->as_table()) {
-    Table s(t.context(), *swaps, t.path("law"));
-    for (const auto& [family, settings] : scene.joints) {
-      std::string name;
-      if (s.text(family, name, "the name or path of a law")) stage.law_swaps[family] = name;
-    }
-    s.finish();
+  if (law->is_table()) {
+    t.within("law", allowed, [&](Table& swaps) {
+      for (const std::string& family : names_of(scene.joints)) {
+        if (std::string name; swaps.text(family, name, "the name or path of a law")) stage.law_swaps[family] = name;
+      }
+    });
   } else if (const auto name = law->value<std::string>()) {
     for (const auto& [family, settings] : scene.joints) stage.law_swaps[family] = *name;
   } else {
-    t.wrong_type("law", *law, allowed);
+    t.wrong_type("law", allowed);
   }
 }
 

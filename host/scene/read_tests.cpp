@@ -11,13 +11,6 @@ namespace {
 constexpr const char* kKey = "properties";
 constexpr const char* kWord = "from_tests";
 
-template <typename Kind>
-std::vector<std::string> names_of(const std::map<std::string, Kind>& kinds) {
-  std::vector<std::string> names;
-  for (const auto& [name, kind] : kinds) names.push_back(name);
-  return names;
-}
-
 const std::map<std::string, UnitKind> kUnits{
     {"clay", UnitKind::clay},         {"hollow_clay", UnitKind::hollow_clay},
     {"concrete", UnitKind::concrete}, {"calcium_silicate", UnitKind::calcium_silicate},

@@ -8,7 +8,7 @@ namespace quoin {
 
 using namespace reader;
 
-WallSpec read_wall(Table t, const Scene& scene) {
+WallSpec read_wall(Table& t, const Scene& scene) {
   WallSpec w;
   t.choice("bond", w.bond, {"running", "stack"});
   t.choice("first_course", w.first_course, {"whole", "half"});
@@ -38,14 +38,6 @@ WallSpec read_wall(Table t, const Scene& scene) {
              "solver.kernels = \"automatic\"");
   t.number("beam_density", w.beam_density, kPositive, "kg/m3");
 
-  // Names of materials and families must exist.
-  auto name_of = [&](const char* key, std::string& name, const auto& known, const char* kind, bool required) {
-    std::vector<std::string> names;
-    for (const auto& [known_name, value] : known) names.push_back(known_name);
-    const std::string allowed = fmt::format("a name among [{}.*]: {}", kind, names.empty() ? "none yet" : join(names));
-    if (t.text(key, name, allowed, required) && !known.contains(name))
-      t.refuse(key, allowed + did_you_mean(name, names));
-  };
   std::vector<double> cuts;
   const std::string inside = has_units ? fmt::format("1 to {:g}", 2 * w.units_per_course - 1) : "1 on";
   if (t.numbers("bottom_beam_cuts", cuts, kPositive, "half units from the left")) {
@@ -59,11 +51,11 @@ WallSpec read_wall(Table t, const Scene& scene) {
     if (!w.bottom_beam) t.refuse("bottom_beam_cuts", "only with bottom_beam = true");
   }
   const bool beams = w.bottom_beam || w.top_beam;
-  name_of("unit_material", w.unit_material, scene.materials, "materials", true);
-  name_of("bed_joint", w.bed_joint, scene.joints, "joints", true);
-  name_of("head_joint", w.head_joint, scene.joints, "joints", true);
-  name_of("unit_joint", w.unit_joint, scene.joints, "joints", w.mid_unit_joints);
-  name_of("beam_joint", w.beam_joint, scene.joints, "joints", beams);
+  t.name_of("unit_material", w.unit_material, scene.materials, "materials", true);
+  t.name_of("bed_joint", w.bed_joint, scene.joints, "joints", true);
+  t.name_of("head_joint", w.head_joint, scene.joints, "joints", true);
+  t.name_of("unit_joint", w.unit_joint, scene.joints, "joints", w.mid_unit_joints);
+  t.name_of("beam_joint", w.beam_joint, scene.joints, "joints", beams);
 
   w.openings = read_openings(t,
                              {has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0,
@@ -71,7 +63,6 @@ WallSpec read_wall(Table t, const Scene& scene) {
                              scene.materials);
   const Lattice lattice{has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0, 0};
   w.changed = read_changed(t, lattice, w.openings, scene.materials);
-  t.finish();
   return w;
 }
 

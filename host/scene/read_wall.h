@@ -6,6 +6,6 @@
 namespace quoin {
 
 // After materials, joints and solver.
-WallSpec read_wall(reader::Table t, const Scene& scene);
+WallSpec read_wall(reader::Table& t, const Scene& scene);
 
 }  // namespace quoin

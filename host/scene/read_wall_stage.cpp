@@ -41,7 +41,7 @@ std::vector<std::string> body_names(const Scene& scene) {
   return names;
 }
 
-BodyControl read_control(Table t, std::vector<std::string> bodies, const std::vector<std::string>& loaded) {
+BodyControl read_control(Table& t, std::vector<std::string> bodies, const std::vector<std::string>& loaded) {
   BodyControl c;
   bodies.insert(bodies.end(), loaded.begin(), loaded.end());
   t.choice("body", c.body, bodies, true);
@@ -60,14 +60,11 @@ BodyControl read_control(Table t, std::vector<std::string> bodies, const std::ve
     t.refuse("body",
              "a rigid body, or velocity = [\"free\", \"free\", \"free\"]: half units of a floor without "
              "rigid_beams can be loaded but not moved");
-  t.finish();
   return c;
 }
 
 void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodies, const Scene& scene) {
-  for (size_t i = 0; const toml::table* table : t.tables("control", "tables [[stage.control]]"))
-    stage.controls.push_back(read_control(Table(t.context(), *table, fmt::format("{}.{}", t.path("control"), ++i)),
-                                          bodies, loaded_names(scene)));
+  t.each("control", [&](Table& c) { stage.controls.push_back(read_control(c, bodies, loaded_names(scene))); });
 }
 
 // The controls that the short kinds of stage stand for: bottom beam held, top beam pressed or moved.

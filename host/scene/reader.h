@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +26,14 @@
 namespace quoin::reader {
 
 inline std::string join(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+
+// Keys of what is listed by name.
+template <class Listed>
+std::vector<std::string> names_of(const Listed& listed) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : listed) names.push_back(name);
+  return names;
+}
 
 // Allowed values of a number, and how they read in a message.
 struct Range {
@@ -40,9 +50,10 @@ struct Range {
   }
 };
 inline constexpr Range kAny{}, kPositive{0.0, HUGE_VAL, true}, kNotNegative{0.0, HUGE_VAL};
-inline constexpr double kFarthest = 1e6;  // m, of a point: beyond, positions in double precision are coarser than a joint
 inline Range between(double lower, double upper) { return {lower, upper, false}; }
 inline Range above_to(double lower, double upper) { return {lower, upper, true}; }
+// Of a coordinate, m: beyond, positions in double precision are coarser than a joint.
+inline constexpr Range kPlace{-1e6, 1e6};
 
 inline std::string text_of(const toml::node& node) { return node.is_table() ? "a table" : inline_toml(node); }
 
@@ -128,7 +139,8 @@ class Table {
     return node;
   }
 
-  void wrong_type(const std::string& key, const toml::node& node, const std::string& allowed) {
+  void wrong_type(const std::string& key, const std::string& allowed) {
+    const toml::node& node = *table_.get(key);
     context_.fault(
         fmt::format("{} = {}: wrong type, {}; allowed: {}", where(key), text_of(node), type_name(node), allowed));
   }
@@ -136,12 +148,7 @@ class Table {
   bool number(const std::string& key, double& value, const Range& range, const char* unit, bool required = false) {
     const std::string allowed = fmt::format("a number, {}{}{}", range.text(), *unit ? ", " : "", unit);
     const toml::node* node = find(key, allowed, required);
-    if (!node) return false;
-    const std::optional<double> number = number_of(*node);
-    if (!number) return wrong_type(key, *node, allowed), false;
-    if (!range.holds(*number)) return refuse(key, allowed), false;
-    value = *number;
-    return true;
+    return node && element(key, *node, value, range, allowed);
   }
   bool number(const std::string& key, std::optional<double>& value, const Range& range, const char* unit) {
     double v = 0.0;
@@ -157,7 +164,7 @@ class Table {
     if (!node) return false;
     // 1e6 is a floating point number for TOML; whole ones are welcome as integers.
     const std::optional<double> number = number_of(*node);
-    if (!number || *number != std::floor(*number)) return wrong_type(key, *node, allowed), false;
+    if (!number || *number != std::floor(*number)) return wrong_type(key, allowed), false;
     if (*number < static_cast<double>(lower) || *number > static_cast<double>(upper))
       return refuse(key, allowed), false;
     value = static_cast<Integer>(*number);
@@ -167,7 +174,7 @@ class Table {
   bool boolean(const std::string& key, bool& value) {
     const toml::node* node = find(key, "true or false", false);
     if (!node) return false;
-    if (!node->is_boolean()) return wrong_type(key, *node, "true or false"), false;
+    if (!node->is_boolean()) return wrong_type(key, "true or false"), false;
     value = *node->value<bool>();
     return true;
   }
@@ -175,7 +182,7 @@ class Table {
   bool text(const std::string& key, std::string& value, const std::string& allowed, bool required = false) {
     const toml::node* node = find(key, allowed, required);
     if (!node) return false;
-    if (!node->is_string()) return wrong_type(key, *node, allowed), false;
+    if (!node->is_string()) return wrong_type(key, allowed), false;
     value = *node->value<std::string>();
     return true;
   }
@@ -190,41 +197,72 @@ class Table {
     return true;
   }
 
+  // The name of a table [kind.NAME] among these.
+  template <class Listed>
+  void name_of(const std::string& key, std::string& value, const Listed& listed, const char* kind, bool required) {
+    const std::vector<std::string> names = names_of(listed);
+    const std::string allowed = fmt::format("a name among [{}.*]: {}", kind, names.empty() ? "none yet" : join(names));
+    if (text(key, value, allowed, required) && !listed.contains(value))
+      refuse(key, allowed + did_you_mean(value, names));
+  }
+
   template <typename Element, size_t N>
   bool numbers(const std::string& key, std::array<Element, N>& value, const Range& range, const char* unit,
                bool required = false) {
-    constexpr bool whole = std::is_integral_v<Element>;
-    const std::string allowed =
-        fmt::format("a list of {} {}, each {}, {}", N, whole ? "integers" : "numbers", range.text(), unit);
+    const std::string allowed = fmt::format("a list of {} {}, each {}, {}", N,
+                                            std::is_integral_v<Element> ? "integers" : "numbers", range.text(), unit);
     const toml::node* node = find(key, allowed, required);
-    if (!node) return false;
-    const toml::array* list = node->as_array();
-    if (!list || list->size() != N) return wrong_type(key, *node, allowed), false;
-    std::array<Element, N> read{};
-    for (size_t i = 0; i < N; ++i) {
-      const std::optional<double> v = number_of(*list->get(i));
-      if (!v || (whole && *v != std::floor(*v))) return wrong_type(key, *node, allowed), false;
-      if (!range.holds(*v)) return refuse(key, allowed), false;
-      read[i] = static_cast<Element>(*v);
-    }
-    value = read;
-    return true;
+    return node && elements(key, *node, value, range, allowed);
   }
 
   // A list of any length.
   bool numbers(const std::string& key, std::vector<double>& value, const Range& range, const char* unit,
                bool required = false) {
     const std::string allowed = fmt::format("a list of numbers, each {}, {}", range.text(), unit);
-    const toml::node* node = find(key, allowed, required);
-    if (!node) return false;
-    const toml::array* list = node->as_array();
-    if (!list || list->empty()) return wrong_type(key, *node, allowed), false;
-    std::vector<double> read;
-    for (const toml::node& element : *list) {
-      const std::optional<double> v = number_of(element);
-      if (!v) return wrong_type(key, *node, allowed), false;
-      if (!range.holds(*v)) return refuse(key, allowed), false;
-      read.push_back(*v);
+    const toml::array* given = list(key, allowed, required);
+    if (!given) return false;
+    if (given->empty()) return wrong_type(key, allowed), false;
+    std::vector<double> read(given->size());
+    for (size_t i = 0; i < read.size(); ++i) {
+      if (!element(key, *given->get(i), read[i], range, allowed)) return false;
+    }
+    value = std::move(read);
+    return true;
+  }
+
+  // A list of points, [[x, y, z], ...].
+  template <size_t N>
+  bool points(const std::string& key, std::vector<std::array<double, N>>& value, const Range& range,
+              const std::string& allowed, bool required = false) {
+    const toml::array* given = list(key, allowed, required);
+    if (!given) return false;
+    std::vector<std::array<double, N>> read(given->size());
+    for (size_t i = 0; i < read.size(); ++i) {
+      if (!elements(key, *given->get(i), read[i], range, allowed)) return false;
+    }
+    value = std::move(read);
+    return true;
+  }
+  // Its corners: two at least, no two in a row the same.
+  template <size_t N>
+  bool line(const std::string& key, std::vector<std::array<double, N>>& value, const Range& range,
+            const std::string& allowed, bool required = false) {
+    if (!points(key, value, range, allowed, required)) return false;
+    const bool is_line = value.size() > 1 && std::adjacent_find(value.begin(), value.end()) == value.end();
+    if (!is_line) refuse(key, allowed);
+    return is_line;
+  }
+
+  // A list of one text or more.
+  bool texts(const std::string& key, std::vector<std::string>& value, const std::string& allowed,
+             bool required = false) {
+    const toml::array* given = list(key, allowed, required);
+    if (!given) return false;
+    if (given->empty()) return wrong_type(key, allowed), false;
+    std::vector<std::string> read;
+    for (const toml::node& text : *given) {
+      if (!text.is_string()) return wrong_type(key, allowed), false;
+      read.push_back(*text.value<std::string>());
     }
     value = std::move(read);
     return true;
@@ -233,14 +271,13 @@ class Table {
   // velocity: three components of a control, each a number in m/s or "free".
   bool velocity(BodyControl& control, bool required) {
     const std::string key = "velocity", allowed = "a list of 3: a finite number in m/s, or \"free\", for x, y, z";
-    const toml::node* node = find(key, allowed, required);
-    if (!node) return false;
-    const toml::array* list = node->as_array();
-    if (!list || list->size() != 3) return wrong_type(key, *node, allowed), false;
+    const toml::array* given = list(key, allowed, required);
+    if (!given) return false;
+    if (given->size() != 3) return wrong_type(key, allowed), false;
     for (size_t i = 0; i < 3; ++i) {
-      const toml::node& component = *list->get(i);
+      const toml::node& component = *given->get(i);
       const std::optional<double> v = number_of(component);
-      if (!v && component.value<std::string>() != "free") return wrong_type(key, *node, allowed), false;
+      if (!v && component.value<std::string>() != "free") return wrong_type(key, allowed), false;
       if (v && !std::isfinite(*v)) return refuse(key, allowed), false;
       control.kind[i] = v ? DofKind::velocity : DofKind::free;
       control.velocity[i] = v.value_or(0.0);
@@ -248,11 +285,18 @@ class Table {
     return true;
   }
 
+  // A list, or null.
+  const toml::array* list(const std::string& key, const std::string& allowed, bool required = false) {
+    const toml::node* node = find(key, allowed, required);
+    if (node && !node->is_array()) wrong_type(key, allowed);
+    return node ? node->as_array() : nullptr;
+  }
+
   // A sub-table, or null. Its absence is a fault when it is required.
   const toml::table* table(const std::string& key, const std::string& what, bool required = false) {
     const toml::node* node = find(key, what, required);
     if (!node) return nullptr;
-    if (!node->is_table()) return wrong_type(key, *node, what), nullptr;
+    if (!node->is_table()) return wrong_type(key, what), nullptr;
     return node->as_table();
   }
 
@@ -260,15 +304,36 @@ class Table {
     const toml::node* node = find(key, what, required);
     if (!node) return {};
     std::vector<const toml::table*> result;
-    const toml::array* list = node->as_array();
-    for (size_t i = 0; list && i < list->size(); ++i) {
-      if (const toml::table* t = list->get(i)->as_table()) result.push_back(t);
+    const toml::array* given = node->as_array();
+    for (size_t i = 0; given && i < given->size(); ++i) {
+      if (const toml::table* t = given->get(i)->as_table()) result.push_back(t);
     }
-    if (!list || result.size() != list->size())
-      wrong_type(key, *node, what);
-    else if (required && list->empty())
+    if (!given || result.size() != given->size())
+      wrong_type(key, what);
+    else if (required && given->empty())
       refuse(key, what + ", at least one");
     return result;
+  }
+
+  // Reads a sub-table, or each table of a list [[key]]: visit(table) asks for the keys that it may have.
+  template <class Visit>
+  bool within(const std::string& key, const std::string& what, const Visit& visit, bool required = false) {
+    const toml::table* given = table(key, what, required);
+    if (!given) return false;
+    Table inner(context_, *given, path(key));
+    visit(inner);
+    inner.finish();
+    return true;
+  }
+  template <class Visit>
+  void each(const std::string& key, const Visit& visit, bool required = false, std::string what = "") {
+    if (what.empty()) what = fmt::format("tables [[{}]]", header(key));
+    int index = 0;
+    for (const toml::table* given : tables(key, what, required)) {
+      Table inner(context_, *given, fmt::format("{}.{}", path(key), ++index));
+      visit(inner);
+      inner.finish();
+    }
   }
 
   const toml::table& toml() const { return table_; }
@@ -285,6 +350,39 @@ class Table {
   }
 
  private:
+  // As files write it: without the numbers of tables.
+  std::string header(const std::string& key) const {
+    std::string text;
+    std::istringstream words(path(key));
+    for (std::string word; std::getline(words, word, '.');) {
+      if (!std::isdigit(static_cast<unsigned char>(word[0]))) text += (text.empty() ? "" : ".") + word;
+    }
+    return text;
+  }
+  bool element(const std::string& key, const toml::node& node, double& value, const Range& range,
+               const std::string& allowed, bool whole = false) {
+    const std::optional<double> number = number_of(node);
+    if (!number || (whole && *number != std::floor(*number))) return wrong_type(key, allowed), false;
+    if (!range.holds(*number)) return refuse(key, allowed), false;
+    value = *number;
+    return true;
+  }
+  // So many as there is room for.
+  template <typename Element, size_t N>
+  bool elements(const std::string& key, const toml::node& node, std::array<Element, N>& value, const Range& range,
+                const std::string& allowed) {
+    const toml::array* given = node.as_array();
+    if (!given || given->size() != N) return wrong_type(key, allowed), false;
+    std::array<Element, N> read{};
+    for (size_t i = 0; i < N; ++i) {
+      double number = 0.0;
+      if (!element(key, *given->get(i), number, range, allowed, std::is_integral_v<Element>)) return false;
+      read[i] = static_cast<Element>(number);
+    }
+    value = read;
+    return true;
+  }
+
   Context& context_;
   const toml::table& table_;
   std::string path_;
@@ -300,8 +398,8 @@ SolverSettings read_solver(Table t, const Quality* quality);
 SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground);
 // The solver table of a stage whose actions are read; what a stage that moves the ground has without one.
 void read_stage_solver(Table& t, Stage& stage, const Scene& scene);
-BlockMaterial read_material(const std::string& name, Table t, bool rigid = false);  // rigid: density is enough
-JointFamily read_joint(const std::string& name, Table t);
+BlockMaterial read_material(const std::string& name, Table& t, bool rigid = false);  // rigid: density is enough
+JointFamily read_joint(const std::string& name, Table& t);
 
 // Keys that stages of every kind of scene have: name, gravity, ramp, ends, rows.
 void read_stage_basics(Table& t, Stage& stage, const Stage* previous);

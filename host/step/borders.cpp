@@ -78,8 +78,17 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
 }
 
 // Of sides: what goes to other ranks and comes from them.
+template <class Key>
 struct BorderKeys {
-  std::map<int, std::set<std::int64_t>> to, from;
+  std::map<int, std::set<Key>> to, from;
+  // readers: ranks that evaluate contact points of it. Whether it is of this rank.
+  bool add(const Key& key, int owner, int here, const std::vector<int>& readers) {
+    if (owner != here) return from[owner].insert(key), false;
+    for (const int r : readers) {
+      if (r != here) to[r].insert(key);
+    }
+    return true;
+  }
 };
 
 }  // namespace
@@ -89,7 +98,7 @@ void bind_halo(Simulation::Impl& s) {
   s.parts.halo.clear();
   if (!s.ranks) return;
   const int here = s.ranks->rank();
-  BorderKeys keys;
+  BorderKeys<std::int64_t> keys;
   std::set<int> on_border;
   s.rank_load.traffic.points = s.rank_load.traffic.shared_points = 0.0;
   for (const int c : s.division.share.chunks) {
@@ -98,15 +107,7 @@ void bind_halo(Simulation::Impl& s) {
     if (evaluate.size() == 1) continue;
     s.rank_load.traffic.shared_points += s.division.chunk_cost[at(c)];
     each_side(s, c, [&](int item, std::int64_t key) {
-      const int owner = s.division.share.rank_of_item[at(item)];
-      if (owner != here) {
-        keys.from[owner].insert(key);
-        return;
-      }
-      on_border.insert(item);
-      for (const int r : evaluate) {
-        if (r != here) keys.to[r].insert(key);
-      }
+      if (keys.add(key, s.division.share.rank_of_item[at(item)], here, evaluate)) on_border.insert(item);
     });
   }
   std::map<int, Border> borders;
@@ -140,7 +141,7 @@ void bind_halo(Simulation::Impl& s) {
 Halo halo_on_borders(Simulation::Impl& s, const SideNumbers& numbers_of_side) {
   const int here = s.ranks->rank();
   using Side = std::pair<int, std::int32_t>;  // block, gridpoint; of a rigid block none
-  std::map<int, std::set<Side>> to, from;
+  BorderKeys<Side> keys;
   for (const int c : s.division.share.chunks) {
     const std::vector<int> evaluate = ranks_of(s, c);
     if (evaluate.size() == 1) continue;
@@ -150,22 +151,15 @@ Halo halo_on_borders(Simulation::Impl& s, const SideNumbers& numbers_of_side) {
       for (const auto& [block, gridpoint] :
            {Side(sides.a, s.model.node_a[at(p)]), Side(sides.b, s.model.node_b[at(p)])}) {
         const Side side(block, s.model.place[at(block)].body < 0 ? gridpoint : -1);
-        const int owner = s.division.share.rank_of_item[at(item_of_block(s, block))];
-        if (owner != here) {
-          from[owner].insert(side);
-          continue;
-        }
-        for (const int r : evaluate) {
-          if (r != here) to[r].insert(side);
-        }
+        keys.add(side, s.division.share.rank_of_item[at(item_of_block(s, block))], here, evaluate);
       }
     }
   }
   Halo found;
   for (int r = 0; r < s.ranks->count(); ++r) {
     Border border{r, {}, {}, {}, {}};
-    for (const auto& [block, gridpoint] : to[r]) numbers_of_side(block, gridpoint, border.send);
-    for (const auto& [block, gridpoint] : from[r]) numbers_of_side(block, gridpoint, border.receive);
+    for (const auto& [block, gridpoint] : keys.to[r]) numbers_of_side(block, gridpoint, border.send);
+    for (const auto& [block, gridpoint] : keys.from[r]) numbers_of_side(block, gridpoint, border.receive);
     found.add(std::move(border));
   }
   return found;
@@ -220,7 +214,7 @@ void receive_motion(Simulation::Impl& s, bool measure_step) {
   if (leaves) gather(s, Part::all);
   if (measure_step || (s.large_motion && s.energy.wanted))
     gather(s, s.large_motion ? Part::row : Part::sums);
-  else if (s.large_motion && (deviates || s.large_motion->checks_motion()))
+  else if (s.large_motion && (deviates || checks_motion(*s.large_motion)))
     gather(s, Part::motion);
 }
 

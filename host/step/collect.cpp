@@ -1,4 +1,6 @@
 // Results of a model of which each rank has a part, sent to rank 0 run by run: no rank has all of them.
+#include "step/collect.h"
+
 #include <cstring>
 #include <functional>
 #include <span>
@@ -16,18 +18,13 @@ namespace quoin {
 
 namespace {
 
-// Each rank has its own part, until rank 0 has all.
-bool ranks_collect(const Simulation::Impl& s) {
-  return s.parts.divided && !s.parts.gathered && !s.parts.gathered_by_first;
-}
-
 constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;  // of a run at most: a megabyte of results
 
 // One process alone has no lists of ranks.
 int rank_in(const std::vector<int>& ranks, std::size_t i) { return ranks.empty() ? 0 : ranks[i]; }
 
 // Goes on with the last run, or begins another one.
-void extend(std::vector<Simulation::Run>& runs, std::int32_t end, int rank, std::int32_t most) {
+void extend(std::vector<ResultRun>& runs, std::int32_t end, int rank, std::int32_t most) {
   const std::int32_t first = runs.empty() ? 0 : runs.back().end;
   if (runs.empty() || runs.back().rank != rank || end - runs.back().first > most)
     runs.push_back({first, end, rank});
@@ -68,22 +65,25 @@ std::string receive_from(Ranks& ranks, int rank) {
 
 }  // namespace
 
-std::vector<Simulation::Run> Simulation::runs_of_blocks() const {
-  std::vector<Run> runs;
-  const Impl& s = *impl_;
-  for (std::int32_t b = 0; b < static_cast<std::int32_t>(block_count()); ++b) {
+// Each rank has its own part, until rank 0 has all.
+bool ranks_collect(const Simulation::Impl& s) {
+  return s.parts.divided && !s.parts.gathered && !s.parts.gathered_by_first;
+}
+
+std::vector<ResultRun> runs_of_blocks(const Simulation::Impl& s) {
+  std::vector<ResultRun> runs;
+  for (std::int32_t b = 0; b < block_count(s); ++b) {
     const int item = s.large_motion ? s.division.item_by_block[at(b)] : item_of_block(s, b);
     extend(runs, b + 1, rank_in(s.division.share.rank_of_item, at(item)), kBlocks);
   }
   return runs;
 }
 
-std::vector<Simulation::Run> Simulation::runs_of_points() const {
-  std::vector<Run> runs;
-  const Impl& s = *impl_;
+std::vector<ResultRun> runs_of_points(const Simulation::Impl& s) {
+  std::vector<ResultRun> runs;
   std::int32_t end = 0;
   for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c) {
-    end += static_cast<std::int32_t>(s.large_motion->range_of_chunk(c).count);  // family after family
+    end += static_cast<std::int32_t>(s.large_motion->chunks.all[at(c)].count);  // family after family
     extend(runs, end, rank_in(s.division.share.rank_of_chunk, at(c)), kPoints);
   }
   for (std::size_t c = 0; !s.large_motion && c < s.model.chunks.size(); ++c)
@@ -92,9 +92,8 @@ std::vector<Simulation::Run> Simulation::runs_of_points() const {
   return runs;
 }
 
-std::vector<Simulation::Run> Simulation::runs_of_joints() const {
-  std::vector<Run> runs;
-  const Impl& s = *impl_;
+std::vector<ResultRun> runs_of_joints(const Simulation::Impl& s) {
+  std::vector<ResultRun> runs;
   for (const Joint& joint : s.model.assembly.joints) {
     const auto end = static_cast<std::int32_t>(&joint - s.model.assembly.joints.data()) + 1;
     extend(runs, end, rank_in(s.division.share.rank_of_item, at(item_of_block(s, Model::sides_of(joint).a))), kJoints);
@@ -102,44 +101,42 @@ std::vector<Simulation::Run> Simulation::runs_of_joints() const {
   return runs;
 }
 
-bool Simulation::brings(const Run& run) const {
-  const int here = impl_->ranks ? impl_->ranks->rank() : 0;
-  return quoin::ranks_collect(*impl_) ? run.rank == here : here == 0;
+bool brings(const Simulation::Impl& s, const ResultRun& run) {
+  const int here = s.ranks ? s.ranks->rank() : 0;
+  return ranks_collect(s) ? run.rank == here : here == 0;
 }
 
-void Simulation::collect_at_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
-                                  const std::function<void(const std::string&)>& take) const {
-  const bool is_first = !impl_->ranks || impl_->ranks->rank() == 0;
-  for (const Run& run : runs) {
-    const bool here = brings(run);
-    if (is_first) take(here ? make(run) : receive_from(*impl_->ranks, run.rank));
-    if (here && !is_first) send_to_first(*impl_->ranks, make(run));
+void collect_at_first(const Simulation::Impl& s, std::span<const ResultRun> runs,
+                      const std::function<std::string(const ResultRun&)>& make,
+                      const std::function<void(const std::string&)>& take) {
+  const bool is_first = !s.ranks || s.ranks->rank() == 0;
+  for (const ResultRun& run : runs) {
+    const bool here = brings(s, run);
+    if (is_first) take(here ? make(run) : receive_from(*s.ranks, run.rank));
+    if (here && !is_first) send_to_first(*s.ranks, make(run));
   }
 }
 
-bool Simulation::ranks_collect() const { return quoin::ranks_collect(*impl_); }
-
-double Simulation::largest_of_ranks(double brought) const {
-  return quoin::ranks_collect(*impl_) ? quoin::largest_of_ranks(*impl_, brought) : brought;
+double largest_brought(const Simulation::Impl& s, double brought) {
+  return ranks_collect(s) ? largest_of_ranks(s, brought) : brought;
 }
 
-void Simulation::gather_at_first() { gather(*impl_, Part::all, Who::first); }
+void gather_at_first(Simulation::Impl& s) { gather(s, Part::all, Who::first); }
 
-double Simulation::sum_of_ranks(double brought) const {
-  if (!quoin::ranks_collect(*impl_)) return brought;
+double sum_brought(const Simulation::Impl& s, double brought) {
+  if (!ranks_collect(s)) return brought;
   double sum = 0.0;
-  for (const double x : of_all_ranks(*impl_->ranks, brought)) sum += x;
+  for (const double x : of_all_ranks(*s.ranks, brought)) sum += x;
   return sum;
 }
 
-void Simulation::each_own_point(const std::function<void(std::int32_t)>& visit) const {
-  const Impl& s = *impl_;
+void each_own_point(const Simulation::Impl& s, const std::function<void(std::int32_t)>& visit) {
   if (s.large_motion)
     return each_point_in_large_motion(s, [&](std::int32_t point, int block_a) {
-      if (owns_block(block_a)) visit(point);
+      if (owns_block(s, block_a)) visit(point);
     });
   for (std::int32_t point = 0; point < s.model.point_count; ++point) {
-    if (owns_block(s.model.sides_of(point).a)) visit(point);
+    if (owns_block(s, s.model.sides_of(point).a)) visit(point);
   }
 }
 

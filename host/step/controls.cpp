@@ -21,7 +21,7 @@ namespace {
 
 void follow_ramps(Simulation::Impl& s) {
   const double ramp = s.progress.stage >= 0 ? current_stage(s).ramp_time : 0.0;
-  const double elapsed = s.large_motion ? stage_time(s) + 0.5 * s.large_motion->time_step()
+  const double elapsed = s.large_motion ? stage_time(s) + 0.5 * s.large_motion->stepping.dt
                                         : (static_cast<double>(s.progress.stage_step) + 0.5) * s.data.time_step;
   const bool shakes = s.progress.stage >= 0 && current_stage(s).ground.has_value();
   const double gone = ramp > 0.0 ? smooth_step(elapsed / ramp) : 1.0;

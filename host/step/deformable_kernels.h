@@ -14,7 +14,6 @@
 // the strain.
 #pragma once
 
-#include <cstdint>
 #include <span>
 
 #include "model/lanes.h"

@@ -3,6 +3,7 @@
 #include "base/rank_rows.h"
 #include "base/ranks.h"
 #include "model/placed_points.h"
+#include "model/world_parts.h"
 #include "step/borders.h"
 #include "step/lattice_fields.h"
 #include "step/lattice_motion.h"
@@ -36,7 +37,7 @@ void gather(Simulation::Impl& s, Part part, Who who, const RankShare* next) {
   std::size_t whole = 0;
   const Part asked = part;
   if (s.large_motion && s.parts.divided) {  // whose sums say what a row takes of blocks and contact points
-    if (part == Part::all) whole = s.large_motion->gather_everything(who == Who::everybody);
+    if (part == Part::all) whole = gather_everything(*s.large_motion, who == Who::everybody);
     part = Part::sums;
   }
   const bool takes_all = part != Part::all || who == Who::everybody || (who == Who::first && s.ranks->rank() == 0);
@@ -75,10 +76,10 @@ void fetch_for_frame(Simulation::Impl& s) {
   if (!s.parts.divided && !s.scene.output.pieces) return gather(s, Part::all, Who::first);
   if (!s.ranks) return;
   // What was a joint shows how far its blocks are apart, wherever they are.
-  if (!s.parts.divided && s.large_motion && s.large_motion->has_replaced_points()) return gather(s, Part::all);
+  if (!s.parts.divided && s.large_motion && s.large_motion->start_joints.any_replaced()) return gather(s, Part::all);
   const auto before = Clock::now();
   if (s.large_motion)
-    s.large_motion->exchange_parted_blocks();
+    exchange_parted_blocks(*s.large_motion);
   else
     receive_whole_borders(s);
   const double seconds = seconds_since(before);

@@ -2,8 +2,6 @@
 // does the same operations in the same order whatever the vector length.
 #pragma once
 
-#include <cstdint>
-
 #include "model/model.h"
 #include "model/rigid_motion.h"
 #include "scene/scene.h"

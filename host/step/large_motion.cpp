@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "members/members.h"
 #include "model/contact_frames.h"
+#include "model/world_results.h"
 
 namespace quoin::blocks {
 
@@ -18,10 +19,10 @@ namespace {
 
 void share_work(Model& m) {
   std::vector<double> weight;
-  for (int c = 0; c < m.chunk_count(); ++c) weight.push_back(m.chunk_work(c));
+  for (int c = 0; c < m.chunk_count(); ++c) weight.push_back(m.chunks.all[size_t(c)].count);
   m.chunk_end = shares(weight, m.pool->thread_count());
   weight.clear();
-  for (int p = 0; p < m.piece_count(); ++p) weight.push_back(m.piece_work(p));
+  for (int p = 0; p < m.piece_count(); ++p) weight.push_back(piece_work(m, p));
   m.piece_end = shares(weight, m.pool->thread_count());
   m.shared_division = m.chunks.divisions;
 }
@@ -55,7 +56,7 @@ void report_failure(const Model& m, const Chunk& chunk) {
           "contact point at {}, opening {:.6g} m, slip in the step ({:.6g}, {:.6g}) m, traction ({:.6g}, {:.6g}, "
           "{:.6g}) Pa. A smaller solver.time_step_fraction than {:g} may help",
           law, chunk.batch.failed_count, chunk.count, m.stepping.count, m.stepping.time, family, label(m.assembly, p.a),
-          label(m.assembly, p.b), place(m.place_of(p)), f.normal_jump[i], f.slip[0][i], f.slip[1][i], f.traction[0][i],
+          label(m.assembly, p.b), place(place_of(m, p)), f.normal_jump[i], f.slip[0][i], f.slip[1][i], f.traction[0][i],
           f.traction[1][i], f.traction[2][i], m.solver.time_step_fraction));
 }
 
@@ -184,7 +185,7 @@ ImpactDamping Model::impact_damping() const {
   ImpactDamping found;
   for (std::size_t f = 0; 2 * f < impacts.beta.size(); ++f)
     found.viscosity.push_back({impacts.beta[2 * f], impacts.beta[2 * f + 1]});
-  found.of_zones = impacts.zone_beta, found.in_use = impact_damping_in_use();
+  found.of_zones = impacts.zone_beta, found.in_use = impact_damping_in_use(*this);
   return found;
 }
 
@@ -201,7 +202,7 @@ std::optional<WrongAnswer> Model::wrong_law(std::span<const int> own_chunks) con
     const Point& p = f.point[chunk.first + wrong->point];
     wrong->text += fmt::format(": joint family '{}', blocks {} and {}, contact point at {}",
                                assembly.families[size_t(chunk.family)].name, label(assembly, p.a), label(assembly, p.b),
-                               place(place_of(p)));
+                               place(place_of(*this, p)));
     return wrong;
   }
   return std::nullopt;

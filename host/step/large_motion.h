@@ -48,9 +48,6 @@ struct Model : World {
   void mark_deviation() { checks.any_deviates = true; }  // for a block of another process
   void find_contacts();
   void run(double duration);  // s
-  void run_steps(long steps) {
-    for (long i = 0; i < steps; ++i) step();
-  }
 
   // Everything that changes during a run. The families must have the laws that they had at the time. restore() throws
   // Error(bad_input) when the bytes come from another model, which then is in no state to go on from. Bits after it are

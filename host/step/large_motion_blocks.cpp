@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "members/members.h"
+#include "model/world_results.h"
 #include "model/zone_kernels.h"
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
@@ -157,7 +158,7 @@ void each_load_on_gridpoints(const Model& m, int block, double since, const Visi
 }
 
 double power_on_gridpoints(const Model& m, int block, double since) {
-  double power = m.actions.applied.empty() ? 0.0 : dot(m.actions.applied[size_t(block)], m.velocity(block));
+  double power = m.actions.applied.empty() ? 0.0 : dot(m.actions.applied[size_t(block)], velocity_of(m, block));
   each_load_on_gridpoints(m, block, since, [&](int32_t node, const Vector& f) { power += dot(f, m.nodes.v[node]); });
   return power;
 }
@@ -170,7 +171,7 @@ Vector forces_on_gridpoints(Model& m, int block, double* force) {
   };
   Vector per_mass = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
   if (m.actions.loaded[size_t(block)] && !m.actions.applied.empty())
-    per_mass += m.actions.applied[size_t(block)] / m.mass_of(block);
+    per_mass += m.actions.applied[size_t(block)] / m.blocks[block].mass;
   const Vector acceleration = per_mass / m.solver.mass_scaling;
   std::fill(force, force + kRow * size_t(b.node_count), 0.0);
   Vector contacts = add_facet_rows({m.sides.owner.of(block), m.sides.carrier.of(block), m.sides.gridpoint.of(block),

@@ -3,6 +3,7 @@
 
 #include "model/fields.h"
 #include "model/world_parts.h"
+#include "model/world_results.h"
 #include "step/large_motion.h"
 
 namespace quoin::blocks {
@@ -35,13 +36,13 @@ bool Model::leaves_frame(std::span<const int> own_pieces) const {
 void Model::scan_for_row(std::span<const int> own_chunks, std::span<const int> own_pieces) {
   for (const int c : own_chunks) {
     Chunk& chunk = chunks.all[size_t(c)];
-    chunk.force_sum = force_sum_of(chunk);
-    chunk.deepest = deepest_of(chunk);
+    chunk.force_sum = force_sum_of(*this, chunk);
+    chunk.deepest = deepest_of(*this, chunk);
   }
   for (const int p : own_pieces) {
     for (const int32_t b : pieces.blocks_of(pieces.all[size_t(p)])) {
       BlockSums& sums = step_sums.of_block[size_t(b)];
-      sums.moved = moved_by_now(b), sums.turned = turned_by_now(b);
+      sums.moved = moved_by_now(*this, b), sums.turned = turned_by_now(*this, b);
     }
   }
 }

@@ -7,8 +7,10 @@
 #include <span>
 
 #include "law/at_rest.h"
+#include "model/world_results.h"
 #include "step/gather.h"
 #include "step/points_at_rest.h"
+#include "step/results.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -36,16 +38,16 @@ std::vector<FamilyPart> parts_of(const blocks::Model& large_motion, std::span<co
                                  const PointRange& range) {
   std::vector<std::size_t> before;
   std::size_t points = 0;
-  for (const blocks::Family& f : large_motion.families()) before.push_back(points), points += f.size();
+  for (const blocks::Family& f : large_motion.contacts.families) before.push_back(points), points += f.size();
   std::vector<FamilyPart> parts;
-  const auto from = static_cast<std::size_t>(range.first), to = static_cast<std::size_t>(range.end);
+  const auto from = at(range.first), to = at(range.end);
   for (const int c : chunks) {
-    const auto [family, first_of_chunk, count] = large_motion.range_of_chunk(c);
-    const std::size_t of_families = before[static_cast<std::size_t>(family)];
-    const std::size_t first = std::max(from, of_families + first_of_chunk);
-    const std::size_t end = std::min(to, of_families + first_of_chunk + count);
+    const blocks::Chunk& chunk = large_motion.chunks.all[at(c)];
+    const std::size_t of_families = before[at(chunk.family)];
+    const std::size_t first = std::max(from, of_families + chunk.first);
+    const std::size_t end = std::min(to, of_families + chunk.first + chunk.count);
     if (first < end)
-      parts.push_back({large_motion.families()[static_cast<std::size_t>(family)], family, first - of_families,
+      parts.push_back({large_motion.contacts.families[at(chunk.family)], chunk.family, first - of_families,
                        end - of_families, of_families});
   }
   return parts;
@@ -65,10 +67,10 @@ void ask_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capabilit
   }
 }
 
-Simulation::BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block) {
-  const blocks::ModelBlock& b = s.large_motion->block(block);
-  const blocks::Block& input = s.large_motion->assembly.blocks[static_cast<std::size_t>(block)];
-  Simulation::BlockMesh mesh;
+BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->blocks[block];
+  const blocks::Block& input = s.large_motion->assembly.blocks[at(block)];
+  BlockMesh mesh;
   mesh.unit = input.unit, mesh.course = input.course, mesh.fixed = input.fixed;
   mesh.face = b.shape->faces;  // the first gridpoints of deformable blocks are the vertices of their shapes
   if (b.body >= 0) {
@@ -77,15 +79,15 @@ Simulation::BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block)
     return mesh;
   }
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
-    mesh.gridpoint.push_back(geometry::array(s.large_motion->node_reference()[static_cast<std::size_t>(i)]));
+    mesh.gridpoint.push_back(geometry::array(s.large_motion->nodes.reference[at(i)]));
   for (int z = 0; z < b.zone_count; ++z)
-    std::ranges::copy(s.large_motion->zone(block, z).node, mesh.zone.emplace_back().begin());
+    std::ranges::copy(zone_of(*s.large_motion, block, z).node, mesh.zone.emplace_back().begin());
   return mesh;
 }
 
-Simulation::BlockSize size_in_large_motion(const Simulation::Impl& s, int block) {
-  const blocks::ModelBlock& b = s.large_motion->block(block);
-  Simulation::BlockSize size;
+BlockSize size_in_large_motion(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->blocks[block];
+  BlockSize size;
   size.gridpoints = b.body >= 0 ? b.shape->vertices.size() : static_cast<std::uint64_t>(b.node_count);
   size.zones = static_cast<std::uint64_t>(b.zone_count);
   size.faces = b.shape->faces.size();
@@ -94,34 +96,34 @@ Simulation::BlockSize size_in_large_motion(const Simulation::Impl& s, int block)
 }
 
 std::vector<Vec3> gridpoint_displacements(const Simulation::Impl& s, int block) {
-  const blocks::ModelBlock& b = s.large_motion->block(block);
+  const blocks::ModelBlock& b = s.large_motion->blocks[block];
   std::vector<Vec3> result;
-  const Simulation::BlockMesh mesh = mesh_in_large_motion(s, block);
+  const BlockMesh mesh = mesh_in_large_motion(s, block);
   for (std::size_t i = 0; i < mesh.gridpoint.size(); ++i) {
-    const Vector now = b.body >= 0 ? s.large_motion->corner(block, static_cast<int>(i))
-                                   : s.large_motion->node_positions()[static_cast<std::size_t>(b.first_node) + i];
+    const Vector now = b.body >= 0 ? corner_of(*s.large_motion, block, static_cast<int>(i))
+                                   : s.large_motion->nodes.x[at(b.first_node) + i];
     result.push_back(geometry::array(now - geometry::vector(mesh.gridpoint[i])));
   }
   return result;
 }
 
 std::vector<Vec3> gridpoint_velocities(const Simulation::Impl& s, int block) {
-  const blocks::ModelBlock& b = s.large_motion->block(block);
+  const blocks::ModelBlock& b = s.large_motion->blocks[block];
   std::vector<Vec3> result;
   for (int i = 0; b.body < 0 && i < b.node_count; ++i)
-    result.push_back(geometry::array(s.large_motion->node_velocities()[static_cast<std::size_t>(b.first_node + i)]));
+    result.push_back(geometry::array(s.large_motion->nodes.v[at(b.first_node + i)]));
   for (std::size_t i = 0; b.body >= 0 && i < b.shape->vertices.size(); ++i)
     result.push_back(
-        geometry::array(s.large_motion->velocity(block) +
-                        cross(s.large_motion->angular_velocity(block),
-                              s.large_motion->corner(block, static_cast<int>(i)) - s.large_motion->position(block))));
+        geometry::array(velocity_of(*s.large_motion, block) +
+                        cross(spin_of(*s.large_motion, block), corner_of(*s.large_motion, block, static_cast<int>(i)) -
+                                                                   position_of(*s.large_motion, block))));
   return result;
 }
 
 std::vector<std::array<double, 6>> zone_stresses(const Simulation::Impl& s, int block) {
   std::vector<std::array<double, 6>> result;
-  for (int z = 0; z < s.large_motion->block(block).zone_count; ++z) {
-    const geometry::Matrix stress = s.large_motion->zone_stress(block, z);
+  for (int z = 0; z < s.large_motion->blocks[block].zone_count; ++z) {
+    const geometry::Matrix stress = zone_stress(*s.large_motion, block, z);
     result.push_back(
         {stress.row[0].x, stress.row[1].y, stress.row[2].z, stress.row[0].y, stress.row[1].z, stress.row[2].x});
   }
@@ -143,10 +145,10 @@ std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, cons
     for (std::size_t i = first; i < end; ++i) {
       const blocks::Point& p = f.point[i];
       if (!wanted(p.a)) continue;
-      const geometry::Matrix r = s.large_motion->frame_of(p);
+      const geometry::Matrix r = frame_of(*s.large_motion, p);
       ContactPoint point{};
       point.index = static_cast<std::int32_t>(before + i);
-      point.position = geometry::array(s.large_motion->place_of(p));
+      point.position = geometry::array(place_of(*s.large_motion, p));
       point.normal = geometry::array(r.row[0]);
       point.s = geometry::array(r.row[1]);
       point.t = geometry::array(r.row[2]);
@@ -157,7 +159,7 @@ std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, cons
       point.block_b = p.b;
       point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed again
       point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
-      point.flags = flags_there[static_cast<std::size_t>(point.index - range.first)];
+      point.flags = flags_there[at(point.index - range.first)];
       point.condition = condition_of(point.flags);
       points.push_back(point);
     }
@@ -175,7 +177,7 @@ std::vector<double> state_in_large_motion(const Simulation::Impl& s, const std::
       values.resize(values.size() + count, std::numeric_limits<double>::quiet_NaN());
       continue;
     }
-    const std::span column(f.state[static_cast<std::size_t>(k)]);
+    const std::span column(f.state[at(k)]);
     values.insert(values.end(), column.begin() + static_cast<std::ptrdiff_t>(first),
                   column.begin() + static_cast<std::ptrdiff_t>(end));
   }

@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "step/points_at_rest.h"
+#include "step/results.h"
 #include "step/state.h"
 
 namespace quoin {
 
 void ask_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
                               const PointOutputs& outputs);
-Simulation::BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block);
-Simulation::BlockSize size_in_large_motion(const Simulation::Impl& s, int block);
+BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block);
+BlockSize size_in_large_motion(const Simulation::Impl& s, int block);
 // Of its gridpoints since the start, m.
 std::vector<Vec3> gridpoint_displacements(const Simulation::Impl& s, int block);
 std::vector<Vec3> gridpoint_velocities(const Simulation::Impl& s, int block);

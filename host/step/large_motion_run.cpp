@@ -6,6 +6,8 @@
 
 #include "base/error.h"
 #include "model/time_step.h"
+#include "model/world_parts.h"
+#include "model/world_results.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/actions.h"
 #include "step/actions/collapse.h"
@@ -46,8 +48,10 @@ bool stands_below(const Simulation::Impl& s, const std::vector<int>& blocks) {
     for (const int block : blocks) {
       if (c.pair.a != block && c.pair.b != block) continue;
       for (std::size_t i = c.first; i < c.first + c.count; ++i)
-        side.add(s.large_motion->place_of(s.large_motion->families()[static_cast<std::size_t>(c.family)].point[i]).y -
-                 s.large_motion->position(block).y);
+        side.add(
+            place_of(*s.large_motion, s.large_motion->contacts.families[static_cast<std::size_t>(c.family)].point[i])
+                .y -
+            position_of(*s.large_motion, block).y);
     }
   }
   return side.joints_are_above();
@@ -72,7 +76,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
   build_members(s);
   find_blocks_on_base(s);
   require_moving_ground(s);
-  if (!s.left) s.small_motion.extent = s.large_motion->extent();
+  if (!s.left) s.small_motion.extent = extent_of(*s.large_motion);
   // Every name of every stage is looked up before anything runs.
   for (const Stage& settings : s.scene.stages) {
     blocks_named_in(s, settings);
@@ -89,11 +93,11 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
       whiffletree_eigenvalue(s.scene.stages, [&s](const Stage& settings, const std::string& name) {
         std::vector<double> compliances;  // scaled masses are larger, and safe
         for (const int block : blocks_named(s, name, settings.source.text))
-          compliances.push_back(1.0 / s.large_motion->mass_of(block));
+          compliances.push_back(1.0 / s.large_motion->blocks[block].mass);
         return compliances;
       }));
   follow_time_step(s);
-  s.time_step.model_mass = s.large_motion->mass();
+  s.time_step.model_mass = whole_mass(*s.large_motion);
 }
 
 std::vector<int> followed_blocks(const Simulation::Impl& s) {
@@ -129,8 +133,8 @@ void exchange_blocks_of_stage(Simulation::Impl& s, const Stage& settings, const 
   followed.insert(followed.end(), watched.begin(), watched.end());
   std::sort(followed.begin(), followed.end());
   followed.erase(std::unique(followed.begin(), followed.end()), followed.end());
-  s.large_motion->exchange_blocks(followed);
-  s.large_motion->exchange_joints(watched);
+  exchange_blocks(*s.large_motion, followed);
+  exchange_joints(*s.large_motion, watched);
 }
 
 std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where) {
@@ -148,7 +152,7 @@ void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const 
   blocks::Model& m = *s.large_motion;
   m.clear_loads();
   bind_actions(s, settings, previous);
-  s.progress.stage_start = m.time();
+  s.progress.stage_start = m.stepping.time;
   if (settings.solver) m.set_solver(*settings.solver);
   follow_time_step(s);
   watch_blocks(s, settings);
@@ -156,7 +160,7 @@ void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const 
 }
 
 void swap_law_in_large_motion(Simulation::Impl& s, std::size_t index, std::shared_ptr<const Material> material) {
-  const blocks::Family& f = s.large_motion->families()[index];
+  const blocks::Family& f = s.large_motion->contacts.families[index];
   std::vector<double> area;
   for (const blocks::Point& p : f.point) area.push_back(p.area);
   FamilyColumns points;
@@ -174,7 +178,7 @@ void swap_law_in_large_motion(Simulation::Impl& s, std::size_t index, std::share
 }
 
 void end_large_motion_step(Simulation::Impl& s) {
-  const long divisions = s.large_motion->divisions();
+  const long divisions = s.large_motion->chunks.divisions;
   const auto before = s.timing.now_if_timed();
   const bool moved = s.large_motion->end_step();
   if (s.timing.timed_steps > 0.0) s.timing.phases[Phase::detection] += s.timing.timed_steps * seconds_since(before);
@@ -185,21 +189,21 @@ void end_large_motion_step(Simulation::Impl& s) {
     s.large_motion->find_contacts();
     s.timing.phases[Phase::detection] += seconds_since(found);
   }
-  if (s.large_motion->divisions() == divisions) return;
+  if (s.large_motion->chunks.divisions == divisions) return;
   partition_work(s);
   follow_time_step(s);
 }
 
 void follow_time_step(Simulation::Impl& s) {
-  s.time_step.critical.value = s.large_motion->critical_time_step();
-  s.time_step.time_step = s.data.time_step = s.large_motion->time_step();
+  s.time_step.critical.value = s.large_motion->stepping.critical_dt;
+  s.time_step.time_step = s.data.time_step = s.large_motion->stepping.dt;
   s.time_step.impacts = s.large_motion->impact_damping();
 }
 
 void measure_large_motion_step(Simulation::Impl& s) {
   if (s.parts.divided) gather(s, Part::row);
-  s.progress.unbalanced_ratio = s.large_motion->unbalanced_ratio();
-  const blocks::Energies& e = s.large_motion->energies();
+  s.progress.unbalanced_ratio = unbalanced_ratio(*s.large_motion);
+  const blocks::Energies& e = s.large_motion->step_sums.energies;
   s.energy.kinetic = s.large_motion->measured_kinetic;
   if (s.energy.sampled) {
     Energies now;
@@ -224,7 +228,7 @@ void measure_large_motion_step(Simulation::Impl& s) {
 }
 
 Vec3 block_translation(const Simulation::Impl& s, int block) {
-  return geometry::array(s.large_motion->position(block) - s.large_motion->start_position(block));
+  return geometry::array(position_of(*s.large_motion, block) - start_position_of(*s.large_motion, block));
 }
 
 Vec3 block_translation(const Simulation::Impl& s, const std::vector<int>& blocks) {
@@ -239,7 +243,7 @@ Vec3 block_translation(const Simulation::Impl& s, const std::vector<int>& blocks
 Vec3 block_translation_at_forces(const Simulation::Impl& s, const std::vector<int>& blocks) {
   Vec3 mean = block_translation(s, blocks);
   for (const int block : blocks) {
-    const Vector v = s.large_motion->velocity(block);
+    const Vector v = velocity_of(*s.large_motion, block);
     for (std::size_t c = 0; c < 3; ++c)
       mean[c] -= s.data.time_step * v[static_cast<int>(c)] / static_cast<double>(blocks.size());
   }
@@ -248,7 +252,7 @@ Vec3 block_translation_at_forces(const Simulation::Impl& s, const std::vector<in
 
 void check_rotations(Simulation::Impl& s) {
   for (int i = 0; i < s.large_motion->block_count(); ++i) {
-    const double angle = s.large_motion->turned(i);
+    const double angle = turned(*s.large_motion, i);
     if (!(angle <= s.small_motion.seen.rotation))
       s.small_motion.seen.rotation = angle, s.small_motion.seen.turned_block = i;
   }

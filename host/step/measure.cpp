@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "model/world_results.h"
 #include "step/actions/ground.h"
 #include "step/actions/whiffletree.h"
 #include "step/columns/columns.h"
@@ -29,13 +30,13 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.multiplier = s.actions.multiplier;
   row.largest_displacement = largest_displacement(s);
   const double whole = s.model.assembly.symmetry_factor;
-  row.dynamic_force = whole * s.large_motion->net_force()[static_cast<int>(direction)];
+  row.dynamic_force = whole * s.large_motion->step_sums.net[static_cast<int>(direction)];
   measure_base(s, row);
   if (s.monitor.blocks.empty()) return;
   row.monitor_displacement = row.monitor_relative = block_translation_at_forces(s, s.monitor.blocks);
   for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   for (const int block : s.monitor.blocks) {
-    const Vec3 joints = geometry::array(s.large_motion->contact_force(block));
+    const Vec3 joints = geometry::array(s.large_motion->step_sums.contact_force[block]);
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += whole * joints[c];
   }
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
@@ -110,7 +111,7 @@ double largest_displacement(const Simulation::Impl& s) {
     look(norm(geometry::vector((has_all(s) ? whole_motion_of(s, i) : s.small_motion.whole_motions[i]).translation)));
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i) {
     if (s.large_motion->assembly.blocks[static_cast<std::size_t>(i)].fixed) continue;
-    look(s.large_motion->moved(i));
+    look(moved(*s.large_motion, i));
   }
   return largest;
 }

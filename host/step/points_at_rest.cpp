@@ -9,6 +9,7 @@
 #include "step/gather.h"
 #include "step/large_motion_results.h"
 #include "step/lattice_motion.h"
+#include "step/results.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -18,14 +19,14 @@ namespace {
 std::array<long, kConditionCount> own_conditions(Simulation::Impl& s) {
   const std::vector<std::uint32_t> now = current_flags(s, whole_range(s));
   std::vector<std::size_t> first_of_family{0};
-  for (std::size_t f = 0; s.large_motion && f < s.large_motion->families().size(); ++f)
-    first_of_family.push_back(first_of_family.back() + s.large_motion->families()[f].size());
+  for (std::size_t f = 0; s.large_motion && f < s.large_motion->contacts.families.size(); ++f)
+    first_of_family.push_back(first_of_family.back() + s.large_motion->contacts.families[f].size());
   std::array<long, kConditionCount> counts{};
   for (const int c : s.division.share.chunks) {
     if (!s.division.share.owns_chunk(c, s.ranks->rank())) continue;
     std::size_t first, count;
     if (s.large_motion) {
-      const auto range = s.large_motion->range_of_chunk(c);
+      const blocks::Chunk& range = s.large_motion->chunks.all[at(c)];
       first = first_of_family[at(range.family)] + range.first, count = range.count;
     } else {
       first = at(s.model.chunks[at(c)].first_point), count = at(s.model.chunks[at(c)].point_count);
@@ -47,7 +48,7 @@ Condition condition_of(std::uint32_t flags) {
 }
 
 std::size_t contact_point_count(const Simulation::Impl& s) {
-  return s.large_motion ? static_cast<std::size_t>(s.large_motion->point_count()) : at(s.model.point_count);
+  return s.large_motion ? s.large_motion->point_count() : at(s.model.point_count);
 }
 
 long Simulation::point_count() const { return static_cast<long>(contact_point_count(*impl_)); }
@@ -104,20 +105,20 @@ std::vector<std::uint32_t> current_flags(const Simulation::Impl& s, const PointR
   return result;
 }
 
-PointRange Simulation::all_points() const { return whole_range(*impl_); }
+PointRange all_points(const Simulation::Impl& s) { return whole_range(s); }
 
-Simulation::DamageColumns Simulation::damage(const PointRange& range) const {
+DamageColumns damage_of_points(const Simulation::Impl& s, const PointRange& range) {
   DamageColumns result;
   for (auto& column : result) column.assign(at(range.end - range.first), std::numeric_limits<double>::quiet_NaN());
-  ask_at_rest(*impl_, QUOIN_CAN_DAMAGE, range, [&](quoin_batch& batch, std::size_t first) {
+  ask_at_rest(s, QUOIN_CAN_DAMAGE, range, [&](quoin_batch& batch, std::size_t first) {
     for (std::size_t k = 0; k < result.size(); ++k) batch.damage[k] = {result[k].data() + first - at(range.first), 1};
   });
   return result;
 }
 
-std::array<long, kConditionCount> Simulation::condition_counts() const {
-  if (impl_->agreed.end_conditions && !has_all(*impl_)) return *impl_->agreed.end_conditions;
-  return conditions_here(*impl_);
+std::array<long, kConditionCount> condition_counts(const Simulation::Impl& s) {
+  if (s.agreed.end_conditions && !has_all(s)) return *s.agreed.end_conditions;
+  return conditions_here(s);
 }
 
 std::array<long, kConditionCount> conditions_here(const Simulation::Impl& s) {

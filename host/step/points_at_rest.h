@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "step/results.h"
 #include "step/state.h"
 
 namespace quoin {

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/rank_rows.h"
 #include "base/ranks.h"
+#include "model/world_results.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/whiffletree.h"
@@ -112,7 +113,7 @@ std::vector<std::size_t> gridpoint_order(const Brick& brick, const std::vector<V
 // By the small strains of the lattice, where Model::strain_energy takes those of large rotations.
 double strain_energy(const blocks::Model& m, const std::vector<Vector>& displacement) {
   double sum = 0.0;
-  m.each_zone([&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
+  each_zone(m, [&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
     Matrix h = Matrix::zero();
     for (std::size_t k = 0; k < 4; ++k) h += outer(displacement[at(b.first_node + zone.node[k])], zone.gradient[k]);
     sum += zone.energy(0.5 * (h + transposed(h)));
@@ -194,8 +195,8 @@ void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& 
   for (std::size_t i = 0; i < f.place.size(); ++i) {
     const Vector r = f.place[i] - moved.centre;
     const Vector strained = r + (f.displacement[i] - moved.mean - cross(moved.turn, r));
-    Vector& x = m->change_node_positions()[order[i]];
-    Vector& v = m->node_velocities()[order[i]];
+    Vector& x = change_node_positions(*m)[order[i]];
+    Vector& v = m->nodes.v[order[i]];
     (*before)[order[i]] = f.displacement[i];
     x = moved.centre + moved.mean + turn * strained;
     v = moving.mean + cross(moving.turn, turn * strained) +
@@ -268,21 +269,21 @@ void promote(Simulation::Impl& s, const std::string& why) {
   m.stepping.time = promotion.time, m.stepping.count = s.progress.step;
   for (const Drive& drive : continued)
     m.prescribe(drive.block, {}, {}, drive.held);  // at rest: supports take no motion
-  std::vector<Vector> before(m.node_positions().size());
+  std::vector<Vector> before(m.nodes.x.size());
   for (std::size_t b = 0; b < count; ++b) {
     const int i = static_cast<int>(b);
-    const blocks::ModelBlock& block = m.block(i);
+    const blocks::ModelBlock& block = m.blocks[i];
     if (block.body < 0) {
-      const auto order = gridpoint_order(s.left->bricks[b], fields[b].place, m.node_reference(), block);
+      const auto order = gridpoint_order(s.left->bricks[b], fields[b].place, m.nodes.reference, block);
       place_gridpoints(fields[b], order, s.left->symmetry_plane_z0, &m, &before);
     } else {
       const BodyMotion& body = bodies[b];
-      m.set_pose(i, geometry::vector(body.centre) + geometry::vector(body.displacement),
-                 geometry::rotation(geometry::vector(body.rotation)));
+      set_pose(m, i, geometry::vector(body.centre) + geometry::vector(body.displacement),
+               geometry::rotation(geometry::vector(body.rotation)));
       m.set_velocity(i, geometry::vector(body.velocity), geometry::vector(body.spin));
     }
   }
-  m.adopt_histories(histories);
+  adopt_histories(m, histories);
 
   s.actions.drives = std::move(continued);
   const Stage& settings = current_stage(s);
@@ -295,7 +296,7 @@ void promote(Simulation::Impl& s, const std::string& why) {
   s.progress.row_interval =
       std::max(1L, std::lround(static_cast<double>(s.progress.row_interval) * dt / s.data.time_step));
   promotion.strain_energy = strain_energy(m, before);
-  promotion.energy_jump = m.strain_energy() - promotion.strain_energy;
+  promotion.energy_jump = strain_energy(m) - promotion.strain_energy;
   s.outcome.promotion = promotion;
   s.watch.pending = false;         // what the lattice stored is counted otherwise
   if (s.ranks) partition_work(s);  // others are watched now

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/ranks.h"
+#include "step/findings.h"
 #include "step/gather.h"
 #include "step/points_at_rest.h"
 #include "step/state.h"
@@ -60,7 +61,7 @@ void agree_on_model(const Simulation::Impl& s) {
   }
 }
 
-bool Simulation::ranks_together() const { return impl_->agreed.together; }
+bool ranks_together(const Simulation::Impl& s) { return s.agreed.together; }
 
 bool agree(Simulation::Impl& s, bool trouble, bool* deviates, bool* leaves_frame) {
   const auto before = Clock::now();

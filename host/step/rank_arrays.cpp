@@ -7,6 +7,7 @@
 
 #include "base/rank_rows.h"
 #include "base/ranks.h"
+#include "model/world_parts.h"
 #include "step/gather.h"
 #include "step/state.h"
 
@@ -31,7 +32,7 @@ void give_array(Simulation::Impl& s, const void* array, std::size_t whole, const
   const auto note_of = [&](int rank) {
     return [&note, rank](const void* memory, std::size_t bytes) { note(rank, memory, bytes); };
   };
-  if (s.large_motion) s.large_motion->each_owned_memory(note);
+  if (s.large_motion) each_owned_memory(*s.large_motion, note);
   for (std::size_t i = 0; !s.large_motion && i < s.division.share.rank_of_item.size(); ++i)
     each_memory_of_item(s, Part::all, static_cast<int>(i), note_of(s.division.share.rank_of_item[i]));
   for (std::size_t c = 0; !s.large_motion && c < s.division.share.rank_of_chunk.size(); ++c)

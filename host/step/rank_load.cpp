@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/rank_rows.h"
+#include "step/findings.h"
 #include "step/gather.h"
 #include "step/state.h"
 #include "step/work_division.h"
@@ -56,7 +57,7 @@ double pretended_seconds(const Simulation::Impl& s) {
 
 }  // namespace
 
-const std::vector<RankTraffic>& Simulation::rank_traffic() const { return impl_->rank_load.traffic_of_all; }
+const std::vector<RankTraffic>& rank_traffic(const Simulation::Impl& s) { return s.rank_load.traffic_of_all; }
 
 void balance_ranks(Simulation::Impl& s) {
   if (!s.ranks || ++s.rank_load.window.steps < RankBalance::kWindow) return;

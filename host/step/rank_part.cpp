@@ -7,6 +7,7 @@
 #include "base/ranks.h"
 #include "model/scattered_points.h"
 #include "model/shared_model.h"
+#include "model/world_parts.h"
 #include "step/borders.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_fields.h"
@@ -92,7 +93,7 @@ void hold_part(Simulation::Impl& s) {
   s.parts.gathered = s.parts.gathered_by_first = s.parts.has_row = false;
   if (s.large_motion) {
     s.parts.holds_all = false;
-    return s.large_motion->hold(rank_by_block(s), followed_blocks(s));
+    return hold_blocks(*s.large_motion, rank_by_block(s), followed_blocks(s));
   }
   const std::vector<int> units = own_units(s);
   s.model.keep_alone(units, s.division.share.chunks);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "model/world_results.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -99,18 +100,18 @@ std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, co
   std::vector<int> place(at(s.large_motion->block_count()), -1);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     place[at(blocks[i])] = static_cast<int>(i);
-    sums[i].centre = geometry::array(s.large_motion->start_position(blocks[i]));
+    sums[i].centre = geometry::array(start_position_of(*s.large_motion, blocks[i]));
     sums[i].displacement = block_translation_at_forces(s, {blocks[i]});
-    sums[i].force = geometry::array(s.large_motion->contact_force(blocks[i]));
+    sums[i].force = geometry::array(s.large_motion->step_sums.contact_force[blocks[i]]);
   }
   if (blocks.empty()) return sums;
   for (const blocks::Contact& c : s.large_motion->contacts.list) {
     const int of_a = place[at(c.pair.a)], of_b = place[at(c.pair.b)];
     if (of_a < 0 && of_b < 0) continue;
-    const blocks::Family& f = s.large_motion->families()[at(c.family)];
+    const blocks::Family& f = s.large_motion->contacts.families[at(c.family)];
     for (std::size_t i = c.first; i < c.first + c.count; ++i) {
-      const geometry::Matrix frame = s.large_motion->frame_of(f.point[i]);
-      const Vector place_of_point = s.large_motion->place_of(f.point[i]);
+      const geometry::Matrix frame = frame_of(*s.large_motion, f.point[i]);
+      const Vector place_of_point = place_of(*s.large_motion, f.point[i]);
       Vector on_a;
       for (std::size_t k = 0; k < 3; ++k)
         on_a += f.point[i].area * (f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i])) *

@@ -12,8 +12,12 @@
 #include <memory>
 #include <optional>
 
+#include "model/world_results.h"
 #include "sparse/sparse_cholesky.h"
 #include "step/controls.h"
+#include "step/findings.h"
+#include "step/measure.h"
+#include "step/results.h"
 #include "step/step.h"
 #include "step/supports.h"
 #include "step/unknowns.h"
@@ -46,9 +50,9 @@ constexpr double kFlies = 0.1;
 
 class Search {
  public:
-  Search(Simulation& simulation, Simulation::Impl& impl) : simulation_(simulation), s_(impl) {
+  explicit Search(Simulation::Impl& impl) : s_(impl) {
     apply_controls(s_);  // supports, and all of the loads: a stage of rest has no ramp
-    unknowns_.emplace(impl, static_cast<int>(simulation.block_count()));
+    unknowns_.emplace(impl);
   }
 
   void run(double wanted) {
@@ -58,7 +62,7 @@ class Search {
     std::vector<std::uint8_t> factored;  // states of points
     double last = std::numeric_limits<double>::infinity(), best = last, factored_with = 0.0, kept = 1.0;
     for (int i = 0; i < kMostIterations; ++i) {
-      const std::vector<ContactPoint> points = simulation_.contact_points();
+      const std::vector<ContactPoint> points = contact_points(s_);
       if (points.empty()) return;
       const VectorXd rest = out_of_balance(points);
       const double ratio = ratio_of(rest, points);
@@ -112,45 +116,44 @@ class Search {
     for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
       if (u.rigid) {
-        add_wrench(sum, b, u.centre, m.mass_of(b) * g + applied[at(b)]);
+        add_wrench(sum, b, u.centre, m.blocks[b].mass * g + applied[at(b)]);
         continue;
       }
-      const blocks::ModelBlock& block = m.block(b);
+      const blocks::ModelBlock& block = m.blocks[b];
       double inertia = 0.0;  // its gridpoints share weight and forces by mass
-      for (std::size_t n = 0; n < u.gridpoint.size(); ++n) inertia += m.node_mass()[at(block.first_node) + n];
-      const Vector per_mass = (m.mass_of(b) * g + applied[at(b)]) / inertia;
+      for (std::size_t n = 0; n < u.gridpoint.size(); ++n) inertia += m.nodes.mass[at(block.first_node) + n];
+      const Vector per_mass = (m.blocks[b].mass * g + applied[at(b)]) / inertia;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
-        add_to(sum, u.gridpoint[n], m.node_mass()[at(block.first_node) + n] * per_mass);
-      const geometry::Matrix turned = m.orientation(b);
+        add_to(sum, u.gridpoint[n], m.nodes.mass[at(block.first_node) + n] * per_mass);
+      const geometry::Matrix turned = orientation_of(m, b);
       for (int z = 0; z < block.zone_count; ++z) {
-        const blocks::Zone zone = m.zone(b, z);
-        const geometry::Matrix stress = m.zone_stress(b, z);
+        const blocks::Zone zone = zone_of(m, b, z);
+        const geometry::Matrix stress = zone_stress(m, b, z);
         for (std::size_t i = 0; i < 4; ++i)
           add_to(sum, u.gridpoint[at(zone.node[i])], -zone.volume * (stress * (turned * zone.gradient[i])));
       }
     }
     for (const blocks::Load& load : m.actions.loads) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(load.block)];
-      const Vector force = load.scale * load.factor.at(m.time()) * load.force;
-      if (u.rigid) add_wrench(sum, load.block, u.centre + m.body(load.block).r * load.arm, force);
+      const Vector force = load.scale * load.factor.at(m.stepping.time) * load.force;
+      if (u.rigid) add_wrench(sum, load.block, u.centre + body_of(m, load.block).r * load.arm, force);
       for (const auto& [node, weight] : load.share)
-        add_to(sum, u.gridpoint[at(node - m.block(load.block).first_node)], weight * force);
+        add_to(sum, u.gridpoint[at(node - m.blocks[load.block].first_node)], weight * force);
     }
     for (const blocks::Pressure& p : m.actions.pressures) add_pressure(p, sum);
   }
 
   void add_pressure(const blocks::Pressure& p, VectorXd* sum) const {
     blocks::Model& m = *s_.large_motion;
-    const double pressure = p.scale * p.value * p.factor.at(m.time());
+    const double pressure = p.scale * p.value * p.factor.at(m.stepping.time);
     const Unknowns::OfBlock& u = unknowns_->blocks()[at(p.block)];
     if (u.rigid) {
-      const geometry::Matrix& r = m.body(p.block).r;
+      const geometry::Matrix& r = body_of(m, p.block).r;
       return add_wrench(sum, p.block, u.centre + r * p.arm, pressure * (r * p.push));
     }
-    const int first = m.block(p.block).first_node;
+    const int first = m.blocks[p.block].first_node;
     for (const auto& triangle : p.triangles) {
-      const Vector &x = m.node_positions()[at(triangle[0])], &y = m.node_positions()[at(triangle[1])],
-                   &z = m.node_positions()[at(triangle[2])];
+      const Vector &x = m.nodes.x[at(triangle[0])], &y = m.nodes.x[at(triangle[1])], &z = m.nodes.x[at(triangle[2])];
       for (const int node : triangle)
         add_to(sum, u.gridpoint[at(node - first)], (-pressure / 6.0) * cross(y - x, z - x));
     }
@@ -343,31 +346,30 @@ class Search {
     for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
       Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
       if (u.rigid) {
-        blocks::Body& body = m.body(b);
+        blocks::Body& body = body_of(m, b);
         body.x += of(moved, {u.body[0], u.body[1], u.body[2]});
         body.turn_to(normalized(geometry::rotation(of(moved, {u.body[3], u.body[4], u.body[5]})) * body.q));
         body.v = body.omega = body.momentum = {};
         u.centre = body.x;
         continue;
       }
-      const int first = m.block(b).first_node;
+      const int first = m.blocks[b].first_node;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n) {
-        m.change_node_positions()[at(first) + n] += of(moved, u.gridpoint[n]);
-        m.node_velocities()[at(first) + n] = {};
+        change_node_positions(m)[at(first) + n] += of(moved, u.gridpoint[n]);
+        m.nodes.v[at(first) + n] = {};
       }
     }
     m.begin_step();
     for (int chunk = 0; chunk < m.chunk_count(); ++chunk) m.advance_contacts(chunk);
   }
 
-  Simulation& simulation_;
   Simulation::Impl& s_;
   std::optional<Unknowns> unknowns_;
 };
 
 }  // namespace
 
-void find_rest(Simulation& simulation, Simulation::Impl& impl) {
+void find_rest(Simulation::Impl& impl) {
   const Stage& stage = impl.scene.stages[at(impl.progress.stage)];
   if (impl.ranks)
     throw Error(Exit::bad_input, fmt::format("{}: a stage of rest runs in one process; start quoin without mpirun, or "
@@ -380,11 +382,11 @@ void find_rest(Simulation& simulation, Simulation::Impl& impl) {
                     "[[spring]], [[strip]], [[floor]], [[beam]]); give it equilibrium_ratio without kind = \"rest\"",
                     stage.source.text));
   const auto out_of_books = [&] {
-    const std::optional<Energies> energies = simulation.measure().energies;
+    const std::optional<Energies> energies = measure_row(impl).energies;
     return energies ? energies->balance_error() : 0.0;
   };
   const double before = impl.progress.step > 0 ? out_of_books() : 0.0;
-  Search(simulation, impl).run(stage.equilibrium_ratio.value_or(1e-4));
+  Search(impl).run(stage.equilibrium_ratio.value_or(1e-4));
   // Loads are booked to have done what blocks and joints have taken up, as loads that grow slowly do.
   step_once(impl, true, true);
   const double taken_up = out_of_books() - before;
@@ -393,7 +395,7 @@ void find_rest(Simulation& simulation, Simulation::Impl& impl) {
 
 #else
 
-void find_rest(Simulation&, Simulation::Impl& impl) {
+void find_rest(Simulation::Impl& impl) {
   throw Error(Exit::bad_input,
               fmt::format("{}: this program finds no states of rest; build it with libopenblas-serial-dev",
                           impl.scene.stages[static_cast<std::size_t>(impl.stage)].source.text));

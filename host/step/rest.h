@@ -10,6 +10,6 @@ namespace quoin {
 
 // Between two steps, at the start of the current stage. Throws Error(bad_input) where ranks share the model or the
 // program has no sparse solver; Error(numerical): a block that nothing holds, by its name.
-void find_rest(Simulation& simulation, Simulation::Impl& impl);
+void find_rest(Simulation::Impl& impl);
 
 }  // namespace quoin

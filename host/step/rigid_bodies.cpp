@@ -1,6 +1,5 @@
 #include "step/rigid_bodies.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace quoin {

@@ -8,11 +8,14 @@
 #include <optional>
 
 #include "law/answers.h"
+#include "model/world_results.h"
 #include "scene/damping_text.h"
 #include "step/borders.h"
+#include "step/findings.h"
 #include "step/gather.h"
 #include "step/points_at_rest.h"
 #include "step/rank_agreement.h"
+#include "step/results.h"
 #include "step/small_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
@@ -31,7 +34,7 @@ void check_points(Simulation::Impl& s) {
   };
   long crushed_out = 0;
   for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c) {
-    const blocks::Deepest deepest = s.large_motion->deepest_of_chunk(c);
+    const blocks::Deepest deepest = deepest_of_chunk(*s.large_motion, c);
     see(deepest.opening, [&] { return geometry::array(deepest.at); });
   }
   if (!s.large_motion) {
@@ -65,7 +68,7 @@ void check_stiffness(Simulation::Impl& s) {
     }
   };
   if (s.large_motion) {
-    for (const blocks::Family& f : s.large_motion->families()) hold(*f.material, f.kn, f.ks, f.size());
+    for (const blocks::Family& f : s.large_motion->contacts.families) hold(*f.material, f.kn, f.ks, f.size());
     const auto counts = s.parts.divided && !has_all(s) ? conditions_of_all(s) : conditions_here(s);
     s.watch.crushed_out = std::max(s.watch.crushed_out, counts[static_cast<std::size_t>(Condition::crushed_out)]);
   } else {
@@ -90,10 +93,10 @@ std::string damped_motion(const Simulation::Impl& s) {
   double most = 1.0, block = -1.0;
   for (int i = 0; i < s.large_motion->block_count(); ++i) {
     if (!s.large_motion->part.owns(i) || driven[static_cast<std::size_t>(i)] ||
-        !(norm(s.large_motion->net_force_on(i)) > kUnbalanced * g * s.large_motion->mass_of(i)))
+        !(norm(s.large_motion->step_sums.of_block[i].net) > kUnbalanced * g * s.large_motion->blocks[i].mass))
       continue;
-    const Vector v = s.large_motion->velocity(i);
-    const double fall = dot(v, v) / (2.0 * g * kFall * s.large_motion->block(i).least_extent);
+    const Vector v = velocity_of(*s.large_motion, i);
+    const double fall = dot(v, v) / (2.0 * g * kFall * s.large_motion->blocks[i].least_extent);
     if (fall > most) most = fall, block = i;
   }
   if (s.parts.divided) block = largest_of_ranks(s, most == largest_of_ranks(s, most) ? block : -1.0);
@@ -164,7 +167,7 @@ double allowed_overlap(const Simulation::Impl& s) {
     if (!brick.beam) least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
   }
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i)
-    least = std::min(least, s.large_motion->block(i).least_extent);
+    least = std::min(least, s.large_motion->blocks[i].least_extent);
   return Watch::kAllowedOverlap * least;
 }
 

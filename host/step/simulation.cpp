@@ -1,11 +1,7 @@
 #include "step/simulation.h"
 
-#include <fmt/core.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "model/motion.h"
+#include "step/findings.h"
 #include "step/gather.h"
 #include "step/measure.h"
 #include "step/rank_agreement.h"
@@ -96,11 +92,11 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   return true;
 }
 
-void Simulation::time_phases() {
-  impl_->timing.every_step = true;
-  impl_->timing.phases = {};
+void time_phases(Simulation::Impl& s) {
+  s.timing.every_step = true;
+  s.timing.phases = {};
 }
-const PhaseTimes& Simulation::phase_times() const { return impl_->timing.phases; }
+const PhaseTimes& phase_times(const Simulation::Impl& s) { return s.timing.phases; }
 const Scene& Simulation::scene() const { return impl_->scene; }
 const Assembly& Simulation::assembly() const { return impl_->model.assembly; }
 const Model& Simulation::model() const { return impl_->model; }
@@ -110,15 +106,9 @@ double Simulation::time() const { return time_now(*impl_); }
 const blocks::Model* Simulation::large_motion() const { return impl_->large_motion.get(); }
 const Outcome& Simulation::outcome() const { return impl_->outcome; }
 int Simulation::thread_count() const { return impl_->pool.thread_count(); }
-const char* Simulation::instruction_set() const { return kernel_instruction_set(); }
 HistoryRow Simulation::measure() const { return measure_row(*impl_); }
-const MotionSeen& Simulation::motion_seen() const { return impl_->small_motion.seen; }
-std::string Simulation::batch_text(const quoin_batch& batch) const { return quoin::batch_text(*impl_, batch); }
-const Watch& Simulation::watch() const { return impl_->watch; }
-const std::vector<Restraint>& Simulation::restraints() const { return impl_->reactions.restraints; }
-double Simulation::allowed_overlap() const { return quoin::allowed_overlap(*impl_); }
-std::string Simulation::past_motion_bound() const { return quoin::past_motion_bound(*impl_); }
-LaneVector<double>& Simulation::displacement() { return impl_->lattice.displacement; }
-LaneVector<double>& Simulation::velocity() { return impl_->lattice.velocity; }
+const MotionSeen& motion_seen(const Simulation::Impl& s) { return s.small_motion.seen; }
+const Watch& watch_of(const Simulation::Impl& s) { return s.watch; }
+const std::vector<Restraint>& restraints_of(const Simulation::Impl& s) { return s.reactions.restraints; }
 
 }  // namespace quoin

@@ -12,7 +12,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -82,7 +81,7 @@ struct HistoryNumbers {
   Vec3 overturning_moment{NAN, NAN, NAN};
   double largest_displacement = 0.0;                // of any block since the start, m; blocks of any shape only
   std::optional<Energies> energies;                 // when Scene::output.energy
-  std::array<Reaction, kMostRestraints> reactions;  // of Simulation::restraints
+  std::array<Reaction, kMostRestraints> reactions;  // of restraints_of()
   Reaction reaction_sum;                            // of these and of all others
 };
 
@@ -134,7 +133,6 @@ struct Outcome {
 
 class Simulation;
 struct Motion;
-struct Tangent;
 
 // A law that has replaced another one with the traction of every point kept.
 struct LawSwap {
@@ -179,38 +177,6 @@ struct Observer {
   virtual void on_stage_end(const Simulation&, int /*stage*/, const HistoryRow& /*last*/) {}
 };
 
-// Condition of a contact point: exclusive; the first that holds, in this order.
-enum class Condition : std::uint8_t { crushed_out, crushing, open, slipping, softening, elastic };
-inline constexpr int kConditionCount = 6;
-const char* condition_name(Condition condition);
-Condition condition_of(std::uint32_t flags);  // QUOIN_FLAG_...
-
-struct ContactPoint {
-  std::int32_t index;  // of the point, for Simulation::state
-  Vec3 position;       // reference, m
-  Vec3 normal, s, t;   // n from block a to block b
-  double area;         // m2
-  int joint, family;   // indices into the assembly
-  int block_a, block_b;
-  Vec3 jump;            // u_b - u_a along n, s, t at the time of the traction, m
-  Vec3 traction;        // sigma, tau_s, tau_t, Pa
-  std::uint32_t flags;  // QUOIN_FLAG_..., of the last step
-  Condition condition;
-};
-
-// Neighbouring contact points, [first, end).
-struct PointRange {
-  std::int32_t first = 0, end = 0;
-};
-
-// An array that every step reads or writes.
-enum class HotOf { block, rigid_body, contact_point };
-struct HotArray {
-  const char* what;
-  HotOf of;
-  std::size_t bytes;  // all of it
-};
-
 class Simulation {
  public:
   // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
@@ -241,12 +207,6 @@ class Simulation {
   // n steps under the controls of the current stage (stage 0 before run); for tests and benchmarks. With measure_last,
   // the last of them records what measure() and the flags of contact points report.
   void advance(long steps, bool measure_last = true);
-  // Time by phase since then, of every step; else of one step in kTimedSteps, taken so many times. On the lattice
-  // internal forces and motion are one kernel, whose time is that of motion.
-  void time_phases();
-  const PhaseTimes& phase_times() const;
-  std::vector<HotArray> hot_arrays() const;
-
   const Scene& scene() const;
   const Assembly& assembly() const;
   const Model& model() const;
@@ -259,116 +219,8 @@ class Simulation {
   long step() const;
   double time() const;
   int thread_count() const;
-  const char* instruction_set() const;    // chosen at run time: "AVX2"
-  std::uint64_t hash() const;             // of gridpoints, bodies, tractions and states: equal hashes, equal bits
-  HistoryRow measure() const;             // as it stands
-  const MotionSeen& motion_seen() const;  // at the last look of run()
-  const Watch& watch() const;             // at the last row
-  double allowed_overlap() const;         // m
-  // Which contact points a law is asked about, for messages, from any thread: "contact points 0 to 255 of joint family
-  // 'mortar', from (0.100, 0.000, 0.050) m on".
-  std::string batch_text(const quoin_batch& batch) const;
-  std::string past_motion_bound() const;  // what is exceeded, where; empty: nothing
-
-  // What a stage holds or drives, "base: x y z" each. And the blocks that no joint of the start ties to anything that
-  // is held against gravity.
-  struct Supports {
-    std::vector<std::string> held;
-    std::vector<int> loose;
-  };
-  Supports supports(int stage) const;
-  std::string block_label(int block) const;  // as messages call it
-  // Those with columns in the history; empty where there are more than it can.
-  const std::vector<Restraint>& restraints() const;
-
-  // Results by block. Cold.
-  struct BlockMesh {
-    std::vector<Vec3> gridpoint;           // at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
-    std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid blocks
-    std::vector<std::vector<int>> face;    // of the whole block, corner by corner, counter-clockwise from outside
-    int unit = -1, course = -1;            // of masonry; -1: none
-    bool fixed = false;                    // a support, or a beam beside the masonry
-  };
-  BlockMesh block_mesh(int block) const;
-  struct BlockSize {
-    std::uint64_t gridpoints = 0, zones = 0, faces = 0, face_corners = 0;
-  };
-  BlockSize block_size(int block) const;                  // of its mesh
-  std::vector<Vec3> block_displacement(int block) const;  // per gridpoint of block_mesh, m
-  std::vector<Vec3> block_velocity(int block) const;
-  std::vector<std::array<double, 6>> block_stress(int block) const;  // per zone: xx yy zz xy yz zx, Pa, tension > 0
-
-  // Results by contact point, of some of them or of all. Cold: flags come from a batch with zero increments, into
-  // scratch.
-  PointRange all_points() const;
-  // own_alone: of joints that begin at a block of this rank (owns_block).
-  std::vector<ContactPoint> contact_points(const PointRange& range, bool own_alone = false) const;
-  std::vector<ContactPoint> contact_points() const { return contact_points(all_points()); }
-  // Of the gridpoints that it joins, of block a and block b, m. On the lattice.
-  std::pair<Vec3, Vec3> displacement_of_sides(std::int32_t point) const;
-  // Column of a law state, by id; NaN where the law of a point has no such state or does not keep it.
-  std::vector<double> state(const std::string& id, const PointRange& range) const;
-  std::vector<double> state(const std::string& id) const { return state(id, all_points()); }
-  bool keeps_state(const std::string& id) const;  // the law of some point
-  // Share of what tensile strength, cohesion and compressive strength can lose that is lost; NaN where the law of a
-  // point does not have. Cold, as contact_points.
-  using DamageColumns = std::array<std::vector<double>, QUOIN_DAMAGE_COUNT>;
-  DamageColumns damage(const PointRange& range) const;
-  DamageColumns damage() const { return damage(all_points()); }
-  std::array<long, kConditionCount> condition_counts() const;
-
-  // Steering between two steps (steer.cpp), from now on and until the next stage begins; without a ramp. What the stage
-  // does not hold along a component has no velocity to be given, what it holds takes no force. Before the first step
-  // the first stage is begun. Each throws Error(bad_input) with what the scene has instead, and nothing has changed
-  // then.
-  void set_velocity(const std::string& body, const Vec3& velocity);  // m/s; components that are free keep theirs: NaN
-  void set_force(const std::string& body, const Vec3& force);        // N, on each body of that name; held ones: NaN
-  // The tractions of all points stay. Throws Error(law_refused) too.
-  LawSwap swap_law(const std::string& family, const std::string& law);
-
-  // Where arrays of now lie, in doubles: row r, column c at data[r * row_stride + c * column_stride]. Good until the
-  // simulation is stepped, steered or restored. data null: there is none, as displacements in large motion.
-  struct View {
-    double* data = nullptr;
-    std::size_t rows = 0, columns = 1;
-    std::ptrdiff_t row_stride = 1, column_stride = 1;
-  };
-  enum class BlockArray { displacement, velocity };  // m, m/s
-  // By gridpoint, x y z; of a rigid block one row: its centre.
-  View view(BlockArray what, int block);
-  enum class PointArray { sigma, tau_s, tau_t, area, position };  // Pa, m2, m (reference on the lattice, else now)
-  View view(PointArray what, int family);
-  View view_state(int family, const std::string& id);  // Error(bad_input): the law has no such state
-  // To be called after velocities were written through a view.
-  void velocities_changed();
-
-  // Results of all by one process after the other, so that none needs all of it (collect.cpp).
-  // Neighbouring blocks, contact points or joints, [first, end), some hundred or thousand, of which one rank has what
-  // results are made of. Runs follow each other in order.
-  struct Run {
-    std::int32_t first = 0, end = 0;
-    int rank = 0;
-  };
-  std::vector<Run> runs_of_blocks() const;
-  std::vector<Run> runs_of_points() const;  // whole batches of their laws
-  std::vector<Run> runs_of_joints() const;  // on the lattice, with all of their points
-  bool brings(const Run& run) const;        // this rank makes of it what rank 0 takes
-  // make: by the rank that has the run; take: by rank 0, in the order of runs. All ranks call it at the same moment:
-  // in on_frame, or after run(). Where rank 0 has all of the state it makes everything, and others do nothing.
-  void collect_at_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
-                        const std::function<void(const std::string&)>& take) const;
-  bool ranks_collect() const;                 // false: one process, or rank 0 has all
-  double sum_of_ranks(double brought) const;  // of what each gives
-  double largest_of_ranks(double brought) const;
-  // So that rank 0 has all from now on. All ranks call it at the same moment.
-  void gather_at_first();
-  // In order, those of joints that begin at a block of this rank.
-  void each_own_point(const std::function<void(std::int32_t)>& visit) const;
-
-  bool owns_block(int block) const;                      // advances it; true: one process
-  const std::vector<RankTraffic>& rank_traffic() const;  // by rank, of run(); empty: one process
-  bool ranks_together() const;                           // false: run() has failed on some ranks and not on others
-
+  std::uint64_t hash() const;  // of gridpoints, bodies, tractions and states: equal hashes, equal bits
+  HistoryRow measure() const;  // as it stands
   // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come
   // from another model. Bits after a restore are those of an uninterrupted run.
   std::vector<std::uint8_t> save() const;
@@ -382,14 +234,12 @@ class Simulation {
   // simulation is of no use.
   void restore(ByteSource& source);
 
-  // Raw access for tests: displacement and velocity in lane layout.
-  LaneVector<double>& displacement();
-  LaneVector<double>& velocity();
-
+  // All that it has, for the functions on it: results.h, collect.h, findings.h, steer.h.
   struct Impl;  // state.h
+  operator const Impl&() const { return *impl_; }
+  operator Impl&() { return *impl_; }
 
  private:
-  friend Tangent tangent_of(const Simulation& simulation);  // step/tangent.h
   static std::unique_ptr<Impl> make_impl(Motion motion, int threads,
                                          std::vector<std::shared_ptr<const Material>> materials,
                                          Ranks* ranks = nullptr);

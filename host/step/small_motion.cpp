@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
+#include "step/findings.h"
 #include "step/gather.h"
 #include "step/lattice_motion.h"
 #include "step/promotion.h"
@@ -30,10 +31,8 @@ bool have_contact(Simulation::Impl& s, int a, int b, int axis) {
   }
   geometry::Vector normal;
   normal[axis] = 1.0;
-  const auto origin = [&](int block) -> const Vec3& {
-    return s.model.assembly.bricks[static_cast<std::size_t>(block)].origin;
-  };
-  const auto c = static_cast<std::size_t>(axis);
+  const auto origin = [&](int block) -> const Vec3& { return s.model.assembly.bricks[at(block)].origin; };
+  const auto c = at(axis);
   if (origin(a)[c] > origin(b)[c]) std::swap(a, b);
   return !s.small_motion.meeting_family || s.small_motion.meeting_family({a, b, normal}) >= 0;
 }
@@ -50,9 +49,7 @@ void check_motion(Simulation::Impl& s) {
   // Against the ground: what moves along with it has not moved.
   std::vector<WholeMotion> motions = s.small_motion.whole_motions;
   if (const int ground = s.controls.ground_body(); ground >= 0) {
-    const Vec3 moved =
-        s.small_motion.whole_motions[static_cast<std::size_t>(s.model.bodies[static_cast<std::size_t>(ground)].block)]
-            .translation;
+    const Vec3 moved = s.small_motion.whole_motions[at(s.model.bodies[at(ground)].block)].translation;
     for (WholeMotion& m : motions) {
       for (std::size_t c = 0; c < 3; ++c) m.translation[c] -= moved[c];
     }

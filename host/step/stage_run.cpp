@@ -45,7 +45,7 @@ StageRun::StageRun(Simulation& simulation, Simulation::Impl& impl, Observer& obs
 void StageRun::begin(bool was_in_stage) {
   const bool on_lattice = !s_.large_motion;
   if (!was_in_stage) begin_stage(s_, index_);
-  if (!was_in_stage && settings_.kind == "rest") find_rest(simulation_, s_);
+  if (!was_in_stage && settings_.kind == "rest") find_rest(s_);
   if (on_lattice && s_.large_motion) observer_.on_promotion(simulation_);
   observer_.on_stage_begin(simulation_, index_);
   if (!was_in_stage) warn_of_loose_blocks(s_, &warnings_), warn();

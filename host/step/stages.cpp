@@ -64,12 +64,12 @@ long chosen_record_interval(const Simulation::Impl& s) {
 }  // namespace
 
 double time_now(const Simulation::Impl& s) {
-  if (s.large_motion) return s.large_motion->time();
+  if (s.large_motion) return s.large_motion->stepping.time;
   return s.progress.clock_start + static_cast<double>(s.progress.step - s.progress.clock_start_step) * s.data.time_step;
 }
 
 double stage_time(const Simulation::Impl& s) {
-  return s.large_motion ? s.large_motion->time() - s.progress.stage_start
+  return s.large_motion ? s.large_motion->stepping.time - s.progress.stage_start
                         : static_cast<double>(s.progress.stage_step) * s.data.time_step;
 }
 

@@ -73,4 +73,8 @@ struct Simulation::Impl {
   RankAgreement agreed;
 };
 
+inline int block_count(const Simulation::Impl& s) {
+  return static_cast<int>(s.large_motion ? s.large_motion->blocks.size() : s.model.assembly.bricks.size());
+}
+
 }  // namespace quoin

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "base/fnv_hash.h"
+#include "model/world_parts.h"
 #include "step/borders.h"
 #include "step/gather.h"
 #include "step/lattice_fields.h"
@@ -51,7 +52,7 @@ std::uint64_t hash_by_parts(Simulation::Impl& s, bool at_rest) {
 void end_run(Simulation::Impl& s) {
   if (!s.parts.divided) return gather(s, Part::all);
   if (s.large_motion)
-    s.large_motion->exchange_parted_blocks();
+    exchange_parted_blocks(*s.large_motion);
   else
     receive_whole_borders(s);
   s.agreed.end_conditions = conditions_of_all(s);

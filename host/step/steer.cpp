@@ -1,4 +1,6 @@
 // What a controller outside does between two steps: it reads arrays where they lie, and moves, loads and exchanges.
+#include "step/steer.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -119,12 +121,11 @@ std::vector<std::string> names_of(const Model& model) {
 }
 
 // Three doubles side by side, as vectors of blocks of any shape have them.
-Simulation::View view_of(Vector* first, std::size_t rows) { return {&first->x, rows, 3, 3, 1}; }
+ArrayView view_of(Vector* first, std::size_t rows) { return {&first->x, rows, 3, 3, 1}; }
 
 }  // namespace
 
-void Simulation::set_velocity(const std::string& body, const Vec3& velocity) {
-  Impl& s = *impl_;
+void set_velocity(Simulation::Impl& s, const std::string& body, const Vec3& velocity) {
   if (s.progress.stage < 0) begin_stage(s, 0);
   if (s.large_motion) return steer_drives(s, "velocity", body, velocity, true);
   const std::vector<int> bodies = s.model.bodies_named(body);
@@ -132,8 +133,7 @@ void Simulation::set_velocity(const std::string& body, const Vec3& velocity) {
   steer_bodies(s, "velocity", body, bodies, velocity, true);
 }
 
-void Simulation::set_force(const std::string& body, const Vec3& force) {
-  Impl& s = *impl_;
+void set_force(Simulation::Impl& s, const std::string& body, const Vec3& force) {
   if (s.progress.stage < 0) begin_stage(s, 0);
   if (s.large_motion) return steer_drives(s, "force", body, force, false);
   const std::vector<int> bodies = s.model.bodies_named(body);
@@ -149,8 +149,7 @@ void Simulation::set_force(const std::string& body, const Vec3& force) {
   }
 }
 
-LawSwap Simulation::swap_law(const std::string& family, const std::string& law) {
-  Impl& s = *impl_;
+LawSwap exchange_law(Simulation::Impl& s, const std::string& family, const std::string& law) {
   const auto& families = s.model.assembly.families;
   if (std::none_of(families.begin(), families.end(), [&](const JointFamily& f) { return f.name == family; })) {
     std::vector<std::string> names;
@@ -159,18 +158,17 @@ LawSwap Simulation::swap_law(const std::string& family, const std::string& law) 
                 fmt::format("joint: there is no joint family '{}'; there are {}", family, fmt::join(names, ", ")));
   }
   if (s.progress.stage < 0) begin_stage(s, 0);
-  quoin::swap_law(s, family, law);
+  swap_law(s, family, law);
   s.scene.stages[s.progress.at_stage()].law_swaps[family] = law;  // as a checkpoint of from now on finds it
   return s.laws.swaps.back();
 }
 
-Simulation::View Simulation::view(BlockArray what, int block) {
-  Impl& s = *impl_;
+ArrayView view(Simulation::Impl& s, BlockArray what, int block) {
   if (s.large_motion) {
     if (what == BlockArray::displacement) return {};
-    const blocks::ModelBlock& b = s.large_motion->block(block);
-    if (b.body >= 0) return view_of(&s.large_motion->body(block).v, 1);
-    return view_of(s.large_motion->node_velocities().data() + b.first_node, at(b.node_count));
+    const blocks::ModelBlock& b = s.large_motion->blocks[block];
+    if (b.body >= 0) return view_of(&body_of(*s.large_motion, block).v, 1);
+    return view_of(s.large_motion->nodes.v.data() + b.first_node, at(b.node_count));
   }
   const Model::BlockPlace& place = s.model.place[at(block)];
   if (place.body >= 0) {
@@ -185,11 +183,10 @@ Simulation::View Simulation::view(BlockArray what, int block) {
           s.model.templates[at(group.brick_template)].node_mass.size(), 3, kLine, kLanes};
 }
 
-Simulation::View Simulation::view(PointArray what, int family) {
-  Impl& s = *impl_;
+ArrayView view(Simulation::Impl& s, PointArray what, int family) {
   const auto k = static_cast<std::size_t>(what);
   if (s.large_motion) {
-    auto& f = const_cast<blocks::Family&>(s.large_motion->families()[at(family)]);
+    auto& f = const_cast<blocks::Family&>(s.large_motion->contacts.families[at(family)]);
     if (what == PointArray::area) return {f.area.data(), f.size()};
     if (what != PointArray::position) return {f.traction[k].data(), f.size()};
     constexpr std::ptrdiff_t stride = sizeof(blocks::Point) / sizeof(double);
@@ -204,8 +201,7 @@ Simulation::View Simulation::view(PointArray what, int family) {
   return {s.lattice.traction[k].data() + first, count};
 }
 
-Simulation::View Simulation::view_state(int family, const std::string& id) {
-  Impl& s = *impl_;
+ArrayView view_state(Simulation::Impl& s, int family, const std::string& id) {
   const Law& law = s.model.families[at(family)].material->law();
   const int k = law.state_index(id);
   if (k < 0 || (law.law->states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)) {
@@ -218,15 +214,15 @@ Simulation::View Simulation::view_state(int family, const std::string& id) {
                                              ids.empty() ? "none" : fmt::format("{}", fmt::join(ids, ", "))));
   }
   if (s.large_motion) {
-    auto& f = const_cast<blocks::Family&>(s.large_motion->families()[at(family)]);
+    auto& f = const_cast<blocks::Family&>(s.large_motion->contacts.families[at(family)]);
     return {f.state[at(k)].data(), f.size()};
   }
   const std::size_t count = at(s.model.families[at(family)].point_count);
   return {s.lattice.law_state[at(family)].data() + at(k) * count, count};
 }
 
-void Simulation::velocities_changed() {
-  if (!impl_->large_motion) find_bodies_at_rest(*impl_);
+void velocities_changed(Simulation::Impl& s) {
+  if (!s.large_motion) find_bodies_at_rest(s);
 }
 
 }  // namespace quoin

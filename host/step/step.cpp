@@ -9,11 +9,13 @@
 #include "base/error.h"
 #include "step/borders.h"
 #include "step/controls.h"
+#include "step/findings.h"
 #include "step/implicit_step.h"
 #include "step/large_motion_run.h"
 #include "step/measure.h"
 #include "step/point_kernels.h"
 #include "step/rank_agreement.h"
+#include "step/results.h"
 #include "step/run_watch.h"
 #include "step/stages.h"
 #include "step/state.h"
@@ -38,7 +40,7 @@ void begin_step(Simulation::Impl& s, bool measure_step) {
   s.parts.has_row = false;
   s.timing.begin_step(s.progress.step);
   if (!s.large_motion) return;
-  const bool timed = s.timing.timed_steps > 0.0 && s.large_motion->members();
+  const bool timed = s.timing.timed_steps > 0.0 && s.large_motion->held_by.members.get();
   const auto before = timed ? Clock::now() : Clock::time_point();
   s.large_motion->begin_step(measure_step);
   if (timed) s.timing.phases[Phase::members] += s.timing.timed_steps * seconds_since(before);

@@ -11,6 +11,5 @@ inline bool books_energy(const Simulation::Impl& s) { return s.energy.wanted && 
 void step_once(Simulation::Impl& s, bool measure_step, bool report);
 void evaluate_law(Simulation::Impl& s, int chunk_index, const ChunkJumps& jump, bool measure_step, bool report);
 [[noreturn]] void report_failed_points(Simulation::Impl& s);
-std::string batch_text(const Simulation::Impl& s, const quoin_batch& batch);
 
 }  // namespace quoin

@@ -9,6 +9,8 @@
 
 #include "base/error.h"
 #include "members/members.h"
+#include "model/world_results.h"
+#include "step/findings.h"
 #include "step/large_motion_run.h"
 #include "step/small_motion.h"
 #include "step/stages.h"
@@ -64,7 +66,7 @@ std::vector<int> groups_of_joined_blocks(const Simulation::Impl& s) {
     const blocks::Contact& c = s.large_motion->contacts.list[i];
     if (c.count > 0) join(c.pair.a, c.pair.b);
   }
-  const members::Members* const members = s.large_motion ? s.large_motion->members() : nullptr;
+  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
   if (members) members->each_joint(join);
   for (std::size_t i = 0; i < first.size(); ++i) first[i] = find(static_cast<int>(i));
   return first;
@@ -77,7 +79,7 @@ std::vector<int> loose_blocks(const Simulation::Impl& s, const Stage& settings) 
   for (unsigned c = 0; c < 3; ++c) along |= settings.gravity[c] != 0.0 ? 1u << c : 0u;
   std::map<int, unsigned> imposed;
   for (std::size_t i = 0; i < held.size(); ++i) imposed[group[i]] |= held[i];
-  const members::Members* const members = s.large_motion ? s.large_motion->members() : nullptr;
+  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
   for (std::size_t i = 0; members && i < members->spring_points().size(); ++i)
     imposed[group[at(members->nodes()[at(members->spring_points()[i].node)].block)]] |= along;
   std::vector<int> loose;
@@ -100,7 +102,8 @@ void require_moving_ground(const Simulation::Impl& s) {
   const auto any_fixed = [](const auto& blocks) {
     return std::any_of(blocks.begin(), blocks.end(), [](const auto& b) { return b.fixed; });
   };
-  if (s.large_motion && s.large_motion->members() && !s.large_motion->members()->beds().empty()) return;
+  if (s.large_motion && s.large_motion->held_by.members.get() && !s.large_motion->held_by.members.get()->beds().empty())
+    return;
   if (s.large_motion ? any_fixed(s.large_motion->assembly.blocks) : any_fixed(s.model.assembly.bricks)) return;
   for (const Stage& each : s.scene.stages) {
     if (!each.ground) continue;
@@ -129,8 +132,8 @@ void warn_of_loose_blocks(Simulation::Impl& s, std::vector<Warning>* warnings) {
 void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
   const Stage& settings = current_stage(s);
   if (s.small_motion.held_blocks.empty()) s.small_motion.held_blocks = held_in(s, settings);
-  const auto moved = [&](std::size_t i) {
-    if (s.large_motion) return s.large_motion->moved(static_cast<int>(i));
+  const auto way_of = [&](std::size_t i) {
+    if (s.large_motion) return moved(*s.large_motion, static_cast<int>(i));
     return i < s.small_motion.whole_motions.size() ? norm(geometry::vector(s.small_motion.whole_motions[i].translation))
                                                    : 0.0;
   };
@@ -138,7 +141,7 @@ void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
   int falling = -1;
   for (std::size_t i = 0; i < s.small_motion.held_blocks.size(); ++i) {
     double& largest = s.small_motion.held_blocks[i] != 0 ? of_supports : farthest;
-    const double way = moved(i);
+    const double way = way_of(i);
     if (way <= largest) continue;
     largest = way;
     if (s.small_motion.held_blocks[i] == 0) falling = static_cast<int>(i);
@@ -162,10 +165,7 @@ std::string block_label(const Simulation::Impl& s, int block) {
   return body.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, body);
 }
 
-std::string Simulation::block_label(int block) const { return quoin::block_label(*impl_, block); }
-
-Simulation::Supports Simulation::supports(int stage) const {
-  const Impl& s = *impl_;
+Supports supports_in(const Simulation::Impl& s, int stage) {
   const Stage& settings = s.scene.stages[at(stage)];
   Supports supports;
   std::map<unsigned, std::vector<std::string>> names;  // by what is held
@@ -174,7 +174,7 @@ Simulation::Supports Simulation::supports(int stage) const {
     if (held[i] == 0) continue;
     std::vector<std::string>& with_axes = names[held[i]];
     std::string name = s.large_motion ? s.large_motion->assembly.blocks[i].name : s.model.assembly.bricks[i].body;
-    if (name.empty()) name = block_label(static_cast<int>(i));
+    if (name.empty()) name = block_label(s, static_cast<int>(i));
     if (with_axes.empty() || with_axes.back() != name) with_axes.push_back(std::move(name));
   }
   for (auto& [bits, with_axes] : names) {

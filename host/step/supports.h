@@ -10,6 +10,5 @@ void require_moving_ground(const Simulation::Impl& s);
 void warn_of_loose_blocks(Simulation::Impl& s, std::vector<Warning>* warnings);
 // Warns of a block that has left all supports. Throws Error(numerical) where the stage can only end at rest.
 void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings);
-std::string block_label(const Simulation::Impl& s, int block);
 
 }  // namespace quoin

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "model/placed_points.h"
+#include "model/world_results.h"
 #include "step/existing_damage.h"
 #include "step/rank_agreement.h"
 #include "step/state.h"
@@ -18,7 +19,7 @@ namespace {
 
 void damage_large_motion(Simulation::Impl& s, std::size_t f, const std::vector<CrackedBlock>& blocks,
                          std::vector<double>& hit) {
-  const blocks::Family& family = s.large_motion->families()[f];
+  const blocks::Family& family = s.large_motion->contacts.families[f];
   std::vector<PlacedPoint> points;
   for (const blocks::Point& p : family.point) points.push_back({geometry::array(p.at), p.area, p.a, p.b});
   const DamagedFamily damaged =
@@ -70,7 +71,7 @@ void take_damage(Simulation::Impl& s) {
   for (const Brick& b : s.model.assembly.bricks)
     blocks.push_back({{b.origin[0] + b.size[0] / 2, b.origin[1] + b.size[1] / 2, b.origin[2] + b.size[2] / 2}, b.unit});
   for (int b = 0; s.large_motion && b < s.large_motion->block_count(); ++b)
-    blocks.push_back({geometry::array(s.large_motion->position(b)), s.large_motion->assembly.blocks[at(b)].unit});
+    blocks.push_back({geometry::array(position_of(*s.large_motion, b)), s.large_motion->assembly.blocks[at(b)].unit});
   std::vector<double> hit(s.scene.damage.size(), 0.0);  // contact points, by entry
   std::optional<Error> fault;
   for (std::size_t f = 0; f < s.model.families.size(); ++f) {

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "step/points_at_rest.h"
+#include "step/results.h"
 #include "step/stages.h"
 #include "step/unknowns.h"
 
@@ -90,8 +91,8 @@ MatrixXd inertia_of(const Simulation::Impl& s, int b) {
     for (int c = 0; c < 3; ++c) inertia(c, c) = body.inertia[at(c)];
     return inertia;
   }
-  const blocks::Body& body = s.large_motion->body(b);
-  const double unscaled = body.mass > 0.0 ? s.large_motion->mass_of(b) / body.mass : 0.0;
+  const blocks::Body& body = body_of(*s.large_motion, b);
+  const double unscaled = body.mass > 0.0 ? s.large_motion->blocks[b].mass / body.mass : 0.0;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       for (int c = 0; c < 3; ++c) inertia(i, j) += unscaled * body.r.row[i][c] * body.r.row[j][c] * body.inertia[c];
@@ -103,11 +104,11 @@ MatrixXd inertia_of(const Simulation::Impl& s, int b) {
 void add_gridpoints(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tangent* tangent) {
   std::vector<double> mass;
   if (s.large_motion) {
-    const int first = s.large_motion->block(b).first_node;
+    const int first = s.large_motion->blocks[b].first_node;
     double scaled = 0.0;
-    for (std::size_t n = 0; n < u.gridpoint.size(); ++n) mass.push_back(s.large_motion->node_mass()[at(first) + n]);
+    for (std::size_t n = 0; n < u.gridpoint.size(); ++n) mass.push_back(s.large_motion->nodes.mass[at(first) + n]);
     for (const double m : mass) scaled += m;
-    for (double& m : mass) m *= s.large_motion->mass_of(b) / scaled;
+    for (double& m : mass) m *= s.large_motion->blocks[b].mass / scaled;
   } else {
     s.model.for_each_gridpoint(b, [&](std::size_t, double m) { mass.push_back(m); });
   }
@@ -126,7 +127,8 @@ void add_gridpoints(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u
 // columns are the new unknowns.
 void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tangent* tangent,
               Unknowns::Entries* turned) {
-  const double mass = s.large_motion ? s.large_motion->mass_of(b) : s.model.bodies[at(s.model.place[at(b)].body)].mass;
+  const double mass =
+      s.large_motion ? s.large_motion->blocks[b].mass : s.model.bodies[at(s.model.place[at(b)].body)].mass;
   std::vector<int> axes;
   for (int c = 0; c < 3; ++c) {
     if (const int i = u.body[at(c)]; i >= 0) {
@@ -174,11 +176,10 @@ std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
                   damping.alpha};
 }
 
-Tangent tangent_of(const Simulation& simulation) {
-  Simulation::Impl& s = *simulation.impl_;
+Tangent tangent_of(const Simulation::Impl& s) {
   if (s.ranks) throw Error(Exit::bad_input, "modes of a state: in one process alone; start quoin without mpirun");
-  const Unknowns unknowns(s, static_cast<int>(simulation.block_count()));
-  const std::vector<ContactPoint> points = simulation.contact_points();
+  const Unknowns unknowns(s);
+  const std::vector<ContactPoint> points = contact_points(s);
   const PointStiffness k = stiffness_now(s, whole_range(s), points);
   Tangent t;
   t.groups = unknowns.groups();
@@ -201,7 +202,7 @@ Tangent tangent_of(const Simulation& simulation) {
     const auto& [beta, along] = dashpots->of_family[at(p.family)];
     unknowns.add_point(p, p.area * beta * normal, p.area * along * shear, &viscous);
   }
-  for (int b = 0; b < static_cast<int>(simulation.block_count()); ++b) {
+  for (int b = 0; b < block_count(s); ++b) {
     const Unknowns::OfBlock& u = unknowns.blocks()[at(b)];
     if (u.rigid)
       add_body(s, b, u, &t, &turned);

@@ -10,10 +10,9 @@
 
 #include "geometry/vector.h"
 #include "sparse/sparse_cholesky.h"
+#include "step/simulation.h"
 
 namespace quoin {
-
-class Simulation;
 
 struct Tangent {
   struct Unknown {
@@ -33,6 +32,6 @@ struct Tangent {
 };
 
 // With what the current stage holds, in one process.
-Tangent tangent_of(const Simulation& simulation);
+Tangent tangent_of(const Simulation::Impl& s);
 
 }  // namespace quoin

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "model/world_results.h"
+#include "step/results.h"
+
 namespace quoin {
 namespace {
 
@@ -42,9 +45,9 @@ geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const s
   return stress;
 }
 
-Unknowns::Unknowns(Simulation::Impl& impl, int block_count) : s_(impl) {
+Unknowns::Unknowns(const Simulation::Impl& s) : s_(s) {
   groups_.begin = {0};
-  for (int b = 0; b < block_count; ++b) {
+  for (int b = 0; b < block_count(s); ++b) {
     blocks_.emplace_back();
     s_.large_motion ? number_large_motion(b) : number_lattice(b);
   }
@@ -75,9 +78,9 @@ void Unknowns::number_lattice(int b) {
 
 void Unknowns::number_large_motion(int b) {
   OfBlock& u = blocks_.back();
-  const blocks::ModelBlock& block = s_.large_motion->block(b);
+  const blocks::ModelBlock& block = s_.large_motion->blocks[b];
   if (block.body >= 0) {
-    const blocks::Body& body = s_.large_motion->body(b);
+    const blocks::Body& body = body_of(*s_.large_motion, b);
     u.rigid = true, u.centre = body.x;
     unsigned held_body = body.held;
     for (const Drive& drive : s_.actions.drives)
@@ -90,9 +93,9 @@ void Unknowns::number_large_motion(int b) {
   const bool halved = s_.large_motion->assembly.symmetry_plane_z0;
   for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
     auto& of_point = u.gridpoint.emplace_back();
-    const bool on_plane = halved && s_.large_motion->node_reference()[at(n)].z == 0.0;
+    const bool on_plane = halved && s_.large_motion->nodes.reference[at(n)].z == 0.0;
     for (unsigned c = 0; c < 3; ++c) of_point[c] = next((held >> c & 1u) != 0 || (on_plane && c == 2));
-    close_group(b, s_.large_motion->node_positions()[at(n)]);
+    close_group(b, s_.large_motion->nodes.x[at(n)]);
   }
 }
 
@@ -111,10 +114,10 @@ void Unknowns::add_zones(Entries* entries) const {
       }
       continue;
     }
-    const blocks::ModelBlock& block = s_.large_motion->block(b);
-    const geometry::Matrix turned = s_.large_motion->orientation(b);
+    const blocks::ModelBlock& block = s_.large_motion->blocks[b];
+    const geometry::Matrix turned = orientation_of(*s_.large_motion, b);
     for (int z = 0; z < block.zone_count; ++z) {
-      const blocks::Zone zone = s_.large_motion->zone(b, z);
+      const blocks::Zone zone = zone_of(*s_.large_motion, b, z);
       for (std::size_t i = 0; i < 4; ++i)
         unknown[i] = u.gridpoint[at(zone.node[i])], gradient[i] = turned * zone.gradient[i];
       add_zone(unknown, gradient, zone.volume, zone.lambda, zone.mu, entries);
@@ -148,7 +151,8 @@ void Unknowns::add_side(const ContactPoint& p, int b, double sign, std::vector<U
     }
   } else if (s_.large_motion) {
     const auto [node, weight] = on_surface(b, place);
-    for (std::size_t i = 0; i < 3; ++i) add(u.gridpoint[at(node[i] - s_.large_motion->block(b).first_node)], weight[i]);
+    for (std::size_t i = 0; i < 3; ++i)
+      add(u.gridpoint[at(node[i] - s_.large_motion->blocks[b].first_node)], weight[i]);
   } else {
     add(u.gridpoint[at(gridpoint_at(b, place))], 1.0);
   }
@@ -156,10 +160,10 @@ void Unknowns::add_side(const ContactPoint& p, int b, double sign, std::vector<U
 
 // Corners of the triangle of its surface that the place is closest to, and their weights there.
 std::pair<std::array<int, 3>, std::array<double, 3>> Unknowns::on_surface(int b, const Vector& place) const {
-  const auto& x = s_.large_motion->node_positions();
+  const auto& x = s_.large_motion->nodes.x;
   std::pair<std::array<int, 3>, std::array<double, 3>> best{};
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& triangle : s_.large_motion->block(b).surface) {
+  for (const auto& triangle : s_.large_motion->blocks[b].surface) {
     const Vector &p = x[at(triangle.node[0])], &q = x[at(triangle.node[1])], &r = x[at(triangle.node[2])];
     const Vector normal = cross(q - p, r - p);
     const double twice = dot(normal, normal);
@@ -201,13 +205,13 @@ template <class Visit>
 void Unknowns::for_each_stressed_zone(int b, const Visit& visit) const {
   std::array<Vector, 4> gradient;
   if (s_.large_motion) {
-    const blocks::ModelBlock& block = s_.large_motion->block(b);
-    const geometry::Matrix turned = s_.large_motion->orientation(b);
+    const blocks::ModelBlock& block = s_.large_motion->blocks[b];
+    const geometry::Matrix turned = orientation_of(*s_.large_motion, b);
     for (int z = 0; z < block.zone_count; ++z) {
-      const blocks::Zone zone = s_.large_motion->zone(b, z);
+      const blocks::Zone zone = zone_of(*s_.large_motion, b, z);
       std::array<int, 4> node;
       for (std::size_t i = 0; i < 4; ++i) node[i] = zone.node[i], gradient[i] = turned * zone.gradient[i];
-      visit(node, gradient, zone.volume, s_.large_motion->zone_stress(b, z));
+      visit(node, gradient, zone.volume, zone_stress(*s_.large_motion, b, z));
     }
     return;
   }

@@ -32,7 +32,7 @@ class Unknowns {
   };
 
   // With what the controls of the current stage hold. The simulation must outlive this.
-  Unknowns(Simulation::Impl& impl, int block_count);
+  explicit Unknowns(const Simulation::Impl& s);
 
   int count() const { return count_; }
   std::vector<OfBlock>& blocks() { return blocks_; }
@@ -58,7 +58,7 @@ class Unknowns {
   std::pair<std::array<int, 3>, std::array<double, 3>> on_surface(int block, const geometry::Vector& place) const;
   int gridpoint_at(int block, const geometry::Vector& place) const;
 
-  Simulation::Impl& s_;
+  const Simulation::Impl& s_;
   std::vector<OfBlock> blocks_;
   UnknownGroups groups_;
   std::vector<int> block_of_group_;

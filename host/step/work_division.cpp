@@ -5,7 +5,9 @@
 #include <span>
 
 #include "base/ranks.h"
+#include "model/world_results.h"
 #include "step/borders.h"
+#include "step/collect.h"
 #include "step/rank_part.h"
 #include "step/state.h"
 
@@ -15,8 +17,8 @@ namespace {
 
 // All ranks find the same.
 Vec3 place_in_large_motion(const Simulation::Impl& s, int block) {
-  return geometry::array(s.parts.divided ? s.large_motion->part.rough_place[static_cast<std::size_t>(block)]
-                                         : s.large_motion->position(block));
+  return geometry::array(s.parts.divided ? s.large_motion->part.rough_place[at(block)]
+                                         : position_of(*s.large_motion, block));
 }
 
 // What follows from the shares.
@@ -24,7 +26,7 @@ void bind_work(Simulation::Impl& s) {
   bind_halo(s);
   const auto ends = [&](std::span<const int> pieces, const std::vector<double>& cost) {
     std::vector<double> weight;
-    for (const int i : pieces) weight.push_back(cost[static_cast<std::size_t>(i)]);
+    for (const int i : pieces) weight.push_back(cost[at(i)]);
     return shares(weight, s.pool.thread_count());
   };
   s.division.chunk_end = ends(s.division.share.chunks, s.division.chunk_cost);
@@ -88,13 +90,11 @@ long points_between(const std::vector<int>& rank_of_item, const ChunkItems& touc
 
 std::vector<int> rank_by_block(const Simulation::Impl& s) {
   std::vector<int> rank;
-  for (const int item : s.division.item_by_block)
-    rank.push_back(s.division.share.rank_of_item[static_cast<std::size_t>(item)]);
+  for (const int item : s.division.item_by_block) rank.push_back(s.division.share.rank_of_item[at(item)]);
   return rank;
 }
 
-bool Simulation::owns_block(int block) const {
-  const Impl& s = *impl_;
+bool owns_block(const Simulation::Impl& s, int block) {
   if (!s.ranks) return true;
   return s.division.share.owns_item(s.large_motion ? s.division.item_by_block[at(block)] : item_of_block(s, block),
                                     s.ranks->rank());
@@ -109,7 +109,7 @@ int item_of_block(const Simulation::Impl& s, int block) {
 std::vector<int> blocks_of_item(const Simulation::Impl& s, int item) {
   std::vector<int> blocks;
   if (s.large_motion) {
-    const auto of_piece = s.large_motion->blocks_of_piece(item);
+    const auto of_piece = s.large_motion->pieces.blocks_of(item);
     return {of_piece.begin(), of_piece.end()};
   }
   auto i = at(item);
@@ -219,7 +219,7 @@ void each_side(const Simulation::Impl& s, int chunk, const std::function<void(in
 
 void each_item_of_chunk(const Simulation::Impl& s, int chunk, const std::function<void(int)>& visit) {
   if (s.large_motion) {
-    s.large_motion->each_block_of_chunk(chunk, [&](int block) { visit(s.division.item_by_block[at(block)]); });
+    each_block_of_chunk(*s.large_motion, chunk, [&](int block) { visit(s.division.item_by_block[at(block)]); });
     return;
   }
   const ContactChunk& c = s.model.chunks[at(chunk)];
@@ -243,7 +243,7 @@ void divide_work(Simulation::Impl& s) {
   s.division.chunk_cost.clear(), s.division.item_cost.clear(), s.division.unit_of_group.clear();
   for (const ContactChunk& chunk : s.model.chunks) s.division.chunk_cost.push_back(chunk.point_count);
   for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c)
-    s.division.chunk_cost.push_back(s.large_motion->chunk_work(c));
+    s.division.chunk_cost.push_back(s.large_motion->chunks.all[at(c)].count);
 
   // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
   constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
@@ -252,29 +252,26 @@ void divide_work(Simulation::Impl& s) {
     s.division.item_cost.push_back(0.0);
     for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
       s.division.unit_of_group.push_back(static_cast<int>(s.division.item_cost.size()) - 1);
-      const BlockGroup& group = s.model.groups[static_cast<std::size_t>(g)];
-      const BrickTemplate& shape = s.model.templates[static_cast<std::size_t>(group.brick_template)];
+      const BlockGroup& group = s.model.groups[at(g)];
+      const BrickTemplate& shape = s.model.templates[at(group.brick_template)];
       s.division.item_cost.back() += static_cast<double>(shape.stiffness.coefficient.size());
-      s.division.largest_group = std::max(s.division.largest_group, static_cast<std::size_t>(shape.node_count) * kLine);
+      s.division.largest_group = std::max(s.division.largest_group, at(shape.node_count) * kLine);
     }
   }
   for (const BodyGroup& group : s.model.body_groups)
-    s.division.item_cost.push_back(kBodySlot *
-                                   (s.model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
+    s.division.item_cost.push_back(kBodySlot * (s.model.body_slots[at(group.slots)].slot_count() + 8.0));
   for (const int b : s.model.lone_bodies)
-    s.division.item_cost.push_back(
-        kBodyPoint * (static_cast<double>(s.model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
+    s.division.item_cost.push_back(kBodyPoint * (static_cast<double>(s.model.bodies[at(b)].point.size()) + 2.0));
   for (int p = 0; s.large_motion && p < s.large_motion->piece_count(); ++p)
-    s.division.item_cost.push_back(s.large_motion->piece_work(p));
-  s.division.item_by_block.assign(s.large_motion ? static_cast<std::size_t>(s.large_motion->block_count()) : 0, -1);
+    s.division.item_cost.push_back(piece_work(*s.large_motion, p));
+  s.division.item_by_block.assign(s.large_motion ? at(s.large_motion->block_count()) : 0, -1);
   for (int p = 0; s.large_motion && p < s.large_motion->piece_count(); ++p) {
-    for (const std::int32_t block : s.large_motion->blocks_of_piece(p))
-      s.division.item_by_block[static_cast<std::size_t>(block)] = p;
+    for (const std::int32_t block : s.large_motion->pieces.blocks_of(p)) s.division.item_by_block[at(block)] = p;
   }
   s.reactions.restrained_of_item.assign(s.division.item_cost.size(), {});
   for (const int block : s.reactions.restrained_blocks) {
-    const int item = s.large_motion ? s.division.item_by_block[static_cast<std::size_t>(block)] : -1;
-    if (item >= 0) s.reactions.restrained_of_item[static_cast<std::size_t>(item)].push_back(block);
+    const int item = s.large_motion ? s.division.item_by_block[at(block)] : -1;
+    if (item >= 0) s.reactions.restrained_of_item[at(item)].push_back(block);
   }
   s.division.share = share_of_this_rank(s);
 }

@@ -16,6 +16,7 @@
 #include "model/motion.h"
 #include "scene/generate.h"
 #include "scene/read_scene.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -100,7 +101,7 @@ TEST(Columns, GoAlongIntoLargeMotionAndCheckpoints) {
   Rows rows;
   simulation.run(rows);
   ASSERT_TRUE(rows.promoted);
-  const auto& large_motion = simulation.large_motion()->families()[0].columns;
+  const auto& large_motion = simulation.large_motion()->contacts.families[0].columns;
   ASSERT_EQ(large_motion.size(), 2u);
   std::multiset<double> before(on_lattice[0].values.begin(), on_lattice[0].values.end()),
       after(large_motion[0].values.begin(), large_motion[0].values.end());
@@ -108,7 +109,7 @@ TEST(Columns, GoAlongIntoLargeMotionAndCheckpoints) {
   Simulation other(read_scene(kSmall, settings));
   other.restore(simulation.save());
   EXPECT_EQ(other.hash(), simulation.hash());
-  EXPECT_EQ(other.large_motion()->families()[0].columns[1].values, large_motion[1].values);
+  EXPECT_EQ(other.large_motion()->contacts.families[0].columns[1].values, large_motion[1].values);
 }
 
 struct Drawn {
@@ -173,7 +174,7 @@ TEST(Columns, DoNotDependOnTheKernels) {
   const Settings settings = strength("distribution=\"lognormal\",cov=0.2,level=\"point\",correlation_length=0.2");
   const Drawn lattice = drawn(settings);
   const Simulation general(read_scene(kSmall, settings + Settings{"solver.kernels=general"}));
-  const blocks::Family& family = general.large_motion()->families()[0];
+  const blocks::Family& family = general.large_motion()->contacts.families[0];
   ASSERT_EQ(family.size(), lattice.point.size());
   std::map<std::pair<int, int>, std::vector<std::size_t>> of_pair;
   for (std::size_t i = 0; i < lattice.point.size(); ++i)
@@ -275,8 +276,8 @@ TEST(Columns, StiffnessThatScattersIsNoFaultOfTheLaw) {
     Simulation simulation(read_scene(kSmall, kQuick + stiff + Settings{kernels}));
     Observer nobody;
     simulation.run(nobody);
-    EXPECT_LE(simulation.watch().stiffness_ratio, 1.0 + 1e-9) << kernels;
-    EXPECT_GT(simulation.watch().stiffness_ratio, 0.9) << "some point is as stiff as the stiffest drawn";
+    EXPECT_LE(watch_of(simulation).stiffness_ratio, 1.0 + 1e-9) << kernels;
+    EXPECT_GT(watch_of(simulation).stiffness_ratio, 0.9) << "some point is as stiff as the stiffest drawn";
     for (const Warning& warning : simulation.outcome().warnings) EXPECT_NE(warning.about, "time_step") << kernels;
   }
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "../../benchmarks/step/hot_arrays.h"
 #include "base/index.h"
 #include "scene/read_scene.h"
 #include "step/rigid_bodies.h"
@@ -60,7 +61,7 @@ TEST(BodyGroup, HotArraysAreWhatAStepReads) {
   const Simulation simulation(read_scene(QUOIN_SCENES "/cube_wall_10.toml", {}));
   const Model& model = simulation.model();
   std::map<std::string, std::size_t> bytes;
-  for (const HotArray& array : simulation.hot_arrays())
+  for (const HotArray& array : hot_arrays(simulation))
     if (array.of != HotOf::block) bytes[array.what] = array.bytes;
   const std::size_t points = at(model.point_count);
   EXPECT_EQ(bytes["traction"], points * 24);

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "scene/quality.h"
 #include "scene/read_scene.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -184,11 +185,11 @@ TEST(Building, ALoadOnADeformableBlockMovesIt) {
     Simulation simulation(scene, assembly, 1);
     simulation.advance(200);
     const double mass = kDensity * kHalf * kHeight * kThickness, t = simulation.time();
-    for (const Vec3& v : simulation.block_velocity(1)) {
+    for (const Vec3& v : block_velocity(simulation, 1)) {
       for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(v[c], control.force[c] / mass * t, 1e-9 * 300.0 / mass * t);
     }
-    for (const Vec3& v : simulation.block_velocity(0)) EXPECT_EQ(v[0], 0.0);
-    for (const auto& stress : simulation.block_stress(1)) EXPECT_NEAR(stress[1], 0.0, 1e-3);
+    for (const Vec3& v : block_velocity(simulation, 0)) EXPECT_EQ(v[0], 0.0);
+    for (const auto& stress : block_stress(simulation, 1)) EXPECT_NEAR(stress[1], 0.0, 1e-3);
     const double squared = 300.0 * 300.0 + 200.0 * 200.0 + 100.0 * 100.0;
     const Energies energies = *simulation.measure().energies;
     // At the time of the last forces, a step before, with the velocities of half a step around it.
@@ -314,18 +315,18 @@ TEST(Building, BeamsThatDriftComeToRestAfterABlow) {
   for (int block = 0; block < count; ++block) {
     if (assembly.bricks[static_cast<std::size_t>(block)].rigid) continue;
     for (int n = 0; n < 27; ++n)
-      simulation.velocity()[dof(simulation.model(), block, n, 0)] += block % 2 == 0 ? 5e-3 : -5e-3;
+      lattice_velocity(simulation)[dof(simulation.model(), block, n, 0)] += block % 2 == 0 ? 5e-3 : -5e-3;
   }
   simulation.advance(1000);
   double drift = 0.0, change = 0.0;  // of the velocities of the beams, in a step
   for (int step = 0; step < 12; ++step) {
     std::vector<double> before;
-    for (int block = 0; block < count; ++block) before.push_back(simulation.block_velocity(block).front()[0]);
+    for (int block = 0; block < count; ++block) before.push_back(block_velocity(simulation, block).front()[0]);
     simulation.advance(1);
     for (int block = 0; block < count; ++block) {
       const Brick& brick = assembly.bricks[static_cast<std::size_t>(block)];
       if (!brick.rigid || brick.body == "bottom_beam") continue;
-      const double now = simulation.block_velocity(block).front()[0];
+      const double now = block_velocity(simulation, block).front()[0];
       change = std::max(change, std::abs(now - before[static_cast<std::size_t>(block)]));
       drift = std::max(drift, now);
     }

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "step/simulation.h"
 #include "support.h"
 
@@ -36,8 +37,8 @@ struct Saver : Observer {
     if (take) next += std::exchange(before_next, next);
     if (std::exchange(seen_stage, stage) != stage) take = true;
     if (const blocks::Model* m = simulation.large_motion()) {
-      if (detections >= 0 && m->detections() != detections && after_detection++ < 4) take = true;
-      detections = m->detections();
+      if (detections >= 0 && m->detection.count != detections && after_detection++ < 4) take = true;
+      detections = m->detection.count;
     }
     if (pauses % 61 == 0 && further++ < 8) take = true;
     latest = {simulation.save(), rows.size(), simulation.step()};
@@ -90,7 +91,7 @@ long expect_restores(const Scene& scene) {
     EXPECT_EQ(again.hash(), whole.hash());
     EXPECT_EQ(again.step(), whole.step());
     EXPECT_EQ(again.time(), whole.time());
-    EXPECT_EQ(again.condition_counts(), whole.condition_counts());
+    EXPECT_EQ(condition_counts(again), condition_counts(whole));
     EXPECT_EQ(again.outcome().collapse_multiplier, whole.outcome().collapse_multiplier);
     EXPECT_EQ(again.outcome().base_slip_at_uplift, whole.outcome().base_slip_at_uplift);
     const auto &losses = again.outcome().force_losses, &of_whole = whole.outcome().force_losses;
@@ -100,15 +101,15 @@ long expect_restores(const Scene& scene) {
       EXPECT_EQ(losses[k].force, of_whole[k].force);
     }
     if (const blocks::Model* m = again.large_motion()) {
-      EXPECT_EQ(m->detections(), whole.large_motion()->detections());
-      EXPECT_EQ(m->time_step(), whole.large_motion()->time_step());
+      EXPECT_EQ(m->detection.count, whole.large_motion()->detection.count);
+      EXPECT_EQ(m->stepping.dt, whole.large_motion()->stepping.dt);
     }
     EXPECT_EQ(rest.rows.size(), saver.rows.size() - from.rows);
     for (std::size_t k = 0; k < std::min(rest.rows.size(), saver.rows.size() - from.rows); ++k)
       expect_same(rest.rows[k], saver.rows[from.rows + k]);
     if (::testing::Test::HasFailure()) break;
   }
-  return whole.large_motion() ? whole.large_motion()->detections() : 0;
+  return whole.large_motion() ? whole.large_motion()->detection.count : 0;
 }
 
 Scene scene_of(const std::string& name, std::vector<std::string> overrides) {
@@ -127,12 +128,12 @@ TEST(Checkpoint, WallInLargeMotionGoesOnBitForBit) {
   const Scene scene =
       scene_of(QUOIN_HOST_TESTS "/halves_part.toml", {"solver.large_motion=always", "output.energy=true"});
   Simulation start(scene, 1);
-  EXPECT_EQ(start.large_motion()->unit_count(), 2);
+  EXPECT_EQ(start.large_motion()->units.count, 2);
   Observer nobody;
   start.run_stage(nobody), start.run_stage(nobody);
-  EXPECT_EQ(start.large_motion()->unit_count(), 1) << "none came apart";
+  EXPECT_EQ(start.large_motion()->units.count, 1) << "none came apart";
   start.run(nobody);
-  EXPECT_EQ(start.large_motion()->unit_count(), 2) << "they have not met again";
+  EXPECT_EQ(start.large_motion()->units.count, 2) << "they have not met again";
   expect_restores(scene);
 }
 

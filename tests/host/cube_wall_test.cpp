@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/read_scene.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -35,7 +36,7 @@ void move_and_hold(Scene* scene, double displacement) {
 Vec3 force_on(const Simulation& simulation, const std::string& name) {
   const auto& bricks = simulation.assembly().bricks;
   Vec3 force{};
-  for (const ContactPoint& p : simulation.contact_points()) {
+  for (const ContactPoint& p : contact_points(simulation)) {
     const double sign = (bricks[static_cast<std::size_t>(p.block_a)].body == name ? 1.0 : 0.0) -
                         (bricks[static_cast<std::size_t>(p.block_b)].body == name ? 1.0 : 0.0);
     for (std::size_t c = 0; c < 3; ++c) {

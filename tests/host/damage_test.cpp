@@ -14,6 +14,7 @@
 #include "results/checkpoint_file.h"
 #include "scene/generate.h"
 #include "scene/read_scene.h"
+#include "step/results.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -86,7 +87,7 @@ TEST_P(Damaged, ToeHasWhatCrushingLeaves) {
   const std::string text = wall_text(1, 1, damage, moved(-0.005, 1.2e-4));
   Simulation simulation(read(text, GetParam()), 1);
   simulation.advance(2);
-  for (const ContactPoint& p : simulation.contact_points()) EXPECT_NEAR(p.traction[0], 0.0, 1e-3 * kFc);
+  for (const ContactPoint& p : contact_points(simulation)) EXPECT_NEAR(p.traction[0], 0.0, 1e-3 * kFc);
   EXPECT_NEAR(largest(run(text, GetParam()), 1.0), 0.6 * kFc * kBedArea, 0.01 * kFc * kBedArea);
 }
 
@@ -113,15 +114,15 @@ TEST_P(Damaged, SlipLeavesItsDamage) {
   const std::string damage = fmt::format("[[damage]]\nslip = {}\n", 0.5 * su);
   Simulation simulation(read(wall_text(1, 1, damage, moved(0.005, 1e-5)), GetParam()), 1);
   const double elastic = 0.3e6 / 36e9;  // m, before it slips
-  const std::vector<double> xi = simulation.state("xi_s");
+  const std::vector<double> xi = law_state(simulation, "xi_s");
   ASSERT_FALSE(xi.empty());
   for (const double x : xi) EXPECT_NEAR(x, 0.5, 2.0 * elastic / su);
 }
 
 // Blocks that are still held together, by joints of which some point is not broken through.
 bool hangs_together(const Simulation& simulation, double end) {
-  const std::vector<ContactPoint> points = simulation.contact_points();
-  const std::vector<double> xi = simulation.state("xi_t");
+  const std::vector<ContactPoint> points = contact_points(simulation);
+  const std::vector<double> xi = law_state(simulation, "xi_t");
   std::vector<int> leader(static_cast<std::size_t>(simulation.block_count()));
   std::iota(leader.begin(), leader.end(), 0);
   const auto find = [&](int b) {
@@ -161,8 +162,8 @@ TEST(Damage, CrackGoesRoundUnits) {
     const std::string text = wall_text(3, 2, "unit_joint = \"mortar\"\n" + damage, moved(0.005, 1e-5));
     Scene scene = read_scene_text(text, "damaged.toml", {"wall.mid_unit_joints=true"});
     Simulation simulation(std::move(scene), 1);
-    const std::vector<ContactPoint> points = simulation.contact_points();
-    const std::vector<double> xi = simulation.state("xi_t");
+    const std::vector<ContactPoint> points = contact_points(simulation);
+    const std::vector<double> xi = law_state(simulation, "xi_t");
     long inside_units = 0;
     for (const ContactPoint& p : points) {
       const auto& bricks = simulation.assembly().bricks;
@@ -222,7 +223,7 @@ TEST(Damage, SupportThatSettlesCarriesLess) {
   const auto carried = [&](const std::string& part) {  // N
     const auto& bricks = simulation.assembly().bricks;
     double force = 0.0;
-    for (const ContactPoint& p : simulation.contact_points())
+    for (const ContactPoint& p : contact_points(simulation))
       for (const int b : {p.block_a, p.block_b})
         if (bricks[static_cast<std::size_t>(b)].body.starts_with(part)) force -= p.traction[0] * p.area;
     return force;

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -130,18 +131,18 @@ TEST(Deformation, RigidMotionKeepsItsInertia) {
     // Turning slowly about z: u = omega x r.
     const Model& model = simulation.model();
     for (int b = 0; b < halves; ++b) {
-      const auto mesh = simulation.block_mesh(b);
+      const auto mesh = block_mesh(simulation, b);
       for (int n = 0; n < model.templates[0].node_count; ++n) {
         const Vec3& x = mesh.gridpoint[static_cast<std::size_t>(n)];
-        simulation.velocity()[dof(model, b, n, 0)] = -1e-3 * x[1];
-        simulation.velocity()[dof(model, b, n, 1)] = 1e-3 * x[0];
+        lattice_velocity(simulation)[dof(model, b, n, 0)] = -1e-3 * x[1];
+        lattice_velocity(simulation)[dof(model, b, n, 1)] = 1e-3 * x[0];
       }
     }
     simulation.advance(1000);
     const double t = simulation.time();
     for (int b = 0; b < halves; ++b) {
-      const auto mesh = simulation.block_mesh(b);
-      const auto velocity = simulation.block_velocity(b);
+      const auto mesh = block_mesh(simulation, b);
+      const auto velocity = block_velocity(simulation, b);
       for (std::size_t n = 0; n < velocity.size(); ++n) {
         EXPECT_NEAR(velocity[n][0], 1.0 * t - 1e-3 * mesh.gridpoint[n][1], 1e-11);
         EXPECT_NEAR(velocity[n][1], -9.81 * t + 1e-3 * mesh.gridpoint[n][0], 1e-11);
@@ -185,12 +186,12 @@ TEST(Deformation, VibrationBrakesNoMotionUnderDampingByBlock) {
       double sum = 0.0;
       for (int b = 0; b < halves; ++b) {
         for (int n = 0; n < model.templates[0].node_count; ++n)
-          sum += model.node_mass[dof(model, b, n, 0)] * simulation.velocity()[dof(model, b, n, 0)];
+          sum += model.node_mass[dof(model, b, n, 0)] * lattice_velocity(simulation)[dof(model, b, n, 0)];
       }
       return sum;
     };
     for (int b = 0; b < halves; ++b) {
-      for (int n = 0; n < model.templates[0].node_count; ++n) simulation.velocity()[dof(model, b, n, 0)] += 0.02;
+      for (int n = 0; n < model.templates[0].node_count; ++n) lattice_velocity(simulation)[dof(model, b, n, 0)] += 0.02;
     }
     const double start = momentum();
     simulation.advance(3000);
@@ -213,7 +214,7 @@ TEST(Deformation, ForcesByZoneAreThoseOfTheAssembledStiffness) {
       random_velocities(&simulation, 11, 1e-3);
       simulation.advance(100);
       auto& u = displacement[way == InternalForces::zones];
-      u.assign(simulation.displacement().begin(), simulation.displacement().end());
+      u.assign(lattice_displacement(simulation).begin(), lattice_displacement(simulation).end());
       u.push_back(simulation.measure().energies->strain * 1e-3);
     }
     double largest = 0.0, difference = 0.0;

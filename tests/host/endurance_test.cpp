@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -18,10 +19,10 @@ void take_away_drift(Simulation* simulation) {
   const Model& model = simulation->model();
   Vec3 momentum{};
   const auto component = [](std::size_t i) { return i % kLine / kLanes; };
-  for (std::size_t i = 0; i < simulation->velocity().size(); ++i)
-    momentum[component(i)] += model.node_mass[i] * simulation->velocity()[i];
-  for (std::size_t i = 0; i < simulation->velocity().size(); ++i) {
-    if (model.node_mass[i] > 0.0) simulation->velocity()[i] -= momentum[component(i)] / model.total_mass();
+  for (std::size_t i = 0; i < lattice_velocity(*simulation).size(); ++i)
+    momentum[component(i)] += model.node_mass[i] * lattice_velocity(*simulation)[i];
+  for (std::size_t i = 0; i < lattice_velocity(*simulation).size(); ++i) {
+    if (model.node_mass[i] > 0.0) lattice_velocity(*simulation)[i] -= momentum[component(i)] / model.total_mass();
   }
 }
 
@@ -100,7 +101,7 @@ TEST(Endurance, AWallWhoseSupportGoesAwayFalls) {
     const Model& model = s.model();
     double sum = 0.0;
     for (std::size_t b = 0; b < model.assembly.bricks.size(); ++b) {
-      const auto velocity = s.block_velocity(static_cast<int>(b));
+      const auto velocity = block_velocity(s, static_cast<int>(b));
       const Model::BlockPlace& place = model.place[b];
       for (std::size_t n = 0; n < velocity.size(); ++n) {
         const double mass = place.body >= 0 ? model.bodies[static_cast<std::size_t>(place.body)].mass / 8.0

@@ -14,7 +14,10 @@
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 #include "scene/read_scene.h"
+#include "step/collect.h"
+#include "step/kernels.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "support.h"
 #include "thread_ranks.h"
 
@@ -95,8 +98,8 @@ Bits bits_of(const GoldenRun& run, int threads) {
   } catch (const Error& error) {
     EXPECT_EQ(error.exit_code, Exit::interrupted) << error.what();
   }
-  const auto counts = simulation.condition_counts();
-  return {simulation.hash(), simulation.instruction_set(), simulation.step(),
+  const auto counts = condition_counts(simulation);
+  return {simulation.hash(), kernel_instruction_set(), simulation.step(),
           simulation.point_count() - counts[static_cast<std::size_t>(Condition::elastic)]};
 }
 
@@ -329,7 +332,7 @@ struct Golden : Observer {
   void on_promotion(const Simulation&) override { ++promotions; }
   void on_row(const HistoryRow& row) override {
     if (const blocks::Model* m = watched ? watched->large_motion() : nullptr) {
-      fewest_units = std::min(fewest_units, m->unit_count()), most_units = std::max(most_units, m->unit_count());
+      fewest_units = std::min(fewest_units, m->units.count), most_units = std::max(most_units, m->units.count);
     }
     const Energies& e = row.energies.value();
     const double numbers[] = {row.time,           row.displacement,     row.resistance,     row.vertical_force,
@@ -350,7 +353,7 @@ class GoldenKinds : public ::testing::TestWithParam<GoldenKind> {
     return scene;
   }
   static GoldenBits bits_of(const Simulation& simulation, const Golden& golden) {
-    const auto counts = simulation.condition_counts();
+    const auto counts = condition_counts(simulation);
     return {simulation.hash(), golden.rows, simulation.step(),
             simulation.point_count() - counts[static_cast<std::size_t>(Condition::elastic)]};
   }
@@ -376,7 +379,7 @@ TEST_P(GoldenKinds, ThreadsRanksResumedRunsAndInstructionSetsAgreeWithTheRecord)
   EXPECT_EQ(golden.promotions > 0, kind.has == GoldenKind::promotion);
   EXPECT_EQ(golden.swaps > 0, kind.has == GoldenKind::swap);
   if (kind.has == GoldenKind::detection) {
-    EXPECT_GT(simulation.large_motion()->detections(), 2);
+    EXPECT_GT(simulation.large_motion()->detection.count, 2);
   }
   if (kind.has == GoldenKind::parting) {
     EXPECT_LT(golden.fewest_units, golden.most_units) << "no halves parted";
@@ -387,7 +390,7 @@ TEST_P(GoldenKinds, ThreadsRanksResumedRunsAndInstructionSetsAgreeWithTheRecord)
     Simulation half(scene(), 1, &ranks);
     Golden of_half;
     half.run(of_half);
-    half.gather_at_first();
+    gather_at_first(half);
     if (ranks.rank() == 0) {
       EXPECT_EQ(bits_of(half, of_half), bits) << "2 ranks";
     }

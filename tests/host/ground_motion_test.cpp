@@ -7,6 +7,7 @@
 
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -72,7 +73,7 @@ ground_motion = { direction = [2, -3, 6], time = [0, 0.07, 0.1, 0.18, 0.23], acc
   const double begin = simulation.time(), dt = simulation.time_step_report().time_step;
   ASSERT_LT(dt, 1e-4);
   const auto expect_at_rest = [&](int block) {
-    for (const Vec3& u : simulation.block_displacement(block)) EXPECT_LT(std::hypot(u[0], u[1], u[2]), 1e-14) << block;
+    for (const Vec3& u : block_displacement(simulation, block)) EXPECT_LT(std::hypot(u[0], u[1], u[2]), 1e-14) << block;
   };
   expect_at_rest(0);
   double fastest = 0.0;
@@ -82,7 +83,7 @@ ground_motion = { direction = [2, -3, 6], time = [0, 0.07, 0.1, 0.18, 0.23], acc
     if (half_way.empty() && simulation.time() > begin + 0.15) half_way = simulation.save();
     const double t = simulation.time() - begin, expected = way(t);
     const Vec3 axis{2.0 / 7, -3.0 / 7, 6.0 / 7};
-    for (const Vec3& u : simulation.block_displacement(0)) {
+    for (const Vec3& u : block_displacement(simulation, 0)) {
       for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(u[c], axis[c] * expected, 6.0 * dt * dt) << c << " at " << t;
     }
     fastest = std::max(fastest, (way(t + dt) - expected) / dt);
@@ -119,7 +120,7 @@ energy = true
   for (bool more = true; more;) {
     more = simulation.run_stage(nobody, 7);
     const double t = simulation.time();
-    const double lag = simulation.block_displacement(1)[0][1] - simulation.block_displacement(0)[0][1];
+    const double lag = block_displacement(simulation, 1)[0][1] - block_displacement(simulation, 0)[0][1];
     EXPECT_NEAR(lag, -swing * (1 - std::cos(frequency * t)), 5e-3 * swing) << t;
     largest = std::max(largest, -lag);
   }
@@ -141,14 +142,14 @@ TEST(GroundMotion, DampingOfImpactsGoesOnWhereItWasLeft) {
   Observer nobody;
   ASSERT_TRUE(simulation.run_stage(nobody));
   ASSERT_TRUE(simulation.run_stage(nobody, 700));
-  ASSERT_GT(simulation.large_motion()->impact_damping_in_use(), 0.0);
+  ASSERT_GT(impact_damping_in_use(*simulation.large_motion()), 0.0);
   const std::vector<std::uint8_t> half_way = simulation.save();
   simulation.run(nobody);
   Simulation resumed(shaken, 2);
   resumed.restore(half_way);
   resumed.run(nobody);
   EXPECT_EQ(resumed.hash(), simulation.hash());
-  EXPECT_EQ(resumed.large_motion()->impact_damping_in_use(), simulation.large_motion()->impact_damping_in_use());
+  EXPECT_EQ(impact_damping_in_use(*resumed.large_motion()), impact_damping_in_use(*simulation.large_motion()));
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "scene/read_scene.h"
 #include "scene/to_bricks.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -240,12 +241,12 @@ TEST(KernelsChoice, ListOfCubesMovesInRigidLanes) {
     return std::array{mm(p.position[0]), mm(p.position[1]), mm(p.position[2]), p.block_a, p.block_b};
   };
   double largest = 0.0;
-  for (const ContactPoint& p : wall.contact_points()) {
+  for (const ContactPoint& p : contact_points(wall)) {
     traction[key(p)] = p.traction;
     for (const double x : p.traction) largest = std::max(largest, std::abs(x));
   }
   EXPECT_GT(largest, 1e3);
-  for (const ContactPoint& p : blocks.contact_points()) {
+  for (const ContactPoint& p : contact_points(blocks)) {
     ASSERT_TRUE(traction.contains(key(p)));
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(p.traction[c], traction[key(p)][c], 1e-7 * largest);
   }
@@ -445,7 +446,7 @@ TEST(KernelsChoice, BothKernelsCarryTheWeight) {
     Observer nobody;
     simulation.run(nobody);
     double carried = 0.0;
-    for (const ContactPoint& p : simulation.contact_points()) {
+    for (const ContactPoint& p : contact_points(simulation)) {
       if (std::min(p.block_a, p.block_b) == 0) carried -= p.traction[0] * p.area;
     }
     EXPECT_NEAR(carried, 2 * 0.5 * 2000 * 9.81, 1e-3 * 9810) << kernels;
@@ -492,7 +493,7 @@ TEST(KernelsChoice, AWallStandsBesideBlocks) {
     const Assembly wall = choose_motion(alone).bricks;
     const Model lattice(wall, make_materials(wall));
     Simulation simulation(scene);
-    const auto& families = simulation.large_motion()->families();
+    const auto& families = simulation.large_motion()->contacts.families;
     const auto of_mortar = std::find_if(lattice.families.begin(), lattice.families.end(),
                                         [](const ContactFamily& f) { return f.name == "mortar"; });
     const auto mortar = static_cast<std::size_t>(of_mortar - lattice.families.begin());

@@ -8,6 +8,8 @@
 #include <cstdio>
 
 #include "scene/read_scene.h"
+#include "step/findings.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -116,9 +118,9 @@ TEST(LargeMotion, BricksBecomeBlocksWithTheSameContactPoints) {
       std::sort(points.begin(), points.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
       return points;
     };
-    const auto a = by_place(small.contact_points());
+    const auto a = by_place(contact_points(small));
     large.advance(1);  // places points
-    const auto b = by_place(large.contact_points());
+    const auto b = by_place(contact_points(large));
     ASSERT_GT(a.size(), 0u);
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -184,8 +186,8 @@ void expect_same_curve(const std::vector<std::string>& more, bool by_block) {
               peak(b) / peak(a) - 1.0, std::sqrt(squares) / peak(a), small.step(), large.step());
   EXPECT_LT(std::sqrt(squares), 0.01 * peak(a));
   EXPECT_GT(b.size(), 100u);
-  EXPECT_GT(small.motion_seen().rotation, 1e-4);
-  EXPECT_GT(large.motion_seen().rotation, 1e-4);
+  EXPECT_GT(motion_seen(small).rotation, 1e-4);
+  EXPECT_GT(motion_seen(large).rotation, 1e-4);
 }
 
 TEST(LargeMotion, CurveIsThatOfSmallDisplacements) { expect_same_curve({}, false); }
@@ -208,7 +210,7 @@ TEST(LargeMotion, PastTheBoundARunStopsOrWarnsOnce) {
   Simulation goes_on(scene);
   goes_on.run(all);
   EXPECT_EQ(all.warnings, 1);
-  EXPECT_THAT(goes_on.past_motion_bound(), HasSubstr("have slid on each other"));
+  EXPECT_THAT(past_motion_bound(goes_on), HasSubstr("have slid on each other"));
 }
 
 }  // namespace

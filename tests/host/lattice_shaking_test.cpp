@@ -14,6 +14,7 @@
 #include "geometry/vector.h"
 #include "model/impact_damping.h"
 #include "scene/read_scene.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -308,7 +309,7 @@ TEST(LatticeOnGround, BoundsAreThoseOfTheMotionOnTheGround) {
   simulation.run_stage(nobody);
   simulation.run_stage(nobody);
   EXPECT_TRUE(simulation.outcome().warnings.empty());
-  EXPECT_LT(simulation.motion_seen().translation, 1e-3);
+  EXPECT_LT(motion_seen(simulation).translation, 1e-3);
   EXPECT_NEAR(simulation.measure().ground_displacement[0], 3.0, 1e-6);
 }
 

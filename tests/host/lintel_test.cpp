@@ -7,6 +7,7 @@
 #include <map>
 
 #include "scene/quality.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -93,18 +94,19 @@ TEST(Lintel, PatchTestAcrossALintel) {
     const double dt = simulation.time_step_report().time_step, pressure = 1e6;
     const double along = -pressure / kYoung, across = kPoisson * pressure / kYoung, closing = -pressure / kNormal;
     for (int block = 0; block < count; ++block) {
-      const auto mesh = simulation.block_mesh(block);
+      const auto mesh = block_mesh(simulation, block);
       for (int n = 0; n < static_cast<int>(mesh.gridpoint.size()); ++n) {
         const Vec3& x = mesh.gridpoint[static_cast<std::size_t>(n)];
         const Vec3 u{across * x[0], along * x[1] + closing * assembly.bricks[static_cast<std::size_t>(block)].course,
                      across * x[2]};
         for (int c = 0; c < 3; ++c) {
-          simulation.displacement()[dof(model, block, n, c)] = u[static_cast<std::size_t>(c)];
-          simulation.velocity()[dof(model, block, n, c)] = u[static_cast<std::size_t>(c)] / dt;  // come in one step
+          lattice_displacement(simulation)[dof(model, block, n, c)] = u[static_cast<std::size_t>(c)];
+          lattice_velocity(simulation)[dof(model, block, n, c)] =
+              u[static_cast<std::size_t>(c)] / dt;  // come in one step
         }
       }
     }
-    const LaneVector<double> before = simulation.velocity();
+    const LaneVector<double> before = lattice_velocity(simulation);
     simulation.advance(1);
     const double scale =
         pressure * kHalfUnit[0] * kHalfUnit[2] / (zones[0] * zones[2]);  // force of a hexahedron's face
@@ -112,10 +114,11 @@ TEST(Lintel, PatchTestAcrossALintel) {
     model.for_each_gridpoint(lintel, [&](std::size_t i, double m) {
       mass += m;
       for (std::size_t c = 0; c < 3; ++c)
-        EXPECT_LT(std::abs(simulation.velocity()[i + c * kLanes] - before[i + c * kLanes]) * m / dt, 1e-9 * scale);
+        EXPECT_LT(std::abs(lattice_velocity(simulation)[i + c * kLanes] - before[i + c * kLanes]) * m / dt,
+                  1e-9 * scale);
     });
     EXPECT_NEAR(mass, kDensity * 7 * kHalfUnit[0] * kHalfUnit[1] * kHalfUnit[2], 1e-9 * mass);
-    for (const ContactPoint& point : simulation.contact_points()) {
+    for (const ContactPoint& point : contact_points(simulation)) {
       EXPECT_NEAR(point.traction[0], point.normal[1] == 1.0 ? -pressure : 0.0, 1e-8 * pressure);
       EXPECT_NEAR(std::hypot(point.traction[1], point.traction[2]), 0.0, 1e-8 * pressure);
     }
@@ -230,7 +233,7 @@ TEST(Lintel, ForcesByZoneAreThoseOfTheAssembledStiffness) {
     Simulation simulation(scene, assemble(wall), 1);
     random_velocities(&simulation, 3);
     simulation.advance(100);
-    displacement[way == InternalForces::zones] = simulation.displacement();
+    displacement[way == InternalForces::zones] = lattice_displacement(simulation);
   }
   double largest = 0.0, difference = 0.0;
   for (std::size_t i = 0; i < displacement[0].size(); ++i) {
@@ -275,7 +278,7 @@ double sinking(double bearing) {
   for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
     const Brick& b = assembly.bricks[i];
     if (b.course == 5 && std::abs(b.origin[0] - 4 * 0.11) < 1e-9)
-      return -simulation.block_displacement(static_cast<int>(i)).front()[1];
+      return -block_displacement(simulation, static_cast<int>(i)).front()[1];
   }
   return NAN;
 }

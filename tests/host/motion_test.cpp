@@ -9,6 +9,7 @@
 #include "results/summary.h"
 #include "scene/collapse_load.h"
 #include "scene/read_scene.h"
+#include "step/findings.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -194,7 +195,7 @@ TEST(SmallMotion, RowsAndFramesDoNotDecideWhenARunGoesOver) {
     if (!first) first = found;
     EXPECT_EQ(found, *first) << (output.empty() ? "" : output[0]);
     // Of 0.03 * 0.2 m: not before, and less than a sixteenth after.
-    const double slid = simulation.motion_seen().sliding;
+    const double slid = motion_seen(simulation).sliding;
     EXPECT_GE(slid, 0.03);
     EXPECT_LT(slid, 0.032);
   }
@@ -275,7 +276,7 @@ TEST(Supports, AModelThatNothingHoldsSaysSo) {
     RunInfo info;
     info.warnings = simulation.outcome().warnings;
     EXPECT_THAT(summary_text(simulation, seen.rows, info), HasSubstr("\"free_fall\""));
-    const Simulation::Supports supports = simulation.supports(0);
+    const Supports supports = supports_in(simulation, 0);
     EXPECT_TRUE(supports.held.empty());
     EXPECT_EQ(supports.loose, (std::vector<int>{0, 1}));
 
@@ -287,8 +288,8 @@ TEST(Supports, AModelThatNothingHoldsSaysSo) {
     EXPECT_EQ(code, Exit::numerical);
     EXPECT_EQ(fault_of(stones(block("a", 0.0), rest), {of_kernels, "solver.mass_damping=50"}, &code), "");
     Simulation held(scene_of(stones(block("a", 0.0) + beside, rest), {of_kernels}), 1);
-    EXPECT_EQ(held.supports(0).held, std::vector<std::string>{"base: x y z"});
-    EXPECT_EQ(held.supports(0).loose, std::vector<int>{2});
+    EXPECT_EQ(supports_in(held, 0).held, std::vector<std::string>{"base: x y z"});
+    EXPECT_EQ(supports_in(held, 0).loose, std::vector<int>{2});
   }
 }
 
@@ -309,8 +310,8 @@ TEST(Supports, AWallWithoutABottomBeamThatIsHeldSaysSo) {
       Seen seen;
       simulation.run(seen);
       EXPECT_EQ(seen.warnings.contains("free_fall"), !with) << kernels;
-      EXPECT_EQ(simulation.supports(0).held.size(), with ? 1u : 0u);
-      EXPECT_EQ(simulation.supports(0).loose.empty(), with);
+      EXPECT_EQ(supports_in(simulation, 0).held.size(), with ? 1u : 0u);
+      EXPECT_EQ(supports_in(simulation, 0).loose.empty(), with);
     }
   }
 }

@@ -7,8 +7,11 @@
 #include <map>
 #include <numbers>
 
+#include "../momentum.h"
+#include "model/world_results.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -44,9 +47,9 @@ std::string resting_pair() {
 
 // By mass.
 Vec3 mean_velocity(const Simulation& simulation, int block) {
-  if (simulation.large_motion()) return geometry::array(simulation.large_motion()->velocity(block));
+  if (simulation.large_motion()) return geometry::array(velocity_of(*simulation.large_motion(), block));
   const auto& model = simulation.model();
-  const auto velocity = simulation.block_velocity(block);
+  const auto velocity = block_velocity(simulation, block);
   Vec3 mean{};
   double mass = 0.0;
   if (model.place[static_cast<std::size_t>(block)].body >= 0) return velocity[0];
@@ -92,7 +95,7 @@ TEST_P(ScaledMass, SwingsAboutTheTrueWeightOnItsBase) {
     const double t = static_cast<double>(simulation.step()) * dt + dt / 2;
     const double expected = -closed * (1 - std::cos(frequency * t));
     for (const int b : {1, 6, 12, 13})
-      EXPECT_NEAR(simulation.block_displacement(b)[0][1], expected, (GetParam().rigid ? 5e-3 : 0.03) * 2 * closed)
+      EXPECT_NEAR(block_displacement(simulation, b)[0][1], expected, (GetParam().rigid ? 5e-3 : 0.03) * 2 * closed)
           << b << " at " << t;
   }
 }
@@ -174,7 +177,7 @@ TEST_P(Stages, HandOverLoadsDrivesAndSupportsAlongTheirRamps) {
     const Vec3 weight = gravity.integral(stages.begin, t), impulse = push.integral(stages.begin, t),
                pressure = press.integral(stages.begin, t);
     const Vec3 of_pushed = mean_velocity(simulation, 0), of_pressed = mean_velocity(simulation, 1),
-               of_held = mean_velocity(simulation, 2), driven_way = simulation.block_displacement(3)[0];
+               of_held = mean_velocity(simulation, 2), driven_way = block_displacement(simulation, 3)[0];
     const auto second = stages.begin.find(1), third = stages.begin.find(2);
     const Vec3 way = drive.integral(stages.begin, third == stages.begin.end() ? t : third->second);
     for (std::size_t c = 0; c < 3; ++c) {
@@ -249,7 +252,7 @@ TEST_P(TurningBlock, AForceWorksOnTheWayOfItsPoint) {
       undamped_stone("general") + block("beam", {0, 0, 0}, {0.4, 0.1, 0.1}, zones) + resting_pair() + stage + stage +
           "[output]\nenergy = true\n",
       "beam.toml", {GetParam().rigid ? "solver.time_step_fraction=0.02" : "solver.time_step_fraction=0.4"}));
-  const auto corners = simulation.block_mesh(0).gridpoint;
+  const auto corners = block_mesh(simulation, 0).gridpoint;
   std::size_t corner = 0;
   while (std::abs(corners[corner][0] - 0.4) + std::abs(corners[corner][1] - 0.1) + std::abs(corners[corner][2] - 0.1) >
          1e-9)
@@ -261,7 +264,7 @@ TEST_P(TurningBlock, AForceWorksOnTheWayOfItsPoint) {
     more = simulation.run_stage(stages, 500);
     simulation.advance(1);
     // Energies are those of the time of the forces, a step before.
-    const Vec3 moved = simulation.block_displacement(0)[corner], v = simulation.block_velocity(0)[corner];
+    const Vec3 moved = block_displacement(simulation, 0)[corner], v = block_velocity(simulation, 0)[corner];
     double work = 0.0;
     for (std::size_t c = 0; c < 3; ++c) work += force[c] * (moved[c] - dt * v[c]);
     const Energies e = *simulation.measure().energies;
@@ -270,7 +273,7 @@ TEST_P(TurningBlock, AForceWorksOnTheWayOfItsPoint) {
     }
   }
   EXPECT_EQ(stages.begin.size(), 2u);
-  EXPECT_GT(simulation.large_motion()->turned(0), 1.0);
+  EXPECT_GT(turned(*simulation.large_motion(), 0), 1.0);
 }
 
 // A pressure follows its face: stage one spins the block to w t, stage two lets it spin on and presses. Its centre
@@ -309,7 +312,7 @@ TEST(SpunBlock, SpinsOnWhereItIsLetGoAndRestsWhereItWasCaught) {
                                         "spun.toml", {"solver.time_step_fraction=0.02"}));
   Observer nobody;
   const auto momentum = [&] {
-    return simulation.large_motion()->angular_momentum(simulation.large_motion()->position(0));
+    return angular_momentum(*simulation.large_motion(), position_of(*simulation.large_motion(), 0));
   };
   const auto end_stage = [&] {
     simulation.run_stage(nobody);
@@ -320,7 +323,7 @@ TEST(SpunBlock, SpinsOnWhereItIsLetGoAndRestsWhereItWasCaught) {
   EXPECT_GT(norm(given), 0.5 * 12 * (0.2 * 0.2 + 0.3 * 0.3) / 12 * 20);
   const HistoryRow free = end_stage();
   EXPECT_LT(norm(momentum() - given), 1e-12 * norm(given));
-  const double energy = 0.5 * dot(momentum(), simulation.large_motion()->angular_velocity(0));
+  const double energy = 0.5 * dot(momentum(), spin_of(*simulation.large_motion(), 0));
   EXPECT_NEAR(driven, 0.0, 1e-12 * energy) << "what is imposed is none";
   EXPECT_NEAR(free.energies->kinetic, energy, 1e-4 * energy);
   EXPECT_NEAR(free.energies->balance_error(), 0.0, 1e-4 * energy);

@@ -14,6 +14,7 @@
 
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -38,8 +39,8 @@ using Key = std::array<long, 5>;
 std::map<Key, Seen> look(const Simulation& simulation, const std::vector<Vec3>& places) {
   std::map<Key, Seen> seen;
   std::vector<std::vector<double>> states;
-  for (const char* id : {"xi_t", "xi_s", "w", "v"}) states.push_back(simulation.state(id));
-  for (const ContactPoint& p : simulation.contact_points()) {
+  for (const char* id : {"xi_t", "xi_s", "w", "v"}) states.push_back(law_state(simulation, id));
+  for (const ContactPoint& p : contact_points(simulation)) {
     const Vec3& x = places.empty() ? p.position : places[static_cast<std::size_t>(p.index)];
     const auto um = [](double length) { return std::lround(1e5 * length); };
     Seen s{p.traction[0], {}, {}};
@@ -56,9 +57,9 @@ std::map<Key, Seen> look(const Simulation& simulation, const std::vector<Vec3>& 
 std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> motion_of(const Simulation& simulation) {
   std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> motion;
   for (int b = 0; b < static_cast<int>(simulation.block_count()); ++b) {
-    const auto mesh = simulation.block_mesh(b);
+    const auto mesh = block_mesh(simulation, b);
     if (mesh.zone.empty()) continue;
-    const auto displacement = simulation.block_displacement(b), velocity = simulation.block_velocity(b);
+    const auto displacement = block_displacement(simulation, b), velocity = block_velocity(simulation, b);
     for (std::size_t i = 0; i < mesh.gridpoint.size(); ++i) {
       const Vec3& x = mesh.gridpoint[i];
       const auto um = [](double length) { return std::lround(1e6 * length); };
@@ -91,7 +92,7 @@ struct Watch : Observer {
     const Simulation at_start(wall("always"));
     after = look(promoted, [&] {
       std::vector<Vec3> places;
-      for (const ContactPoint& p : at_start.contact_points()) places.push_back(p.position);
+      for (const ContactPoint& p : contact_points(at_start)) places.push_back(p.position);
       return places;
     }());
   }
@@ -163,7 +164,7 @@ TEST(Promotion, AWallFallsToTheGround) {
   Simulation s(scene);
   const auto pairs = [&](bool pressed) {
     std::set<std::pair<int, int>> met;
-    for (const ContactPoint& p : s.contact_points()) {
+    for (const ContactPoint& p : contact_points(s)) {
       if (!pressed || p.traction[0] < 0) met.insert(std::minmax(p.block_a, p.block_b));
     }
     return met;
@@ -178,7 +179,7 @@ TEST(Promotion, AWallFallsToTheGround) {
     worst = std::max(worst, std::abs(row.energies->balance_error()) / (1.0 + row.energies->external));
   EXPECT_LT(worst, 2e-3);
   int ground = 0;
-  while (s.block_mesh(ground).gridpoint[0][1] > -0.25) ++ground;
+  while (block_mesh(s, ground).gridpoint[0][1] > -0.25) ++ground;
   // How many lie on the ground, and which of those bear at the last instant, is chance.
   int met = 0, pressed_on_ground = 0;
   for (const auto& pair : pairs(false)) met += joints.count(pair) == 0;
@@ -340,8 +341,8 @@ TEST(Promotion, HalfOfTheThicknessKeepsItsPlane) {
   ASSERT_EQ(of_all.promotions, 1);
   EXPECT_NEAR(peak(of_half.rows), peak(of_all.rows), 0.01 * peak(of_all.rows));
   for (int b = 0; b < half.block_count(); ++b) {
-    const auto mesh = half.block_mesh(b);
-    const auto moved = half.block_displacement(b);
+    const auto mesh = block_mesh(half, b);
+    const auto moved = block_displacement(half, b);
     for (std::size_t i = 0; i < moved.size(); ++i) {
       if (mesh.gridpoint[i][2] != 0.0) continue;
       EXPECT_NEAR(moved[i][2], 0.0, 1e-16);  // corners of a beam: rounding

@@ -10,8 +10,10 @@
 
 #include "base/error.h"
 #include "scene/read_scene.h"
+#include "step/collect.h"
 #include "step/large_motion.h"
 #include "step/rank_sums.h"
+#include "step/results.h"
 #include "step/simulation.h"
 #include "support.h"
 #include "thread_ranks.h"
@@ -48,7 +50,7 @@ struct Rows : Observer {
   }
   void on_row(const HistoryRow& row) override {
     if (const blocks::Model* m = simulation ? simulation->large_motion() : nullptr)
-      parted |= std::exchange(units, m->unit_count()) > m->unit_count();
+      parted |= std::exchange(units, m->units.count) > m->units.count;
     for (const double x : {row.time, row.displacement, row.resistance, row.vertical_force, row.dynamic_force,
                            row.unbalanced_ratio, row.kinetic_energy, row.multiplier, row.largest_displacement,
                            row.monitor_displacement[0], row.joint_force[0], row.joint_force[1]})
@@ -72,10 +74,10 @@ Found found_in(const Simulation& simulation, const Rows& rows, std::uint64_t sta
               simulation.time_step_report().time_step,
               simulation.time_step_report().added_mass};
   for (int b = 0; b < simulation.block_count(); ++b) {
-    for (const Vec3& u : simulation.block_displacement(b)) found.blocks.insert(found.blocks.end(), u.begin(), u.end());
-    for (const Vec3& v : simulation.block_velocity(b)) found.blocks.insert(found.blocks.end(), v.begin(), v.end());
+    for (const Vec3& u : block_displacement(simulation, b)) found.blocks.insert(found.blocks.end(), u.begin(), u.end());
+    for (const Vec3& v : block_velocity(simulation, b)) found.blocks.insert(found.blocks.end(), v.begin(), v.end());
   }
-  for (const ContactPoint& p : simulation.contact_points()) {
+  for (const ContactPoint& p : contact_points(simulation)) {
     found.points.insert(found.points.end(), p.traction.begin(), p.traction.end());
     found.points.insert(found.points.end(), p.jump.begin(), p.jump.end());
     found.points.push_back(p.flags);
@@ -91,7 +93,7 @@ Found alone(const Case& of) {
   simulation.run(rows);
   EXPECT_EQ(simulation.outcome().promotion.has_value(), of.has == Case::promotion);
   if (of.has == Case::detection) {
-    EXPECT_GT(simulation.large_motion()->detections(), 2);
+    EXPECT_GT(simulation.large_motion()->detection.count, 2);
   }
   EXPECT_EQ(rows.parted, of.has == Case::parting);
   EXPECT_EQ(simulation.time_step_report().added_mass > 1e-3 * simulation.time_step_report().model_mass,
@@ -112,12 +114,12 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
     const long messages = on_ranks(count, [&](Ranks& ranks) {
       Simulation simulation(read_scene(of.scene, of.overrides), 1, &ranks);
       bool owns = false;
-      for (int b = 0; b < simulation.block_count(); ++b) owns |= simulation.owns_block(b);
+      for (int b = 0; b < simulation.block_count(); ++b) owns |= owns_block(simulation, b);
       have_blocks += owns ? 1 : 0;
       Rows rows;
       const std::uint64_t start = simulation.hash();  // of rank 0: it names a checkpoint
       simulation.run(rows);
-      simulation.gather_at_first();
+      gather_at_first(simulation);
       if (ranks.rank() == 0) first = found_in(simulation, rows, start);
     });
     EXPECT_GE(have_blocks, std::min(count, 2)) << "small models leave some without";
@@ -255,7 +257,7 @@ TEST(Ranks, DividedAnewKeepWhatPointsHave) {
     Simulation simulation(read_scene(of.scene, of.overrides), 1, &ranks);
     const auto owned = [&] {
       std::vector<bool> blocks;
-      for (int b = 0; b < simulation.block_count(); ++b) blocks.push_back(simulation.owns_block(b));
+      for (int b = 0; b < simulation.block_count(); ++b) blocks.push_back(owns_block(simulation, b));
       return blocks;
     };
     const std::vector<bool> before = owned();
@@ -263,7 +265,7 @@ TEST(Ranks, DividedAnewKeepWhatPointsHave) {
     Rows rows;
     simulation.run(rows);
     changed_hands += owned() != before ? 1 : 0;
-    simulation.gather_at_first();
+    gather_at_first(simulation);
     if (ranks.rank() == 0) first = found_in(simulation, rows, start);
   });
   unsetenv("QUOIN_DEAR_BLOCKS");
@@ -312,7 +314,7 @@ TEST(Ranks, HoldTheirPartsOfLargeMotion) {
     simulation.advance(3);
     int own = 0, laid_out = 0;
     for (int b = 0; b < simulation.block_count(); ++b) {
-      own += simulation.owns_block(b) ? 1 : 0;
+      own += owns_block(simulation, b) ? 1 : 0;
       laid_out += simulation.large_motion()->part.laid_out[static_cast<std::size_t>(b)] ? 1 : 0;
     }
     EXPECT_GT(own, simulation.block_count() / 8);
@@ -349,7 +351,7 @@ TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
     const std::vector<std::uint8_t> last = goes_on(2, goes_on(3, {}, kFirst), kThen);
     Simulation reader(read(), 1);
     reader.restore(last);
-    EXPECT_GT(alone.large_motion()->detections(), of.detections) << of.scene;
+    EXPECT_GT(alone.large_motion()->detection.count, of.detections) << of.scene;
     EXPECT_EQ(reader.step(), alone.step()) << of.scene;
     EXPECT_EQ(reader.hash(), alone.hash()) << of.scene;
   }

@@ -12,6 +12,7 @@
 #include "model/motion.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "step/simulation.h"
 #include "support.h"
 
@@ -60,7 +61,7 @@ frames = 0
 struct Cracks : Observer {
   explicit Cracks(const Simulation& s) : simulation(s) {}
   void on_row(const HistoryRow& row) override {
-    const std::vector<double> damage = simulation.state("xi_t");
+    const std::vector<double> damage = law_state(simulation, "xi_t");
     if (first == 0.0 && *std::max_element(damage.begin(), damage.end()) > 0.0) first = row.multiplier;
   }
   const Simulation& simulation;
@@ -134,7 +135,7 @@ TEST(RigidPoints, TheLatticeHasThemToo) {
     EXPECT_EQ(simulation.large_motion() != nullptr, std::string(kernels) == "general");
     EXPECT_EQ(simulation.point_count(), kJoints * kOfJoint) << kernels;
     double area = 0.0, second = 0.0;  // of a joint between cubes of 0.1 m
-    for (const ContactPoint& p : simulation.contact_points()) {
+    for (const ContactPoint& p : contact_points(simulation)) {
       if (std::min(p.block_a, p.block_b) != 0 || std::abs(p.normal[1]) < 0.5) continue;
       area += p.area, second += p.area * (p.position[0] - 0.05) * (p.position[0] - 0.05);
     }

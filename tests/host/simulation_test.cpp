@@ -2,9 +2,11 @@
 
 #include <cmath>
 
+#include "model/world_results.h"
 #include "scene/quality.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -66,8 +68,8 @@ TEST(Simulation, PressedColumnIsASeriesOfSprings) {
   EXPECT_NEAR(last.resistance, -force, 1e-5 * force);  // the joints push the beam up
   EXPECT_NEAR(last.displacement, -0.3e6 * (0.25 / kYoung + 5 / kNormal), 1e-5 * 0.3e6 * (0.25 / kYoung + 5 / kNormal));
   EXPECT_LE(last.unbalanced_ratio, 1e-7);
-  for (const auto& stress : simulation.block_stress(1)) EXPECT_NEAR(stress[1], -0.3e6, 10.0);
-  const auto counts = simulation.condition_counts();
+  for (const auto& stress : block_stress(simulation, 1)) EXPECT_NEAR(stress[1], -0.3e6, 10.0);
+  const auto counts = condition_counts(simulation);
   EXPECT_EQ(counts[static_cast<std::size_t>(Condition::elastic)], simulation.model().point_count);
 }
 
@@ -125,8 +127,8 @@ TEST(Simulation, RecordingChangesNoBit) {
     } else {
       simulation.advance(1000, false);
     }
-    EXPECT_GT(simulation.condition_counts()[static_cast<std::size_t>(Condition::softening)], 0);
-    displacement.push_back(simulation.displacement());
+    EXPECT_GT(condition_counts(simulation)[static_cast<std::size_t>(Condition::softening)], 0);
+    displacement.push_back(lattice_displacement(simulation));
   }
   EXPECT_EQ(displacement[1], displacement[0]);
   EXPECT_EQ(displacement[2], displacement[0]);
@@ -174,7 +176,7 @@ TEST(Simulation, ThreadsDoNotChangeABit) {
       EXPECT_GT(recorder.rows.size(), 500u);
       EXPECT_NEAR(recorder.rows.back().displacement, 0.2e-3, 1e-6);
       EXPECT_GT(recorder.rows.back().resistance, 1e3);
-      const auto counts = simulation.condition_counts();
+      const auto counts = condition_counts(simulation);
       EXPECT_LT(counts[static_cast<std::size_t>(Condition::elastic)],
                 simulation.model().point_count);  // something has cracked
     }
@@ -193,8 +195,9 @@ TEST(Simulation, MeasuringDoesNotChangeABit) {
       simulation.advance(8000);
       std::vector<double> all;
       std::uint64_t hash = 0xcbf29ce484222325u;
-      for (double u : simulation.displacement()) hash = (hash ^ std::bit_cast<std::uint64_t>(u)) * 0x100000001b3u;
-      for (double v : simulation.velocity()) hash = (hash ^ std::bit_cast<std::uint64_t>(v)) * 0x100000001b3u;
+      for (double u : lattice_displacement(simulation))
+        hash = (hash ^ std::bit_cast<std::uint64_t>(u)) * 0x100000001b3u;
+      for (double v : lattice_velocity(simulation)) hash = (hash ^ std::bit_cast<std::uint64_t>(v)) * 0x100000001b3u;
       if (expected == 0) expected = hash;
       EXPECT_EQ(hash, expected);
     }
@@ -348,7 +351,7 @@ TEST(Simulation, NotANumberStopsWithPlaceAndValues) {
   Scene scene = sheared_wall(1e-4, 2, 1);
   Simulation simulation(scene, assemble(scene), 1);
   simulation.advance(10);
-  simulation.displacement()[dof(simulation.model(), 0, 14, 1)] = NAN;
+  lattice_displacement(simulation)[dof(simulation.model(), 0, 14, 1)] = NAN;
   try {
     simulation.advance(5);
     FAIL();
@@ -403,9 +406,9 @@ TEST(Simulation, KineticEnergyOfAFallingStoneIsThatOfItsVelocity) {
   Simulation simulation(stone_scene("position = [0, 5, 0]\n[[stage]]\ngravity = [0, -9.81, 0]\nduration = 1\n"));
   ASSERT_TRUE(simulation.large_motion());
   simulation.advance(50);
-  const double mass = 2000 * 0.5, speed = std::abs(simulation.block_velocity(1)[0][1]);
+  const double mass = 2000 * 0.5, speed = std::abs(block_velocity(simulation, 1)[0][1]);
   EXPECT_NEAR(speed, 9.81 * simulation.time(), 1e-9 * speed);
-  EXPECT_NEAR(simulation.large_motion()->kinetic_energy(), mass * speed * speed / 2, 1e-9 * mass * speed * speed);
+  EXPECT_NEAR(kinetic_energy_of_all(*simulation.large_motion()), mass * speed * speed / 2, 1e-9 * mass * speed * speed);
 }
 
 // What is pushed until it collapses and stands ends at the limit: frames divide the way there from the start.

@@ -1,4 +1,6 @@
 // What a controller outside does between two steps, against Newton: on the lattice and among blocks of any shape.
+#include "step/steer.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
@@ -10,6 +12,7 @@
 
 #include "base/error.h"
 #include "scene/read_scene.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -66,7 +69,7 @@ class Steering : public ::testing::TestWithParam<const char*> {
   Simulation simulation_{read_scene_text(stones(GetParam()), "stones.toml")};
   // Velocity of the centre of a rigid block, m/s.
   Vec3 velocity(int block) {
-    const Simulation::View v = simulation_.view(Simulation::BlockArray::velocity, block);
+    const ArrayView v = view(simulation_, BlockArray::velocity, block);
     return {v.data[0], v.data[v.column_stride], v.data[2 * v.column_stride]};
   }
   double dt() const { return simulation_.time_step_report().time_step; }
@@ -78,14 +81,14 @@ class Steering : public ::testing::TestWithParam<const char*> {
 TEST_P(Steering, ForcesAccelerateWhatIsNamedAndNothingElse) {
   simulation_.advance(10);
   near(velocity(1), {10.0 / 2.0 * 10 * dt(), 0, 0});
-  simulation_.set_force("b", {kKeep, 6.0, -4.0});
-  simulation_.set_force("a", {kKeep, -2.0, kKeep});
+  set_force(simulation_, "b", {kKeep, 6.0, -4.0});
+  set_force(simulation_, "a", {kKeep, -2.0, kKeep});
   simulation_.advance(5);
   near(velocity(0), {0.1, 0.2, 0});
   near(velocity(1), {5.0 * 15 * dt(), -1.0 * 5 * dt(), 0});
   near(velocity(2), {0, 3.0 * 5 * dt(), -2.0 * 5 * dt()});
   // What the stage leaves free of a driven block takes a force: 18 kg.
-  simulation_.set_force("base", {kKeep, kKeep, 36.0});
+  set_force(simulation_, "base", {kKeep, kKeep, 36.0});
   simulation_.advance(5);
   near(velocity(0), {0.1, 0.2, 2.0 * 5 * dt()});
   near(velocity(2), {0, 3.0 * 10 * dt(), -2.0 * 10 * dt()});
@@ -93,7 +96,7 @@ TEST_P(Steering, ForcesAccelerateWhatIsNamedAndNothingElse) {
 
 TEST_P(Steering, VelocitiesMoveWhatTheStageMoves) {
   simulation_.advance(3);
-  simulation_.set_velocity("base", {kKeep, -0.7, kKeep});
+  set_velocity(simulation_, "base", {kKeep, -0.7, kKeep});
   simulation_.advance(4);
   near(velocity(0), {0.1, -0.7, 0});
   near(velocity(2), {0, 0, 0});
@@ -110,17 +113,17 @@ TEST_P(Steering, WhatCannotBeSteeredIsToldAndNothingHasChanged) {
       EXPECT_THAT(error.what(), HasSubstr(why));
     }
   };
-  refused([&] { simulation_.set_force("base", {1, kKeep, kKeep}); }, "holds or moves 'base' along x");
-  refused([&] { simulation_.set_velocity("base", {kKeep, kKeep, 1}); }, "leaves free 'base' along z");
-  refused([&] { simulation_.set_velocity("a", {kKeep, 1, kKeep}); }, "leaves free 'a' along y");
-  refused([&] { simulation_.set_force("roof", {1, 1, 1}); }, "'roof'");
+  refused([&] { set_force(simulation_, "base", {1, kKeep, kKeep}); }, "holds or moves 'base' along x");
+  refused([&] { set_velocity(simulation_, "base", {kKeep, kKeep, 1}); }, "leaves free 'base' along z");
+  refused([&] { set_velocity(simulation_, "a", {kKeep, 1, kKeep}); }, "leaves free 'a' along y");
+  refused([&] { set_force(simulation_, "roof", {1, 1, 1}); }, "'roof'");
   refused(
       [&] {
-        simulation_.set_force("pillar", {1, kKeep, kKeep});
+        set_force(simulation_, "pillar", {1, kKeep, kKeep});
       },
       GetParam() == std::string("general") ? "holds or moves 'pillar' along x" : "'pillar'");
   const double endless = std::numeric_limits<double>::infinity();
-  refused([&] { simulation_.set_force("a", {kKeep, endless, kKeep}); }, "force[1] is inf");
+  refused([&] { set_force(simulation_, "a", {kKeep, endless, kKeep}); }, "force[1] is inf");
   simulation_.advance(0, false);
   EXPECT_EQ(simulation_.hash(), before);
 }
@@ -134,7 +137,7 @@ TEST(SteeredCheckpoint, BlocksThatAreNotThereAreRefused) {
     std::string text = stones("general");
     text.resize(text.find("[[stage.force]]"));
     Simulation simulation(read_scene_text(text, "stones.toml"));
-    simulation.set_force(steered, {kKeep, 1.0, kKeep});
+    set_force(simulation, steered, {kKeep, 1.0, kKeep});
     return simulation.save();
   };
   const std::vector<std::uint8_t> a = saved("a"), b = saved("b");  // blocks 1 and 2
@@ -189,8 +192,8 @@ velocity = [{}]
                           spin ? fmt::format("omega = [{}]", fmt::join(omega, ", ")) : "rotation_held = false"),
           "stone.toml"));
       simulation.advance(100);
-      const auto corners = simulation.block_mesh(0).gridpoint;
-      const auto moved = simulation.block_displacement(0), velocities = simulation.block_velocity(0);
+      const auto corners = block_mesh(simulation, 0).gridpoint;
+      const auto moved = block_displacement(simulation, 0), velocities = block_velocity(simulation, 0);
       const Vec3 centre{0.05, 0.1, 0.15};  // of a spin
       for (std::size_t i = 0; i < corners.size(); ++i) {
         Vec3 expected{}, arm{};
@@ -225,11 +228,11 @@ TEST(SteeringBricks, ForcesOfTheStageAreReplacedOnOneOfThem) {
   scene.stages = {stage};
   Simulation simulation(scene, assembly);
   simulation.advance(10);
-  simulation.set_force("right", {kKeep, -20.0, 50.0});
+  set_force(simulation, "right", {kKeep, -20.0, 50.0});
   simulation.advance(10);
   const double mass = kDensity * 0.2 * 0.1 * 0.05, dt = simulation.time_step_report().time_step;
   const auto expect = [&](int block, const Vec3& expected) {
-    for (const Vec3& v : simulation.block_velocity(block)) {
+    for (const Vec3& v : block_velocity(simulation, block)) {
       for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(v[c], expected[c], 1e-9 * 30.0 / mass * 20 * dt) << block;
     }
   };

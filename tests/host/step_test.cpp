@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "step/kernels.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -26,27 +27,27 @@ TEST(PatchTest, UniformStressIsReproduced) {
       const double dt = simulation.time_step_report().time_step;
       for (int block = 0; block < 27; ++block) {
         const Eigen::Vector3d offset = jump * Eigen::Vector3d(block % 3, block / 3 % 3, block / 9);
-        const auto mesh = simulation.block_mesh(block);
+        const auto mesh = block_mesh(simulation, block);
         for (int n = 0; n < static_cast<int>(mesh.gridpoint.size()); ++n) {
           const Vec3& x = mesh.gridpoint[static_cast<std::size_t>(n)];
           const Eigen::Vector3d u = strain * Eigen::Vector3d(x[0], x[1], x[2]) + offset;
           for (int c = 0; c < 3; ++c) {
-            simulation.displacement()[dof(model, block, n, c)] = u[c];
-            simulation.velocity()[dof(model, block, n, c)] = u[c] / dt;  // as if it had come in one step
+            lattice_displacement(simulation)[dof(model, block, n, c)] = u[c];
+            lattice_velocity(simulation)[dof(model, block, n, c)] = u[c] / dt;  // as if it had come in one step
           }
         }
       }
-      const LaneVector<double> before = simulation.velocity();
+      const LaneVector<double> before = lattice_velocity(simulation);
       simulation.advance(1);
 
       const double scale = stress.norm() * 0.11 * 0.1 / (zones[0] * zones[2]);  // force of a hexahedron's face
       for (int n = 0; n < model.templates[0].node_count; ++n) {
         for (int c = 0; c < 3; ++c) {
           const std::size_t i = dof(model, 13, n, c);  // the middle block
-          EXPECT_LT(std::abs(simulation.velocity()[i] - before[i]) * model.node_mass[i] / dt, 1e-9 * scale);
+          EXPECT_LT(std::abs(lattice_velocity(simulation)[i] - before[i]) * model.node_mass[i] / dt, 1e-9 * scale);
         }
       }
-      for (const ContactPoint& point : simulation.contact_points()) {
+      for (const ContactPoint& point : contact_points(simulation)) {
         const Eigen::Vector3d n(point.normal.data()), s(point.s.data()), t(point.t.data());
         EXPECT_NEAR(point.traction[0], n.dot(stress * n), 1e-9 * stress.norm());
         EXPECT_NEAR(point.traction[1], s.dot(stress * n), 1e-9 * stress.norm());
@@ -63,11 +64,11 @@ TEST(Step, InternalForceIsTheStiffnessTimesTheDisplacement) {
     if (units) assembly = in_units(std::move(assembly));
     Simulation simulation(bare_scene(), assembly, 1);
     random_velocities(&simulation, 5);
-    simulation.displacement() = simulation.velocity();
+    lattice_displacement(simulation) = lattice_velocity(simulation);
     const Model& model = simulation.model();
     const std::vector<const double*> none(model.groups.size(), nullptr);
     StepData data;
-    data.displacement = data.velocity = simulation.displacement().data();
+    data.displacement = data.velocity = lattice_displacement(simulation).data();
     data.dt_over_mass = data.displacement;
     data.shared_dt_over_mass = data.load = none.data();
     const Eigen::MatrixXd k = dense_stiffness(assembly.bricks[0], brick_material());
@@ -82,7 +83,7 @@ TEST(Step, InternalForceIsTheStiffnessTimesTheDisplacement) {
           const int block = group.block[static_cast<std::size_t>(lane)];
           Eigen::VectorXd u(3 * nodes), f(3 * nodes);
           for (int i = 0; i < 3 * nodes; ++i) {
-            u[i] = simulation.displacement()[dof(model, block, i / 3, i % 3)];
+            u[i] = lattice_displacement(simulation)[dof(model, block, i / 3, i % 3)];
             f[i] = force[static_cast<std::size_t>((b * nodes + i / 3) * kLine + i % 3 * kLanes + lane)];
           }
           const Eigen::VectorXd expected = k * u;
@@ -104,8 +105,8 @@ TEST(Step, FreeBlockSwingsWithItsOwnFrequency) {
   for (int mode : {6, 10, 50}) {  // the first 6 are rigid
     const Eigen::VectorXd shape = 1e-4 * solver.eigenvectors().col(mode);
     for (int i = 0; i < shape.size(); ++i) {
-      simulation.displacement()[dof(model, 0, i / 3, i % 3)] = shape[i];
-      simulation.velocity()[dof(model, 0, i / 3, i % 3)] = 0.0;
+      lattice_displacement(simulation)[dof(model, 0, i / 3, i % 3)] = shape[i];
+      lattice_velocity(simulation)[dof(model, 0, i / 3, i % 3)] = 0.0;
     }
     const double dt = simulation.time_step_report().time_step;
     const double angle = std::acos(1.0 - 0.5 * solver.eigenvalues()[mode] * dt * dt);
@@ -113,7 +114,7 @@ TEST(Step, FreeBlockSwingsWithItsOwnFrequency) {
     simulation.advance(kSteps);
     double amplitude = 0.0;
     for (int i = 0; i < shape.size(); ++i)
-      amplitude += shape[i] * mass[i] * simulation.displacement()[dof(model, 0, i / 3, i % 3)];
+      amplitude += shape[i] * mass[i] * lattice_displacement(simulation)[dof(model, 0, i / 3, i % 3)];
     amplitude /= shape.dot(m * shape);
     // Velocity 0 half a step before the start.
     EXPECT_NEAR(amplitude, std::cos(angle * (kSteps + 0.5)) / std::cos(0.5 * angle), 1e-8) << mode;
@@ -160,10 +161,10 @@ TEST(Step, ViscousDampingSlowsAFreeBlock) {
   Scene scene = bare_scene(0.6, DampingKind::viscous);
   scene.solver.mass_damping = 1000.0;
   Simulation simulation(scene, brick_grid({1, 1, 1}, {0.1, 0.1, 0.1}, {1, 1, 1}), 1);
-  for (int n = 0; n < 8; ++n) simulation.velocity()[dof(simulation.model(), 0, n, 1)] = 0.3;
+  for (int n = 0; n < 8; ++n) lattice_velocity(simulation)[dof(simulation.model(), 0, n, 1)] = 0.3;
   simulation.advance(500);
   const double factor = 1.0 - 1000.0 * simulation.time_step_report().time_step;
-  EXPECT_NEAR(simulation.velocity()[dof(simulation.model(), 0, 3, 1)], 0.3 * std::pow(factor, 500), 1e-12);
+  EXPECT_NEAR(lattice_velocity(simulation)[dof(simulation.model(), 0, 3, 1)], 0.3 * std::pow(factor, 500), 1e-12);
 }
 
 TEST(Step, FreeFall) {
@@ -180,7 +181,7 @@ TEST(Step, FreeFall) {
     Simulation simulation(scene, assembly, 1);
     simulation.advance(1000);
     const double t = simulation.time();
-    for (const Vec3& v : simulation.block_velocity(0)) EXPECT_NEAR(v[1], -9.81 * t, 1e-12 * 9.81);
+    for (const Vec3& v : block_velocity(simulation, 0)) EXPECT_NEAR(v[1], -9.81 * t, 1e-12 * 9.81);
   }
 }
 

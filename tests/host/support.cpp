@@ -166,8 +166,8 @@ std::size_t dof(const Model& model, int block, int node, int c) {
 void random_velocities(Simulation* simulation, unsigned seed, double largest) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(-largest, largest);
-  for (std::size_t i = 0; i < simulation->velocity().size(); ++i) {
-    if (simulation->model().node_mass[i] > 0.0) simulation->velocity()[i] = uniform(random);
+  for (std::size_t i = 0; i < lattice_velocity(*simulation).size(); ++i) {
+    if (simulation->model().node_mass[i] > 0.0) lattice_velocity(*simulation)[i] = uniform(random);
   }
 }
 
@@ -180,7 +180,7 @@ double largest_after(const Scene& scene, const Assembly& assembly, int steps) {
     return INFINITY;
   }
   double largest = 0.0;
-  for (double u : simulation.displacement()) largest = std::max(largest, std::abs(u));
+  for (double u : lattice_displacement(simulation)) largest = std::max(largest, std::abs(u));
   return std::isfinite(largest) ? largest : INFINITY;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "scene/generate.h"
-#include "step/simulation.h"
+#include "step/state.h"
 
 namespace quoin {
 
@@ -34,6 +34,10 @@ Scene bare_scene(double fraction = 0.6, DampingKind damping = DampingKind::none)
 // c. Shares no code with the host.
 Eigen::MatrixXd dense_stiffness(const Brick& brick, const BlockMaterial& material);
 Eigen::VectorXd dense_mass(const Brick& brick, const BlockMaterial& material);
+
+// Of gridpoints, in lane layout.
+inline LaneVector<double>& lattice_displacement(Simulation::Impl& s) { return s.lattice.displacement; }
+inline LaneVector<double>& lattice_velocity(Simulation::Impl& s) { return s.lattice.velocity; }
 
 // Every moving component from -largest to largest.
 void random_velocities(Simulation* simulation, unsigned seed, double largest = 1e-3);

@@ -7,6 +7,7 @@
 
 #include "results/crushed_out.h"
 #include "scene/read_scene.h"
+#include "step/results.h"
 #include "support.h"
 
 namespace quoin {
@@ -26,7 +27,7 @@ TEST(Surfaces, DamageIsTheShareOfTheStrengthThatIsLost) {
     family.properties.insert(family.properties.end(), shape.begin(), shape.end());
     const Assembly assembly = brick_grid({2, 1, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}, family);
     Simulation simulation(bare_scene(), assembly);
-    for (int n = 0; n < 12; ++n) simulation.displacement()[dof(simulation.model(), 1, n, 0)] = 30e-6;
+    for (int n = 0; n < 12; ++n) lattice_displacement(simulation)[dof(simulation.model(), 1, n, 0)] = 30e-6;
     simulation.advance(1);
     for (const JointPoint& p : Surfaces().joint_points(simulation)) {
       EXPECT_NEAR(p.damage_tension, 1.0 - p.contact.traction[0] / 0.2e6, 1e-9) << shape.size();
@@ -48,13 +49,13 @@ TEST(Surfaces, CracksAreNamedByTheLargerOfOpeningAndSlip) {
         const double way = slide / kSteps, reached = static_cast<double>(k) / kSteps;
         for (int c = 0; c < 3; ++c) {
           for (int block = 0; block < 2; ++block) {
-            simulation.displacement()[dof(simulation.model(), block, n, c)] = 0.0;
-            simulation.velocity()[dof(simulation.model(), block, n, c)] = 0.0;
+            lattice_displacement(simulation)[dof(simulation.model(), block, n, c)] = 0.0;
+            lattice_velocity(simulation)[dof(simulation.model(), block, n, c)] = 0.0;
           }
         }
-        simulation.displacement()[dof(simulation.model(), 1, n, 0)] = opening * reached;
-        simulation.displacement()[dof(simulation.model(), 1, n, 1)] = slide * reached;
-        simulation.velocity()[dof(simulation.model(), 1, n, 1)] = way / simulation.time_step_report().time_step;
+        lattice_displacement(simulation)[dof(simulation.model(), 1, n, 0)] = opening * reached;
+        lattice_displacement(simulation)[dof(simulation.model(), 1, n, 1)] = slide * reached;
+        lattice_velocity(simulation)[dof(simulation.model(), 1, n, 1)] = way / simulation.time_step_report().time_step;
       }
       simulation.advance(1);
     }
@@ -81,9 +82,9 @@ TEST(Surfaces, DryJointsAreIntactUntilTheyOpenOrSlide) {
   const auto moved = [&](double opening, double slide) {
     Simulation simulation(bare_scene(), assembly);
     for (int n = 0; n < 12; ++n) {
-      simulation.displacement()[dof(simulation.model(), 1, n, 0)] = opening;
-      simulation.displacement()[dof(simulation.model(), 1, n, 1)] = slide;
-      simulation.velocity()[dof(simulation.model(), 1, n, 1)] = slide / simulation.time_step_report().time_step;
+      lattice_displacement(simulation)[dof(simulation.model(), 1, n, 0)] = opening;
+      lattice_displacement(simulation)[dof(simulation.model(), 1, n, 1)] = slide;
+      lattice_velocity(simulation)[dof(simulation.model(), 1, n, 1)] = slide / simulation.time_step_report().time_step;
     }
     simulation.advance(1);
     std::vector<Crack> cracks;
@@ -115,7 +116,7 @@ TEST(Surfaces, JointsOfRigidBlocksMoveWithTheirBlocks) {
   scene.stages = {stage};
   Simulation simulation(scene, assembly, 1);
   simulation.advance(100);
-  const std::vector<Vec3> corner = simulation.block_displacement(1);  // x fastest
+  const std::vector<Vec3> corner = block_displacement(simulation, 1);  // x fastest
   ASSERT_GT(std::abs(corner[1][1] - corner[0][1]), 1e-9) << "it turns";
   const auto points = Surfaces().joint_points(simulation);
   ASSERT_EQ(points.size(), 17u);  // it bonds
@@ -180,9 +181,9 @@ TEST(Surfaces, DamageOfLawsWithoutSofteningIsAllOrNothing) {
     }
     const Assembly assembly = brick_grid({2, 1, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}, family);
     Simulation simulation(bare_scene(), assembly);
-    for (int n = 0; n < 12; ++n) simulation.displacement()[dof(simulation.model(), 1, n, 0)] = 30e-6;
+    for (int n = 0; n < 12; ++n) lattice_displacement(simulation)[dof(simulation.model(), 1, n, 0)] = 30e-6;
     simulation.advance(1);
-    const auto damage = simulation.damage();
+    const auto damage = damage_of_points(simulation);
     const double expected = family.law == "coulomb_slip" ? 1.0 : 0.0;
     ASSERT_GT(simulation.point_count(), 0);
     for (std::size_t i = 0; i < damage[0].size(); ++i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "step/results.h"
 #include "step/simulation.h"
 #include "support.h"
 
@@ -16,12 +17,12 @@ struct SwapRecorder : Observer {
   std::vector<std::vector<ContactPoint>> at_begin, at_end;
   std::vector<std::vector<double>> xi_at_begin, xi_at_end;
   void on_stage_begin(const Simulation& simulation, int) override {
-    at_begin.push_back(simulation.contact_points());
-    xi_at_begin.push_back(simulation.state("xi_t"));
+    at_begin.push_back(contact_points(simulation));
+    xi_at_begin.push_back(law_state(simulation, "xi_t"));
   }
   void on_stage_end(const Simulation& simulation, int, const HistoryRow&) override {
-    at_end.push_back(simulation.contact_points());
-    xi_at_end.push_back(simulation.state("xi_t"));
+    at_end.push_back(contact_points(simulation));
+    xi_at_end.push_back(law_state(simulation, "xi_t"));
   }
   void on_law_swap(const LawSwap& swap) override { swaps.push_back(swap); }
 };

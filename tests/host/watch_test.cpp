@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "scene/read_scene.h"
+#include "step/findings.h"
+#include "step/results.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -50,7 +52,7 @@ TEST(Watch, SeesTheDeepestContactPointAndItsPlace) {
         "stone.toml", {"contact.cubic_points=false"}));
     Observer nobody;
     simulation.run(nobody);
-    const auto points = simulation.contact_points();
+    const auto points = contact_points(simulation);
     ASSERT_EQ(points.size(), 4u);
     const auto deepest = std::min_element(points.begin(), points.end(),
                                           [](const auto& a, const auto& b) { return a.jump[0] < b.jump[0]; });
@@ -58,10 +60,11 @@ TEST(Watch, SeesTheDeepestContactPointAndItsPlace) {
     EXPECT_EQ(deepest->position[0] < 0.2, x < 0.2);
     EXPECT_EQ(deepest->position[2] < 0.15, z < 0.15);
     // The most of all rows, of which the last is one: the load is there at once, so that it swings past its end.
-    EXPECT_GE(simulation.watch().overlap, -deepest->jump[0]);
-    EXPECT_LT(simulation.watch().overlap, -2.2 * deepest->jump[0]);
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(simulation.watch().overlap_at[c], deepest->position[c], 0.01) << c;
-    overlap.push_back(simulation.watch().overlap);
+    EXPECT_GE(watch_of(simulation).overlap, -deepest->jump[0]);
+    EXPECT_LT(watch_of(simulation).overlap, -2.2 * deepest->jump[0]);
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(watch_of(simulation).overlap_at[c], deepest->position[c], 0.01) << c;
+    overlap.push_back(watch_of(simulation).overlap);
   }
   // The four are mirror images of each other.
   for (const double one : overlap) EXPECT_NEAR(one, overlap[0], 1e-6 * overlap[0]);
@@ -82,8 +85,8 @@ TEST(Watch, OverlapIsToldFromAFivePercentOfTheLeastExtentOn) {
           "stone.toml"));
       Observer nobody;
       simulation.run(nobody);
-      EXPECT_NEAR(simulation.allowed_overlap(), 0.05 * 0.1, 1e-15);
-      EXPECT_NEAR(simulation.watch().overlap, overlap, 0.02 * overlap);
+      EXPECT_NEAR(allowed_overlap(simulation), 0.05 * 0.1, 1e-15);
+      EXPECT_NEAR(watch_of(simulation).overlap, overlap, 0.02 * overlap);
       const auto& warnings = simulation.outcome().warnings;
       EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
                               [](const Warning& w) { return w.about == "interpenetration"; }),
@@ -101,8 +104,8 @@ TEST(Watch, EnergiesOfSomeStepsAreLookedAt) {
     Observer nobody;
     simulation.run(nobody);
     EXPECT_GT(simulation.step(), 400);
-    EXPECT_GT(simulation.watch().energy_moved, 0.0);
-    return std::abs(simulation.watch().energy_missing) / simulation.watch().energy_moved;
+    EXPECT_GT(watch_of(simulation).energy_moved, 0.0);
+    return std::abs(watch_of(simulation).energy_missing) / watch_of(simulation).energy_moved;
   };
   // Two neighbouring steps of central differences balance to rounding, up to what is half a step apart.
   EXPECT_LT(missing("kernels = \"lattice\"", "rigid = false\ndivisions = [2, 1, 2]"), 0.01);
@@ -116,7 +119,7 @@ TEST(BlockMesh, FacesEncloseTheBlock) {
       SCOPED_TRACE(std::string(kernels) + " " + of_stone);
       const Simulation simulation(read_scene_text(
           stone(fmt::format("kernels = \"{}\"", kernels), of_stone, "gravity = [0, -9.81, 0]\n"), "stone.toml"));
-      const Simulation::BlockMesh mesh = simulation.block_mesh(1);
+      const BlockMesh mesh = block_mesh(simulation, 1);
       ASSERT_EQ(mesh.face.size(), 6u);
       double volume = 0.0, area = 0.0;
       Vec3 sum{};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "model/world_results.h"
 #include "scenes.h"
 
 namespace quoin {
@@ -39,7 +40,7 @@ std::unique_ptr<Simulation> ran(const std::string& scene) {
   return simulation;
 }
 const members::Beam& beam_of(const Simulation& simulation) {
-  return simulation.large_motion()->members()->beams().front();
+  return simulation.large_motion()->held_by.members.get()->beams().front();
 }
 
 // Both ends are driven: apart, turned against each other about the beam's side, twisted. Pieces of unequal length have
@@ -68,14 +69,14 @@ TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
       driven("velocity = [0, 0, 0]\nomega = [0, 0, -1e-3]\n", "velocity = [0, 0, 0]\nomega = [0, 0, 1e-3]\n");
   const double moment = beam_of(*bent).pieces().front().moment[0][0];
   const Simulation& s = *bent;
-  const double turned = -std::asin(s.large_motion()->orientation(1).row[0].y);
+  const double turned = -std::asin(orientation_of(*s.large_motion(), 1).row[0].y);
   for (const members::Beam::Piece& p : beam_of(*bent).pieces()) {
     EXPECT_NEAR(std::abs(p.moment[0][0]), std::abs(moment), 1e-3 * std::abs(moment));
     EXPECT_NEAR(p.moment[0][0], -p.moment[0][1], 1e-3 * std::abs(moment));
   }
   EXPECT_NEAR(std::abs(moment) / (kModulus * kInertia * 2 * std::abs(turned) / 2.0), 1.0, 2e-3);
   const auto twisted = driven("velocity = [0, 0, 0]\n", "velocity = [0, 0, 0]\nomega = [1e-2, 0, 0]\n");
-  const double twist = std::asin(twisted->large_motion()->orientation(2).row[2].y);
+  const double twist = std::asin(orientation_of(*twisted->large_motion(), 2).row[2].y);
   for (const members::Beam::Piece& p : beam_of(*twisted).pieces())
     EXPECT_NEAR(p.torque / (kShear * kInertia * twist / 2.0), 1.0, 2e-3);
   std::printf("  | patch: N %.6g N, M %.6g N m, T %.6g N m\n", pieces.front().force, moment,
@@ -131,7 +132,7 @@ TEST(Beams, HingeYieldsAtItsMoment) {
   EXPECT_EQ(beam_of(*below).largest_hinge(), 0.0);
   EXPECT_GT(beam_of(*above).largest_hinge(), 1e-3);
   EXPECT_LE(beam_of(*above).largest_moment(), 0.95 * most * (1 + 1e-9));
-  const blocks::Energies& e = above->large_motion()->energies();
+  const blocks::Energies& e = above->large_motion()->step_sums.energies;
   EXPECT_GT(e.members_dissipated, 0.0);
   EXPECT_LT(std::abs(e.balance_error(0.0)), 5e-3 * e.external);
 }
@@ -187,8 +188,9 @@ TEST(Beams, GoOnFromACheckpointBitForBit) {
   after.restore(bytes);
   whole.advance(2000), after.advance(2000);
   EXPECT_EQ(whole.hash(), after.hash());
-  EXPECT_GT(whole.large_motion()->energies().members_dissipated, 0.0);
-  EXPECT_EQ(whole.large_motion()->energies().members_dissipated, after.large_motion()->energies().members_dissipated);
+  EXPECT_GT(whole.large_motion()->step_sums.energies.members_dissipated, 0.0);
+  EXPECT_EQ(whole.large_motion()->step_sums.energies.members_dissipated,
+            after.large_motion()->step_sums.energies.members_dissipated);
 }
 
 TEST(Beams, BadOnesAreRefusedWithTheirPlaces) {

@@ -24,7 +24,9 @@ std::unique_ptr<Simulation> rested(const std::string& scene) {
   return simulation;
 }
 
-const members::Members& members_of(const Simulation& simulation) { return *simulation.large_motion()->members(); }
+const members::Members& members_of(const Simulation& simulation) {
+  return *simulation.large_motion()->held_by.members.get();
+}
 
 std::string dowel(const std::string& point, double force, double shear) {
   return fmt::format(
@@ -66,7 +68,7 @@ TEST(Dowels, TakesWhatFrictionLeaves) {
   EXPECT_EQ(norm(held.state.slid), 0.0);
   const auto slides = pushed(mu + 1.1 * yield / weight);
   EXPECT_GT(norm(members_of(*slides).dowels().front().state.slid), 0.05);
-  const blocks::Energies& e = slides->large_motion()->energies();
+  const blocks::Energies& e = slides->large_motion()->step_sums.energies;
   EXPECT_LT(std::abs(e.balance_error(0.0)), 2e-3 * e.external);
 }
 

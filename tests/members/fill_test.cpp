@@ -45,7 +45,7 @@ TEST(Fills, PressureIsAtRestActiveAndPassive) {
   const struct { double way, coefficient; } cases[] = {{0.0, 0.5}, {-0.2, 1.0 / 3.0}, {0.2, 3.0}};
   for (const auto& [way, coefficient] : cases) {
     const auto simulation = moved(way, fmt::format("towards = [1, 0, 0]\nsurface = [0, {}, 0]", kHeight));
-    const members::Members& m = *simulation->large_motion()->members();
+    const members::Members& m = *simulation->large_motion()->held_by.members.get();
     const geometry::Vector force = m.force_of(m.fills().front());
     const double expected = -0.5 * coefficient * kUnitWeight * kHeight * kHeight * kDepth;
     EXPECT_NEAR(force.x / expected, 1.0, 1e-9) << way;
@@ -54,7 +54,7 @@ TEST(Fills, PressureIsAtRestActiveAndPassive) {
     for (const members::FillPoint& p : m.fill_points())
       moment += p.state.force.x * m.nodes()[static_cast<std::size_t>(p.node)].start.y;
     EXPECT_NEAR(moment / force.x, kHeight / 3.0, 1e-9) << way;
-    const blocks::Energies& e = simulation->large_motion()->energies();
+    const blocks::Energies& e = simulation->large_motion()->step_sums.energies;
     EXPECT_LT(std::abs(e.balance_error(0.0)), 1e-3 * std::abs(e.external)) << way;
     EXPECT_EQ(e.members_dissipated > 0.0, way > 0.0);
   }
@@ -63,7 +63,7 @@ TEST(Fills, PressureIsAtRestActiveAndPassive) {
 // Its weight, and a surcharge, on a top below its surface; what lies above the surface or below another block has none.
 TEST(Fills, WeighsOnWhatIsBelow) {
   const auto simulation = moved(0.0, fmt::format("surface = [0, {}, 0]\nsurcharge = 5e3", kHeight + 0.5));
-  const members::Members& m = *simulation->large_motion()->members();
+  const members::Members& m = *simulation->large_motion()->held_by.members.get();
   EXPECT_NEAR(m.force_of(m.fills().front()).y, -(0.5 * kUnitWeight + 5e3) * 1.0 * kDepth, 1e-6);
   EXPECT_NEAR(m.fills().front().area, 1.0 * kDepth, 1e-9);
 }
@@ -88,7 +88,7 @@ TEST(Fills, LiesOnAnExtrados) {
     const double a = M_PI * k / voussoirs, b = M_PI * (k + 1) / voussoirs;
     area += radius * (std::cos(a) - std::cos(b)) * (surface - 0.5 * radius * (std::sin(a) + std::sin(b)));
   }
-  const members::Members& m = *simulation.large_motion()->members();
+  const members::Members& m = *simulation.large_motion()->held_by.members.get();
   double upright = 0.0, level = 0.0;
   for (const members::FillPoint& p : m.fill_points()) {
     upright += p.law.upright * p.law.vertical;

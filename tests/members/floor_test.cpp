@@ -41,7 +41,7 @@ std::string pushed(double across, double ramp, double duration) {
 
 // Largest way of the floor across its span, m.
 double sag(const Simulation& simulation) {
-  const members::Floor& floor = simulation.large_motion()->members()->floors().front();
+  const members::Floor& floor = simulation.large_motion()->held_by.members.get()->floors().front();
   double largest = 0.0;
   for (int i = 0; i <= floor.grid().pieces[0]; ++i) {
     for (int j = 0; j <= floor.grid().pieces[1]; ++j)
@@ -99,13 +99,13 @@ TEST(Floors, DiaphragmYieldsInShear) {
   // Panels carry the mean of their length: the first one that of its middle, a quarter of a metre from the wall.
   const double first = 1.0 / (1.0 - 0.25 / (kLength / 2));
   const double below = rested(floor_between(f) + pushed(0.97 * first, 0.5, 2.5), &simulation);
-  EXPECT_EQ(simulation->large_motion()->members()->floors().front().plastic_shear(), 0.0);
+  EXPECT_EQ(simulation->large_motion()->held_by.members.get()->floors().front().plastic_shear(), 0.0);
   const double above = rested(floor_between(f) + pushed(1.03 * first, 0.5, 2.5), &simulation);
-  const members::Floor& floor = simulation->large_motion()->members()->floors().front();
+  const members::Floor& floor = simulation->large_motion()->held_by.members.get()->floors().front();
   EXPECT_GT(floor.plastic_shear(), 0.01);
   EXPECT_LE(floor.largest_shear(), limit * (1 + 1e-12));
   EXPECT_GT(above, 5 * below);
-  const blocks::Energies& e = simulation->large_motion()->energies();
+  const blocks::Energies& e = simulation->large_motion()->step_sums.energies;
   EXPECT_GT(e.members_dissipated, 0.0);
   EXPECT_LT(std::abs(e.balance_error(0.0)), 1e-3 * e.external);
 }
@@ -124,12 +124,12 @@ TEST(Floors, AnchorsYieldAndPullOut) {
   Observer nobody;
   Simulation held(drawn(0.008), 1), out(drawn(0.03), 1);
   held.run(nobody), out.run(nobody);
-  const members::Floor &yields = held.large_motion()->members()->floors().front(),
-                       &is_out = out.large_motion()->members()->floors().front();
+  const members::Floor &yields = held.large_motion()->held_by.members.get()->floors().front(),
+                       &is_out = out.large_motion()->held_by.members.get()->floors().front();
   EXPECT_NEAR(yields.largest_anchor(), 5e3, 1e-6);
   EXPECT_EQ(yields.pulled_out_length(), 0.0);
   EXPECT_GE(is_out.pulled_out_length(), kBreadth - 1e-9);  // one edge, or both
-  const blocks::Energies& e = out.large_motion()->energies();
+  const blocks::Energies& e = out.large_motion()->step_sums.energies;
   // Both edges draw before one is out: strength times way of each, less what was elastic.
   EXPECT_GT(e.members_dissipated, 5e3 * kBreadth * 0.009);
   EXPECT_LT(std::abs(e.balance_error(0.0)), 0.01 * e.external);
@@ -140,7 +140,7 @@ TEST(Floors, WeightGoesToTheWallsThatJoistsEndOn) {
   Floor f;
   f.keys = "load = 981.0\n";
   Simulation simulation(read_scene_text(floor_between(f) + pushed(0.0, 0.1, 0.2), "floor.toml"), 1);
-  const members::Floor& floor = simulation.large_motion()->members()->floors().front();
+  const members::Floor& floor = simulation.large_motion()->held_by.members.get()->floors().front();
   double left = 0.0, right = 0.0;
   for (const members::Floor::Connector& c : floor.connectors()) {
     const Vec3 at = geometry::array(floor.start_of(c.place));
@@ -155,7 +155,7 @@ TEST(Floors, WeightGoesToTheWallsThatJoistsEndOn) {
   Observer nobody;
   heavy.run(nobody);
   geometry::Vector sum;
-  for (const members::Node& node : heavy.large_motion()->members()->nodes()) sum += node.force;
+  for (const members::Node& node : heavy.large_motion()->held_by.members.get()->nodes()) sum += node.force;
   EXPECT_NEAR(sum.y, -(kMass * 9.81 + 981.0) * kLength * kBreadth, 1e-6 * 47e3);
   EXPECT_NEAR(sum.x, 0.0, 1e-6);
 }
@@ -174,9 +174,10 @@ TEST(Floors, GoOnFromACheckpointBitForBit) {
   after.restore(bytes);
   whole.advance(2000), after.advance(2000);
   EXPECT_EQ(whole.hash(), after.hash());
-  EXPECT_GT(whole.large_motion()->energies().members_dissipated, 0.0);
-  EXPECT_EQ(whole.large_motion()->energies().members_dissipated, after.large_motion()->energies().members_dissipated);
-  EXPECT_EQ(whole.large_motion()->energies().external, after.large_motion()->energies().external);
+  EXPECT_GT(whole.large_motion()->step_sums.energies.members_dissipated, 0.0);
+  EXPECT_EQ(whole.large_motion()->step_sums.energies.members_dissipated,
+            after.large_motion()->step_sums.energies.members_dissipated);
+  EXPECT_EQ(whole.large_motion()->step_sums.energies.external, after.large_motion()->step_sums.energies.external);
 }
 
 TEST(Floors, BadOnesAreRefusedWithTheirPlaces) {

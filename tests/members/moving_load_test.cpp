@@ -35,7 +35,7 @@ TEST(MovingLoad, DividesByTheLever) {
     Simulation simulation(read_scene_text(scene, "moving.toml"), 1);
     Observer nobody;
     simulation.run(nobody);
-    const members::Members& m = *simulation.large_motion()->members();
+    const members::Members& m = *simulation.large_motion()->held_by.members.get();
     const double left = m.force_of(m.beds()[0]).y, right = m.force_of(m.beds()[1]).y;
     const double feet_weigh = 2 * 2000.0 * 0.02 * 9.81;
     EXPECT_NEAR(left + right, load + weight + feet_weigh, 0.005 * load) << x;

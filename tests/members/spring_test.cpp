@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "model/world_results.h"
 #include "scenes.h"
 
 namespace quoin {
@@ -46,7 +47,8 @@ Rest rest_of(const Scene& scene) {
   Observer nobody;
   simulation.run(nobody);
   const blocks::Model& m = *simulation.large_motion();
-  return {m.start_position(0).y - m.position(0).y, std::asin(m.orientation(0).row[0].y), m.members()->columns()};
+  return {start_position_of(m, 0).y - position_of(m, 0).y, std::asin(orientation_of(m, 0).row[0].y),
+          m.held_by.members.get()->columns()};
 }
 
 // u = W/(kn A); theta = F h/(kn I - W h/2), the weight turning it on: the points are exact for linear pressures.
@@ -113,7 +115,8 @@ TEST(Springs, DashpotsDampHeave) {
   double before = 0.0, last = 0.0;
   while (simulation.time() < 3.2 * 2 * std::numbers::pi / omega) {
     simulation.advance(1);
-    const double now = simulation.large_motion()->start_position(0).y - simulation.large_motion()->position(0).y;
+    const double now =
+        start_position_of(*simulation.large_motion(), 0).y - position_of(*simulation.large_motion(), 0).y;
     if (last > before && last > now) troughs.push_back(last - still);
     before = last, last = now;
   }
@@ -121,7 +124,7 @@ TEST(Springs, DashpotsDampHeave) {
   const double expected = std::exp(-2 * std::numbers::pi * xi / std::sqrt(1 - xi * xi));
   EXPECT_NEAR(troughs[1] / troughs[0] / expected, 1.0, 0.01);
   EXPECT_NEAR(troughs[2] / troughs[1] / expected, 1.0, 0.01);
-  const blocks::Energies& e = simulation.large_motion()->energies();
+  const blocks::Energies& e = simulation.large_motion()->step_sums.energies;
   EXPECT_LT(std::abs(e.balance_error(0.0)), 0.01 * e.external);
   EXPECT_GT(e.members_dissipated, 0.3 * e.external);
 }

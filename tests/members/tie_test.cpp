@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "model/world_results.h"
 #include "scenes.h"
 
 namespace quoin {
@@ -110,14 +111,14 @@ TEST(Ties, RockingBlockRestsWhereTheTieHoldsIt) {
     Observer nobody;
     simulation.run(nobody);
     const blocks::Model& m = *simulation.large_motion();
-    const geometry::Matrix r = m.orientation(m.assembly.blocks[1].name == "block" ? 1 : 0);
+    const geometry::Matrix r = orientation_of(m, m.assembly.blocks[1].name == "block" ? 1 : 0);
     const double theta = std::asin(r.row[0].y);
     ASSERT_GT(theta, 0.005) << lambda;
     const double tension = pretension + 2 * stiffness * h * std::sin(theta);
     const double expected = (weight * radius * std::sin(alpha - theta) + tension * 2 * h * std::cos(theta)) /
                             (weight * radius * std::cos(alpha - theta));
     EXPECT_NEAR(expected / lambda, 1.0, 0.01) << "theta " << theta;
-    EXPECT_NEAR(m.members()->ties().front().state.force / tension, 1.0, 0.005);
+    EXPECT_NEAR(m.held_by.members.get()->ties().front().state.force / tension, 1.0, 0.005);
     std::printf("  | rocking block on a tie: theta %.5f rad, lambda %.5f by the closed form, %.5f applied\n", theta,
                 expected, lambda);
   }
@@ -142,12 +143,13 @@ TEST(Members, GoOnFromACheckpointBitForBit) {
   after.restore(bytes);
   whole.advance(2000), after.advance(2000);
   EXPECT_EQ(whole.hash(), after.hash());
-  const auto &one = whole.large_motion()->members()->ties().front().state,
-             &other = after.large_motion()->members()->ties().front().state;
+  const auto &one = whole.large_motion()->held_by.members.get()->ties().front().state,
+             &other = after.large_motion()->held_by.members.get()->ties().front().state;
   EXPECT_EQ(one.force, other.force);
   EXPECT_EQ(one.dissipated, other.dissipated);
-  EXPECT_EQ(whole.large_motion()->energies().external, after.large_motion()->energies().external);
-  EXPECT_EQ(whole.large_motion()->energies().members_dissipated, after.large_motion()->energies().members_dissipated);
+  EXPECT_EQ(whole.large_motion()->step_sums.energies.external, after.large_motion()->step_sums.energies.external);
+  EXPECT_EQ(whole.large_motion()->step_sums.energies.members_dissipated,
+            after.large_motion()->step_sums.energies.members_dissipated);
 }
 
 }  // namespace

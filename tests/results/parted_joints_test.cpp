@@ -17,6 +17,7 @@
 #include "results/read_vtu.h"
 #include "results/vtk.h"
 #include "scene/read_scene.h"
+#include "step/results.h"
 
 namespace quoin {
 namespace {
@@ -41,7 +42,7 @@ const std::string kScene =
 using Pairs = std::set<std::pair<int, int>>;
 Pairs touching(const Simulation& simulation) {
   Pairs pairs;
-  for (const ContactPoint& p : simulation.contact_points()) pairs.insert(std::minmax(p.block_a, p.block_b));
+  for (const ContactPoint& p : contact_points(simulation)) pairs.insert(std::minmax(p.block_a, p.block_b));
   return pairs;
 }
 

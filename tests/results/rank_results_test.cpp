@@ -17,6 +17,7 @@
 #include "results/read_vtu.h"
 #include "results/vtk.h"
 #include "scene/read_scene.h"
+#include "step/collect.h"
 
 namespace quoin {
 namespace {
@@ -80,7 +81,7 @@ Written written_by(const Case& of, const std::filesystem::path& folder, Ranks* r
     simulation.run(helper);
     find_crushed_out(simulation);
     if (!simulation.large_motion()) collect_cracks(simulation, {});
-    EXPECT_TRUE(simulation.ranks_collect()) << "rank 0 has all";
+    EXPECT_TRUE(ranks_collect(simulation)) << "rank 0 has all";
     return {};
   }
   std::filesystem::create_directories(folder);

@@ -30,43 +30,43 @@ void collapse(int courses, int width, double rest) {
   // a push out of plane and along, then left alone
   m->set_gravity({0.35 * gravity, -gravity, 0.6 * gravity});
   EnergyCurves curves;
-  for (double next = 0.0, end = m->time() + 0.6; m->time() < end - 0.5 * m->time_step();) {
+  for (double next = 0.0, end = m->stepping.time + 0.6; m->stepping.time < end - 0.5 * m->stepping.dt;) {
     m->step();
-    if (m->time() >= next) curves.add(*m), next = m->time() + 0.01;
+    if (m->stepping.time >= next) curves.add(*m), next = m->stepping.time + 0.01;
   }
   m->set_gravity({0, -gravity, 0});
-  double work_scale = (m->mass() - 1800 * 60 * 0.2 * 60) * gravity * courses * height / 2, created = 0.0,
+  double work_scale = (whole_mass(*m) - 1800 * 60 * 0.2 * 60) * gravity * courses * height / 2, created = 0.0,
          largest_speed = 0.0;
-  while (m->time() < rest) {
+  while (m->stepping.time < rest) {
     m->run(0.01);
     curves.add(*m);
-    created = std::max(created, m->energies().balance_error(0.0) / work_scale);
+    created = std::max(created, m->step_sums.energies.balance_error(0.0) / work_scale);
     for (int i = 0; i < m->block_count(); ++i) {
-      ASSERT_TRUE(std::isfinite(m->position(i).y + m->orientation(i).row[0].x)) << i;
-      largest_speed = std::max(largest_speed, norm(m->velocity(i)));
+      ASSERT_TRUE(std::isfinite(position_of(*m, i).y + orientation_of(*m, i).row[0].x)) << i;
+      largest_speed = std::max(largest_speed, norm(velocity_of(*m, i)));
     }
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   double deepest = 0.0, top = 0.0, speed = 0.0;
   for (int i = 0; i < m->block_count(); ++i) {
     if (i == floor) continue;
-    for (size_t v = 0; v < m->block(i).shape->vertices.size(); ++v) {
-      const Vector p = m->corner(i, int(v));
+    for (size_t v = 0; v < m->blocks[i].shape->vertices.size(); ++v) {
+      const Vector p = corner_of(*m, i, int(v));
       deepest = std::max(deepest, -p.y);
       top = std::max(top, p.y);
     }
-    speed = std::max(speed, norm(m->velocity(i)));
+    speed = std::max(speed, norm(velocity_of(*m, i)));
   }
   double overlap = 0.0;
   detect_contacts(*m, true);
   for (size_t i = 0; i < m->contacts.list.size(); ++i)
     overlap = std::max(overlap, -m->contacts.place[i].separation.distance);
-  const Energies e = m->energies();
+  const Energies e = m->step_sums.energies;
   std::printf(
       "  collapse of %d blocks: %ld steps in %.1f s, %ld detections, %ld narrow calls; top %.2f m of %.2f m; fastest "
       "ever %.2f m/s, now %.3f m/s\n",
-      m->block_count() - 1, m->steps(), seconds, m->detections(), m->narrow_calls(), top, courses * height,
-      largest_speed, speed);
+      m->block_count() - 1, m->stepping.count, seconds, m->detection.count, m->detection.narrow_calls, top,
+      courses * height, largest_speed, speed);
   std::printf(
       "  energies J: kinetic %.3g stored %.3g dissipated %.3g %.3g %.3g %.3g damping %.3g external %.3g detection %.3g "
       "balance %.3g\n",
@@ -108,12 +108,12 @@ double stack_cost(int n, bool moving) {
   m->set_gravity({0, -gravity, 0});
   const double t1 = now();
   const long steps = std::max(5l, 2000000l / n);
-  m->run_steps(steps);
+  run_steps(*m, steps);
   const double seconds = now() - t1, t2 = now();
   detect_contacts(*m, true);
   const double detection = now() - t2;
   size_t points = 0;
-  for (const Family& f : m->families()) points += f.size();
+  for (const Family& f : m->contacts.families) points += f.size();
   const double per_block = seconds / double(steps) / n;
   std::printf(
       "  %7d blocks %7zu points: %.0f ns a block and step, %.0f ns a point and step, set-up %.2f "
@@ -157,11 +157,11 @@ TEST(Modes, SmallDisplacementIsLeftByItself) {
   m->set_gravity({0, -gravity, 0});
   m->run(0.1);
   EXPECT_TRUE(m->is_small);
-  EXPECT_EQ(m->detections(), 1);
+  EXPECT_EQ(m->detection.count, 1);
   m->set_gravity({0.5 * gravity, -gravity, 0});
-  while (m->is_small && m->time() < 2) m->step();
-  EXPECT_NEAR(m->position(b).x - 0.1, 0.005 * 0.2, 0.0003);
-  EXPECT_GT(m->detections(), 1);
+  while (m->is_small && m->stepping.time < 2) m->step();
+  EXPECT_NEAR(position_of(*m, b).x - 0.1, 0.005 * 0.2, 0.0003);
+  EXPECT_GT(m->detection.count, 1);
 }
 
 TEST(Modes, SameBitsEveryTime) {

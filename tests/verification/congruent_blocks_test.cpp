@@ -2,6 +2,8 @@
 // congruent blocks share one, others have their own. Beside them the same blocks zone by zone (zone_kernels.h).
 #include <cstring>
 
+#include "../momentum.h"
+#include "model/world_results.h"
 #include "support.h"
 
 namespace quoin::verification {
@@ -41,25 +43,25 @@ void shake(Model& m, double size) {
   for (int i = 0; i < m.block_count(); ++i) {
     uint64_t random = 88172645463325252u;
     const Matrix turned = geometry::matrix(m.assembly.blocks[size_t(i)].orientation);
-    const ModelBlock& b = m.block(i);
+    const ModelBlock& b = m.blocks[i];
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
       Vector v;
       for (int k = 0; k < 3; ++k) {
         random ^= random << 13, random ^= random >> 7, random ^= random << 17;
         v[k] = size * (double(random >> 11) / 9007199254740992.0 - 0.5);
       }
-      m.node_velocities()[size_t(n)] = turned * v;
+      m.nodes.v[size_t(n)] = turned * v;
     }
   }
 }
 
 // Displacements of block 0 in its own frame.
 std::vector<Vector> displacements(const Model& m, int block) {
-  const ModelBlock& b = m.block(block);
+  const ModelBlock& b = m.blocks[block];
   const Matrix turned = geometry::matrix(m.assembly.blocks[size_t(block)].orientation);
   std::vector<Vector> u;
   for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
-    u.push_back(transposed_times(turned, m.node_positions()[size_t(n)] - m.node_reference()[size_t(n)]));
+    u.push_back(transposed_times(turned, m.nodes.x[size_t(n)] - m.nodes.reference[size_t(n)]));
   return u;
 }
 
@@ -77,8 +79,8 @@ TEST(BlocksInFrames, AreThoseZoneByZoneForSmallStrain) {
       double difference[2];
       for (int i = 0; i < 2; ++i) {
         auto framed = bricks_apart(4, kind).model(solver), other = bricks_apart(4, kind).model(zone_by_zone(solver));
-        ASSERT_EQ(framed->count_of(kind == Kind::congruent ? Piece::Kind::congruent : Piece::Kind::distinct), 4);
-        ASSERT_EQ(other->count_of(Piece::Kind::by_zone), 4);
+        ASSERT_EQ(count_of(*framed, kind == Kind::congruent ? Piece::Kind::congruent : Piece::Kind::distinct), 4);
+        ASSERT_EQ(count_of(*other, Piece::Kind::by_zone), 4);
         for (Model* m : {framed.get(), other.get()}) {
           shake(*m, i == 0 ? 1.0 : 0.01);
           for (int step = 0; step < 40; ++step) m->step();
@@ -107,14 +109,14 @@ TEST(BlocksInFrames, HighestFrequencyIsThatZoneByZoneHoweverTurned) {
   for (const Kind kind : kKinds) {
     auto framed = bricks_apart(4, kind).model(undamped(0.7)),
          other = bricks_apart(4, kind).model(zone_by_zone(undamped(0.7)));
-    const double at_start = framed->critical_time_step();
+    const double at_start = framed->stepping.critical_dt;
     for (Model* m : {framed.get(), other.get()}) {
       const Matrix turned = geometry::matrix(geometry::rotation(1.9 * kAxis));
-      for (Vector& x : m->change_node_positions()) x = turned * x;
+      for (Vector& x : change_node_positions(*m)) x = turned * x;
       m->hold_by_springs(0.0);  // and chooses it again
     }
-    const double found = framed->critical_time_step();
-    check_error(name_of(kind) + ", 2/omega_max beside zone by zone", std::abs(found / other->critical_time_step() - 1),
+    const double found = framed->stepping.critical_dt;
+    check_error(name_of(kind) + ", 2/omega_max beside zone by zone", std::abs(found / other->stepping.critical_dt - 1),
                 1e-9, "-", "relative");
     check_error(name_of(kind) + ", 2/omega_max when turned", std::abs(found / at_start - 1), 1e-5, "-", "relative");
   }
@@ -127,23 +129,23 @@ TEST(BlocksInFrames, TumblingKeepsMomentumAndEnergy) {
     const Vector omega{13.0, 33.0, 20.0};
     shake(*m, 0.1);
     for (int i = 0; i < m->block_count(); ++i) {
-      const ModelBlock& b = m->block(i);
+      const ModelBlock& b = m->blocks[i];
       for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
-        m->node_velocities()[size_t(n)] += cross(omega, m->node_positions()[size_t(n)] - m->position(i));
+        m->nodes.v[size_t(n)] += cross(omega, m->nodes.x[size_t(n)] - position_of(*m, i));
     }
     m->track_energy(true);
     m->step();
-    const Vector linear = m->linear_momentum(), angular = m->angular_momentum();
-    const double start = m->energies().kinetic + m->energies().strain, end = 20 * 2 * pi / norm(omega);
+    const Vector linear = linear_momentum(*m), angular = angular_momentum(*m);
+    const double start = m->step_sums.energies.kinetic + m->step_sums.energies.strain, end = 20 * 2 * pi / norm(omega);
     double early = 0.0, all = 0.0;
-    while (m->time() < end) {
+    while (m->stepping.time < end) {
       m->step();
-      all = std::max(all, std::abs((m->energies().kinetic + m->energies().strain) / start - 1));
-      if (m->time() < 0.1 * end) early = all;
+      all = std::max(all, std::abs((m->step_sums.energies.kinetic + m->step_sums.energies.strain) / start - 1));
+      if (m->stepping.time < 0.1 * end) early = all;
     }
     const std::string what = name_of(kind) + ", tumbling 20 turns: ";
-    check_error(what + "momentum", norm(m->linear_momentum() - linear) / norm(angular), 1e-11, "-", "relative");
-    check_error(what + "angular momentum", norm(m->angular_momentum() - angular) / norm(angular), 1e-11, "-",
+    check_error(what + "momentum", norm(linear_momentum(*m) - linear) / norm(angular), 1e-11, "-", "relative");
+    check_error(what + "angular momentum", norm(angular_momentum(*m) - angular) / norm(angular), 1e-11, "-",
                 "relative");
     check_error(what + "energy", all, 2e-3, "-", "relative, swinging");
     EXPECT_LT(all, 2.0 * early) << name_of(kind) << ": it drifts";
@@ -160,14 +162,14 @@ TEST(BlocksInFrames, ViscositySeesNoRigidMotion) {
       m->set_velocity(i, {}, omega * axis);
     }
     m->run(2 * 2 * pi / omega);  // vibrations of the start fade
-    const double before = m->kinetic_energy();
+    const double before = kinetic_energy_of_all(*m);
     m->run(10 * 2 * pi / omega);
-    *lost = 1 - m->kinetic_energy() / before;
-    const ModelBlock& b = m->block(0);
+    *lost = 1 - kinetic_energy_of_all(*m) / before;
+    const ModelBlock& b = m->blocks[0];
     double longest = 0.0;
     for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
       for (int j = b.first_node; j < i; ++j)
-        longest = std::max(longest, norm(m->node_positions()[size_t(i)] - m->node_positions()[size_t(j)]));
+        longest = std::max(longest, norm(m->nodes.x[size_t(i)] - m->nodes.x[size_t(j)]));
     }
     return longest - norm(Vector{0.4, 0.1, 0.2});
   };
@@ -188,17 +190,17 @@ TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
   for (Model* m : {congruent.get(), alone.get()}) {
     // Stretched along its length, 3 % at most.
     for (int i = 0; i < m->block_count(); ++i) {
-      const ModelBlock& b = m->block(i);
+      const ModelBlock& b = m->blocks[i];
       for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
         const Matrix turned = geometry::matrix(m->assembly.blocks[size_t(i)].orientation);
-        const double x = transposed_times(turned, m->node_reference()[size_t(n)] - m->position(i)).x;
-        m->node_velocities()[size_t(n)] = 100.0 * x * (turned * Vector{1, 0, 0});
+        const double x = transposed_times(turned, m->nodes.reference[size_t(n)] - position_of(*m, i)).x;
+        m->nodes.v[size_t(n)] = 100.0 * x * (turned * Vector{1, 0, 0});
       }
     }
     m->track_energy(true);
     m->step();
   }
-  const auto energy = [](const Model& m) { return m.energies().kinetic + m.energies().strain; };
+  const auto energy = [](const Model& m) { return m.step_sums.energies.kinetic + m.step_sums.energies.strain; };
   const auto change = [&](const Model& m, double from) { return std::abs(energy(m) / from - 1); };
   const double start = energy(*congruent), start_alone = energy(*alone);
   double furthest = 0.0, lost = 0.0, lost_alone = 0.0;

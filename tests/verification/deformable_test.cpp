@@ -1,4 +1,5 @@
 // Deformable blocks: objectivity, waves, beams, patch tests.
+#include "../momentum.h"
 #include "support.h"
 
 namespace quoin::verification {
@@ -13,14 +14,14 @@ TEST(Objectivity, SpinningDeformableBlock) {
   m->set_velocity(0, {}, {0, 0, omega});
   m->track_energy(true);
   m->step();
-  const double energy = m->energies().kinetic + m->energies().strain;
-  const Vector momentum = m->angular_momentum();
+  const double energy = m->step_sums.energies.kinetic + m->step_sums.energies.strain;
+  const Vector momentum = angular_momentum(*m);
   double worst = 0.0, momentum_error = 0.0;
   const double end = 100 * 2 * pi / omega;
-  while (m->time() < end) {
+  while (m->stepping.time < end) {
     m->step();
-    worst = std::max(worst, std::abs((m->energies().kinetic + m->energies().strain) / energy - 1));
-    momentum_error = std::max(momentum_error, norm(m->angular_momentum() - momentum) / norm(momentum));
+    worst = std::max(worst, std::abs((m->step_sums.energies.kinetic + m->step_sums.energies.strain) / energy - 1));
+    momentum_error = std::max(momentum_error, norm(angular_momentum(*m) - momentum) / norm(momentum));
   }
   check_error("spinning deformable block, 100 turns: angular momentum", momentum_error, 1e-11, "-", "relative");
   check_error("spinning deformable block, 100 turns: energy", worst, 2e-4, "-", "relative, oscillating, no drift");
@@ -35,8 +36,8 @@ TEST(Objectivity, StressTurnsWithTheBlock) {
   m->set_velocity(0, {}, omega * Vector{0, 0, 1});
   const auto stresses = [&] {
     std::vector<Matrix> all;
-    const Matrix r = m->orientation(0);
-    for (int z = 0; z < m->block(0).zone_count; ++z) all.push_back(transposed(r) * m->zone_stress(0, z) * r);
+    const Matrix r = orientation_of(*m, 0);
+    for (int z = 0; z < m->blocks[0].zone_count; ++z) all.push_back(transposed(r) * zone_stress(*m, 0, z) * r);
     return all;
   };
   m->run(20 * 2 * pi / omega);
@@ -70,22 +71,22 @@ void spinning_pair(bool soft) {
   // about an axis that is no symmetry axis of the frame (s, t): the frame turns about its own normal too
   const Vector axis = normalized(Vector{0.0, 0.6, 0.8});
   for (int i = 0; i < 2; ++i) {
-    m->set_velocity(i, cross(omega * axis, m->position(i)), omega * axis);
+    m->set_velocity(i, cross(omega * axis, position_of(*m, i)), omega * axis);
   }
-  const Vector momentum = m->angular_momentum();
+  const Vector momentum = angular_momentum(*m);
   m->run(100 * 2 * pi / omega);
   const std::string name = soft ? "two deformable blocks on an elastic joint, 100 turns: "
                                 : "two rigid blocks on an elastic joint, 100 turns: ";
-  check_error(name + "angular momentum", norm(m->angular_momentum() - momentum) / norm(momentum), soft ? 1e-10 : 1e-11,
+  check_error(name + "angular momentum", norm(angular_momentum(*m) - momentum) / norm(momentum), soft ? 1e-10 : 1e-11,
               "-", "relative");
   double area = 0.0;
-  for (const Family& f : m->families()) {
+  for (const Family& f : m->contacts.families) {
     for (const Point& p : f.point) area += p.area;
   }
   EXPECT_NEAR(area, a * a, 1e-12);
-  const Vector line = normalized(m->position(0) - m->position(1));
+  const Vector line = normalized(position_of(*m, 0) - position_of(*m, 1));
   m->step();  // the forces of a step belong to the positions at its start
-  const Vector force = m->contact_force(1);
+  const Vector force = m->step_sums.contact_force[1];
   const double tension = dot(force, line);
   check(name + "joint tension", 2000 * a * a * a * omega * omega * a / 2, tension, soft ? 2e-3 : 2e-4, "N",
         "m omega^2 r; the joint opens");
@@ -110,12 +111,12 @@ void free_pair(const char* name_of_pair, bool first_rigid, bool second_rigid) {
   auto m = scene.model(undamped(0.3));
   m->set_velocity(0, {-0.6, 0.4, 0.2}, {3, -2, 4});
   m->set_velocity(1, {0.5, -0.3, 0.3}, {-2, 5, -3});
-  const Vector linear = m->linear_momentum(), angular = m->angular_momentum();
+  const Vector linear = linear_momentum(*m), angular = angular_momentum(*m);
   double open = 0.0, shear = 0.0, moment_of_gap = 0.0, drift = 0.0;
   for (int i = 0; i < 3000; ++i) {
     m->step();
-    drift = std::max(drift, norm(m->angular_momentum() - angular) / norm(angular));
-    for (const Family& f : m->families()) {
+    drift = std::max(drift, norm(angular_momentum(*m) - angular) / norm(angular));
+    for (const Family& f : m->contacts.families) {
       for (size_t k = 0; k < f.size(); ++k) {
         const double tau = std::hypot(f.traction[1][k], f.traction[2][k]), gap = f.normal_jump[k];
         open = std::max(open, gap), shear = std::max(shear, tau);
@@ -125,8 +126,8 @@ void free_pair(const char* name_of_pair, bool first_rigid, bool second_rigid) {
   }
   const std::string name = name_of_pair + std::string(": ");
   EXPECT_GT(open, 1e-3);
-  EXPECT_GT(moment_of_gap * m->time(), 1e-4 * norm(angular)) << "what the gap turns must be seen";
-  check_error(name + "momentum", norm(m->linear_momentum() - linear) / norm(linear), 1e-11, "-", "relative");
+  EXPECT_GT(moment_of_gap * m->stepping.time, 1e-4 * norm(angular)) << "what the gap turns must be seen";
+  check_error(name + "momentum", norm(linear_momentum(*m) - linear) / norm(linear), 1e-11, "-", "relative");
   check_error(name + "angular momentum", drift, 1e-11, "-", "relative");
 }
 TEST(Conservation, RigidOnDeformableBlock) { free_pair("rigid and deformable block", true, false); }
@@ -144,9 +145,9 @@ double wave_speed(bool p_wave, int elements, double speed) {
   const uint8_t held = uint8_t(7 & ~(1 << moving));
   const double duration = 4e-4;
   std::vector<int> driven;
-  for (size_t i = 0; i < m->node_positions().size(); ++i) {
-    m->hold_node(int(i), held);
-    if (m->node_reference()[i].x < 1e-9) m->hold_node(int(i), 7), driven.push_back(int(i));
+  for (size_t i = 0; i < m->nodes.x.size(); ++i) {
+    hold_node(*m, int(i), held);
+    if (m->nodes.reference[i].x < 1e-9) hold_node(*m, int(i), 7), driven.push_back(int(i));
   }
   struct Station {
     double x;
@@ -155,29 +156,30 @@ double wave_speed(bool p_wave, int elements, double speed) {
     double peak = 0, when = 0, last = 0, older = 0;
   } station[2] = {{1.0, {}, {"at 1 m"}}, {3.0, {}, {"at 3 m"}}};
   for (auto& s : station) {
-    for (size_t i = 0; i < m->node_reference().size(); ++i) {
-      if (std::abs(m->node_reference()[i].x - s.x) < 1e-6) s.nodes.push_back(int(i));
+    for (size_t i = 0; i < m->nodes.reference.size(); ++i) {
+      if (std::abs(m->nodes.reference[i].x - s.x) < 1e-6) s.nodes.push_back(int(i));
     }
   }
   const auto pulse = [&](double time) {
     return time > 0 && time < duration ? 1e-4 * std::pow(std::sin(pi * time / duration), 2) : 0.0;
   };
   const double end = 3.6e-3 * (p_wave ? 0.55 : 1.0);
-  while (m->time() < end) {
-    const double v = pulse(m->time());
-    for (int i : driven) m->hold_velocity(i, p_wave ? Vector{v, 0, 0} : Vector{0, v, 0});
+  while (m->stepping.time < end) {
+    const double v = pulse(m->stepping.time);
+    for (int i : driven) hold_velocity(*m, i, p_wave ? Vector{v, 0, 0} : Vector{0, v, 0});
     m->step();
     for (auto& s : station) {
       double mean = 0;
-      for (int i : s.nodes) mean += m->node_velocities()[i][moving] / double(s.nodes.size());
+      for (int i : s.nodes) mean += m->nodes.v[i][moving] / double(s.nodes.size());
       // parabola through three samples around the largest
       if (s.last > s.peak && s.last >= s.older && s.last >= mean) {
         const double curve = s.older - 2 * s.last + mean;
         s.peak = s.last;
-        s.when = m->time() - m->time_step() + (curve != 0 ? 0.5 * (s.older - mean) / curve * m->time_step() : 0.0);
+        s.when =
+            m->stepping.time - m->stepping.dt + (curve != 0 ? 0.5 * (s.older - mean) / curve * m->stepping.dt : 0.0);
       }
       s.older = s.last, s.last = mean;
-      s.passing.add(1e3 * (m->time() - 0.5 * m->time_step()), 1e3 * mean);
+      s.passing.add(1e3 * (m->stepping.time - 0.5 * m->stepping.dt), 1e3 * mean);
     }
   }
   const auto delayed = [&](const Station& s) {
@@ -211,10 +213,10 @@ std::pair<double, double> transmission(double ratio, int per_wave) {
   scene.soft({waves * wave, 0, 0}, {waves * wave, h, h}, {n, 1, 1});
   auto m = scene.model(undamped(0.6));
   std::vector<int> driven, far, near;
-  for (size_t i = 0; i < m->node_positions().size(); ++i) {
-    m->hold_node(int(i), 6);
-    const double x = m->node_reference()[i].x;
-    if (x < 1e-9) m->hold_node(int(i), 7), driven.push_back(int(i));
+  for (size_t i = 0; i < m->nodes.x.size(); ++i) {
+    hold_node(*m, int(i), 6);
+    const double x = m->nodes.reference[i].x;
+    if (x < 1e-9) hold_node(*m, int(i), 7), driven.push_back(int(i));
     if (std::abs(x - (waves + 1) * wave) < 1e-6) far.push_back(int(i));
     if (std::abs(x - wave) < 1e-6) near.push_back(int(i));
   }
@@ -222,22 +224,21 @@ std::pair<double, double> transmission(double ratio, int per_wave) {
   double sine = 0, cosine = 0;
   const double start = (waves + 1 + 3) / frequency, end = start + 2 / frequency;
   double incident_sine = 0, incident_cosine = 0;
-  while (m->time() < end) {
-    const double t = m->time(), ramp = std::min(1.0, t * frequency / 2);
+  while (m->stepping.time < end) {
+    const double t = m->stepping.time, ramp = std::min(1.0, t * frequency / 2);
     const double v = 1e-4 * ramp * ramp * (3 - 2 * ramp) * std::sin(omega * t);
-    for (int i : driven) m->hold_velocity(i, {v, 0, 0});
+    for (int i : driven) hold_velocity(*m, i, {v, 0, 0});
     m->step();
-    const double now = m->time() - 0.5 * m->time_step();
+    const double now = m->stepping.time - 0.5 * m->stepping.dt;
     if (now >= start) {
       for (int i : far)
-        sine += m->node_velocities()[i].x * std::sin(omega * now),
-            cosine += m->node_velocities()[i].x * std::cos(omega * now);
+        sine += m->nodes.v[i].x * std::sin(omega * now), cosine += m->nodes.v[i].x * std::cos(omega * now);
     }
     // the incident wave alone, before the reflection comes back
     if (now >= 4 / frequency && now < 6 / frequency) {
       for (int i : near)
-        incident_sine += m->node_velocities()[i].x * std::sin(omega * now),
-            incident_cosine += m->node_velocities()[i].x * std::cos(omega * now);
+        incident_sine += m->nodes.v[i].x * std::sin(omega * now),
+            incident_cosine += m->nodes.v[i].x * std::cos(omega * now);
     }
   }
   const double t = std::hypot(sine / double(far.size()), cosine / double(far.size()));
@@ -274,28 +275,28 @@ Beam cantilever(std::array<int, 3> n) {
   scene.soft({0, 0, 0}, {length, depth, width}, n);
   auto m = scene.model(viscous(150, 0, 0.8));
   std::vector<int> tip;
-  for (size_t i = 0; i < m->node_positions().size(); ++i) {
-    if (m->node_reference()[i].x < 1e-9) m->hold_node(int(i), 7);
-    if (m->node_reference()[i].x > length - 1e-9) tip.push_back(int(i));
+  for (size_t i = 0; i < m->nodes.x.size(); ++i) {
+    if (m->nodes.reference[i].x < 1e-9) hold_node(*m, int(i), 7);
+    if (m->nodes.reference[i].x > length - 1e-9) tip.push_back(int(i));
   }
   const double f1 = 1.8751 * 1.8751 / (2 * pi) * std::sqrt(e * depth * depth / 12 / rho) / (length * length);
   const double load = 1000.0;
   // shear traction over the tip, as nodal shares of the tip face
-  std::vector<double> share(m->node_positions().size(), 0.0);
-  for (const auto& t : m->block(0).surface) {
-    const auto& x = m->node_reference();
+  std::vector<double> share(m->nodes.x.size(), 0.0);
+  for (const auto& t : m->blocks[0].surface) {
+    const auto& x = m->nodes.reference;
     if (x[t.node[0]].x < length - 1e-9 || x[t.node[1]].x < length - 1e-9 || x[t.node[2]].x < length - 1e-9) continue;
     const double area = 0.5 * norm(cross(x[t.node[1]] - x[t.node[0]], x[t.node[2]] - x[t.node[0]]));
     for (int k : t.node) share[k] += area / 3 / (depth * width);
   }
   for (int i : tip) {
     Load l{};
-    l.block = 0, l.force = {0, -load * share[i], 0}, l.point = m->node_reference()[i];
+    l.block = 0, l.force = {0, -load * share[i], 0}, l.point = m->nodes.reference[i];
     m->add(l);
   }
   const auto mean = [&] {
     double sum = 0;
-    for (int i : tip) sum += share[i] * (m->node_positions()[i].y - m->node_reference()[i].y);
+    for (int i : tip) sum += share[i] * (m->nodes.x[i].y - m->nodes.reference[i].y);
     return sum;
   };
   m->run(6 / f1);
@@ -305,12 +306,12 @@ Beam cantilever(std::array<int, 3> n) {
   // upward zero crossings of the tip's displacement over some periods
   double first = -1, last = -1, before = mean();
   int count = 0;
-  const double end = m->time() + 5.2 / f1;
-  while (m->time() < end) {
+  const double end = m->stepping.time + 5.2 / f1;
+  while (m->stepping.time < end) {
     m->step();
     const double now = mean();
     if (before < 0 && now >= 0) {
-      const double t = m->time() - m->time_step() * now / (now - before);
+      const double t = m->stepping.time - m->stepping.dt * now / (now - before);
       if (first < 0)
         first = t;
       else
@@ -377,15 +378,15 @@ void patch(bool turned, bool with_rigid) {
   const Matrix r = matrix(q);
   double worst = 0.0;
   for (int block = 0; block < m->block_count(); ++block) {
-    for (int z = 0; z < m->block(block).zone_count; ++z) {
-      const Matrix s = transposed(r) * m->zone_stress(block, z) * r;
+    for (int z = 0; z < m->blocks[block].zone_count; ++z) {
+      const Matrix s = transposed(r) * zone_stress(*m, block, z) * r;
       Matrix expected = Matrix::zero();
       expected.row[1].y = -p;
       for (int i = 0; i < 3; ++i) worst = std::max(worst, norm(s.row[i] - expected.row[i]) / p);
     }
   }
   double traction = 0.0, area = 0.0;
-  for (const Family& f : m->families()) {
+  for (const Family& f : m->contacts.families) {
     for (size_t i = 0; i < f.size(); ++i) {
       area += f.point[i].area;
       traction = std::max(traction, std::hypot(f.traction[0][i] + p, f.traction[1][i], f.traction[2][i]) / p);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "model/world_results.h"
 #include "support.h"
 
 namespace quoin::verification {
@@ -20,8 +21,8 @@ struct Bounds {
 
 // energy: what the run turns over, J. start: balance_error(0) of the velocities that it begins with.
 void check_balance(const std::string& what, const Model& m, double start, double energy, const Bounds& bounds) {
-  const Energies& e = m.energies();
-  EXPECT_GT(m.detections(), 100) << "nothing is placed anew: nothing is tested";
+  const Energies& e = m.step_sums.energies;
+  EXPECT_GT(m.detection.count, 100) << "nothing is placed anew: nothing is tested";
   check_error(what + ": energy balance", e.balance_error(start) / energy, bounds.balance, "-");
   check_error(what + ": energy of points placed anew", e.detection / energy, bounds.detection, "-");
 }
@@ -38,7 +39,7 @@ void drop(const JointFamily& family, double fraction, const Bounds& bounds) {
   m->track_energy(true);
   m->set_gravity({0, -gravity, 0});
   EnergyCurves curves;
-  while (m->time() < 1.0) m->step(), curves.add(*m);
+  while (m->stepping.time < 1.0) m->step(), curves.add(*m);
   if (fraction < 0.2) curves.write("dropped_block");
   check_balance("dropped block, " + family.law, *m, 0.0, 2000 * 0.4 * 0.2 * 0.3 * gravity * 0.15, bounds);
 }
@@ -58,7 +59,7 @@ void tumble(const JointFamily& family, double fraction, const Bounds& bounds) {
   m->set_velocity(b, {1.5, 0, 0.3}, {1, 0.5, -5});
   m->set_gravity({0, -gravity, 0});
   m->step();
-  const double start = m->energies().balance_error(0.0);
+  const double start = m->step_sums.energies.balance_error(0.0);
   m->run(1.5);
   check_balance("tumbling block, " + family.law, *m, start, start + 2000 * 0.4 * 0.2 * 0.3 * gravity * 0.3, bounds);
 }
@@ -79,7 +80,7 @@ TEST(EnergyBalance, BlockSlidingOverAGap) {
   m->track_energy(true);
   m->set_velocity(b, {2, 0, 0});
   m->step();
-  const double start = m->energies().balance_error(0.0);
+  const double start = m->step_sums.energies.balance_error(0.0);
   m->run(0.6);
   check_balance("block sliding over a gap", *m, start, start, {0.006, 0.012});
 }
@@ -94,22 +95,22 @@ TEST(EnergyBalance, BlockCarriedLetGoAndCaught) {
   auto m = scene.model(viscous(0, 0));
   m->track_energy(true);
   m->set_gravity({0, -gravity, 0});
-  const double mass = m->mass_of(b);
+  const double mass = m->blocks[b].mass;
   m->prescribe(b, {2, 0, 0});
-  m->run_steps(100);
-  EXPECT_DOUBLE_EQ(m->energies().kinetic, 0.0);
-  EXPECT_DOUBLE_EQ(m->energies().external, 0.0);
-  m->release(b);
+  run_steps(*m, 100);
+  EXPECT_DOUBLE_EQ(m->step_sums.energies.kinetic, 0.0);
+  EXPECT_DOUBLE_EQ(m->step_sums.energies.external, 0.0);
+  m->prescribe(b, {}, {}, 0);
   m->run(0.2);
   const double kinetic = 0.5 * mass * (4 + gravity * gravity * 0.2 * 0.2);
-  EXPECT_NEAR(m->energies().kinetic, kinetic, 1e-3 * kinetic);
-  const double first = mass * std::pow(gravity * m->time_step(), 2) / 8;  // weight does not begin at a half step
-  EXPECT_NEAR(m->energies().balance_error(0.0), -first, 1e-12 * kinetic);
+  EXPECT_NEAR(m->step_sums.energies.kinetic, kinetic, 1e-3 * kinetic);
+  const double first = mass * std::pow(gravity * m->stepping.dt, 2) / 8;  // weight does not begin at a half step
+  EXPECT_NEAR(m->step_sums.energies.balance_error(0.0), -first, 1e-12 * kinetic);
   m->prescribe(b, {});
-  m->run_steps(2);
-  EXPECT_DOUBLE_EQ(m->energies().kinetic, 0.0);
+  run_steps(*m, 2);
+  EXPECT_DOUBLE_EQ(m->step_sums.energies.kinetic, 0.0);
   // It is caught half a step after the time of the energies.
-  EXPECT_NEAR(m->energies().balance_error(0.0), 0.0, 2 * mass * gravity * 3 * m->time_step());
+  EXPECT_NEAR(m->step_sums.energies.balance_error(0.0), 0.0, 2 * mass * gravity * 3 * m->stepping.dt);
 }
 
 // Pushed out of its plane: first as one, then in pieces that fall on each other and on the ground.
@@ -157,7 +158,7 @@ TEST(PlacedAnew, SameBounceAsOnPointsThatStay) {
       m->step();
       if (placed_again) detect_contacts(*m, true);
     }
-    height[placed_again] = m->position(b).y - 0.1;
+    height[placed_again] = position_of(*m, b).y - 0.1;
   }
   EXPECT_GT(height[0], 1e-3);
   EXPECT_NEAR(height[1], height[0], 1e-9 * height[0]);
@@ -192,12 +193,12 @@ TEST(PlacedAnew, HalfUnitsStandOnWhatTheyTouchWhereFourMeet) {
       m->prescribe(block, {velocity, 0, 0}, {}, sideways_and_rotation);
     }
     m->run(duration);
-    return m->position(wall.high[1]).y;
+    return position_of(*m, wall.high[1]).y;
   };
   press(pressed, -speed, slid / speed);
   const double high = press(pressed, 0.0, 0.02);
   const double given = high - press(2 * pressed, 0.0, 0.02);
-  ASSERT_GT(m->detections(), 2);
+  ASSERT_GT(m->detection.count, 2);
   check("four half units: pressed down", pressed / (kn * (wall.size.x + slid) * wall.size.z), given, 0.01, "m");
 }
 
@@ -225,7 +226,7 @@ TEST(PlacedAnew, VectorsAmongTheStatesKeepTheirDirection) {
   m->set_gravity({0, -gravity, 0});
   m->run(0.006);
   detect_contacts(*m, true);
-  const Family& f = m->families()[0];
+  const Family& f = m->contacts.families[0];
   int counted = 0;
   double across = 0.0, along = 0.0;  // sums of |g|, m
   for (size_t i = 0; i < f.size(); ++i) {
@@ -244,14 +245,14 @@ TEST(PlacedAnew, VectorsAmongTheStatesKeepTheirDirection) {
 TEST(PlacedAnew, TimeStepStaysWhereFourHalfUnitsMeet) {
   FourHalfUnits wall(dry_joint(1e12, 1e12, 0), true);
   auto m = wall.scene.model(local(0.0));
-  const double before = m->time_step();
+  const double before = m->stepping.dt;
   for (int block : wall.high) m->set_velocity(block, {-0.2, 0, 0});
   m->set_gravity({0, -gravity, 0});
   m->run(0.006);
-  EXPECT_LT(m->position(wall.high[1]).x, 1.5 * wall.size.x - 1e-3);
-  EXPECT_GT(m->detections(), 2);
-  std::printf("  time step %.4g of that at the start\n", m->time_step() / before);
-  EXPECT_GT(m->time_step(), 0.97 * before);
+  EXPECT_LT(position_of(*m, wall.high[1]).x, 1.5 * wall.size.x - 1e-3);
+  EXPECT_GT(m->detection.count, 2);
+  std::printf("  time step %.4g of that at the start\n", m->stepping.dt / before);
+  EXPECT_GT(m->stepping.dt, 0.97 * before);
 }
 
 }  // namespace

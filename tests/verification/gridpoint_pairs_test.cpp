@@ -1,5 +1,6 @@
 // Contact points on gridpoints of both blocks, in axes that turn with the frame of block a
 // (host/step/gridpoint_kernels.h).
+#include "../momentum.h"
 #include "support.h"
 
 namespace quoin::verification {
@@ -18,7 +19,7 @@ Scene row_of_bricks(Zones zones) {
 
 int points_on_gridpoints(const Model& m) {
   int count = 0;
-  for (const auto& family : m.families()) {
+  for (const auto& family : m.contacts.families) {
     for (const auto& p : family.point) count += p.on_gridpoints ? 1 : 0;
   }
   return count;
@@ -35,28 +36,28 @@ TEST(PointsOnGridpoints, KeepMomentaAndEnergyHoweverFarTheySlide) {
     EXPECT_EQ(points_on_gridpoints(*m), 2 * 9) << what;
     for (int i = 0; i < 3; ++i) {
       const Vector spin{3.0, -2.0, 4.0}, slide{0.0, i == 1 ? 4.0 : -2.0, i == 1 ? 2.0 : -1.0};
-      m->set_velocity(i, slide + cross(spin, m->position(i) - m->position(1)), spin);
+      m->set_velocity(i, slide + cross(spin, position_of(*m, i) - position_of(*m, 1)), spin);
     }
     m->track_energy(true);
     m->step();
-    const Vector linear = m->linear_momentum(), angular = m->angular_momentum();
-    const double start = m->energies().kinetic;
+    const Vector linear = linear_momentum(*m), angular = angular_momentum(*m);
+    const double start = m->step_sums.energies.kinetic;
     double slid = 0.0, worst = 0.0, early = 0.0;
     constexpr double kEnd = 0.4;  // s, some five swings and a quarter of a turn
-    while (m->time() < kEnd) {
+    while (m->stepping.time < kEnd) {
       m->step();
-      const Energies& e = m->energies();
+      const Energies& e = m->step_sums.energies;
       worst = std::max(worst, std::abs((e.kinetic + e.strain + e.contact_stored) / start - 1));
-      if (m->time() < 0.25 * kEnd) early = worst;
-      for (const double s : m->families()[0].slid[0]) slid = std::max(slid, std::abs(s));
+      if (m->stepping.time < 0.25 * kEnd) early = worst;
+      for (const double s : m->contacts.families[0].slid[0]) slid = std::max(slid, std::abs(s));
     }
     EXPECT_GT(slid, 0.05) << what;
     EXPECT_EQ(points_on_gridpoints(*m), 2 * 9) << what;
-    check_error(what + " that slide on gridpoints: momentum", norm(m->linear_momentum() - linear) / norm(angular),
-                1e-11, "-", "relative");
+    check_error(what + " that slide on gridpoints: momentum", norm(linear_momentum(*m) - linear) / norm(angular), 1e-11,
+                "-", "relative");
     // K u of unlike bricks comes from strains of zones, which are rounded at every step.
     check_error(what + " that slide on gridpoints: angular momentum",
-                norm(m->angular_momentum() - angular) / norm(angular), 1e-9, "-", "relative");
+                norm(angular_momentum(*m) - angular) / norm(angular), 1e-9, "-", "relative");
     check_error(what + " that slide on gridpoints: energy", worst, 2e-3, "-", "relative, swinging");
     EXPECT_LT(worst, 2.0 * early) << what << ": it drifts";
   }

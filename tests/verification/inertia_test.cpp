@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "../momentum.h"
 #include "support.h"
 
 namespace quoin::verification {
@@ -38,7 +39,7 @@ Scene unit_scene(int halves, const Quaternion& turn = {}, const JointFamily& joi
 
 void add_noise(Model& m, double size) {
   uint64_t random = 88172645463325252u;
-  for (Vector& v : m.node_velocities()) {
+  for (Vector& v : m.nodes.v) {
     for (int k = 0; k < 3; ++k) {
       random ^= random << 13, random ^= random >> 7, random ^= random << 17;
       v[k] += size * (double(random >> 11) / 9007199254740992.0 - 0.5);
@@ -47,13 +48,13 @@ void add_noise(Model& m, double size) {
 }
 
 double energy_of(const Model& m) {
-  const Energies& e = m.energies();
+  const Energies& e = m.step_sums.energies;
   return e.kinetic + e.strain + e.contact_stored;
 }
 
 // All deformable blocks turning about the origin with the spin `omega`.
 void spin(Model& m, const Vector& omega, const Vector& velocity = {}) {
-  for (int i = 0; i < m.block_count(); ++i) m.set_velocity(i, velocity + cross(omega, m.position(i)), omega);
+  for (int i = 0; i < m.block_count(); ++i) m.set_velocity(i, velocity + cross(omega, position_of(m, i)), omega);
 }
 
 // Free, vibrating and tumbling about no principal axis: momenta stand, energy swings but does not drift.
@@ -65,17 +66,17 @@ TEST(ScaledInertia, TumblingKeepsMomentumAndEnergy) {
     add_noise(*m, 0.1);
     m->track_energy(true);
     m->step();
-    const Vector about = m->position(0), linear = m->linear_momentum(), angular = m->angular_momentum(about);
+    const Vector about = position_of(*m, 0), linear = linear_momentum(*m), angular = angular_momentum(*m, about);
     const double start = energy_of(*m), end = 20 * 2 * pi / norm(omega);
     double early = 0.0, all = 0.0;
-    while (m->time() < end) {
+    while (m->stepping.time < end) {
       m->step();
       all = std::max(all, std::abs(energy_of(*m) / start - 1));
-      if (m->time() < 0.1 * end) early = all;
+      if (m->stepping.time < 0.1 * end) early = all;
     }
     const std::string name = std::string(halves == 1 ? "block" : "unit") + ", inertia scaled, tumbling 20 turns: ";
-    check_error(name + "momentum", norm(m->linear_momentum() - linear) / norm(linear), 1e-11, "-", "relative");
-    check_error(name + "angular momentum", norm(m->angular_momentum(about) - angular) / norm(angular), 1e-10, "-",
+    check_error(name + "momentum", norm(linear_momentum(*m) - linear) / norm(linear), 1e-11, "-", "relative");
+    check_error(name + "angular momentum", norm(angular_momentum(*m, about) - angular) / norm(angular), 1e-10, "-",
                 "relative");
     check_error(name + "energy", all, 2e-3, "-", "relative, swinging");
     EXPECT_LT(all, 2.0 * early) << "it drifts";
@@ -94,15 +95,15 @@ TEST(ScaledInertia, CentrifugalStretchIsThatOfTheTrueMass) {
       spin(*m, {0, omega, 0});
       m->run(3 * 2 * pi / omega);
       double longest = 0.0;
-      for (const Vector& x : m->node_positions()) {
-        for (const Vector& y : m->node_positions()) longest = std::max(longest, norm(x - y));
+      for (const Vector& x : m->nodes.x) {
+        for (const Vector& y : m->nodes.x) longest = std::max(longest, norm(x - y));
       }
       double rest = 0.0;
-      for (const Vector& x : m->node_reference()) {
-        for (const Vector& y : m->node_reference()) rest = std::max(rest, norm(x - y));
+      for (const Vector& x : m->nodes.reference) {
+        for (const Vector& y : m->nodes.reference) rest = std::max(rest, norm(x - y));
       }
       m->step();
-      *tension = norm(m->contact_force(0));
+      *tension = norm(m->step_sums.contact_force[0]);
       return longest - rest;
     };
     double true_tension = 0.0, tension = 0.0;
@@ -123,16 +124,16 @@ TEST(ScaledInertia, FreeFallIsExact) {
     solver.local_damping = 0.0;
     auto m = unit_scene(halves, geometry::rotation({0.4, -0.7, 0.5})).model(solver);
     m->set_gravity({1.0, -9.81, 0.5});
-    const Vector start = m->position(0);
+    const Vector start = position_of(*m, 0);
     for (int i = 0; i < 500; ++i) m->step();
-    const double t = m->time(), dt = m->time_step();
+    const double t = m->stepping.time, dt = m->stepping.dt;
     // Central differences from rest: x = g t (t + dt)/2.
-    const Vector fall = m->position(0) - start;
+    const Vector fall = position_of(*m, 0) - start;
     const std::string name =
         std::string("free fall, turned ") + (halves == 1 ? "block" : "unit") + ", inertia scaled: ";
     check(name + "fall", 0.5 * 9.81 * t * (t + dt), -fall.y, 1e-9, "m");
     check(name + "drift along x", 0.5 * 1.0 * t * (t + dt), fall.x, 1e-9, "m");
-    check_error(name + "strain energy over kinetic energy", m->strain_energy() / m->kinetic_energy(), 1e-18, "-");
+    check_error(name + "strain energy over kinetic energy", strain_energy(*m) / kinetic_energy_of_all(*m), 1e-18, "-");
   }
 }
 
@@ -146,17 +147,17 @@ TEST(ScaledInertia, APlaneHoldsTheSameAlongEveryAxis) {
     scene.soft({0, 0, 0}, {0.2, 0.2, 0.2}, {1, 1, 1});
     auto m = scene.model(scaled(64.0));
     const auto own = [&axes](const Vector& v) { return Vector{v[axes[0]], v[axes[1]], v[axes[2]]}; };
-    const std::vector<Vector> start(m->node_reference().begin(), m->node_reference().end());
+    const std::vector<Vector> start(m->nodes.reference.begin(), m->nodes.reference.end());
     for (size_t i = 0; i < start.size(); ++i) {
       const Vector at = own(start[i]);
-      if (at.x < 1e-9) m->hold_node(int(i), uint8_t(1 << axes[0]));
+      if (at.x < 1e-9) hold_node(*m, int(i), uint8_t(1 << axes[0]));
       const Vector v{at.x * (0.3 * at.y - 0.2 * at.z), 0.2 * at.x - 0.4 * at.z, 0.5 * at.x + 0.4 * at.y};
-      for (int c = 0; c < 3; ++c) m->node_velocities()[i][axes[size_t(c)]] = v[c];
+      for (int c = 0; c < 3; ++c) m->nodes.v[i][axes[size_t(c)]] = v[c];
     }
     for (int i = 0; i < 200; ++i) m->step();
     double largest = 0.0, off = 0.0;
     for (size_t i = 0; i < start.size(); ++i) {
-      const Vector at = own(start[i]), u = own(m->node_positions()[i] - start[i]);
+      const Vector at = own(start[i]), u = own(m->nodes.x[i] - start[i]);
       const std::array<long, 3> place{std::lround(1e3 * at.x), std::lround(1e3 * at.y), std::lround(1e3 * at.z)};
       largest = std::max(largest, norm(u)), off = std::max(off, norm(first.try_emplace(place, u).first->second - u));
     }
@@ -172,15 +173,15 @@ double first_frequency(const SolverSettings& solver) {
   scene.soft({0, 0, 0}, {1.0, 0.2, 0.1}, {10, 2, 1});
   auto m = scene.model(solver);
   std::vector<int> tip;
-  for (size_t i = 0; i < m->node_positions().size(); ++i) {
-    const double x = m->node_reference()[i].x;
-    if (x < 1e-9) m->hold_node(int(i), 7);
+  for (size_t i = 0; i < m->nodes.x.size(); ++i) {
+    const double x = m->nodes.reference[i].x;
+    if (x < 1e-9) hold_node(*m, int(i), 7);
     if (x > 1 - 1e-9) tip.push_back(int(i));
-    m->node_velocities()[i] = {0.0, x < 1e-9 ? 0.0 : 0.01 * x * x, 0.0};
+    m->nodes.v[i] = {0.0, x < 1e-9 ? 0.0 : 0.01 * x * x, 0.0};
   }
   const auto mean = [&] {
     double sum = 0.0;
-    for (int i : tip) sum += m->node_positions()[size_t(i)].y - m->node_reference()[size_t(i)].y;
+    for (int i : tip) sum += m->nodes.x[size_t(i)].y - m->nodes.reference[size_t(i)].y;
     return sum;
   };
   double first = -1, last = -1, before = mean();
@@ -189,7 +190,7 @@ double first_frequency(const SolverSettings& solver) {
     m->step();
     const double now = mean();
     if (before < 0 && now >= 0) {
-      last = m->time() - m->time_step() * now / (now - before);
+      last = m->stepping.time - m->stepping.dt * now / (now - before);
       if (++count == 0) first = last;
     }
     before = now;
@@ -213,15 +214,15 @@ TEST(ScaledInertia, StableJustBelowTheLimitUnstableJustAbove) {
       const Quaternion turn = turned ? geometry::rotation({0.9, -1.7, 0.5}) : Quaternion{};
       for (const double fraction : {0.98, 1.02}) {
         auto m = unit_scene(halves, turn).model(scaled(64.0, 16.0, fraction));
-        if (!turned) at_rest = m->critical_time_step();
-        EXPECT_NEAR(m->critical_time_step(), at_rest, 1e-5 * at_rest);
+        if (!turned) at_rest = m->stepping.critical_dt;
+        EXPECT_NEAR(m->stepping.critical_dt, at_rest, 1e-5 * at_rest);
         add_noise(*m, 1e-6);
         double largest = 0.0;
         Curve growth{std::string(halves == 1 ? "block" : "unit") + ", step " + (fraction < 1 ? "0.98" : "1.02") +
                      " of the limit"};
         for (int i = 0; i < 3000 && largest < 1e3; ++i) {
           m->step();
-          for (const Vector& v : m->node_velocities()) largest = std::max(largest, norm(v));
+          for (const Vector& v : m->nodes.v) largest = std::max(largest, norm(v));
           growth.add(i + 1, largest);
         }
         if (!turned) curves.push_back(growth);
@@ -233,7 +234,7 @@ TEST(ScaledInertia, StableJustBelowTheLimitUnstableJustAbove) {
     }
     if (halves == 1)
       check("critical step of a block, s_b = 64 over s = 1", 8.0,
-            at_rest / unit_scene(1).model(scaled(1.0))->critical_time_step(), 1e-5, "-", "sqrt(s_b)");
+            at_rest / unit_scene(1).model(scaled(1.0))->stepping.critical_dt, 1e-5, "-", "sqrt(s_b)");
   }
   write_figure("step_limit", "steps, -", "largest velocity so far, m/s", curves);
 }
@@ -250,10 +251,10 @@ TEST(ScaledInertia, EnergyBalanceCloses) {
     add_noise(*m, 1.0);
     m->track_energy(true);
     m->step();
-    const double start = m->energies().balance_error(0.0), kinetic = m->energies().kinetic;
-    while (m->time() < 0.02) m->step();
-    EXPECT_GT(m->energies().damping, 0.02 * kinetic);
-    return std::abs(m->energies().balance_error(start)) / kinetic;
+    const double start = m->step_sums.energies.balance_error(0.0), kinetic = m->step_sums.energies.kinetic;
+    while (m->stepping.time < 0.02) m->step();
+    EXPECT_GT(m->step_sums.energies.damping, 0.02 * kinetic);
+    return std::abs(m->step_sums.energies.balance_error(start)) / kinetic;
   };
   std::vector<Curve> curves;
   for (const bool block : {true, false}) {
@@ -282,25 +283,25 @@ TEST(ScaledInertia, HalvesThatComeApartAreTwoBlocks) {
   m->set_velocity(1, {1.0, 0.2, 0.0}, {0.0, 0.0, 0.5});
   m->track_energy(true);
   m->step();
-  EXPECT_EQ(m->unit_count(), 1);
-  const Vector linear = m->linear_momentum(), angular = m->angular_momentum();
-  const double start = m->energies().balance_error(0.0), step = m->time_step();
-  while (m->unit_count() == 1 && m->time() < 0.01) m->step();
-  EXPECT_EQ(m->unit_count(), 0);
-  const double opening = m->position(1).x - m->position(0).x - 0.2;
+  EXPECT_EQ(m->units.count, 1);
+  const Vector linear = linear_momentum(*m), angular = angular_momentum(*m);
+  const double start = m->step_sums.energies.balance_error(0.0), step = m->stepping.dt;
+  while (m->units.count == 1 && m->stepping.time < 0.01) m->step();
+  EXPECT_EQ(m->units.count, 0);
+  const double opening = position_of(*m, 1).x - position_of(*m, 0).x - 0.2;
   EXPECT_GT(opening, 0.010 * 0.12);
   EXPECT_LT(opening, 0.015 * 0.12);
   const double mass = 2000 * 0.2 * 0.12 * 0.2;
   m->step();
-  check("unit that comes apart, s_u = 16: energy booked", 15 * mass, m->energies().detection, 1e-2, "J",
+  check("unit that comes apart, s_u = 16: energy booked", 15 * mass, m->step_sums.energies.detection, 1e-2, "J",
         "(s_u - 1) m v^2; a little spin of the halves on each other");
-  check_error("unit that comes apart, s_u = 16: energy balance", m->energies().balance_error(start) / (16 * mass), 1e-3,
+  check_error("unit that comes apart, s_u = 16: energy balance",
+              m->step_sums.energies.balance_error(start) / (16 * mass), 1e-3, "-");
+  check_error("unit that comes apart, s_u = 16: momentum", norm(linear_momentum(*m) - linear) / norm(linear), 1e-12,
               "-");
-  check_error("unit that comes apart, s_u = 16: momentum", norm(m->linear_momentum() - linear) / norm(linear), 1e-12,
-              "-");
-  check_error("unit that comes apart, s_u = 16: angular momentum",
-              norm(m->angular_momentum() - angular) / norm(angular), 1e-12, "-");
-  EXPECT_EQ(m->time_step(), step);
+  check_error("unit that comes apart, s_u = 16: angular momentum", norm(angular_momentum(*m) - angular) / norm(angular),
+              1e-12, "-");
+  EXPECT_EQ(m->stepping.dt, step);
 }
 
 // What comes back has its inertia again before it touches, and what bounces off gives it back: the energies of both
@@ -312,42 +313,42 @@ TEST(ScaledInertia, HalvesThatMeetAgainBounce) {
   const auto fly_apart = [&](double speed) {
     m->set_velocity(0, {-speed, 0.2, 0.1}), m->set_velocity(1, {speed, 0.2, 0.1});
   };
-  const auto opening = [&] { return m->position(1).x - m->position(0).x - 0.2; };
+  const auto opening = [&] { return position_of(*m, 1).x - position_of(*m, 0).x - 0.2; };
   fly_apart(v);
-  while (m->unit_count() == 1 && m->time() < 0.1) m->step();
+  while (m->units.count == 1 && m->stepping.time < 0.1) m->step();
   fly_apart(-v);
   m->track_energy(true);
   m->step();
-  const Vector linear = m->linear_momentum(), about = m->position(0), angular = m->angular_momentum(about);
-  const double start = m->energies().balance_error(0.0), step = m->time_step();
+  const Vector linear = linear_momentum(*m), about = position_of(*m, 0), angular = angular_momentum(*m, about);
+  const double start = m->step_sums.energies.balance_error(0.0), step = m->stepping.dt;
   double deepest = 1.0;
   int meetings = 0;
-  for (int before = 0; m->time() < 0.2 && !(meetings == 1 && m->unit_count() == 0);) {
-    before = m->unit_count();
+  for (int before = 0; m->stepping.time < 0.2 && !(meetings == 1 && m->units.count == 0);) {
+    before = m->units.count;
     m->step();
-    if (m->unit_count() > before) {
+    if (m->units.count > before) {
       ++meetings;
       EXPECT_GT(opening(), 0.0) << "touched before they had their inertia";
     }
     deepest = std::min(deepest, opening());
   }
   EXPECT_EQ(meetings, 1);
-  EXPECT_EQ(m->unit_count(), 0);
+  EXPECT_EQ(m->units.count, 0);
   EXPECT_LT(deepest, 0.0) << "did not touch";
   const double then = opening();
   m->step();
-  const double after = 0.5 * (opening() - then) / m->time_step();
+  const double after = 0.5 * (opening() - then) / m->stepping.dt;
   EXPECT_LE(after, v * (1 + 1e-3));
   EXPECT_GT(after, 0.1 * v);  // 0.3 of it: much goes into vibration of blocks as soft as these
   check("halves that meet and part, s_u = 16: energy booked", 15 * mass * (after * after - v * v),
-        m->energies().detection, 2e-2, "J", "(s_u - 1) m (v'^2 - v^2)", 15 * mass * v * v);
+        m->step_sums.energies.detection, 2e-2, "J", "(s_u - 1) m (v'^2 - v^2)", 15 * mass * v * v);
   check_error("halves that meet and part, s_u = 16: energy balance",
-              m->energies().balance_error(start) / (16 * mass * v * v), 5e-3, "-");
-  check_error("halves that meet and part, s_u = 16: momentum", norm(m->linear_momentum() - linear) / norm(linear),
-              1e-12, "-");
+              m->step_sums.energies.balance_error(start) / (16 * mass * v * v), 5e-3, "-");
+  check_error("halves that meet and part, s_u = 16: momentum", norm(linear_momentum(*m) - linear) / norm(linear), 1e-12,
+              "-");
   check_error("halves that meet and part, s_u = 16: angular momentum",
-              norm(m->angular_momentum(about) - angular) / (mass * 0.2 * v), 1e-10, "-");
-  EXPECT_NEAR(m->time_step(), step, 1e-6 * step);
+              norm(angular_momentum(*m, about) - angular) / (mass * 0.2 * v), 1e-10, "-");
+  EXPECT_NEAR(m->stepping.dt, step, 1e-6 * step);
 }
 
 // Halves that gape but touch along an edge, or have slid on each other, keep the added inertia and so the time step. In
@@ -356,15 +357,15 @@ TEST(ScaledInertia, HalvesThatTurnOnAnEdgeKeepTheTimeStep) {
   auto m = unit_scene(2, {}, dry_joint(1e11, 5e10, 30)).model(scaled(64.0, 16.0));
   m->set_velocity(0, {-0.12, 0.2, 0.0}, {0.0, 0.0, -2.0});  // both about the upper edge of their joint
   m->set_velocity(1, {0.12, 0.2, 0.0}, {0.0, 0.0, 2.0});
-  const double step = m->time_step();
+  const double step = m->stepping.dt;
   double turned = 0.0;
-  while (turned < 0.02 && m->time() < 0.05) {
+  while (turned < 0.02 && m->stepping.time < 0.05) {
     m->step();
-    turned = angle_between(m->orientation(1), m->orientation(0));
+    turned = angle_between(orientation_of(*m, 1), orientation_of(*m, 0));
   }
   EXPECT_GT(turned, 0.013) << "the bound of small motion";
-  EXPECT_EQ(m->unit_count(), 1);
-  EXPECT_GT(m->time_step(), 0.99 * step);
+  EXPECT_EQ(m->units.count, 1);
+  EXPECT_GT(m->stepping.dt, 0.99 * step);
 }
 
 // A block at rest under load feels nothing when its damping becomes viscous: the rate of strain is that of its
@@ -376,11 +377,11 @@ TEST(ScaledInertia, AChangeOfDampingIsNoJolt) {
   m->add(Pressure{0, 0, 1e6, {}, {}, {}, {}});
   m->add(Pressure{0, 1, 1e6, {}, {}, {}, {}});
   settle(*m, 1e-20);
-  EXPECT_GT(m->strain_energy(), 0.5);
+  EXPECT_GT(strain_energy(*m), 0.5);
   m->set_solver(viscous(0.0, 1e-6));
   m->step();
   check_error("block under load, damping changed to viscous: kinetic over strain energy",
-              m->kinetic_energy() / m->strain_energy(), 1e-15, "-");
+              kinetic_energy_of_all(*m) / strain_energy(*m), 1e-15, "-");
 }
 
 // Vibration brakes no motion under damping by block.
@@ -390,12 +391,12 @@ TEST(ScaledInertia, VibrationBrakesNoMotion) {
     spin(*m, {0, 2.0, 0}, {0.5, 0.2, 0.1});
     add_noise(*m, 0.5);
     m->step();
-    const Vector linear = m->linear_momentum(), angular = m->angular_momentum(m->position(0));
-    const Vector about = m->position(0);
+    const Vector linear = linear_momentum(*m), angular = angular_momentum(*m, position_of(*m, 0));
+    const Vector about = position_of(*m, 0);
     for (int i = 0; i < 3000; ++i) m->step();
-    const Vector drift = m->angular_momentum(about) - angular;
+    const Vector drift = angular_momentum(*m, about) - angular;
     const std::string name = std::string(halves == 1 ? "block" : "unit") + ", damping by block, vibrating: ";
-    check_error(name + "momentum", norm(m->linear_momentum() - linear) / norm(linear), 1e-11, "-");
+    check_error(name + "momentum", norm(linear_momentum(*m) - linear) / norm(linear), 1e-11, "-");
     check_error(name + "angular momentum", norm(drift) / norm(angular), 1e-9, "-");
   }
 }
@@ -415,15 +416,15 @@ TEST(ScaledInertia, DampedFallIsTheSameHoweverTheBlockIsTurned) {
       auto m = scene.model(solver);
       m->set_velocity(0, {0, -1e-9, 0});
       m->set_gravity({0, -9.81, 0});
-      const Vector start = m->position(0);
+      const Vector start = position_of(*m, 0);
       Curve& fall = curves.emplace_back(std::string(soft ? "deformable block" : "rigid block") +
                                         (norm(turn) > 0 ? ", turned" : ""));
       for (int i = 0; i < 500; ++i) {
         m->step();
-        fall.add(m->time(), 1e3 * (start - m->position(0)).y);
+        fall.add(m->stepping.time, 1e3 * (start - position_of(*m, 0)).y);
       }
-      const double t = m->time(), dt = m->time_step();
-      check("damped fall, " + fall.name, 0.5 * 0.7 * 9.81 * t * (t + dt), (start - m->position(0)).y, 1e-6, "m",
+      const double t = m->stepping.time, dt = m->stepping.dt;
+      check("damped fall, " + fall.name, 0.5 * 0.7 * 9.81 * t * (t + dt), (start - position_of(*m, 0)).y, 1e-6, "m",
             "(1 - gamma) g t (t + dt)/2");
     }
   }

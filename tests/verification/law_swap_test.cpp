@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "model/world_results.h"
 #include "scene/read_scene.h"
+#include "step/results.h"
 #include "step/simulation.h"
 #include "support.h"
 
@@ -19,14 +21,14 @@ struct SwapRecorder : Observer {
   std::vector<double> balance;   // of energies at the end of each stage, J
   std::vector<double> least_xi;  // at the end of each stage, of all points whose law has it
   std::vector<long> detections;
-  void on_stage_begin(const Simulation& s, int) override { at_begin.push_back(s.contact_points()); }
+  void on_stage_begin(const Simulation& s, int) override { at_begin.push_back(contact_points(s)); }
   void on_law_swap(const LawSwap& swap) override { swaps.push_back(swap); }
   void on_stage_end(const Simulation& s, int, const HistoryRow& last) override {
-    at_end.push_back(s.contact_points());
+    at_end.push_back(contact_points(s));
     if (last.energies) balance.push_back(last.energies->balance_error());
-    const std::vector<double> xi = s.state("xi_t");
+    const std::vector<double> xi = law_state(s, "xi_t");
     least_xi.push_back(std::ranges::min(xi));
-    detections.push_back(s.large_motion()->detections());
+    detections.push_back(s.large_motion()->detection.count);
   }
 
   // Every stage begins with the tractions that the one before has left.
@@ -115,7 +117,7 @@ TEST(BlockLawSwap, FallingWallGoesOnWithItsEnergiesInBalance) {
   EXPECT_GT(simulation.measure().largest_displacement, 0.5) << "the wall stands";
 
   const double ground = 1800.0 * 60 * 0.2 * 60, height = 5 * 0.2;
-  const double scale = (simulation.large_motion()->mass() - ground) * gravity * height / 2;
+  const double scale = (whole_mass(*simulation.large_motion()) - ground) * gravity * height / 2;
   double jumps = 0.0;
   for (size_t stage = 0; stage < recorder.balance.size(); ++stage) {
     if (stage == 2 || stage == 4) {  // the single steps that follow a swap
@@ -199,13 +201,13 @@ energy = true
     EXPECT_EQ(sigma, swapped[i].traction[0]);
     EXPECT_NEAR(swapped[i].jump[0], sigma / kn, 1e-18);
     // The stage has one step, and the one after it that completes its last row.
-    const double opening = 2.0 * velocity * simulation.large_motion()->time_step();
+    const double opening = 2.0 * velocity * simulation.large_motion()->stepping.dt;
     EXPECT_NEAR(after[i].traction[0] - sigma, kn * opening, 1e-6 * sigma + 0.01 * kn * opening);
     jump += before[i].area * (0.5 * sigma * sigma / kn - 0.5 * sigma * before[i].jump[0]);
   }
   EXPECT_NEAR(recorder.swaps[0].energy_jump, jump, 1e-9 * std::abs(jump));
   // The driven block works against the traction of the step; the trapezoid of that work is off by kn (v dt)^2 / 2.
-  const double step = velocity * simulation.large_motion()->time_step();
+  const double step = velocity * simulation.large_motion()->stepping.dt;
   EXPECT_NEAR(recorder.balance[1] - recorder.balance[0], recorder.swaps[0].energy_jump, 2.0 * kn * step * step);
 }
 TEST(BlockLawSwap, SoftenedJointOnARigidPlaneKeepsItsTraction) { softened_joint(""); }
@@ -233,9 +235,9 @@ TEST(BlockLawSwap, PointsBornLaterStartDry) {
   ASSERT_EQ(m->point_count(), 0u);
   m->replace_law(0, successor(mortar, "fracture_energy"), {}, {});
   // Looked at before their law is called for the first time: it breaks what is bonded across a gap.
-  while (m->point_count() == 0 && m->time() < 0.1) m->step();
+  while (m->point_count() == 0 && m->stepping.time < 0.1) m->step();
   ASSERT_GT(m->point_count(), 0u);
-  const Family& f = m->families()[0];
+  const Family& f = m->contacts.families[0];
   for (double xi : f.state[size_t(f.material->law().state_index("xi_t"))]) EXPECT_GE(xi, 1.0);
 }
 
@@ -245,14 +247,14 @@ TEST(BlockLawSwap, StifferLawShortensTheStep) {
   scene.brick({0, 0, 0}, {1, 1, 1}, true);
   scene.brick({0, 1, 0}, {1, 1, 1});
   auto m = scene.model(undamped());
-  m->run_steps(3);
-  const double dt = m->time_step();
+  run_steps(*m, 3);
+  const double dt = m->stepping.dt;
   const std::vector<double> still(m->point_count(), 0.0);
   m->replace_law(0, successor(elastic_joint(4e9, 2e9), "elastic"), {}, still);
-  check("law four times as stiff: time step", 0.5 * dt, m->time_step(), 1e-6, "s", "2/omega_max");
-  const double shorter = m->time_step();
+  check("law four times as stiff: time step", 0.5 * dt, m->stepping.dt, 1e-6, "s", "2/omega_max");
+  const double shorter = m->stepping.dt;
   m->replace_law(0, successor(elastic_joint(1e9, 5e8), "elastic"), {}, still);
-  EXPECT_EQ(m->time_step(), shorter);
+  EXPECT_EQ(m->stepping.dt, shorter);
 }
 
 TEST(BlockLawSwap, RefusedWithTheReason) {

@@ -22,12 +22,12 @@ double quarter_period(double ratio, double kn) {
   auto m = scene.model(viscous(0, 0, 0.3));
   m->set_gravity({0, -gravity, 0});
   double landed = -1;
-  while (m->time() < 2 && landed < 0) {
+  while (m->stepping.time < 2 && landed < 0) {
     m->step();
-    const Matrix o = m->orientation(i);
+    const Matrix o = orientation_of(*m, i);
     const double angle = -std::atan2(o.row[1].x, o.row[0].x);
     // orientation counts from the start: impact when it has turned back by theta0
-    if (-angle >= theta0) landed = m->time();
+    if (-angle >= theta0) landed = m->stepping.time;
   }
   return landed;
 }
@@ -78,13 +78,13 @@ double restitution(double slenderness, double stiffness_damping) {
   auto m = scene.model(viscous(0, stiffness_damping, 0.3));
   m->set_gravity({0, -gravity, 0});
   double before = 0, turned = 0;
-  while (turned < 1.05 * theta0 && m->time() < 2) {  // up to where vibration of the joint is over
+  while (turned < 1.05 * theta0 && m->stepping.time < 2) {  // up to where vibration of the joint is over
     m->step();
-    const Matrix o = m->orientation(i);
+    const Matrix o = orientation_of(*m, i);
     turned = std::atan2(o.row[1].x, o.row[0].x);
-    if (turned < theta0) before = std::max(before, m->angular_velocity(i).z);
+    if (turned < theta0) before = std::max(before, spin_of(*m, i).z);
   }
-  return m->angular_velocity(i).z / before;
+  return spin_of(*m, i).z / before;
 }
 // Housner's block turns about its other edge with the angular momentum that it has about it: 1 - 1.5 sin(alpha)^2. Here
 // the joint loses what its stiffness damping takes: nothing without it, as much as Housner's at 2e-4 s.
@@ -123,7 +123,7 @@ TEST(Toppling, Threshold) {
       theta += 1e-5;
       m->set_gravity(gravity * Vector{std::sin(theta), -std::cos(theta), 0});
       m->run(0.002);
-      const Matrix o = m->orientation(i);
+      const Matrix o = orientation_of(*m, i);
       const double turned = -std::atan2(o.row[1].x, o.row[0].x);
       curve.add(std::tan(theta), 1e3 * turned);
       if (turned > 2e-3) break;
@@ -157,7 +157,7 @@ Pier pier(bool fixed_fixed, double kn) {
   m->add(l);
   m->run(0.04);
   // driven along x, free along y; turning held when the head is fixed. The cap's centre is 0.05 m above the pier.
-  const double v = 0.01, x0 = m->position(cap).x;
+  const double v = 0.01, x0 = position_of(*m, cap).x;
   const uint8_t held = fixed_fixed ? 0x3d : 0x05;
   double force = 0.0;
   const double h0 = fixed_fixed ? height : height + 0.05, hinges = fixed_fixed ? 2 : 1;
@@ -171,12 +171,12 @@ Pier pier(bool fixed_fixed, double kn) {
     double mean = 0;
     for (int s = 0; s < 40; ++s) {
       m->run(0.0001);
-      mean -= m->contact_force(cap).x / 40;
+      mean -= m->step_sums.contact_force[cap].x / 40;
     }
     force = mean;
-    curve.add(1e3 * (m->position(cap).x - x0), 1e-3 * force);
+    curve.add(1e3 * (position_of(*m, cap).x - x0), 1e-3 * force);
   }
-  const double u = m->position(cap).x - x0;
+  const double u = position_of(*m, cap).x - x0;
   // From where half of the joint is open.
   const double begin = 2 * load * h0 / (kn * depth * 0.25 * width * width);
   return {force,
@@ -224,11 +224,11 @@ double triplet(double confinement, double c, double angle, double& residual) {
   m->run(0.02);
   double peak = 0.0;
   const double v = 0.01;
-  const double end = m->time() + 0.15;
-  while (m->time() < end) {
+  const double end = m->stepping.time + 0.15;
+  while (m->stepping.time < end) {
     m->prescribe(middle, {v, 0, 0}, {}, 0x3d);
-    m->run_steps(10);
-    residual = -m->contact_force(middle).x / (2 * area);
+    run_steps(*m, 10);
+    residual = -m->step_sums.contact_force[middle].x / (2 * area);
     peak = std::max(peak, residual);
   }
   return peak;
@@ -274,14 +274,14 @@ bool arch_stands(double ratio, int voussoirs, double kn, Curve& settlement) {
   // weight grows in, so that the arch is not shaken
   m->set_gravity({0, -gravity, 0}, {{0, 0.2}, {0, 1}});
   const int crown = 1 + voussoirs / 2;
-  const double y0 = m->position(crown).y;
+  const double y0 = position_of(*m, crown).y;
   for (int k = 0; k < 40; ++k) {
     m->run(0.05);
-    settlement.add(m->time(), 1e3 * (y0 - m->position(crown).y));
-    if (y0 - m->position(crown).y > 0.05 * radius) return false;
+    settlement.add(m->stepping.time, 1e3 * (y0 - position_of(*m, crown).y));
+    if (y0 - position_of(*m, crown).y > 0.05 * radius) return false;
   }
   // at rest, or creeping down still
-  return norm(m->velocity(crown)) < 1e-4;
+  return norm(velocity_of(*m, crown)) < 1e-4;
 }
 TEST(Arch, LeastThickness) {
   Curve stands{"t/R = 0.112"}, falls{"t/R = 0.102"};
@@ -322,7 +322,7 @@ DryWall ferris_tin_loi(int courses, double rate, double kn, double start, bool h
   m->set_gravity({0, -gravity, 0}, {{0, 0.2}, {0, 1}});
   m->run(0.4);
   std::vector<Vector> rest;
-  for (int i = 0; i < m->block_count(); ++i) rest.push_back(m->position(i));
+  for (int i = 0; i < m->block_count(); ++i) rest.push_back(position_of(*m, i));
   double alpha = 0.0, slip_at_uplift = -1;
   Curve path{"measured"};
   // fast to `start`, then at the rate asked for
@@ -331,7 +331,7 @@ DryWall ferris_tin_loi(int courses, double rate, double kn, double start, bool h
     m->set_gravity({alpha * gravity, -gravity, 0});
     m->run(0.002);
     double moved = 0;
-    for (int i = 1; i < m->block_count(); ++i) moved = std::max(moved, norm(m->position(i) - rest[i]));
+    for (int i = 1; i < m->block_count(); ++i) moved = std::max(moved, norm(position_of(*m, i) - rest[i]));
     if (alpha > 0.45) path.add(1e3 * moved, alpha);
     if (slip_at_uplift < 0) {
       double opened = 0;
@@ -339,11 +339,11 @@ DryWall ferris_tin_loi(int courses, double rate, double kn, double start, bool h
         const Contact& c = m->contacts.list[k];
         if (c.count == 0 || std::abs(m->contacts.place[k].separation.normal.y) < 0.9) continue;
         for (uint32_t i = c.first; i < c.first + c.count; ++i)
-          opened = std::max(opened, m->families()[c.family].normal_jump[i]);
+          opened = std::max(opened, m->contacts.families[c.family].normal_jump[i]);
       }
       if (opened > 1e-4) {
         slip_at_uplift = 0;
-        for (int b : bottom) slip_at_uplift = std::max(slip_at_uplift, std::abs(m->position(b).x - rest[b].x));
+        for (int b : bottom) slip_at_uplift = std::max(slip_at_uplift, std::abs(position_of(*m, b).x - rest[b].x));
       }
     }
     if (moved > mark) break;

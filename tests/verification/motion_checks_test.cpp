@@ -41,27 +41,28 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   Model m(scene.assembly, viscous(0, 4e-5));
   m.set_gravity({0, -gravity, 0});
   m.prescribe(ball, {});
-  m.run_steps(500);  // the stack settles
+  run_steps(m, 500);  // the stack settles
 
   constexpr int kQuiet = 500;
   int looks = 0;
   for (int i = 0; i < kQuiet; ++i) {
-    looks += m.checks_motion();
+    looks += checks_motion(m);
     m.step();
   }
   EXPECT_LT(looks, kQuiet / 10) << "at rest, and looked at all the time";
-  const long detections = m.detections();
+  const long detections = m.detection.count;
 
-  m.release(ball);
+  m.prescribe(ball, {}, {}, 0);
   m.set_velocity(ball, {8, 0, 0}, {0, 0, 20});
   double furthest = 0.0;
-  const double end = m.time() + 0.15;
-  while (m.time() < end) {
+  const double end = m.stepping.time + 0.15;
+  while (m.stepping.time < end) {
     m.step();
     furthest = std::max(furthest, furthest_of(m));
   }
-  EXPECT_GT(norm(m.velocity(stack[2])) + norm(m.velocity(stack[3])), 0.1) << "nothing was hit: nothing is tested";
-  EXPECT_GT(m.detections(), detections + 10);
+  EXPECT_GT(norm(velocity_of(m, stack[2])) + norm(velocity_of(m, stack[3])), 0.1)
+      << "nothing was hit: nothing is tested";
+  EXPECT_GT(m.detection.count, detections + 10);
   // Beyond it, contacts are found again at the end of the same step, from where motion counts again. Rounding aside.
   EXPECT_LE(furthest, 1.0 + 1e-12);
 }
@@ -85,13 +86,13 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
     Scene scene(dry_joint(2e9, 1e9, 33));
     const int a = scene.brick({0, 0, 0}, {0.2, 0.1, 0.2}), b = scene.brick({0, 0.104, 0}, {0.2, 0.1, 0.2});
     Model m(scene.assembly, viscous(0, 4e-5));
-    m.run_steps(1);
+    run_steps(m, 1);
     m.set_velocity(a, motion.va, motion.wa);
     m.set_velocity(b, motion.vb, motion.wb);
     double furthest = 0.0;
     int looks = 0, steps = 0;
-    for (; m.time() < 0.05; ++steps) {
-      looks += m.checks_motion();
+    for (; m.stepping.time < 0.05; ++steps) {
+      looks += checks_motion(m);
       m.step();
       furthest = std::max(furthest, furthest_of(m));
     }
@@ -109,9 +110,9 @@ TEST(MotionLooks, DeformableBlocksAreCheckedByTheirOwnSpeed) {
   const int standing = scene.soft({0, 0, 1}, {0.2, 0.1, 0.2}, {2, 1, 2});
   Model m(scene.assembly, viscous(0, 4e-5));
   m.set_gravity({0, -gravity, 0});
-  m.run_steps(4000);  // both settle
+  run_steps(m, 4000);  // both settle
   m.set_velocity(slider, {2, 0, 0});
-  const Vector start = m.position(slider);
+  const Vector start = position_of(m, slider);
   constexpr int kSteps = 4000;
   int of_slider = 0, of_standing = 0;
   double furthest = 0.0;
@@ -121,7 +122,7 @@ TEST(MotionLooks, DeformableBlocksAreCheckedByTheirOwnSpeed) {
     m.step();
     furthest = std::max(furthest, furthest_of(m));
   }
-  EXPECT_GT(norm(m.position(slider) - start), 0.05) << "nothing has slid: nothing is tested";
+  EXPECT_GT(norm(position_of(m, slider) - start), 0.05) << "nothing has slid: nothing is tested";
   EXPECT_LT(of_slider, kSteps) << "looked at all the time";
   EXPECT_GT(of_slider, 3 * of_standing);
   EXPECT_LT(of_standing, kSteps / 20);

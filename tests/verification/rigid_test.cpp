@@ -10,7 +10,7 @@ TEST(FreeMotion, SymmetricTop) {
   scene.brick({0, 0, 0}, {0.2, 0.2, 0.6});
   auto m = scene.model(undamped());
   m->set_velocity(0, {0.3, -0.2, 0.1}, {3.0, 0.0, 20.0});
-  Body& body = m->body(0);
+  Body& body = body_of(*m, 0);
   m->track_energy(true);
   // figure axis: the one with the different moment
   int axis = 0;
@@ -23,24 +23,24 @@ TEST(FreeMotion, SymmetricTop) {
   const double i1 = body.inertia[p], i3 = body.inertia[axis];
   const Vector start = geometry::transposed_times(body.r, body.omega), momentum = body.momentum;
   m->step();
-  const double energy = m->energies().kinetic;
+  const double energy = m->step_sums.energies.kinetic;
   const double rate = (i3 - i1) * start[axis] / i1;
   double phase = std::atan2(start[q], start[p]), turned = 0.0, energy_error = 0.0;
   const double duration = 100 * 2 * pi / 20.0;  // a hundred turns
-  const double t0 = m->time();
+  const double t0 = m->stepping.time;
   Curve across{"measured"};
-  while (m->time() < duration) {
+  while (m->stepping.time < duration) {
     m->step();
     const Vector w = geometry::transposed_times(body.r, body.omega);
     const double now = std::atan2(w[q], w[p]);
     turned += std::remainder(now - phase, 2 * pi);
-    const double t = m->time() + 0.5 * m->time_step();  // of the spin
+    const double t = m->stepping.time + 0.5 * m->stepping.dt;  // of the spin
     if (t < 1.0) across.add(t, w[p]);
     phase = now;
-    energy_error = std::max(energy_error, std::abs(m->energies().kinetic / energy - 1));
+    energy_error = std::max(energy_error, std::abs(m->step_sums.energies.kinetic / energy - 1));
   }
-  check("free symmetric top: precession rate over 100 turns", rate, turned / (m->time() - t0 + 1.5 * m->time_step()),
-        1e-4, "rad/s", "(I3 - I1) omega3 / I1");
+  check("free symmetric top: precession rate over 100 turns", rate,
+        turned / (m->stepping.time - t0 + 1.5 * m->stepping.dt), 1e-4, "rad/s", "(I3 - I1) omega3 / I1");
   write_figure("symmetric_top", "time, s", "transverse spin in the body, rad/s",
                {reference("omega_1 cos(Omega t)", 0, 1,
                           [&](double t) {
@@ -65,17 +65,18 @@ TEST(FreeMotion, PressureMovesAndTurnsAPrism) {
   m->track_energy(true);
   m->add(Pressure{0, int(side - normals.begin()), p, {}, {}, {}, {}});
   m->step();
-  const Vector v = m->body(0).v, momentum = m->body(0).momentum;
-  const double start = m->time(), lead = m->energies().balance_error(0.0), mass = 2000 * b * h / 2 * depth,
-               force = p * h * depth;
-  while (m->time() < 1e-3) m->step();
-  const double duration = m->time() - start;
-  check("prism under pressure: acceleration", force / mass, (m->body(0).v.x - v.x) / duration, 1e-6, "m/s2", "p A / m");
+  const Vector v = body_of(*m, 0).v, momentum = body_of(*m, 0).momentum;
+  const double start = m->stepping.time, lead = m->step_sums.energies.balance_error(0.0),
+               mass = 2000 * b * h / 2 * depth, force = p * h * depth;
+  while (m->stepping.time < 1e-3) m->step();
+  const double duration = m->stepping.time - start;
+  check("prism under pressure: acceleration", force / mass, (body_of(*m, 0).v.x - v.x) / duration, 1e-6, "m/s2",
+        "p A / m");
   check("prism under pressure: angular acceleration", -force * h / 6 / (mass * (b * b + h * h) / 18),
-        (m->body(0).momentum.z - momentum.z) / duration / (mass * (b * b + h * h) / 18), 1e-6, "1/s2",
+        (body_of(*m, 0).momentum.z - momentum.z) / duration / (mass * (b * b + h * h) / 18), 1e-6, "1/s2",
         "p A h/6 over m (b^2 + h^2)/18");
-  check_error("prism under pressure: work less kinetic energy", std::abs(m->energies().balance_error(lead)),
-              1e-6 * m->energies().kinetic, "J");
+  check_error("prism under pressure: work less kinetic energy", std::abs(m->step_sums.energies.balance_error(lead)),
+              1e-6 * m->step_sums.energies.kinetic, "J");
 }
 
 // And that of loads and pressures on gridpoints: nothing is missing of what moves and strains a free block.
@@ -87,9 +88,9 @@ TEST(FreeMotion, WorkOfLoadsOnGridpointsIsItsEnergy) {
   m->add(Pressure{0, 0, 1e3, {}, {}, {}, {}});  // on -x
   m->add(Load{0, {0.2, 0.1, 0.0}, {0, 30, 0}, {}, {}, {}});
   m->step();
-  const double lead = m->energies().balance_error(0.0);
+  const double lead = m->step_sums.energies.balance_error(0.0);
   for (int i = 0; i < 400; ++i) m->step();
-  const Energies& e = m->energies();
+  const Energies& e = m->step_sums.energies;
   // Strain oscillates about its mean under loads that come at once; leapfrog keeps energy to (omega dt)^2 of that part.
   check_error("loads on gridpoints: work less energy", std::abs(e.balance_error(lead)), 0.2 * e.strain, "J");
   check_error("loads on gridpoints: strain energy beside kinetic", e.strain, 0.01 * e.kinetic, "J");
@@ -101,12 +102,12 @@ TEST(FreeMotion, UnstableAxisKeepsMomentumAndEnergy) {
   scene.brick({0, 0, 0}, {0.1, 0.25, 0.6});
   auto m = scene.model(undamped());
   m->set_velocity(0, {}, {0.01, 15.0, 0.01});
-  const Vector momentum = m->body(0).momentum;
+  const Vector momentum = body_of(*m, 0).momentum;
   m->track_energy(true);
   m->step();
-  const double energy = m->energies().kinetic;
-  const auto spin = [&] { return geometry::transposed_times(m->body(0).r, m->body(0).omega); };
-  const Vector& inertia = m->body(0).inertia;
+  const double energy = m->step_sums.energies.kinetic;
+  const auto spin = [&] { return geometry::transposed_times(body_of(*m, 0).r, body_of(*m, 0).omega); };
+  const Vector& inertia = body_of(*m, 0).inertia;
   // Euler's equations without moment, by steps of the classical Runge-Kutta method.
   const auto rate = [&](const Vector& w) {
     return Vector{(inertia.y - inertia.z) * w.y * w.z / inertia.x, (inertia.z - inertia.x) * w.z * w.x / inertia.y,
@@ -118,10 +119,10 @@ TEST(FreeMotion, UnstableAxisKeepsMomentumAndEnergy) {
   Curve measured{"measured"}, euler{"Euler's equations", CurveKind::reference};
   double flips = 0, before = 1, worst = 0;
   for (int i = 0; i < 60000; ++i) {
-    if (i % 10 == 0 && m->time() < 4.0) {
-      measured.add(m->time(), spin()[middle]), euler.add(m->time(), expected[middle]);
+    if (i % 10 == 0 && m->stepping.time < 4.0) {
+      measured.add(m->stepping.time, spin()[middle]), euler.add(m->stepping.time, expected[middle]);
     }
-    const double dt = m->time_step();
+    const double dt = m->stepping.dt;
     m->step();
     const Vector a = rate(expected), b = rate(expected + 0.5 * dt * a), c = rate(expected + 0.5 * dt * b),
                  d = rate(expected + dt * c);
@@ -129,10 +130,10 @@ TEST(FreeMotion, UnstableAxisKeepsMomentumAndEnergy) {
     const double now = spin()[middle];
     if (now * before < 0) ++flips;
     before = now;
-    worst = std::max(worst, std::abs(m->energies().kinetic / energy - 1));
+    worst = std::max(worst, std::abs(m->step_sums.energies.kinetic / energy - 1));
   }
   write_figure("tumbling", "time, s", "spin about the middle axis, rad/s", {euler, measured});
-  check_error("tumbling block: angular momentum, relative", norm(m->body(0).momentum - momentum) / norm(momentum),
+  check_error("tumbling block: angular momentum, relative", norm(body_of(*m, 0).momentum - momentum) / norm(momentum),
               1e-12, "-");
   check_error("tumbling block: energy, largest relative", worst, 1e-6, "-");
   EXPECT_GT(flips, 0);
@@ -157,12 +158,12 @@ Slide incline(double theta, double mu) {
   }
   m->set_gravity(gravity * Vector{std::sin(theta), -std::cos(theta), 0});
   m->run(0.2);
-  const double v1 = m->velocity(b).x, t1 = m->time();
+  const double v1 = velocity_of(*m, b).x, t1 = m->stepping.time;
   m->run(0.4);
-  const double a = (m->velocity(b).x - v1) / (m->time() - t1);
-  const double x1 = m->position(b).x;
+  const double a = (velocity_of(*m, b).x - v1) / (m->stepping.time - t1);
+  const double x1 = position_of(*m, b).x;
   m->run(0.4);
-  return {m->position(b).x - x1, a};
+  return {position_of(*m, b).x - x1, a};
 }
 
 TEST(Incline, SticksBelowSlidesAbove) {
@@ -192,7 +193,7 @@ TEST(Bouncing, HeightAndContactTime) {
     const int b = scene.brick({-0.1, drop, -0.1}, {0.2, 0.2, 0.2});
     auto m = scene.model(undamped(fraction));
     m->set_gravity({0, -gravity, 0});
-    const double y0 = m->position(b).y;
+    const double y0 = position_of(*m, b).y;
     double touched = -1, left = -1, highest = 0;
     const double mass = 2000 * 0.008, k = 1e8 * 0.04, lands = std::sqrt(2 * drop / gravity);
     if (curves.empty()) {
@@ -204,13 +205,13 @@ TEST(Bouncing, HeightAndContactTime) {
       }));
     }
     Curve& curve = curves.emplace_back("step " + std::to_string(fraction).substr(0, 3) + " of the limit");
-    while (m->time() < 0.3) {
+    while (m->stepping.time < 0.3) {
       m->step();
-      curve.add(m->time(), 1e3 * (m->position(b).y - y0 + drop));
-      const double pushed = norm(m->contact_force(b));
-      if (pushed > 0 && touched < 0) touched = m->time();
-      if (pushed == 0 && touched > 0 && left < 0) left = m->time();
-      if (left > 0) highest = std::max(highest, m->position(b).y - (y0 - drop));
+      curve.add(m->stepping.time, 1e3 * (position_of(*m, b).y - y0 + drop));
+      const double pushed = norm(m->step_sums.contact_force[b]);
+      if (pushed > 0 && touched < 0) touched = m->stepping.time;
+      if (pushed == 0 && touched > 0 && left < 0) left = m->stepping.time;
+      if (left > 0) highest = std::max(highest, position_of(*m, b).y - (y0 - drop));
     }
     check("bounce: height regained, step " + std::to_string(fraction).substr(0, 3) + " of the limit", drop, highest,
           0.02, "m", "undamped");
@@ -233,14 +234,14 @@ TEST(Bouncing, ATipBetweenSteepFacesBears) {
   const int b = scene.block(geometry::from_vertices(corners, "spike"));
   auto m = scene.model(undamped(0.1));
   m->set_gravity({0, -gravity, 0});
-  const double start = m->position(b).y;
+  const double start = position_of(*m, b).y;
   double lowest = 0.0, most = 0.0, highest = -drop;
   Curve pressed{"measured, in and out"};
-  while (m->time() < 0.25) {
+  while (m->stepping.time < 0.25) {
     m->step();
-    const double way = m->position(b).y - start;
-    most = std::max(most, m->contact_force(b).y);
-    if (m->contact_force(b).y > 0) pressed.add(-1e3 * (way + drop), m->contact_force(b).y);
+    const double way = position_of(*m, b).y - start;
+    most = std::max(most, m->step_sums.contact_force[b].y);
+    if (m->step_sums.contact_force[b].y > 0) pressed.add(-1e3 * (way + drop), m->step_sums.contact_force[b].y);
     highest = way > lowest ? std::max(highest, way) : -drop;
     lowest = std::min(lowest, way);
   }
@@ -269,7 +270,7 @@ TEST(Stacking, JointForcesAreWeightsAbove) {
   Curve carried{"measured"};
   for (const Contact& c : m->contacts.list) {
     if (c.count == 0) continue;
-    const Family& f = m->families()[c.family];
+    const Family& f = m->contacts.families[c.family];
     double force = 0.0;
     for (uint32_t i = c.first; i < c.first + c.count; ++i) force -= f.traction[0][i] * f.point[i].area;
     carried.add(c.pair.b, force);
@@ -291,15 +292,15 @@ TEST(Friction, SlidingWork) {
   m->run(0.05);
   m->track_energy(true);
   m->set_velocity(b, {v, 0, 0});
-  const double x0 = m->position(b).x, mass = 2000 * 0.4 * 0.1 * 0.4;
+  const double x0 = position_of(*m, b).x, mass = 2000 * 0.4 * 0.1 * 0.4;
   m->step();
-  const Energies start = m->energies();
+  const Energies start = m->step_sums.energies;
   const double before = start.kinetic + start.contact_stored + start.damping + start.detection +
                         start.dissipated_total() - start.external;
   Curve way{"measured"};
-  for (const double began = m->time(); m->time() < began + 0.4;) {
+  for (const double began = m->stepping.time; m->stepping.time < began + 0.4;) {
     m->step();
-    way.add(m->time() - began, 1e3 * (m->position(b).x - x0));
+    way.add(m->stepping.time - began, 1e3 * (position_of(*m, b).x - x0));
   }
   write_figure("sliding", "time, s", "distance, mm",
                {reference("v t - mu g t^2/2, until it rests", 0, 0.4,
@@ -308,12 +309,12 @@ TEST(Friction, SlidingWork) {
                             return 1e3 * (v * t - 0.5 * mu * gravity * t * t);
                           }),
                 way});
-  check("sliding block: stopping distance", v * v / (2 * mu * gravity), m->position(b).x - x0, 5e-3, "m",
+  check("sliding block: stopping distance", v * v / (2 * mu * gravity), position_of(*m, b).x - x0, 5e-3, "m",
         "v^2/(2 mu g)");
-  check("sliding block: friction work", 0.5 * mass * v * v, m->energies().dissipated[QUOIN_DISSIPATED_FRICTION], 5e-3,
-        "J", "m v^2/2");
+  check("sliding block: friction work", 0.5 * mass * v * v, m->step_sums.energies.dissipated[QUOIN_DISSIPATED_FRICTION],
+        5e-3, "J", "m v^2/2");
   check_error("sliding block: energy balance / kinetic energy",
-              m->energies().balance_error(before) / (0.5 * mass * v * v), 2e-3, "-");
+              m->step_sums.energies.balance_error(before) / (0.5 * mass * v * v), 2e-3, "-");
 }
 
 }  // namespace

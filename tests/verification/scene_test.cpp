@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "model/world_results.h"
 #include "scene/generate_blocks.h"
 #include "scene/read_scene.h"
 #include "step/simulation.h"
@@ -197,8 +198,8 @@ TEST(BlockScenes, ABlockThatIsNowhereEndsTheRun) {
   for (double wrong : nowhere) {
     const quoin::Scene scene = read_scene(scene_file(two_free_blocks + std::string(rest_stage)));
     blocks::Model m(blocks::assemble(scene), scene.solver);
-    m.run_steps(3);
-    m.body(1).v.y = wrong;
+    run_steps(m, 3);
+    body_of(m, 1).v.y = wrong;
     expect_words(failure([&] { m.step(); }, Exit::numerical),
                  {"block #1 'there', (5.5, 0.5, 0.5) m at the start", "no finite number at step 4"});
   }
@@ -217,8 +218,8 @@ omega = [0, 1e300, 0]
   soft.replace(soft.rfind("material"), 0, "rigid = false\nzone_edge = 1.0\n");
   const quoin::Scene scene = read_scene(scene_file(soft + rest_stage));
   blocks::Model m(blocks::assemble(scene), scene.solver);
-  m.run_steps(3);
-  m.node_velocities()[2].z = NAN;
+  run_steps(m, 3);
+  m.nodes.v[2].z = NAN;
   expect_words(failure([&] { m.step(); }, Exit::numerical), {"block #1 'there'", "no finite number at step 4"});
 }
 
@@ -236,8 +237,8 @@ box = { lower = [-1, -1, 0], size = [9, 1, 1] }
              ", 0, 0], size = [1, 1, 1] }\n";
   const quoin::Scene scene = read_scene(scene_file(three + rest_stage));
   blocks::Model m(blocks::assemble(scene), scene.solver);
-  m.run_steps(3);
-  m.body(2).x.y = -1e300;
+  run_steps(m, 3);
+  body_of(m, 2).x.y = -1e300;
   expect_words(failure([&] { m.step(); }, Exit::numerical),
                {"law 'coulomb_slip' failed at 4 of 12 points at step 3", "joint family 'dry'", "#0 'ground'",
                 "#2 'at 2'", "opening -1e+300 m", "time_step_fraction than"});
@@ -345,9 +346,9 @@ monitor = "block"
   // 0.2)
   const double expected =
       0.02 / 6 + (0.1 * 0.1 + 2 * 0.005 - 40 * 0.001 / 6) + (0.1 * 0.1 - 2 * 0.005 + 20 * 0.001 / 6);
-  check("ground motion: displacement after the record", expected, run.large_motion()->position(0).x, 1e-3, "m",
+  check("ground motion: displacement after the record", expected, position_of(*run.large_motion(), 0).x, 1e-3, "m",
         "exact integral of the record");
-  check("ground motion: the block rides along", expected, run.large_motion()->position(1).x - 0.25, 2e-3, "m");
+  check("ground motion: the block rides along", expected, position_of(*run.large_motion(), 1).x - 0.25, 2e-3, "m");
 }
 
 // Least horizontal body force, over weight, that turns the arch into three links on four hinges. Every choice of hinges

@@ -83,10 +83,10 @@ void write_figure(const std::string& name, const std::string& x, const std::stri
 }
 
 void EnergyCurves::add(const Model& m) {
-  const blocks::Energies& e = m.energies();
-  work.add(m.time(), e.external), kinetic.add(m.time(), e.kinetic);
-  lost.add(m.time(), e.dissipated_total() + e.damping + e.contact_stored + e.strain + e.detection);
-  sum.add(m.time(), e.balance_error(0.0) + e.external);
+  const blocks::Energies& e = m.step_sums.energies;
+  work.add(m.stepping.time, e.external), kinetic.add(m.stepping.time, e.kinetic);
+  lost.add(m.stepping.time, e.dissipated_total() + e.damping + e.contact_stored + e.strain + e.detection);
+  sum.add(m.stepping.time, e.balance_error(0.0) + e.external);
 }
 void EnergyCurves::write(const std::string& figure) const {
   write_figure(figure, "time, s", "energy, J", {work, sum, kinetic, lost});
@@ -201,8 +201,8 @@ void settle(Model& m, double ratio, long most) {
   m.track_energy(true);
   for (long i = 0; i < most; ++i) {
     m.step();
-    largest = std::max(largest, m.energies().kinetic);
-    if (i > 200 && i % 50 == 0 && m.energies().kinetic < ratio * largest) return;
+    largest = std::max(largest, m.step_sums.energies.kinetic);
+    if (i > 200 && i % 50 == 0 && m.step_sums.energies.kinetic < ratio * largest) return;
   }
 }
 

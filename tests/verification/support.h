@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "model/world_results.h"
 #include "step/large_motion.h"
 
 namespace quoin::verification {
@@ -49,6 +50,15 @@ Curve reference(const std::string& name, double from, double to, const std::func
 // most.
 void write_figure(const std::string& name, const std::string& x, const std::string& y,
                   const std::vector<Curve>& curves);
+
+inline void run_steps(Model& m, long steps) {
+  for (long i = 0; i < steps; ++i) m.step();
+}
+// Holds gridpoints of deformable blocks: bits 0..2 of `held`, or with this velocity, m/s.
+inline void hold_node(Model& m, int node, uint8_t held) { m.nodes.held[node] = held, m.pieces.any_held_changed = true; }
+inline void hold_velocity(Model& m, int node, const geometry::Vector& v) {
+  m.nodes.held_v[node] = v, m.pieces.any_held_changed = true;
+}
 
 // Energies of a run over its time, beside the work that goes into it.
 struct EnergyCurves {

@@ -9,8 +9,8 @@ namespace {
 
 MovingLoad read_load(Table m) {
   MovingLoad load;
-  m.numbers("from", load.from, between(-kFarthest, kFarthest), "m, where it begins", true);
-  m.numbers("to", load.to, between(-kFarthest, kFarthest), "m, where it ends", true);
+  m.numbers("from", load.from, kPlace, "m, where it begins", true);
+  m.numbers("to", load.to, kPlace, "m, where it ends", true);
   if (m.numbers("force", load.force, kAny, "N", true) && load.force == Vec3{})
     m.refuse("force", "a force that is not 0");
   if (m.integer("positions", load.positions, 1, 2000) && load.positions < 2 && load.from != load.to)

@@ -1,5 +1,8 @@
 #include "step/actions/actions.h"
 
+#include <algorithm>
+#include <functional>
+
 #include "base/registry.h"
 #include "scene/load_place.h"
 #include "step/actions/action.h"

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/rank_rows.h"
+#include "model/world_results.h"
 #include "scene/collapse_load.h"
 #include "step/actions/action.h"
 #include "step/gather.h"
@@ -39,7 +40,7 @@ void watch_uplift(Simulation::Impl& s) {
     if (c.count == 0 || !s.large_motion->part.owns(c.pair) ||
         std::abs(s.large_motion->contacts.place[k].separation.normal.y) < kBed)
       continue;
-    const auto& family = s.large_motion->families()[static_cast<std::size_t>(c.family)];
+    const auto& family = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
     for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
   }
   if (s.parts.divided) opened = largest_of_ranks(s, opened);
@@ -95,9 +96,9 @@ void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {
 void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
   if (!settings.collapse) return;
   if (!waits(*settings.collapse))
-    s.actions.multiplier =
-        *settings.collapse->start * ramp +
-        *settings.collapse->rate * std::max(0.0, s.large_motion->time() - s.progress.stage_start - settings.ramp_time);
+    s.actions.multiplier = *settings.collapse->start * ramp +
+                           *settings.collapse->rate * std::max(0.0, s.large_motion->stepping.time -
+                                                                        s.progress.stage_start - settings.ramp_time);
   s.large_motion->set_gravity(geometry::vector(s.data.gravity) +
                               s.actions.multiplier * norm(geometry::vector(settings.gravity)) *
                                   normalized(geometry::vector(settings.collapse->direction)));
@@ -117,11 +118,11 @@ void find_blocks_on_base(Simulation::Impl& s) {
     if (c.count == 0 || !s.large_motion->part.owns(c.pair) ||
         std::abs(s.large_motion->contacts.place[i].separation.normal.y) < kBed)
       continue;
-    const blocks::Family& family = s.large_motion->families()[static_cast<std::size_t>(c.family)];
+    const blocks::Family& family = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
     for (std::size_t p = c.first; p < c.first + c.count; ++p) {
       if (blocks[static_cast<std::size_t>(c.pair.a)].fixed == blocks[static_cast<std::size_t>(c.pair.b)].fixed) break;
       area += family.point[p].area;
-      s.reactions.base_centre += family.point[p].area * s.large_motion->place_of(family.point[p]);
+      s.reactions.base_centre += family.point[p].area * place_of(*s.large_motion, family.point[p]);
     }
     const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
     if (blocks[a].fixed) s.reactions.on_base[b] = 1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/world_results.h"
 #include "step/actions/action.h"
 #include "step/actions/ground.h"
 #include "step/controls.h"
@@ -24,8 +25,8 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
   const auto start = [&](int block) {
     Drive drive;
     drive.block = block;
-    drive.velocity_from = m.velocity(block);
-    drive.omega_from = m.angular_velocity(block);
+    drive.velocity_from = velocity_of(m, block);
+    drive.omega_from = spin_of(m, block);
     const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
     if (old == before.end()) return drive;
     const Vector record = record_since_half_step(s, previous, old->motion);
@@ -33,7 +34,8 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
       if (old->of_ground >> c & 1) drive.velocity_from[c] += record[c];
       if (std::abs(drive.velocity_from[c]) <= kGroundAtRest && old->of_ground) drive.velocity_from[c] = 0.0;
     }
-    const Vector carried = -1.0 * m.contact_force(block) - m.mass_of(block) * geometry::vector(s.data.gravity);
+    const Vector carried =
+        -1.0 * m.step_sums.contact_force[block] - m.blocks[block].mass * geometry::vector(s.data.gravity);
     for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_to[c];
     return drive;
   };
@@ -74,7 +76,8 @@ void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
   blocks::Model& m = *s.large_motion;
   std::vector<Vector> records;  // by motion
   for (std::size_t i = 0; settings.ground && i <= settings.ground->supports.size(); ++i)
-    records.push_back(record_velocity(s, settings, m.time() + 0.5 * m.time_step(), static_cast<std::int32_t>(i)));
+    records.push_back(
+        record_velocity(s, settings, m.stepping.time + 0.5 * m.stepping.dt, static_cast<std::int32_t>(i)));
   for (Drive& d : s.actions.drives) {
     const auto motion = static_cast<std::size_t>(d.motion);
     const Vector record = motion < records.size() ? records[motion] : Vector{};

@@ -54,7 +54,7 @@ void scale_forces(Simulation::Impl& s, const Stage& settings, double ramp) {
     spread(*s.scene.stages[static_cast<std::size_t>(s.progress.stage) - 1].moving_load, s.actions.fading_loads, 1.0);
   if (!settings.moving_load) return;
   const double moves = *settings.duration - settings.ramp_time;
-  const double gone = s.large_motion->time() - s.progress.stage_start - settings.ramp_time;
+  const double gone = s.large_motion->stepping.time - s.progress.stage_start - settings.ramp_time;
   spread(*settings.moving_load, loads.size(), std::clamp(gone / moves, 0.0, 1.0));
 }
 

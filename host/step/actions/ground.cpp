@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "members/members.h"
+#include "model/world_results.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/action.h"
@@ -65,7 +66,7 @@ Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double 
 // Velocities of what moves are those of half a step ago; that of a record is known for now, and may be back at rest.
 Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, std::int32_t motion) {
   if (!of_stage) return {};
-  const double half = 0.5 * (s.large_motion ? s.large_motion->time_step() : s.data.time_step);
+  const double half = 0.5 * (s.large_motion ? s.large_motion->stepping.dt : s.data.time_step);
   return record_velocity(s, *of_stage, time_now(s), motion) - record_velocity(s, *of_stage, time_now(s) - half, motion);
 }
 
@@ -144,7 +145,7 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
       Drive drive;
       drive.block = block;
       drive.held = 0x3f;
-      drive.velocity_from = s.large_motion->velocity(block);
+      drive.velocity_from = velocity_of(*s.large_motion, block);
       index = static_cast<std::int32_t>(s.actions.drives.size());
       s.actions.drives.push_back(drive);
     }
@@ -161,12 +162,13 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
 // What damping brakes against. It moves as its first block does.
 void follow_ground(Simulation::Impl& s, const Stage& settings, double ramp) {
   const Drive* const ground = s.actions.ground_drive();
-  const bool on_springs = s.large_motion->members() && !s.large_motion->members()->beds().empty();
+  const bool on_springs =
+      s.large_motion->held_by.members.get() && !s.large_motion->held_by.members.get()->beds().empty();
   if (!ground && !on_springs) return s.large_motion->move_ground({}, {});
   const Vector left_over =
       ground ? ground->velocity_from + ramp * (ground->velocity_to - ground->velocity_from) : Vector{};
   const std::int32_t motion = ground ? ground->motion : 0;
-  const double now = s.large_motion->time(), half = 0.5 * s.large_motion->time_step();
+  const double now = s.large_motion->stepping.time, half = 0.5 * s.large_motion->stepping.dt;
   s.large_motion->move_ground(left_over + record_velocity(s, settings, now - half, motion),
                               left_over + record_velocity(s, settings, now, motion));
 }
@@ -199,11 +201,13 @@ void measure_base(const Simulation::Impl& s, HistoryRow& row) {
   const auto& blocks = s.large_motion->assembly.blocks;
   for (int block = 0; block < s.large_motion->block_count(); ++block) {
     if (!blocks[static_cast<std::size_t>(block)].fixed) continue;
-    const Vec3 joints = geometry::array(s.large_motion->contact_force(block));
+    const Vec3 joints = geometry::array(s.large_motion->step_sums.contact_force[block]);
     for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints[c];
   }
-  for (std::size_t i = 0; s.large_motion->members() && i < s.large_motion->members()->beds().size(); ++i) {
-    const Vec3 bed = geometry::array(s.large_motion->members()->force_of(s.large_motion->members()->beds()[i]));
+  for (std::size_t i = 0;
+       s.large_motion->held_by.members.get() && i < s.large_motion->held_by.members.get()->beds().size(); ++i) {
+    const Vec3 bed = geometry::array(
+        s.large_motion->held_by.members.get()->force_of(s.large_motion->held_by.members.get()->beds()[i]));
     for (std::size_t c = 0; c < 3; ++c) row.base_force[c] -= bed[c];
   }
   if (s.parts.divided) return;  // no rank has all contact points
@@ -213,14 +217,14 @@ void measure_base(const Simulation::Impl& s, HistoryRow& row) {
     const bool a = blocks[static_cast<std::size_t>(c.pair.a)].fixed,
                b = blocks[static_cast<std::size_t>(c.pair.b)].fixed;
     if (a == b) continue;
-    const blocks::Family& f = s.large_motion->families()[static_cast<std::size_t>(c.family)];
+    const blocks::Family& f = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
     for (std::size_t i = c.first; i < c.first + c.count; ++i) {
-      const geometry::Matrix frame = s.large_motion->frame_of(f.point[i]);
+      const geometry::Matrix frame = frame_of(*s.large_motion, f.point[i]);
       Vector on_a;
       for (std::size_t k = 0; k < 3; ++k)
         on_a += f.point[i].area * (f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i])) *
                 frame.row[static_cast<int>(k)];
-      moment += (a ? whole : -whole) * cross(s.large_motion->place_of(f.point[i]) - centre, on_a);
+      moment += (a ? whole : -whole) * cross(place_of(*s.large_motion, f.point[i]) - centre, on_a);
     }
   }
   row.overturning_moment = geometry::array(moment);

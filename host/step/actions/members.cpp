@@ -39,7 +39,7 @@ void build_members(Simulation::Impl& s) {
 }
 
 extern const Action kMembers{.apply = [](Simulation::Impl& s, const Stage&, double ramp) {
-  if (s.large_motion->members()) s.large_motion->members()->jack(s.progress.stage == 0 ? ramp : 1.0);
+  if (members::Members* held = s.large_motion->held_by.members.get()) held->jack(s.progress.stage == 0 ? ramp : 1.0);
 }};
 
 }  // namespace quoin

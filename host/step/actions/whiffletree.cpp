@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/smooth_step.h"
+#include "model/world_results.h"
 #include "step/actions/action.h"
 #include "step/actions/drive.h"
 #include "step/large_motion_run.h"
@@ -56,7 +57,7 @@ double floor_displacement(const Simulation::Impl& s, std::size_t floor) {
   const WhiffletreeFloor& f = s.controls.whiffletree[floor];
   if (s.large_motion) {
     double rate = 0.0;
-    for (const int block : f.large_motion) rate += s.large_motion->velocity(block).x / f.count();
+    for (const int block : f.large_motion) rate += velocity_of(*s.large_motion, block).x / f.count();
     return floor_displacement_now(s, floor) - s.data.time_step * rate;
   }
   double rate = static_cast<double>(f.bodies.size()) * s.lattice.mean_of(f.bodies, &BodyLanes::velocity)[0];

@@ -13,7 +13,7 @@ std::vector<std::string> names(const Scene& scene) {
 }
 
 std::vector<double> values(const Simulation::Impl& run) {
-  const members::Members* const members = run.large_motion ? run.large_motion->members() : nullptr;
+  const members::Members* const members = run.large_motion ? run.large_motion->held_by.members.get() : nullptr;
   return members ? members->columns() : std::vector<double>{};
 }
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "step/simulation.h"
+#include "step/results.h"
 
 namespace quoin {
 
