@@ -17,8 +17,8 @@ using geometry::Matrix;
 using geometry::Vector;
 
 struct Zone {
-  int32_t node[4];     // of the block, from 0
-  Vector gradient[4];  // of the shape functions in the reference configuration, 1/m
+  int32_t node[4];     // gridpoints, numbered within the block
+  Vector gradient[4];  // gradients of the shape functions in the reference configuration, 1/m
   double volume;       // reference, m3
   double lambda, mu;   // Pa
 
@@ -29,9 +29,9 @@ struct Zone {
 // the first.
 struct ZoneLanes {
   static constexpr int kCount = 8;
-  alignas(64) double gradient[3][3][kCount];                // of the shape functions of corners 1 to 3, 1/m
+  alignas(64) double gradient[3][3][kCount];                // gradients of the shape functions of corners 1 to 3, 1/m
   double volume[kCount], lambda[kCount], twice_mu[kCount];  // m3, Pa
-  int32_t node[4][kCount];                                  // of the block
+  int32_t node[4][kCount];                                  // gridpoints, numbered within the block
   int count;
   Zone zone(int lane) const;
 };

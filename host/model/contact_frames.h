@@ -18,7 +18,7 @@ struct Location {
   double jump = 0.0, slid[2] = {0.0, 0.0};  // gap from the plane less the reference; along s and t in a's frame, m
 };
 Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets);
-Vector in_space(const World& w, const Point& p, const Vector& v);  // of p's frame
+Vector in_space(const World& w, const Point& p, const Vector& v);  // a vector of p's frame in space
 void refresh_facet_frame(const World& w, Point& p, Facet& facet);
 void take_back_facets(World& w);                           // frames and feet, from lanes to points
 void leave_gridpoints(World& w, Family& f, size_t point);  // whose block a has no frame: it goes on from a triangle

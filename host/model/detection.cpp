@@ -29,7 +29,7 @@ constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 struct Detection {
   bool at_start;
   std::vector<Contact> contacts;  // in the order of the pairs
-  LaneVector<PairPlace> places;   // of each contact
+  LaneVector<PairPlace> places;   // place of each contact
   LaneVector<PairCheck> checks;   // the same
   std::vector<Finding> findings;  // the same
   std::vector<NewPoint> points;

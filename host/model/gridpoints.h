@@ -22,7 +22,7 @@ struct BlockGridpoints {
 // Of all blocks, one after the other. Steps change x and v, stages what is held; the rest is laid out with its block.
 struct Gridpoints {
   LaneVector<Vector> x, reference, v;    // m, of the start m, m/s at half steps
-  LaneVector<double> mass, weight_mass;  // of inertia (mass scaling included), of weight, kg
+  LaneVector<double> mass, weight_mass;  // mass for inertia (mass scaling included) and for weight, kg
   LaneVector<uint8_t> held, support;     // bits 0..2; of held, what a plane of symmetry holds for good
   LaneVector<Vector> held_v;             // m/s
   LaneVector<Vector> anchor;             // b of blocks in frames of their own, 1/m; empty: there are none

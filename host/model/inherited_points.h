@@ -15,8 +15,8 @@ struct World;
 struct Finding {
   bool examined = false;
   bool fresh = false;             // new points, or none any more
-  size_t begin = 0;               // of its new points, where they are found here
-  uint32_t fresh_count = 0;       // of these
+  size_t begin = 0;               // index of its first new point, where this process finds them
+  uint32_t fresh_count = 0;       // number of its new points
   uint32_t first = 0, count = 0;  // its points of before, in their family
   uint32_t first_facet = 0;
 };

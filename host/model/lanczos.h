@@ -18,7 +18,7 @@ struct LanczosSettings {
 
 struct LargestEigenvalue {
   double value = 0.0;         // not a number if a product was not one
-  LaneVector<double> vector;  // of length 1; empty unless asked for
+  LaneVector<double> vector;  // eigenvector of length 1; empty unless requested
   int steps = 0;
   int products = 0;
 };

@@ -15,7 +15,7 @@ struct Motion {
   Scene scene;                             // stages and settings as the kernels have them
   Assembly bricks;                         // on the lattice; with no brick where blocks are of any shape
   std::optional<blocks::Assembly> shapes;  // blocks of any shape
-  std::string why_not_lattice;             // of a scene with blocks of any shape
+  std::string why_not_lattice;             // reason why a scene with blocks of any shape is not on the lattice
 };
 
 // Where rigid blocks have contact points, by joint family: what the scene says, else corners, but for joints of the

@@ -47,7 +47,7 @@ void anchor(const World& w, NewPoint& made, int block, const Vector& at, int fac
     const Body& body = w.bodies[mb.body];
     if (plane_side) {
       p.n = transposed_times(body.r, p.n), p.s = transposed_times(body.r, p.s), p.t = transposed_times(body.r, p.t);
-      p.offset = dot(p.n, transposed_times(body.r, at - body.x));  // of the plane; hand_over adds the reference
+      p.offset = dot(p.n, transposed_times(body.r, at - body.x));  // offset of the plane; hand_over adds the reference
     } else {
       p.arm = transposed_times(body.r, at - body.x);
     }

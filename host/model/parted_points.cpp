@@ -65,7 +65,7 @@ struct Motion {
 // The nearest of these places to one of the two sides of a joint.
 struct Nearest {
   size_t index = 0;
-  double squared = HUGE_VAL;  // of the distance, m2
+  double squared = HUGE_VAL;  // square of the distance, m2
 };
 Nearest nearest_of(const std::vector<Vector>& places, const Vector& side_a, const Vector& side_b) {
   Nearest nearest;

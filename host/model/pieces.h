@@ -19,7 +19,7 @@ inline constexpr size_t kFewestAlike = 3;
 // Blocks that move on together: rigid ones, or deformable ones that stand alone, or first the one and then the other
 // halves of units.
 struct Piece {
-  uint32_t first, count;  // of Pieces::blocks; at most kBodies in a group
+  uint32_t first, count;  // indices into Pieces::blocks; a group has at most kBodies
   bool halves;            // two groups: lane by lane the two halves of a unit
   enum class Kind : uint8_t { rigid, congruent, distinct, by_zone } kind;
   int32_t congruent = -1;  // into Zones::congruent, of congruent blocks
@@ -35,8 +35,8 @@ struct Piece {
 // where its first one does; lanes without a block repeat the last one.
 template <class Number>
 struct FixedColumns {
-  Number *mass, *over_mass;  // of inertia, kg, 1/kg or 0
-  Number *place, *anchor;    // of blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
+  Number *mass, *over_mass;  // mass for inertia, kg; its inverse, 1/kg, or 0
+  Number *place, *anchor;    // blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
   Number *held, *held_v;     // where some are held: 1 or 0, m/s; else null
   FixedColumns(Number* from, int node_count, bool distinct, bool some_held) {
     const auto take = [&](bool wanted, int numbers) {
@@ -56,13 +56,14 @@ struct FixedColumns {
 // Divided with the chunks, and where blocks leave their frames or halves come apart. Columns follow what is held.
 struct Pieces {
   std::vector<Piece> all;
-  std::vector<int32_t> blocks;         // piece after piece
-  std::vector<int32_t> of_block;       // of own deformable blocks; -1: others
-  std::vector<uint8_t> in_frame;       // by block: of a piece in frames
-  LaneVector<double> columns;          // FixedColumns of groups
-  std::vector<size_t> shared_columns;  // of groups, by kind of congruent blocks and whether some gridpoint is held
-  std::vector<int> held_changed;       // deformable blocks, since the last step
-  bool any_held_changed = false;       // of any gridpoints
+  std::vector<int32_t> blocks;    // piece after piece
+  std::vector<int32_t> of_block;  // piece by own deformable block; -1: blocks of others
+  std::vector<uint8_t> in_frame;  // by block: of a piece in frames
+  LaneVector<double> columns;     // FixedColumns of groups
+  std::vector<size_t>
+      shared_columns;             // columns of groups, by kind of congruent blocks and whether some gridpoint is held
+  std::vector<int> held_changed;  // deformable blocks, since the last step
+  bool any_held_changed = false;  // whether supports of any gridpoint have changed
 
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(blocks).subspan(piece.first, piece.count);
@@ -76,6 +77,6 @@ struct Pieces {
 void divide_blocks(World& w);
 void bind_pieces(World& w);                               // to their columns
 void follow_held(World& w);                               // in these, before a step
-int most_gridpoints(const World& w, const Piece& piece);  // of one of its blocks
+int most_gridpoints(const World& w, const Piece& piece);  // largest number of gridpoints of a block of the piece
 
 }  // namespace quoin::blocks

@@ -13,7 +13,7 @@ using geometry::Vector;
 // What a contact point of the start goes on from: its law's columns in a model of small displacements.
 struct PointHistory {
   int block_a, block_b;              // the normal of the joint points from a to b
-  Vector position, s, t;             // of the start; m, unit, in the plane of the joint
+  Vector position, s, t;             // place at the start, m, and axes in the plane of the joint, unit
   double opening = 0.0;              // that its law sees next, m
   double opening_at_traction = 0.0;  // that it has seen last, m
   std::array<double, 2> slip{};      // along s and t, that its law has not seen yet, m

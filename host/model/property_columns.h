@@ -14,7 +14,7 @@
 namespace quoin {
 
 struct PlacedPoint {
-  Vec3 position;         // of the start, m
+  Vec3 position;         // place at the start, m
   double area;           // m2
   int block_a, block_b;  // indices of blocks
 };
@@ -25,7 +25,7 @@ int block_laid(int block_a, int block_b, std::span<const PlacedBlock> blocks);
 // One property, by contact point, as batches of the law take it.
 struct PropertyColumn {
   const char* id;  // the law's own
-  double usual;    // of the material: of points that are not there at the start
+  double usual;    // value of the material, for points that are not there at the start
   double most;     // the largest one drawn
   LaneVector<double> values;
 };

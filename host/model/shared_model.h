@@ -19,7 +19,7 @@ struct VectorRow {
 // All calls that wait for others are made by all ranks in the same order.
 class SharedVectors {
  public:
-  using Add = std::function<double(const VectorRow& row, double sum)>;  // of the sum until there: and with this row
+  using Add = std::function<double(const VectorRow& row, double sum)>;  // the sum so far to the sum with this row
 
   virtual ~SharedVectors() = default;
   virtual std::span<const VectorRow> rows() const = 0;  // that this process computes, in order

@@ -44,7 +44,7 @@ struct ByBlock {
     return std::span(touch).subspan(first, end[size_t(block)] - first);
   }
 };
-using MomentTouch = const GridpointPair*;  // of block a
+using MomentTouch = const GridpointPair*;  // touch of block a
 
 // One side of a pair of rigid blocks.
 struct PairTouch {
@@ -55,12 +55,12 @@ struct PairTouch {
 // Listed with the chunks: of a block in the order of families and points.
 struct Sides {
   std::vector<double> cost;   // by block: of contact points, and of pairs of rigid blocks
-  ByBlock<Touch> single;      // of points with one deformable side
-  ByBlock<PairTouch> pair;    // of pairs of rigid blocks
-  ByBlock<OwnerTouch> owner;  // of points between gridpoints
+  ByBlock<Touch> single;      // points with one deformable side
+  ByBlock<PairTouch> pair;    // pairs of rigid blocks
+  ByBlock<OwnerTouch> owner;  // points between gridpoints
   ByBlock<CarrierTouch> carrier;
-  ByBlock<GridpointTouch> gridpoint;        // of b
-  ByBlock<GridpointTouch> owner_gridpoint;  // of a, points on gridpoints of both
+  ByBlock<GridpointTouch> gridpoint;        // gridpoints of block b
+  ByBlock<GridpointTouch> owner_gridpoint;  // gridpoints of block a, for points on gridpoints of both
   ByBlock<MomentTouch> moment;
 };
 

@@ -23,7 +23,7 @@ struct BlockSums {
 };
 
 struct Energies {        // J
-  double kinetic = 0.0;  // of components that are free to move
+  double kinetic = 0.0;  // kinetic energy of components that are free to move
   double strain = 0.0, contact_stored = 0.0;
   double dissipated[QUOIN_DISSIPATED_COUNT] = {};  // tension, cohesion, friction, crushing
   double damping = 0.0;                            // taken by damping
@@ -31,7 +31,7 @@ struct Energies {        // J
   // Energy lost (> 0) or gained when contact points were placed again, and lost with the inertia of halves on each
   // other when a unit came apart.
   double detection = 0.0;
-  double members_stored = 0.0, members_dissipated = 0.0;  // of host/members
+  double members_stored = 0.0, members_dissipated = 0.0;  // energies of host/members
   double dissipated_total() const { return dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3]; }
   // what has appeared from nowhere (> 0) or vanished since the start
   double balance_error(double at_start) const {

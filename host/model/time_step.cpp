@@ -167,7 +167,7 @@ class UndamagedSystem {
   struct Gridpoint {
     int block, node;
   };
-  Gridpoint gridpoint_of(int dof) const {  // of a deformable block
+  Gridpoint gridpoint_of(int dof) const {  // gridpoint of a deformable block
     const int line = dof / kLine;
     const auto after = std::upper_bound(model_.groups.begin(), model_.groups.end(), line,
                                         [](int l, const BlockGroup& group) { return l < group.first_line; });
@@ -414,7 +414,7 @@ std::vector<double> compliances(const Model& model, const Inertia& inertia, cons
     });
     found.push_back(sum / (mass * mass));
   }
-  if (shared) shared->largest(found);  // of the process that has the block
+  if (shared) shared->largest(found);  // value of the process that has the block
   return found;
 }
 
@@ -738,7 +738,7 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
       settings.critical_time_step == CriticalTimeStep::nodal ? report.nodal.value : report.critical.value;
   report.time_step = settings.time_step_fraction * reduction * limit;
   if (settings.damping == DampingKind::impact && std::isfinite(report.critical.value)) {
-    constexpr double kClose = 0.95;  // of the limit
+    constexpr double kClose = 0.95;  // share of the limit
     report.time_step = settings.implicit_contacts
                            ? std::min(settings.time_step_fraction, kClose) *
                                  step_of_zones(model, settings, *inertia, tree, shared, &report)

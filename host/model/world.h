@@ -158,9 +158,9 @@ struct World {
   double moved_by_now(int block) const { return norm(position(block) - start_position(block)); }
   double turned_by_now(int block) const;
   Matrix orientation(int block) const;       // rotation since the start
-  Vector velocity(int block) const;          // of the centre of mass, m/s
+  Vector velocity(int block) const;          // velocity of the centre of mass, m/s
   Vector angular_velocity(int block) const;  // rigid, rad/s
-  Vector contact_force(int block) const;     // of all contacts of the last step, N
+  Vector contact_force(int block) const;     // sum over all contacts of the last step, N
   Matrix frame_of(const Point& p) const;     // rows n, s, t in space, n from a to b
   Vector place_of(const Point& p) const;     // m
   Vector corner(int block, int vertex) const;
@@ -190,7 +190,7 @@ struct World {
   void hold_node(int node, uint8_t held) { nodes.held[node] = held, pieces.any_held_changed = true; }
   void hold_velocity(int node, const Vector& v) { nodes.held_v[node] = v, pieces.any_held_changed = true; }  // m/s
   const Energies& energies() const { return step_sums.energies; }
-  double kinetic_energy() const;  // of the velocities half a step ago, J
+  double kinetic_energy() const;  // from the velocities half a step ago, J
   double kinetic_energy_of(int block) const;
   double kinetic_energy_of_all() const;  // the same on all ranks, J
   // On a block, of its free components, in the last step, without damping, N; of own blocks.
@@ -263,7 +263,7 @@ struct World {
   bool is_settling = false;   // damping is that of stages that run to equilibrium
 };
 
-inline double gamma(const World& w) {  // of eq. 1
+inline double gamma(const World& w) {  // coefficient of eq. 1
   return w.is_settling ? w.solver.settling_damping.value_or(w.solver.local_damping) : w.solver.local_damping;
 }
 // Of the ground, at the time of what damping reads: signs are of half a step ago, viscous forces of now.

@@ -23,7 +23,7 @@ struct HeldBy {
   std::shared_ptr<members::Members> members;  // null: none
   // Of places and turns of nodes, to ranks that do not have their blocks; empty: one process.
   std::function<void(std::vector<members::Node>& nodes)> exchange;
-  double work = 0.0;  // of them, that energies have, J
+  double work = 0.0;  // work of members that is booked, J
 };
 
 void follow_members(World& w);  // to where their nodes are, and what they do there, before a step

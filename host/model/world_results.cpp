@@ -262,7 +262,7 @@ uint64_t World::hash(const GiveParts& parts) const {
   const auto add_field = [&](const Field& field, const auto& array) {
     if (field.hashed == 0) return;
     const size_t size = sizeof array[0];
-    std::vector<uint8_t> rest;  // of an item that comes in two parts
+    std::vector<uint8_t> rest;  // second part of an item that comes in two
     each_part(array, [&](std::span<const uint8_t> bytes) {
       if (field.hashed == size) return hash.add(bytes);
       rest.insert(rest.end(), bytes.begin(), bytes.end());

@@ -202,7 +202,7 @@ struct Vibration {
   std::vector<UnitInertia> inertia;  // empty: none is scaled
   std::vector<Spring> springs;
   LaneVector<double> scale;
-  LaneVector<Vector> v, w, f, m, nv, nf;  // of bodies velocity, spin, force, moment; of gridpoints velocity, force
+  LaneVector<Vector> v, w, f, m, nv, nf;  // velocity, spin, force, moment of bodies; velocity, force of gridpoints
   FrequencyHalo halo;
 
   Vibration(const World& of, const JointSprings& k, const Unit* unit)

@@ -38,7 +38,7 @@ struct FaceSlots {
   const std::int32_t* run;
   const std::int32_t* point;
   const std::array<double, 2>* arm;
-  std::size_t first_value;  // of the slaves in lane layout
+  std::size_t first_value;  // index of the first slave's value in lane layout
   int count;
   double normal_arm;
 };

@@ -21,7 +21,8 @@ bool ranks_collect(const Simulation::Impl& s) {
   return s.parts.divided && !s.parts.gathered && !s.parts.gathered_by_first;
 }
 
-constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;  // of a run at most: a megabyte of results
+// Largest lengths of a run: a megabyte of results.
+constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;
 
 // One process alone has no lists of ranks.
 int rank_in(const std::vector<int>& ranks, std::size_t i) { return ranks.empty() ? 0 : ranks[i]; }

@@ -13,7 +13,7 @@ namespace quoin {
 // A block of a model, as far as cracks see it.
 struct CrackedBlock {
   Vec3 centre;  // m, of the start
-  int unit;     // of masonry; -1: none
+  int unit;     // masonry unit; -1: none
 };
 
 // What damage makes of the points of one joint family.

@@ -64,7 +64,7 @@ class ImplicitContacts {
   void settle(int piece, const StepData& step) const;
 
  private:
-  static constexpr int kBatches = 8;  // of a piece
+  static constexpr int kBatches = 8;  // batches of a piece
   struct Kind {
     int nodes = 0;
     std::vector<Point> points;

@@ -32,7 +32,7 @@ struct StepData {
   double unit_inertia = 1.0;                  // s_u
   const RigidMotion* block_motion = nullptr;  // by block group; null: not needed
   const RigidMotion* unit_motion = nullptr;   // by unit group; null: not needed
-  std::size_t scratch_doubles = 0;            // of each block of a unit
+  std::size_t scratch_doubles = 0;            // doubles for each block of a unit
   // By block group: acceleration that loads give its blocks, [component][lane], m/s2; null: none of them is loaded.
   const double* const* load = nullptr;
   const double* normal_shift = nullptr;  // by contact point, added to the opening; null: none

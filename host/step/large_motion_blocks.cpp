@@ -134,7 +134,7 @@ struct LaneGroup {
   std::vector<double> rows;  // forces on gridpoints, block after block
   LaneBlock block[kBodies];
   BlockSums* sums[kBodies];
-  double power[kBodies];  // of loads, before the step
+  double power[kBodies];  // power of loads before the step
   size_t count = 0;
   std::span<const LaneBlock> blocks() const { return {block, count}; }
 };

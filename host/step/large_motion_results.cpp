@@ -26,7 +26,7 @@ std::vector<int> chunks_in_large_motion(const Simulation::Impl& s) {
 // Of the points of families one after the other those in a range.
 struct FamilyPart {
   const blocks::Family& family;
-  int index;               // of the family
+  int index;               // index of the family
   std::size_t first, end;  // in it
   std::size_t before;      // points of the families before
 };

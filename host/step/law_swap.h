@@ -18,7 +18,7 @@ struct FamilyColumns {
   std::size_t count = 0;
   const double* opening = nullptr;          // that belongs to the tractions, m
   std::array<const double*, 3> traction{};  // Pa
-  std::vector<const double*> state;         // of the old law, in its order
+  std::vector<const double*> state;         // states of the old law, in its order
   const double* area = nullptr;             // m2
 };
 
@@ -38,7 +38,7 @@ struct MigratedFamily {
   std::vector<double> state;          // columns of the new law, one after the other
   std::vector<double> opening_shift;  // by point, m: added to the opening that the new law sees from now on
   std::vector<SwapSums> terms;        // by point
-  SwapSums sums(std::size_t first, std::size_t count) const;  // of points in a row, in their order
+  SwapSums sums(std::size_t first, std::size_t count) const;  // sums over contiguous points, in their order
 };
 
 // The material of the law that takes over a family, with those of the family's properties that the law has. Throws

@@ -26,7 +26,7 @@ struct MaxwellColumns {
   double* traction[3 * kMaxwellElements];    // Pa; null: none
   double keep[kMaxwellElements];             // what a step leaves of it
   double gain[kMaxwellElements];             // what it takes of the change of the traction of the law
-  double normal_stiffness, shear_stiffness;  // of whole joints, Pa/m
+  double normal_stiffness, shear_stiffness;  // stiffness of undamaged joints, Pa/m
 };
 
 // The same of closed contacts alone, where blocks land, at rates of their own normal to the joint and along it. Maxwell

@@ -30,7 +30,7 @@ void repartition(Simulation::Impl& s) {
     gather(s, Part::all, Who::holders, &next);
   }
   partition_work(s);
-  s.controls.rest_known = false;                     // of the bodies of others it was not
+  s.controls.rest_known = false;                     // not known for bodies of other ranks
   if (s.division.share.rank_of_item != before_it) {  // else items are too large for anything better
     if (s.rank_load.traffic.repartitions == 0.0) s.rank_load.traffic.uneven_before = s.rank_load.traffic.uneven;
     s.rank_load.traffic.repartitions += 1.0;

@@ -124,7 +124,7 @@ void hold_part(Simulation::Impl& s) {
 }
 
 void hold_first_part(Simulation::Impl& s) {
-  std::optional<Error> fault;  // of properties drawn for this part
+  std::optional<Error> fault;  // fault of properties drawn for this part
   try {
     hold_part(s);
   } catch (const Error& error) {

@@ -33,7 +33,7 @@ class RankSums : public SharedModel {
   };
   void append(int rank, const VectorRow& row);
 
-  std::vector<Run> runs_;  // of all ranks, in order
+  std::vector<Run> runs_;  // runs of all ranks, in order
   std::vector<VectorRow> rows_;
   std::vector<int> units_, chunks_;
   Ranks& ranks_;

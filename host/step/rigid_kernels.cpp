@@ -184,7 +184,7 @@ HWY_INLINE Lanes33 matrix_of(const Lanes4& q) {
 HWY_INLINE Lanes4 rotation_of(const Lanes3& angle) {
   const D d;
   const V one = hn::Set(d, 1.0), half = hn::Set(d, 0.5);
-  const V square = hn::Mul(hn::Set(d, 0.25), dot_of(angle, angle));  // of half the angle
+  const V square = hn::Mul(hn::Set(d, 0.25), dot_of(angle, angle));  // square of half the angle
   const auto term = [&](double over, V next)
                         HWY_ATTR { return hn::NegMulAdd(hn::Mul(square, hn::Set(d, 1.0 / over)), next, one); };
   V cosine = term(2.0, term(12.0, term(30.0, one)));

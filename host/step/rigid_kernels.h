@@ -33,7 +33,7 @@ void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidCol
 // How bodies are moved on in a step.
 struct BodyStep {
   double time_step;  // s
-  double gamma;      // of eq. 1
+  double gamma;      // coefficient of eq. 1
   double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
   Vector ground;     // whose velocity damping leaves, m/s
   Vector gravity;    // m/s2

@@ -29,7 +29,7 @@ struct RigidLanes {
 
 struct RigidMotionStep {
   InertiaFactors factors;
-  double gamma;      // of eq. 1 on rigid motion
+  double gamma;      // coefficient of eq. 1 on rigid motion
   Vector ground;     // whose velocity damping leaves, m/s
   double time_step;  // s
 };

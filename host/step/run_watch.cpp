@@ -78,7 +78,7 @@ void check_stiffness(Simulation::Impl& s) {
 // A block that is as fast as after a fall of some of its least extent, and whose forces are not balanced, moves by
 // inertia. It falls, slides or topples.
 std::string damped_motion(const Simulation::Impl& s) {
-  constexpr double kFall = 0.05, kUnbalanced = 0.05;  // of the least extent; of the weight
+  constexpr double kFall = 0.05, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);
   if (std::string of_ground = ground_damping_warning(s.scene, now_in); !of_ground.empty()) return of_ground;
   const std::string damping = damping_in_space(s.scene, now_in);

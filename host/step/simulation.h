@@ -64,26 +64,26 @@ struct HistoryNumbers {
   int stage = 0;
   long step = 0;                  // since the start of the simulation
   double time = 0.0;              // s, since the start of the simulation
-  double displacement = 0.0;      // of the monitor along Stage::direction since the start of the stage, m
+  double displacement = 0.0;      // displacement of the monitor along Stage::direction since the start of the stage, m
   double resistance = 0.0;        // minus the force of the joints on the monitor along Stage::direction, N: positive
                                   // when the wall resists a movement in the positive direction
   double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
   Vec3 monitor_displacement{};    // since the start of the simulation, m
-  Vec3 joint_force{};             // of the joints on the bodies of the monitor, N
+  Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
   double dynamic_force = 0.0;     // along Stage::direction: what supports and loads give in all, N; 0 at rest
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
   double kinetic_energy = 0.0;    // J, of the model as computed
-  double multiplier = 0.0;        // of the body force of a collapse stage
+  double multiplier = 0.0;        // multiplier of the body force in a collapse stage
   // Blocks in large motion only:
   Vec3 ground_displacement{};  // since the start, m
   Vec3 monitor_relative{};     // displacement of the monitor less that of the ground, m
   Vec3 base_force{};           // on the fixed blocks by what stands on them, N
   // Of these about the centre of the base, which moves with the ground, N m; not a number where ranks share the points.
   Vec3 overturning_moment{NAN, NAN, NAN};
-  double largest_displacement = 0.0;                // of any block since the start, m; blocks of any shape only
-  std::optional<Energies> energies;                 // when Scene::output.energy
-  std::array<Reaction, kMostRestraints> reactions;  // of Simulation::restraints
-  Reaction reaction_sum;                            // of these and of all others
+  double largest_displacement = 0.0;  // largest displacement of a block since the start, m; blocks of any shape alone
+  std::optional<Energies> energies;   // when Scene::output.energy
+  std::array<Reaction, kMostRestraints> reactions;  // values for Simulation::restraints
+  Reaction reaction_sum;                            // sum over these and all other supports
 };
 
 // A support, or what drives blocks: by name, in the order in which stages name them, then fixed blocks that have one.
@@ -101,9 +101,9 @@ struct Progress {
   int stage = 0, stage_count = 0;
   const Stage* settings = nullptr;
   long step = 0;          // in this stage
-  double fraction = 0.0;  // of this stage, 0..1; by the criterion closest to its end
+  double fraction = 0.0;  // share of the stage that is done, 0..1, by the criterion closest to its end
   double steps_per_second = 0.0;
-  double seconds_left = 0.0;  // of this stage; negative: not known yet
+  double seconds_left = 0.0;  // time left in the stage; negative: not known yet
   double unbalanced_ratio = 0.0;
 };
 
@@ -113,14 +113,15 @@ struct Promotion {
   int stage = 0;
   long step = 0;
   double time = 0.0;           // s
-  double strain_energy = 0.0;  // of the zones before, J, as computed
+  double strain_energy = 0.0;  // strain energy of the zones before, J, as computed
   double energy_jump = 0.0;    // after less before, J
 };
 
 // Why a stage of cycles ended early.
 struct StopAtForceLoss {
-  int stage = 0, half_cycle = 0;      // from 0
-  double force = 0.0, largest = 0.0;  // of that half cycle; of an earlier one towards the same side, N
+  int stage = 0, half_cycle = 0;  // from 0
+  double force = 0.0,
+         largest = 0.0;  // largest forces of that half cycle and of an earlier one towards the same side, N
 };
 
 // What stages found out.
@@ -149,9 +150,9 @@ struct LawSwap {
 struct RankTraffic {
   double steps = 0.0, step_seconds = 0.0;  // s: all of run(), files included
   double halo_bytes = 0.0, halo_messages = 0.0;
-  double own_seconds = 0.0;                    // of contacts and motion, without any waiting: processor time
+  double own_seconds = 0.0;                    // processor time of contacts and motion, without waiting
   double waiting_seconds = 0.0;                // for the halo of others, and to agree
-  double gathers = 0.0, gathered_bytes = 0.0;  // of all ranks to all: rows, detection, checkpoints
+  double gathers = 0.0, gathered_bytes = 0.0;  // gathers on all ranks: rows, detection, checkpoints
   double gathering_seconds = 0.0;
   double blocks = 0.0;                       // that it advances
   double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
@@ -186,7 +187,7 @@ const char* condition_name(Condition condition);
 Condition condition_of(std::uint32_t flags);  // QUOIN_FLAG_...
 
 struct ContactPoint {
-  std::int32_t index;  // of the point, for Simulation::state
+  std::int32_t index;  // index of the point, for Simulation::state
   Vec3 position;       // reference, m
   Vec3 normal, s, t;   // n from block a to block b
   double area;         // m2
@@ -260,7 +261,7 @@ class Simulation {
   double time() const;
   int thread_count() const;
   const char* instruction_set() const;    // chosen at run time: "AVX2"
-  std::uint64_t hash() const;             // of gridpoints, bodies, tractions and states: equal hashes, equal bits
+  std::uint64_t hash() const;             // hash of gridpoints, bodies, tractions and states: equal hashes, equal bits
   HistoryRow measure() const;             // as it stands
   const MotionSeen& motion_seen() const;  // at the last look of run()
   const Watch& watch() const;             // at the last row
@@ -285,15 +286,15 @@ class Simulation {
   struct BlockMesh {
     std::vector<Vec3> gridpoint;           // at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
     std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid blocks
-    std::vector<std::vector<int>> face;    // of the whole block, corner by corner, counter-clockwise from outside
-    int unit = -1, course = -1;            // of masonry; -1: none
+    std::vector<std::vector<int>> face;    // faces of the whole block, corner by corner, counter-clockwise from outside
+    int unit = -1, course = -1;            // place in the masonry; -1: none
     bool fixed = false;                    // a support, or a beam beside the masonry
   };
   BlockMesh block_mesh(int block) const;
   struct BlockSize {
     std::uint64_t gridpoints = 0, zones = 0, faces = 0, face_corners = 0;
   };
-  BlockSize block_size(int block) const;                  // of its mesh
+  BlockSize block_size(int block) const;                  // size of its mesh
   std::vector<Vec3> block_displacement(int block) const;  // per gridpoint of block_mesh, m
   std::vector<Vec3> block_velocity(int block) const;
   std::vector<std::array<double, 6>> block_stress(int block) const;  // per zone: xx yy zz xy yz zx, Pa, tension > 0
@@ -358,7 +359,7 @@ class Simulation {
   void collect_at_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
                         const std::function<void(const std::string&)>& take) const;
   bool ranks_collect() const;                 // false: one process, or rank 0 has all
-  double sum_of_ranks(double brought) const;  // of what each gives
+  double sum_of_ranks(double brought) const;  // sum of the values of all ranks
   double largest_of_ranks(double brought) const;
   // So that rank 0 has all from now on. All ranks call it at the same moment.
   void gather_at_first();

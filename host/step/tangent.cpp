@@ -73,7 +73,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
       along == 0 ? k.normal[i] = stiffness : k.shear[i] += 0.5 * stiffness;
     }
   }
-  for (const ContactPoint& p : points) {  // of laws that are not asked: as they were at first
+  for (const ContactPoint& p : points) {  // points without a stiffness so far: bounds of their laws
     if (!std::isnan(k.normal[at(p.index)]) && !std::isnan(k.shear[at(p.index)])) continue;
     const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
     const bool carries = p.traction[0] != 0.0 || p.jump[0] <= 0.0;

@@ -13,7 +13,7 @@ using geometry::Pair;
 
 namespace {
 
-constexpr double kTouching = 1e-4;  // of the least extent: blocks closer than this at the start touch
+constexpr double kTouching = 1e-4;  // share of the least extent: blocks closer than this at the start touch
 
 double least_extent(const Brick& b) { return *std::min_element(b.size.begin(), b.size.end()); }
 double norm_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -100,7 +100,7 @@ double UnjoinedBlocks::look(const std::vector<WholeMotion>& motion, double slidi
   if (has_moved(motion)) find_pairs(motion);
   double fastest = 0.0;
   for (const WholeMotion& m : motion) fastest = std::max(fastest, m.speed);
-  double time = time_for(0.25 * reach_, 2.0 * fastest);  // of pairs that are not near yet
+  double time = time_for(0.25 * reach_, 2.0 * fastest);  // time for pairs that are not near yet
   for (const Pair& pair : pairs_) {
     const Near near = nearness(pair, motion, sliding_bound);
     if (near.gap <= near.least_gap && !have_contact(pair.a, pair.b, near.axis)) continue;

@@ -23,11 +23,11 @@ geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const s
 
 class Unknowns {
  public:
-  using Entries = std::vector<Eigen::Triplet<double>>;  // of the lower triangle
+  using Entries = std::vector<Eigen::Triplet<double>>;  // entries of the lower triangle
   struct OfBlock {
     std::vector<std::array<int, 3>> gridpoint;        // -1: held
     std::array<int, 6> body{-1, -1, -1, -1, -1, -1};  // translations, spins about the axes; -1: held
-    geometry::Vector centre;                          // of a rigid block
+    geometry::Vector centre;                          // centre of a rigid block
     bool rigid = false;
   };
 

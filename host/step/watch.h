@@ -20,9 +20,9 @@ struct Warning {
 
 // What the looks have seen so far.
 struct Watch {
-  static constexpr double kAllowedOverlap = 0.05;          // of the least extent of a block
-  static constexpr double kAllowedMissing = 0.05;          // of the energy that was moved about
-  static constexpr double kAllowedStiffness = 1.0 + 1e-6;  // of what the time step was chosen with
+  static constexpr double kAllowedOverlap = 0.05;          // share of the least extent of a block
+  static constexpr double kAllowedMissing = 0.05;          // share of the energy that is converted
+  static constexpr double kAllowedStiffness = 1.0 + 1e-6;  // ratio to the stiffness that the time step was chosen with
   // Least interval between two checks of the energies of a step and the next, or of the flags of points. It is at least
   // a twentieth of the steps until then. A law is asked for all that it can return, which costs ten to twenty steps.
   static constexpr long kOutputSteps = 200;

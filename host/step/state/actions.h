@@ -38,7 +38,7 @@ struct FirstLoad {
 struct Actions {
   std::vector<Drive> drives;
   std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
-  double multiplier = 0.0;                             // of the body force of a collapse stage
+  double multiplier = 0.0;                             // multiplier of the body force in a collapse stage
   FirstLoad first_load;
 
   const Drive* ground_drive() const;  // a block that moves as the ground does; null: none

@@ -45,10 +45,10 @@ struct Controls {
 
   std::vector<int> ramped_bodies;             // whose control changes over the ramp
   std::vector<LoadedBlock> loaded_blocks;     // deformable blocks that have a name
-  LaneVector<double> load;                    // of groups with loaded blocks: [component][lane], m/s2
+  LaneVector<double> load;                    // acceleration of groups with loaded blocks: [component][lane], m/s2
   std::vector<const double*> load_of_group;   // by block group, into load; null: none
   std::vector<WhiffletreeFloor> whiffletree;  // in stages that have one
-  std::optional<CyclicMotion> cycles;         // of the stage
+  std::optional<CyclicMotion> cycles;         // cycles of the stage
   bool settled = true;                        // the ramp of the stage is over, and no body moves in cycles
   bool rest_known = true;                     // BodyLanes::at_rest is up to date
 

@@ -13,7 +13,7 @@ namespace quoin {
 struct RankAgreement {
   bool failed = false;       // one of them in this step
   bool stop_wanted = false;  // here
-  bool stop = false;         // of any rank
+  bool stop = false;         // whether any rank is to stop
   bool together = true;      // all ranks end in the same way
   // Of a run in parts, for rank 0.
   std::optional<std::array<long, kConditionCount>> end_conditions;

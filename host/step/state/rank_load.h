@@ -27,7 +27,7 @@ struct CostlyBlocks {
 
 struct RankLoad {
   Clock::time_point run_start = Clock::now();
-  RankTraffic traffic;  // of this rank
+  RankTraffic traffic;  // traffic of this rank
   std::vector<RankTraffic> traffic_of_all;
   RankBalance balance;
   RankWindow window;

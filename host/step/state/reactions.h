@@ -25,9 +25,9 @@ struct Reactions {
   std::vector<int> restrained_blocks;                // in large motion: fixed, or held by some stage
   std::vector<std::vector<int>> restrained_of_item;  // with ranks: the same, by item
   std::vector<JointWrench> body_wrench;              // by body, of the last row; with ranks
-  std::vector<JointWrench> block_wrench;             // of restrained_blocks, by block, of the last row; with ranks
-  std::vector<std::uint8_t> on_base;                 // by block: a free one that rests on fixed ones at the start
-  geometry::Vector base_centre;                      // of the area between these at the start, m
+  std::vector<JointWrench> block_wrench;  // wrenches of restrained_blocks in the last row, by block; with ranks
+  std::vector<std::uint8_t> on_base;      // by block: a free one that rests on fixed ones at the start
+  geometry::Vector base_centre;           // centre of the area between these at the start, m
 };
 
 }  // namespace quoin

@@ -18,11 +18,11 @@ struct RunProgress {
   bool in_stage = false;
   long stage_step = 0;
   double stage_start = 0.0;       // s
-  double unbalanced_ratio = 0.0;  // of the last measured step
+  double unbalanced_ratio = 0.0;  // ratio of the last measured step
   int calm_checks = 0;            // equilibrium checks passed in a row
   int next_frame = 0;
   long next_row = 0;      // stage_step of the next history row
-  long row_interval = 1;  // of the stage; found at its start, as the step may change later
+  long row_interval = 1;  // interval of the stage, found at its start, as the step may change later
   ForceLoss force_loss;   // in cycles
 
   std::size_t at_stage() const { return static_cast<std::size_t>(stage); }
