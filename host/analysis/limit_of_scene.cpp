@@ -277,7 +277,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     const Vector& x = block.centre;
     limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", simulation.block_label(i), x.x, x.y, x.z));
   }
-  std::map<std::string, Strength> strengths;  // of families that have points
+  std::map<std::string, Strength> strengths;  // strengths of families that have points
   const std::vector<JointFamily>& families = shapes ? shapes->assembly.families : simulation.assembly().families;
   for (const ContactPoint& p : simulation.contact_points()) {
     const std::string& family = families[static_cast<std::size_t>(p.family)].name;
@@ -467,7 +467,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
 }
 
 std::vector<int> moving_without_load(const SceneLimit& limit) {
-  constexpr double kNone = 1e-6, kMoves = 1e-4;  // of the weight; of the largest velocity
+  constexpr double kNone = 1e-6, kMoves = 1e-4;  // shares of the weight, and of the largest velocity
   std::vector<int> blocks;
   if (!limit.margin || *limit.margin > kNone || !limit.limit) return blocks;
   for (std::size_t b = 0; b < limit.limit->velocity.size(); ++b) {
@@ -478,7 +478,7 @@ std::vector<int> moving_without_load(const SceneLimit& limit) {
 }
 
 MemberForce largest_force(const LimitMember& member, const LimitResult& result) {
-  constexpr double kAll = 1.0 - 1e-6;  // of a strength
+  constexpr double kAll = 1.0 - 1e-6;  // share of a strength
   MemberForce found;
   for (std::size_t k = 0; k < member.of.size(); ++k) {
     double force = result.member_force[member.of[k]] / member.over[k];

@@ -124,7 +124,7 @@ void require(const ModesSettings& s) {
 
 // Blocks with more than a trace of the motion without stiffness.
 std::vector<int> loose_blocks(const Vibrating& v, const MatrixXd& shapes) {
-  constexpr double kTrace = 1e-6;  // of the largest displacement, squared
+  constexpr double kTrace = 1e-6;  // share of the largest displacement, squared
   std::vector<double> motion(v.drawn.size(), 0.0);
   for (Index mode = 0; mode < shapes.cols(); ++mode) {
     for (Index i = 0; i < shapes.rows(); ++i)

@@ -54,7 +54,7 @@ Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool f
   answer.stands = answer.carried >= kAll;
   if (friction) answer.friction = smallest_friction(problem, settings, answer.stands);
   for (std::size_t k = 0; !answer.stands && k < result.velocity.size(); ++k) {
-    constexpr double kMoves = 1e-4;  // of the largest velocity
+    constexpr double kMoves = 1e-4;  // share of the largest velocity
     if (norm(result.velocity[k].force) + norm(result.velocity[k].moment) > kMoves)
       answer.out_of_balance.push_back(static_cast<int>(k));
   }

@@ -290,7 +290,7 @@ void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const
   const auto& riders = members()->nodes();
   for (const members::Tie& tie : members()->ties()) {
     if (tie.law.slack > 0.0) continue;
-    shares.clear();  // of its elongation, along the axis x
+    shares.clear();  // shares of its elongation, along the axis x
     for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
       const Vector along = normalized(members()->start_of(tie.stops[i + 1]) - members()->start_of(tie.stops[i]));
       const auto add_stop = [&](const members::Tie::Stop& stop, double sign) {

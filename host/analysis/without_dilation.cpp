@@ -28,8 +28,8 @@ constexpr double kMeanFrom = 10.0;
 // point changes sides in any problem; where little slides, the sum says nothing. What is left shrinks by 1 - kFollow a
 // problem, so 0.1 % of the multiplier is still to come.
 constexpr double kSteady = 1e-3, kBeyond = 0.05, kShareBeyond = 0.02;
-constexpr double kSliding = 0.99;  // of its strength, from which on a point slides
-constexpr double kJump = 1.2;      // of the multiplier, from a state whose shear is within friction
+constexpr double kSliding = 0.99;  // share of its strength from which on a point slides
+constexpr double kJump = 1.2;      // factor on the multiplier, from a state whose shear is within friction
 constexpr int kSteadyFor = 3, kMostProblems = 60;
 // Large assemblies come no closer than this: over so many problems the multiplier stays within this range, and shear
 // beyond friction below this. Then the mean counts, and half of the range is said.

@@ -25,7 +25,7 @@ namespace quoin {
 // From here on memory is asked of the system, which gives pages of zeros once they are written to.
 inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
-inline constexpr std::size_t kLineBytes = 64;  // of the cache
+inline constexpr std::size_t kLineBytes = 64;  // line of the cache
 
 // The bounds of what new gives are the only ones of the address sanitizer.
 #if defined(__SANITIZE_ADDRESS__)

@@ -69,7 +69,7 @@ class Recorder : public Observer {
   const Simulation* simulation_ = nullptr;  // that is served
   std::unique_ptr<LiveRun> live_;           // null: nobody looks
   std::set<std::string> reported_;
-  std::vector<StageModes> modes_;  // of stages that move the ground
+  std::vector<StageModes> modes_;  // modes of stages that move the ground
   std::optional<Error> frames_fault_;
 };
 

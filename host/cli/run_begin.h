@@ -26,6 +26,6 @@ struct SharedFolder {
   std::string path, token;
   std::vector<double> frame_times;
 };
-void share(Ranks& ranks, SharedFolder& folder);  // of rank 0, to all others
+void share(Ranks& ranks, SharedFolder& folder);  // from rank 0 to all others
 
 }  // namespace quoin

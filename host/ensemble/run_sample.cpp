@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLoss = 0.8;  // of the peak
+constexpr double kLoss = 0.8;  // share of the peak
 
 Json json_of(const Values& values) {
   Json json = Json::object();
@@ -218,7 +218,7 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
     try {
       simulation.emplace(make_scene(), 1);
       take_start(&*simulation);
-    } catch (const Error& error) {  // of the scene as drawn
+    } catch (const Error& error) {  // the scene as drawn is wrong
       simulation.reset();
       fail(error.what());
     }

@@ -293,7 +293,7 @@ std::optional<FittedFragility> FittedFragility::of(const std::vector<Capacity>& 
   }
   std::erase_if(by_record, [](const auto& of_record) { return of_record.empty(); });
   constexpr std::uint64_t kDraws = 1000;
-  constexpr std::size_t kLeastRecords = 3;  // of fewer no interval is known
+  constexpr std::size_t kLeastRecords = 3;  // least number of records for an interval
   const bool many = by_record.size() >= kLeastRecords;
   std::vector<double> medians, spreads;
   for (std::uint64_t draw = 0; many && draw < kDraws; ++draw) {

@@ -55,7 +55,7 @@ bool is_name_of_a_result(const std::string& name) {
 
 struct Manifest {
   std::set<std::string> names;  // relative to the folder
-  std::string token;            // of the partial files
+  std::string token;            // token in the names of partial files
 };
 
 // A manifest may come from anywhere: only names inside the folder that a run could have written count.

@@ -280,7 +280,7 @@ DrawnShape from_drawn(const RawShape& shape) {
 }
 
 ConvexPolyhedron plate(const RawShape& shape, const Vector& others) {
-  constexpr double kThickness = 0.1;  // of the extent
+  constexpr double kThickness = 0.1;  // share of the extent
   const Plane plane = plane_of(shape.vertices, shape.faces[0]);
   const double side = dot(others - plane.centre, plane.normal) > 0 ? -1.0 : 1.0;
   const Vector back = kThickness * longest_extent(shape.vertices) * side * plane.normal;

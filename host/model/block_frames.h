@@ -24,7 +24,7 @@ inline constexpr double kLargestDeformation = 0.01;
 
 // By block. Steps find the frames, and which blocks leave theirs.
 struct BlockFrames {
-  LaneVector<BlockFrame> frame;  // where the block is deformable and in one
+  LaneVector<BlockFrame> frame;  // frames of deformable blocks that have one
   bool are_old = true;           // gridpoints have been moved from outside
   std::vector<uint8_t> by_zone;  // 1: it has deformed too much for a frame
 };

@@ -39,7 +39,7 @@ struct ZoneLanes {
 // Of all blocks, in the orientation of the start. Blocks of one shape, material, zoning and orientation share theirs.
 struct Zones {
   LaneVector<ZoneLanes> lanes;             // laid out with the first block that has them
-  std::vector<CongruentBlocks> congruent;  // what blocks of one shape share, whatever their orientation
+  std::vector<CongruentBlocks> congruent;  // data that blocks of one shape share in any orientation
 
   std::span<const ZoneLanes> lanes_of(const ModelBlock& b) const {
     return std::span(lanes).subspan(size_t(b.first_lanes), size_t(b.lanes_count));

@@ -22,7 +22,7 @@ struct RigidPair {
   Vector axis[3];         // n, s, t in a's body frame, unit
   // Of the last step:
   double in_space[3][4];             // the axes; the fourth has no meaning
-  Vector force, moment_a, moment_b;  // on a, N; about the centre of a, on a, and of b, on b, N m
+  Vector force, moment_a, moment_b;  // force on a, N; moments about the centre of a, on a, and of b, on b, N m
 };
 
 // Points in a row of one pair of deformable blocks, which sit on gridpoints of both. Axes turn with the frame of block
@@ -48,7 +48,7 @@ struct FacetLanes {
   uint32_t row;           // index into Chunks::rows of the first point's rows; a point has FacetRow::kCount of them
   bool on_gridpoints;     // all points sit on the first gridpoint of b's triangle
   int32_t node_a[3][kCount], node_b[3][kCount];
-  int32_t facet_a[kCount];  // where the weights go back to
+  int32_t facet_a[kCount];  // triangles of block a, which take the weights back
   alignas(64) double weight_b[3][kCount];
   double reference[kCount], area[kCount];  // m, m2
   double weight_a[3][kCount];  // weights of the point's foot on the triangle that owns the plane, in the last step
@@ -82,14 +82,14 @@ struct Chunk {
   quoin_batch batch{};
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
-  std::vector<quoin_property_column> properties;  // that scatter
+  std::vector<quoin_property_column> properties;  // properties that scatter
   std::vector<RigidPair> pairs;                   // pairs of rigid blocks with points in the chunk
   std::vector<GridpointPair> gridpoint_pairs;     // pairs whose points lie on gridpoints of both blocks
   std::vector<PairAxes> pair_axes;                // axes of gridpoint_pairs; constant in small displacements
   std::vector<int32_t> node_a, node_b;            // gridpoints of these pairs, by point of the chunk
-  std::vector<FacetLanes> facets;                 // on triangles
+  std::vector<FacetLanes> facets;                 // points on triangles
   std::vector<FacetFrames> frames;                // frames of the triangles; constant in small displacements
-  std::vector<uint32_t> others;                   // with one deformable side
+  std::vector<uint32_t> others;                   // points with one deformable side
   // of the last step
   quoin_status status = QUOIN_OK;
   bool failed = false;
@@ -102,11 +102,11 @@ inline constexpr uint32_t kChunk = 256;
 
 // Divided again when contacts have changed. All ranks have the list.
 struct Chunks {
-  std::vector<Chunk> all;  // with contents where this process evaluates them
+  std::vector<Chunk> all;  // chunks; those of other processes are empty
   std::vector<int> own;    // chunks that this process evaluates
   // Forces of a step in own chunks: a row a point on gridpoints, three a point on a triangle.
   LaneVector<FacetRow> rows;
-  long divisions = 0;  // how often the work has been divided again
+  long divisions = 0;  // number of divisions of the work so far
 };
 
 // After contacts have changed. One process alone has then all that steps read; ranks are to hold their parts first.

@@ -14,7 +14,7 @@ struct World;
 using geometry::Vector;
 
 struct Location {
-  Vector at;                                // in space, m
+  Vector at;                                // place in space, m
   double jump = 0.0, slid[2] = {0.0, 0.0};  // gap from the plane less the reference; along s and t in a's frame, m
 };
 Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets);

@@ -28,9 +28,9 @@ struct Point {
   Vector arm;              // place of the point in b's body frame (rigid b), m
   double area = 0.0;       // m2
   double reference = 0.0;  // gap at which d_n = 0, m
-  Vector at;               // in space where it was placed; of the last step if a side is deformable, m
+  Vector at;               // place in space at the last detection; that of the last step if a side is deformable, m
   // Of the last step, if a side is deformable:
-  Vector force;                  // on a, in space, viscous part included, N
+  Vector force;                  // force on a, in space, viscous part included, N
   double shear[2] = {0.0, 0.0};  // traction along s and t that goes with it, Pa
 };
 
@@ -54,8 +54,8 @@ struct Family {
   LaneVector<double> normal_jump, slip[2], traction[3];
   std::vector<LaneVector<double>> state;
   std::vector<PropertyColumn> columns;  // properties that scatter
-  LaneVector<double> old_traction[3];   // when stiffness damping or contact inspection needs it
-  LaneVector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
+  LaneVector<double> old_traction[3];   // traction of the last step, for stiffness damping and contact inspection
+  LaneVector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // energies, where requested, J/m2
   LaneVector<double> old_jump;
   LaneVector<double> viscous[3];                     // traction of damping in the last step, Pa
   LaneVector<double> maxwell[3 * kMaxwellElements];  // tractions of its Maxwell elements, one after the other, Pa

@@ -29,7 +29,7 @@ struct PairPlace {
 
 // Detection makes them; steps change the points. With ranks all have the list, and points of own pairs.
 struct Contacts {
-  std::vector<Contact> list;    // in the order of their pairs
+  std::vector<Contact> list;    // contacts in the order of their pairs
   LaneVector<PairPlace> place;  // place of each contact
   std::vector<Family> families;
   std::vector<std::vector<uint32_t>> of_family;  // indices of those that have points

@@ -28,13 +28,13 @@ constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 
 struct Detection {
   bool at_start;
-  std::vector<Contact> contacts;  // in the order of the pairs
+  std::vector<Contact> contacts;  // contacts in the order of the pairs
   LaneVector<PairPlace> places;   // place of each contact
   LaneVector<PairCheck> checks;   // the same
   std::vector<Finding> findings;  // the same
   std::vector<NewPoint> points;
-  std::vector<Contact> lost;  // had points, and are no longer close to each other
-  bool changed = false;       // some contact has other points than before
+  std::vector<Contact> lost;  // contacts that had points, of pairs beyond the skin now
+  bool changed = false;       // whether points of any contact have changed
 };
 
 // Broad phase: all pairs within the skin, found again when some block has used up its part of it.

@@ -17,7 +17,7 @@ struct Finding {
   bool fresh = false;             // new points, or none any more
   size_t begin = 0;               // index of its first new point, where this process finds them
   uint32_t fresh_count = 0;       // number of its new points
-  uint32_t first = 0, count = 0;  // its points of before, in their family
+  uint32_t first = 0, count = 0;  // its old points in their family
   uint32_t first_facet = 0;
 };
 

@@ -473,7 +473,7 @@ class ModelBuilder {
   Model& m;
   std::vector<int> template_of_;              // by block; -1: rigid
   std::vector<std::int32_t> first_of_joint_;  // first contact point of each joint, in the order in which they are found
-  std::vector<Nodes> nodes_;                  // in that order
+  std::vector<Nodes> nodes_;                  // gridpoints in that order
   std::vector<NewPoint> of_bodies_;           // points with a rigid block on one side or both
   std::vector<std::int32_t> found_of_bodies_;  // their places in that order
   std::vector<BodyPlace> body_place_;          // by body; none: a lone body

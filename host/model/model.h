@@ -73,7 +73,7 @@ struct BodyGroup {
 struct BodySlots {
   struct Face {
     int slot_end = 0;         // its slots are [slot_end of the face before, slot_end)
-    double normal_arm = 0.0;  // from the centre along the axis, the same for all slots of the face, m
+    double normal_arm = 0.0;  // distance of the face from the centre along the axis, m
   };
   std::array<Face, 6> face{};
   std::vector<std::array<double, 2>> arm;  // per slot: from the centre along the two axes after the normal, m
@@ -124,7 +124,7 @@ struct Model {
   std::vector<RigidBody> bodies;
   std::vector<BodySlots> body_slots;
   std::vector<BodyGroup> body_groups;
-  std::vector<int> lone_bodies;  // in no group
+  std::vector<int> lone_bodies;  // bodies in no group
   std::vector<ContactFamily> families;
   std::vector<ContactChunk> chunks;
 

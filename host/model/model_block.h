@@ -27,7 +27,7 @@ struct ModelBlock {
   int32_t congruent = -1;                    // into what blocks of the same shape share; -1: too few of them
   uint32_t first_corner = 0;                 // into corner arrays: vertices of the shape
   uint32_t first_normal = 0;
-  double mass = 0.0;                                       // that has weight, kg
+  double mass = 0.0;                                       // mass for weight, kg
   double radius = 0.0;                                     // largest distance of a vertex from the centre, m
   double least_extent = 0.0;                               // m
   double corner_area = 0.0;                                // nominal area of an edge or corner contact, m2
@@ -57,7 +57,7 @@ struct BlockShapes {
 
 // Of every block's frame.
 struct Poses {
-  LaneVector<Pose> start, broad;  // at the start, and at the last broad phase
+  LaneVector<Pose> start, broad;  // poses at the start, and at the last broad phase
 };
 
 }  // namespace quoin::blocks

@@ -13,7 +13,7 @@ namespace quoin {
 
 struct Motion {
   Scene scene;                             // stages and settings as the kernels have them
-  Assembly bricks;                         // on the lattice; with no brick where blocks are of any shape
+  Assembly bricks;                         // bricks on the lattice; none where blocks are of any shape
   std::optional<blocks::Assembly> shapes;  // blocks of any shape
   std::string why_not_lattice;             // reason why a scene with blocks of any shape is not on the lattice
 };

@@ -28,7 +28,7 @@ struct SeenMotion {
 // When a pair of blocks is looked at next.
 struct PairCheck {
   int32_t a, b;
-  bool ripe = false;  // has moved by most of its way: it is looked at closely together with others
+  bool ripe = false;  // whether it has moved by most of its way, and is due in the next narrow phase
   long step = 0;
 };
 
@@ -39,7 +39,7 @@ struct MotionChecks {
   std::vector<uint8_t> due;     // by block: for a look of now
   LaneVector<SeenMotion> seen;  // by body
   long next = 0;                // step of the next look at any of them
-  double dt = 0.0;              // that checks reckon with, s; another one: all blocks are to be checked
+  double dt = 0.0;              // time step of the checks, s; after a change all blocks are due
   bool any_deviates = false;    // some block in the last step
 };
 

@@ -43,7 +43,7 @@ namespace {
 struct Head {
   double owner;  // 1: the normal points from the first block of the pair, 2: from the second; 0: still as at the start
   double normal_jump, traction[3];
-  Vector n, s;  // as they would stand had block a not moved since the start
+  Vector n, s;  // axes as if block a had not moved since the start
 };
 constexpr size_t kHead = sizeof(Head) / sizeof(double);
 static_assert(kHead * sizeof(double) == sizeof(Head));

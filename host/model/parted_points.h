@@ -30,18 +30,18 @@ struct StartPoint {
 // A contact point of the start where its blocks are no longer in contact (parted_points.cpp).
 struct PartedPoint {
   int a, b, family;           // n points from block a to block b
-  Vector side_a, side_b;      // where what was one place is now, on a and on b, m
+  Vector side_a, side_b;      // current places, on a and on b, of what was one place, m
   Vector n, s;                // axes of the last contact point there, unit, turned along with a
   double area;                // area at the start, m2
   double normal_jump;         // opening of the last contact point there, m; the numbers below are of that point too
   double traction[3];         // Pa
   std::vector<double> state;  // state of the law
-  std::vector<double> properties;  // that scatter, in the order of the family's columns
+  std::vector<double> properties;  // properties that scatter, in the order of the family's columns
 };
 
 // Noted at the first detection; later ones keep what goes.
 struct StartJoints {
-  std::vector<StartJoint> joint;  // in the order of their pairs
+  std::vector<StartJoint> joint;  // joints in the order of their pairs
   LaneVector<StartPoint> point;
   // Numbers of the last contact point at each of these, row by row; empty: no point was lost yet.
   LaneVector<double> kept;

@@ -24,7 +24,7 @@ struct Piece {
   enum class Kind : uint8_t { rigid, congruent, distinct, by_zone } kind;
   int32_t congruent = -1;  // into Zones::congruent, of congruent blocks
   static constexpr size_t kNoColumns = size_t(-1);
-  size_t columns[2] = {kNoColumns, kNoColumns};  // where FixedColumns of its groups begin in Pieces::columns
+  size_t columns[2] = {kNoColumns, kNoColumns};  // begin of the FixedColumns of its groups in Pieces::columns
   bool some_held = false;
   size_t group_count() const { return halves ? 2 : 1; }
   bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
@@ -37,7 +37,7 @@ template <class Number>
 struct FixedColumns {
   Number *mass, *over_mass;  // mass for inertia, kg; its inverse, 1/kg, or 0
   Number *place, *anchor;    // blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
-  Number *held, *held_v;     // where some are held: 1 or 0, m/s; else null
+  Number *held, *held_v;     // supports, 1 or 0, and their velocities, m/s; null: no gridpoint is held
   FixedColumns(Number* from, int node_count, bool distinct, bool some_held) {
     const auto take = [&](bool wanted, int numbers) {
       Number* const column = wanted ? from : nullptr;
@@ -56,14 +56,13 @@ struct FixedColumns {
 // Divided with the chunks, and where blocks leave their frames or halves come apart. Columns follow what is held.
 struct Pieces {
   std::vector<Piece> all;
-  std::vector<int32_t> blocks;    // piece after piece
-  std::vector<int32_t> of_block;  // piece by own deformable block; -1: blocks of others
-  std::vector<uint8_t> in_frame;  // by block: of a piece in frames
-  LaneVector<double> columns;     // FixedColumns of groups
-  std::vector<size_t>
-      shared_columns;             // columns of groups, by kind of congruent blocks and whether some gridpoint is held
-  std::vector<int> held_changed;  // deformable blocks, since the last step
-  bool any_held_changed = false;  // whether supports of any gridpoint have changed
+  std::vector<int32_t> blocks;         // piece after piece
+  std::vector<int32_t> of_block;       // piece by own deformable block; -1: blocks of others
+  std::vector<uint8_t> in_frame;       // by block: of a piece in frames
+  LaneVector<double> columns;          // FixedColumns of groups
+  std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
+  std::vector<int> held_changed;       // deformable blocks, since the last step
+  bool any_held_changed = false;       // whether supports of any gridpoint have changed
 
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(blocks).subspan(piece.first, piece.count);

@@ -22,10 +22,10 @@
 namespace quoin {
 
 struct RigidMotion {
-  Vec3 centre{};                            // from the lowest corner of the block, or of the first block of the unit, m
-  double mass = 0.0;                        // kg
-  Vec3 inverse_mass{};                      // by direction, 1/kg; 0: held by a symmetry plane
-  std::array<double, 9> inertia{};          // about the centre, rows; kg m2
+  Vec3 centre{};                    // centre from the lowest corner of the block, or of the first block of the unit, m
+  double mass = 0.0;                // kg
+  Vec3 inverse_mass{};              // by direction, 1/kg; 0: held by a symmetry plane
+  std::array<double, 9> inertia{};  // about the centre, rows; kg m2
   std::array<double, 9> inverse_inertia{};  // 1/(kg m2); 0 where rotation is held
 };
 

@@ -22,7 +22,7 @@ class SharedVectors {
   using Add = std::function<double(const VectorRow& row, double sum)>;  // the sum so far to the sum with this row
 
   virtual ~SharedVectors() = default;
-  virtual std::span<const VectorRow> rows() const = 0;  // that this process computes, in order
+  virtual std::span<const VectorRow> rows() const = 0;  // rows that this process computes, in order
   // Over the rows of all ranks in order, handed from one to the next: the sum of one process, bit for bit.
   virtual double sum(const Add& add) = 0;
 };

@@ -20,7 +20,7 @@ struct Stepping {
   long count = 0;                      // number of steps
   double dt = 0.0, critical_dt = 0.0;  // s; 2/omega_max of the assembled system, undamaged
   double stiffness_bound = 0.0;        // local, of contacts, when omega_max was found, 1/s2
-  double springs = 0.0;                // from outside, their eigenvalue, 1/s2
+  double springs = 0.0;                // eigenvalue of springs from outside, 1/s2
 };
 
 // A rigid block, or a gridpoint and the flattest zone at it.

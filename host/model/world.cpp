@@ -69,7 +69,7 @@ void World::set_solver(const SolverSettings& settings) {
   const double moving = books ? kinetic_energy_of_all() : 0.0;
   solver = settings;
   if (runs) solver.mass_scaling = mass_scaling;
-  if (books) step_sums.later.detection += moving - kinetic_energy_of_all();  // goes with the added inertia
+  if (books) step_sums.later.detection += moving - kinetic_energy_of_all();  // energy of the added inertia
   if (solver.damping == DampingKind::local && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
     throw Error(
         Exit::bad_input,

@@ -103,7 +103,7 @@ struct World {
   // What moves most in the fastest vibration, which sets the step; of one process that has all blocks.
   StepLimit what_sets_time_step() const;
   long detections() const { return detection.count; }
-  long divisions() const { return chunks.divisions; }  // how often the work has been divided again
+  long divisions() const { return chunks.divisions; }  // number of divisions of the work so far
   // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
   bool checks_motion() const { return stepping.count + 1 >= checks.next || stepping.dt != checks.dt; }
 
@@ -153,7 +153,7 @@ struct World {
   const std::vector<Family>& families() const { return contacts.families; }
   Vector position(int block) const;  // centre of mass, m
   Vector start_position(int block) const;
-  double moved(int block) const;   // since the start, m
+  double moved(int block) const;   // displacement since the start, m
   double turned(int block) const;  // rad
   double moved_by_now(int block) const { return norm(position(block) - start_position(block)); }
   double turned_by_now(int block) const;
@@ -195,7 +195,7 @@ struct World {
   double kinetic_energy_of_all() const;  // the same on all ranks, J
   // On a block, of its free components, in the last step, without damping, N; of own blocks.
   Vector net_force_on(int block) const { return step_sums.of_block[size_t(block)].net; }
-  Vector net_force() const { return step_sums.net; }  // on all that is free to move, of the last step, N
+  Vector net_force() const { return step_sums.net; }  // force of the last step on all that is free to move, N
   double strain_energy() const;
   Vector linear_momentum() const;
   Vector angular_momentum(const Vector& about = {}) const;
@@ -215,7 +215,7 @@ struct World {
   size_t point_count() const;
   double extent() const;  // diagonal of the box around all blocks at the start, m
   double mass() const;
-  double mass_of(int block) const;  // that has weight, kg
+  double mass_of(int block) const;  // mass for weight, kg
   // parts: hands the bytes of an array on to a function, in pieces if need be; empty: all of it is here.
   using TakeBytes = std::function<void(std::span<const uint8_t>)>;
   using GiveParts = std::function<void(const void* first, size_t bytes, const TakeBytes& take)>;

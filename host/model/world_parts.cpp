@@ -83,7 +83,7 @@ void each_memory_of_points(World& w, int family, size_t first, size_t end, const
 }
 
 struct Wanted {
-  std::vector<bool> block, contact;            // that are sent
+  std::vector<bool> block, contact;            // items that are sent
   std::vector<bool> block_here, contact_here;  // asked for here
   std::span<const int> known_by;               // rank of each block
   explicit Wanted(const World& world, std::span<const int> known)

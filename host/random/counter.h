@@ -14,7 +14,7 @@ std::array<std::uint64_t, 4> philox(const std::array<std::uint64_t, 4>& counter,
 
 // What a number is for.
 struct Quantity {
-  std::uint64_t seed = 1;    // of the study
+  std::uint64_t seed = 1;    // seed of the study
   std::uint64_t sample = 0;  // its number
   std::uint64_t name = 0;    // name_of() the quantity
 };

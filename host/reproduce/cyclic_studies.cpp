@@ -14,7 +14,7 @@ namespace {
 
 struct Structure {
   const char *name, *scene, *one_way;  // one_way: scene pushed to one side
-  double fc;                           // of the mortar joints, Pa
+  double fc;                           // compressive strength of the mortar joints, Pa
   double height;                       // that drifts refer to, mm
   double velocity, cost;               // m/s at standard quality
   std::vector<std::string> overrides;

@@ -114,7 +114,7 @@ RunCache::RunCache(CacheSettings settings) : settings_(std::move(settings)) {
   for (const std::string& law : installed_laws()) {
     try {
       binaries_ = hash_of(read_text(LawLibrary::load(law)->path()), binaries_);
-    } catch (const Error&) {  // of no use to a run; one that asks for it says so
+    } catch (const Error&) {  // a run that needs this law reports the fault
     }
   }
 }

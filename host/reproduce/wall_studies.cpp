@@ -58,7 +58,7 @@ StudyReport report_walls(const Findings& findings) {
                "raw tests [R]"},
               {}};
   std::vector<std::pair<std::string, const Curve*>> curves;
-  std::vector<double> differences;  // of peaks, %
+  std::vector<double> differences;  // differences of peaks, %
   int colour = 0;
   for (const WallReference& w : kWalls) {
     const RunResult& run = findings.run(w.name);
@@ -126,7 +126,7 @@ constexpr std::array<Rate, 8> kRates{{{"0.1 mm/s", 1e-4, 100.0, true},
                                       {"80 mm/s", 8e-2, 0.2, false},
                                       {"160 mm/s", 0.16, 0.1, false},
                                       {"320 mm/s", 0.32, 0.1, false}}};
-constexpr double kSmooth = 0.02;  // of the peak: falls on the rising branch that nobody calls oscillation
+constexpr double kSmooth = 0.02;  // share of the peak: smaller falls on the rising branch are no oscillation
 // Parts of the peak between which the diagonal gives way at once.
 constexpr double kDropBegins = 0.9, kDropEnds = 0.7;
 constexpr double kRising = 1.2;  // mm, well before the peak of the slow curves

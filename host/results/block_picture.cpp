@@ -30,7 +30,7 @@ struct View {
 // A block as it stands.
 struct Drawn {
   std::vector<std::vector<Vector>> faces;
-  Vector displacement;  // of its gridpoints on average, m
+  Vector displacement;  // mean displacement of its gridpoints, m
   bool fixed = false;
 };
 
@@ -84,7 +84,7 @@ View choose_view(const std::vector<Drawn>& blocks) {
 
 struct Face {
   geometry::Polygon outline;  // on paper, m
-  size_t block, index;        // of Drawn::faces
+  size_t block, index;        // indices into Drawn::faces
   bool fixed;
   double depth, displacement;  // m; against the ground
 };
@@ -354,7 +354,7 @@ std::string plot_block_cracks(const std::filesystem::path& folder, const Simulat
   const Paint paint{fmt::format("rgb '{}'", kBlockColours.face), fmt::format("rgb '{}'", kBlockColours.edge),
                     label.empty() ? 80.0 : 110.0, 30.0, plane ? nullptr : &edges};
   std::string script = scene_of(simulation.scene(), rows, view, blocks, visible_faces(blocks, view, {}), paint);
-  std::array<std::string, kCrackCount> data;  // of lines of a plane view
+  std::array<std::string, kCrackCount> data;  // lines of a plane view
   std::array<bool, kCrackCount> seen{};
   for (const auto& [pair, joint] : joints) seen[size_t(joint.crack)] = plane || joint.crack != Crack::intact;
   if (plane) {

@@ -33,8 +33,8 @@ struct Head {
   std::uint32_t format = 2;
   std::array<std::uint8_t, 4> word_sizes{sizeof(int), sizeof(long), sizeof(void*), sizeof(double)};
   std::uint32_t unused = 0;
-  std::uint64_t bytes = 0;     // of what follows the head
-  std::uint64_t checksum = 0;  // of the same
+  std::uint64_t bytes = 0;     // size of the rest of the file
+  std::uint64_t checksum = 0;  // checksum of the same
 };
 constexpr std::uint32_t kOtherWordOrder = 0x04030201;
 

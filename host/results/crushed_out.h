@@ -10,7 +10,7 @@ namespace quoin {
 
 struct CrushedOut {
   long points = 0;
-  double overlap = 0.0;         // of the blocks at the deepest of them, m
+  double overlap = 0.0;         // overlap of the blocks at the deepest of them, m
   std::string warning() const;  // empty: none
 };
 

@@ -22,13 +22,13 @@ namespace {
 using Row = HistoryRow;
 
 struct Curve {
-  std::string columns;  // of curve.dat
+  std::string columns;  // columns of curve.dat
   std::string x_label, y_label, name;
   std::string x_unit, y_unit;  // as in "54.1 kN at 1.97 mm"
   bool over_time = false;
   bool pressed = false;                       // the third number is drawn, too
   std::vector<std::array<double, 3>> points;  // mm or s; kN, mm or 1; MPa
-  int peak = -1;                              // of points; -1: none to show
+  int peak = -1;                              // index of a point; -1: none to show
 };
 
 // Of the rows of all stages. One way the curve goes to the right, whichever way that was.

@@ -30,7 +30,7 @@ bool is_vertical(const Scene& scene);
 const char* curve_kind(const Stage& stage);
 // What peak, pictures, page and screen show of a row.
 struct Shown {
-  double displacement = 0.0;  // of the monitor body since the start, m
+  double displacement = 0.0;  // displacement of the monitor body since the start, m
   double force = 0.0;         // resistance positive, N
 };
 Shown shown(const HistoryRow& row, const Scene& scene);

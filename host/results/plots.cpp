@@ -61,7 +61,7 @@ constexpr long kMostBricks = 100'000;  // gnuplot takes 10 kB for each, and nobo
 
 // The wall moves by millimetres: magnified so that the largest movement is about 6 % of its height.
 struct Magnified {
-  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // of all blocks, m
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // box around all blocks, m
   double largest = 0.0;                                                           // displacement, m
   double factor = 1.0;
 

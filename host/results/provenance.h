@@ -33,7 +33,7 @@ std::vector<HashedFile> input_files(const Scene& scene);
 
 struct Provenance {
   std::string program, program_sha256, compiler;  // version, of the executable, what built it
-  std::vector<HashedFile> laws;                   // of every stage
+  std::vector<HashedFile> laws;                   // laws of every stage
   std::string scene, scene_text;                  // file as it was named, and as it was read
   std::vector<HashedFile> inputs;                 // other files that the scene takes in
   Request request;

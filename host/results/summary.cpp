@@ -59,7 +59,7 @@ Json thinned(const TimeSeries& series) {
 }
 
 Json spectrum_of(const TimeSeries& acceleration) {
-  constexpr double kDamping = 0.05, kLongest = 3.0;  // of critical; s
+  constexpr double kDamping = 0.05, kLongest = 3.0;  // share of critical; longest period, s
   constexpr std::size_t kPeriods = 150;
   std::vector<double> periods = default_periods(kPeriods);
   std::erase_if(periods, [](double period) { return period > kLongest; });

@@ -33,7 +33,7 @@ struct VtkSizes {
 };
 
 struct VtkArray {
-  const char* section;  // of the XML: "Points", "Cells", "PointData" or "CellData"
+  const char* section;  // element of the XML: "Points", "Cells", "PointData" or "CellData"
   std::string name;
   const char* type;  // kVtkType
   int components = 1;

@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-const char* name_of(DampingKind kind);  // as scenes have it
+const char* name_of(DampingKind kind);  // name of the key's value in scenes
 
 // gamma of eq. 1 in this stage; 0: it has none.
 double local_damping_in(const Scene& scene, std::size_t stage);

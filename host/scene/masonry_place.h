@@ -8,7 +8,7 @@
 namespace quoin {
 
 struct PlacedBlock {
-  int unit, course;  // of masonry; -1: none
+  int unit, course;  // place in the masonry; -1: none
 };
 
 // Of a block: its unit, or a number of its own where it is none of masonry.

@@ -11,7 +11,7 @@
 namespace quoin {
 
 struct Monitor {
-  std::string name;           // of its columns
+  std::string name;           // name of its columns
   std::string block;          // a block, or a body or floor of several
   std::optional<Vec3> point;  // m: the corner or gridpoint that is closest to it at the start; else the mean of all
   std::string below;          // another monitor, from which its drift counts; empty: none

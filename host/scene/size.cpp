@@ -17,7 +17,8 @@ struct Costs {
 };
 constexpr Costs kLattice{147.0, 207.0, 0.0}, kLargeMotion{572.0, 872.0, 1900.0};
 constexpr double kAlone = 8.0;  // times a gridpoint of a block that is like no other: it has one lane of eight
-constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;  // that every rank has of all blocks on the lattice
+// Bytes that every rank has of all blocks on the lattice.
+constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;
 constexpr double kOutlineInMotion = 0.25;  // share of memory in large motion that every rank has of all
 constexpr double kOnBorders = 1.13;  // times an equal share, of what a rank has beside: it has what lies on borders too
 
@@ -67,7 +68,7 @@ OfRigid points_of_rigid(const Scene& scene) {
 }
 
 Counts parts_of_rigid(const Vec3& extent, double spacing) {
-  constexpr double kMostParts = 100.0;  // of a side: geometry/overlap.cpp
+  constexpr double kMostParts = 100.0;  // most parts of a side: geometry/overlap.cpp
   Counts n{1, 1, 1};
   for (std::size_t k = 0; k < 3 && spacing > 0.0; ++k)
     n[k] = std::clamp(std::ceil(extent[k] / spacing), 1.0, kMostParts);

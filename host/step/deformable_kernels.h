@@ -30,10 +30,10 @@ struct LaneBlock {
   const double* force;    // N, four doubles a gridpoint, the last of no meaning
   const double* viscous;  // the viscous part of it, likewise; null where it is not needed, or not yet computed
   Vector acceleration;  // acceleration by weight and by loads that are shared by mass, over the mass for inertia, m/s2
-  Vector moment;        // on the frame, of what turns with it (gridpoint_kernels.h), N m
+  Vector moment;        // moment of point forces on the frame (gridpoint_kernels.h), N m
   int node_count;
   std::span<const ZoneLanes> zones;  // zones for distinct_forces, in the shape of the start
-  BlockFrame* frame;                 // as gridpoints stand; null: zone by zone
+  BlockFrame* frame;                 // current frame; null: zone by zone
 };
 
 // Columns of up to kLanes blocks, a line a gridpoint. Gridpoints that a block does not have are without mass and force
@@ -71,12 +71,12 @@ struct GridpointStep {
   double time_step;        // s
   double gamma;            // coefficient of eq. 1, at gridpoints
   double alpha;            // mass-proportional viscosity, 1/s; with gamma = 0
-  Vector ground;           // whose velocity damping leaves, m/s
+  Vector ground;           // velocity of the ground, against which damping acts, m/s
   double inertia_factor;   // factor on the inertia of deformation
   double weight_per_mass;  // mass that has weight over mass of inertia
   Vector gravity;          // m/s2
   bool energies;           // work and kinetic energy are summed
-  bool measured;           // and net forces
+  bool measured;           // whether net forces and energies are measured
 };
 
 // Frames follow the gridpoints. gains: of motion that is split; null: true inertia. shared: of congruent blocks, else

@@ -20,7 +20,7 @@ struct CrackedBlock {
 struct DamagedFamily {
   std::vector<double> state;          // columns of the law, one after the other, of all points
   std::vector<double> opening_shift;  // by point, m: added to the opening that the law sees
-  std::size_t points = 0;             // that are damaged
+  std::size_t points = 0;             // number of damaged points
 };
 
 // Contact points of a family, all or some, without traction and at no opening. `of_joints` has all points of their

@@ -73,7 +73,7 @@ class ImplicitContacts {
   struct Batch {
     int kind, lanes;
     bool any_held;
-    std::size_t first_node, first_point;  // in lines of lanes
+    std::size_t first_node, first_point;  // first lines of lanes
   };
   struct Cluster {
     std::vector<int> nodes, points;  // offsets of gridpoints, contact points; both in order

@@ -33,7 +33,7 @@ struct Model : World {
   void step();
   // What a law has answered last that it must not, where and for which points; nothing: all is well.
   std::optional<WrongAnswer> wrong_law(std::span<const int> own_chunks) const;
-  std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
+  std::string batch_text(const quoin_batch& batch) const;  // text as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* threads) { pool = threads, shared_division = -1; }
   // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end. Then

@@ -27,7 +27,7 @@ std::vector<int> chunks_in_large_motion(const Simulation::Impl& s) {
 struct FamilyPart {
   const blocks::Family& family;
   int index;               // index of the family
-  std::size_t first, end;  // in it
+  std::size_t first, end;  // points in the family
   std::size_t before;      // points of the families before
 };
 

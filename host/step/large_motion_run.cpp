@@ -98,7 +98,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
 
 std::vector<int> followed_blocks(const Simulation::Impl& s) {
   std::vector<int> followed = s.monitor.blocks;
-  bool on_ground = false;  // which moves as its record says: one block stands for all
+  bool on_ground = false;  // whether it moves with the ground: one block stands for all
   for (const Drive& drive : s.actions.drives) {
     if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
     on_ground = on_ground || (drive.of_ground && drive.motion == 0);

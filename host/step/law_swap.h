@@ -16,7 +16,7 @@ namespace quoin {
 // shape keep them in different places, but both as plain columns.
 struct FamilyColumns {
   std::size_t count = 0;
-  const double* opening = nullptr;          // that belongs to the tractions, m
+  const double* opening = nullptr;          // opening at the standing tractions, m
   std::array<const double*, 3> traction{};  // Pa
   std::vector<const double*> state;         // states of the old law, in its order
   const double* area = nullptr;             // m2

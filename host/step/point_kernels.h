@@ -24,8 +24,8 @@ double damp_points(const DampingColumns& columns, std::size_t count, double rate
 // Maxwell elements beside the springs of these points (model/maxwell.h).
 struct MaxwellColumns {
   double* traction[3 * kMaxwellElements];    // Pa; null: none
-  double keep[kMaxwellElements];             // what a step leaves of it
-  double gain[kMaxwellElements];             // what it takes of the change of the traction of the law
+  double keep[kMaxwellElements];             // share of the element's traction that a step keeps
+  double gain[kMaxwellElements];             // share of the change of the law's traction that it takes
   double normal_stiffness, shear_stiffness;  // stiffness of undamaged joints, Pa/m
 };
 

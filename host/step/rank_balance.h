@@ -16,7 +16,7 @@ class RankBalance {
  public:
   static constexpr long kWindow = 256;      // steps that are looked at together
   static constexpr double kUneven = 1.15;   // most / mean of a window, from where on it counts: disturbances are less
-  static constexpr int kWindowsInARow = 2;  // that are uneven: one alone is chance
+  static constexpr int kWindowsInARow = 2;  // uneven windows in a row before a partition: one alone is chance
 
   // By rank, own work in the last window, s, and what that was estimated to be, in any unit. The same on all ranks,
   // and so is what follows from it.
@@ -31,8 +31,8 @@ class RankBalance {
 
   std::vector<double> spent_, estimated_;  // by rank, in the uneven windows
   int in_a_row_ = 0;
-  double lost_ = 0.0, cost_ = 0.0;  // in them; by a division, s
-  double patience_ = 1.0;           // how many times the cost must have been lost
+  double lost_ = 0.0, cost_ = 0.0;  // time lost in them; cost of a partition, s
+  double patience_ = 1.0;           // times that the cost must have been lost
 };
 
 }  // namespace quoin

@@ -39,7 +39,7 @@ class RankSums : public SharedModel {
   Ranks& ranks_;
   std::function<Halo(LaneVector<double>&)> halo_of_;
   Halo halo_;
-  const double* numbers_ = nullptr;  // those of the last vector, whose addresses the halo has
+  const double* numbers_ = nullptr;  // numbers of the last vector, whose addresses the halo has
 };
 
 }  // namespace quoin

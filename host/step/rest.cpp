@@ -116,7 +116,7 @@ class Search {
         continue;
       }
       const blocks::ModelBlock& block = m.block(b);
-      double inertia = 0.0;  // its gridpoints share weight and forces by mass
+      double inertia = 0.0;  // mass by which its gridpoints share weight and forces, kg
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n) inertia += m.node_mass()[at(block.first_node) + n];
       const Vector per_mass = (m.mass_of(b) * g + applied[at(b)]) / inertia;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)

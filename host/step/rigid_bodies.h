@@ -18,7 +18,7 @@ struct BodyLanes {
   Quantity prescribed_velocity = {};  // m/s
   double prescribed[6][kLanes] = {};  // 1: translations have this velocity, rotations are held; else 0
   bool any_prescribed = false;
-  bool at_rest = false;  // and held there: a step changes nothing
+  bool at_rest = false;  // whether it is at rest and held: a step changes nothing
 };
 
 // What does not change about the bodies of a group, by lane.

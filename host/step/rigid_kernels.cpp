@@ -206,7 +206,7 @@ HWY_INLINE Lanes4 rotation_of(const Lanes3& angle) {
 // The bodies of a vector: four members that follow each other, of all of them at a time.
 struct Members {
   Body* lane[kLanes];  // the last one again where there are fewer
-  int count;           // to be written
+  int count;           // number of lanes that are written
 
   HWY_INLINE void load(std::size_t offset, V (&member)[kFour]) const {
     load_rows([&](int l) { return at(l, offset); }, member);

@@ -35,7 +35,7 @@ struct BodyStep {
   double time_step;  // s
   double gamma;      // coefficient of eq. 1
   double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
-  Vector ground;     // whose velocity damping leaves, m/s
+  Vector ground;     // velocity of the ground, against which damping acts, m/s
   Vector gravity;    // m/s2
   bool energies;     // work and kinetic energy are asked for
 };

@@ -30,7 +30,7 @@ struct RigidLanes {
 struct RigidMotionStep {
   InertiaFactors factors;
   double gamma;      // coefficient of eq. 1 on rigid motion
-  Vector ground;     // whose velocity damping leaves, m/s
+  Vector ground;     // velocity of the ground, against which damping acts, m/s
   double time_step;  // s
 };
 

@@ -16,7 +16,7 @@ void end_check(Simulation::Impl& s);
 // The balance of a step: what it stores more, less what came in, is nothing. Steps that were looked at stand for all.
 void check_energies(Simulation::Impl& s, const Energies& now, double dissipated, double work_before, double work_after);
 double allowed_overlap(const Simulation::Impl& s);                // m
-std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s);  // as the laws have answered last
+std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s);  // wrong answer among the last ones of the laws
 // When a row is written, after its step. Returns new warnings, which outcome has too.
 std::vector<Warning> new_warnings(Simulation::Impl& s);
 

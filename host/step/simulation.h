@@ -55,33 +55,33 @@ struct Energies {
 struct Reaction {
   Vec3 force{};         // N
   Vec3 moment{};        // about the centre at the start, N m; of the sum of all about the origin
-  Vec3 displacement{};  // since the start, m
+  Vec3 displacement{};  // displacement since the start, m
 };
 constexpr std::size_t kMostRestraints = 12;  // columns of a history, one each
 
 // The numbers that every line of the history has. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryNumbers {
   int stage = 0;
-  long step = 0;                  // since the start of the simulation
+  long step = 0;                  // number of steps since the start of the simulation
   double time = 0.0;              // s, since the start of the simulation
   double displacement = 0.0;      // displacement of the monitor along Stage::direction since the start of the stage, m
   double resistance = 0.0;        // minus the force of the joints on the monitor along Stage::direction, N: positive
                                   // when the wall resists a movement in the positive direction
   double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
-  Vec3 monitor_displacement{};    // since the start of the simulation, m
+  Vec3 monitor_displacement{};    // displacement since the start of the simulation, m
   Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
   double dynamic_force = 0.0;     // along Stage::direction: what supports and loads give in all, N; 0 at rest
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
   double kinetic_energy = 0.0;    // J, of the model as computed
   double multiplier = 0.0;        // multiplier of the body force in a collapse stage
   // Blocks in large motion only:
-  Vec3 ground_displacement{};  // since the start, m
+  Vec3 ground_displacement{};  // displacement since the start, m
   Vec3 monitor_relative{};     // displacement of the monitor less that of the ground, m
-  Vec3 base_force{};           // on the fixed blocks by what stands on them, N
+  Vec3 base_force{};           // force on the fixed blocks by what stands on them, N
   // Of these about the centre of the base, which moves with the ground, N m; not a number where ranks share the points.
   Vec3 overturning_moment{NAN, NAN, NAN};
   double largest_displacement = 0.0;  // largest displacement of a block since the start, m; blocks of any shape alone
-  std::optional<Energies> energies;   // when Scene::output.energy
+  std::optional<Energies> energies;   // energies, with Scene::output.energy
   std::array<Reaction, kMostRestraints> reactions;  // values for Simulation::restraints
   Reaction reaction_sum;                            // sum over these and all other supports
 };
@@ -100,7 +100,7 @@ struct HistoryRow : HistoryNumbers {
 struct Progress {
   int stage = 0, stage_count = 0;
   const Stage* settings = nullptr;
-  long step = 0;          // in this stage
+  long step = 0;          // number of steps in this stage
   double fraction = 0.0;  // share of the stage that is done, 0..1, by the criterion closest to its end
   double steps_per_second = 0.0;
   double seconds_left = 0.0;  // time left in the stage; negative: not known yet
@@ -109,7 +109,7 @@ struct Progress {
 
 // From small displacements to large motion in mid-run, with the traction and state of every contact point kept.
 struct Promotion {
-  std::string why;  // which bound was passed, where
+  std::string why;  // bound that was passed, and where
   int stage = 0;
   long step = 0;
   double time = 0.0;           // s
@@ -119,9 +119,8 @@ struct Promotion {
 
 // Why a stage of cycles ended early.
 struct StopAtForceLoss {
-  int stage = 0, half_cycle = 0;  // from 0
-  double force = 0.0,
-         largest = 0.0;  // largest forces of that half cycle and of an earlier one towards the same side, N
+  int stage = 0, half_cycle = 0;      // indices from 0
+  double force = 0.0, largest = 0.0;  // largest forces then, and in an earlier half cycle to the same side, N
 };
 
 // What stages found out.
@@ -151,10 +150,10 @@ struct RankTraffic {
   double steps = 0.0, step_seconds = 0.0;  // s: all of run(), files included
   double halo_bytes = 0.0, halo_messages = 0.0;
   double own_seconds = 0.0;                    // processor time of contacts and motion, without waiting
-  double waiting_seconds = 0.0;                // for the halo of others, and to agree
+  double waiting_seconds = 0.0;                // time for the halo of others, and to agree
   double gathers = 0.0, gathered_bytes = 0.0;  // gathers on all ranks: rows, detection, checkpoints
   double gathering_seconds = 0.0;
-  double blocks = 0.0;                       // that it advances
+  double blocks = 0.0;                       // blocks that it advances
   double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
   double peak_memory = 0.0;                  // bytes: most of its process until the end of run(), set-up included
   double repartitions = 0.0;                 // times, because the ranks' own work was uneven
@@ -262,14 +261,14 @@ class Simulation {
   int thread_count() const;
   const char* instruction_set() const;    // chosen at run time: "AVX2"
   std::uint64_t hash() const;             // hash of gridpoints, bodies, tractions and states: equal hashes, equal bits
-  HistoryRow measure() const;             // as it stands
-  const MotionSeen& motion_seen() const;  // at the last look of run()
-  const Watch& watch() const;             // at the last row
+  HistoryRow measure() const;             // row of the current state
+  const MotionSeen& motion_seen() const;  // motion at the last check of run()
+  const Watch& watch() const;             // watch at the last row
   double allowed_overlap() const;         // m
   // Which contact points a law is asked about, for messages, from any thread: "contact points 0 to 255 of joint family
   // 'mortar', from (0.100, 0.000, 0.050) m on".
   std::string batch_text(const quoin_batch& batch) const;
-  std::string past_motion_bound() const;  // what is exceeded, where; empty: nothing
+  std::string past_motion_bound() const;  // bound that is exceeded, and where; empty: none
 
   // What a stage holds or drives, "base: x y z" each. And the blocks that no joint of the start ties to anything that
   // is held against gravity.
@@ -278,13 +277,13 @@ class Simulation {
     std::vector<int> loose;
   };
   Supports supports(int stage) const;
-  std::string block_label(int block) const;  // as messages call it
+  std::string block_label(int block) const;  // name of the block in messages
   // Those with columns in the history; empty where there are more than it can.
   const std::vector<Restraint>& restraints() const;
 
   // Results by block. Cold.
   struct BlockMesh {
-    std::vector<Vec3> gridpoint;           // at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
+    std::vector<Vec3> gridpoint;  // places at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
     std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid blocks
     std::vector<std::vector<int>> face;    // faces of the whole block, corner by corner, counter-clockwise from outside
     int unit = -1, course = -1;            // place in the masonry; -1: none
@@ -352,7 +351,7 @@ class Simulation {
   };
   std::vector<Run> runs_of_blocks() const;
   std::vector<Run> runs_of_points() const;  // whole batches of their laws
-  std::vector<Run> runs_of_joints() const;  // on the lattice, with all of their points
+  std::vector<Run> runs_of_joints() const;  // runs of joints on the lattice, with all of their points
   bool brings(const Run& run) const;        // this rank makes of it what rank 0 takes
   // make: by the rank that has the run; take: by rank 0, in the order of runs. All ranks call it at the same moment:
   // in on_frame, or after run(). Where rank 0 has all of the state it makes everything, and others do nothing.

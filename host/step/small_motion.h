@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-std::string past_motion_bound(const Simulation::Impl& s);  // what is exceeded, where; empty: nothing
+std::string past_motion_bound(const Simulation::Impl& s);  // bound that is exceeded, and where; empty: none
 // After a step: goes over to large motion where blocks have moved too far, or warns, or throws Error(numerical).
 // Whether it has gone over.
 bool follow_motion(Simulation::Impl& s, bool stage_ends, std::vector<Warning>* warnings);

@@ -50,7 +50,7 @@ class StageRun {
   const Stage& settings_;
   int frames_;
   std::vector<Warning> warnings_;  // found, not yet reported
-  bool gone_over_ = false;         // to large motion, in this step
+  bool gone_over_ = false;         // whether the run has gone over to large motion in this step
   bool frame_due_ = false;
   // As of the last report of progress.
   Clock::time_point reported_at_;

@@ -10,9 +10,9 @@ namespace quoin {
 
 // An assumption that a run has left, reported once.
 struct Warning {
-  std::string about;  // as in summary.json: energy_balance, interpenetration, crushed_out, small_displacements,
+  std::string about;  // key in summary.json: energy_balance, interpenetration, crushed_out, small_displacements,
                       // time_step, law_states, damping, ground_motion, free_fall, collapse_multiplier
-  std::string text;   // what, where, how much, what is allowed, what to do
+  std::string text;   // what exceeds which bound, where, by how much, and what to do
   int stage = 0;
   long step = 0;
   double time = 0.0;  // s
@@ -34,8 +34,8 @@ struct Watch {
   long crushed_out = 0;  // contact points, the most
 
   // With output.energy the balance of the whole run, else of the steps looked at.
-  double energy_missing = 0.0;   // what the balance of energies lacks, J
-  double energy_moved = 0.0;     // what went from one kind to another, J; 0: not looked at
+  double energy_missing = 0.0;   // energy that the balance lacks, J
+  double energy_moved = 0.0;     // energy that was converted, J; 0: not checked yet
   double stiffness_ratio = 0.0;  // largest tangent over the law's bound, that the time step was chosen with; 0: unknown
 
   long next_energies = 0, next_flags = 0, next_stiffness = 0;  // steps

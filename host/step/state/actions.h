@@ -19,7 +19,7 @@ struct Drive {
   // bits 0..2: this component is of the ground, which adds its record to the velocities below: what is left of earlier
   // records.
   std::uint8_t of_ground = 0;
-  std::int32_t motion = 0;  // that of the ground: 0; of a group of supports: from 1 on
+  std::int32_t motion = 0;  // index of the motion: 0: that of the ground; from 1 on: of a group of supports
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
   geometry::Vector force_from, force_to, force_now;                   // N, along free components
 };

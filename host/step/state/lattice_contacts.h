@@ -16,7 +16,7 @@ struct LawCall {
   quoin_batch batch{};
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
-  std::vector<quoin_property_column> properties;  // that scatter
+  std::vector<quoin_property_column> properties;  // properties that scatter
   double force_sum = 0.0;                         // sum of |force| in measured steps
   bool failed = false;
   quoin_status status = QUOIN_OK;
@@ -35,7 +35,7 @@ struct LatticeContacts {
   LaneVector<double> energy_columns[5];  // stored, dissipated by mode; by contact point, energy runs only
   std::atomic<bool> law_failed{false};
   bool keep_diagnostics = false;
-  ImplicitContacts implicit;      // where the stage has them
+  ImplicitContacts implicit;      // implicit contacts, in stages that have them
   std::vector<int> implicit_end;  // ends of their pieces, by thread
 
   void bind_energies(LawCall& call, const ContactChunk& chunk) {

@@ -18,7 +18,7 @@ struct RankAgreement {
   // Of a run in parts, for rank 0.
   std::optional<std::array<long, kConditionCount>> end_conditions;
   std::uint64_t end_hash = 0;
-  std::optional<std::uint64_t> start_hash;  // where states differ from rank to rank at the start
+  std::optional<std::uint64_t> start_hash;  // hash where states differ from rank to rank at the start
 };
 
 }  // namespace quoin

@@ -32,7 +32,7 @@ struct RankLoad {
   RankBalance balance;
   RankWindow window;
   std::vector<double> measured_over_estimated;  // cost by block; empty: nothing is known yet
-  std::optional<CostlyBlocks> costly_blocks;    // for tests
+  std::optional<CostlyBlocks> costly_blocks;    // costs for tests
 };
 
 }  // namespace quoin

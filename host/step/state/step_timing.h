@@ -19,7 +19,7 @@ inline double seconds_since(Clock::time_point start) {
 
 struct StepTiming {
   bool every_step = false;
-  double timed_steps = 0.0;  // that the time of this one stands for; 0: it is not timed
+  double timed_steps = 0.0;  // number of steps that the time of this one stands for; 0: not timed
   PhaseTimes phases;
   std::vector<PhaseClock> clocks;  // by thread
 

@@ -16,7 +16,7 @@ struct WorkDivision {
   RankShare share;
   std::vector<int> chunk_end, border_end, item_end;  // per thread, into those lists
   std::vector<int> unit_of_group;                    // by block group: its item
-  std::vector<int> item_by_block;                    // in large motion
+  std::vector<int> item_by_block;                    // items in large motion
 
   // What threads work in.
   std::size_t largest_group = 0;            // size of the largest group of deformable blocks, doubles
