@@ -265,7 +265,7 @@ HWY_INLINE bool step_elastic(const ShortPath<Softening>& law, const Columns& c, 
   return true;
 }
 
-// A call of one point asks here, and not on its short path, whether it is touched and elastic.
+// A call of one point checks here, and not on its short path, whether the point is touched and elastic.
 template <class Access, class Law>
 HWY_NOINLINE bool step_touched(const Law& law, const Columns& c, std::size_t i) {
   const At<Access> at{c, i};

@@ -42,8 +42,8 @@ struct Material {
   Parameters parameters;
   Kernel lean = nullptr;     // tractions and states only
   Kernel one = nullptr;      // the same for a call of one point
-  Kernel full = nullptr;     // whatever outputs are asked for
-  Kernel columns = nullptr;  // per-point properties, whatever outputs are asked for
+  Kernel full = nullptr;     // whatever outputs are requested
+  Kernel columns = nullptr;  // per-point properties, whatever outputs are requested
   // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
   static constexpr std::size_t kLaneVectors = 48;
   alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];

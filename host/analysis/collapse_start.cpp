@@ -23,9 +23,9 @@ constexpr double kOfSettled = 0.9;
 // by a sixth. A bonded wall that cannot dilate lies below it by more than half. Such a start is too high, which the run
 // reports.
 constexpr double kOfAssociated = 0.5;
-// Largest model whose multiplier without dilation is looked for, in contact points: a minute.
+// Largest model whose multiplier without dilation is sought, in contact points: a minute.
 constexpr long kMostPoints = 12000;
-// Of the associated multiplier, which no brittle joint exceeds before blocks have moved: where the stage gives up.
+// Share of the associated multiplier at which the stage ends; no brittle joint exceeds it before blocks have moved.
 constexpr double kGivesUp = 1.2;
 
 void find_start(const Simulation& simulation, Stage* stage) {

@@ -224,7 +224,7 @@ class ConeProgramme {
     elements_.push_back(e);
   }
 
-  // Sides by twos, each with itself too: visit(lower, upper), in the order of rows.
+  // Pairs of sides, a side with itself included: visit(lower, upper), in the order of rows.
   template <class Visit>
   static void each_pair(const Element& e, const Visit& visit) {
     for (std::size_t i = 0; i < e.sides.size(); ++i)

@@ -1,4 +1,4 @@
-// Linear programmes, solved by a library; this header is all that other code sees of it.
+// Linear programmes, solved by a library; other code includes this header alone.
 #pragma once
 
 #include <limits>

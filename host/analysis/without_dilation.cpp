@@ -35,7 +35,7 @@ constexpr int kSteadyFor = 3, kMostProblems = 60;
 // beyond friction below this. Then the mean counts, and half of the range is said.
 constexpr int kWanderFor = 10;
 constexpr double kWander = 0.005, kWanderBeyond = 0.1;
-// A factor on friction below which the change is held against this: rounding of a factor of 0 settles, too.
+// A factor on friction below which changes are relative to this value: a factor of 0 settles, too.
 constexpr double kNoFriction = 0.01;
 // Of the mean normal force. Below it there is no friction. Strength does not sink there, or the point could take no
 // normal force at all.

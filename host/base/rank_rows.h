@@ -12,8 +12,8 @@
 
 namespace quoin {
 
-// What ranks gather of a model in its steps, whoever advances it. Each has more than those before it, but motion, which
-// has no sums.
+// What ranks gather of a model in its steps, whichever rank advances it. Each has more than those before it, but
+// motion, which has no sums.
 enum class Part {
   sums,    // what a measured step adds up
   motion,  // motion of blocks for detection, in large motion alone

@@ -1,7 +1,7 @@
 // Memory that takes room in the machine only where something other than zero has been written.
 //
 // A rank has arrays with the numbers of the whole model, so that nothing has a local number. It has memory for its own
-// items and those of neighbours alone; nobody writes to the other addresses.
+// items and those of neighbours alone; the other addresses are never written to.
 #pragma once
 
 #include <sys/mman.h>
@@ -22,7 +22,7 @@
 
 namespace quoin {
 
-// From here on memory is asked of the system, which gives pages of zeros once they are written to.
+// From here on memory comes from the system, which gives pages of zeros once they are written to.
 inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
 inline constexpr std::size_t kLineBytes = 64;  // line of the cache

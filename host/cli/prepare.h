@@ -26,7 +26,7 @@ struct SceneOptions {
 // one.
 Scene read_with_laws(const SceneOptions& options, const std::function<Scene()>& read);
 
-// Reads the scene. Refuses another text than was asked for, and one that the memory of the machine cannot hold.
+// Reads the scene. Refuses another text than was requested, and one that the memory of the machine cannot hold.
 // Replaces its laws when asked to; properties that the new law does not have are left out, with a word on stderr.
 // Refuses properties that no law has or takes, each with its place and a suggestion. All faults are thrown as one.
 Scene prepare_scene(const SceneOptions& options);

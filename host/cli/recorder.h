@@ -67,7 +67,7 @@ class Recorder : public Observer {
   CheckpointClock clock_;
   RunSoFar so_far_;
   const Simulation* simulation_ = nullptr;  // that is served
-  std::unique_ptr<LiveRun> live_;           // null: nobody looks
+  std::unique_ptr<LiveRun> live_;           // null: no live page
   std::set<std::string> reported_;
   std::vector<StageModes> modes_;  // modes of stages that move the ground
   std::optional<Error> frames_fault_;

@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-// Notes in FOLDER/run.json what a run was asked for, the hash of the text of its scene, and its working folder. Its
+// Writes to FOLDER/run.json the request of a run, the hash of the text of its scene, and its working folder. Its
 // paths count from there.
 void write_run_record(const std::filesystem::path& folder, const SceneOptions& options, const std::string& scene_text);
 

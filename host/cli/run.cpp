@@ -37,7 +37,7 @@ namespace {
 
 constexpr double kTogether = 5.0;  // s, within which ranks that fail together have all failed
 
-// Holds the folder of the run that goes on and reads what it was asked for. Null: it is done, and nothing was touched.
+// Locks the folder of the run that is resumed and reads its request. Null: it is done, and nothing was touched.
 std::shared_ptr<FolderLock> take_folder(const fs::path& folder, SceneOptions* scene) {
   if (!fs::is_directory(folder))
     throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", folder.string()));
@@ -104,7 +104,7 @@ struct RunFolder {
   std::optional<Provenance> there;   // provenance of the run that is repeated
 };
 
-// Of a run that goes on or is repeated, options get what it was asked for. Nothing: it is done, and nothing was
+// Options get the request of a run that is resumed or repeated. Nothing: it is done, and nothing was
 // touched.
 std::optional<RunFolder> run_folder(RunOptions* options) {
   RunFolder run;

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLeastOfFirst = 1e-3;  // share of the first level below which no collapse is looked for
+constexpr double kLeastOfFirst = 1e-3;  // share of the first level below which no collapse is sought
 constexpr double kSunk = 0.5;           // share of its height: a block that is so much lower has lost its support
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }

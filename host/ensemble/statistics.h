@@ -63,8 +63,8 @@ struct Capacity {
   double low, high;
   std::size_t record;  // record of the run; runs of one record depend on each other
 };
-// The lognormal distribution of greatest likelihood, intervals of 95 % by drawing records again (bootstrap), not a
-// number of fewer than 3 records.
+// The lognormal distribution of greatest likelihood. Intervals of 95 % by drawing records again (bootstrap); not a
+// number with fewer than 3 records.
 class FittedFragility {
  public:
   // Nothing where no limit was reached, or where none was not. seed: of the draws.

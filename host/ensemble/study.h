@@ -18,7 +18,7 @@ struct StudyQuantity {
   random::Distribution distribution;
 };
 
-// Whose probability of having been reached is asked for.
+// A limit state: the study gives the probability that it is reached.
 struct LimitState {
   std::string name, output;   // output: a column of samples.csv
   std::string where;          // in the file, for messages; empty: one of those that every study has

@@ -1,4 +1,4 @@
-// Files that never look whole before they are: written under a name of their own, renamed when complete.
+// Files that are never visible before they are complete: written under a name of their own, renamed when complete.
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,7 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& points, const std::str
 ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
                             const std::string& name);
 
-// What from_faces looks at. check_closed throws Error(bad_input) for corner numbers out of range, holes, faces or
+// The checks of from_faces. check_closed throws Error(bad_input) for corner numbers out of range, holes, faces or
 // bodies that are inverted, zero volume. fault_of_faces: the first face that is not planar or has a vertex in front of
 // it, in words; empty: there is none.
 void check_closed(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
@@ -51,7 +51,7 @@ constexpr const char* how_to_cut =
 // m3, of a closed surface.
 double volume_within(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces);
 
-// Through the mean of a face's corners, along its vector area.
+// The plane through the mean of a face's corners, normal to its vector area.
 struct Plane {
   Vector centre, normal;  // normal: unit, outward; zero for a face without area
 };

@@ -353,7 +353,7 @@ namespace {
   throw Error(Exit::bad_input, fmt::format("block {}: {}", name, what));
 }
 
-// A triangle as the first tetrahedron sees it, and the two that have it; -1: one alone.
+// A triangle in the order of its first tetrahedron, and the two that have it; -1: one alone.
 struct Owners {
   std::array<int, 3> triangle;
   int first, second = -1;

@@ -34,7 +34,7 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr std::size_t kPoints = 1024;  // largest piece of a batch: chunks of the host are smaller
-constexpr long kSpins = 400;           // looks before a process sleeps, where there are processors for both
+constexpr long kSpins = 400;           // polls before a process sleeps, where there are processors for both
 
 enum : std::uint32_t { kIdle, kAsked, kAnswered };
 

@@ -98,7 +98,7 @@ extern "C" void on_crash(int signal) {
     say({"quoin: out of memory; make the scene smaller\n"});
     _exit(static_cast<int>(Exit::numerical));
   }
-  std::signal(signal, SIG_DFL);  // our own fault: as if nobody had looked
+  std::signal(signal, SIG_DFL);  // our own fault: as without a watch
   raise(signal);
 }
 

@@ -11,7 +11,7 @@ namespace quoin::members {
 
 namespace {
 
-// Whether another block lies against the face at a point of it. Points on its border are looked at from a little
+// Whether another block lies against the face at a point of it. Points on its border are checked from a little
 // inside.
 bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, const Vector& middle,
                 const Vector& out) {

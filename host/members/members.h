@@ -1,5 +1,5 @@
-// Members of a model: ties between blocks, springs to the ground, strips on faces, floors, beams. They pull at nodes;
-// where nodes are, and what becomes of the forces there, is the model's to know (model/world_members.cpp).
+// Members of a model: ties between blocks, springs to the ground, strips on faces, floors, beams. They act on nodes.
+// The model moves nodes and takes the forces there (model/world_members.cpp).
 #pragma once
 
 #include <algorithm>

@@ -15,7 +15,7 @@ using geometry::Vector;
 struct Node {
   int block = -1;
   Vector start;  // m
-  // How it rides on its block: of a rigid one in the body frame, m; of a deformable one gridpoints and weights.
+  // How it moves with its block: of a rigid one in the body frame, m; of a deformable one gridpoints and weights.
   Vector arm;
   std::vector<std::pair<std::int32_t, double>> share;
   bool turns = false;  // whether `turn` is used

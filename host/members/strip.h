@@ -12,7 +12,7 @@ namespace quoin::members {
 
 class Strip {
  public:
-  // Where it is bonded: at the start.
+  // A bonded place, as it was at the start.
   struct Place {
     int node = 0;          // node on the block
     Vector at;             // m

@@ -78,7 +78,7 @@ struct UnitInertia {
 
   // Motion of the whole from forces on the blocks about their centres, or from their momenta.
   Rigid motion(const Rigid (&force)[2]) const;
-  // Motion of the whole as block b sees it.
+  // Motion of the whole at block b.
   Rigid at_block(int b, const Rigid& of_whole) const;
 };
 

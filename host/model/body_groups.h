@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// A contact point as its body sees it.
+// A contact point on the side of its body.
 struct BodyPoint {
   int face = 0;  // 2 axis + 1 on the positive side
   Vec3 arm{};    // place from the centre, m

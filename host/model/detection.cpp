@@ -22,7 +22,7 @@ namespace {
 
 // Between features that agree within this fraction of the smallest block, the reference face of before is kept.
 constexpr double preference_fraction = 1e-4;
-// Of the local stiffness bound, before 2/omega_max is looked for again. The step is then longer than its fraction of it
+// Of the local stiffness bound, before 2/omega_max is sought again. The step is then longer than its fraction of it
 // by the root of this at most.
 constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 
@@ -121,7 +121,7 @@ void detect_pair(World& w, Contact& c, PairPlace& place, bool known, Finding& fi
   finding.fresh_count = c.family < 0 ? 0 : uint32_t(fresh.size());  // none: declared to pass through each other
 }
 
-// Narrow phase: of own pairs those that are new, or have moved enough, are looked at; the others go on as they are.
+// Narrow phase: of own pairs those that are new, or have moved enough, are checked; the others go on as they are.
 void narrow_phase(World& w, const std::vector<Pair>& pairs, bool everything, Detection& found) {
   found.contacts.reserve(pairs.size());
   found.places = LaneVector<PairPlace>(pairs.size());

@@ -1,4 +1,4 @@
-// Contact detection: how near blocks are looked at, and how often it has been done.
+// Contact detection: how near blocks are checked, and how often it has been done.
 #pragma once
 
 #include <cstddef>

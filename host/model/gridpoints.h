@@ -19,7 +19,7 @@ struct BlockGridpoints {
   std::span<const uint8_t> held;
 };
 
-// Of all blocks, one after the other. Steps change x and v, stages what is held; the rest is laid out with its block.
+// Gridpoints of all blocks, block after block. Steps change x and v, stages supports; the rest is constant.
 struct Gridpoints {
   LaneVector<Vector> x, reference, v;    // m, of the start m, m/s at half steps
   LaneVector<double> mass, weight_mass;  // mass for inertia (mass scaling included) and for weight, kg

@@ -150,7 +150,7 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
     }
     if (std::isnan(heirs[k].opening)) continue;
     const double pressed = f.traction[0][i];
-    // As if the point had been there in the last step: stiffness damping sees motion alone.
+    // The opening that the point would have had a step ago: stiffness damping is to act on motion alone.
     f.normal_jump[i] = locate(w, p, w.contacts.facets).jump - heirs[k].opening;
     if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
     if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];

@@ -22,8 +22,8 @@ struct Motion {
 // start that carry tension. Throws Error(bad_input) for laws that are not found or refuse their properties.
 void choose_rigid_points(const Scene& scene, std::vector<JointFamily>* families);
 
-// Motion of all blocks that the scene holds, of the kind that it asks for or fits. Throws Error(bad_input), with the
-// reason, where solver.kernels or a setting asks for what the blocks cannot do.
+// Motion of all blocks that the scene holds, of the kind that it requests or fits. Throws Error(bad_input), with the
+// reason, where solver.kernels or a setting requests what the blocks cannot do.
 Motion choose_motion(Scene scene);
 
 // Bricks that were made otherwise, in place of the scene's wall or building.

@@ -25,7 +25,7 @@ struct SeenMotion {
   long step = 0;           // step of the last check
 };
 
-// When a pair of blocks is looked at next.
+// The next check of a pair of blocks.
 struct PairCheck {
   int32_t a, b;
   bool ripe = false;  // whether it has moved by most of its way, and is due in the next narrow phase
@@ -36,9 +36,9 @@ struct PairCheck {
 struct MotionChecks {
   LaneVector<PairCheck> pair;   // check of each contact
   LaneVector<long> block;       // step, by block
-  std::vector<uint8_t> due;     // by block: for a look of now
+  std::vector<uint8_t> due;     // by block: whether a check is due
   LaneVector<SeenMotion> seen;  // by body
-  long next = 0;                // step of the next look at any of them
+  long next = 0;                // step of the next check of any of them
   double dt = 0.0;              // time step of the checks, s; after a change all blocks are due
   bool any_deviates = false;    // some block in the last step
 };

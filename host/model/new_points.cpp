@@ -117,8 +117,8 @@ bool edge_point(const World& w, const Pair& pair, const Separation& separation, 
   return true;
 }
 
-// Points where the face of `carrier` that looks at `owner` overlaps the face `owner_face`, in the plane of that face.
-// They have the nominal area (m2) at least.
+// Points where the face of `carrier` that is turned to `owner` overlaps the face `owner_face`, in the plane of that
+// face. They have the nominal area (m2) at least.
 void face_points(const World& w, int owner, int owner_face, int carrier, bool at_start, double nominal,
                  RigidPoints rule, std::vector<NewPoint>& out) {
   const Placed a = placed(w, owner), b = placed(w, carrier);

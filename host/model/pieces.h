@@ -74,8 +74,8 @@ struct Pieces {
 };
 
 void divide_blocks(World& w);
-void bind_pieces(World& w);                               // to their columns
-void follow_held(World& w);                               // in these, before a step
+void bind_pieces(World& w);                               // binds pieces to their columns
+void follow_held(World& w);                               // updates supports in the columns, before a step
 int most_gridpoints(const World& w, const Piece& piece);  // largest number of gridpoints of a block of the piece
 
 }  // namespace quoin::blocks

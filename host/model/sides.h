@@ -9,14 +9,14 @@ namespace quoin::blocks {
 
 struct World;
 
-// One side of a contact point, as its block sees it.
+// One side of a contact point, for its block.
 struct Touch {
   int32_t family;
   uint32_t point;
   bool side_a;
 };
 
-// One side of a point of two deformable blocks, as its block sees it. It owns the plane, carries the point on a
+// One side of a point of two deformable blocks, for its block. It owns the plane, carries the point on a
 // triangle, or has it on a gridpoint.
 struct OwnerTouch {
   uint32_t row;

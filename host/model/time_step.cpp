@@ -318,7 +318,7 @@ class ScaledSystem {
     return sum;
   }
 
-  // The rows of this process; what contact points add to those of others is not looked at.
+  // The rows of this process; what contact points add to those of others is not checked.
   double product_of_part(const LaneVector<double>& x, LaneVector<double>* y) {
     for (const int u : shared_->units()) scale_and_strain(model_.unit_groups[at(u)], x, y);
     const auto bodies = at(system_.body_base());

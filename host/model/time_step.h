@@ -41,7 +41,7 @@ struct Inertia {
   std::vector<double> body_mass;         // kg
   std::vector<Vec3> body_inertia;        // kg m2
   double deformation = 1.0, unit = 1.0;  // s_b and s_u of rigid_motion.h
-  RigidMotions rigid;                    // empty when neither scaling nor damping asks for it
+  RigidMotions rigid;                    // empty when neither scaling nor damping requests it
 };
 
 // Contents of a report: critical.value alone, or nodal.value with it. Or also where they are set, and the third limit,

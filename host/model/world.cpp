@@ -176,7 +176,7 @@ void World::set_gravity(const Vector& g, TimeSeries factor) {
 
 namespace {
 
-// The motion of what is driven is no kinetic energy: what is let go adds its own, what is caught leaves it to the
+// The motion of what is driven is no kinetic energy: what is released adds its own, what is caught leaves it to the
 // support.
 void change_held(uint8_t& held, uint8_t next, double mass, const Vector& v, Energies& energies) {
   const int changed = held ^ next;

@@ -1,9 +1,9 @@
 // Blocks of any convex shape and the contacts between them, in large motion: what they are, where they are now, what
-// acts on them. They are found in contact and asked here; step/large_motion.h moves them on.
+// acts on them. Contacts and results are found here; step/large_motion.h advances blocks.
 //
 // Rigid blocks: position, quaternion, linear and angular momentum. Deformable blocks: zones, constant-strain
 // tetrahedra. Contacts: block a owns the plane (a face, or the plane of two crossing edges), block b carries the
-// points. Jumps are measured in a frame that rides on a. d_n is the distance from the plane less its reference, the
+// points. Jumps are measured in a frame that moves with a. d_n is the distance from the plane less its reference, the
 // slip increment is the change of b's position in that frame. So traction turns with a, spin about n included, and a
 // rigid rotation of both changes no bit of physics. The pair of forces acts at one point in space: force and moment
 // balance exactly.
@@ -73,7 +73,7 @@ struct World {
   // The law alone, for a state that is about to be restored.
   void take_law(int family, std::shared_ptr<const Material> material);
   // Another law for all points of a family, between two steps. state: columns of the new law one after the other.
-  // opening_shift: by point, m, added to the opening that the law sees, so that tractions can stay. Points born later
+  // opening_shift: by point, m, added to the opening of the law, so that tractions can stay. Points born later
   // start in the new law's dry state; the time step becomes shorter if the new law is stiffer.
   void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                    std::span<const double> opening_shift);
@@ -104,7 +104,8 @@ struct World {
   StepLimit what_sets_time_step() const;
   long detections() const { return detection.count; }
   long divisions() const { return chunks.divisions; }  // number of divisions of the work so far
-  // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
+  // Whether the current step ends with a check of how far blocks have moved. Contacts are detected after such steps
+  // alone.
   bool checks_motion() const { return stepping.count + 1 >= checks.next || stepping.dt != checks.dt; }
 
   // For ranks that share the model (world_parts.cpp). All have its outline: blocks, pairs that are close, how many
@@ -259,7 +260,7 @@ struct World {
   ImpactState impacts;
   StepSums step_sums;
   bool is_small = true;       // displacements: frames of contacts stay as at the start
-  bool books_energy = false;  // energies are asked for
+  bool books_energy = false;  // energies are requested
   bool is_settling = false;   // damping is that of stages that run to equilibrium
 };
 

@@ -84,7 +84,7 @@ void each_memory_of_points(World& w, int family, size_t first, size_t end, const
 
 struct Wanted {
   std::vector<bool> block, contact;            // items that are sent
-  std::vector<bool> block_here, contact_here;  // asked for here
+  std::vector<bool> block_here, contact_here;  // requested here
   std::span<const int> known_by;               // rank of each block
   explicit Wanted(const World& world, std::span<const int> known)
       : block(world.blocks.size()),
@@ -94,8 +94,8 @@ struct Wanted {
         known_by(known) {}
 };
 
-// visit(rank, first byte, bytes, whether it is asked for here). Neighbouring contacts of one rank go together, array by
-// array, in the same order on all ranks, whatever each of them asks for.
+// visit(rank, first byte, bytes, whether it is requested here). Neighbouring contacts of one rank go together, array by
+// array, in the same order on all ranks, whatever each of them requests.
 template <class Visit>
 void each_exchanged_memory(World& w, const Wanted& wanted, Visit visit) {
   for (size_t i = 0; i < w.blocks.size(); ++i) {
@@ -105,7 +105,7 @@ void each_exchanged_memory(World& w, const Wanted& wanted, Visit visit) {
     });
   }
   const auto rank_of_contact = [&](size_t i) { return wanted.known_by[size_t(w.contacts.list[i].pair.a)]; };
-  // Items of arrays that go together, from some item on: how many of them are asked for here, or not, in turn.
+  // Items of arrays that go together, from some item on: how many of them are requested here, or not, in turn.
   struct Part {
     size_t items;
     bool here;

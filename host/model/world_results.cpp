@@ -1,4 +1,4 @@
-// What can be asked of a model.
+// Results of a model.
 #include <bit>
 #include <cstring>
 #include <limits>

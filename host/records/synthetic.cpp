@@ -161,7 +161,7 @@ SyntheticRecord make_record(const DesignSpectrum& target, const SyntheticSetting
 
 }  // namespace
 
-// A suite asks for each record several times in a row: for its scene, its measures and each of its levels.
+// A suite needs each record several times in a row: for its scene, its measures and each of its levels.
 SyntheticRecord synthetic_record(const DesignSpectrum& target, const SyntheticSettings& settings) {
   require_settings(settings);
   struct Made {

@@ -26,7 +26,7 @@ struct Loop {
 // Those that were not finished are left out.
 std::vector<Loop> loops_of(const Curve& curve, const Cycles& cycles);
 
-// Largest force that each amplitude sees for the first time, against the displacement where it is: first the negative
+// Largest force of the first cycle at each amplitude, against the displacement where it is: first the negative
 // side, then the positive one.
 Curve envelope_of(const Curve& curve, const Cycles& cycles);
 

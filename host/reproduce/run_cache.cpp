@@ -66,7 +66,7 @@ pid_t start(const std::vector<std::string>& words, const fs::path& log) {
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child != 0) return child;
-  // A run does not outlive the program that asked for it: it ends as after Ctrl-C, with what it has.
+  // A run does not outlive the program that requested it: it ends as after Ctrl-C, with what it has.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(127);
   const int out = open(log_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);

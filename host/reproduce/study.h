@@ -77,7 +77,7 @@ struct StudyReport {
   std::vector<std::string> notices;  // pictures that could not be drawn, runs that failed
 };
 
-// What a study sees when its runs are done.
+// What a study reads when its runs are done.
 class Findings {
  public:
   Findings(std::filesystem::path root, std::string study, Quality quality, std::map<std::string, RunResult> runs)
@@ -104,7 +104,7 @@ struct Study {
   std::string id, title, figures, claim;
   std::vector<RunSpec> (*runs)(const Quality&);
   StudyReport (*report)(const Findings&);
-  bool beyond = false;  // beyond the paper: run when it is named or asked for, with a verdict file of its own
+  bool beyond = false;  // beyond the paper: run when it is named or requested, with a verdict file of its own
 };
 const std::vector<Study>& studies();
 const Study* find_study(const std::string& id);

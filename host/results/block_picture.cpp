@@ -295,7 +295,7 @@ std::string polygons_of(const Frame& f, const View& view, const std::vector<Draw
   return polygons;
 }
 
-// Script up to the plot command. The picture is as high as the model asks for at 1200 pixels of width.
+// Script up to the plot command. The picture is as high as the model needs at 1200 pixels of width.
 std::string scene_of(const Scene& scene, const std::vector<HistoryRow>& rows, const View& view,
                      const std::vector<Drawn>& blocks, const std::vector<Face>& faces, const Paint& paint) {
   const Frame f = frame_of(view, blocks);

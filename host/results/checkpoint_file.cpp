@@ -457,7 +457,7 @@ void take_start(Simulation* simulation) {
   if (!std::filesystem::exists(path, unknown)) throw fault("does not exist");
   Stored stored = read_stored(path, fault);
   for (Identity::Part& part : stored.identity.parts) {
-    if (part.what == kEnergy && !scene.output.energy) part.value = "false";  // more than is asked for
+    if (part.what == kEnergy && !scene.output.energy) part.value = "false";  // more than is requested
   }
   const auto& parts = stored.identity.parts;
   const bool known = !parts.empty() && parts.back().what == kStageCount;

@@ -1,5 +1,5 @@
-// curve.png: what a run is looked at by, as curve_kind of its last stage has it. Force against displacement of what is
-// driven, displacement over time in an earthquake and at rest, the multiplier in a collapse.
+// curve.png: the quantities that show a run, as curve_kind of its last stage has it. Force against displacement of what
+// is driven, displacement over time in an earthquake and at rest, the multiplier in a collapse.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -10,7 +10,7 @@
 
 namespace quoin {
 
-// What a command asked for.
+// What a command requested.
 struct Request {
   std::string law;                     // in place of the scene's; empty: none
   std::vector<std::string> overrides;  // dotted.key=value, in their order

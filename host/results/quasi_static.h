@@ -17,7 +17,7 @@ struct QuasiStatic {
   std::optional<double> dynamic_force_ratio;
   // Largest kinetic energy over the work done until the end. Empty when no work was done.
   std::optional<double> kinetic_energy_ratio;
-  // Displacement beyond the one that a stage asks for, over it: the largest of the stages that ended by displacement.
+  // Displacement beyond the one that a stage requests, over it: the largest of the stages that ended by displacement.
   double overshoot_ratio = 0.0;
   std::string not_judged;  // why the record is too short to be judged; empty when it is not
 

@@ -295,7 +295,7 @@ struct JointValues {
   std::vector<float> damage, opening, slip;
 };
 
-// Of those blocks that show what their joints say.
+// Vertices of blocks whose colour comes from their joints.
 class VerticesOfBlocks {
  public:
   explicit VerticesOfBlocks(const Surface& surface) {

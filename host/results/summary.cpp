@@ -318,7 +318,7 @@ Json motion_of(const Simulation& simulation) {
           {"promoted", promoted}};
 }
 
-// What the looks at the rows of the history have seen. The other assumptions stand under motion and quasi_static.
+// Findings of the watch at rows of the history. The other assumptions are under motion and quasi_static.
 Json watch_of(const Simulation& simulation) {
   const Watch& w = simulation.watch();
   const bool balanced = w.energy_moved > 0.0;

@@ -100,7 +100,7 @@ class Context {
   std::vector<std::string> faults_;
 };
 
-// One table being read. Each accessor takes a key; finish() reports the keys that nobody asked for.
+// One table being read. Each accessor takes a key; finish() reports the keys that were not read.
 class Table {
  public:
   Table(Context& context, const toml::table& table, std::string path)

@@ -17,7 +17,7 @@ struct Costs {
 };
 constexpr Costs kLattice{147.0, 207.0, 0.0}, kLargeMotion{572.0, 872.0, 1900.0};
 constexpr double kAlone = 8.0;  // times a gridpoint of a block that is like no other: it has one lane of eight
-// Bytes that every rank has of all blocks on the lattice.
+// Bytes a block and a point that every rank has of the whole lattice.
 constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;
 constexpr double kOutlineInMotion = 0.25;  // share of memory in large motion that every rank has of all
 constexpr double kOnBorders = 1.13;  // times an equal share, of what a rank has beside: it has what lies on borders too

@@ -19,7 +19,7 @@ using namespace geometry;
 
 namespace {
 
-// Of a length: boxes are straight, and faces touch, up to this. The lattice asks for the second.
+// Of a length: boxes are straight, and faces touch, up to this. The lattice requires the second.
 constexpr double kStraight = 1e-9, kTouching = 1e-6;
 
 // Why the lattice is not for this scene. Caught where it is asked.

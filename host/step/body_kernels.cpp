@@ -151,7 +151,7 @@ struct LaneWork {
   V damping_before[kParts], damping_after[kParts], external_before[kParts], external_after[kParts];
 };
 
-// A degree of freedom through a step: its new velocity, and the work if somebody asks.
+// A degree of freedom through a step: its new velocity, and the work where requested.
 template <DampingKind kDamping, bool kMeasure>
 HWY_INLINE V advance_component(const BodyGroupInertia& lanes, const StepData& step, std::size_t dof, int p,
                                V joint_force, V given, V before, V prescribed, hn::Mask<D> is_prescribed,

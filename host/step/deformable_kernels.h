@@ -40,7 +40,7 @@ struct LaneBlock {
 // where its first one is. Lanes without a block hold numbers of no meaning. Scratch of a thread.
 struct LaneColumns {
   int node_count = 0, fewest = 0;            // most and fewest of a block
-  bool viscous = false;                      // viscous_force is asked for: set before load_blocks
+  bool viscous = false;                      // viscous_force is requested: set before load_blocks
   double *x, *v, *force, *viscous_force;     // m, m/s, N
   double *u, *weighted, *product, *elastic;  // scratch of congruent_forces and distinct_forces
   double* moment;                            // a line, N m

@@ -10,7 +10,7 @@
 
 namespace quoin {
 
-// A block of a model, as far as cracks see it.
+// The data of a block that cracks depend on.
 struct CrackedBlock {
   Vec3 centre;  // m, of the start
   int unit;     // masonry unit; -1: none
@@ -19,7 +19,7 @@ struct CrackedBlock {
 // What damage makes of the points of one joint family.
 struct DamagedFamily {
   std::vector<double> state;          // columns of the law, one after the other, of all points
-  std::vector<double> opening_shift;  // by point, m: added to the opening that the law sees
+  std::vector<double> opening_shift;  // by point, m: added to the opening of the law
   std::size_t points = 0;             // number of damaged points
 };
 

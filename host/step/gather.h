@@ -1,4 +1,4 @@
-// What is gathered of the others when somebody asks for all of it, for a row or for sums.
+// What is gathered of the other ranks: everything, for a row, or for sums.
 #pragma once
 
 #include "step/rank_share.h"

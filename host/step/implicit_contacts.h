@@ -41,7 +41,7 @@ class ImplicitContacts {
   // G of its points, and what G takes of the velocities of half a step ago.
   void weigh(const ContactChunk& chunk, const Chunk& columns, double time_step);
 
-  // Clusters that look the same: which of their gridpoints each contact point joins, and along which axis it lies.
+  // Congruent clusters: which of their gridpoints each contact point joins, and along which axis it lies.
   struct Point {
     int a, b, axis;
     auto operator<=>(const Point&) const = default;

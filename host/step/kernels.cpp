@@ -462,7 +462,7 @@ HWY_INLINE Rigid motion_of_unit(const UnitData& unit, const Rigid (&of_block)[kU
   return over_inertia(*unit.motion, sum);
 }
 
-// Motion of the unit as its block b sees it: A + alpha x arm, alpha.
+// Motion of the unit at its block b: A + alpha x arm, alpha.
 HWY_INLINE Rigid at_block(const UnitData& unit, int b, const Rigid& of_unit) {
   Rigid result = of_unit;
   const Vec3& arm = unit.arm[b];

@@ -38,7 +38,7 @@ struct Model : World {
   void use(ThreadPool* threads) { pool = threads, shared_division = -1; }
   // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end. Then
   // find_contacts, when end_step() says that blocks have moved enough. clock: of the thread, started; null: not timed.
-  // measure: the energies of the step are asked for.
+  // measure: the energies of the step are requested.
   void begin_step(bool measure = false);
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
@@ -66,7 +66,7 @@ struct Model : World {
   bool leaves_frame(std::span<const int> own_pieces) const;  // some block of theirs, which has deformed too much for it
   bool has_deviating(
       std::span<const int> own_pieces) const;  // some block of theirs: contacts may have to be found again
-  // For rows of the history: what is asked of all blocks and points, found for these.
+  // Numbers of a row of the history, over these blocks and points.
   void scan_for_row(std::span<const int> own_chunks, std::span<const int> own_pieces);
   void each_memory_of_piece(Part wanted, int piece, const VisitMemory& visit);
   void each_memory_of_chunk(Part wanted, int chunk, const VisitMemory& visit);

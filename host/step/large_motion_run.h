@@ -1,4 +1,4 @@
-// Blocks in large motion: how they are built, what stages and steps ask of them.
+// Blocks in large motion: how they are built, and what stages and steps do with them.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace quoin {
 
 void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
                         std::vector<std::shared_ptr<const Material>> materials);
-// What every rank follows through a stage, whoever advances it.
+// Blocks that every rank follows through a stage, whichever rank advances them.
 std::vector<int> followed_blocks(const Simulation::Impl& s);
 // Before a stage is bound that names them; previous: null: it is the first.
 void exchange_blocks_of_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous);

@@ -36,7 +36,7 @@ LawSwap report_of(const std::string& family, const Material& from, const Materia
 // What the new law makes of them.
 struct MigratedFamily {
   std::vector<double> state;          // columns of the new law, one after the other
-  std::vector<double> opening_shift;  // by point, m: added to the opening that the new law sees from now on
+  std::vector<double> opening_shift;  // by point, m: added to the opening of the new law from now on
   std::vector<SwapSums> terms;        // by point
   SwapSums sums(std::size_t first, std::size_t count) const;  // sums over contiguous points, in their order
 };

@@ -30,7 +30,7 @@ struct MaxwellColumns {
 };
 
 // The same of closed contacts alone, where blocks land, at rates of their own normal to the joint and along it. Maxwell
-// elements act on all that touch, and let go where a joint opens, slides or softens.
+// elements act on all that touch, and lose their force where a joint opens, slides or softens.
 double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count, double normal,
                     double along);
 

@@ -2,7 +2,7 @@
 //
 // Unevenness costs what the slowest rank takes beyond the mean, for all wait for it; dividing costs what it took last
 // time. Blocks are divided once the first has reached the second. So no more is spent on dividing than was lost without
-// it, however costs drift. A division that leaves the ranks uneven doubles what the next one asks for.
+// it, however costs drift. A division that leaves the ranks uneven doubles the loss that the next one needs.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@ double most_over_mean(std::span<const double> values);  // 1: all are equal
 
 class RankBalance {
  public:
-  static constexpr long kWindow = 256;      // steps that are looked at together
+  static constexpr long kWindow = 256;      // steps that are checked together
   static constexpr double kUneven = 1.15;   // most / mean of a window, from where on it counts: disturbances are less
   static constexpr int kWindowsInARow = 2;  // uneven windows in a row before a partition: one alone is chance
 

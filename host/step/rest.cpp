@@ -29,7 +29,7 @@ using Eigen::VectorXd;
 using geometry::Vector;
 using Triplet = Eigen::Triplet<double>;
 
-// Iterations at most, and the unbalanced ratio that ends them: a hundredth of the stage's, for its steps look at that.
+// Iterations at most, and the unbalanced ratio that ends them: a hundredth of the stage's, which its steps check.
 constexpr int kMostIterations = 100;
 constexpr double kOfWanted = 1e-2;
 // Of the stiffness of a closed point, what an open one and a sliding one keep. It is enough to find a factor, too
@@ -284,7 +284,7 @@ class Search {
   // Moves all blocks, lets the laws follow, and leaves all at rest.
   void move(const VectorXd& moved) {
     if (s_.large_motion) return move_large_motion(moved);
-    // Laws see sliding as velocity times the step. Once more at rest, since some settle in two answers.
+    // Laws get sliding as velocity times the step. Once more at rest, since some settle in two answers.
     for (const bool moving : {true, false}) {
       for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b)
         unknowns_->blocks()[at(b)].rigid ? move_body(b, moved, moving) : move_gridpoints(b, moved, moving);

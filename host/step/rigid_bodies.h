@@ -32,7 +32,7 @@ BodyGroupInertia inertia_of(const BodyGroup& group, const Model& model, const In
 // Moves the body of lane 0 by a step: sums, control or free motion, gridpoints. Fixed order throughout.
 void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyLanes* state,
                   Measured* measured);
-// The same for the bodies of a group, side by side. Of the gridpoints it writes what the joints of their faces ask for:
+// The same for the bodies of a group, side by side. Of the gridpoints it writes what the joints of their faces need:
 // displacement along the normal, velocity across.
 void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia, const StepData& step,
                     BodyLanes* state, Measured* measured);

@@ -37,7 +37,7 @@ struct BodyStep {
   double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
   Vector ground;     // velocity of the ground, against which damping acts, m/s
   Vector gravity;    // m/s2
-  bool energies;     // work and kinetic energy are asked for
+  bool energies;     // work and kinetic energy are requested
 };
 
 // Central differences for bodies[index[0 .. count - 1]], kBodies at most, from force and torque in them. sums: of each,

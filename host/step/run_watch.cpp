@@ -220,7 +220,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
       if (!s.large_motion) receive_whole_borders(s);
       check_stiffness(s);
       s.watch.stiffness_ratio = largest_of_ranks(s, s.watch.stiffness_ratio);
-      if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // so that all see the first of them
+      if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // so that all find the same first one
     } else {
       gather(s, Part::all);
       check_stiffness(s);

@@ -160,7 +160,7 @@ struct RankTraffic {
   double uneven_before = 0.0, uneven = 0.0;  // most / mean of it: before the first of them, in the last window; 0: none
 };
 
-// What the caller asks for. All calls come from the thread that runs the simulation, between steps.
+// What the caller requests. All calls come from the thread that runs the simulation, between steps.
 struct Observer {
   virtual ~Observer() = default;
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
@@ -168,7 +168,7 @@ struct Observer {
   virtual void on_warning(const Warning&) {}       // once for each assumption that the run leaves, when it goes on
   virtual void on_promotion(const Simulation&) {}  // Simulation::outcome has more
   virtual void on_row(const HistoryRow&) {}
-  // Whether on_pause will take the state: with ranks all of them are asked then, and all of them must save.
+  // Whether on_pause will take the state: with ranks it is called on all of them, and all of them must save.
   virtual bool wants_pause(bool /*last*/) { return true; }
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
@@ -265,7 +265,7 @@ class Simulation {
   const MotionSeen& motion_seen() const;  // motion at the last check of run()
   const Watch& watch() const;             // watch at the last row
   double allowed_overlap() const;         // m
-  // Which contact points a law is asked about, for messages, from any thread: "contact points 0 to 255 of joint family
+  // The contact points of a batch, for messages, from any thread: "contact points 0 to 255 of joint family
   // 'mortar', from (0.100, 0.000, 0.050) m on".
   std::string batch_text(const quoin_batch& batch) const;
   std::string past_motion_bound() const;  // bound that is exceeded, and where; empty: none

@@ -17,7 +17,7 @@ class StageRun {
   void end();
 
  private:
-  // What the next step is asked for.
+  // What the next step has to measure.
   struct Due {
     bool stop = false, check = false;   // check: of equilibrium
     bool planned = false, row = false;  // planned: a row by the interval of the stage; a stop has one, too

@@ -85,7 +85,7 @@ UnjoinedBlocks::Near UnjoinedBlocks::nearness(const Pair& pair, const std::vecto
     near.least_gap = -sliding_bound * least;
     return near;
   }
-  // Corners of faces that look at each other come nearer than their middle where the blocks turn.
+  // Corners of faces opposite each other come nearer than their middle where the blocks turn.
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (static_cast<int>(c) != near.axis && to[c] > from[c]) squares += (to[c] - from[c]) * (to[c] - from[c]);

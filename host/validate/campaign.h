@@ -1,4 +1,4 @@
-// A campaign: all walls of a table, predicted and held against what was measured.
+// A campaign: all walls of a table, predicted and compared with what was measured.
 #pragma once
 
 #include <filesystem>

@@ -21,7 +21,7 @@ constexpr double kDrift = 0.01;           // share of the height by which a wall
 constexpr double kCyclicDrifts[] = {0.001, 0.002, 0.003, 0.005, 0.008};
 constexpr double kCyclicVelocity = 0.01;                    // m/s
 constexpr double kBeamHeight = 0.1, kBeamDensity = 7850.0;  // m, kg/m3
-// Top moments below this ratio are those of a top that is held.
+// H0/H of a wall whose top is held from rotation, and of rows that give none.
 constexpr double kHeldSpan = 0.5;
 
 std::string upper(std::string text) {

@@ -28,7 +28,7 @@ struct Drive {
 // the multiplier takes to grow by a hundredth. They have stood four times as long as a fall by what counts as collapse,
 // too. Else what moves them later may be what the ramp has set in motion.
 struct FirstLoad {
-  double since = -1.0;                 // s, in the stage; < 0: not looked at yet
+  double since = -1.0;                 // s, in the stage; < 0: not checked yet
   double lowest = 0.0, highest = 0.0;  // largest displacement of a block since then, m
   bool carried = false;
   void look(double time, double moved, double allowed, double needed);   // s, m, m, s

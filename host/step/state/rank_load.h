@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-// Steps of this rank since the last look at how even the ranks are.
+// Steps of this rank since the last check of how even the ranks are.
 struct RankWindow {
   long steps = 0;
   double seconds_before = 0.0;    // RankTraffic::own_seconds when it began

@@ -1,4 +1,4 @@
-// How far a run has come. A stage sets it when it begins, steps and looks between them go on with it; all of it is
+// How far a run has come. A stage sets it when it begins, steps and checks between them change it; all of it is
 // saved.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-constexpr long kCheckInterval = 20;  // steps between two looks at the unbalanced force, or at a force that is lost
+constexpr long kCheckInterval = 20;  // steps between two checks of the unbalanced force, or of a lost force
 
 struct RunProgress {
   long step = 0;              // number of steps since the start

@@ -9,7 +9,7 @@
 namespace quoin {
 
 // One step in so many is timed phase by phase: a percent of a step, and no more. A prime: what comes at round
-// intervals, such as looks at motion, falls on timed steps as often as on others.
+// intervals, such as checks of motion, falls on timed steps as often as on others.
 constexpr long kTimedSteps = 31;
 
 using Clock = std::chrono::steady_clock;
