@@ -114,7 +114,7 @@ struct Lanes {
   }
 };
 
-// Of these, what the short path reads of joints without residual opening, crushing and uplift.
+// The lanes that the short path reads, for joints without residual opening, crushing and uplift.
 struct ShortLanes {
   V kn, ks, c_drop, mu_drop, mur, Cs, u0, yield, yield_squared;
   explicit HWY_INLINE ShortLanes(const Lanes& p)

@@ -115,7 +115,7 @@ struct At {
             in(kTractionOld + 1),
             in(kTractionOld + 2)};
   }
-  // Of a joint without residual opening, crushing and uplift: no more than the short path needs.
+  // State of a joint without residual opening, crushing and uplift: what the short path needs.
   HWY_INLINE State untouched_state() const {
     State s{};
     s.xi = in(kStateOld + kXi), s.w = in(kStateOld + kW);

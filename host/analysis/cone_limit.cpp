@@ -231,7 +231,7 @@ class ConeProgramme {
       for (std::size_t j = 0; j <= i; ++j) visit(e.sides[i], e.sides[j]);
   }
 
-  // Of the matrix, which is the same in all steps: the lower triangle, block by block.
+  // Pattern of the matrix, which is the same in all steps: the lower triangle, block by block.
   void pattern() {
     std::vector<Eigen::Triplet<double>> entries;
     for (int r = 0; r < rows_count_; ++r) entries.emplace_back(r, r, 1.0);
@@ -396,7 +396,7 @@ class ConeProgramme {
     for (Bound& b : multiplier_bounds_) (slacks ? b.s : b.z) += by;
   }
 
-  // Of equilibrium, prices and slacks; gap.
+  // Residuals of equilibrium, prices and slacks; gap.
   void residuals() {
     of_rows_ = dead_ + m_ * live_;
     of_multiplier_ = -1.0 + live_.dot(y_);

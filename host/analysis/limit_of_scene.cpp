@@ -336,7 +336,7 @@ LimitResult solved(const std::string& file, const SceneLimit& limit, const Limit
   throw Error(Exit::numerical, fmt::format("{}: the linear programme was not solved: residuals are left", file));
 }
 
-// Of loads along the weight turned sideways: x and z, both ways.
+// Least margin of four loads, the weight turned along x and z, both ways.
 void find_least_margin(const std::string& file, const LimitSettings& settings, SceneLimit* limit) {
   for (const Vector& way : {Vector{1, 0, 0}, Vector{-1, 0, 0}, Vector{0, 0, 1}, Vector{0, 0, -1}}) {
     LimitProblem pushed = limit->problem;

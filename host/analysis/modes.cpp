@@ -66,7 +66,7 @@ MatrixXd orthonormalize(const Eigen::Ref<const MatrixXd>& basis, MatrixXd* block
 Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGroups& groups, double shift,
                      Index count) {
   constexpr Index kBlock = 6, kMostBlocks = 60;  // more than the six ways in which one loose body moves
-  // Of a residual over its eigenvalue: frequencies are exact to its square.
+  // Residual over its eigenvalue: frequencies are exact to its square.
   constexpr double kSettled = 1e-7;
   const Index n = scaled.rows();
   Eigen::SparseMatrix<double> shifted = scaled;

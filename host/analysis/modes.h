@@ -26,7 +26,7 @@ struct Rayleigh {
 
 struct Mode {
   double frequency = 0.0;  // Hz; 0: moves without any stiffness
-  // Of ground motion along x, y, z, for shapes whose largest displacement is 1.
+  // Factors for ground motion along x, y, z, with shapes whose largest displacement is 1.
   std::array<double, 3> participation{}, effective_mass{};  // -, kg
 };
 

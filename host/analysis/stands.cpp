@@ -7,7 +7,7 @@ namespace {
 
 // Share of dead loads from which all of them count as carried: rounding of the linear programme.
 constexpr double kAll = 1.0 - 1e-6;
-// Of a factor on friction: how exactly it is found, and where the search for one that holds ends.
+// Accuracy of a factor on friction, and the largest one that is tried.
 constexpr double kExact = 1e-3, kMostFriction = 64.0;
 
 bool carried_with(LimitProblem problem, const LimitSettings& settings, double factor) {

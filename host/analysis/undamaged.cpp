@@ -33,7 +33,8 @@ struct JointStiffness {
   double normal, shear;  // Pa/m
 };
 
-// Of a closed point, by small differences: compression first, so that what has no bond can be sheared.
+// Stiffness of a closed point by small differences. Compression comes first, so that a point without bond can be
+// sheared.
 JointStiffness stiffness_of(const std::shared_ptr<const Material>& material, const std::string& initial_state) {
   // Far below any strength, and far above the rounding of tractions.
   constexpr double kCompression = 1e3, kShear = 1.0;  // Pa
@@ -343,7 +344,7 @@ void World::number_members(Vibrating* v) {
   first_of_node_.push_back(static_cast<int>(v->unknown.size()));
 }
 
-// Of a deformation: unknowns, and what a unit of each gives. Connectors and supports count as closed.
+// Entries of deformations: unknowns, and coefficients of each. Connectors and supports count as closed.
 void World::add_deformations(const Vibrating& v, std::vector<Triplet>* entries) const {
   using Row = std::vector<std::pair<int, double>>;
   std::vector<Share> shares;

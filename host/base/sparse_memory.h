@@ -52,7 +52,7 @@ class KeptPieces {
     static auto* const pieces = new KeptPieces;  // outlives every static array
     return *pieces;
   }
-  // Of this size, with the numbers of before; null: there is none.
+  // Memory of this size from the store, with its old contents; null: there is none.
   void* take(std::size_t size) {
     const std::lock_guard lock(mutex_);
     const auto found = pieces_.find(size);

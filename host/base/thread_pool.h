@@ -77,7 +77,7 @@ class ThreadPool {
   }
 
   void take_pieces(int thread, std::uint32_t call) {
-    // Of this call, or of a later one; then no piece will be had.
+    // The run of this call, or of a later one, which has no piece for this ticket.
     const auto run = run_.load(std::memory_order_acquire);
     void* const argument = argument_.load(std::memory_order_acquire);
     for (int i = 0; i < thread_count_; ++i) {

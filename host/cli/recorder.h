@@ -53,7 +53,7 @@ class Recorder : public Observer {
 
  private:
   void take(const HistoryRow& row);
-  // Of contact points: those that are not as they were, elastic or dry.
+  // Share of contact points that are not in their first state, elastic or dry.
   static double cracked_share(const Simulation& simulation);
 
   const Scene& scene_;

@@ -101,7 +101,7 @@ void add_drawn(const Simulation& simulation, Values& inputs) {
   }
 }
 
-// Of the last stage: the one that drives.
+// Outputs of the last stage, the one that drives.
 Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const Scene& scene = simulation.scene();
   const Peak peak = find_peak(rows, scene);

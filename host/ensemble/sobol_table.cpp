@@ -18,7 +18,7 @@ struct Indices {
   SobolIndex index;
 };
 
-// Of one output, by the place of samples in their row.
+// Indices of one output, by the place of samples in their row.
 std::vector<Indices> indices_of(const Study& study, const std::vector<Values>& outputs, std::size_t output) {
   const std::vector<StudyQuantity> inputs = study.inputs();
   const std::size_t length = inputs.size() + 2;

@@ -63,7 +63,7 @@ struct Farthest {
   }
 };
 
-// Of corners off the planes of their faces.
+// Largest distance of corners from the planes of their faces.
 Farthest warp_of(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces) {
   Farthest worst;
   for (const auto& face : faces) {
@@ -73,7 +73,7 @@ Farthest warp_of(const std::vector<Vector>& vertices, const std::vector<std::vec
   return worst;
 }
 
-// Of corners, middles of edges and middles of faces below the hull.
+// Largest depth of corners, middles of edges and middles of faces below the hull.
 Farthest depth_of(const RawShape& shape, const ConvexPolyhedron& hull) {
   Farthest worst;
   const auto look = [&](const Vector& p) {

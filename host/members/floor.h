@@ -26,7 +26,7 @@ struct Membrane {
   double load = 0.0;                                             // Pa, without inertia
 };
 
-// Of a metre of edge.
+// Law of a metre of edge.
 struct ConnectorLaw {
   double axial = 0.0, shear = 0.0;                                  // N/m2
   double axial_strength = 0.0;                                      // N/m, of anchors in tension
@@ -44,7 +44,7 @@ class Floor {
     InPlane out;           // outward direction in the floor, unit
     double length = 0.0;   // length of edge, m
     double carried = 0.0;  // area of the floor that it carries, m2
-    // Of the last step, in the frame that turns with the floor:
+    // State after the last step, in the frame that turns with the floor:
     double open = 0.0, slip = 0.0;                  // motion of the block outwards and along the edge, m
     double axial = 0.0, anchor = 0.0, shear = 0.0;  // N; axial: anchors and bearing
     double slid = 0.0, drawn = 0.0;                 // history: along the edge; by which anchors have yielded, m
@@ -132,7 +132,7 @@ class Floor {
   double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
   double weight_ = 0.0;  // N/m2 along the normal, of now
   std::uint8_t begun_ = 0;
-  // Of the step: rotation of the floor in its plane; displacement in the frame that turns with it; forces there.
+  // Numbers of the step: rotation of the floor in its plane; displacement and forces in the frame that turns with it.
   double cosine_ = 1.0, sine_ = 0.0;
   std::vector<InPlane> local_, force_;
 };

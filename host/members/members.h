@@ -177,7 +177,7 @@ class Members {
   std::vector<double> columns() const;  // numbers of a row of the history, by column_names
   std::vector<Line> lines() const;
 
-  // Of the hash of the state: visit(number).
+  // Numbers for the hash of the state: visit(number).
   template <class Visit>
   void each_number(const Visit& visit) const {
     for (const Tie& tie : ties_) visit(tie.state.force), visit(tie.state.plastic);
@@ -255,7 +255,7 @@ class Members {
   double reckoned_step_ = 0.0;
 };
 
-// Of the history, of what a scene has.
+// Columns of the history for the members of a scene.
 std::vector<std::string> column_names(const MemberSpecs& specs);
 
 }  // namespace quoin::members

@@ -19,7 +19,7 @@ struct Node {
   Vector arm;
   std::vector<std::pair<std::int32_t, double>> share;
   bool turns = false;  // whether `turn` is used
-  // Of the step:
+  // State in the current step:
   Vector x;               // m
   geometry::Matrix turn;  // rotation of the block since the start
   Vector force;           // force on the block, N

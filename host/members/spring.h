@@ -9,7 +9,7 @@ namespace quoin::members {
 
 using geometry::Vector;
 
-// Of the area that a point stands for.
+// Law of the area that a point stands for.
 struct SpringLaw {
   double normal = 0.0, shear = 0.0;                           // N/m
   double normal_dashpot = 0.0, shear_dashpot = 0.0;           // N s/m

@@ -17,7 +17,7 @@ struct World;
 void number_blocks(World& w);
 void lay_out(World& w, int block);
 
-// Of a rigid block, in the coordinates of its shape, without mass scaling.
+// Mass of a rigid block, in the coordinates of its shape, without mass scaling.
 struct RigidMass {
   double mass;            // kg
   Vector centre;          // m

@@ -36,7 +36,8 @@ struct ZoneLanes {
   Zone zone(int lane) const;
 };
 
-// Of all blocks, in the orientation of the start. Blocks of one shape, material, zoning and orientation share theirs.
+// Zones of all blocks, in the orientation of the start. Blocks of one shape, material, zoning and orientation share
+// theirs.
 struct Zones {
   LaneVector<ZoneLanes> lanes;             // laid out with the first block that has them
   std::vector<CongruentBlocks> congruent;  // data that blocks of one shape share in any orientation

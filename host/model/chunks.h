@@ -20,7 +20,7 @@ struct RigidPair {
   int32_t a, b;           // bodies
   uint32_t first, count;  // points of the family
   Vector axis[3];         // n, s, t in a's body frame, unit
-  // Of the last step:
+  // Numbers of the last step:
   double in_space[3][4];             // the axes; the fourth has no meaning
   Vector force, moment_a, moment_b;  // force on a, N; moments about the centre of a, on a, and of b, on b, N m
 };

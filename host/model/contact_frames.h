@@ -25,7 +25,7 @@ void leave_gridpoints(World& w, Family& f, size_t point);  // whose block a has 
 
 // Along these axes of a joint: what a vector along slightly different ones becomes, of the same size.
 std::pair<double, double> turned_into(const Vector& s, const Vector& t, const Vector& v);
-// Of what contact points have along s and t: turn(s before, t before, s now, t now), arrays by point.
+// Turns the vectors that contact points have along s and t: turn(s before, t before, s now, t now), arrays by point.
 template <class Turn>
 void turn_joint_vectors(const Family& old, Family& f, const Turn& turn) {
   turn(old.traction[1], old.traction[2], f.traction[1], f.traction[2]);

@@ -29,7 +29,7 @@ struct Point {
   double area = 0.0;       // m2
   double reference = 0.0;  // gap at which d_n = 0, m
   Vector at;               // place in space at the last detection; that of the last step if a side is deformable, m
-  // Of the last step, if a side is deformable:
+  // Numbers of the last step, if a side is deformable:
   Vector force;                  // force on a, in space, viscous part included, N
   double shear[2] = {0.0, 0.0};  // traction along s and t that goes with it, Pa
 };

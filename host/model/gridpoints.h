@@ -12,7 +12,7 @@ namespace quoin::blocks {
 
 using geometry::Vector;
 
-// Of one block.
+// Gridpoints of one block.
 struct BlockGridpoints {
   std::span<const Vector> x, v;  // m, m/s
   std::span<const double> mass;  // kg

@@ -150,7 +150,7 @@ class ModelBuilder {
   int body_of(const Side& side) const { return body_of(side.block); }
   int body_of(int block) const { return m.place[at(block)].body; }  // -1: deformable
 
-  // Of a gridpoint, or of the slave of a body in a group; -1: of a lone body.
+  // Offset of a gridpoint, or of the slave of a body in a group; -1: of a lone body.
   std::int32_t offset_if_any(int block, std::int32_t node) const {
     const Model::BlockPlace& where = m.place[at(block)];
     if (node < 0) return -1;

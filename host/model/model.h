@@ -154,7 +154,7 @@ struct Model {
   LaneVector<std::uint8_t> point_run;
   LaneVector<Vec3> point_position;  // reference, m
   LaneVector<std::uint8_t> point_axis;
-  // Of all points, laid out or not: index into Assembly::joints; how many points of the joint were found before it.
+  // Numbers of all points, laid out or not: index into Assembly::joints; points of the joint that were found before it.
   LaneVector<std::int32_t> point_joint, point_in_joint;
 
   // Blocks on the negative and on the positive side of a contact point, along its normal.

@@ -39,7 +39,7 @@ struct Pose {
   Matrix r;
 };
 
-// Of each shape of the scene.
+// Data of each shape of the scene.
 struct ShapeFacts {
   geometry::MassProperties mass;
   geometry::Eigen3 axes;
@@ -55,7 +55,7 @@ struct BlockShapes {
   LaneVector<Vector> placed_corner, placed_normal;  // corners and face normals of all blocks at the last detection
 };
 
-// Of every block's frame.
+// Poses of every block.
 struct Poses {
   LaneVector<Pose> start, broad;  // poses at the start, and at the last broad phase
 };

@@ -19,7 +19,7 @@ struct PlacedPoint {
   int block_a, block_b;  // indices of blocks
 };
 
-// Of the two blocks of a joint the one that was laid with it: of masonry, and the later one.
+// The block of a joint that was laid with it: one of masonry, and the later of two.
 int block_laid(int block_a, int block_b, std::span<const PlacedBlock> blocks);
 
 // One property, by contact point, as batches of the law take it.
@@ -30,7 +30,7 @@ struct PropertyColumn {
   LaneVector<double> values;
 };
 
-// Of the properties of the family that scatter, without values; none in the sample 0.
+// Columns of the properties of the family that scatter, without values; none in the sample 0.
 std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material);
 
 // The same with the values of these points. They are all of the family, or all in some of its joints; where a property

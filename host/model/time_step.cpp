@@ -283,7 +283,7 @@ class ScaledSystem {
     scaling_ = {&inertia.rigid, 1.0 / std::sqrt(inertia.deformation), 1.0 / std::sqrt(inertia.unit), root_mass_.data()};
   }
 
-  // Of no length where nothing can move.
+  // The vector has no length where nothing can move.
   LaneVector<double> start() const {
     LaneVector<double> start(scale_.size(), 0.0);
     std::uint64_t random = 0x9e3779b97f4a7c15u;  // any seed serves; a fixed one makes the time step reproducible
@@ -432,7 +432,7 @@ std::vector<int> units_here(const Model& model, const SharedModel* shared) {
   return shared ? std::vector<int>(shared->units().begin(), shared->units().end()) : all_of(model.unit_groups.size());
 }
 
-// Of generalised coordinates, what this process has: visit(dof).
+// Generalised coordinates of this process: visit(dof).
 template <class Visit>
 void each_number(const UndamagedSystem& system, const SharedModel* shared, Visit visit) {
   const VectorRow all{0, at(system.size())};

@@ -68,7 +68,7 @@ struct World {
     actions.loads.clear(), actions.pressures.clear(), actions.applied.clear();
     actions.loaded.assign(blocks.size(), 0);
   }
-  // Of a stage: mass_scaling stays as it was at the start. The time step is chosen again.
+  // Settings of a stage: mass_scaling stays as it was at the start. The time step is chosen again.
   void set_solver(const SolverSettings& settings);
   // The law alone, for a state that is about to be restored.
   void take_law(int family, std::shared_ptr<const Material> material);
@@ -98,7 +98,7 @@ struct World {
   long steps() const { return stepping.count; }
   double time_step() const { return stepping.dt; }
   double critical_time_step() const { return stepping.critical_dt; }
-  // Of solver.impact_damping what the time step leaves, of critical; 0: damping is not that of impacts.
+  // Share of critical that the time step leaves of solver.impact_damping; 0: damping is not that of impacts.
   double impact_damping_in_use() const { return impacts_damped(solver) ? impacts.share * solver.impact_damping : 0.0; }
   // What moves most in the fastest vibration, which sets the step; of one process that has all blocks.
   StepLimit what_sets_time_step() const;
@@ -267,7 +267,7 @@ struct World {
 inline double gamma(const World& w) {  // coefficient of eq. 1
   return w.is_settling ? w.solver.settling_damping.value_or(w.solver.local_damping) : w.solver.local_damping;
 }
-// Of the ground, at the time of what damping reads: signs are of half a step ago, viscous forces of now.
+// Velocity of the ground at the time of damping: signs are of half a step ago, viscous forces of now.
 inline Vector braking_ground(const World& w) {
   return w.solver.damping == DampingKind::viscous ? w.actions.ground_now : w.actions.ground_then;
 }

@@ -22,7 +22,7 @@ namespace {
 
 using VisitBytes = std::function<void(void*, size_t)>;
 
-// Of joints that begin at these blocks.
+// Points of joints that begin at these blocks.
 Items start_points_of(const StartJoints& start, int first_block, int end_block) {
   const auto first_of = [&](int block) {
     const auto joint = std::ranges::lower_bound(start.joint, block, {}, [](const StartJoint& j) { return j.pair.a; });
@@ -186,7 +186,7 @@ struct Need {
   }
 };
 
-// Of a row of blocks: what changes in a run, and what lay_out makes.
+// Releases arrays of contiguous blocks: those that change in a run, and those that lay_out makes.
 void forget_blocks(World& w, size_t first, size_t end) {
   WorldFields::of_blocks(w, [&](const Field& field, auto& array) {
     const Items items = items_of_blocks(w, field.owner, first, end);

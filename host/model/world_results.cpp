@@ -16,7 +16,7 @@ using namespace geometry;
 
 namespace {
 
-// Of a field over the gridpoints of a deformable block.
+// Mean of a field over the gridpoints of a deformable block.
 template <class Masses, class Field>
 Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& field) {
   Vector sum;
@@ -169,7 +169,7 @@ double World::kinetic_energy_of_all() const {
   return sum;
 }
 
-// Of a unit of two halves, what they have together is the first one's.
+// The energy that two halves of a unit share counts for the first one.
 double World::kinetic_energy_of(int block) const {
   const ModelBlock& b = blocks[size_t(block)];
   double sum = 0.0;

@@ -17,7 +17,7 @@ struct ZoneStep {
   bool energies;  // viscous forces by themselves, and the strain energy, are requested
 };
 
-// Of a block, by gridpoint: four doubles each, the last of no meaning.
+// Columns of a block, by gridpoint: four doubles each, the last of no meaning.
 struct ZoneColumns {
   const double* displacement;  // m
   const double* velocity;      // m/s, at half steps; with beta > 0

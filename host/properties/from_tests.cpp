@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMPa = 1e6, kMm = 1e-3;
 
-// Of a kind of unit, where nothing is measured.
+// Defaults of a kind of unit, where nothing is measured.
 struct KindOfUnit {
   UnitKind kind;
   double strength;          // Pa, of the unit

@@ -24,7 +24,7 @@ std::uint64_t name_of(std::string_view text);
 
 // In (0, 1), 53 bits, for one element (a joint, a unit) of a quantity; never 0 or 1.
 double uniform(const Quantity& quantity, std::uint64_t element);
-// Of mean 0 and scatter 1.
+// A normal number of mean 0 and scatter 1.
 double normal(const Quantity& quantity, std::uint64_t element);
 
 }  // namespace quoin::random

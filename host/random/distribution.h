@@ -38,7 +38,7 @@ class Sampler {
 
 const char* shape_name(Shape shape);
 
-// Of mean 0 and scatter 1.
+// The normal distribution of mean 0 and scatter 1.
 double normal_probability(double z);         // that a draw is below z
 double normal_quantile(double probability);  // in (0, 1)
 

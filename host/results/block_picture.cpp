@@ -165,7 +165,7 @@ Joints joints_of(const Simulation& simulation, const Surfaces& surfaces) {
   return joints;
 }
 
-// Of a plane view.
+// Lines of a plane view.
 std::vector<Line> crack_lines(const Joints& joints, const View& view) {
   std::vector<Line> lines;
   for (const auto& [pair, joint] : joints) {
@@ -189,7 +189,7 @@ std::pair<double, double> interval_on(const Vector& from, const Vector& to, cons
   return interval;
 }
 
-// Of other views: joints that are no longer intact, along the edges of faces that are seen, by block.
+// Edges for other views: joints that are no longer intact, along the edges of visible faces, by block.
 class CrackedEdges {
  public:
   CrackedEdges(const Joints& joints, size_t blocks) : sides_(blocks) {
@@ -246,7 +246,7 @@ std::string scale_bar(double x0, double y0, double margin, double width) {
       x, x + length, y, length);
 }
 
-// Of what can move, with a margin around it, m.
+// Extent of what can move, with a margin around it, m.
 struct Frame {
   double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL, margin = 0.0;
 };

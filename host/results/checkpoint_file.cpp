@@ -374,7 +374,7 @@ std::string geometry_hash(const Simulation& simulation) {
   return hash.end();
 }
 
-// Of a run whose end is the start of others: its stages in place of its whole scene.
+// Identity of a run whose end is the start of others: its stages in place of its whole scene.
 Identity end_identity(const Simulation& simulation, const Provenance& provenance, std::size_t stages) {
   Identity identity = identity_of(simulation, provenance);
   for (Identity::Part& part : identity.parts) {

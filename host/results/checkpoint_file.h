@@ -40,7 +40,7 @@ struct Checkpoint {
 
 // Complete and on the disk, or not there: written under a name of its own, flushed, renamed. Throws Error(bad_input).
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint);
-// Of now, piece by piece: all ranks call simulation.save at this moment.
+// Writes the current state, piece by piece: all ranks call simulation.save at this moment.
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
                       const std::vector<double>& frame_times, const Simulation& simulation);
 

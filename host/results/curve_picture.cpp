@@ -31,7 +31,7 @@ struct Curve {
   int peak = -1;                              // index of a point; -1: none to show
 };
 
-// Of the rows of all stages. One way the curve goes to the right, whichever way that was.
+// Curve of the rows of all stages. A push in one direction is drawn to the right.
 Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::string& law) {
   const double area = bed_area(scene);
   const Stage& last = scene.stages.back();
@@ -68,7 +68,7 @@ Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::st
   return curve;
 }
 
-// Of the rows of stages of the kind of the last one; the peak is what is furthest from 0.
+// Curve of the rows of stages of the kind of the last one; the peak is the value farthest from 0.
 template <class X, class Y>
 void add_points(const std::vector<Row>& rows, const Scene& scene, const X& x, const Y& y, Curve& curve) {
   const std::string_view kind = curve_kind(scene.stages.back());

@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-// Of a pair of blocks. Tractions are means over the area in contact, tension positive.
+// Sums over a pair of blocks. Tractions are means over the area in contact, tension positive.
 struct JointSum {
   double area = 0.0;                  // in contact, m2; 0: the blocks have come apart
   double normal = 0.0;                // Pa

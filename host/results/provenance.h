@@ -51,7 +51,8 @@ Provenance provenance_of(const Simulation& simulation, const Request& request);
 void note_results(const Simulation& simulation, const std::filesystem::path& folder, Provenance* provenance);
 
 nlohmann::ordered_json to_json(const Provenance& provenance);
-// Of FOLDER/summary.json. Throws Error(bad_input): there is none, it is not whole, or the run was interrupted.
+// Provenance of FOLDER/summary.json. Throws Error(bad_input): there is none, it is not whole, or the run was
+// interrupted.
 Provenance read_provenance(const std::filesystem::path& folder);
 
 // What is not the same in two of them and may change the bits: "program 0.1.0 (sha256 12ab...), there 0.1.0 (...)".

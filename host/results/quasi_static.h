@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-// Of the stages that drive a body: by a velocity, or until a displacement is reached.
+// Findings of the stages that drive a body: by a velocity, or until a displacement is reached.
 struct QuasiStatic {
   // The sum of supports and loads along the loading direction is force that moves the wall in place of straining it.
   // Its measure is the root of the mean square, with or without the ramps, whichever is larger, over the peak force.

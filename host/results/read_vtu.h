@@ -33,7 +33,7 @@ class VtuFile {
   std::vector<T> read(const std::string& name, VtkRows rows, std::size_t components = 1) const;
   template <class T>
   std::vector<T> values_of(const std::string& name) const;  // the same, of any number
-  // Of int32, in [0, count).
+  // Values of int32, in [0, count).
   std::vector<std::int32_t> read_indices(const std::string& name, VtkRows rows, std::size_t count) const;
   [[noreturn]] void refuse(const std::string& why) const;  // Error(bad_input)
 

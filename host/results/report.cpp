@@ -217,7 +217,7 @@ struct Solid {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // centre times volume
 };
 
-// Of rigid blocks that are free to move, as they stand: what holds or drives a block is in no joint.
+// Solids of rigid blocks that are free to move, in their current places: joints carry all forces on these.
 std::map<std::int32_t, Solid> rigid_solids(const VtuFile& blocks, const std::set<std::int32_t>& held) {
   const VtuGrid& grid = blocks.grid();
   const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());
@@ -604,14 +604,14 @@ Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
   return frame;
 }
 
-// Of "#rrggbb", 0 to 255.
+// Bytes of "#rrggbb", 0 to 255.
 Json bytes_of(const std::string& colour) {
   Json bytes = Json::array();
   for (const std::size_t place : {1, 3, 5}) bytes.push_back(std::stoi(colour.substr(place, 2), nullptr, 16));
   return bytes;
 }
 
-// Of everything on the page, cracks by their numbers.
+// Colours of everything on the page, cracks by their numbers.
 Json colours() {
   Json cracks = Json::array();
   for (const CrackStyle& style : kCrackStyles) cracks.push_back({{"label", style.label}, {"colour", style.colour}});

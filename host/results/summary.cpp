@@ -246,7 +246,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   return json;
 }
 
-// Of blocks of any shape, and of bricks on a ground that moves.
+// Numbers of blocks of any shape, and of bricks on a ground that moves.
 Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   Json json;
   json["largest_displacement_m"] = largest_displacement(rows);
@@ -273,7 +273,7 @@ Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows
   return json;
 }
 
-// Of those that have one, by number.
+// Names of blocks that have one, by number.
 Json block_names(const Simulation& simulation) {
   constexpr std::size_t kMost = 5000;  // more are no use to a reader, and the file would be names alone
   Json names = Json::object();

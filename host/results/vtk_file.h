@@ -20,7 +20,7 @@ constexpr const char* kVtkType = std::is_same_v<T, float>          ? "Float32"
                                  : std::is_same_v<T, std::uint8_t> ? "UInt8"
                                                                    : "Int64";
 
-// Of what an array has values: one row for each.
+// Items of which an array has one row each.
 enum class VtkRows { point, cell, corner };
 
 // How many rows there are.

@@ -51,7 +51,7 @@ class ForceLoss {
   // the half cycle that has just ended lost force.
   bool see(double force, int half_cycle, double target, double allowed_fraction);
 
-  // Of the half cycle that ended last.
+  // Numbers of the half cycle that ended last.
   int half_cycle() const { return ended_; }
   double force() const { return of_ended_; }     // largest force of the half cycle, N
   double largest() const { return reference_; }  // force that it was compared with, N

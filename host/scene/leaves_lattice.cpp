@@ -9,7 +9,7 @@ std::string leaves_lattice(const Scene& scene, std::size_t stage) {
   others.ground.reset();
   if (std::string acts = others.beyond_lattice(); !acts.empty()) return acts;
   const SolverSettings& solver = scene.solver_in(stage);
-  // Of joints the lattice has no viscous damping.
+  // The lattice has no viscous damping of joints.
   if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0.0)
     return "moves the ground under stiffness_damping";
   if (solver.damping == DampingKind::impact && solver.maxwell_damping > 0.0)

@@ -70,7 +70,7 @@ struct FloorSpec {
   double mass = 0.0;                                             // kg/m2
   double load = 0.0;                                             // Pa
   std::string span = "across";                                   // towards the edges that carry its weight
-  // Of a metre of edge:
+  // Properties of a metre of edge:
   double axial_stiffness = 0.0, connector_stiffness = 0.0;              // N/m2, out of the edge and along it
   double axial_strength = std::numeric_limits<double>::infinity();      // N/m, of anchors
   double connector_strength = std::numeric_limits<double>::infinity();  // N/m, along the edge

@@ -19,7 +19,7 @@ struct Monitor {
 };
 
 std::vector<Monitor> read_monitors(reader::Table& scene);
-// Of the text of a scene that has been read, and what was laid over it.
+// Monitors in the text of a scene that has been read, and in the changes laid over it.
 std::vector<Monitor> monitors_of(const std::string& text, const std::string& path,
                                  const std::vector<std::string>& overrides);
 

@@ -45,7 +45,7 @@ struct PropertySetting {
   std::optional<Scatter> scatter{};
 };
 
-// Of two properties of a family that scatter, in the normal variables behind them.
+// Correlation of two properties that scatter, in the normal variables behind them.
 struct PropertyCorrelation {
   std::string first, second;
   double value = 0.0;
@@ -242,7 +242,7 @@ struct Stage {
   std::vector<FacePressure> pressures;
   std::optional<GroundMotion> ground;
   std::optional<Collapse> collapse;
-  // Of a stage with a solver table: what holds from it on. What the table leaves out is that of the stage before.
+  // Settings from this stage on, with a solver table. Keys that the table leaves out stay as in the stage before.
   std::optional<SolverSettings> solver;
 
   std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage

@@ -31,7 +31,7 @@ double points_all_round(const Counts& n) {
   return (n[0] + 1) * (n[1] + 1) + (n[1] + 1) * (n[2] + 1) + (n[2] + 1) * (n[0] + 1);
 }
 
-// Of a head joint and of the bed joints to the next course: half units lie on one block, whole ones across two.
+// Points of a head joint and of the bed joints to the next course: half units lie on one block, whole ones across two.
 double points_in_a_wall(const Counts& n, bool halves) {
   const double bed = halves ? n[0] + 1 : 2 * (std::ceil(n[0] / 2) + 1);
   return (n[1] + 1) * (n[2] + 1) + bed * (n[2] + 1);

@@ -77,7 +77,7 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
   }
 }
 
-// Of sides: what goes to other ranks and comes from them.
+// Keys of sides: those sent to other ranks, and those received.
 struct BorderKeys {
   std::map<int, std::set<std::int64_t>> to, from;
 };

@@ -147,7 +147,7 @@ struct Pose {
   Lanes33 f, r, previous_r;  // the last of the step before; with viscosity
 };
 
-// Of a BlockFrame: the numbers of R^T, then those of F.
+// Numbers of a BlockFrame: those of R^T, then those of F.
 constexpr int kFrameNumbers = 18;
 static_assert(sizeof(BlockFrame) == kFrameNumbers * sizeof(double));
 

@@ -242,7 +242,7 @@ HWY_INLINE const double* damped_displacement(const GroupData& g) {
   return g.scratch.weighted;
 }
 
-// Of gridpoint n, internal forces split into those of u and those of beta v.
+// Internal forces at gridpoint n, split into those of u and those of beta v.
 template <int kCount>
 HWY_INLINE void store_split(const GroupData* groups, int n, const V (&internal)[kCount][3][kParts],
                             const V (&elastic)[kCount][3][kParts]) {

@@ -45,7 +45,7 @@ struct StepData {
 struct Measured {
   double unbalanced_squared = 0.0;  // largest over gridpoints, N2
   double kinetic = 0.0;             // m v(-1/2) v(+1/2) / 2, which is what central differences conserve
-  // Of block groups only with StepData::energies:
+  // Energies of block groups, with StepData::energies alone:
   double strain = 0.0;
   double damping_before = 0.0, damping_after = 0.0;
   double external_before = 0.0, external_after = 0.0;

@@ -70,7 +70,7 @@ struct Model : World {
   void scan_for_row(std::span<const int> own_chunks, std::span<const int> own_pieces);
   void each_memory_of_piece(Part wanted, int piece, const VisitMemory& visit);
   void each_memory_of_chunk(Part wanted, int chunk, const VisitMemory& visit);
-  // Of each side of a contact point: its block, and the body or gridpoint whose motion the point reads.
+  // Visits each side of a contact point: its block, and the body or gridpoint whose motion the point reads.
   void each_side(int chunk, const std::function<void(int block, std::int64_t key)>& visit) const;
   void numbers_of(std::int64_t key, std::vector<double*>& numbers);  // that say where it is
   void motion_of(int block, std::vector<double*>& numbers);          // place and velocity of a whole block

@@ -232,7 +232,7 @@ void zone_forces_of(Model& m, const ModelBlock& b, BlockSums& sums, double* forc
   sums.strain += zone_forces(m.zones.lanes_of(b), step, {u, v, force, viscous});
 }
 
-// Of a group of a piece, in lanes: forces of contacts, loads and zones.
+// Forces on a group of a piece, in lanes: those of contacts, loads and zones.
 void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneColumns& columns, PhaseClock* clock) {
   const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
   group.count = blocks.size();

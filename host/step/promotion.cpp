@@ -120,7 +120,7 @@ double strain_energy(const blocks::Model& m, const std::vector<Vector>& displace
   return sum;
 }
 
-// Of a rigid block of the lattice: place of the start, motion since, m, rad, and m/s, rad/s.
+// Motion of a rigid block of the lattice: place of the start, motion since, m, rad, and m/s, rad/s.
 struct BodyMotion {
   Vec3 centre, displacement, rotation, velocity, spin;
 };

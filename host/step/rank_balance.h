@@ -21,7 +21,7 @@ class RankBalance {
   // By rank, own work in the last window, s, and what that was estimated to be, in any unit. The same on all ranks,
   // and so is what follows from it.
   bool is_worth_dividing(std::span<const double> seconds, std::span<const double> estimated);
-  // Of the uneven windows until now, by rank; 1: as of all ranks together.
+  // Ratio in the uneven windows until now, by rank; 1: as over all ranks together.
   std::vector<double> measured_over_estimated() const;
   void divided(double seconds);                    // all that it took
   void costs(double seconds) { cost_ = seconds; }  // before the first division

@@ -40,7 +40,7 @@ void repartition(Simulation::Impl& s) {
   s.rank_load.balance.divided(s.rank_load.costly_blocks ? 0.0 : took[0]);
 }
 
-// Of costly_blocks, own work in the window, any unit.
+// Own work in the window by costly_blocks, any unit.
 double pretended_seconds(const Simulation::Impl& s) {
   const std::vector<double> cost = estimated_costs(s);
   double sum = 0.0;

@@ -21,7 +21,7 @@ namespace quoin {
 
 namespace {
 
-// Of this rank, in order.
+// Units of this rank, in order.
 std::vector<int> own_units(const Simulation::Impl& s) {
   std::vector<int> own;
   for (int u = 0; u < static_cast<int>(s.model.unit_groups.size()); ++u) {

@@ -26,7 +26,7 @@ class RankSums : public SharedModel {
   void largest(std::span<double> values) override { ranks_.largest(values); }
 
  private:
-  // Of one rank.
+  // Contiguous values of one rank.
   struct Run {
     int rank;
     VectorRow row;

@@ -39,9 +39,9 @@ constexpr double kOpen = 1e-6, kSlides = 1e-3;
 // of the last one's, one that has not ten times as much. Too stiff a system only moves too little, too soft a one
 // flies.
 constexpr double kSofter = 1.0 / 3.0, kStiffer = 10.0;
-// Of the largest entry of the stiffness, what holds that nothing else holds.
+// Stiffness of what nothing else holds, over the largest entry of the stiffness.
 constexpr double kHeld = 1e-12;
-// Of the size of the model: a block that one iteration moves by more is held by nothing.
+// Share of the size of the model: a block that one iteration moves by more is held by nothing.
 constexpr double kFlies = 0.1;
 
 class Search {

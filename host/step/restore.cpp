@@ -150,7 +150,7 @@ void require_same_time_step(const Simulation::Impl& s, ArchiveReader& reader) {
                             dt, here));
 }
 
-// Of what follows from the model alone.
+// Sizes that follow from the model alone.
 std::vector<std::size_t> sizes_of(const Simulation::Impl& s) {
   std::vector<std::size_t> sizes{s.controls.ramps.size(), s.controls.load_ramps.size()};
   each_lattice_field(s.lattice, [&](const Field& field, const auto& array, int) {

@@ -263,7 +263,7 @@ HWY_INLINE V against(V gamma, V force, V velocity) {
   return hn::IfThenZeroElse(hn::Eq(velocity, hn::Zero(D())), hn::Neg(amount));
 }
 
-// Of viscous damping: v' = -alpha v, as the mean of both velocities.
+// Viscous damping: v' = -alpha v, as the mean of both velocities.
 HWY_INLINE double half_alpha_dt(const BodyStep& step) { return 0.5 * step.alpha * step.time_step; }
 
 struct EnergyLanes {

@@ -20,7 +20,7 @@ struct RigidGains {
   ByLane centre[3], linear[3], turning[3][3];
 };
 
-// Of each block about its mass centre, for energies.
+// Motion of each block about its mass centre, for energies.
 struct RigidLanes {
   ByLane mass, second[3][3];                           // kg; sum m r r^T, kg m2
   ByLane velocity[2][3], change[2][3], damping[2][3];  // linear and angular: before the step, in it; N, N m

@@ -174,7 +174,7 @@ std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
     return s.large_motion->wrong_law(all ? whole_share(s.large_motion->chunk_count(), 0).chunks
                                          : s.division.share.chunks);
   }
-  // Of `count` points of a family from `first` on.
+  // Checks `count` points of a family from `first` on.
   const auto examine = [&](std::size_t f, std::size_t first, std::size_t count) {
     const ContactFamily& family = s.model.families[f];
     Answers answers;

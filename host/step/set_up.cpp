@@ -39,7 +39,7 @@ void begin_damping(Simulation::Impl& s) {
         shares(std::vector<double>(static_cast<std::size_t>(s.contacts.implicit.pieces()), 1.0), s.pool.thread_count());
 }
 
-// Of points that are laid out.
+// States of the points that are laid out.
 void begin_states(Simulation::Impl& s) {
   std::vector<std::vector<double>> initial;  // by family and column
   for (std::size_t f = 0; f < s.model.families.size(); ++f) {

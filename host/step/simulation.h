@@ -78,7 +78,8 @@ struct HistoryNumbers {
   Vec3 ground_displacement{};  // displacement since the start, m
   Vec3 monitor_relative{};     // displacement of the monitor less that of the ground, m
   Vec3 base_force{};           // force on the fixed blocks by what stands on them, N
-  // Of these about the centre of the base, which moves with the ground, N m; not a number where ranks share the points.
+  // Moment of these about the centre of the base, which moves with the ground, N m; not a number where ranks share
+  // points.
   Vec3 overturning_moment{NAN, NAN, NAN};
   double largest_displacement = 0.0;  // largest displacement of a block since the start, m; blocks of any shape alone
   std::optional<Energies> energies;   // energies, with Scene::output.energy
@@ -304,7 +305,7 @@ class Simulation {
   // own_alone: of joints that begin at a block of this rank (owns_block).
   std::vector<ContactPoint> contact_points(const PointRange& range, bool own_alone = false) const;
   std::vector<ContactPoint> contact_points() const { return contact_points(all_points()); }
-  // Of the gridpoints that it joins, of block a and block b, m. On the lattice.
+  // Displacements of the gridpoints that it joins, of block a and block b, m. On the lattice.
   std::pair<Vec3, Vec3> displacement_of_sides(std::int32_t point) const;
   // Column of a law state, by id; NaN where the law of a point has no such state or does not keep it.
   std::vector<double> state(const std::string& id, const PointRange& range) const;

@@ -97,7 +97,7 @@ void end_step(Simulation::Impl& s, bool measure_step, bool report) {
   ++s.progress.stage_step;
 }
 
-// Of this thread, s: what others take of the core is no cost of a block.
+// Time of this thread, s: what others take of the core is no cost of a block.
 double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

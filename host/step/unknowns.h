@@ -18,7 +18,7 @@ struct UnknownShare {
   geometry::Vector moves;
 };
 
-// Of a zone on the lattice, by the displacements of the gridpoints of its block.
+// Stress of a zone on the lattice, by the displacements of the gridpoints of its block.
 geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<geometry::Vector>& moved);
 
 class Unknowns {

@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-// Of blocks in large motion. What an action does not have is null.
+// An action on blocks in large motion. Functions that it does not have are null.
 struct Action {
   const char* name;
   // Blocks that a stage names: looked up before anything runs, and known to all ranks when the stage begins.

@@ -31,7 +31,7 @@ struct LoadRamp {
   Vec3 from{}, to{}, now{};  // N
 };
 
-// Of a whiffletree.
+// A floor of a whiffletree.
 struct WhiffletreeFloor {
   std::vector<int> bodies, loaded;  // loaded: indices into Controls::loaded_blocks
   std::vector<int> large_motion;    // blocks in large motion, in place of both

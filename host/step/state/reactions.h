@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-// Of the joints of a rigid body, or a block, as a row of the history takes it.
+// Force and moment of the joints of a rigid body, or a block, for a row of the history.
 struct JointWrench {
   Vec3 force{};             // N
   Vec3 moment{}, centre{};  // about its centre at the start, N m; where that is, m
