@@ -713,7 +713,7 @@ struct Equations {
       V gamma = slip_to(hn::AndNot(c.on_seat, c.slips), c.line, c.factor_start, s.t, tolerance);
       if (!kPlain && c.any_on_seat) {
         c.stop = select(c.on_seat, seat_stop(s), c.stop);
-        const Step kept = s;  // here and at the cap: whose address a call takes, so that s stays in registers
+        const Step kept = s;  // a copy for the call, which takes an address: s stays in registers
         gamma = select(c.on_seat, slip_on_seat(c.on_seat, kept, c.line.xi, c.stop, tolerance), gamma);
       }
       a = slide(s, c, p_start, gamma);

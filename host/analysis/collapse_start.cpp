@@ -17,9 +17,9 @@ namespace {
 
 #ifdef QUOIN_LIMIT
 
-// Of the multiplier without dilation: on 27 dry assemblies runs lie within 4 % of it.
+// Share of the multiplier without dilation: runs of 27 dry assemblies lie within 4 % of that multiplier.
 constexpr double kOfSettled = 0.9;
-// Of the associated one where the other is not found. Stones that would have to lift to slide put runs below it: a dome
+// Share of the associated one where the other is not found. Stones that must lift to slide put runs below it: a dome
 // by a sixth. A bonded wall that cannot dilate lies below it by more than half. Such a start is too high, which the run
 // reports.
 constexpr double kOfAssociated = 0.5;

@@ -27,7 +27,7 @@ inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
 inline constexpr std::size_t kLineBytes = 64;  // line of the cache
 
-// The bounds of what new gives are the only ones of the address sanitizer.
+// The address sanitizer checks memory of `new` alone, so its builds use that.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kSparse = false;
 #elif defined(__has_feature)
@@ -36,7 +36,7 @@ inline constexpr bool kSparse = !__has_feature(address_sanitizer);
 inline constexpr bool kSparse = true;
 #endif
 
-// With ranks: room is counted where it is written to, and never by more than one small page.
+// With ranks: the system gives memory where it is written to, by small pages.
 inline std::atomic<bool> sparse_memory_wanted = false;
 
 // Pieces of large arrays that were given back. Contact detection replaces arrays by others of about the same size.

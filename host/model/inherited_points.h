@@ -28,7 +28,7 @@ struct PointsBefore {
 };
 
 Family without_points(const Family& f);  // another one of the same law
-// The facets of a contact point have moved.
+// Changes the indices of a contact point's facets from `before` to `now`.
 void move_facets(Point& p, uint32_t now, uint32_t before);
 // Copies points [first, first + count) of a contact, and their facets; first ones are then those of the copies.
 void set_aside(const World& w, const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count,

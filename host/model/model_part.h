@@ -1,4 +1,4 @@
-// What one of several processes has of a model that they share.
+// The part of a shared model that one of several processes holds.
 #pragma once
 
 #include <functional>

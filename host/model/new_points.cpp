@@ -237,8 +237,8 @@ int family_of(const World& w, const Contact& c, const Vector& normal) {
 
 void make_points(const World& w, const Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
   // Corners are given a nominal area, which keeps them from sinking in. Not those of blocks that touch along an edge
-  // since the start, as four units around a joint's end do: their neighbours keep them apart. The nominal area would
-  // lock units that slide past each other by a height of some micrometres.
+  // since the start, as four units around a joint's end do: their neighbours keep them apart. With the nominal area
+  // units could not slide past an edge that stands out by some micrometres.
   const double nominal =
       c.beside_joint ? 0.0 : std::min(w.blocks[c.pair.a].corner_area, w.blocks[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;

@@ -54,7 +54,7 @@ Head head_of(const double* row) {
   return std::bit_cast<Head>(numbers);
 }
 
-// What a block's motion since the start does to it.
+// Maps places and directions of the start to the current ones, by the motion of a block.
 struct Motion {
   Pose start, now;
   Vector place(const Vector& at) const { return now.x + now.r * transposed_times(start.r, at - start.x); }

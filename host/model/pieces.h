@@ -16,7 +16,7 @@ inline constexpr int kBodies = 8;  // blocks that move on side by side
 // Congruent blocks from which on one product with the stiffness of all costs less than one of each with its own.
 inline constexpr size_t kFewestAlike = 3;
 
-// Blocks that move on together: rigid ones, or deformable ones that stand alone, or first the one and then the other
+// Blocks that are advanced together: rigid ones, deformable ones that stand alone, or first the one and then the other
 // halves of units.
 struct Piece {
   uint32_t first, count;  // indices into Pieces::blocks; a group has at most kBodies

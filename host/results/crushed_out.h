@@ -11,7 +11,7 @@ namespace quoin {
 struct CrushedOut {
   long points = 0;
   double overlap = 0.0;         // overlap of the blocks at the deepest of them, m
-  std::string warning() const;  // empty: none
+  std::string warning() const;  // text of the warning; empty: there is nothing to warn of
 };
 
 // By all ranks at the same moment, after run().

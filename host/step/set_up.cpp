@@ -161,7 +161,8 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   begin_damping(s);
 }
 
-// A step that a stage has chosen begins at the time of the displacements; velocities stay those of half a step before.
+// Takes the time step of a stage. It holds from the time of the displacements on; velocities are still half a step
+// older.
 void follow_solver(Simulation::Impl& s) {
   s.progress.clock_start = time_now(s), s.progress.clock_start_step = s.progress.step;
   std::unique_ptr<SharedModel> shared;
