@@ -26,6 +26,8 @@ img { max-width: 100%; max-height: 130mm; }
 nav p { font: bold 10pt 'DejaVu Sans', sans-serif; margin: 4mm 0 1mm; } nav ul { list-style: none; padding: 0; margin: 0; }
 nav a::after { content: leader('.') target-counter(attr(href), page); }
 nav ul ul { padding-left: 6mm; font-size: 8.5pt; }
+.genindextable { font-size: 7.5pt; } .genindextable ul { list-style: none; padding: 0; margin: 0; }
+.genindextable a::after { content: ', ' target-counter(attr(href), page); }
 """
 
 
@@ -104,6 +106,7 @@ def main():
         else:
             pages.append((caption, found[3], os.path.normpath(os.path.join(os.path.dirname(index), found[2]))))
             caption = ""
+    pages.append(("Index", "Index", os.path.join(folder, "genindex.html")))
     known = {path for _, _, path in pages}
     warnings = Warnings()
     logger = logging.getLogger("weasyprint")

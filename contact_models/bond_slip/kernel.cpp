@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin::bond_slip::HWY_NAMESPACE {
 using namespace quoin::shim;
 
-// Of a bond that loses no strength: any ratio above 1 does.
+// Ratio of a bond that loses no strength; any ratio above 1 does.
 inline constexpr double kUnusedRatio = 2.0;
 
 HWY_INLINE Lanes lanes_of(V kn, V ks, V tau_m, V f_p, V G_f) {

@@ -68,7 +68,7 @@ struct Equations {
     const V scale = hn::Max(hn::Max(hn::Max(p.ft, p.c0), hn::Abs(elastic)), trial);
     const V tolerance = hn::Mul(splat(kYieldTolerance), scale);
 
-    // Tension cut-off; a failure drops every strength, before the shear strength is looked at.
+    // Tension cut-off; a failure drops every strength, before the shear strength is checked.
     Result r;
     r.open = hn::Gt(in.d_n, zero());
     const M breaks = hn::AndNot(old.failed, hn::Gt(hn::Sub(elastic, p.ft), tolerance));

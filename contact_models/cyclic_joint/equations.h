@@ -114,7 +114,7 @@ struct Lanes {
   }
 };
 
-// Of these, what the short path reads of joints without residual opening, crushing and uplift.
+// The lanes that the short path reads, for joints without residual opening, crushing and uplift.
 struct ShortLanes {
   V kn, ks, c_drop, mu_drop, mur, Cs, u0, yield, yield_squared;
   explicit HWY_INLINE ShortLanes(const Lanes& p)
@@ -191,7 +191,7 @@ struct Equations {
     const V softened = hn::MulAdd(p.fcr, positive_part(l1 - p.wp) - positive_part(l0 - p.wp), softening);
     if (!p.hardens) return softened;
     const V a = hn::Min(l0, p.wp) * p.inv_wp, b = hn::Min(l1, p.wp) * p.inv_wp;
-    const V mean = a + b - splat(1.0 / 3.0) * (a * a + a * b + b * b);  // of x (2 - x)
+    const V mean = a + b - splat(1.0 / 3.0) * (a * a + a * b + b * b);  // mean of x (2 - x)
     return hn::MulAdd(p.wp * (b - a), hn::MulAdd(p.hardening, mean, p.fy), softened);
   }
   HWY_INLINE V recovery(V l0, V l1) const {  // chi/(2 fc) times that
@@ -238,7 +238,7 @@ struct Equations {
     V v, e, h;  // with the old states
     V trial_s, trial_t, t, n_s, n_t;
     V reach;          // |d_n| + w + v + q
-    V floor;          // of the scale of every test: kn reach, |tau*|
+    V floor;          // scale of every test: kn reach, |tau*|
     Crushed crushed;  // at the old l
     explicit HWY_INLINE Step(const State& state) : old(state) {}
     HWY_INLINE V tolerance(V strength) const { return splat(kYieldTolerance) * hn::Max(strength, floor); }
@@ -561,7 +561,7 @@ struct Equations {
     Seat seat;
   };
   struct Course {
-    Line line;       // of this step's slip; its xi is where the slip starts, the end for a cohesion without drop
+    Line line;       // line of this step's slip; its xi is where the slip starts, the end for a cohesion without drop
     V factor_start;  // f there
     V stop;
     M slips, on_seat;
@@ -713,7 +713,7 @@ struct Equations {
       V gamma = slip_to(hn::AndNot(c.on_seat, c.slips), c.line, c.factor_start, s.t, tolerance);
       if (!kPlain && c.any_on_seat) {
         c.stop = select(c.on_seat, seat_stop(s), c.stop);
-        const Step kept = s;  // here and at the cap: whose address a call takes, so that s stays in registers
+        const Step kept = s;  // a copy for the call, which takes an address: s stays in registers
         gamma = select(c.on_seat, slip_on_seat(c.on_seat, kept, c.line.xi, c.stop, tolerance), gamma);
       }
       a = slide(s, c, p_start, gamma);

@@ -115,7 +115,7 @@ struct At {
             in(kTractionOld + 1),
             in(kTractionOld + 2)};
   }
-  // Of a joint without residual opening, crushing and uplift: no more than the short path needs.
+  // State of a joint without residual opening, crushing and uplift: what the short path needs.
   HWY_INLINE State untouched_state() const {
     State s{};
     s.xi = in(kStateOld + kXi), s.w = in(kStateOld + kW);
@@ -265,7 +265,7 @@ HWY_INLINE bool step_elastic(const ShortPath<Softening>& law, const Columns& c, 
   return true;
 }
 
-// A call of one point asks here, and not on its short path, whether it is touched and elastic.
+// A call of one point checks here, and not on its short path, whether the point is touched and elastic.
 template <class Access, class Law>
 HWY_NOINLINE bool step_touched(const Law& law, const Columns& c, std::size_t i) {
   const At<Access> at{c, i};

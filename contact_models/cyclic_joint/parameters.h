@@ -20,7 +20,7 @@ struct Properties {
   double sd, pd;      // slip (m; 0: su) and pressure (Pa) at which dilation ends
   double fy, wp;      // where crushing starts, Pa; l at fc, m
   double chi;         // compliance by crushing
-  double Cs;          // shear in the cap
+  double Cs;          // factor of shear in the cap p^2 + Cs tau^2 = F^2
 };
 
 struct Parameters : shim::SofteningShape {

@@ -81,7 +81,7 @@ class QuickColumns {
     use(kColumnCr, own.cr), use(kColumnG1, splat(m.given.G1)), use(kColumnG2, splat(m.given.G2));
   }
 
-  // Of the points from i on. p: no more of it is set than Equations::elastic reads.
+  // Points from i on. p: set as far as Equations::elastic reads it.
   HWY_INLINE bool sound(std::size_t i, Lanes& p) const {
     const V kn = at(kColumnKn, i), ks = at(kColumnKs, i), ft = at(kColumnFt, i);
     const V c0 = at(kColumnC0, i), cr = at(kColumnCr, i), G1 = at(kColumnG1, i), G2 = at(kColumnG2, i);

@@ -36,7 +36,7 @@ struct Material {
   // The kernels that it needs, with the branches that its parameters switch off left out.
   Kernel lean = nullptr;  // tractions and states only
   Kernel one = nullptr;   // the same for a call of one point
-  Kernel full = nullptr;  // every branch, whatever outputs are asked for
+  Kernel full = nullptr;  // every branch, whatever outputs are requested
   // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
   static constexpr std::size_t kLaneVectors = 30;
   alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];

@@ -1,4 +1,4 @@
-// What a law's kernel sees of a batch: contiguous columns of doubles, padded to whole vectors.
+// The form in which a law's kernel gets a batch: contiguous columns of doubles, padded to whole vectors.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ inline constexpr int kStateOld = 6;       // kMaxStates
 inline constexpr int kProperty = kStateOld + kMaxStates;
 inline constexpr int kInCount = kProperty + kMaxPropertyColumns;
 
-// Indices into Columns::out. Null: not asked for.
+// Indices into Columns::out. Null: not requested.
 inline constexpr int kTractionNew = 0;  // 3
 inline constexpr int kStateNew = 3;     // kMaxStates
 inline constexpr int kEnergyStored = kStateNew + kMaxStates;
@@ -31,13 +31,13 @@ inline constexpr int kFlags = kDamage + 3;             // as doubles; the shim c
 inline constexpr int kStatus = kFlags + 1;
 inline constexpr int kOutCount = kStatus + 1;
 
-// Filled in by the shim at every call, and no more of it than is needed: small batches feel it.
+// Filled in by the shim at every call, and no more of it than is needed: it costs time in small batches.
 struct Columns {
   const double* in[kInCount];  // from kProperty on only with property_columns
   double* out[kOutCount];      // from kEnergyStored on only with extras
   bool property_columns;       // some property is given point by point
-  bool extras;                 // that, or anything beyond tractions and history is asked for
-  bool more_outputs;           // anything beyond tractions and history is asked for; set with extras alone
+  bool extras;                 // that, or anything beyond tractions and history is requested
+  bool more_outputs;           // anything beyond tractions and history is requested; set with extras alone
   bool in_place;               // every new state is its old one, in the same memory
 };
 

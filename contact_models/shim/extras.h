@@ -1,4 +1,4 @@
-// Energies, tangent, flags and status of the points of one vector: written where a host asks for them.
+// Energies, tangent, flags and status of the points of one vector: written where a host requests them.
 #if defined(QUOIN_SHIM_EXTRAS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_SHIM_EXTRAS_H
 #undef QUOIN_SHIM_EXTRAS_H
@@ -20,7 +20,7 @@ struct Tangent {
   V entry[9];  // d(sigma, tau_s, tau_t)/d(d_n, d_s, d_t), row by row
 };
 
-// flags() and damage(mode) only when they are asked for. A point that is not sound gets zeros and its status.
+// flags() and damage(mode) only when they are requested. A point that is not sound gets zeros and its status.
 template <class Flags, class Damage>
 HWY_INLINE void put_extras(const Columns& c, std::size_t i, M sound, const Energies& energies, const Tangent& tangent,
                            const Flags& flags, const Damage& damage) {

@@ -1,5 +1,5 @@
 // Vector helpers shared by the kernels. Included inside HWY_NAMESPACE once for every instruction set, so without a
-// pragma once: the guard toggles as Highway asks.
+// pragma once: the guard toggles as Highway requires.
 #if defined(QUOIN_SHIM_LANES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_SHIM_LANES_H
 #undef QUOIN_SHIM_LANES_H

@@ -65,7 +65,7 @@ HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, Su
   run_lean(law, c, count, elastic, Unprepared(), summary);
 }
 
-// Whatever outputs are asked for. prepare(i) before the points from i on: their properties.
+// Whatever outputs are requested. prepare(i) before the points from i on: their properties.
 template <class Law, class Prepare>
 HWY_INLINE void run_full(const Law& law, const Columns& c, std::size_t count, Summary& summary,
                          const Prepare& prepare) {

@@ -320,7 +320,7 @@ class Plugin {
   static bool asks_for_more(const quoin_batch& batch) {
     return (batch.property_column_count > 0) | asks_for_outputs(batch);
   }
-  // Without branches: short calls feel it.
+  // Without branches, which would cost time in short calls.
   static bool asks_for_outputs(const quoin_batch& batch) {
     bool more = (batch.flags.data != nullptr) | (batch.status.data != nullptr) | (batch.energy_stored.data != nullptr);
     for (const quoin_out& view : batch.dissipated) more |= view.data != nullptr;
@@ -333,7 +333,7 @@ class Plugin {
   // Hosts of version 1.0 do not reach so far.
   static bool knows_damage(const quoin_batch& batch) { return batch.struct_size >= sizeof(quoin_batch); }
 
-  // Points columns at tractions and history, where the caller keeps them; no look at what else is asked for. Without
+  // Points columns at tractions and history, where the caller keeps them; other outputs are not considered. Without
   // branches: short calls spend their time here.
   struct Pointed {
     bool complete, contiguous;  // nothing required is missing; every stride is 1
@@ -385,7 +385,7 @@ class Plugin {
   }
 
   static quoin_status run(const typename L::Material& material, quoin_batch& batch) {
-    // What hosts ask for in every step: whole vectors of tractions and history on their own memory.
+    // What hosts request in every step: whole vectors of tractions and history on their own memory.
     Columns columns;
     const std::size_t count = static_cast<std::size_t>(batch.count);
     if (count % kMaxLanes == 0 && count > 0 && !asks_for_more(batch)) {

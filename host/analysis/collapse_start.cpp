@@ -17,15 +17,15 @@ namespace {
 
 #ifdef QUOIN_LIMIT
 
-// Of the multiplier without dilation: on 27 dry assemblies runs lie within 4 % of it.
+// Share of the multiplier without dilation: runs of 27 dry assemblies lie within 4 % of that multiplier.
 constexpr double kOfSettled = 0.9;
-// Of the associated one where the other is not found. Stones that would have to lift to slide put runs below it: a dome
+// Share of the associated one where the other is not found. Stones that must lift to slide put runs below it: a dome
 // by a sixth. A bonded wall that cannot dilate lies below it by more than half. Such a start is too high, which the run
 // reports.
 constexpr double kOfAssociated = 0.5;
-// Largest model whose multiplier without dilation is looked for, in contact points: a minute.
+// Largest model whose multiplier without dilation is sought, in contact points: a minute.
 constexpr long kMostPoints = 12000;
-// Of the associated multiplier, which no brittle joint exceeds before blocks have moved: where the stage gives up.
+// Share of the associated multiplier at which the stage ends; no brittle joint exceeds it before blocks have moved.
 constexpr double kGivesUp = 1.2;
 
 void find_start(const Simulation& simulation, Stage* stage) {

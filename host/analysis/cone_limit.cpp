@@ -114,23 +114,23 @@ struct Bound {
 // A contact point, with forces x along n, s, t; or a force of a member, with one number.
 struct Element {
   struct Side {
-    int row;                         // first one of a block that is not fixed
-    Eigen::Matrix<double, 6, 3> on;  // what forces do to it
+    int row;                         // first row of a block that is not fixed
+    Eigen::Matrix<double, 6, 3> on;  // wrench on the block by unit forces
   };
   std::vector<Side> sides;  // by rows, ascending
-  bool has_cone = false;    // its slack: strength - friction x[0] + live multiplier, x[1], x[2]
+  bool has_cone = false;    // whether it has a slack: strength - friction x[0] + live multiplier, x[1], x[2]
   double friction = 0.0, strength = 0.0, live = 0.0;
   Cone cone{};
   Vector3d cone_ds, cone_dz, corrector;
   std::vector<Bound> bounds;
-  double pull = 0.0;  // of the normal force; of shear to 0
+  double pull = 0.0;  // stiffness of the pull of the normal force to `towards`, and of shear to 0
   double towards = 0.0;
   Vector3d x = Vector3d::Zero(), dx;
 
-  double of_bounds = 0.0;  // its stiffness of them, z/s, and of the pull
-  Matrix3d inverse;        // of its Hessian H; 0 for forces that it does not have
+  double of_bounds = 0.0;  // stiffness of its bounds, z/s, and of the pull
+  Matrix3d inverse;        // inverse of the Hessian H; 0 for components that the element does not have
   Vector3d to_multiplier;  // Hessian between x and the multiplier
-  Vector3d rest, left;     // right side, and what is left of it
+  Vector3d rest, left;     // right side, and its residual
 
   Vector3d slope(const Vector3d& v, double multiplier) const {  // G x
     return {friction * v[0] - live * multiplier, -v[1], -v[2]};
@@ -209,7 +209,8 @@ class ConeProgramme {
     }
     e.friction = p.friction, e.strength = p.cohesion / force_, e.live = p.live_cohesion / force_;
     e.has_cone = e.friction > 0.0 || e.strength > 0.0 || e.live != 0.0;
-    const bool tip = e.friction > 0.0 && e.live == 0.0 && p.tension >= p.cohesion / p.friction;  // of the cone
+    // Force at the tip of the cone.
+    const bool tip = e.friction > 0.0 && e.live == 0.0 && p.tension >= p.cohesion / p.friction;
     if (!tip) e.bounds.push_back({1.0, p.tension / force_});
     if (std::isfinite(p.crushing)) e.bounds.push_back({-1.0, p.crushing / force_});
     elements_.push_back(e);
@@ -223,14 +224,14 @@ class ConeProgramme {
     elements_.push_back(e);
   }
 
-  // Sides by twos, each with itself too: visit(lower, upper), in the order of rows.
+  // Pairs of sides, a side with itself included: visit(lower, upper), in the order of rows.
   template <class Visit>
   static void each_pair(const Element& e, const Visit& visit) {
     for (std::size_t i = 0; i < e.sides.size(); ++i)
       for (std::size_t j = 0; j <= i; ++j) visit(e.sides[i], e.sides[j]);
   }
 
-  // Of the matrix, which is the same in all steps: the lower triangle, block by block.
+  // Pattern of the matrix, which is the same in all steps: the lower triangle, block by block.
   void pattern() {
     std::vector<Eigen::Triplet<double>> entries;
     for (int r = 0; r < rows_count_; ++r) entries.emplace_back(r, r, 1.0);
@@ -395,13 +396,13 @@ class ConeProgramme {
     for (Bound& b : multiplier_bounds_) (slacks ? b.s : b.z) += by;
   }
 
-  // Of equilibrium, prices and slacks; gap.
+  // Residuals of equilibrium, prices and slacks; gap.
   void residuals() {
     of_rows_ = dead_ + m_ * live_;
     of_multiplier_ = -1.0 + live_.dot(y_);
     double of_forces = 0.0, of_slacks = 0.0;
     gap_ = 0.0;
-    double dual = dead_.dot(y_);  // of the minimum of -multiplier
+    double dual = dead_.dot(y_);  // dual of the minimum of -multiplier
     for (Element& e : elements_) {
       act(e, e.x, of_rows_);
       e.rest = forces_from(e, y_) + pulled(e);
@@ -442,7 +443,7 @@ class ConeProgramme {
       if (e.has_cone) {
         Vector3d d = -Cone::product(e.cone.lambda, e.cone.lambda) - e.corrector;
         d[0] += centring * mu;
-        e.cone_ds = e.cone.w * e.cone.over_lambda(d);  // of slack alone; the rest follows from prices
+        e.cone_ds = e.cone.w * e.cone.over_lambda(d);  // part of the slack alone; the rest follows from prices
         const Vector3d right = e.cone.square_inverse * (keep * slack_error(e) + e.cone_ds);
         e.rest -= e.back(right);
         multiplier += e.live * right[0];
@@ -573,8 +574,8 @@ class ConeProgramme {
   double m_ = 0.0, dm_ = 0.0;  // multiplier
   Eigen::SparseMatrix<double> matrix_;
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
-  VectorXd pull_, answer_to_pull_;      // of the multiplier on blocks, after elimination of forces
-  double own_ = 0.0, whole_own_ = 0.0;  // of the multiplier, after it and before
+  VectorXd pull_, answer_to_pull_;      // effect of the multiplier on blocks, after elimination of forces
+  double own_ = 0.0, whole_own_ = 0.0;  // diagonal entry of the multiplier, after elimination and before
   VectorXd of_rows_;
   double of_multiplier_ = 0.0, gap_ = 0.0, upper_ = 0.0, error_ = 0.0, degree_ = 0.0;
   double best_error_ = std::numeric_limits<double>::infinity(), best_m_ = 0.0, best_upper_ = 0.0;

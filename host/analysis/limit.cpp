@@ -105,7 +105,7 @@ class Programme {
 
  private:
   struct Columns {
-    int first = 0, normal = 0;  // of the edges and of the pure normal force
+    int first = 0, normal = 0;  // columns of the edges and of the pure normal force
     double lift = 0.0;          // compression that goes with a unit of an edge
     double tension = 0.0;       // at the apex, in units of force_
     int shear_row = -1, crushing_row = -1;

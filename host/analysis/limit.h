@@ -22,9 +22,9 @@ struct Wrench {
 };
 
 struct LimitBlock {
-  geometry::Vector centre;  // to which wrenches and velocities refer, m
+  geometry::Vector centre;  // reference point of wrenches and velocities, m
   bool fixed = false;
-  Wrench dead, live;  // what acts always, and what is multiplied
+  Wrench dead, live;  // constant loads, and those that are multiplied
 };
 
 // A contact point. Tractions as in the laws: sigma > 0 is tension, n from block a to block b.
@@ -37,7 +37,7 @@ struct LimitPoint {
   double cohesion = 0.0;                                      // shear strength without normal force, N, >= 0
   double crushing = std::numeric_limits<double>::infinity();  // largest compression, N, > 0
   double area = 1.0;                                          // m2, > 0; stiffness of joints is in proportion
-  double live_cohesion = 0.0;                                 // what a multiplier of 1 adds to the cohesion, N
+  double live_cohesion = 0.0;                                 // cohesion added by a multiplier of 1, N
 };
 
 // What a member carries: one number between two bounds, which acts on all of its places at once.
@@ -54,7 +54,7 @@ struct LimitForce {
 struct LimitProblem {
   std::vector<LimitBlock> blocks;
   std::vector<LimitPoint> points;
-  std::vector<LimitForce> forces{};  // of members
+  std::vector<LimitForce> forces{};  // forces of members
 };
 
 struct LimitSettings {
@@ -70,7 +70,7 @@ struct LimitSettings {
   // least shear. With whole cones alone, and with friction below 0, too; not_converged where cone_limit.h finds none.
   std::vector<double> near{};
   double most =
-      std::numeric_limits<double>::infinity();  // of the multiplier; where it is reached, no mechanism is meant
+      std::numeric_limits<double>::infinity();  // bound of the multiplier; where it is reached, no mechanism is sought
 };
 
 enum class LimitStatus {
@@ -84,7 +84,7 @@ struct LimitResult {
   LimitStatus status = LimitStatus::not_converged;
   double multiplier = 0.0;
   double gap = 0.0;  // (upper - lower bound)/max(1, |multiplier|) of the programme
-  int facets = 0;    // of the friction cones that it is of; 0: whole ones
+  int facets = 0;    // facets of the friction cones; 0: whole cones
   // On block a along n, s, t at each point, N: n > 0 is tension.
   std::vector<std::array<double, 3>> force;
   std::vector<double> member_force;  // by LimitProblem::forces

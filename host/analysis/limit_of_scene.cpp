@@ -279,7 +279,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     const Vector& x = block.centre;
     limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", block_label(simulation, i), x.x, x.y, x.z));
   }
-  std::map<std::string, Strength> strengths;  // of families that have points
+  std::map<std::string, Strength> strengths;  // strengths of families that have points
   const std::vector<JointFamily>& families = shapes ? shapes->assembly.families : simulation.assembly().families;
   for (const ContactPoint& p : contact_points(simulation)) {
     const std::string& family = families[static_cast<std::size_t>(p.family)].name;
@@ -338,7 +338,7 @@ LimitResult solved(const std::string& file, const SceneLimit& limit, const Limit
   throw Error(Exit::numerical, fmt::format("{}: the linear programme was not solved: residuals are left", file));
 }
 
-// Of loads along the weight turned sideways: x and z, both ways.
+// Least margin of four loads, the weight turned along x and z, both ways.
 void find_least_margin(const std::string& file, const LimitSettings& settings, SceneLimit* limit) {
   for (const Vector& way : {Vector{1, 0, 0}, Vector{-1, 0, 0}, Vector{0, 0, 1}, Vector{0, 0, -1}}) {
     LimitProblem pushed = limit->problem;
@@ -469,7 +469,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
 }
 
 std::vector<int> moving_without_load(const SceneLimit& limit) {
-  constexpr double kNone = 1e-6, kMoves = 1e-4;  // of the weight; of the largest velocity
+  constexpr double kNone = 1e-6, kMoves = 1e-4;  // shares of the weight, and of the largest velocity
   std::vector<int> blocks;
   if (!limit.margin || *limit.margin > kNone || !limit.limit) return blocks;
   for (std::size_t b = 0; b < limit.limit->velocity.size(); ++b) {
@@ -480,7 +480,7 @@ std::vector<int> moving_without_load(const SceneLimit& limit) {
 }
 
 MemberForce largest_force(const LimitMember& member, const LimitResult& result) {
-  constexpr double kAll = 1.0 - 1e-6;  // of a strength
+  constexpr double kAll = 1.0 - 1e-6;  // share of a strength
   MemberForce found;
   for (std::size_t k = 0; k < member.of.size(); ++k) {
     double force = result.member_force[member.of[k]] / member.over[k];

@@ -22,7 +22,7 @@ inline LimitSettings whole_cones() {
 }
 
 struct LimitOptions {
-  std::vector<double> direction;  // of the load that is multiplied; empty: of the first collapse stage
+  std::vector<double> direction;  // direction of the load that is multiplied; empty: that of the first collapse stage
   double given = 0.0;             // multiple of the weight along it that acts beside the weight
   LimitSettings settings = whole_cones();
   bool associated = false;  // no search for answers without dilation
@@ -47,9 +47,9 @@ struct LimitLoad {
 // Forces of a member that one strength bounds.
 struct LimitMember {
   std::string label, what;       // "floor 'first'", "shear_N_per_m"
-  std::vector<std::size_t> of;   // of LimitProblem::forces
+  std::vector<std::size_t> of;   // indices into LimitProblem::forces
   std::vector<double> over;      // by which each is divided, m
-  std::vector<double> strength;  // of each, divided by the same; may be infinite
+  std::vector<double> strength;  // strength of each, divided by the same; may be infinite
 };
 
 // A floor or beam as it is drawn: its nodes among the blocks, its faces by nodes from 0.
@@ -71,11 +71,11 @@ struct SceneLimit {
   // Blocks of the scene, then nodes of floors and beams. dead: weight and what is given; live: the weight along the
   // direction.
   LimitProblem problem;
-  std::size_t block_count = 0, point_count = 0;  // of the scene
-  std::vector<std::string> names, labels;        // of blocks: of the scene, and as messages have them
+  std::size_t block_count = 0, point_count = 0;  // sizes of the scene
+  std::vector<std::string> names, labels;        // blocks' names in the scene, and as messages give them
   std::vector<LimitMass> masses;
   std::vector<LimitLoad> loads;
-  std::vector<std::string> tie_names;  // of the first forces
+  std::vector<std::string> tie_names;  // names of the ties, which are the first forces
   std::vector<LimitMember> members;
   std::vector<LimitBody> bodies;
 
@@ -87,7 +87,7 @@ struct SceneLimit {
   std::optional<double> margin;
   geometry::Vector margin_direction{};
   std::vector<MovingLimit> moving;  // by position; `limit` is then that of the worst one
-  std::size_t worst = 0;            // of them
+  std::size_t worst = 0;            // index of the one nearest to its strength
   geometry::Vector moving_force{};  // N
 };
 

@@ -1,4 +1,4 @@
-// Linear programmes, solved by a library; this header is all that other code sees of it.
+// Linear programmes, solved by a library; other code includes this header alone.
 #pragma once
 
 #include <limits>
@@ -12,7 +12,7 @@ inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 struct LinearProgram {
   std::vector<double> row_low, row_high;
   std::vector<double> cost, low, high;
-  std::vector<int> begin{0};  // of each column in `row` and `value`, and the end of the last
+  std::vector<int> begin{0};  // begin of each column in `row` and `value`, and the end of the last
   std::vector<int> row;
   std::vector<double> value;
 
@@ -40,7 +40,7 @@ struct LinearSolution {
   double objective = 0.0;
   double dual_objective = 0.0;  // an upper bound where dual_residual is 0, from prices and bounds
   std::vector<double> x;
-  std::vector<double> price;     // of rows: change of the objective with the active bound
+  std::vector<double> price;     // prices of rows: change of the objective with the active bound
   double primal_residual = 0.0;  // largest distance of a row or column from its bounds
   double dual_residual = 0.0;    // largest price of a row or column towards a bound that it does not have
 };

@@ -66,7 +66,7 @@ MatrixXd orthonormalize(const Eigen::Ref<const MatrixXd>& basis, MatrixXd* block
 Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGroups& groups, double shift,
                      Index count) {
   constexpr Index kBlock = 6, kMostBlocks = 60;  // more than the six ways in which one loose body moves
-  // Of a residual over its eigenvalue: frequencies are exact to its square.
+  // Residual over its eigenvalue: frequencies are exact to its square.
   constexpr double kSettled = 1e-7;
   const Index n = scaled.rows();
   Eigen::SparseMatrix<double> shifted = scaled;
@@ -124,7 +124,7 @@ void require(const ModesSettings& s) {
 
 // Blocks with more than a trace of the motion without stiffness.
 std::vector<int> loose_blocks(const Vibrating& v, const MatrixXd& shapes) {
-  constexpr double kTrace = 1e-6;  // of the largest displacement, squared
+  constexpr double kTrace = 1e-6;  // share of the largest displacement, squared
   std::vector<double> motion(v.drawn.size(), 0.0);
   for (Index mode = 0; mode < shapes.cols(); ++mode) {
     for (Index i = 0; i < shapes.rows(); ++i)

@@ -13,8 +13,8 @@
 namespace quoin {
 
 struct ModesSettings {
-  int count = 10;                              // of the lowest frequencies, those that are zero included
-  std::array<double, 2> ratios{0.05, 0.05};    // of damping, at two frequencies
+  int count = 10;                              // number of the lowest frequencies, those that are zero included
+  std::array<double, 2> ratios{0.05, 0.05};    // damping ratios at two frequencies
   std::array<double, 2> at_frequencies{0, 0};  // Hz; 0: the lowest and the highest that are found
 };
 
@@ -26,18 +26,18 @@ struct Rayleigh {
 
 struct Mode {
   double frequency = 0.0;  // Hz; 0: moves without any stiffness
-  // Of ground motion along x, y, z, for shapes whose largest displacement is 1.
+  // Factors for ground motion along x, y, z, with shapes whose largest displacement is 1.
   std::array<double, 3> participation{}, effective_mass{};  // -, kg
 };
 
 struct Modes {
   std::vector<Mode> mode;             // ascending
   Eigen::MatrixXd shape;              // by unknown and mode; largest displacement of a corner or gridpoint 1
-  int zero = 0;                       // of them without stiffness
+  int zero = 0;                       // number of frequencies without stiffness
   std::vector<int> loose;             // blocks that move in these
   std::array<double, 3> free_mass{};  // kg
   Rayleigh rayleigh;
-  double factor_entries = 0.0;  // of the Cholesky factor; 0: solved as a full matrix
+  double factor_entries = 0.0;  // entries of the Cholesky factor; 0: solved as a full matrix
 };
 
 // Throws Error(bad_input) for settings out of range, Error(numerical) where iterations do not settle.

@@ -7,7 +7,7 @@ namespace {
 
 // Share of dead loads from which all of them count as carried: rounding of the linear programme.
 constexpr double kAll = 1.0 - 1e-6;
-// Of a factor on friction: how exactly it is found, and where the search for one that holds ends.
+// Accuracy of a factor on friction, and the largest one that is tried.
 constexpr double kExact = 1e-3, kMostFriction = 64.0;
 
 bool carried_with(LimitProblem problem, const LimitSettings& settings, double factor) {
@@ -54,7 +54,7 @@ Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool f
   answer.stands = answer.carried >= kAll;
   if (friction) answer.friction = smallest_friction(problem, settings, answer.stands);
   for (std::size_t k = 0; !answer.stands && k < result.velocity.size(); ++k) {
-    constexpr double kMoves = 1e-4;  // of the largest velocity
+    constexpr double kMoves = 1e-4;  // share of the largest velocity
     if (norm(result.velocity[k].force) + norm(result.velocity[k].moment) > kMoves)
       answer.out_of_balance.push_back(static_cast<int>(k));
   }

@@ -16,12 +16,12 @@ struct Stands {
   bool stands = false;
   double carried = 0.0;  // largest share of the dead loads that can be carried, up to 1
   // Smallest factor on the friction of all points with which dead loads are carried, to 0.1 %; none: no friction does,
-  // or it was not looked for.
+  // or it was not sought.
   std::optional<double> friction;
   std::vector<int> out_of_balance;  // blocks, where it does not stand
 };
 
-// Of dead loads; live ones have no part. friction: its smallest factor is looked for, by some ten programmes. Throws as
+// Of dead loads; live ones have no part. friction: its smallest factor is sought, by some ten programmes. Throws as
 // limit_multiplier().
 Stands stands(const LimitProblem& problem, const LimitSettings& settings = {}, bool friction = true);
 

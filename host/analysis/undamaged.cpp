@@ -34,7 +34,8 @@ struct JointStiffness {
   double normal, shear;  // Pa/m
 };
 
-// Of a closed point, by small differences: compression first, so that what has no bond can be sheared.
+// Stiffness of a closed point by small differences. Compression comes first, so that a point without bond can be
+// sheared.
 JointStiffness stiffness_of(const std::shared_ptr<const Material>& material, const std::string& initial_state) {
   // Far below any strength, and far above the rounding of tractions.
   constexpr double kCompression = 1e3, kShear = 1.0;  // Pa
@@ -293,7 +294,7 @@ void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const
   const auto& riders = held_by.members.get()->nodes();
   for (const members::Tie& tie : held_by.members.get()->ties()) {
     if (tie.law.slack > 0.0) continue;
-    shares.clear();  // of its elongation, along the axis x
+    shares.clear();  // shares of its elongation, along the axis x
     for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
       const Vector along =
           normalized(held_by.members.get()->start_of(tie.stops[i + 1]) - held_by.members.get()->start_of(tie.stops[i]));
@@ -347,7 +348,7 @@ void World::number_members(Vibrating* v) {
   first_of_node_.push_back(static_cast<int>(v->unknown.size()));
 }
 
-// Of a deformation: unknowns, and what a unit of each gives. Connectors and supports count as closed.
+// Entries of deformations: unknowns, and coefficients of each. Connectors and supports count as closed.
 void World::add_deformations(const Vibrating& v, std::vector<Triplet>* entries) const {
   using Row = std::vector<std::pair<int, double>>;
   std::vector<Share> shares;

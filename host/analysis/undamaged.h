@@ -37,7 +37,7 @@ struct Unknown {
 struct DrawnBlock {
   std::vector<geometry::Vector> point;  // m
   std::vector<std::array<int, 4>> zone;
-  std::vector<std::vector<int>> face;  // of its shape
+  std::vector<std::vector<int>> face;  // faces of its shape
   bool held = false;
 };
 
@@ -47,14 +47,14 @@ struct Vibrating {
   std::vector<Unknown> unknown;
   UnknownGroups groups;
   std::vector<DrawnBlock> drawn;
-  std::vector<std::string> label;  // of blocks, as messages have them
+  std::vector<std::string> label;  // names of blocks, as messages give them
   std::vector<std::string> held;   // "bottom_beam: x y z, no rotation"
-  std::size_t members = 0;         // of what is drawn, floors and beams
+  std::size_t members = 0;         // number of floors and beams that are drawn
   long points = 0, zones = 0;
-  long open = 0;                    // of the points, those that carry nothing; of the undamaged scene not counted
+  long open = 0;                    // number of points that carry nothing; of the undamaged scene not counted
   std::string state = "undamaged";  // or "weight", or the folder of a run
   double symmetry_factor = 1.0;
-  double free_mass(int axis) const;  // that can move along it, kg
+  double free_mass(int axis) const;  // mass that can move along the axis, kg
 };
 
 // Index of the stage of that name; empty: the first. Throws Error(bad_input): none has it.

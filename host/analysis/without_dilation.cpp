@@ -28,14 +28,14 @@ constexpr double kMeanFrom = 10.0;
 // point changes sides in any problem; where little slides, the sum says nothing. What is left shrinks by 1 - kFollow a
 // problem, so 0.1 % of the multiplier is still to come.
 constexpr double kSteady = 1e-3, kBeyond = 0.05, kShareBeyond = 0.02;
-constexpr double kSliding = 0.99;  // of its strength, from which on a point slides
-constexpr double kJump = 1.2;      // of the multiplier, from a state whose shear is within friction
+constexpr double kSliding = 0.99;  // share of its strength from which on a point slides
+constexpr double kJump = 1.2;      // factor on the multiplier, from a state whose shear is within friction
 constexpr int kSteadyFor = 3, kMostProblems = 60;
 // Large assemblies come no closer than this: over so many problems the multiplier stays within this range, and shear
 // beyond friction below this. Then the mean counts, and half of the range is said.
 constexpr int kWanderFor = 10;
 constexpr double kWander = 0.005, kWanderBeyond = 0.1;
-// A factor on friction below which the change is held against this: rounding of a factor of 0 settles, too.
+// A factor on friction below which changes are relative to this value: a factor of 0 settles, too.
 constexpr double kNoFriction = 0.01;
 // Of the mean normal force. Below it there is no friction. Strength does not sink there, or the point could take no
 // normal force at all.

@@ -30,7 +30,7 @@ struct LimitWithoutDilation {
   double multiplier = 0.0;  // the lowest of those that settled
 };
 
-// Of a problem for which limit_multiplier() finds a multiplier.
+// The problem must be one for which limit_multiplier() finds a multiplier.
 LimitWithoutDilation limit_without_dilation(const LimitProblem& problem, const LimitSettings& settings = {});
 
 // Smallest factor on friction with which dead loads are carried, from the same two starts. Shear strengths of each

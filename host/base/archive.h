@@ -90,7 +90,7 @@ struct ArchiveReader {
     x.resize(count_of(sizeof(x[0])));
     take(x.data(), x.size() * sizeof(x[0]));
   }
-  // Of elements that take so many bytes each, and follow.
+  // Number of the elements that follow, each of so many bytes.
   std::size_t count_of(std::size_t element_bytes) {
     std::uint64_t count = 0;
     value(count);

@@ -29,7 +29,7 @@ struct PhaseTimes {
   double operator[](Phase phase) const { return seconds[static_cast<std::size_t>(phase)]; }
 };
 
-// Of one thread: what it has spent since start(), lap by lap. Threads do not share cache lines.
+// Times of one thread since start(), phase by phase. Threads do not share cache lines.
 struct alignas(64) PhaseClock {
   using Clock = std::chrono::steady_clock;
   PhaseTimes times;

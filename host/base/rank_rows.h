@@ -12,14 +12,14 @@
 
 namespace quoin {
 
-// What ranks gather of a model in its steps, whoever advances it. Each has more than those before it, but motion, which
-// has no sums.
+// What ranks gather of a model in its steps, whichever rank advances it. Each has more than those before it, but
+// motion, which has no sums.
 enum class Part {
   sums,    // what a measured step adds up
-  motion,  // of blocks in large motion, alone: what detection looks at
+  motion,  // motion of blocks for detection, in large motion alone
   row,     // sums and motion; of contact points what a row of the history takes
   all,     // everything that changes in steps and that later ones, or results, read
-  nothing  // of fields that are in none of these
+  nothing  // fields that are in none of these
 };
 constexpr bool has(Part part, Part field) { return field <= part && (part != Part::motion || field == Part::motion); }
 

@@ -29,7 +29,7 @@ class Ranks {
   virtual void largest(std::span<double> values) = 0;
   // What each rank has, one after the other. sizes: bytes of each rank, in sum the size of `all`.
   virtual void gather(std::span<const std::byte> own, std::span<const std::size_t> sizes, std::span<std::byte> all) = 0;
-  // Of rank 0, to all.
+  // Sends the bytes of rank 0 to all.
   virtual void share(std::span<std::byte> bytes) = 0;
   // Whether all ranks come here within so many seconds. Where they did not, nothing else may follow but abort().
   virtual bool all_here(double seconds) = 0;

@@ -1,7 +1,7 @@
 // Memory that takes room in the machine only where something other than zero has been written.
 //
 // A rank has arrays with the numbers of the whole model, so that nothing has a local number. It has memory for its own
-// items and those of neighbours alone; nobody writes to the other addresses.
+// items and those of neighbours alone; the other addresses are never written to.
 #pragma once
 
 #include <sys/mman.h>
@@ -19,12 +19,12 @@
 
 namespace quoin {
 
-// From here on memory is asked of the system, which gives pages of zeros once they are written to.
+// From here on memory comes from the system, which gives pages of zeros once they are written to.
 inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
-inline constexpr std::size_t kLineBytes = 64;  // of the cache
+inline constexpr std::size_t kLineBytes = 64;  // line of the cache
 
-// The bounds of what new gives are the only ones of the address sanitizer.
+// The address sanitizer checks memory of `new` alone, so its builds use that.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kSparse = false;
 #elif defined(__has_feature)
@@ -33,7 +33,7 @@ inline constexpr bool kSparse = !__has_feature(address_sanitizer);
 inline constexpr bool kSparse = true;
 #endif
 
-// With ranks: room is counted where it is written to, and never by more than one small page.
+// With ranks: the system gives memory where it is written to, by small pages.
 inline std::atomic<bool> sparse_memory_wanted = false;
 
 // Aligned to a cache line; begins as zeros.

@@ -36,7 +36,7 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  int thread_count() const { return thread_count_; }  // less than asked for where the machine starts no more
+  int thread_count() const { return thread_count_; }  // less than requested where the machine starts no more
 
   // Calls function(thread, piece) once for every piece 0 .. end.back() - 1, on any thread, in any order. Thread t
   // begins with the pieces [end[t - 1], end[t]), then takes what is left of the others'. The function must not throw.
@@ -47,7 +47,8 @@ class ThreadPool {
       return;
     }
     const std::uint32_t call = call_.load(std::memory_order_relaxed) + 1;
-    // All pieces of the last call are done. Whoever still looks for one must not find its counters beside the new job.
+    // All pieces of the last call are done. A thread that still searches for one must not find its counters beside the
+    // new job.
     for (int t = 0; t < thread_count_; ++t) range(t).next.store(ticket(call, kNoPiece), std::memory_order_release);
     run_.store([](void* f, int thread, int piece) { (*static_cast<Function*>(f))(thread, piece); },
                std::memory_order_release);
@@ -76,7 +77,7 @@ class ThreadPool {
   }
 
   void take_pieces(int thread, std::uint32_t call) {
-    // Of this call, or of a later one; then no piece will be had.
+    // The run of this call, or of a later one, which has no piece for this ticket.
     const auto run = run_.load(std::memory_order_acquire);
     void* const argument = argument_.load(std::memory_order_acquire);
     for (int i = 0; i < thread_count_; ++i) {

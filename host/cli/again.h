@@ -1,4 +1,4 @@
-// Runs that are repeated: from what their summary says of them, held against what came out then.
+// Runs that are repeated: from what their summary says of them, compared with what came out then.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// What the run in FOLDER was asked for, with its scene as it was read then. The working directory is changed to where
+// The request of the run in FOLDER, with its scene as it was read then. The working directory is changed to where
 // it was started.
 SceneOptions options_of(const Provenance& there);
 

@@ -181,7 +181,8 @@ void print_overhang(const Simulation& simulation) {
       hanging.size(), names, hanging.size() > kNamed ? ", ..." : "");
 }
 
-// What the stages take, by some steps of this model on this machine. Throws Error(bad_input) where nobody would wait.
+// What the stages take, by some steps of this model on this machine. Throws Error(bad_input) where that is longer than
+// anybody would wait.
 void print_time(Simulation& simulation, double steps, bool force) {
   constexpr double kLook = 0.1, kLongest = 30.0 * 86400.0;  // s
   using Clock = std::chrono::steady_clock;

@@ -128,7 +128,7 @@ std::string bash_completion(const App& app) {
     const auto arguments = options_of(*command, true);
     const std::string values =
         arguments.empty() ? bash_values({Kind::free_text}) : bash_values(values_of(*arguments[0]));
-    const bool first_only = arguments.size() > 1;  // of another kind than what follows
+    const bool first_only = arguments.size() > 1;  // the first argument is of another kind than those that follow
     if (first_only) {
       text += fmt::format("        {}' '*) if ((COMP_CWORD == 2)); then how=({}); else how=({}); fi ;;\n",
                           single_quoted(command->get_name()), values, bash_values(values_of(*arguments[1])));

@@ -34,7 +34,7 @@ using namespace ensemble;
 struct EnsembleOptions {
   std::string study, out;
   std::uint64_t samples = 0;  // 0: those of the study
-  std::uint64_t rows = 0;     // of Sobol's indices; 0: none
+  std::uint64_t rows = 0;     // rows of Sobol's indices; 0: none
   int jobs = 0, tasks = 32;
   bool slurm = false, detach = false, gather = false, worker = false, no_pictures = false;
   std::vector<std::string> overrides;
@@ -62,7 +62,7 @@ Scene scene_of_means(const Study& study) {
 // A study with all its input, read once: files that change later do not affect its samples.
 struct ReadStudy {
   StudyRequest request;
-  fs::path folder;  // of its results
+  fs::path folder;  // folder of its results
   Study study;
   Scene scene;            // all quantities at their means: a trial that finds faults common to all samples
   std::vector<Law> laws;  // loaded, for the samples, too

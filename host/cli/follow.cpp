@@ -32,7 +32,7 @@ class Follower : public Observer {
     if (pieces.count > 1) frames_.emplace(folder.path, surfaces_, folder.frame_times, compressed, pieces);
   }
   bool wants_pause(bool) override { return false; }
-  void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 asks for
+  void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 requests
   void on_promotion(const Simulation&) override { surfaces_ = Surfaces(); }
   void on_frame(const Simulation& simulation, int, int) override {
     if (!frames_) return collect_frame(simulation, surfaces_);

@@ -122,7 +122,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
     if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
   });
   std::error_code ignored;
-  if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
+  if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // a finished run needs none
 }
 
 void collect_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {

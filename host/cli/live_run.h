@@ -30,13 +30,13 @@ class LiveRun {
   PageAnswer state();
   PageAnswer run();
 
-  std::mutex mutex_;  // of all that follows, but for what the server alone has
+  std::mutex mutex_;  // guards all that follows, but for what the server alone has
   const Scene& scene_;
   std::vector<HistoryColumn> columns_;
   std::vector<HistoryRow> rows_;
   std::vector<double> times_;
   std::string summary_, state_;
-  GrowingRun growing_;  // of the server
+  GrowingRun growing_;  // run as the server has sent it so far
   std::unique_ptr<PageServer> server_;
 };
 

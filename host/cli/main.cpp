@@ -68,7 +68,7 @@ void fill_closed_descriptors() {
     static const char kWords[] = "quoin: out of memory; make the scene smaller\n";
     if (write(STDERR_FILENO, kWords, sizeof kWords - 1) < 0) _exit(static_cast<int>(Exit::numerical));
     _exit(static_cast<int>(Exit::numerical));
-  } catch (...) {  // a law's, perhaps: who looks at SIGABRT names it
+  } catch (...) {  // a law's, perhaps: the handler of SIGABRT names it
   }
   std::abort();
 }

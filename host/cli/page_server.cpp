@@ -20,7 +20,7 @@ namespace quoin {
 
 namespace {
 
-constexpr int kLook = 100;                      // ms between two looks at whether the server ends
+constexpr int kLook = 100;                      // ms between two checks of whether the server ends
 constexpr std::size_t kLongestRequest = 16384;  // bytes
 constexpr std::chrono::seconds kPatience{5};    // for a request to come, or an answer to go
 

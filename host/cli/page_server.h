@@ -10,7 +10,7 @@
 namespace quoin {
 
 struct PageAnswer {
-  std::string type, body;  // "text/html", ...
+  std::string type, body;  // type: "text/html", ...
 };
 
 class PageServer {

@@ -15,7 +15,7 @@ namespace quoin {
 
 namespace {
 
-constexpr double kLineInterval = 5.0;  // s between lines when nobody watches a bar
+constexpr double kLineInterval = 5.0;  // s between lines where there is no terminal for a bar
 
 std::string time_left(double seconds) {
   if (!(seconds >= 0 && seconds < 100 * 3600)) return "--:--";  // not known, or guessed from the first steps of a ramp

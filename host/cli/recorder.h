@@ -53,7 +53,7 @@ class Recorder : public Observer {
 
  private:
   void take(const HistoryRow& row);
-  // Of contact points: those that are not as they were, elastic or dry.
+  // Share of contact points that are not in their first state, elastic or dry.
   static double cracked_share(const Simulation& simulation);
 
   const Scene& scene_;
@@ -67,9 +67,9 @@ class Recorder : public Observer {
   CheckpointClock clock_;
   RunSoFar so_far_;
   const Simulation* simulation_ = nullptr;  // that is served
-  std::unique_ptr<LiveRun> live_;           // null: nobody looks
+  std::unique_ptr<LiveRun> live_;           // null: no live page
   std::set<std::string> reported_;
-  std::vector<StageModes> modes_;  // of stages that move the ground
+  std::vector<StageModes> modes_;  // modes of stages that move the ground
   std::optional<Error> frames_fault_;
 };
 

@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-// Notes in FOLDER/run.json what a run was asked for, the hash of the text of its scene, and its working folder. Its
+// Writes to FOLDER/run.json the request of a run, the hash of the text of its scene, and its working folder. Its
 // paths count from there.
 void write_run_record(const std::filesystem::path& folder, const SceneOptions& options, const std::string& scene_text);
 
@@ -22,7 +22,7 @@ SceneOptions read_run_record(const std::filesystem::path& folder);
 // Whether the run in FOLDER has come to its end: summary.json says so.
 bool is_done(const std::filesystem::path& folder);
 
-// Of the results in FOLDER, those that a run which goes on with so many frames keeps.
+// Whether a resumed run with so many frames keeps this result of FOLDER.
 bool is_kept(const std::string& name, std::size_t frames);
 
 // Decides when a checkpoint is due.

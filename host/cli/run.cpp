@@ -39,7 +39,7 @@ namespace {
 
 constexpr double kTogether = 5.0;  // s, within which ranks that fail together have all failed
 
-// Holds the folder of the run that goes on and reads what it was asked for. Null: it is done, and nothing was touched.
+// Locks the folder of the run that is resumed and reads its request. Null: it is done, and nothing was touched.
 std::shared_ptr<FolderLock> take_folder(const fs::path& folder, SceneOptions* scene) {
   if (!fs::is_directory(folder))
     throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", folder.string()));
@@ -101,11 +101,11 @@ void require_room(const fs::path& folder, const Simulation& simulation, const Su
 // The folder of results, and what is there of an earlier run.
 struct RunFolder {
   fs::path folder;
-  std::shared_ptr<FolderLock> lock;  // of the run that goes on; null: a new one
-  std::optional<Provenance> there;   // of the run that is repeated
+  std::shared_ptr<FolderLock> lock;  // lock of the run that is resumed; null: a new run
+  std::optional<Provenance> there;   // provenance of the run that is repeated
 };
 
-// Of a run that goes on or is repeated, options get what it was asked for. Nothing: it is done, and nothing was
+// Options get the request of a run that is resumed or repeated. Nothing: it is done, and nothing was
 // touched.
 std::optional<RunFolder> run_folder(RunOptions* options) {
   RunFolder run;
@@ -244,7 +244,7 @@ void run_on_ranks(const RunOptions& options, int& exit_code) {
       follow(options, *ranks, exit_code);
   } catch (const Error& error) {
     exit_code = static_cast<int>(error.exit_code);
-    notice(fmt::format("quoin: {}", error.what()));  // of rank 0
+    notice(fmt::format("quoin: {}", error.what()));  // message of rank 0
     if (!ranks->all_here(kTogether)) end_alone(error.exit_code, error.what());
   } catch (const std::exception& error) {
     const Error reported = any_error(error, "fewer ranks on each machine, or a smaller scene");

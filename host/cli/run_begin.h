@@ -15,7 +15,7 @@ namespace quoin {
 
 Scene scene_of(RunOptions* options, const Ranks* ranks);
 int threads_of(const RunOptions& options, const Ranks* ranks);
-// Of frames; one process alone writes all of them.
+// Pieces of frames; one process alone writes all of them.
 Pieces pieces_of(const Scene& scene, const Ranks* ranks);
 // Where the run in this folder was kept, or where its scene starts.
 void begin(Simulation* simulation, const std::filesystem::path& folder, const StoredState& kept);
@@ -26,6 +26,6 @@ struct SharedFolder {
   std::string path, token;
   std::vector<double> frame_times;
 };
-void share(Ranks& ranks, SharedFolder& folder);  // of rank 0, to all others
+void share(Ranks& ranks, SharedFolder& folder);  // from rank 0 to all others
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// What a run is asked for on the command line.
+// The request of a run on the command line.
 #pragma once
 
 #include <string>

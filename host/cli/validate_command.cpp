@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace validate;
 
-// Of brick_walls.csv, that --short runs: diagonal, rocking, a cantilever, unfilled head joints.
+// Rows of brick_walls.csv for --short: diagonal, rocking, a cantilever, unfilled head joints.
 const std::set<std::string> kShort{"2", "25", "26", "35"};
 
 struct ValidateOptions {

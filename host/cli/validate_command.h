@@ -1,4 +1,4 @@
-// `quoin validate`: walls that were tested, predicted and held against what was measured.
+// `quoin validate`: walls that were tested, predicted and compared with what was measured.
 #pragma once
 
 namespace CLI {

@@ -10,7 +10,7 @@ namespace quoin::ensemble {
 
 struct StudyRequest {
   std::string study;                   // file
-  std::vector<std::string> overrides;  // of the command line
+  std::vector<std::string> overrides;  // overrides of the command line
 };
 
 // Writes kept_inputs() and the request to FOLDER/inputs; what is there already is left or replaced, file by file. One

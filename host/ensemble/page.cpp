@@ -63,7 +63,7 @@ std::string_view cell(std::string_view row, std::size_t at, int n) {
   return row.substr(at, row.find(',', at) - at);
 }
 
-// Of the last stage: displacement as far as it has come, and the force there.
+// Curve of the last stage: largest displacement so far, and the force there.
 Curve read_curve(const fs::path& file) {
   std::ifstream stream(file);
   std::string line;

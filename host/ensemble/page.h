@@ -6,7 +6,7 @@
 namespace quoin::ensemble {
 
 struct Gathered {
-  std::uint64_t finished = 0, failed = 0;  // of the samples from 1 on
+  std::uint64_t finished = 0, failed = 0;  // numbers of samples, from 1 on
   double peak = 0.0, scatter = 0.0;        // mean and scatter of peak_force_N; not a number: no peaks
   double of_means = 0.0;                   // the peak of sample 0
 };

@@ -35,7 +35,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kClaimedByOthers = 120;  // what a process that found its sample taken says
 constexpr int kKilledTooOften = 3;     // times, after which a sample counts as failed
-constexpr long kPoll = 50;             // ms between two looks at what others compute
+constexpr long kPoll = 50;             // ms between two checks of what others compute
 
 std::atomic<bool> stop_asked{false};
 extern "C" void stop_the_pool(int) { stop_asked = true; }

@@ -18,7 +18,7 @@ using namespace reader;
 
 namespace {
 
-constexpr double kDamping = 0.05;  // of critical: of sa
+constexpr double kDamping = 0.05;  // share of critical, for sa
 
 // With the paths of files made whole: they count from the folder of the study, and in a scene from that of the scene.
 toml::table with_whole_paths(const toml::table& given, const std::string& folder) {

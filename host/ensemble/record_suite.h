@@ -18,7 +18,8 @@ namespace quoin::ensemble {
 // Measures of intensity of the component that has most of it: m/s2, m/s, m/s2.
 enum class IntensityMeasure { pga, pgv, sa };
 inline constexpr std::size_t kMeasures = 3;
-using Intensities = std::array<double, kMeasures>;     // of sa not a number: no period was given
+// Measures of a record; sa is not a number where no period was given.
+using Intensities = std::array<double, kMeasures>;
 const char* measure_key(IntensityMeasure measure);     // "pga"
 const char* measure_column(IntensityMeasure measure);  // "pga_m_s2"
 
@@ -32,7 +33,7 @@ struct RecordSuite {
   enum class Method { none, incremental, stripes, cloud } method = Method::none;
   std::string stage;  // that shakes
   IntensityMeasure measure = IntensityMeasure::pga;
-  double period = 0.0;                                                  // of sa, s; 0: not asked for
+  double period = 0.0;                                                  // period of sa, s; 0: no sa
   double first = 1.0, growth = 2.0, largest = 100.0, tolerance = 0.05;  // incremental: levels of the measure, ratios
   std::vector<double> levels;                                           // stripes
   double free_time = 2.0;                                               // s after the end of a record

@@ -34,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kLoss = 0.8;  // of the peak
+constexpr double kLoss = 0.8;  // share of the peak
 
 Json json_of(const Values& values) {
   Json json = Json::object();
@@ -102,7 +102,7 @@ void add_drawn(const Simulation& simulation, Values& inputs) {
   }
 }
 
-// Of the last stage: the one that drives.
+// Outputs of the last stage, the one that drives.
 Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const Scene& scene = simulation.scene();
   const Peak peak = find_peak(rows, scene);
@@ -219,7 +219,7 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
     try {
       simulation.emplace(make_scene(), 1);
       take_start(&*simulation);
-    } catch (const Error& error) {  // of the scene as drawn
+    } catch (const Error& error) {  // the scene as drawn is wrong
       simulation.reset();
       fail(error.what());
     }

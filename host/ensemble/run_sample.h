@@ -18,7 +18,7 @@ using Values = std::vector<std::pair<std::string, double>>;
 
 struct Sample {
   std::string status;  // done, failed
-  std::string reason;  // of a failure
+  std::string reason;  // reason of a failure
   Values inputs, outputs;
 };
 

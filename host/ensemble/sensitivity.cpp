@@ -27,8 +27,8 @@ double output_of(const StudyFolder& folder, std::uint64_t number, const std::str
 
 struct Trial {
   std::string input;
-  double x_low, x_mean, x_high;  // of the input
-  double low, mean, high;        // of the output
+  double x_low, x_mean, x_high;  // values of the input
+  double low, mean, high;        // values of the output
   double half() const { return 0.5 * (high - low); }
   // Relative change of the output over that of the input.
   double elasticity() const { return (high - low) / mean * x_mean / (x_high - x_low); }

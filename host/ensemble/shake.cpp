@@ -32,8 +32,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kLeastOfFirst = 1e-3;  // share of the first level below which no collapse is looked for
-constexpr double kSunk = 0.5;           // of its height: a block that is so much lower has lost its support
+constexpr double kLeastOfFirst = 1e-3;  // share of the first level below which no collapse is sought
+constexpr double kSunk = 0.5;           // share of its height: a block that is so much lower has lost its support
 
 double number_in(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_number() ? json[key].get<double>() : kNone;

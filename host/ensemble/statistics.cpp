@@ -211,7 +211,7 @@ namespace {
 constexpr double kLeastSpread = 0.01;  // where capacities do not overlap, any smaller one is as likely
 
 double density(double z) { return std::exp(-0.5 * z * z) / std::sqrt(2.0 * M_PI); }
-// Of a normal variable between two bounds, without cancellation in its tails.
+// Probability of a normal variable between two bounds, without cancellation in its tails.
 double between(double low, double high) {
   const auto above = [](double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); };
   return std::max(1e-300, low > 0.0 ? above(low) - above(high) : above(-high) - above(-low));
@@ -293,7 +293,7 @@ std::optional<FittedFragility> FittedFragility::of(const std::vector<Capacity>& 
   }
   std::erase_if(by_record, [](const auto& of_record) { return of_record.empty(); });
   constexpr std::uint64_t kDraws = 1000;
-  constexpr std::size_t kLeastRecords = 3;  // of fewer no interval is known
+  constexpr std::size_t kLeastRecords = 3;  // least number of records for an interval
   const bool many = by_record.size() >= kLeastRecords;
   std::vector<double> medians, spreads;
   for (std::uint64_t draw = 0; many && draw < kDraws; ++draw) {

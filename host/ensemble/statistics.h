@@ -28,7 +28,7 @@ Interval quantile_interval(std::vector<double> values, double probability);
 
 // How an output follows an input.
 struct Dependence {
-  double pearson, spearman;  // of the values, of their ranks
+  double pearson, spearman;  // correlations of the values, and of their ranks
   // Share of the variance of the output that the input explains by itself: its first-order index of Sobol where inputs
   // are independent. By strata of equal count, with the bias of their number taken out.
   double correlation_ratio;
@@ -61,10 +61,10 @@ Fragility fragility_of(const std::vector<double>& values);
 // high. low 0: it may be anything up to high; high infinite: it was not reached at low.
 struct Capacity {
   double low, high;
-  std::size_t record;  // of which runs depend on each other
+  std::size_t record;  // record of the run; runs of one record depend on each other
 };
-// The lognormal distribution of greatest likelihood, intervals of 95 % by drawing records again (bootstrap), not a
-// number of fewer than 3 records.
+// The lognormal distribution of greatest likelihood. Intervals of 95 % by drawing records again (bootstrap); not a
+// number with fewer than 3 records.
 class FittedFragility {
  public:
   // Nothing where no limit was reached, or where none was not. seed: of the draws.

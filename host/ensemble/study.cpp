@@ -70,7 +70,7 @@ void read_quantity_correlation(Table& t, Study& study) {
     t.refuse("correlation", "correlations that can be together: those given are not positive definite");
 }
 
-// Of a study with records: collapse, or a displacement.
+// Limit of a study with records: collapse, or a displacement.
 void read_limit_of_records(Table& f, LimitState& limit) {
   f.number("displacement", limit.displacement, kPositive, "m, against the ground");
   limit.name = limit.displacement > 0.0 ? fmt::format("{:g} m", limit.displacement) : "collapse";
@@ -134,7 +134,7 @@ Study read_study(const std::string& file) {
 
 namespace {
 
-// Of samples.csv: inputs, and what every sample gives.
+// Columns of samples.csv: inputs, and outputs of every sample.
 std::vector<std::string> columns_of(const Study& study, const Scene& scene) {
   std::vector<std::string> columns = output_names();
   for (const StudyQuantity& quantity : study.quantities) columns.push_back(quantity.name);

@@ -18,11 +18,11 @@ struct StudyQuantity {
   random::Distribution distribution;
 };
 
-// Whose probability of having been reached is asked for.
+// A limit state: the study gives the probability that it is reached.
 struct LimitState {
   std::string name, output;   // output: a column of samples.csv
   std::string where;          // in the file, for messages; empty: one of those that every study has
-  double displacement = 0.0;  // of a study with records in place of output, m; 0: collapse
+  double displacement = 0.0;  // limit of a study with records, in place of output, m; 0: collapse
 };
 
 // How the samples of a study come to their inputs.
@@ -36,11 +36,11 @@ struct Study {
   std::string file, title, scene;  // scene: path
   std::uint64_t samples = 100, seed = 1;
   random::Method method = random::Method::monte_carlo;
-  std::vector<std::string> overrides;  // of the scene, as --set
+  std::vector<std::string> overrides;  // overrides of the scene, as --set
   std::vector<StudyQuantity> quantities;
   std::vector<StudyQuantity> scattered;  // properties of joints that scatter, among the overrides
   Trials trials = Trials::drawn;
-  std::vector<double> mix;  // of the quantities' normal variables: random::mix_of, row by row
+  std::vector<double> mix;  // correlation of the quantities' normal variables: random::mix_of, row by row
   std::vector<LimitState> limits;
   double crack_opening = 1e-4;      // m: a joint that is open so far is a crack
   std::string start, start_sha256;  // file with the end of another run, where samples begin; empty: at rest

@@ -3,7 +3,7 @@
 //   inputs/              the files that it is computed from, as they were read at the start
 //   samples/000123/      one run, of a sample from 1 on, or of the means (0); sample.json says that it is finished
 //   claims/000123        held by the process that computes it: a lock of the kernel, which ends with its process
-//   samples.csv, summary.json, index.html, ...   the results, written by whoever comes last
+//   samples.csv, summary.json, index.html, ...   the results, written by the last process
 #pragma once
 
 #include <filesystem>

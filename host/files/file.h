@@ -1,4 +1,4 @@
-// Files that never look whole before they are: written under a name of their own, renamed when complete.
+// Files that are never visible before they are complete: written under a name of their own, renamed when complete.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class UnfinishedFile {
  protected:
   explicit UnfinishedFile(const std::filesystem::path& path);
   ~UnfinishedFile();
-  // Of the last call of the system: gives the file up where it has failed.
+  // Result of the last call of the system: on failure the file is abandoned.
   void require(bool good);
   void close_and_rename();
 
@@ -72,7 +72,7 @@ void finish_file(const std::filesystem::path& path);
 // PATH.TOKEN.part. The token is this process's own, so that two processes never write into one file.
 std::filesystem::path part_name(const std::filesystem::path& path);
 const std::string& part_token();
-// Of processes that write other files of the same folder: its manifest has one token. Before any file is written.
+// One token of the manifest for all processes that write files of the same folder. Called before any file is written.
 void use_part_token(const std::string& token);
 
 }  // namespace quoin

@@ -30,7 +30,7 @@ class FileBytes : public ByteSource {
   std::string path_;
   std::unique_ptr<InputFile> file_;
   std::size_t position_ = 0, end_ = 0;
-  std::vector<std::uint8_t> window_;  // of the file, from window_begin_ on
+  std::vector<std::uint8_t> window_;  // bytes of the file from window_begin_ on
   std::size_t window_begin_ = 0;
 };
 

@@ -49,7 +49,7 @@ class Descriptor {
 
 struct Drawing {
   std::string fault;     // empty: the picture is there
-  std::string messages;  // of gnuplot
+  std::string messages;  // output of gnuplot
 };
 
 std::string system_message() { return std::error_code(errno, std::generic_category()).message(); }

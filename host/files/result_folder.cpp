@@ -55,7 +55,7 @@ bool is_name_of_a_result(const std::string& name) {
 
 struct Manifest {
   std::set<std::string> names;  // relative to the folder
-  std::string token;            // of the partial files
+  std::string token;            // token in the names of partial files
 };
 
 // A manifest may come from anywhere: only names inside the folder that a run could have written count.
@@ -167,8 +167,8 @@ namespace {
 constexpr std::chrono::milliseconds kWait{10};
 constexpr int kMostWaits = 300;
 
-// That the lock was taken here by a process that is no more. Whoever has it then lets go in a moment, or has yet to
-// write who it is.
+// Whether the lock was taken on this machine by a process that has ended. The holder of the lock then either releases
+// it in a moment, or has not written its name yet.
 bool has_died(const std::string& holder) {
   int process = 0, read = 0;
   if (std::sscanf(holder.c_str(), "process %d on %n", &process, &read) != 1 || process <= 0 || read == 0) return false;

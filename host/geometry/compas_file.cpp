@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kDeepest = 64;  // of what is nested in an assembly
+constexpr int kDeepest = 64;  // largest depth of nesting in an assembly
 
 // Rows of a matrix and a translation.
 using Placement = std::array<std::array<double, 4>, 3>;
@@ -39,7 +39,7 @@ class Reader {
     if (node.is_array()) {
       for (std::size_t i = 0; i < node.size(); ++i) {
         Above own = entry(above, fmt::format("{}", i));
-        own.number = above.number;  // of what holds the list
+        own.number = above.number;  // number of the object that holds the list
         visit(node[i], own);
       }
       return;

@@ -63,7 +63,7 @@ struct Farthest {
   }
 };
 
-// Of corners off the planes of their faces.
+// Largest distance of corners from the planes of their faces.
 Farthest warp_of(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces) {
   Farthest worst;
   for (const auto& face : faces) {
@@ -73,7 +73,7 @@ Farthest warp_of(const std::vector<Vector>& vertices, const std::vector<std::vec
   return worst;
 }
 
-// Of corners, middles of edges and middles of faces below the hull.
+// Largest depth of corners, middles of edges and middles of faces below the hull.
 Farthest depth_of(const RawShape& shape, const ConvexPolyhedron& hull) {
   Farthest worst;
   const auto look = [&](const Vector& p) {
@@ -280,7 +280,7 @@ DrawnShape from_drawn(const RawShape& shape) {
 }
 
 ConvexPolyhedron plate(const RawShape& shape, const Vector& others) {
-  constexpr double kThickness = 0.1;  // of the extent
+  constexpr double kThickness = 0.1;  // share of the extent
   const Plane plane = plane_of(shape.vertices, shape.faces[0]);
   const double side = dot(others - plane.centre, plane.normal) > 0 ? -1.0 : 1.0;
   const Vector back = kThickness * longest_extent(shape.vertices) * side * plane.normal;

@@ -16,7 +16,7 @@ constexpr double warp_bound = 5e-3;
 // Corners at one place made one; faces without area, and those that are there twice, left out.
 void weld(RawShape& shape);
 
-// Surfaces that hang together by their edges, in the order of their first faces.
+// Connected surfaces (by edges), in the order of their first faces.
 std::vector<RawShape> split(const RawShape& shape);
 
 // Every edge has two faces.

@@ -37,7 +37,7 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& points, const std::str
 ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
                             const std::string& name);
 
-// What from_faces looks at. check_closed throws Error(bad_input) for corner numbers out of range, holes, faces or
+// The checks of from_faces. check_closed throws Error(bad_input) for corner numbers out of range, holes, faces or
 // bodies that are inverted, zero volume. fault_of_faces: the first face that is not planar or has a vertex in front of
 // it, in words; empty: there is none.
 void check_closed(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
@@ -51,7 +51,7 @@ constexpr const char* how_to_cut =
 // m3, of a closed surface.
 double volume_within(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces);
 
-// Through the mean of a face's corners, along its vector area.
+// The plane through the mean of a face's corners, normal to its vector area.
 struct Plane {
   Vector centre, normal;  // normal: unit, outward; zero for a face without area
 };
@@ -73,7 +73,7 @@ MassProperties mass_properties(const ConvexPolyhedron& shape);
 
 double face_area(const ConvexPolyhedron& shape, int face);  // m2
 Vector face_centroid(const ConvexPolyhedron& shape, int face);
-double longest_extent(const std::vector<Vector>& points);  // of the bounding box, m
+double longest_extent(const std::vector<Vector>& points);  // longest side of the bounding box, m
 std::string place(const Vector& p);                        // "(1.2, 0.4, 0) m" for messages
 
 }  // namespace quoin::geometry

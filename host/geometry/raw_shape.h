@@ -13,7 +13,7 @@ struct RawShape {
   std::vector<Vector> vertices;
   std::vector<std::vector<int>> faces;  // counter-clockwise seen from outside
   bool support = false;
-  std::string number{};  // of the file, for blocks that share a name; empty: its place in the file
+  std::string number{};  // number in the file, for blocks that share a name; empty: its place in the file
 };
 
 }  // namespace quoin::geometry

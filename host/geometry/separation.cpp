@@ -37,7 +37,8 @@ bool edge_axis(const Placed& a, const Placed& b, const Edge& ea, const Edge& eb,
   if (sine2 < 1e-6 * scale2) return false;  // parallel: a face normal is as good
   s.normal = m / std::sqrt(sine2);
   if (dot(s.normal, ea.point - a.centre) < 0) s.normal = -s.normal;
-  // Of all corners, not of the edges: faces that are bent by their load have arcs that seem to cross where they do not.
+  // Extents of all corners, not of the edges: arcs of faces that are bent by their load may seem to cross where they do
+  // not.
   double lowest = 1e300, highest = -1e300;
   for (size_t i = 0; i < b.shape->vertices.size(); ++i) lowest = std::min(lowest, dot(s.normal, b.vertices[i]));
   for (size_t i = 0; i < a.shape->vertices.size(); ++i) highest = std::max(highest, dot(s.normal, a.vertices[i]));

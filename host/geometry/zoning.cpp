@@ -10,7 +10,7 @@
 namespace quoin::geometry {
 namespace {
 
-constexpr double most_zones = 1e7;  // of one block
+constexpr double most_zones = 1e7;  // largest number of zones of a block
 
 int face_of_triangle(const ConvexPolyhedron& shape, const Vector& a, const Vector& b, const Vector& c, double size) {
   for (size_t f = 0; f < shape.faces.size(); ++f) {
@@ -341,7 +341,7 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
     for (size_t i = 0; i < face.size(); ++i) m.zones.push_back({centre, middle, face[i], face[(i + 1) % face.size()]});
   }
   const double bound = 1.5 * target_edge;
-  while (longest_edge_of(m) > 8 * bound) refine(m);  // of fine zones, which are slow to halve one by one
+  while (longest_edge_of(m) > 8 * bound) refine(m);  // fine zones are slow to halve one by one
   Bisection(m, bound).run();
   finish(shape, name, m);
   return m;
@@ -353,7 +353,7 @@ namespace {
   throw Error(Exit::bad_input, fmt::format("block {}: {}", name, what));
 }
 
-// A triangle as the first tetrahedron sees it, and the two that have it; -1: one alone.
+// A triangle in the order of its first tetrahedron, and the two that have it; -1: one alone.
 struct Owners {
   std::array<int, 3> triangle;
   int first, second = -1;

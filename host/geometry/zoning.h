@@ -15,7 +15,7 @@ struct Zoning {
   std::vector<std::array<int, 4>> zones;  // positive volume
   struct SurfaceTriangle {
     std::array<int, 3> node;  // counter-clockwise seen from outside
-    int face;                 // of the shape
+    int face;                 // face of the shape
   };
   std::vector<SurfaceTriangle> surface;
   double longest_edge = 0.0;  // m

@@ -1,4 +1,4 @@
-// What laws have answered, held against what they promise.
+// What laws have answered, compared with what they promise.
 #pragma once
 
 #include <optional>

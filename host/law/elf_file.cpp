@@ -25,7 +25,7 @@ std::string missing_of_elf(const std::string& bytes) {
   const int order = std::endian::native == std::endian::little ? ELFDATA2LSB : ELFDATA2MSB;
   if (head.e_ident[EI_CLASS] != word || head.e_ident[EI_DATA] != order) return "";
 
-  // Sums cannot overflow: numbers beyond the file are looked at before they are added.
+  // Sums cannot overflow: numbers beyond the file are checked before they are added.
   const std::uint64_t size = bytes.size();
   const auto end_of = [&](std::uint64_t from, std::uint64_t length) {
     return from > size || length > size - from ? std::max(from, length) + std::min(from, length) : 0;

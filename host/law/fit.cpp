@@ -227,7 +227,7 @@ class Fit {
   }
 
   Eigen::MatrixXd jacobian(const Eigen::VectorXd& logs, const Eigen::VectorXd& here) const {
-    constexpr double kStep = 1e-4;  // of the logarithm: wide enough to average over single rows near a peak
+    constexpr double kStep = 1e-4;  // step of the logarithm: wide enough to average over single rows near a peak
     Eigen::MatrixXd result(here.size(), logs.size());
     for (Eigen::Index j = 0; j < logs.size(); ++j) {
       Eigen::VectorXd up = logs, down = logs;

@@ -16,7 +16,7 @@ namespace quoin {
 struct Formula::Node {
   enum class Kind { number, name, call } kind = Kind::number;
   double number = 0.0;
-  std::string name;  // of a variable, or of an operator or function
+  std::string name;  // name of a variable, operator or function
   std::vector<std::shared_ptr<const Node>> arguments;
 };
 

@@ -1,4 +1,4 @@
-// Contact laws as the host sees them: C++ ownership around the C ABI of plugin_api.
+// Contact laws in the host: C++ ownership around the C ABI of plugin_api.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ namespace quoin {
 
 class LawProcess;
 
-// A loaded library; unloaded when the last owner lets go. Laws and materials keep their library alive.
+// A loaded library; unloaded with its last owner. Laws and materials keep their library alive.
 class LawLibrary {
  public:
   // name_or_path: a path (contains '/') or the name of a law. NAME.so is searched in $QUOIN_LAW_PATH (colon separated),
@@ -43,7 +43,7 @@ struct Law {
   std::shared_ptr<const LawLibrary> library;
   const quoin_law* law = nullptr;
 
-  // The law whose id is asked for by a bare name, or the only / first law of a library given by path.
+  // The law whose id is requested by a bare name, or the only / first law of a library given by path.
   static Law find(const std::string& name_or_path);
   int state_index(const std::string& id) const;  // -1: the law has no such state
 };

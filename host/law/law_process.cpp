@@ -33,8 +33,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr std::size_t kPoints = 1024;  // of a piece of a batch: chunks of the host are smaller
-constexpr long kSpins = 400;           // looks before a process sleeps, where there are processors for both
+constexpr std::size_t kPoints = 1024;  // largest piece of a batch: chunks of the host are smaller
+constexpr long kSpins = 400;           // polls before a process sleeps, where there are processors for both
 
 enum : std::uint32_t { kIdle, kAsked, kAnswered };
 
@@ -146,7 +146,7 @@ struct LawProcess::Impl {
   std::size_t bytes = 0;
   const pid_t owner = getpid();
   pid_t child = -1;
-  mutable std::mutex mutex;  // of what follows
+  mutable std::mutex mutex;  // guards what follows
   std::string fault;
   LawProcessTimes times;
   std::atomic<bool> ended{false};

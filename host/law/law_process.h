@@ -19,7 +19,7 @@ struct LawProcessTimes {
 
 class LawProcess {
  public:
-  // threads: so many may ask at once. seconds: for one batch, then the process is ended (0: any time). Throws
+  // threads: largest number of calls at once. seconds: for one batch, then the process is ended (0: any time). Throws
   // Error(numerical) when the system starts no process.
   LawProcess(const quoin_law& law, const quoin_material* material, std::string path, int threads, double seconds);
   ~LawProcess();
@@ -35,7 +35,8 @@ class LawProcess {
  private:
   struct Impl;
   Impl& ours();
-  std::vector<std::unique_ptr<Impl>> started_;  // the last of them is ours, those before it of the processes before
+  // The last is that of this process, those before it of the processes that it was forked from.
+  std::vector<std::unique_ptr<Impl>> started_;
   std::atomic<Impl*> current_;
   std::mutex starting_;
 };

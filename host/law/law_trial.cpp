@@ -37,7 +37,7 @@ constexpr char kCameBack = '+', kThrew = '!';
   try {
     load();
   } catch (const Error&) {
-  } catch (const std::bad_alloc&) {  // of ours, too
+  } catch (const std::bad_alloc&) {  // memory may end in our code too
   } catch (...) {
     how = kThrew;
   }

@@ -22,7 +22,7 @@ namespace {
 
 // Handlers may only read what is there: no allocation, no lock.
 struct Known {
-  std::atomic<std::uintptr_t> begin{0}, end{0};  // of the code; end 0: nobody
+  std::atomic<std::uintptr_t> begin{0}, end{0};  // range of the law's code; end 0: no law
   std::array<char, 512> path{};
 };
 std::array<Known, 64> known;
@@ -98,7 +98,7 @@ extern "C" void on_crash(int signal) {
     say({"quoin: out of memory; make the scene smaller\n"});
     _exit(static_cast<int>(Exit::numerical));
   }
-  std::signal(signal, SIG_DFL);  // our own fault: as if nobody had looked
+  std::signal(signal, SIG_DFL);  // our own fault: as without a watch
   raise(signal);
 }
 
@@ -114,7 +114,7 @@ extern "C" void on_exit_called() {
 void watch_laws() {
   std::array<void*, 1> loads_the_unwinder{};
   backtrace(loads_the_unwinder.data(), 1);
-  alignas(16) static std::array<char, 65536> stack;  // of its own: a law may have used up the other
+  alignas(16) static std::array<char, 65536> stack;  // stack for handlers: the law may have used up the other
   const stack_t own{stack.data(), 0, stack.size()};
   sigaltstack(&own, nullptr);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) {

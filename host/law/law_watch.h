@@ -6,7 +6,7 @@
 
 namespace quoin {
 
-// From main, before any law is loaded: signals of crashes, exit() and std::terminate are looked at from now on. What
+// From main, before any law is loaded: signals of crashes, exit() and std::terminate are watched from now on. What
 // already has a handler (a sanitizer's) keeps it.
 void watch_laws();
 // From main, at the end: the program may exit now.

@@ -21,7 +21,7 @@ struct PointResult {
   double energy_stored = 0.0;              // J/m2
   std::array<double, 4> dissipated{};      // by mode, since the start of the path, J/m2
   std::array<double, 4> dissipated_now{};  // by mode, during the last step
-  double work = 0.0;                       // of the traction on the jumps, trapezoid, since the start, J/m2
+  double work = 0.0;                       // work of the traction on the jumps since the start, by trapezoids, J/m2
 };
 
 class MaterialPoint {

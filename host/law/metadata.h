@@ -1,4 +1,4 @@
-// The tables that a law library describes itself with, looked at before anything else of the host reads them.
+// The tables that a law library describes itself with, checked before anything else of the host reads them.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace quoin {
 bool is_readable(const void* address, std::size_t bytes);
 
 // What is wrong with the tables, as far as the host relies on them, whatever they hold; empty: nothing. The head of
-// the library (size and version) has been looked at.
+// the library (size and version) has been checked.
 std::string fault_of_tables(const quoin_library& library);
 
 }  // namespace quoin

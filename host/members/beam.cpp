@@ -20,7 +20,7 @@ Matrix rotation_by(const Vector& w) {
   return r;
 }
 
-// Of a triad in a frame, as a vector; pieces are short enough for it to be small.
+// Rotation of a triad in a frame, as a vector; pieces are short enough for it to be small.
 Vector rotation_in(const Matrix& frame, const Matrix& triad) {
   const Matrix m = transposed(frame) * triad;
   return 0.5 * Vector{m.row[2].y - m.row[1].z, m.row[0].z - m.row[2].x, m.row[1].x - m.row[0].y};

@@ -31,10 +31,10 @@ class Beam {
     int place = 0, node = 0;
     Vector arm;  // m, at the start
     bool rests = false;
-    Vector out;  // of the block's face, unit: where it rests
+    Vector out;  // normal of the block's face, unit, where the node rests
     SpringLaw law;
     SpringState state;
-    Vector moved;  // of the last step, m: block less beam
+    Vector moved;  // motion of block less beam in the last step, m
   };
   // points: of its nodes at the start, m. up: not along the line.
   Beam(std::string name, std::vector<Vector> points, const Vector& up, const Section& section);
@@ -45,14 +45,14 @@ class Beam {
   const std::vector<Support>& supports() const { return supports_; }
   double piece_at(int place) const;  // shortest piece there, m
   const Section& section() const { return section_; }
-  double length() const;  // at the start, m
+  double length() const;  // length at the start, m
 
   void pull(std::vector<Node>& nodes, const Surroundings& step);
   double own_eigenvalue(double mass_scaling) const;  // as of floors
 
   struct Piece {
-    double length = 0.0;                            // at the start, m
-    geometry::Matrix frame;                         // at the start: columns along, up, side
+    double length = 0.0;                            // length at the start, m
+    geometry::Matrix frame;                         // frame at the start: columns along, up, side
     double plastic = 0.0;                           // elongation, m
     std::array<std::array<double, 2>, 2> hinge{};   // plastic rotation: towards up and side; at either end
     double force = 0.0, torque = 0.0;               // N, N m
@@ -92,10 +92,10 @@ class Beam {
   std::vector<Piece> pieces_;
   std::vector<Support> supports_;
   std::vector<Vector> x_, v_;           // m; m/s half a step ago
-  std::vector<geometry::Matrix> turn_;  // since the start
+  std::vector<geometry::Matrix> turn_;  // rotations since the start
   std::vector<Vector> spin_;            // rad/s half a step ago
   std::vector<double> mass_, inertia_;  // kg, kg m2
-  std::vector<double> row_;             // of the stiffness of ways at each node, N/m
+  std::vector<double> row_;             // row sums of the stiffness at each node, N/m
   std::vector<Vector> force_, moment_;
   double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
 };

@@ -7,7 +7,7 @@
 namespace quoin::members {
 
 void Members::add_dowel(const DowelSpec& spec, const blocks::Assembly& assembly) {
-  // Of the extent of a block, by which both sides of the joint are looked for; and how long it is drawn.
+  // Shares of the extent of a block: distance at which both sides of the joint are sought, and length that is drawn.
   constexpr double kBeside = 5e-3, kDrawn = 0.3;
   Dowel dowel;
   dowel.name = spec.name, dowel.along = normalized(geometry::vector(spec.direction));

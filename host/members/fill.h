@@ -19,9 +19,9 @@ struct FillLaw {
 struct FillState {
   double pressure = 0.0;  // horizontal, Pa
   double slid = 0.0;      // plastic, into the soil, m
-  double jack = 0.0;      // what the soil at rest is pressed by, m
-  Vector force;           // on the block, N
-  Vector moved;           // of the last step, m
+  double jack = 0.0;      // displacement that gives the soil its pressure at rest, m
+  Vector force;           // force on the block, N
+  Vector moved;           // motion in the last step, m
   double stored = 0.0, dissipated = 0.0, outside = 0.0;
 
   // share: of the soil that is there; now: where the point has moved to, m.

@@ -11,7 +11,7 @@ namespace quoin::members {
 
 namespace {
 
-// Whether another block lies against the face at a point of it. Points on its border are looked at from a little
+// Whether another block lies against the face at a point of it. Points on its border are checked from a little
 // inside.
 bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, const Vector& middle,
                 const Vector& out) {
@@ -22,7 +22,7 @@ bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, c
   return false;
 }
 
-// Of a name, or of a group as an arch, whose blocks are NAME/0 and so on; without its abutments, which are fixed.
+// Blocks of a name, or of a group as an arch, whose blocks are NAME/0 and so on; without its fixed abutments.
 std::vector<int> blocks_of(const FillSpec& spec, const blocks::Assembly& assembly) {
   std::vector<int> found;
   for (std::size_t b = 0; b < assembly.blocks.size(); ++b)

@@ -91,7 +91,7 @@ void Floor::pull_membrane() {
         dissipated_ += a * b * membrane_.shear_yield * std::abs(flow);
       }
       shear_flow_[panel] = shear;
-      // Of half of the panel each, N.
+      // Forces of half of the panel each, N.
       const double at_low = membrane_.along * b * (2 * low + high) / 6,
                    at_high = membrane_.along * b * (low + 2 * high) / 6;
       const double at_left = membrane_.across * a * (2 * left + right) / 6,

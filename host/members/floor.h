@@ -26,26 +26,26 @@ struct Membrane {
   double load = 0.0;                                             // Pa, without inertia
 };
 
-// Of a metre of edge.
+// Law of a metre of edge.
 struct ConnectorLaw {
   double axial = 0.0, shear = 0.0;                                  // N/m2
   double axial_strength = 0.0;                                      // N/m, of anchors in tension
   double shear_strength = std::numeric_limits<double>::infinity();  // N/m
-  double friction = 0.0;                                            // of the weight that a connector carries
-  double pull_out = std::numeric_limits<double>::infinity();        // m, at which anchors are out
-  bool bearing = true;                                              // the wall's push comes through
+  double friction = 0.0;  // friction coefficient, on the weight that a connector carries
+  double pull_out = std::numeric_limits<double>::infinity();  // m, at which anchors are out
+  bool bearing = true;                                        // the wall's push comes through
 };
 
 class Floor {
  public:
   struct Connector {
     int place = 0;         // node of the floor
-    int node = 0;          // of the block
-    InPlane out;           // of the floor, unit
-    double length = 0.0;   // of edge, m
-    double carried = 0.0;  // of the floor, m2
-    // Of the last step, in the frame that turns with the floor:
-    double open = 0.0, slip = 0.0;                  // how far the block has moved, outwards and along the edge, m
+    int node = 0;          // node on the block
+    InPlane out;           // outward direction in the floor, unit
+    double length = 0.0;   // length of edge, m
+    double carried = 0.0;  // area of the floor that it carries, m2
+    // State after the last step, in the frame that turns with the floor:
+    double open = 0.0, slip = 0.0;                  // motion of the block outwards and along the edge, m
     double axial = 0.0, anchor = 0.0, shear = 0.0;  // N; axial: anchors and bearing
     double slid = 0.0, drawn = 0.0;                 // history: along the edge; by which anchors have yielded, m
     double stored = 0.0;                            // J
@@ -63,7 +63,7 @@ class Floor {
   std::vector<Connector>& connectors() { return connectors_; }
   int place_at(int i, int j) const { return j * (grid_.pieces[0] + 1) + i; }
   Vector start_of(int place) const;  // m
-  double share_of(int place) const;  // of the area, m2
+  double share_of(int place) const;  // area of the floor at this node, m2
   const Grid& grid() const { return grid_; }
   const Membrane& membrane() const { return membrane_; }
   const ConnectorLaw& law() const { return law_; }
@@ -77,15 +77,15 @@ class Floor {
   double stiffness_of(const Connector& c) const;
   double own_eigenvalue(double mass_scaling) const;
 
-  double stored() const { return stored_; }  // and in motion, J
+  double stored() const { return stored_; }  // energy stored in panels, connectors and motion of nodes, J
   double dissipated() const { return dissipated_; }
   double outside() const { return outside_; }
   double largest_shear() const;      // N/m
   double largest_anchor() const;     // N/m
   double pulled_out_length() const;  // m
   double plastic_shear() const;      // largest
-  double largest_drawn() const;      // of its anchors, m
-  double largest_slid() const;       // of its connectors along their edges, m
+  double largest_drawn() const;      // largest plastic opening of its anchors, m
+  double largest_slid() const;       // largest slip of its connectors along their edges, m
 
   // A panel between four nodes, as pictures show it.
   struct Panel {
@@ -128,11 +128,11 @@ class Floor {
   std::vector<InPlane> moved_, velocity_;  // m; m/s half a step ago
   std::vector<double> sheared_;            // plastic, of panels
   std::vector<double> shear_flow_;         // N/m, of panels
-  std::vector<double> lift_then_;          // of connectors: how far the block had moved along the normal, m
+  std::vector<double> lift_then_;          // displacement of the blocks at connectors along the normal, m
   double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
   double weight_ = 0.0;  // N/m2 along the normal, of now
   std::uint8_t begun_ = 0;
-  // Of the step: rotation of the floor in its plane; displacement in the frame that turns with it; forces there.
+  // Numbers of the step: rotation of the floor in its plane; displacement and forces in the frame that turns with it.
   double cosine_ = 1.0, sine_ = 0.0;
   std::vector<InPlane> local_, force_;
 };

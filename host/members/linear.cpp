@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-// Axial strains at both edges of a panel go with each other, as floor.cpp integrates them; shear stands alone.
+// Axial strains at both edges of a panel are coupled, as floor.cpp integrates them; shear is not.
 void add_panel(const Floor& floor, int first, int i, int j, std::vector<Deformation>* out) {
   const Floor::Grid& grid = floor.grid();
   const Membrane& membrane = floor.membrane();

@@ -25,7 +25,7 @@ struct OwnBody {
   std::string label;  // "floor 'first'"
   int first = 0, end = 0;
   std::size_t first_deformation = 0, end_deformation = 0;
-  std::vector<std::vector<int>> faces;  // as it is drawn; of its nodes, from 0
+  std::vector<std::vector<int>> faces;  // faces to draw, by nodes from 0
 };
 
 // Deformation = sum of way . displacement + turn . rotation; a force F in it acts on each node with -F way, -F turn.
@@ -37,7 +37,7 @@ struct Deformation {
   };
   std::vector<Share> shares;
   double stiffness = 0.0;  // N/m or N m
-  double coupling = 0.0;   // with the deformation before it, N/m or N m
+  double coupling = 0.0;   // stiffness between this deformation and the one before, N/m or N m
   // Strength: what F is bounded by. `what`: its quantity and unit, as in files. over: what results divide it by, m.
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
   const char* what = "";  // empty: without a bound of its own
@@ -48,7 +48,7 @@ struct Deformation {
 struct Rest {
   int own = 0, node = 0;
   double stiffness = 0.0;  // N/m, in every direction
-  Vector out;              // of the block, unit
+  Vector out;              // outward normal of the block, unit
   double friction = 0.0;
 };
 

@@ -13,7 +13,7 @@ namespace quoin::members {
 
 namespace {
 
-// Of the largest extent of a block, by which an end may lie off it: coordinates are typed in round numbers.
+// Share of the largest extent of a block by which an end may lie off it: coordinates are typed in round numbers.
 constexpr double kOffBlock = 1e-3;
 
 std::string column_of_tie(const std::string& name) { return "tie_" + name + "_N"; }

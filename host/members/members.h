@@ -1,5 +1,5 @@
-// Members of a model: ties between blocks, springs to the ground, strips on faces, floors, beams. They pull at nodes;
-// where nodes are, and what becomes of the forces there, is the model's to know (model/world_members.cpp).
+// Members of a model: ties between blocks, springs to the ground, strips on faces, floors, beams. They act on nodes.
+// The model moves nodes and takes the forces there (model/world_members.cpp).
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct Tie {
   using Stop = std::vector<std::pair<int, double>>;
   std::string name;
   std::vector<Stop> stops;  // the first and the last hold its ends; it slides through the others
-  double length = 0.0;      // at the start, m
+  double length = 0.0;      // length at the start, m
   TieLaw law;
   TieState state;
 };
@@ -57,7 +57,7 @@ struct Fill {
 // One point of a face on springs.
 struct SpringPoint {
   int node = 0;
-  Vector out;  // of the block, unit, at the start
+  Vector out;  // outward normal of the block at the start, unit
   SpringLaw law;
   SpringState state;
 };
@@ -118,7 +118,7 @@ class Members {
   const std::vector<Dowel>& dowels() const { return dowels_; }
   const std::vector<Fill>& fills() const { return fills_; }
   const std::vector<FillPoint>& fill_points() const { return fill_points_; }
-  Vector force_of(const Bed& bed) const;         // on its blocks, N
+  Vector force_of(const Bed& bed) const;         // force on its blocks, N
   Vector force_of(const Fill& fill) const;       // the same
   Vector start_of(const Tie::Stop& stop) const;  // m
   Vector place_of(const Tie::Stop& stop) const;  // now, m
@@ -174,10 +174,10 @@ class Members {
             std::max(p.law.normal + rate * p.law.normal_dashpot, p.law.shear + rate * p.law.shear_dashpot));
   }
 
-  std::vector<double> columns() const;  // of the history, by column_names
+  std::vector<double> columns() const;  // numbers of a row of the history, by column_names
   std::vector<Line> lines() const;
 
-  // Of the hash of the state: visit(number).
+  // Numbers for the hash of the state: visit(number).
   template <class Visit>
   void each_number(const Visit& visit) const {
     for (const Tie& tie : ties_) visit(tie.state.force), visit(tie.state.plastic);
@@ -250,12 +250,12 @@ class Members {
   std::vector<Floor> floors_;
   std::vector<Beam> beams_;
   double jack_ = 0.0;
-  Vector ground_;             // since the start, m
+  Vector ground_;             // displacement since the start, m
   double ground_work_ = 0.0;  // J
   double reckoned_step_ = 0.0;
 };
 
-// Of the history, of what a scene has.
+// Columns of the history for the members of a scene.
 std::vector<std::string> column_names(const MemberSpecs& specs);
 
 }  // namespace quoin::members

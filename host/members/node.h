@@ -15,25 +15,25 @@ using geometry::Vector;
 struct Node {
   int block = -1;
   Vector start;  // m
-  // How it rides on its block: of a rigid one in the body frame, m; of a deformable one gridpoints and weights.
+  // How it moves with its block: of a rigid one in the body frame, m; of a deformable one gridpoints and weights.
   Vector arm;
   std::vector<std::pair<std::int32_t, double>> share;
-  bool turns = false;  // has `turn`
-  // Of the step:
+  bool turns = false;  // whether `turn` is used
+  // State in the current step:
   Vector x;               // m
-  geometry::Matrix turn;  // of the block since the start
-  Vector force;           // on the block, N
+  geometry::Matrix turn;  // rotation of the block since the start
+  Vector force;           // force on the block, N
 };
 
 // What a step adds to nodes that members have of their own.
 struct Surroundings {
   double dt = 0.0;             // s
-  Vector ground_way;           // since the last step, m
-  Vector ground_velocity;      // that damping brakes against, m/s
+  Vector ground_way;           // motion in the last step, m
+  Vector ground_velocity;      // velocity of the ground, against which damping acts, m/s
   Vector gravity;              // m/s2
   double mass_scaling = 1.0;   // inertia over mass
   double mass_damping = 0.0;   // 1/s
-  double local_damping = 0.0;  // of eq. 1
+  double local_damping = 0.0;  // coefficient of eq. 1
 };
 
 // One component of a node's velocity, on by a step. Returns what damping has taken, J. inertia: kg; force: N.

@@ -9,7 +9,7 @@ namespace quoin::members {
 
 using geometry::Vector;
 
-// Of the area that a point stands for.
+// Law of the area that a point stands for.
 struct SpringLaw {
   double normal = 0.0, shear = 0.0;                           // N/m
   double normal_dashpot = 0.0, shear_dashpot = 0.0;           // N s/m
@@ -19,9 +19,9 @@ struct SpringLaw {
 
 // Energies in J.
 struct SpringState {
-  Vector moved;  // of the point on the ground, since the start, m
-  Vector slid;   // of it what the spring has let go along the face, m
-  Vector force;  // on the block, N
+  Vector moved;  // displacement of the point against the ground since the start, m
+  Vector slid;   // part of `moved` that the spring has slipped along the face, m
+  Vector force;  // force on the block, N
   double stored = 0.0, dissipated = 0.0;
 
   // out: of the block, unit, as at the start. now: where the point has moved to, on the ground. dt: since the last

@@ -12,9 +12,9 @@ namespace quoin::members {
 
 class Strip {
  public:
-  // Where it is bonded: at the start.
+  // A bonded place, as it was at the start.
   struct Place {
-    int node = 0;          // of the block
+    int node = 0;          // node on the block
     Vector at;             // m
     Vector normal, along;  // unit: out of the block, along the strip
     double area = 0.0;     // m2
@@ -35,10 +35,10 @@ class Strip {
 
   double stored() const { return stored_; }
   double dissipated() const { return dissipated_; }
-  double largest_force() const;    // of its bars, N
+  double largest_force() const;    // largest force of its bars, N
   double debonded_length() const;  // m
   const std::vector<Vector>& nodes() const { return x_; }
-  const std::vector<double>& forces() const { return force_; }  // of bars, N
+  const std::vector<double>& forces() const { return force_; }  // forces of bars, N
   bool is_broken(std::size_t bar) const { return broken_[bar] != 0; }
   double added_mass() const;  // kg
 
@@ -71,13 +71,13 @@ class Strip {
   std::string name_;
   std::vector<Place> places_;
   Fibres fibres_;
-  std::vector<double> length_;  // of bars at the start, m
+  std::vector<double> length_;  // lengths of bars at the start, m
   std::shared_ptr<const Material> bond_;
 
   std::vector<Vector> x_, v_;    // m, m/s half a step ago
-  std::vector<Vector> face_;     // where the points of the faces were a step ago, m
+  std::vector<Vector> face_;     // places of the points of the faces a step ago, m
   std::vector<double> mass_;     // kg
-  std::vector<double> force_;    // of bars, N
+  std::vector<double> force_;    // forces of bars, N
   std::vector<uint8_t> broken_;  // bars
   std::vector<double> jump_[3], slip_[2], traction_[3];
   std::vector<std::vector<double>> state_;

@@ -10,7 +10,7 @@ namespace quoin::members {
 
 namespace {
 
-// Of the largest extent of a block, by which a strip may lie off its face: coordinates are typed in round numbers.
+// Share of the largest extent of a block by which a strip may lie off its face: coordinates are typed in round numbers.
 constexpr double kOffFace = 2e-3;
 
 struct OnFace {

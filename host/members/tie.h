@@ -8,7 +8,7 @@ namespace quoin::members {
 struct TieLaw {
   double stiffness = 0.0;                                    // E A / L, N/m
   double yield = 0.0;                                        // N
-  double hardening = 0.0;                                    // of the yield force, by plastic elongation, N/m
+  double hardening = 0.0;                                    // slope of the yield force over plastic elongation, N/m
   double pretension = 0.0;                                   // N
   double rupture = std::numeric_limits<double>::infinity();  // elongation, pretension's included, m
   double slack = 0.0;                                        // m

@@ -51,7 +51,7 @@ class RigidInertia {
   RigidInertia(std::span<const Vector> x, std::span<const double> mass, std::span<const std::uint8_t> held);
   // From sums about the mass centre: second = sum m r r^T, kg m2; held: bits of all gridpoints.
   RigidInertia(const Vector& centre, double mass, const Matrix& second, std::uint8_t held);
-  // Of both together.
+  // Inertia of both together.
   RigidInertia(const RigidInertia& a, const RigidInertia& b);
 
   const Vector& centre() const { return centre_; }  // m
@@ -71,14 +71,14 @@ class RigidInertia {
 Rigid sum_about(const Vector& centre, std::span<const Vector> x, std::span<const Vector> y,
                 std::span<const double> weight = {});
 
-// Of a block that stands alone (count 1), or of the two halves of a unit.
+// Inertia of a block that stands alone (count 1), or of the two halves of a unit.
 struct UnitInertia {
   int count = 1;
   RigidInertia block[2], whole;
 
   // Motion of the whole from forces on the blocks about their centres, or from their momenta.
   Rigid motion(const Rigid (&force)[2]) const;
-  // Motion of the whole as block b sees it.
+  // Motion of the whole at block b.
   Rigid at_block(int b, const Rigid& of_whole) const;
 };
 

@@ -17,7 +17,7 @@ struct World;
 void number_blocks(World& w);
 void lay_out(World& w, int block);
 
-// Of a rigid block, in the coordinates of its shape, without mass scaling.
+// Mass of a rigid block, in the coordinates of its shape, without mass scaling.
 struct RigidMass {
   double mass;            // kg
   Vector centre;          // m
@@ -26,7 +26,8 @@ struct RigidMass {
 RigidMass rigid_mass(const World& w, const Block& block);
 double density_of(const World& w, const Block& block);  // with the mass that is spread, kg/m3
 geometry::Zoning make_zoning(const World& w, int block);
-Pose pose(const World& w, int block);                                                               // of now
-std::vector<std::pair<int32_t, double>> shares_at(const World& w, int block, const Vector& point);  // of gridpoints
+Pose pose(const World& w, int block);  // current place and orientation
+// Gridpoints and their weights.
+std::vector<std::pair<int32_t, double>> shares_at(const World& w, int block, const Vector& point);
 
 }  // namespace quoin::blocks

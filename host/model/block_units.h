@@ -26,7 +26,7 @@ struct Unit {
 struct Units {
   std::vector<int32_t> other_half;  // by block; -1: none
   std::vector<uint8_t> apart;       // by block: nothing holds it and its other half together
-  int count = 0;                    // of two halves that hold together
+  int count = 0;                    // number of units of two halves that hold together
 
   enum class Halves : uint8_t { together, also_apart };
   Unit of(int block, Halves halves = Halves::together) const {

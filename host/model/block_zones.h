@@ -17,8 +17,8 @@ using geometry::Matrix;
 using geometry::Vector;
 
 struct Zone {
-  int32_t node[4];     // of the block, from 0
-  Vector gradient[4];  // of the shape functions in the reference configuration, 1/m
+  int32_t node[4];     // gridpoints, numbered within the block
+  Vector gradient[4];  // gradients of the shape functions in the reference configuration, 1/m
   double volume;       // reference, m3
   double lambda, mu;   // Pa
 
@@ -29,17 +29,18 @@ struct Zone {
 // the first.
 struct ZoneLanes {
   static constexpr int kCount = 8;
-  alignas(64) double gradient[3][3][kCount];                // of the shape functions of corners 1 to 3, 1/m
+  alignas(64) double gradient[3][3][kCount];                // gradients of the shape functions of corners 1 to 3, 1/m
   double volume[kCount], lambda[kCount], twice_mu[kCount];  // m3, Pa
-  int32_t node[4][kCount];                                  // of the block
+  int32_t node[4][kCount];                                  // gridpoints, numbered within the block
   int count;
   Zone zone(int lane) const;
 };
 
-// Of all blocks, in the orientation of the start. Blocks of one shape, material, zoning and orientation share theirs.
+// Zones of all blocks, in the orientation of the start. Blocks of one shape, material, zoning and orientation share
+// theirs.
 struct Zones {
   LaneVector<ZoneLanes> lanes;             // laid out with the first block that has them
-  std::vector<CongruentBlocks> congruent;  // what blocks of one shape share, whatever their orientation
+  std::vector<CongruentBlocks> congruent;  // data that blocks of one shape share in any orientation
 
   std::span<const ZoneLanes> lanes_of(const ModelBlock& b) const {
     return std::span(lanes).subspan(size_t(b.first_lanes), size_t(b.lanes_count));

@@ -7,7 +7,7 @@
 namespace quoin {
 namespace {
 
-constexpr double kArmTolerance = 1e-9;  // of the arm
+constexpr double kArmTolerance = 1e-9;  // share of the arm
 
 bool same_place(const BodyPoint& p, const BodyPoint& q) {
   double length = 0.0, distance = 0.0;

@@ -7,16 +7,16 @@
 
 namespace quoin {
 
-// A contact point as its body sees it.
+// A contact point on the side of its body.
 struct BodyPoint {
   int face = 0;  // 2 axis + 1 on the positive side
-  Vec3 arm{};    // from the centre, m
+  Vec3 arm{};    // place from the centre, m
 };
 
 // Bodies of one name that have contact points at the same places, in the same order, on every face that they use.
 struct BodyClass {
   std::vector<BodyPoint> slot;  // by face
-  std::vector<int> body;        // in the order of the model
+  std::vector<int> body;        // bodies in the order of the model
   int first_slot(int face) const;
 };
 

@@ -20,9 +20,9 @@ struct RigidPair {
   int32_t a, b;           // bodies
   uint32_t first, count;  // points of the family
   Vector axis[3];         // n, s, t in a's body frame, unit
-  // Of the last step:
+  // Numbers of the last step:
   double in_space[3][4];             // the axes; the fourth has no meaning
-  Vector force, moment_a, moment_b;  // on a, N; about the centre of a, on a, and of b, on b, N m
+  Vector force, moment_a, moment_b;  // force on a, N; moments about the centre of a, on a, and of b, on b, N m
 };
 
 // Points in a row of one pair of deformable blocks, which sit on gridpoints of both. Axes turn with the frame of block
@@ -32,7 +32,7 @@ struct GridpointPair {
   uint32_t first, count;  // points of the family
   uint32_t row;           // force of the first point in Chunks::rows, which has one row a point
   Vector axis[3];         // n, s, t in the frame of block a, unit
-  Vector moment;          // of the last step, on the frame of a, which turns the axes, N m
+  Vector moment;          // moment of the last step on the frame of block a, which turns the axes, N m
 };
 
 // The axes of a pair in space: n, s, t; the fourth number has no meaning. A step forms them again: they never leave the
@@ -45,7 +45,7 @@ struct PairAxes {
 struct OtherPoint {
   uint32_t index;           // of the family
   ShapeGradients gradient;  // of the triangle of a; in small displacements of its shape at rest
-  Vector force;             // on a, in space, viscous part included, N
+  Vector force;             // force on a, in space, viscous part included, N
   double shear[2];          // traction along s and t that goes with it, Pa
 };
 
@@ -53,13 +53,13 @@ struct OtherPoint {
 struct FacetLanes {
   static constexpr int kCount = 8;
   uint32_t first, count;  // points of the family
-  uint32_t row;           // of the first point, which has FacetRow::kCount of them, in Chunks::rows
+  uint32_t row;           // index into Chunks::rows of the first point's rows; a point has FacetRow::kCount of them
   bool on_gridpoints;     // all points sit on the first gridpoint of b's triangle
   int32_t node_a[3][kCount], node_b[3][kCount];
-  int32_t facet_a[kCount];  // where the weights go back to
+  int32_t facet_a[kCount];  // triangles of block a, which take the weights back
   alignas(64) double weight_b[3][kCount];
   double reference[kCount], area[kCount];  // m, m2
-  double weight_a[3][kCount];  // of the foot of the point on the triangle that owns the plane; of the last step
+  double weight_a[3][kCount];  // weights of the point's foot on the triangle that owns the plane, in the last step
 };
 
 // Frames of those triangles as they stand. In large motion a step forms them again: they never leave the cache.
@@ -90,30 +90,31 @@ struct Chunk {
   quoin_batch batch{};
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
-  std::vector<quoin_property_column> properties;  // that scatter
-  std::vector<RigidPair> pairs;                   // of its points between rigid blocks
-  std::vector<GridpointPair> gridpoint_pairs;     // of those on gridpoints
-  std::vector<PairAxes> pair_axes;                // of these; in small displacements, where they stay
-  std::vector<int32_t> node_a, node_b;            // of these, by point of the chunk
-  std::vector<FacetLanes> facets;                 // on triangles
-  std::vector<FacetFrames> frames;                // of these; in small displacements, where they stay
-  std::vector<OtherPoint> others;                 // with one deformable side
+  std::vector<quoin_property_column> properties;  // properties that scatter
+  std::vector<RigidPair> pairs;                   // pairs of rigid blocks with points in the chunk
+  std::vector<GridpointPair> gridpoint_pairs;     // pairs whose points lie on gridpoints of both blocks
+  std::vector<PairAxes> pair_axes;                // axes of gridpoint_pairs; constant in small displacements
+  std::vector<int32_t> node_a, node_b;            // gridpoints of these pairs, by point of the chunk
+  std::vector<FacetLanes> facets;                 // points on triangles
+  std::vector<FacetFrames> frames;                // axes of gridpoint_pairs; constant in small displacements
+  std::vector<OtherPoint> others;                 // points with one deformable side
   // of the last step
   quoin_status status = QUOIN_OK;
   bool failed = false;
   double stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // J
   // for rows of the history
-  double force_sum = 0.0;  // of the sizes of the points' forces, N
+  double force_sum = 0.0;  // sum of the magnitudes of the points' forces, N
   Deepest deepest{};
 };
 inline constexpr uint32_t kChunk = 256;
 
 // Divided again when contacts have changed. All ranks have the list.
 struct Chunks {
-  std::vector<Chunk> all;     // with contents where this process evaluates them
-  std::vector<int> own;       // these
-  LaneVector<FacetRow> rows;  // of the step, of own chunks: one of a point on gridpoints, three on a triangle
-  long divisions = 0;         // how often the work has been divided again
+  std::vector<Chunk> all;  // chunks; those of other processes are empty
+  std::vector<int> own;    // chunks that this process evaluates
+  // Forces of a step in own chunks: a row a point on gridpoints, three a point on a triangle.
+  LaneVector<FacetRow> rows;
+  long divisions = 0;  // number of divisions of the work so far
 };
 
 // After contacts have changed. One process alone has then all that steps read; ranks are to hold their parts first.

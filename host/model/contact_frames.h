@@ -13,11 +13,11 @@ struct World;
 using geometry::Vector;
 
 struct Location {
-  Vector at;                                // in space, m
+  Vector at;                                // place in space, m
   double jump = 0.0, slid[2] = {0.0, 0.0};  // gap from the plane less the reference; along s and t in a's frame, m
 };
 Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets);
-Vector in_space(const World& w, const Point& p, const Vector& v);  // of p's frame
+Vector in_space(const World& w, const Point& p, const Vector& v);  // a vector of p's frame in space
 
 // n of a triangle, s along its first edge.
 struct TriangleFrame {
@@ -32,7 +32,7 @@ void leave_gridpoints(World& w, Family& f, size_t point);  // whose block a has 
 
 // Along these axes of a joint: what a vector along slightly different ones becomes, of the same size.
 std::pair<double, double> turned_into(const Vector& s, const Vector& t, const Vector& v);
-// Of what contact points have along s and t: turn(s before, t before, s now, t now), arrays by point.
+// Turns the vectors that contact points have along s and t: turn(s before, t before, s now, t now), arrays by point.
 template <class Turn>
 void turn_joint_vectors(const Family& old, Family& f, const Turn& turn) {
   turn(old.traction[1], old.traction[2], f.traction[1], f.traction[2]);

@@ -26,7 +26,7 @@ struct Point {
   // frame_of).
   Vector n, s, t;
   double offset = 0.0;     // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
-  Vector arm;              // of the point in b's body frame (rigid b), m
+  Vector arm;              // place of the point in b's body frame (rigid b), m
   double area = 0.0;       // m2
   double reference = 0.0;  // gap at which d_n = 0, m
   Vector at;               // in space where it was placed; of the last step if one side is deformable, m
@@ -53,13 +53,13 @@ struct Family {
   LaneVector<double> slid[2];  // position along s, t in a's frame at the last step, m
   LaneVector<double> normal_jump, slip[2], traction[3];
   std::vector<LaneVector<double>> state;
-  std::vector<PropertyColumn> columns;  // of what scatters
-  LaneVector<double> old_traction[3];   // when stiffness damping or contact inspection needs it
-  LaneVector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
+  std::vector<PropertyColumn> columns;  // properties that scatter
+  LaneVector<double> old_traction[3];   // traction of the last step, for stiffness damping and contact inspection
+  LaneVector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // energies, where requested, J/m2
   LaneVector<double> old_jump;
   LaneVector<double> viscous[3];                     // traction of damping in the last step, Pa
   LaneVector<double> maxwell[3 * kMaxwellElements];  // tractions of its Maxwell elements, one after the other, Pa
-  LaneVector<double> arm[3], offset, area;           // of the points, side by side for the step
+  LaneVector<double> arm[3], offset, area;           // numbers of all points, component by component, for the step
   size_t size() const { return point.size(); }
 };
 

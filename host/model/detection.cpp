@@ -22,17 +22,17 @@ namespace {
 
 // Between features that agree within this fraction of the smallest block, the reference face of before is kept.
 constexpr double preference_fraction = 1e-4;
-// Of the local stiffness bound, before 2/omega_max is looked for again. The step is then longer than its fraction of it
+// Of the local stiffness bound, before 2/omega_max is sought again. The step is then longer than its fraction of it
 // by the root of this at most.
 constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 
 struct Detection {
   bool at_start;
-  std::vector<Contact> contacts;  // in the order of the pairs
-  std::vector<Finding> findings;  // of each contact
+  std::vector<Contact> contacts;  // contacts in the order of the pairs
+  std::vector<Finding> findings;  // place of each contact
   std::vector<NewPoint> points;
-  std::vector<Contact> lost;  // had points, and are no longer close to each other
-  bool changed = false;       // some contact has other points than before
+  std::vector<Contact> lost;  // contacts that had points, of pairs beyond the skin now
+  bool changed = false;       // whether points of any contact have changed
 };
 
 // Broad phase: all pairs within the skin, found again when some block has used up its part of it.
@@ -146,7 +146,7 @@ void keep_contacts(World& w, const std::vector<Pair>& pairs, Detection& found) {
   keep_pairs(w, kept, pairs.size());
 }
 
-// Narrow phase: of own pairs those that are new, or have moved enough, are looked at; the others go on as they are.
+// Narrow phase: of own pairs those that are new, or have moved enough, are checked; the others go on as they are.
 void narrow_phase(World& w, bool everything, Detection& found) {
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     Contact& c = found.contacts[i];

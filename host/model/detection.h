@@ -1,4 +1,4 @@
-// Contact detection: how near blocks are looked at, and how often it has been done.
+// Contact detection: how near blocks are checked, and how often it has been done.
 #pragma once
 
 namespace quoin::blocks {
@@ -10,7 +10,7 @@ struct DetectionState {
   double skin = 0.0;                 // within which pairs are kept, m
   double reach = 0.0;                // up to which contact points are placed, m
   double joint_tolerance = 0.0;      // gap or overlap of joints of the start, m
-  long count = 0, narrow_calls = 0;  // how often contacts have been detected, and pairs been looked at closely
+  long count = 0, narrow_calls = 0;  // numbers of detections, and of pairs in the narrow phase
 };
 
 void detect_contacts(World& w, bool everything = false);

@@ -16,10 +16,10 @@ struct Field {
   Owner owner;
   const char* name;
   int components;    // numbers of an item; 0: a struct, see its members
-  const char* unit;  // of these
+  const char* unit;  // unit of the components
   When when = When::always;
   std::size_t hashed = 0;     // bytes of an item, its first ones, that belong to the hash of the state
-  Part gathered = Part::all;  // from which on ranks gather it in steps; nothing: steps do not change it
+  Part gathered = Part::all;  // first part with which ranks gather it in steps; nothing: steps do not change it
   bool known_to_all = false;  // ranks have all of it
   bool of_step = false;       // every step finds it again before it is read: new contact points need not have it
   bool saved = true;

@@ -33,14 +33,14 @@ struct WorldFields {
     visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_checks), w.checks.seen);
   }
 
-  // Of each pair that is close.
+  // Fields of each pair within the skin.
   template <class World, class Visit>
   static void of_pairs(World& w, const Visit& visit) {
     visit(Field{Owner::pair, "place", 0, "SI"}.in(Part::nothing), w.contacts.place);
     visit(Field{Owner::pair, "look", 0, "steps"}.in(Part::nothing), w.checks.pair);
   }
 
-  // Of the contact points of a family, or of several side by side: visit(field, array of each).
+  // Fields of the contact points of a family, or of several side by side: visit(field, array of each).
   template <class Visit, class First, class... Others>
   static void of_points(const Visit& visit, First& f, Others&... g) {
     constexpr auto damped = When::with_stiffness_damping, energies = When::with_energies;

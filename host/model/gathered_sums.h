@@ -26,7 +26,7 @@ class GatheredSums : public SharedVectors {
   };
 
   Ranks& ranks_;
-  std::vector<Run> runs_;  // of all ranks, in order
+  std::vector<Run> runs_;  // runs of all ranks, in order
   std::vector<VectorRow> rows_;
 };
 

@@ -12,17 +12,17 @@ namespace quoin::blocks {
 
 using geometry::Vector;
 
-// Of one block.
+// Gridpoints of one block.
 struct BlockGridpoints {
   std::span<const Vector> x, v;  // m, m/s
   std::span<const double> mass;  // kg
   std::span<const uint8_t> held;
 };
 
-// Of all blocks, one after the other. Steps change x and v, stages what is held; the rest is laid out with its block.
+// Gridpoints of all blocks, block after block. Steps change x and v, stages supports; the rest is constant.
 struct Gridpoints {
   LaneVector<Vector> x, reference, v;    // m, of the start m, m/s at half steps
-  LaneVector<double> mass, weight_mass;  // of inertia (mass scaling included), of weight, kg
+  LaneVector<double> mass, weight_mass;  // mass for inertia (mass scaling included) and for weight, kg
   LaneVector<uint8_t> held, support;     // bits 0..2; of held, what a plane of symmetry holds for good
   LaneVector<Vector> held_v;             // m/s
   LaneVector<Vector> anchor;             // b of blocks in frames of their own, 1/m; empty: there are none

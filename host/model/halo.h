@@ -23,8 +23,8 @@ class Halo {
   void add(Border border);
   void send(Ranks& ranks);                               // and makes ready to receive; returns at once
   void receive(Ranks& ranks);                            // waits
-  std::size_t messages() const { return send_.size(); }  // that this rank sends
-  std::size_t bytes() const;                             // in them
+  std::size_t messages() const { return send_.size(); }  // messages that this rank sends
+  std::size_t bytes() const;                             // bytes of these messages
 
  private:
   std::vector<Border> borders_;

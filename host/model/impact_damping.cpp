@@ -8,7 +8,7 @@ namespace quoin {
 
 namespace {
 
-constexpr double kZoneDamping = 0.01;  // of critical at the first frequency of a block that deforms
+constexpr double kZoneDamping = 0.01;  // share of critical at the first frequency of a block that deforms
 constexpr double kAlong = 0.5;         // damping along the joint, of that normal to it
 
 }  // namespace

@@ -33,8 +33,8 @@ double zone_viscosity(double length, double speed);
 // first is that of the sum of both largest eigenvalues: x^2 + z x = 1. Where the step would fall below kLeastImpactStep
 // of the undamped one, viscosity becomes less instead. The eigenvalue is convex in its share, so that a chord is safe.
 struct ImpactStep {
-  double left;   // of the undamped step
-  double share;  // of the viscosity that is kept
+  double left;   // share of the undamped step that is left
+  double share;  // share of the viscosity that is kept
 };
 inline constexpr double kLeastImpactStep = 0.5;
 // critical: undamped, s. rate: largest eigenvalue of C over M, 1/s. eigenvalue(share, dt): of K + 2 share C/dt, 1/s2.
@@ -44,7 +44,7 @@ ImpactStep step_under_impacts(double critical, double rate, const std::function<
 struct ImpactDamping {
   std::vector<std::array<double, 2>> viscosity;  // by joint family, s; empty: impacts are not damped
   double of_zones = 0.0;                         // s
-  double in_use = 0.0;                           // of critical, of a block that lands on an edge
+  double in_use = 0.0;                           // share of critical in use, for a block that lands on an edge
 };
 
 }  // namespace quoin

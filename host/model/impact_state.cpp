@@ -16,7 +16,7 @@ namespace {
 
 using Landing = std::array<double, 2>;  // normal to the face and along it
 
-// Of a block that lands on an edge of the face that it has towards this contact, 1/s2.
+// Frequencies of a block that lands on an edge of its face at this contact, 1/s2.
 Landing landing_frequencies(const World& w, const Contact& c, int block) {
   const Block& input = w.assembly.blocks[size_t(block)];
   if (input.fixed) return {};

@@ -13,14 +13,14 @@ struct World;
 // Chosen with the time step.
 struct ImpactState {
   std::vector<double> beta;  // viscosity over stiffness, normal and along the joint, family by family, s
-  double zone_beta = 0.0;    // of zones, s
+  double zone_beta = 0.0;    // stiffness-proportional damping of zones, s
   double rate = 0.0;         // largest eigenvalue of this viscosity over inertia, 1/s
-  double share = 1.0;        // of what the settings ask for
+  double share = 1.0;        // damping in use over that of the settings
   std::array<MaxwellElement, kMaxwellElements> maxwell{};
 };
 
 void choose_impact_damping(World& w);
-// Of solver.impact_damping what the time step leaves, of critical; 0: damping is not that of impacts.
+// Share of critical that the time step leaves of solver.impact_damping; 0: damping is not that of impacts.
 double impact_damping_in_use(const World& w);
 
 }  // namespace quoin::blocks

@@ -83,7 +83,7 @@ namespace {
 // What a new point has from its nearest old one.
 struct Heir {
   double closure = 0.0;           // plastic, m
-  double opening = std::nan("");  // since the last step, m; not known for a point without history
+  double opening = std::nan("");  // change since the last step, m; not a number for a point without history
 };
 
 void inherit(const World& w, const Family& old, size_t from, const Contact& c, Family& f, size_t to) {
@@ -154,7 +154,7 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
     }
     if (std::isnan(heirs[k].opening)) continue;
     const double pressed = f.traction[0][i];
-    // As if the point had been there in the last step: stiffness damping sees motion alone.
+    // The opening that the point would have had a step ago: stiffness damping is to act on motion alone.
     f.normal_jump[i] = locate(w, p, w.contacts.facets).jump - heirs[k].opening;
     if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
     if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
@@ -175,7 +175,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) old_area += old.point[j].area;
   const double radius2 =
       finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * w.detection.size * w.detection.size) : 0.0;
-  std::vector<Vector> then;  // where the old points are by now
+  std::vector<Vector> then;  // current places of the old points
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j)
     then.push_back(locate(w, old.point[j], before.facets).at);
   std::vector<Heir> heirs(points.size());

@@ -16,9 +16,9 @@ struct Finding {
   bool known = false;  // close before
   bool examined = false;
   bool fresh = false;             // new points, or none any more
-  size_t begin = 0;               // of its new points, where they are found here
-  uint32_t fresh_count = 0;       // of these
-  uint32_t first = 0, count = 0;  // its points of before, in their family
+  size_t begin = 0;               // index of its first new point, where this process finds them
+  uint32_t fresh_count = 0;       // number of its new points
+  uint32_t first = 0, count = 0;  // its old points in their family
   uint32_t first_facet = 0;
 };
 
@@ -29,7 +29,7 @@ struct PointsBefore {
 };
 
 Family without_points(const Family& f);  // another one of the same law
-// The facets of a contact point have moved.
+// Changes the indices of a contact point's facets from `before` to `now`.
 void move_facets(Point& p, uint32_t now, uint32_t before);
 // Copies points [first, first + count) of a contact, and their facets; first ones are then those of the copies.
 void set_aside(const World& w, const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count,

@@ -10,15 +10,15 @@ namespace quoin {
 
 struct LanczosSettings {
   int max_steps = 0;
-  int check_interval = 1;    // steps between two looks at the value
+  int check_interval = 1;    // steps between two checks of the value
   int first_check = 0;       // steps before the value may count as settled
-  double settled = 0.0;      // relative growth of the value between two looks
+  double settled = 0.0;      // relative growth of the value between two checks
   bool with_vector = false;  // by a second sweep: twice the products
 };
 
 struct LargestEigenvalue {
   double value = 0.0;         // not a number if a product was not one
-  LaneVector<double> vector;  // of length 1; empty unless asked for
+  LaneVector<double> vector;  // eigenvector of length 1; empty unless requested
   int steps = 0;
   int products = 0;
 };

@@ -15,12 +15,12 @@ using geometry::Vector;
 
 struct Load {
   int block;
-  Vector point;  // in the block's frame of the start (space coordinates at the start), m; moves with the block
+  Vector point;  // place in the block's frame of the start (space coordinates at the start), m; moves with the block
   Vector force;  // N, direction fixed in space
   TimeSeries factor;
   std::vector<std::pair<int32_t, double>> share;  // deformable: nodes and weights
   Vector arm;                                     // rigid: in the body frame
-  double scale = 1.0;                             // for stages, whose loads grow and fade
+  double scale = 1.0;                             // factor by the ramp of the stage
 };
 
 struct Pressure {

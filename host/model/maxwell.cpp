@@ -31,7 +31,7 @@ Row solved(std::array<Row, kCount> a, Row b) {
 }  // namespace
 
 std::array<MaxwellElement, kCount> maxwell_elements(double damping_ratio, std::array<double, 2> band_Hz) {
-  constexpr int kSamples = 101;  // of the band, over the logarithm of frequency
+  constexpr int kSamples = 101;  // number of sampled frequencies in the band, evenly over the logarithm
   std::array<MaxwellElement, kCount> elements{};
   if (damping_ratio <= 0.0) return elements;
   const auto at = [&](double way) {

@@ -9,7 +9,7 @@ inline constexpr int kMaxwellElements = 3;
 
 // A spring and a dashpot in a row. Its traction follows s' = share k u' - rate s, k the stiffness of the joint of now.
 struct MaxwellElement {
-  double share = 0.0;  // of that stiffness
+  double share = 0.0;  // share of the joint's stiffness
   double rate = 0.0;   // 1/s
 };
 

@@ -149,7 +149,7 @@ class ModelBuilder {
   int body_of(const Side& side) const { return body_of(side.block); }
   int body_of(int block) const { return m.place[at(block)].body; }  // -1: deformable
 
-  // Of a gridpoint, or of the slave of a body in a group; -1: of a lone body.
+  // Offset of a gridpoint, or of the slave of a body in a group; -1: of a lone body.
   std::int32_t offset_if_any(int block, std::int32_t node) const {
     const Model::BlockPlace& where = m.place[at(block)];
     if (node < 0) return -1;
@@ -470,10 +470,10 @@ class ModelBuilder {
   }
 
   Model& m;
-  std::vector<int> template_of_;               // by block; -1: rigid
-  std::vector<std::int32_t> first_of_joint_;   // of its points, in the order in which they are found
-  std::vector<Nodes> nodes_;                   // in that order
-  std::vector<NewPoint> of_bodies_;            // points with a rigid block on one side or both
+  std::vector<int> template_of_;              // by block; -1: rigid
+  std::vector<std::int32_t> first_of_joint_;  // first contact point of each joint, in the order in which they are found
+  std::vector<Nodes> nodes_;                  // gridpoints in that order
+  std::vector<NewPoint> of_bodies_;           // points with a rigid block on one side or both
   std::vector<std::int32_t> found_of_bodies_;  // their places in that order
   std::vector<BodyPlace> body_place_;          // by body; none: a lone body
   std::vector<std::array<int, 6>> next_slot_;  // by body and face

@@ -20,7 +20,7 @@ namespace quoin {
 // Up to 8 blocks of one template, one a lane. Lanes without a block have zero inverse mass and never move.
 struct BlockGroup {
   int brick_template = 0;
-  Vec3 offset{};                    // of its blocks from the first blocks of their units, m
+  Vec3 offset{};                    // offset of its blocks from the first blocks of their units, m
   std::int32_t first_line = 0;      // gridpoint i of the template is line first_line + i
   int block_count = 0;              // lanes in use, from lane 0
   std::array<int, kLanes> block{};  // index into Assembly::bricks
@@ -55,7 +55,7 @@ struct RigidBody {
   // Its contact points in fixed order, with the gridpoint that each has to itself.
   std::vector<std::int32_t> point;
   std::vector<std::int32_t> slave;  // offset of the gridpoint
-  std::vector<Vec3> arm;            // of the gridpoint from the centre, m
+  std::vector<Vec3> arm;            // places of the gridpoints from the centre, m
   std::vector<double> sign;         // +1 side a, -1 side b
 };
 
@@ -73,7 +73,7 @@ struct BodyGroup {
 struct BodySlots {
   struct Face {
     int slot_end = 0;         // its slots are [slot_end of the face before, slot_end)
-    double normal_arm = 0.0;  // from the centre along the axis, the same for all slots of the face, m
+    double normal_arm = 0.0;  // distance of the face from the centre along the axis, m
   };
   std::array<Face, 6> face{};
   std::vector<std::array<double, 2>> arm;  // per slot: from the centre along the two axes after the normal, m
@@ -86,7 +86,7 @@ struct ContactFamily {
   std::shared_ptr<const Material> material;
   std::int32_t first_point = 0, point_count = 0;
   double normal_stiffness = 0.0, shear_stiffness = 0.0;  // upper bounds, Pa/m
-  std::vector<PropertyColumn> columns{};                 // of what scatters, by point of the family
+  std::vector<PropertyColumn> columns{};                 // properties that scatter, by point of the family
 };
 
 // A run of contact points with one law and one frame, small enough for the first-level cache. `axis` is the normal;
@@ -124,7 +124,7 @@ struct Model {
   std::vector<RigidBody> bodies;
   std::vector<BodySlots> body_slots;
   std::vector<BodyGroup> body_groups;
-  std::vector<int> lone_bodies;  // in no group
+  std::vector<int> lone_bodies;  // bodies in no group
   std::vector<ContactFamily> families;
   std::vector<ContactChunk> chunks;
 
@@ -154,7 +154,7 @@ struct Model {
   LaneVector<std::uint8_t> point_run;
   LaneVector<Vec3> point_position;  // reference, m
   LaneVector<std::uint8_t> point_axis;
-  // Of all points, laid out or not: index into Assembly::joints; how many points of the joint were found before it.
+  // Numbers of all points, laid out or not: index into Assembly::joints; points of the joint that were found before it.
   LaneVector<std::int32_t> point_joint, point_in_joint;
 
   // Blocks on the negative and on the positive side of a contact point, along its normal.
@@ -169,7 +169,7 @@ struct Model {
     return joint.face_a % 2 == 1 ? Sides{joint.block_a, joint.block_b} : Sides{joint.block_b, joint.block_a};
   }
 
-  const BrickTemplate& template_of(int block) const {  // of a deformable one
+  const BrickTemplate& template_of(int block) const {  // shape and zones of a deformable block
     const BlockPlace& where = place[static_cast<std::size_t>(block)];
     return templates[static_cast<std::size_t>(groups[static_cast<std::size_t>(where.group)].brick_template)];
   }

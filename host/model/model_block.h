@@ -23,11 +23,11 @@ struct ModelBlock {
   int32_t body = -1;                        // rigid: index into bodies
   int32_t first_node = 0, node_count = 0;   // deformable
   int32_t zone_count = 0;
-  int32_t first_lanes = 0, lanes_count = 0;  // of its zones, into Zones::lanes
+  int32_t first_lanes = 0, lanes_count = 0;  // its zones: indices into Zones::lanes
   int32_t congruent = -1;                    // into what blocks of the same shape share; -1: too few of them
   uint32_t first_corner = 0;                 // into corner arrays: vertices of the shape
   uint32_t first_normal = 0;
-  double mass = 0.0;                                       // that has weight, kg
+  double mass = 0.0;                                       // mass for weight, kg
   double radius = 0.0;                                     // largest distance of a vertex from the centre, m
   double least_extent = 0.0;                               // m
   double corner_area = 0.0;                                // nominal area of an edge or corner contact, m2
@@ -39,7 +39,7 @@ struct Pose {
   Matrix r;
 };
 
-// Of each shape of the scene.
+// Data of each shape of the scene.
 struct ShapeFacts {
   geometry::MassProperties mass;
   geometry::Eigen3 axes;
@@ -51,13 +51,13 @@ struct BlockShapes {
   std::vector<ShapeFacts> facts;
   // Zones of a few shapes.
   std::map<std::array<double, 6>, std::shared_ptr<const geometry::Zoning>> zonings;
-  LaneVector<Vector> corner, normal;                // of rigid blocks, in the body frame, m, unit
-  LaneVector<Vector> placed_corner, placed_normal;  // of all, as detection has placed them last
+  LaneVector<Vector> corner, normal;  // corners and face normals of rigid blocks in the body frame, m, unit
+  LaneVector<Vector> placed_corner, placed_normal;  // corners and face normals of all blocks at the last detection
 };
 
-// Of every block's frame.
+// Poses of every block.
 struct Poses {
-  LaneVector<Pose> start, broad;  // at the start, and at the last broad phase
+  LaneVector<Pose> start, broad;  // poses at the start, and at the last broad phase
 };
 
 }  // namespace quoin::blocks

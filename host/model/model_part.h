@@ -1,4 +1,4 @@
-// What one of several processes has of a model that they share.
+// The part of a shared model that one of several processes holds.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ using geometry::Vector;
 // One process alone has everything, and no ranks.
 struct ModelPart {
   Ranks* ranks = nullptr;
-  std::vector<int> rank_of_block;   // with ranks
+  std::vector<int> rank_of_block;   // rank by block; empty: one process
   std::vector<bool> laid_out;       // by block
   std::vector<Vector> rough_place;  // by block, known to all, m
   Halo neighbours;                  // motion of whole blocks that are close to those of other ranks

@@ -1,8 +1,8 @@
 // When blocks have moved enough for contact detection. A pair, and a block since the last broad phase, may move
-// by some way. From how fast it moves follows the step before which it cannot have, and until then nobody looks at it.
+// by some way. From its speed follows the step before which it cannot have done so, and until then it is not checked.
 // What is reckoned with is the motion that a block was seen in. A block that leaves it by more than a small speed,
 // which is allowed for, deviates (rigid_kernels.cpp). All that it belongs to is checked in that very step. So no rigid
-// block comes further than it may unseen, whatever hits it, and a look costs only those that are due.
+// block comes further than it may unseen, whatever hits it, and a check costs only those that are due.
 //
 // Deformable blocks are not seen so closely. Theirs is a rule of thumb: none gains speed faster than at 10 g.
 #include "model/motion_checks.h"
@@ -58,14 +58,14 @@ constexpr double kCalmSteps = 1000.0, kBusySteps = 50.0;
 // Blocks that deviate sooner than this may gain twice as much from then on, those later than that half of it,
 // steps.
 constexpr long kSoon = 30, kLate = 300;
-constexpr long kMostSteps = 1000;  // between two looks at the same
+constexpr long kMostSteps = 1000;  // between two checks of the same
 // Acceleration that checks of deformable blocks reckon with, and the share of their way that each of two may use up
 // until then. More of either: more checks.
 constexpr double kAcceleration = 100.0;  // m/s2, 10 g
 constexpr double kOfWay = 0.25;
-// Of the way of a pair, from where on it is looked at closely together with others that have moved by all of it.
+// Share of the way of a pair from which on it joins others, which have moved by all of theirs, in the narrow phase.
 constexpr double kRipe = 0.8;
-// Of the skin, that a block may move by before the broad phase is looked at.
+// Share of the skin by which a block may move before the broad phase is due.
 constexpr double kOfSkin = 0.25;
 // Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
 constexpr double kSmallRotation = 1e-3;
@@ -83,8 +83,8 @@ void see(World& w, int i) {
   seen = {body.v, b.radius, body.omega, unnoticed, w.stepping.count};
 }
 
-// A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many looks
-// fall into one step.
+// A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many
+// checks fall into one step.
 long step_after(const World& w, double way, double speed, double acceleration = 0.0) {
   // speed t + acceleration t^2/2 = way
   const double steps = 2 * way / ((speed + std::sqrt(speed * speed + 2 * acceleration * way)) * w.stepping.dt);

@@ -22,24 +22,24 @@ struct SeenMotion {
   double radius = 0.0;     // m
   Vector omega;            // rad/s
   double unnoticed = 0.0;  // m/s
-  long step = 0;           // of the look
+  long step = 0;           // step of the last check
 };
 
-// When a pair of blocks is looked at next.
+// The next check of a pair of blocks.
 struct PairCheck {
   int32_t a, b;
-  bool ripe = false;  // has moved by most of its way: it is looked at closely together with others
+  bool ripe = false;  // whether it has moved by most of its way, and is due in the next narrow phase
   long step = 0;
 };
 
 // Written by the checks; kernels of rigid blocks read what has been seen.
 struct MotionChecks {
-  LaneVector<PairCheck> pair;   // of each contact
+  LaneVector<PairCheck> pair;   // check of each contact
   LaneVector<long> block;       // step, by block
-  std::vector<uint8_t> due;     // by block: for a look of now
+  std::vector<uint8_t> due;     // by block: whether a check is due
   LaneVector<SeenMotion> seen;  // by body
-  long next = 0;                // step of the next look at any of them
-  double dt = 0.0;              // that checks reckon with, s; another one: all blocks are to be checked
+  long next = 0;                // step of the next check of any of them
+  double dt = 0.0;              // time step of the checks, s; after a change all blocks are due
   bool any_deviates = false;    // some block in the last step
 };
 
@@ -48,7 +48,7 @@ bool moved_enough(World& w);
 // allowed_motion is its bound, beyond which the pair is detected again.
 double pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& a, const Pose& b);
 double allowed_motion(const World& w, const Contact& c, const PairPlace& place);
-double detection_fraction(const World& w);                   // of a block's least extent
+double detection_fraction(const World& w);                   // share of a block's least extent
 double motion_since_broad_phase(const World& w, int block);  // translation plus rotation times radius, m
 // A block as a check finds it.
 struct CheckedMotion {

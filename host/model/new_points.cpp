@@ -47,7 +47,7 @@ void anchor(const World& w, NewPoint& made, int block, const Vector& at, int fac
     const Body& body = w.bodies[mb.body];
     if (plane_side) {
       p.n = transposed_times(body.r, p.n), p.s = transposed_times(body.r, p.s), p.t = transposed_times(body.r, p.t);
-      p.offset = dot(p.n, transposed_times(body.r, at - body.x));  // of the plane; hand_over adds the reference
+      p.offset = dot(p.n, transposed_times(body.r, at - body.x));  // offset of the plane; hand_over adds the reference
     } else {
       p.arm = transposed_times(body.r, at - body.x);
     }
@@ -117,8 +117,8 @@ bool edge_point(const World& w, const Pair& pair, const Separation& separation, 
   return true;
 }
 
-// Points where the face of `carrier` that looks at `owner` overlaps the face `owner_face`, in the plane of that face.
-// They have the nominal area (m2) at least.
+// Points where the face of `carrier` that is turned to `owner` overlaps the face `owner_face`, in the plane of that
+// face. They have the nominal area (m2) at least.
 void face_points(const World& w, int owner, int owner_face, int carrier, bool at_start, double nominal,
                  RigidPoints rule, std::vector<NewPoint>& out) {
   const Placed a = placed(w, owner), b = placed(w, carrier);
@@ -237,8 +237,8 @@ int family_of(const World& w, const Contact& c, const Vector& normal) {
 
 void make_points(const World& w, const Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
   // Corners are given a nominal area, which keeps them from sinking in. Not those of blocks that touch along an edge
-  // since the start, as four units around a joint's end do: their neighbours keep them apart. The nominal area would
-  // lock units that slide past each other by a height of some micrometres.
+  // since the start, as four units around a joint's end do: their neighbours keep them apart. With the nominal area
+  // units could not slide past an edge that stands out by some micrometres.
   const double nominal =
       c.beside_joint ? 0.0 : std::min(w.blocks[c.pair.a].corner_area, w.blocks[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;

@@ -15,7 +15,7 @@ struct NewPoint {
   Facet facet_a, facet_b;
   bool joint = true;  // within the joint tolerance at the start
 };
-// Of a pair, and of what keeps it apart.
+// Points of a pair, by the feature that separates it.
 void make_points(const World& w, const Contact& c, const geometry::Separation& s, bool at_start,
                  std::vector<NewPoint>& out);
 // That the joint has, or would have, with this normal; below 0: declared to pass through each other.

@@ -44,7 +44,7 @@ namespace {
 struct Head {
   double owner;  // 1: the normal points from the first block of the pair, 2: from the second; 0: still as at the start
   double normal_jump, traction[3];
-  Vector n, s;  // as they would stand had block a not moved since the start
+  Vector n, s;  // axes as if block a had not moved since the start
 };
 constexpr size_t kHead = sizeof(Head) / sizeof(double);
 static_assert(kHead * sizeof(double) == sizeof(Head));
@@ -55,7 +55,7 @@ Head head_of(const double* row) {
   return std::bit_cast<Head>(numbers);
 }
 
-// What a block's motion since the start does to it.
+// Maps places and directions of the start to the current ones, by the motion of a block.
 struct Motion {
   Pose start, now;
   Vector place(const Vector& at) const { return now.x + now.r * transposed_times(start.r, at - start.x); }
@@ -66,7 +66,7 @@ struct Motion {
 // The nearest of these places to one of the two sides of a joint.
 struct Nearest {
   size_t index = 0;
-  double squared = HUGE_VAL;  // of the distance, m2
+  double squared = HUGE_VAL;  // square of the distance, m2
 };
 Nearest nearest_of(const std::vector<Vector>& places, const Vector& side_a, const Vector& side_b) {
   Nearest nearest;

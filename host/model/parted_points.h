@@ -19,7 +19,7 @@ using geometry::Vector;
 struct StartJoint {
   geometry::Pair pair;
   int family;
-  uint32_t first, count;  // of StartJoints::point
+  uint32_t first, count;  // indices into StartJoints::point
 };
 
 struct StartPoint {
@@ -29,21 +29,22 @@ struct StartPoint {
 
 // A contact point of the start where its blocks are no longer in contact (parted_points.cpp).
 struct PartedPoint {
-  int a, b, family;                // n points from block a to block b
-  Vector side_a, side_b;           // where what was one place is now, on a and on b, m
-  Vector n, s;                     // of the last contact point there, unit, turned along with a
-  double area;                     // of the start, m2
-  double normal_jump;              // of the last contact point there, m; and so:
-  double traction[3];              // Pa
-  std::vector<double> state;       // of the law
-  std::vector<double> properties;  // that scatter, in the order of the family's columns
+  int a, b, family;           // n points from block a to block b
+  Vector side_a, side_b;      // current places, on a and on b, of what was one place, m
+  Vector n, s;                // axes of the last contact point there, unit, turned along with a
+  double area;                // area at the start, m2
+  double normal_jump;         // opening of the last contact point there, m; the numbers below are of that point too
+  double traction[3];         // Pa
+  std::vector<double> state;  // state of the law
+  std::vector<double> properties;  // properties that scatter, in the order of the family's columns
 };
 
 // Noted at the first detection; later ones keep what goes.
 struct StartJoints {
-  std::vector<StartJoint> joint;  // in the order of their pairs
+  std::vector<StartJoint> joint;  // joints in the order of their pairs
   LaneVector<StartPoint> point;
-  LaneVector<double> kept;  // of the last contact point at each of these, a row of numbers; empty: nothing yet
+  // Numbers of the last contact point at each of these, row by row; empty: no point was lost yet.
+  LaneVector<double> kept;
   bool any_replaced() const { return !kept.empty(); }
 };
 

@@ -16,15 +16,15 @@ inline constexpr int kBodies = 8;  // blocks that move on side by side
 // Congruent blocks from which on one product with the stiffness of all costs less than one of each with its own.
 inline constexpr size_t kFewestAlike = 3;
 
-// Blocks that move on together: rigid ones, or deformable ones that stand alone, or first the one and then the other
+// Blocks that are advanced together: rigid ones, deformable ones that stand alone, or first the one and then the other
 // halves of units.
 struct Piece {
-  uint32_t first, count;  // of Pieces::blocks; at most kBodies in a group
+  uint32_t first, count;  // indices into Pieces::blocks; a group has at most kBodies
   bool halves;            // two groups: lane by lane the two halves of a unit
   enum class Kind : uint8_t { rigid, congruent, distinct, by_zone } kind;
   int32_t congruent = -1;  // into Zones::congruent, of congruent blocks
   static constexpr size_t kNoColumns = size_t(-1);
-  size_t columns[2] = {kNoColumns, kNoColumns};  // where FixedColumns of its groups begin in Pieces::columns
+  size_t columns[2] = {kNoColumns, kNoColumns};  // begin of the FixedColumns of its groups in Pieces::columns
   bool some_held = false;
   size_t group_count() const { return halves ? 2 : 1; }
   bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
@@ -35,9 +35,9 @@ struct Piece {
 // where its first one does; lanes without a block repeat the last one.
 template <class Number>
 struct FixedColumns {
-  Number *mass, *over_mass;  // of inertia, kg, 1/kg or 0
-  Number *place, *anchor;    // of blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
-  Number *held, *held_v;     // where some are held: 1 or 0, m/s; else null
+  Number *mass, *over_mass;  // mass for inertia, kg; its inverse, 1/kg, or 0
+  Number *place, *anchor;    // blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
+  Number *held, *held_v;     // supports, 1 or 0, and their velocities, m/s; null: no gridpoint is held
   FixedColumns(Number* from, int node_count, bool distinct, bool some_held) {
     const auto take = [&](bool wanted, int numbers) {
       Number* const column = wanted ? from : nullptr;
@@ -57,12 +57,12 @@ struct FixedColumns {
 struct Pieces {
   std::vector<Piece> all;
   std::vector<int32_t> blocks;         // piece after piece
-  std::vector<int32_t> of_block;       // of own deformable blocks; -1: others
+  std::vector<int32_t> of_block;       // piece by own deformable block; -1: blocks of others
   std::vector<uint8_t> in_frame;       // by block: of a piece in frames
   LaneVector<double> columns;          // FixedColumns of groups
-  std::vector<size_t> shared_columns;  // of groups, by kind of congruent blocks and whether some gridpoint is held
+  std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
   std::vector<int> held_changed;       // deformable blocks, since the last step
-  bool any_held_changed = false;       // of any gridpoints
+  bool any_held_changed = false;       // whether supports of any gridpoint have changed
 
   std::span<const int32_t> blocks_of(int piece) const { return blocks_of(all[size_t(piece)]); }
   std::span<const int32_t> blocks_of(const Piece& piece) const {
@@ -77,8 +77,8 @@ struct Pieces {
 int count_of(const World& w, Piece::Kind kind);  // blocks that get their inner forces so
 double piece_work(const World& w, int piece);
 void divide_blocks(World& w);
-void bind_pieces(World& w);                               // to their columns
-void follow_held(World& w);                               // in these, before a step
-int most_gridpoints(const World& w, const Piece& piece);  // of one of its blocks
+void bind_pieces(World& w);                               // binds pieces to their columns
+void follow_held(World& w);                               // updates supports in the columns, before a step
+int most_gridpoints(const World& w, const Piece& piece);  // largest number of gridpoints of a block of the piece
 
 }  // namespace quoin::blocks

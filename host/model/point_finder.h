@@ -13,7 +13,7 @@ inline constexpr double kCoordinateTolerance = 1e-6;
 // One side of a joint's contact point before numbering: a template gridpoint of a deformable block, or a rigid body.
 struct Side {
   int block = -1;
-  int node = -1;  // of a template, or the slot of a body in a group; -1: a lone body
+  int node = -1;  // gridpoint of a template, or slot of a body in a group; -1: a lone body
 };
 
 struct NewPoint {

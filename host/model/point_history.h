@@ -16,13 +16,13 @@ using geometry::Vector;
 // What a contact point of the start goes on from: its law's columns in a model of small displacements.
 struct PointHistory {
   int block_a, block_b;              // the normal of the joint points from a to b
-  Vector position, s, t;             // of the start; m, unit, in the plane of the joint
-  double opening = 0.0;              // that its law sees next, m
-  double opening_at_traction = 0.0;  // that it has seen last, m
+  Vector position, s, t;             // place at the start, m, and axes in the plane of the joint, unit
+  double opening = 0.0;              // opening at the next call of its law, m
+  double opening_at_traction = 0.0;  // opening at the last call of its law, m
   std::array<double, 2> slip{};      // along s and t, that its law has not seen yet, m
   std::array<double, 3> traction{};  // Pa
   std::vector<double> state;
-  std::vector<double> properties{};  // that scatter, in the order of the family's columns
+  std::vector<double> properties{};  // properties that scatter, in the order of the family's columns
 };
 
 // A run goes on from one in small displacements (adopt_histories.cpp), before the first step. Clock; then the pose of

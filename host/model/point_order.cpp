@@ -10,7 +10,7 @@
 namespace quoin {
 namespace {
 
-using Index = std::uint32_t;  // of a point
+using Index = std::uint32_t;  // index of a point
 constexpr Index kNone = static_cast<Index>(-1);
 
 // The gridpoint of the next lane of the same line.

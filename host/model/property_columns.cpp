@@ -24,7 +24,7 @@ using random::Quantity;
 // The same number for places that are the same to rounding: cells of 10 um, whose borders lie where no gridpoint does.
 std::int64_t cell_of(double x) { return std::llround(x / 1e-5 + 0.3183); }
 
-// Of a contact point: two joints that meet have their own points at one place.
+// Key of a contact point: two joints that meet have their own points at one place.
 std::uint64_t point_key(const Vec3& x, std::uint64_t joint) {
   const std::array<std::int64_t, 4> parts{cell_of(x[0]), cell_of(x[1]), cell_of(x[2]),
                                           static_cast<std::int64_t>(joint)};

@@ -13,23 +13,23 @@
 namespace quoin {
 
 struct PlacedPoint {
-  Vec3 position;         // of the start, m
+  Vec3 position;         // place at the start, m
   double area;           // m2
   int block_a, block_b;  // indices of blocks
 };
 
-// Of the two blocks of a joint the one that was laid with it: of masonry, and the later one.
+// The block of a joint that was laid with it: one of masonry, and the later of two.
 int block_laid(int block_a, int block_b, std::span<const PlacedBlock> blocks);
 
 // One property, by contact point, as batches of the law take it.
 struct PropertyColumn {
   const char* id;  // the law's own
-  double usual;    // of the material: of points that are not there at the start
+  double usual;    // value of the material, for points that are not there at the start
   double most;     // the largest one drawn
   LaneVector<double> values;
 };
 
-// Of the properties of the family that scatter, without values; none in the sample 0.
+// Columns of the properties of the family that scatter, without values; none in the sample 0.
 std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material);
 
 // The same with the values of these points. They are all of the family, or all in some of its joints; where a property

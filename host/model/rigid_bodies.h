@@ -18,14 +18,14 @@ struct Body {
   Vector v;                  // m/s, at half steps
   Vector momentum;           // angular, about the centre of mass, in space, at half steps
   Vector omega;              // rad/s, in space, at half steps
-  Vector force, torque;      // of the step
-  double weight_mass = 0.0;  // of weight, kg
-  double mass = 0.0;         // of inertia, kg (mass scaling included)
+  Vector force, torque;      // resultants of the step
+  double weight_mass = 0.0;  // mass for weight, kg
+  double mass = 0.0;         // mass for inertia, kg (mass scaling included)
   Vector inertia;            // principal, kg m2
   Vector held_v, held_omega;
-  Matrix r, transposed_r;  // of q
+  Matrix r, transposed_r;  // rotation matrix of q
   uint8_t held = 0;        // bits 0..2: velocity prescribed along x, y, z; 3..5: rotation about them
-  uint8_t support = 0;     // of these, the ones that a plane of symmetry holds for good
+  uint8_t support = 0;     // bits of `held` that a plane of symmetry holds throughout
 
   void turn_to(const Quaternion& orientation) {
     q = orientation;

@@ -22,7 +22,7 @@ int node_count(const Model& model, const BlockGroup& group) {
   return model.templates[static_cast<std::size_t>(group.brick_template)].node_count;
 }
 
-// Of the blocks of `count` groups as one body; positions from the first block of the unit.
+// Motion of the blocks of `count` groups as one body; positions from the first block of the unit.
 RigidMotion motion_of(const Model& model, const BlockGroup* groups, int count, const LaneVector<double>& node_mass) {
   double mass = 0.0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();

@@ -1,8 +1,8 @@
-// Rigid-body motion of deformable blocks and of masonry units: what scaling the inertia of all other motion leaves as
-// it is.
+// Rigid-body motion of deformable blocks and of masonry units, which keeps its inertia while that of all other motion
+// is scaled.
 //
 // Blocks are stiff beside mortar joints, and so is the joint inside a unit that keeps its halves together. Their
-// vibrations set the time step although nothing in a quasi-static wall hangs on them. P_u and P_b are the projections
+// vibrations set the time step although a quasi-static wall does not depend on them. P_u and P_b are the projections
 // of motion on rigid motions of units and of blocks. They are orthogonal in the mass matrix M, and P_u P_b = P_u. The
 // inertia
 //   M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)),  s_u, s_b >= 1,
@@ -22,10 +22,10 @@
 namespace quoin {
 
 struct RigidMotion {
-  Vec3 centre{};                            // from the lowest corner of the block, or of the first block of the unit, m
-  double mass = 0.0;                        // kg
-  Vec3 inverse_mass{};                      // by direction, 1/kg; 0: held by a symmetry plane
-  std::array<double, 9> inertia{};          // about the centre, rows; kg m2
+  Vec3 centre{};                    // centre from the lowest corner of the block, or of the first block of the unit, m
+  double mass = 0.0;                // kg
+  Vec3 inverse_mass{};              // by direction, 1/kg; 0: held by a symmetry plane
+  std::array<double, 9> inertia{};  // about the centre, rows; kg m2
   std::array<double, 9> inverse_inertia{};  // 1/(kg m2); 0 where rotation is held
 };
 

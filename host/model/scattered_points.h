@@ -12,7 +12,7 @@ namespace quoin {
 void make_columns(Model& model);
 // The values of the points of these chunks. Throws as draw_properties.
 void draw_columns(Model& model, std::span<const int> chunks);
-// Of points [first, end) of the model, which are laid out no more.
+// Releases columns of the points [first, end) of the model, which are laid out no more.
 void forget_columns(Model& model, std::size_t first, std::size_t end);
 // Stiffnesses by the largest values drawn.
 void bound_stiffness(Model& model);

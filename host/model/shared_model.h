@@ -19,10 +19,10 @@ struct VectorRow {
 // All calls that wait for others are made by all ranks in the same order.
 class SharedVectors {
  public:
-  using Add = std::function<double(const VectorRow& row, double sum)>;  // of the sum until there: and with this row
+  using Add = std::function<double(const VectorRow& row, double sum)>;  // the sum so far to the sum with this row
 
   virtual ~SharedVectors() = default;
-  virtual std::span<const VectorRow> rows() const = 0;  // that this process computes, in order
+  virtual std::span<const VectorRow> rows() const = 0;  // rows that this process computes, in order
   // Over the rows of all ranks in order, handed from one to the next: the sum of one process, bit for bit.
   virtual double sum(const Add& add) = 0;
 };

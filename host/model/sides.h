@@ -9,14 +9,14 @@ namespace quoin::blocks {
 
 struct World;
 
-// One side of a point with one deformable side, as its block sees it.
+// One side of a contact point, for its block.
 struct Touch {
   const OtherPoint* point;
   int32_t family;
   bool side_a;
 };
 
-// One side of a point of two deformable blocks, as its block sees it. It owns the plane, carries the point on a
+// One side of a point of two deformable blocks, for its block. It owns the plane, carries the point on a
 // triangle, or has it on a gridpoint.
 struct OwnerTouch {
   uint32_t row;
@@ -44,7 +44,7 @@ struct ByBlock {
     return std::span(touch).subspan(first, end[size_t(block)] - first);
   }
 };
-using MomentTouch = const GridpointPair*;  // of block a
+using MomentTouch = const GridpointPair*;  // touch of block a
 
 // One side of a pair of rigid blocks.
 struct PairTouch {
@@ -55,12 +55,12 @@ struct PairTouch {
 // Listed with the chunks: of a block in the order of families and points.
 struct Sides {
   std::vector<double> cost;   // by block: of contact points, and of pairs of rigid blocks
-  ByBlock<Touch> single;      // of points with one deformable side
-  ByBlock<PairTouch> pair;    // of pairs of rigid blocks
-  ByBlock<OwnerTouch> owner;  // of points between gridpoints
+  ByBlock<Touch> single;      // points with one deformable side
+  ByBlock<PairTouch> pair;    // pairs of rigid blocks
+  ByBlock<OwnerTouch> owner;  // points between gridpoints
   ByBlock<CarrierTouch> carrier;
-  ByBlock<GridpointTouch> gridpoint;        // of b
-  ByBlock<GridpointTouch> owner_gridpoint;  // of a, points on gridpoints of both
+  ByBlock<GridpointTouch> gridpoint;        // gridpoints of block b
+  ByBlock<GridpointTouch> owner_gridpoint;  // gridpoints of block a, for points on gridpoints of both
   ByBlock<MomentTouch> moment;
 };
 

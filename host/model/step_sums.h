@@ -17,13 +17,13 @@ struct BlockSums {
   Vector net;               // their sum, N
   double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
-  double deformation = 0.0;          // in a frame, the largest |u| beside the first gridpoint, m
+  double deformation = 0.0;          // largest |u| in a frame, beside the first gridpoint, m
   bool deviates = false;             // moves otherwise than it was seen to
-  double moved = 0.0, turned = 0.0;  // since the start, for a row of the history, m, rad
+  double moved = 0.0, turned = 0.0;  // displacement and rotation since the start, for a row of the history, m, rad
 };
 
 struct Energies {        // J
-  double kinetic = 0.0;  // of components that are free to move
+  double kinetic = 0.0;  // kinetic energy of components that are free to move
   double strain = 0.0, contact_stored = 0.0;
   double dissipated[QUOIN_DISSIPATED_COUNT] = {};  // tension, cohesion, friction, crushing
   double damping = 0.0;                            // taken by damping
@@ -31,7 +31,7 @@ struct Energies {        // J
   // Energy lost (> 0) or gained when contact points were placed again, and lost with the inertia of halves on each
   // other when a unit came apart.
   double detection = 0.0;
-  double members_stored = 0.0, members_dissipated = 0.0;  // of host/members
+  double members_stored = 0.0, members_dissipated = 0.0;  // energies of host/members
   double dissipated_total() const { return dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3]; }
   // what has appeared from nowhere (> 0) or vanished since the start
   double balance_error(double at_start) const {
@@ -51,7 +51,7 @@ struct StepSums {
   std::vector<BlockSums> of_block;
   LaneVector<Vector> contact_force;  // by block, N
   double unbalanced = 0.0;           // the largest of all blocks, N
-  Vector net;                        // on all that is free to move, N
+  Vector net;                        // force on all that is free to move, N
   Energies energies;
   HalfStep later;
   double dissipated = 0.0;  // by laws and members, in the last step, J

@@ -16,17 +16,17 @@ using geometry::Vector;
 // Steps move it on; the time step is chosen again where stiffness, inertia or settings change.
 struct Stepping {
   double time = 0.0;                   // s
-  long count = 0;                      // of steps
+  long count = 0;                      // number of steps
   double dt = 0.0, critical_dt = 0.0;  // s; 2/omega_max of the assembled system, undamaged
   double stiffness_bound = 0.0;        // local, of contacts, when omega_max was found, 1/s2
-  double springs = 0.0;                // from outside, their eigenvalue, 1/s2
+  double springs = 0.0;                // eigenvalue of springs from outside, 1/s2
 };
 
 // A rigid block, or a gridpoint and the flattest zone at it.
 struct StepLimit {
   int block = -1;
   Vector at;                                 // m
-  double height = 0.0, shortest_edge = 0.0;  // of the zone, m; 0: a rigid block
+  double height = 0.0, shortest_edge = 0.0;  // height and shortest edge of the zone, m; 0: a rigid block
 };
 
 // The time step with these settings over the critical one, s, without damping.

@@ -167,7 +167,7 @@ class UndamagedSystem {
   struct Gridpoint {
     int block, node;
   };
-  Gridpoint gridpoint_of(int dof) const {  // of a deformable block
+  Gridpoint gridpoint_of(int dof) const {  // gridpoint of a deformable block
     const int line = dof / kLine;
     const auto after = std::upper_bound(model_.groups.begin(), model_.groups.end(), line,
                                         [](int l, const BlockGroup& group) { return l < group.first_line; });
@@ -283,7 +283,7 @@ class ScaledSystem {
     scaling_ = {&inertia.rigid, 1.0 / std::sqrt(inertia.deformation), 1.0 / std::sqrt(inertia.unit), root_mass_.data()};
   }
 
-  // Of no length where nothing can move.
+  // The vector has no length where nothing can move.
   LaneVector<double> start() const {
     LaneVector<double> start(scale_.size(), 0.0);
     std::uint64_t random = 0x9e3779b97f4a7c15u;  // any seed serves; a fixed one makes the time step reproducible
@@ -318,7 +318,7 @@ class ScaledSystem {
     return sum;
   }
 
-  // The rows of this process; what contact points add to those of others is not looked at.
+  // The rows of this process; what contact points add to those of others is not checked.
   double product_of_part(const LaneVector<double>& x, LaneVector<double>* y) {
     for (const int u : shared_->units()) scale_and_strain(model_.unit_groups[at(u)], x, y);
     const auto bodies = at(system_.body_base());
@@ -414,7 +414,7 @@ std::vector<double> compliances(const Model& model, const Inertia& inertia, cons
     });
     found.push_back(sum / (mass * mass));
   }
-  if (shared) shared->largest(found);  // of the process that has the block
+  if (shared) shared->largest(found);  // value of the process that has the block
   return found;
 }
 
@@ -432,7 +432,7 @@ std::vector<int> units_here(const Model& model, const SharedModel* shared) {
   return shared ? std::vector<int>(shared->units().begin(), shared->units().end()) : all_of(model.unit_groups.size());
 }
 
-// Of generalised coordinates, what this process has: visit(dof).
+// Generalised coordinates of this process: visit(dof).
 template <class Visit>
 void each_number(const UndamagedSystem& system, const SharedModel* shared, Visit visit) {
   const VectorRow all{0, at(system.size())};
@@ -735,7 +735,7 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
       settings.critical_time_step == CriticalTimeStep::nodal ? report.nodal.value : report.critical.value;
   report.time_step = settings.time_step_fraction * step_left(xi) * limit;
   if (damping.impacts && std::isfinite(report.critical.value)) {
-    constexpr double kClose = 0.95;  // of the limit
+    constexpr double kClose = 0.95;  // share of the limit
     report.time_step = damping.is_implicit() ? std::min(settings.time_step_fraction, kClose) *
                                                    step_of_zones(model, settings, *inertia, tree, shared, &report)
                                              : std::min(report.time_step, kClose * limit) *

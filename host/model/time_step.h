@@ -15,7 +15,7 @@ namespace quoin {
 
 struct TimeStepLimit {
   double value = 0.0;  // s
-  Vec3 position{};     // of the gridpoint or body that sets it, m
+  Vec3 position{};     // place of the gridpoint or body that sets it, m
   std::string where;   // "block 12, gridpoint 3, family 'mortar' carries 61 % of the stiffness"
 };
 
@@ -28,7 +28,7 @@ struct TimeStepReport {
   // Local damping adds up to gamma times the force of a degree of freedom to it, which acts like that much more
   // stiffness. Above this fraction of the critical step, 1/sqrt(1 + gamma), stiff modes chatter. 1 without it.
   double quiet_fraction = 1.0;
-  std::string warning() const;     // of a step above the quiet one or above 2/omega_max; else empty
+  std::string warning() const;     // text for a step above the quiet one or above 2/omega_max; else empty
   double stiffness_damping = 0.0;  // s, of viscous damping in use
   ImpactDamping impacts;
   double added_mass = 0.0;  // kg, by selective mass scaling
@@ -41,7 +41,7 @@ struct Inertia {
   std::vector<double> body_mass;         // kg
   std::vector<Vec3> body_inertia;        // kg m2
   double deformation = 1.0, unit = 1.0;  // s_b and s_u of rigid_motion.h
-  RigidMotions rigid;                    // empty when neither scaling nor damping asks for it
+  RigidMotions rigid;                    // empty when neither scaling nor damping requests it
 };
 
 // Contents of a report: critical.value alone, or nodal.value with it. Or also where they are set, and the third limit,

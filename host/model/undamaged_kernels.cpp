@@ -33,7 +33,7 @@ HWY_INLINE void store(const V3& v, double* p) {
 HWY_INLINE V3 add(const V3& a, const V3& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)}; }
 HWY_INLINE V3 times(const V3& a, const V3& b) { return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)}; }
 HWY_INLINE V3 times(V s, const V3& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
-// Of an arm that all lanes share.
+// Product with an arm that all lanes share.
 HWY_INLINE V3 cross(const V3& a, const V3& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
@@ -79,7 +79,7 @@ struct UnitView {
     if (scaling.rigid) whole = &scaling.rigid->unit[static_cast<std::size_t>(&unit - model.unit_groups.data())];
   }
 
-  // Of gridpoint n of block b from the centre of its unit and of its block.
+  // Arms of gridpoint n of block b from the centre of its unit and of its block.
   HWY_INLINE void arms(int b, int n, V3* of_unit, V3* of_block) const {
     const Vec3& node = shape[b]->node[static_cast<std::size_t>(n)];
     const Vec3& offset = group[b].offset;

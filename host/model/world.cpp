@@ -73,7 +73,7 @@ void World::set_solver(const SolverSettings& settings) {
   solver = settings;
   if (runs) solver.mass_scaling = mass_scaling;
   settle(is_settling);
-  if (books) step_sums.later.detection += moving - kinetic_energy_of_all(*this);  // goes with the added inertia
+  if (books) step_sums.later.detection += moving - kinetic_energy_of_all(*this);  // energy of the added inertia
   if (damping.eq1 == Eq1::gridpoints && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
     throw Error(
         Exit::bad_input,
@@ -181,7 +181,7 @@ void World::set_gravity(const Vector& g, TimeSeries factor) {
 
 namespace {
 
-// The motion of what is driven is no kinetic energy: what is let go adds its own, what is caught leaves it to the
+// The motion of what is driven is no kinetic energy: what is released adds its own, what is caught leaves it to the
 // support.
 void change_held(uint8_t& held, uint8_t next, double mass, const Vector& v, Energies& energies) {
   const int changed = held ^ next;

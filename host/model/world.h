@@ -1,9 +1,9 @@
 // Blocks of any convex shape and the contacts between them, in large motion: what they are, where they are now, what
-// acts on them. They are found in contact and asked here; step/large_motion.h moves them on.
+// acts on them. Contacts and results are found here; step/large_motion.h advances blocks.
 //
 // Rigid blocks: position, quaternion, linear and angular momentum. Deformable blocks: zones, constant-strain
 // tetrahedra. Contacts: block a owns the plane (a face, or the plane of two crossing edges), block b carries the
-// points. Jumps are measured in a frame that rides on a. d_n is the distance from the plane less its reference, the
+// points. Jumps are measured in a frame that moves with a. d_n is the distance from the plane less its reference, the
 // slip increment is the change of b's position in that frame. So traction turns with a, spin about n included, and a
 // rigid rotation of both changes no bit of physics. The pair of forces acts at one point in space: force and moment
 // balance exactly.
@@ -65,13 +65,13 @@ struct World {
     actions.loads.clear(), actions.pressures.clear(), actions.applied.clear();
     actions.loaded.assign(blocks.size(), 0);
   }
-  // Of a stage: mass_scaling stays as it was at the start. The time step is chosen again.
+  // Settings of a stage: mass_scaling stays as it was at the start. The time step is chosen again.
   void set_solver(const SolverSettings& settings);
   void settle(bool on);  // damping of stages that run to equilibrium
   // The law alone, for a state that is about to be restored.
   void take_law(int family, std::shared_ptr<const Material> material);
   // Another law for all points of a family, between two steps. state: columns of the new law one after the other.
-  // opening_shift: by point, m, added to the opening that the law sees, so that tractions can stay. Points born later
+  // opening_shift: by point, m, added to the opening of the law, so that tractions can stay. Points born later
   // start in the new law's dry state; the time step becomes shorter if the new law is stiffer.
   void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                    std::span<const double> opening_shift);
@@ -134,7 +134,7 @@ struct World {
   ImpactState impacts;
   StepSums step_sums;
   bool is_small = true;       // displacements: frames of contacts stay as at the start
-  bool books_energy = false;  // energies are asked for
+  bool books_energy = false;  // energies are requested
   bool is_settling = false;   // in a stage that runs to equilibrium
   Damping damping;            // of `solver` and `is_settling`
 };
@@ -143,7 +143,7 @@ struct World {
 inline bool splits_motion(const World& w) {
   return w.damping.splits_motion() || w.solver.deformation_inertia != 1.0 || w.solver.unit_inertia != 1.0;
 }
-// Of the ground, at the time of what damping reads: signs are of half a step ago, viscous forces of now.
+// Velocity of the ground at the time of damping: signs are of half a step ago, viscous forces of now.
 inline Vector braking_ground(const World& w) {
   return w.damping.alpha > 0.0 ? w.actions.ground_now : w.actions.ground_then;
 }
@@ -151,7 +151,8 @@ inline int facets_a_point(const World& w, const Contact& c) {
   return int(w.blocks[size_t(c.pair.a)].body < 0) + int(w.blocks[size_t(c.pair.b)].body < 0);
 }
 
-// Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
+// Whether the current step ends with a check of how far blocks have moved. Contacts are detected after such steps
+// alone.
 inline bool checks_motion(const World& w) {
   return w.stepping.count + 1 >= w.checks.next || w.stepping.dt != w.checks.dt;
 }

@@ -94,7 +94,7 @@ void add_member_springs(const World& w, const Unit* alone, const MotionColumns& 
     return v;
   };
   const auto has = [&](const members::Node& node) { return alone ? alone->has(node.block) : w.part.owns(node.block); };
-  std::vector<Vector> moves(nodes.size());  // of blocks outside of a unit: none
+  std::vector<Vector> moves(nodes.size());  // 0 for blocks outside the unit
   for (size_t n = 0; n < nodes.size(); ++n) {
     if (has(nodes[n])) moves[n] = velocity_of(nodes[n]);
   }

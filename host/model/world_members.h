@@ -21,13 +21,13 @@ struct World;
 // Members are made and changed by stages; steps move their nodes along.
 struct HeldBy {
   std::shared_ptr<members::Members> members;  // null: none
-  // Of places and turns of nodes, to ranks that do not have their blocks; empty: one process.
+  // Exchange of places and rotations of nodes with ranks that do not have their blocks; empty: one process.
   std::function<void(std::vector<members::Node>& nodes)> exchange;
-  double work = 0.0;  // of them, that energies have, J
+  double work = 0.0;  // work of members that is booked, J
 };
 
 void follow_members(World& w);  // to where their nodes are, and what they do there, before a step
-// Of bodies and gridpoints: velocities, or what acts on them.
+// Columns of bodies and gridpoints: velocities, or forces.
 struct MotionColumns {
   LaneVector<geometry::Vector>&linear, &angular, &node;
 };

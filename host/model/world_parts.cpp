@@ -22,7 +22,7 @@ namespace {
 
 using VisitBytes = std::function<void(void*, size_t)>;
 
-// Of joints that begin at these blocks.
+// Points of joints that begin at these blocks.
 Items start_points_of(const StartJoints& start, int first_block, int end_block) {
   const auto first_of = [&](int block) {
     const auto joint = std::ranges::lower_bound(start.joint, block, {}, [](const StartJoint& j) { return j.pair.a; });
@@ -83,8 +83,8 @@ void each_memory_of_points(World& w, int family, size_t first, size_t end, const
 }
 
 struct Wanted {
-  std::vector<bool> block, contact;            // that are sent
-  std::vector<bool> block_here, contact_here;  // asked for here
+  std::vector<bool> block, contact;            // items that are sent
+  std::vector<bool> block_here, contact_here;  // requested here
   std::span<const int> known_by;               // rank of each block
   explicit Wanted(const World& world, std::span<const int> known)
       : block(world.blocks.size()),
@@ -94,8 +94,8 @@ struct Wanted {
         known_by(known) {}
 };
 
-// visit(rank, first byte, bytes, whether it is asked for here). Neighbouring contacts of one rank go together, array by
-// array, in the same order on all ranks, whatever each of them asks for.
+// visit(rank, first byte, bytes, whether it is requested here). Neighbouring contacts of one rank go together, array by
+// array, in the same order on all ranks, whatever each of them requests.
 template <class Visit>
 void each_exchanged_memory(World& w, const Wanted& wanted, Visit visit) {
   for (size_t i = 0; i < w.blocks.size(); ++i) {
@@ -105,7 +105,7 @@ void each_exchanged_memory(World& w, const Wanted& wanted, Visit visit) {
     });
   }
   const auto rank_of_contact = [&](size_t i) { return wanted.known_by[size_t(w.contacts.list[i].pair.a)]; };
-  // Items of arrays that go together, from some item on: how many of them are asked for here, or not, in turn.
+  // Items of arrays that go together, from some item on: how many of them are requested here, or not, in turn.
   struct Part {
     size_t items;
     bool here;
@@ -186,7 +186,7 @@ struct Need {
   }
 };
 
-// Of a row of blocks: what changes in a run, and what lay_out makes.
+// Releases arrays of contiguous blocks: those that change in a run, and those that lay_out makes.
 void forget_blocks(World& w, size_t first, size_t end) {
   WorldFields::of_blocks(w, [&](const Field& field, auto& array) {
     const Items items = items_of_blocks(w, field.owner, first, end);

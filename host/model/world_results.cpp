@@ -1,4 +1,4 @@
-// What can be asked of a model.
+// Results of a model.
 #include "model/world_results.h"
 
 #include <bit>
@@ -16,7 +16,7 @@ using namespace geometry;
 
 namespace {
 
-// Of a field over the gridpoints of a deformable block.
+// Mean of a field over the gridpoints of a deformable block.
 template <class Masses, class Field>
 Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& field) {
   Vector sum;
@@ -149,7 +149,7 @@ double kinetic_energy_of_all(const World& w) {
   return sum;
 }
 
-// Of a unit of two halves, what they have together is the first one's.
+// The energy that two halves of a unit share counts for the first one.
 double kinetic_energy_of(const World& w, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
   double sum = 0.0;
@@ -226,7 +226,7 @@ uint64_t World::hash(const GiveParts& parts) const {
   const auto add_field = [&](const Field& field, const auto& array) {
     if (field.hashed == 0) return;
     const size_t size = sizeof array[0];
-    std::vector<uint8_t> rest;  // of an item that comes in two parts
+    std::vector<uint8_t> rest;  // second part of an item that comes in two
     each_part(array, [&](std::span<const uint8_t> bytes) {
       if (field.hashed == size) return hash.add(bytes);
       rest.insert(rest.end(), bytes.begin(), bytes.end());

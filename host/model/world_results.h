@@ -7,7 +7,7 @@ namespace quoin::blocks {
 
 Vector position_of(const World& w, int block);  // of the centre of mass, m
 Vector start_position_of(const World& w, int block);
-Vector velocity_of(const World& w, int block);     // of the centre of mass, m/s
+Vector velocity_of(const World& w, int block);     // velocity of the centre of mass, m/s
 Vector spin_of(const World& w, int block);         // of a rigid block, rad/s
 Matrix orientation_of(const World& w, int block);  // rotation since the start
 double moved(const World& w, int block);           // since the start, m
@@ -16,7 +16,7 @@ double moved_by_now(const World& w, int block);    // the same, of own blocks, w
 double turned_by_now(const World& w, int block);
 Vector corner_of(const World& w, int block, int vertex);
 Matrix zone_stress(const World& w, int block, int index);  // Cauchy, Pa, tension positive
-double kinetic_energy_of(const World& w, int block);       // of the velocities half a step ago, J
+double kinetic_energy_of(const World& w, int block);       // from the velocities half a step ago, J
 
 Matrix frame_of(const World& w, const Point& p);  // rows n, s, t in space, n from a to b
 Vector place_of(const World& w, const Point& p);  // m

@@ -203,7 +203,7 @@ struct Vibration {
   std::vector<UnitInertia> inertia;  // empty: none is scaled
   std::vector<Spring> springs;
   LaneVector<double> scale;
-  LaneVector<Vector> v, w, f, m, nv, nf;  // of bodies velocity, spin, force, moment; of gridpoints velocity, force
+  LaneVector<Vector> v, w, f, m, nv, nf;  // velocity, spin, force, moment of bodies; velocity, force of gridpoints
   FrequencyHalo halo;
 
   Vibration(const World& of, const JointSprings& k, const Unit* unit)
@@ -399,7 +399,7 @@ double highest_frequency(const World& w, LaneVector<double>* mode = nullptr, con
   return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
 }
 
-// Whether the stiffness or the inertia that these own blocks have got may ask for a shorter step. Of each unit the
+// Whether the stiffness or the inertia that these own blocks have got may need a shorter step. Of each unit the
 // highest frequency with all others held still and the springs to them doubled. As k (u_a - u_b)^2 <= 2 k u_a^2 + 2 k
 // u_b^2, it bounds modes in which the unit and its neighbours take part. The same on any number of ranks.
 bool shorten_step(const World& w, std::span<const int> changed) {

@@ -10,14 +10,14 @@
 
 namespace quoin::blocks {
 
-// What a step asks for.
+// What a step requests.
 struct ZoneStep {
   double beta;    // stiffness-proportional viscosity of zones, s; 0: none
   double dt;      // s
-  bool energies;  // viscous forces by themselves, and the strain energy, are asked for
+  bool energies;  // viscous forces by themselves, and the strain energy, are requested
 };
 
-// Of a block, by gridpoint: four doubles each, the last of no meaning.
+// Columns of a block, by gridpoint: four doubles each, the last of no meaning.
 struct ZoneColumns {
   const double* displacement;  // m
   const double* velocity;      // m/s, at half steps; with beta > 0
@@ -25,7 +25,7 @@ struct ZoneColumns {
   double* viscous;             // N, is added to: the viscous part; with beta > 0 and energies
 };
 
-// Strain energy, J, where energies are asked for; else 0.
+// Strain energy, J, where energies are requested; else 0.
 double zone_forces(std::span<const ZoneLanes> zones, const ZoneStep& step, const ZoneColumns& columns);
 
 // K w of small strain, in the frame in which the zones were made. Rows have four doubles, the last of no meaning;

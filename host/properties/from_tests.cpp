@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kMPa = 1e6, kMm = 1e-3;
 
-// Of a kind of unit, where nothing is measured.
+// Defaults of a kind of unit, where nothing is measured.
 struct KindOfUnit {
   UnitKind kind;
   double strength;          // Pa, of the unit
   double k_mortar, k_thin;  // K of EN 1996-1-1, table 3.3, units of group 1 (hollow clay: group 2)
-  double thin_power;        // of the unit's strength with thin joints, EN 1996-1-1, 3.6.1.2
+  double thin_power;        // exponent of the unit's strength with thin joints, EN 1996-1-1, 3.6.1.2
   double density;           // kg/m3
 };
 constexpr KindOfUnit kKinds[] = {{UnitKind::clay, 20 * kMPa, 0.55, 0.75, 0.85, 1800},
@@ -33,8 +33,8 @@ constexpr double kPoisson = 0.2;
 constexpr double kMortarStrength = 5 * kMPa;        // M5, where nothing is known
 constexpr double kMeanOverCharacteristic = 1.2;     // EN 1052-1: fk = f/1.2
 constexpr double kShearOfCharacteristic = 0.8;      // EN 1052-3: characteristic = 0.8 of the mean
-constexpr double kModulusOverStrength = 550.0;      // of masonry, Kaushik, Rai and Jain (2007)
-constexpr double kUnitModulusOverStrength = 300.0;  // of units, the same
+constexpr double kModulusOverStrength = 550.0;      // modulus over strength of masonry, Kaushik, Rai and Jain (2007)
+constexpr double kUnitModulusOverStrength = 300.0;  // modulus over strength of units, the same
 constexpr double kLeastStiffer = 2.0;            // unit over masonry modulus, at least: a joint must be left [assumed]
 constexpr double kStiffestBed = 1e12;            // Pa/m: beyond it a joint adds nothing to a block [assumed]
 constexpr double kFriction = 0.7;                // van der Pluijm (1999): sliding friction of clay masonry 0.7 to 0.8
@@ -46,8 +46,8 @@ constexpr double kCrushingLength = 1.6 * kMm;   // Gc/fc below 12 MPa, Angelillo
 constexpr double kUnitTension = 0.05;           // tensile over compressive strength of units, Angelillo et al. (2014)
 constexpr double kUnitFriction = 35.0;          // deg, Table 1 and Table 3
 constexpr double kUnitShearLength = 0.1 * kMm;  // G2/c, Angelillo et al. (2014)
-constexpr double kUnitStiffness = 6.0;          // of joints inside units over that of bed joints, Table 3
-constexpr double kUnfilledStiffness = 0.1;      // of head joints that only touch over that of filled ones [assumed]
+constexpr double kUnitStiffness = 6.0;          // stiffness of joints inside units over that of bed joints, Table 3
+constexpr double kUnfilledStiffness = 0.1;      // stiffness of unfilled head joints over that of filled ones [assumed]
 // Stiffness of dry joints at 0.5 MPa, Pa/m. Elsewhere it follows the root of the pressure, as pressure grows with the
 // square of the closure of rough faces. Both are from six dry walls taken together (host/validate/dry_walls.csv).
 constexpr double kDryStiffness = 8e9, kDryPressure = 0.5 * kMPa;

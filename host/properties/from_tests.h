@@ -17,7 +17,7 @@ enum class JointKind { mortar, thin, dry, unfilled };
 struct TestedMasonry {
   UnitKind unit = UnitKind::clay;
   JointKind bed = JointKind::mortar, head = JointKind::mortar;
-  double block_height = 0.0;  // of the model's units, with a joint: what one bed joint's stiffness stands for
+  double block_height = 0.0;  // height of the model's units with a joint, for the stiffness of a bed joint, m
   double axial_stress = 0.0;  // dry joints are stiffer under pressure
   std::optional<double> unit_strength, unit_strength_normalised, unit_modulus, mortar_strength;
   std::optional<double> masonry_strength, masonry_modulus, cohesion, friction;
@@ -41,7 +41,7 @@ struct Derivation {
 };
 
 struct MasonryNumbers {
-  double young_modulus = 0.0, poisson_ratio = 0.0, density = 0.0;  // of units
+  double young_modulus = 0.0, poisson_ratio = 0.0, density = 0.0;  // properties of units
   double masonry_modulus = 0.0, masonry_strength = 0.0;            // Pa
   JointNumbers bed, head, inside_units;
   std::vector<Derivation> derivation;

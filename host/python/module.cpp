@@ -49,7 +49,7 @@ using quoin::python::Session;
 
 using Hashes = std::map<std::string, std::string>;  // SHA-256 by file
 
-// Of the files that the scene takes in.
+// Hashes of the files that the scene takes in.
 Hashes hashes_of(const quoin::Scene& scene) {
   Hashes hashes;
   for (const std::string& file : scene.inputs) hashes[file] = quoin::sha256_of_file(file);

@@ -20,7 +20,7 @@ struct Cell {
 struct PowerDiagram {
   std::vector<geometry::Vector> seeds;  // m
   std::vector<double> weights;          // m2
-  geometry::Vector size;                // of the box from the origin, m
+  geometry::Vector size;                // size of the box from the origin, m
 
   // By seeds. None where one has no cell.
   std::optional<std::vector<Cell>> cells() const;

@@ -31,7 +31,7 @@ namespace quoin::python {
 
 namespace {
 
-constexpr double kLookPeriod = 0.05;  // s between two looks at whether the user has pressed Ctrl-C
+constexpr double kLookPeriod = 0.05;  // s between two checks of whether the user has pressed Ctrl-C
 
 double seconds_since(std::chrono::steady_clock::time_point then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();

@@ -30,9 +30,9 @@ namespace quoin::python {
 namespace py = pybind11;
 
 struct Frame {
-  double time = 0.0;                               // s
-  std::vector<Vec3> displacement;                  // of the gridpoints of all blocks, one block after the other, m
-  std::shared_ptr<const std::vector<Vec3>> place;  // of these at the start, m; a promotion numbers them again
+  double time = 0.0;               // s
+  std::vector<Vec3> displacement;  // displacement of the gridpoints of all blocks, one block after the other, m
+  std::shared_ptr<const std::vector<Vec3>> place;  // places of these at the start, m; a promotion numbers them again
   std::vector<JointPoint> joints;
 };
 
@@ -105,11 +105,11 @@ class Session : private Observer {
   py::object progress_ = py::none();
   bool stepping_ = false, finished_ = false;
   int stage_ = -1;
-  std::vector<StageModes> modes_;      // of stages that move the ground
+  std::vector<StageModes> modes_;      // modes of stages that move the ground
   std::vector<std::string> warnings_;  // that Python has not been given yet
   std::optional<LawWatchdog> watchdog_;
   std::vector<HashedFile> files_;         // that the scene takes in and its laws, as they were at the start
-  std::optional<Provenance> provenance_;  // of a run that keeps its end
+  std::optional<Provenance> provenance_;  // provenance of a run that keeps its end
 };
 
 }  // namespace quoin::python

@@ -235,7 +235,7 @@ Stones stones(std::vector<Vector> seeds, const Vector& size, double shortest) {
       gone.try_emplace(key, edge);
     }
     for (int k = 0; k < kNewton && shorten(diagram, gone, shortest) > 1e-11; ++k) continue;
-    // What does not vanish with the others is left to what the cells look like now.
+    // What does not vanish with the others follows from the current cells.
     std::erase_if(gone, [&](const auto& entry) {
       const std::optional<Length> length = length_of(diagram, entry.second);
       return !length || std::abs(length->value) > 0.1 * shortest;

@@ -14,7 +14,7 @@ std::array<std::uint64_t, 4> philox(const std::array<std::uint64_t, 4>& counter,
 
 // What a number is for.
 struct Quantity {
-  std::uint64_t seed = 1;    // of the study
+  std::uint64_t seed = 1;    // seed of the study
   std::uint64_t sample = 0;  // its number
   std::uint64_t name = 0;    // name_of() the quantity
 };
@@ -24,7 +24,7 @@ std::uint64_t name_of(std::string_view text);
 
 // In (0, 1), 53 bits, for one element (a joint, a unit) of a quantity; never 0 or 1.
 double uniform(const Quantity& quantity, std::uint64_t element);
-// Of mean 0 and scatter 1.
+// A normal number of mean 0 and scatter 1.
 double normal(const Quantity& quantity, std::uint64_t element);
 
 }  // namespace quoin::random

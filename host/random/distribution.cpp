@@ -16,9 +16,10 @@ namespace bm = boost::math;
 
 namespace {
 
-constexpr double kLargest = 1e100, kSmallest = 1e-100;  // of any number: squares and products are numbers too
-constexpr double kFinest = 1e-9;                        // of scatter over mean: less is lost among the digits of a draw
-// Of Weibull, whose shape is then 0.1 to 130, and of the logarithm of a lognormal one, whose scatter is then 3 at most.
+constexpr double kLargest = 1e100, kSmallest = 1e-100;  // bounds of any number: squares and products stay finite
+constexpr double kFinest = 1e-9;  // least scatter over mean: less is lost among the digits of a draw
+// Bounds for Weibull, whose shape is then 0.1 to 130, and for a lognormal one, whose logarithm then scatters by 3 at
+// most.
 constexpr double kLeastVariation = 0.01, kMostVariation = 10.0, kMostOfLognormal = 100.0;
 
 // Calls f with a distribution of these parameters.

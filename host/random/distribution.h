@@ -27,7 +27,7 @@ class Sampler {
   // The value that a standard normal variable of this value stands for: they have the same probability.
   double at_normal(double z) const;
   double quantile(double probability) const;  // in (0, 1)
-  double mean() const;                        // of all draws, by quadrature where it is truncated
+  double mean() const;                        // mean of all draws, by quadrature where truncated
 
  private:
   double value_at(double probability, double rest) const;  // rest: 1 - probability, without loss
@@ -38,7 +38,7 @@ class Sampler {
 
 const char* shape_name(Shape shape);
 
-// Of mean 0 and scatter 1.
+// The normal distribution of mean 0 and scatter 1.
 double normal_probability(double z);         // that a draw is below z
 double normal_quantile(double probability);  // in (0, 1)
 

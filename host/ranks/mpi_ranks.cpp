@@ -123,7 +123,7 @@ class MpiRanks : public Ranks {
   }
 
   int rank_ = 0, count_ = 1, count_here_ = 1;
-  MPI_Comm meeting_ = MPI_COMM_NULL;  // of those who come to all_here, while others may be in other calls
+  MPI_Comm meeting_ = MPI_COMM_NULL;  // ranks that call all_here, while others may be in other calls
   std::vector<MPI_Request> requests_;
 };
 

@@ -7,8 +7,8 @@ namespace quoin {
 
 struct BaselineCorrection {
   enum class Kind { none, polynomial, high_pass } kind = Kind::none;
-  int order = 1;           // of the polynomial, 0 to 10 (linear: 1); of the Butterworth filter, 1 to 8
-  double corner_Hz = 0.0;  // of the filter, above 0 and below a quarter of the sampling rate
+  int order = 1;           // order of the polynomial, 0 to 10 (linear: 1), or of the Butterworth filter, 1 to 8
+  double corner_Hz = 0.0;  // corner of the filter, above 0 and below a quarter of the sampling rate
 };
 
 // polynomial: less the polynomial of that order that fits the acceleration best (least squares).

@@ -11,7 +11,7 @@ namespace quoin {
 namespace {
 
 constexpr double kMostSamples = 1e6;
-constexpr double kRise = 1e-3;  // of a jump, as share of the pulse
+constexpr double kRise = 1e-3;  // duration of a jump, as share of the pulse
 
 using std::numbers::pi;
 

@@ -291,7 +291,7 @@ class CsvRecord {
   const Lines& lines_;
   GroundRecord record_;
   double time_factor_ = 1.0;
-  std::vector<double> factors_;  // of the components, to SI
+  std::vector<double> factors_;  // factors of the components, to SI
 };
 
 }  // namespace

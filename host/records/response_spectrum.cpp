@@ -13,7 +13,7 @@
 namespace quoin {
 namespace {
 
-constexpr double kLooksPerPeriod = 100.0;  // of the extremes: (pi/100)^2/2 = 0.05 % of a maximum can be missed
+constexpr double kLooksPerPeriod = 100.0;  // samples of the extremes: (pi/100)^2/2 = 0.05 % of a maximum can be missed
 
 // One oscillator; the state after each step is exact for an acceleration that is linear in it.
 class Oscillator {
@@ -78,7 +78,7 @@ class Oscillator {
   double w_, zeta_, damped_;
   double u_ = 0.0, v_ = 0.0;       // m, m/s
   double step_ = 0.0;              // s, the last one
-  Gains displacement_, velocity_;  // of it
+  Gains displacement_, velocity_;  // gains of a step
   SpectralOrdinates result_;
 };
 

@@ -8,8 +8,8 @@ namespace quoin {
 struct IntensityTarget {
   enum class Measure { pga, pgv, spectral_acceleration } measure = Measure::pga;
   double value = 0.0;     // m/s2, or m/s for pgv; > 0
-  double period = 0.0;    // of the spectral (pseudo-) acceleration, s
-  double damping = 0.05;  // of it, share of critical
+  double period = 0.0;    // period of the spectral (pseudo-) acceleration, s
+  double damping = 0.05;  // damping of the spectrum, share of critical
 };
 
 // Factor on the acceleration that gives it this intensity: all three measures are proportional to it.

@@ -20,9 +20,9 @@ namespace {
 
 constexpr double kShortestPeriod = 0.05, kLongestPeriod = 4.0;  // s: where the spectrum is fitted
 constexpr std::size_t kFittedPeriods = 60;
-constexpr int kCorrections = 30;  // of the amplitudes; the misfit stops falling after some 20
+constexpr int kCorrections = 30;  // corrections of the amplitudes; the misfit stops falling after some 20
 constexpr double kMostSamples = 1e6;
-constexpr double kRising = 0.1, kStrong = 0.5;  // of the duration
+constexpr double kRising = 0.1, kStrong = 0.5;  // shares of the duration
 
 struct Ground {
   double soil, corner_b, corner_c, corner_d;  // S, T_B, T_C, T_D (s)
@@ -161,7 +161,7 @@ SyntheticRecord make_record(const DesignSpectrum& target, const SyntheticSetting
 
 }  // namespace
 
-// A suite asks for each record several times in a row: for its scene, its measures and each of its levels.
+// A suite needs each record several times in a row: for its scene, its measures and each of its levels.
 SyntheticRecord synthetic_record(const DesignSpectrum& target, const SyntheticSettings& settings) {
   require_settings(settings);
   struct Made {

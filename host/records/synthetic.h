@@ -22,7 +22,7 @@ struct SyntheticSettings {
   double duration = 20.0;   // s: 10 % rising, 50 % strong, 40 % falling
   double time_step = 0.01;  // s
   std::uint64_t seed = 1;
-  std::uint64_t number = 0;  // of the record in its suite
+  std::uint64_t number = 0;  // number of the record in its suite
   bool operator==(const SyntheticSettings&) const = default;
 };
 

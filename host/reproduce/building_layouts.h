@@ -19,7 +19,7 @@ struct DoorLayout {
   bool operator==(const DoorLayout&) const = default;
   Count count() const;
   std::string name() const;
-  std::vector<std::string> overrides() const;  // of pavia_door.toml
+  std::vector<std::string> overrides() const;  // changes of pavia_door.toml
 };
 // All that count as Table 2 does. Openings have 4 to 6 half units (0.8 to 1.2 m; 0.94 m recalled), doors 10 to 15
 // courses (1.6 to 2.4 m; 2.14 m recalled). Doors are higher than windows.
@@ -35,9 +35,9 @@ struct WindowLayout {
   bool operator==(const WindowLayout&) const = default;
   Count count() const;
   double half_unit_b() const { return 5.5 / columns_b; }  // m; 6.00 m over all
-  double depth() const;                                   // of walls A and C over all, m
+  double depth() const;                                   // outer depth of walls A and C, m
   std::string name() const;
-  std::vector<std::string> overrides() const;  // of pavia_window.toml
+  std::vector<std::string> overrides() const;  // changes of pavia_window.toml
 };
 // All within two half units and two blocks of Table 2, with windows of 4 to 12 courses.
 std::vector<WindowLayout> window_layouts();

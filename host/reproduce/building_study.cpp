@@ -16,9 +16,9 @@ namespace {
 struct Model {
   const char *name, *scene;
   double measured;                 // peak base shear of the test, kN [R]
-  double overestimate;             // of the paper's model on the test, % [P]
+  double overestimate;             // peak of the paper's model above the test, % [P]
   Count table;                     // Table 2 [P]
-  std::vector<double> velocities;  // of the push, m/s, the slowest last
+  std::vector<double> velocities;  // velocities of the push, m/s, the slowest last
   double cost;                     // at the first of them
   std::size_t openings;
 };
@@ -307,7 +307,7 @@ class BuildingReport {
 
   const Findings& findings_;
   StudyReport report_;
-  std::vector<std::pair<std::string, const Curve*>> curves_;  // of curves.csv
+  std::vector<std::pair<std::string, const Curve*>> curves_;  // columns of curves.csv
   Table table_{"Models",
                {"model", "blocks (Table 2)", "zones (Table 2)", "contact points", "peak base shear", "at", "test [R]",
                 "difference", "the paper's model [P]", "at 0.43 % drift", "run time"},

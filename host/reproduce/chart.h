@@ -15,7 +15,7 @@ struct Series {
   std::string label;
   Mark mark = Mark::line;
   std::vector<double> x, y;  // level: y[0]; band: y[0] to y[1]
-  int colour = 0;            // of the palette; the same number for what belongs together
+  int colour = 0;            // index into the palette; curves that belong together have the same
 };
 
 struct Chart {

@@ -107,7 +107,7 @@ Curve read_history(const std::filesystem::path& file, int first_stage, const std
   Curve curve;
   std::optional<CyclicMotion> motion;
   if (cycles) motion.emplace(*cycles);
-  double start = -1.0;  // of the cycles; their first row stands at their first step
+  double start = -1.0;  // begin of the cycles; their first row is that of their first step
   while (std::getline(stream, line)) {
     const std::vector<std::string> fields = fields_of(line);
     if (fields.size() < header.size()) continue;

@@ -13,13 +13,13 @@ namespace quoin::reproduce {
 
 struct Curve {
   std::vector<int> stage;                             // from 1
-  std::vector<int> half_cycle;                        // of a stage of cycles, from 0; -1 in others
+  std::vector<int> half_cycle;                        // half cycle of a stage of cycles, from 0; -1 in others
   std::vector<double> displacement, force, vertical;  // mm, kN, kN (compression positive)
   std::vector<double> unbalanced;                     // largest unbalanced force / mean contact force
 
   bool empty() const { return force.empty(); }
   std::size_t size() const { return force.size(); }
-  std::size_t peak_row() const;  // of the largest |force|
+  std::size_t peak_row() const;  // row of the largest |force|
   double peak() const { return empty() ? 0.0 : std::abs(force[peak_row()]); }
   double peak_displacement() const { return empty() ? 0.0 : std::abs(displacement[peak_row()]); }
   double last_force() const { return empty() ? 0.0 : std::abs(force.back()); }

@@ -14,7 +14,7 @@ namespace {
 
 struct Structure {
   const char *name, *scene, *one_way;  // one_way: scene pushed to one side
-  double fc;                           // of the mortar joints, Pa
+  double fc;                           // compressive strength of the mortar joints, Pa
   double height;                       // that drifts refer to, mm
   double velocity, cost;               // m/s at standard quality
   std::vector<std::string> overrides;
@@ -22,7 +22,7 @@ struct Structure {
 
 const char* const kLaws[] = {"fracture_energy", "cyclic_joint"};
 
-// What cyclic_joint asks for besides the numbers of the scene. Residual opening, start of crushing: its page's values
+// What cyclic_joint needs besides the numbers of the scene. Residual opening, start of crushing: its page's values
 // to start from [assumed]; closure at fc: 0.09 mm [recalled: Lourenco, Rots]; units keep the neutral ones.
 std::vector<std::string> mortar_of_cycles(double fc) {
   return {"joints.mortar.residual_opening=0.3", fmt::format("joints.mortar.compressive_yield={}", fc / 3),

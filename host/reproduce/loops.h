@@ -11,8 +11,8 @@ namespace quoin::reproduce {
 
 // One cycle, from the passage of zero that begins it to the one that ends it. mm, kN, J, kN/mm.
 struct Loop {
-  double amplitude = 0.0;                          // of what is driven
-  int repetition = 0;                              // of this amplitude, from 0
+  double amplitude = 0.0;                          // amplitude of the driven displacement
+  int repetition = 0;                              // number of the cycle at this amplitude, from 0
   double largest = 0.0, lowest = 0.0;              // force
   double farthest = 0.0, back = 0.0;               // displacements at the two ends
   double dissipated = 0.0;                         // area of the loop
@@ -26,7 +26,7 @@ struct Loop {
 // Those that were not finished are left out.
 std::vector<Loop> loops_of(const Curve& curve, const Cycles& cycles);
 
-// Largest force that each amplitude sees for the first time, against the displacement where it is: first the negative
+// Largest force of the first cycle at each amplitude, against the displacement where it is: first the negative
 // side, then the positive one.
 Curve envelope_of(const Curve& curve, const Cycles& cycles);
 

@@ -94,7 +94,7 @@ std::vector<RunSpec> stiffness_runs(const Quality& q) {
 
 namespace {
 
-// Of curves of ratio 4 and more from that of ratio 10, % of the peak.
+// Distances of curves of ratio 4 and more from that of ratio 10, % of the peak.
 struct Distances {
   double all = 0.0, before = 0.0, after = 0.0;  // all of them; up to 2 mm; from 2.3 mm on
 };

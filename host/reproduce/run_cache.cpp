@@ -66,7 +66,7 @@ pid_t start(const std::vector<std::string>& words, const fs::path& log) {
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child != 0) return child;
-  // A run does not outlive the program that asked for it: it ends as after Ctrl-C, with what it has.
+  // A run does not outlive the program that requested it: it ends as after Ctrl-C, with what it has.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(127);
   const int out = open(log_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -114,7 +114,7 @@ RunCache::RunCache(CacheSettings settings) : settings_(std::move(settings)) {
   for (const std::string& law : installed_laws()) {
     try {
       binaries_ = hash_of(read_text(LawLibrary::load(law)->path()), binaries_);
-    } catch (const Error&) {  // of no use to a run; one that asks for it says so
+    } catch (const Error&) {  // a run that needs this law reports the fault
     }
   }
 }

@@ -16,7 +16,7 @@ struct CacheSettings {
   std::filesystem::path scenes;        // folder of the shipped scenes
   std::vector<std::string> overrides;  // laid over every run
   int jobs = 1;
-  bool again = false;  // compute runs that are done once more
+  bool again = false;  // whether finished runs are computed again
 };
 
 class RunCache {

@@ -14,7 +14,7 @@ namespace quoin::reproduce {
 // How much time the studies may take: a quality of scenes (scene/quality.h), and what that means here.
 struct Quality {
   std::string name;
-  double velocity;         // of the top of a wall, m/s
+  double velocity;         // velocity of the top of a wall, m/s
   std::string error;       // expected, against converged runs
   bool slow_runs = false;  // the run at 0.1 mm/s too
   std::string setting() const { return "solver.quality=" + name; }
@@ -23,7 +23,7 @@ const std::vector<Quality>& qualities();
 
 // One simulation: a shipped scene and what is laid over it, as `quoin run` takes them.
 struct RunSpec {
-  std::string name;   // of the run within its study
+  std::string name;   // name of the run within its study
   std::string scene;  // without .toml
   std::vector<std::string> overrides;
   std::string law;        // replaces the law of all joints; empty: as in the scene
@@ -37,7 +37,7 @@ struct RunResult {
   bool complete = false;
   std::string message;  // why it is not complete
   Curve curve;
-  std::optional<Cycles> cycles;  // of its first stage that has some
+  std::optional<Cycles> cycles;  // cycles of its first stage that has some
   double wall_clock = 0.0, time_step = 0.0, critical_time_step = 0.0, bed_area = 0.0;  // s, s, s, m2
   long blocks = 0, beams = 0, zones = 0, points = 0, steps = 0;
 };
@@ -77,7 +77,7 @@ struct StudyReport {
   std::vector<std::string> notices;  // pictures that could not be drawn, runs that failed
 };
 
-// What a study sees when its runs are done.
+// What a study reads when its runs are done.
 class Findings {
  public:
   Findings(std::filesystem::path root, std::string study, Quality quality, std::map<std::string, RunResult> runs)
@@ -104,7 +104,7 @@ struct Study {
   std::string id, title, figures, claim;
   std::vector<RunSpec> (*runs)(const Quality&);
   StudyReport (*report)(const Findings&);
-  bool beyond = false;  // beyond the paper: run when it is named or asked for, with a verdict file of its own
+  bool beyond = false;  // beyond the paper: run when it is named or requested, with a verdict file of its own
 };
 const std::vector<Study>& studies();
 const Study* find_study(const std::string& id);

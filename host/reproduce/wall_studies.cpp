@@ -23,7 +23,7 @@ constexpr std::array<WallReference, 3> kWalls{{{"0.30 MPa", "solid_wall_030", "J
                                                {"1.21 MPa", "solid_wall_121", "J6D", 1.21, 73.3, 1.36, 71.5, 72.5},
                                                {"2.12 MPa", "solid_wall_212", "J7D", 2.12, 94.9, 1.97, 96.5, 97.5}}};
 constexpr double kArea = 0.099;  // m2
-// More than this, and the cause has to be looked for.
+// More than this, and the cause has to be sought.
 constexpr double kPeakTolerance = 0.15;
 
 double percent(double number, double reference) { return 100.0 * (number / reference - 1.0); }
@@ -58,7 +58,7 @@ StudyReport report_walls(const Findings& findings) {
                "raw tests [R]"},
               {}};
   std::vector<std::pair<std::string, const Curve*>> curves;
-  std::vector<double> differences;  // of peaks, %
+  std::vector<double> differences;  // differences of peaks, %
   int colour = 0;
   for (const WallReference& w : kWalls) {
     const RunResult& run = findings.run(w.name);
@@ -126,7 +126,7 @@ constexpr std::array<Rate, 8> kRates{{{"0.1 mm/s", 1e-4, 100.0, true},
                                       {"80 mm/s", 8e-2, 0.2, false},
                                       {"160 mm/s", 0.16, 0.1, false},
                                       {"320 mm/s", 0.32, 0.1, false}}};
-constexpr double kSmooth = 0.02;  // of the peak: falls on the rising branch that nobody calls oscillation
+constexpr double kSmooth = 0.02;  // share of the peak: smaller falls on the rising branch are no oscillation
 // Parts of the peak between which the diagonal gives way at once.
 constexpr double kDropBegins = 0.9, kDropEnds = 0.7;
 constexpr double kRising = 1.2;  // mm, well before the peak of the slow curves
@@ -336,7 +336,8 @@ constexpr const char *kSlowSoft = "softening, 0.30 MPa, as printed", *kSlowBritt
 std::vector<RunSpec> brittle_runs(const Quality& q) {
   std::vector<RunSpec> runs = wall_runs(q);
   for (const WallReference& w : kWalls) {
-    // A brittle joint lets go at once, and faster walls ring with it: at 2.12 MPa 121 kN at 80 mm/s, 97 kN at 20 mm/s.
+    // A brittle joint loses its bond at once, and vibration adds to the force of faster walls. At 2.12 MPa it is 121 kN
+    // at 80 mm/s, 97 kN at 20 mm/s.
     RunSpec spec = shear_run(q, std::string("brittle, ") + w.name, w.scene, {}, 2.0);
     if (q.velocity > kBrittle) spec.overrides.push_back(fmt::format("stage.shear.velocity={}", kBrittle));
     spec.law = "coulomb_slip";

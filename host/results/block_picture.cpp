@@ -31,7 +31,7 @@ struct View {
 // A block as it stands.
 struct Drawn {
   std::vector<std::vector<Vector>> faces;
-  Vector displacement;  // of its gridpoints on average, m
+  Vector displacement;  // mean displacement of its gridpoints, m
   bool fixed = false;
 };
 
@@ -85,7 +85,7 @@ View choose_view(const std::vector<Drawn>& blocks) {
 
 struct Face {
   geometry::Polygon outline;  // on paper, m
-  size_t block, index;        // of Drawn::faces
+  size_t block, index;        // indices into Drawn::faces
   bool fixed;
   double depth, displacement;  // m; against the ground
 };
@@ -166,7 +166,7 @@ Joints joints_of(const Simulation& simulation, const Surfaces& surfaces) {
   return joints;
 }
 
-// Of a plane view.
+// Lines of a plane view.
 std::vector<Line> crack_lines(const Joints& joints, const View& view) {
   std::vector<Line> lines;
   for (const auto& [pair, joint] : joints) {
@@ -190,7 +190,7 @@ std::pair<double, double> interval_on(const Vector& from, const Vector& to, cons
   return interval;
 }
 
-// Of other views: joints that are no longer intact, along the edges of faces that are seen, by block.
+// Edges for other views: joints that are no longer intact, along the edges of visible faces, by block.
 class CrackedEdges {
  public:
   CrackedEdges(const Joints& joints, size_t blocks) : sides_(blocks) {
@@ -247,7 +247,7 @@ std::string scale_bar(double x0, double y0, double margin, double width) {
       x, x + length, y, length);
 }
 
-// Of what can move, with a margin around it, m.
+// Extent of what can move, with a margin around it, m.
 struct Frame {
   double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL, margin = 0.0;
 };
@@ -298,7 +298,7 @@ std::string polygons_of(const Frame& f, const View& view, const std::vector<Draw
   return script;
 }
 
-// Script up to the plot command. The picture is as high as the model asks for at 1200 pixels of width.
+// Script up to the plot command. The picture is as high as the model needs at 1200 pixels of width.
 std::string scene_of(const Scene& scene, const std::vector<HistoryRow>& rows, const View& view,
                      const std::vector<Drawn>& blocks, const std::vector<Face>& faces, const Paint& paint) {
   const Frame f = frame_of(view, blocks);
@@ -357,7 +357,7 @@ std::string plot_block_cracks(const std::filesystem::path& folder, const Simulat
   const Paint paint{fmt::format("rgb '{}'", kBlockColours.face), fmt::format("rgb '{}'", kBlockColours.edge),
                     label.empty() ? 80.0 : 110.0, 30.0, plane ? nullptr : &edges};
   std::string script = scene_of(simulation.scene(), rows, view, blocks, visible_faces(blocks, view, {}), paint);
-  std::array<std::string, kCrackCount> data;  // of lines of a plane view
+  std::array<std::string, kCrackCount> data;  // lines of a plane view
   std::array<bool, kCrackCount> seen{};
   for (const auto& [pair, joint] : joints) seen[size_t(joint.crack)] = plane || joint.crack != Crack::intact;
   if (plane) {

@@ -34,8 +34,8 @@ struct Head {
   std::uint32_t format = 2;
   std::array<std::uint8_t, 4> word_sizes{sizeof(int), sizeof(long), sizeof(void*), sizeof(double)};
   std::uint32_t unused = 0;
-  std::uint64_t bytes = 0;     // of what follows the head
-  std::uint64_t checksum = 0;  // of the same
+  std::uint64_t bytes = 0;     // size of the rest of the file
+  std::uint64_t checksum = 0;  // checksum of the same
 };
 constexpr std::uint32_t kOtherWordOrder = 0x04030201;
 
@@ -347,7 +347,7 @@ std::string geometry_hash(const Simulation& simulation) {
   return hash.end();
 }
 
-// Of a run whose end is the start of others: its stages in place of its whole scene.
+// Identity of a run whose end is the start of others: its stages in place of its whole scene.
 Identity end_identity(const Simulation& simulation, const Provenance& provenance, std::size_t stages) {
   Identity identity = identity_of(simulation, provenance);
   for (Identity::Part& part : identity.parts) {
@@ -430,7 +430,7 @@ void take_start(Simulation* simulation) {
   if (!std::filesystem::exists(path, unknown)) throw fault("does not exist");
   Stored stored = read_stored(path, fault);
   for (Identity::Part& part : stored.identity.parts) {
-    if (part.what == kEnergy && !scene.output.energy) part.value = "false";  // more than is asked for
+    if (part.what == kEnergy && !scene.output.energy) part.value = "false";  // more than is requested
   }
   const auto& parts = stored.identity.parts;
   const bool known = !parts.empty() && parts.back().what == kStageCount;

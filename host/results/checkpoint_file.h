@@ -32,15 +32,15 @@ struct StoredState {
 };
 
 struct Checkpoint {
-  std::vector<HistoryRow> rows;     // of the history until then
+  std::vector<HistoryRow> rows;     // rows of the history until then
   std::vector<double> frame_times;  // s, of the VTK frames until then
-  std::vector<std::uint8_t> state;  // of Simulation::save
-  StoredState stored{};             // of one that was read
+  std::vector<std::uint8_t> state;  // bytes of Simulation::save
+  StoredState stored{};             // state of a checkpoint that was read
 };
 
 // Complete and on the disk, or not there: written under a name of its own, flushed, renamed. Throws Error(bad_input).
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint);
-// Of now, piece by piece: all ranks call simulation.save at this moment.
+// Writes the current state, piece by piece: all ranks call simulation.save at this moment.
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
                       const std::vector<double>& frame_times, const Simulation& simulation);
 

@@ -23,19 +23,19 @@ inline constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{
      {Crack::open, "open crack", "#ca1a1f", 5.0},
      {Crack::crushed, "crushed", "#330a40", 5.0}}};
 
-// Of what is no joint: faces and edges of blocks, joints inside a unit, beams.
+// Colours of faces and edges of blocks, of joints inside a unit, of beams.
 struct BlockColours {
   const char *face, *edge, *joint_in_unit, *beam, *beam_edge;
 };
 inline constexpr BlockColours kBlockColours{"#f1ece0", "#b5aa98", "#dccfb8", "#b9c0c8", "#808890"};
 
-// Of quantities: nothing, the most, and the most below nothing. Both ways it grows darker, so that grey shows how much.
+// Colours of quantities: zero, largest, most negative. Both ways they grow darker, so that grey shows the size.
 struct QuantityColours {
   const char *middle, *warm, *cold;
 };
 inline constexpr QuantityColours kQuantityColours{"#e9e2d0", "#a50f15", "#2c4fa3"};
 
-// Of curves, one after the other; they differ in lightness, too.
+// Colours of curves, one after the other; they differ in lightness, too.
 inline constexpr std::array kPens{"#b3321e", "#1d3557", "#5aa9e6", "#e8a33d", "#2a9d8f",
                                   "#8d6a9f", "#777777", "#b08968", "#000000"};
 

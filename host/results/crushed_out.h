@@ -10,8 +10,8 @@ namespace quoin {
 
 struct CrushedOut {
   long points = 0;
-  double overlap = 0.0;         // of the blocks at the deepest of them, m
-  std::string warning() const;  // empty: none
+  double overlap = 0.0;         // overlap of the blocks at the deepest of them, m
+  std::string warning() const;  // text of the warning; empty: there is nothing to warn of
 };
 
 // By all ranks at the same moment, after run().

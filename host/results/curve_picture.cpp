@@ -1,5 +1,5 @@
-// curve.png: what a run is looked at by, as curve_kind of its last stage has it. Force against displacement of what is
-// driven, displacement over time in an earthquake and at rest, the multiplier in a collapse.
+// curve.png: the quantities that show a run, as curve_kind of its last stage has it. Force against displacement of what
+// is driven, displacement over time in an earthquake and at rest, the multiplier in a collapse.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,16 +22,16 @@ namespace {
 using Row = HistoryRow;
 
 struct Curve {
-  std::string columns;  // of curve.dat
+  std::string columns;  // columns of curve.dat
   std::string x_label, y_label, name;
   std::string x_unit, y_unit;  // as in "54.1 kN at 1.97 mm"
   bool over_time = false;
   bool pressed = false;                       // the third number is drawn, too
   std::vector<std::array<double, 3>> points;  // mm or s; kN, mm or 1; MPa
-  int peak = -1;                              // of points; -1: none to show
+  int peak = -1;                              // index of a point; -1: none to show
 };
 
-// Of the rows of all stages. One way the curve goes to the right, whichever way that was.
+// Curve of the rows of all stages. A push in one direction is drawn to the right.
 Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::string& law) {
   const double area = bed_area(scene);
   const Stage& last = scene.stages.back();
@@ -68,7 +68,7 @@ Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::st
   return curve;
 }
 
-// Of the rows of stages of the kind of the last one; the peak is what is furthest from 0.
+// Curve of the rows of stages of the kind of the last one; the peak is the value farthest from 0.
 template <class X, class Y>
 void add_points(const std::vector<Row>& rows, const Scene& scene, const X& x, const Y& y, Curve& curve) {
   const std::string_view kind = curve_kind(scene.stages.back());

@@ -25,12 +25,12 @@ int axis_of(const Stage& stage);
 // Measured along y, or driven along y and nowhere else. Where the last stage is, what is shown of the run is upright.
 bool is_vertical(const Stage& stage);
 bool is_vertical(const Scene& scene);
-// What a stage is looked at by: "push" (force against displacement of what is driven), "collapse" (multiplier),
+// The quantities that show a stage: "push" (force against displacement of what is driven), "collapse" (multiplier),
 // "earthquake" (over time) or "rest" (nothing is driven).
 const char* curve_kind(const Stage& stage);
 // What peak, pictures, page and screen show of a row.
 struct Shown {
-  double displacement = 0.0;  // of the monitor body since the start, m
+  double displacement = 0.0;  // displacement of the monitor body since the start, m
   double force = 0.0;         // resistance positive, N
 };
 Shown shown(const HistoryRow& row, const Scene& scene);

@@ -11,19 +11,20 @@
 
 namespace quoin {
 
-// Of a pair of blocks. Tractions are means over the area in contact, tension positive.
+// Sums over a pair of blocks. Tractions are means over the area in contact, tension positive.
 struct JointSum {
   double area = 0.0;                  // in contact, m2; 0: the blocks have come apart
   double normal = 0.0;                // Pa
   double shear = 0.0;                 // resultant of both directions, Pa
   std::array<double, 3> force{};      // on the first block, N
-  std::array<double, 3> direction{};  // of the normal, from the first block to the second
+  std::array<double, 3> direction{};  // direction of the normal, from the first block to the second
   std::array<double, 3> place{};      // centre of the compression, or of the joint where there is none, m
-  double eccentricity = 0.0;  // of the compression, from the middle of the joint, over its depth that way; 0.5: an edge
-  double opening = 0.0;       // largest, m
-  double slip = 0.0;          // largest, m
-  double damage = 0.0;        // largest, of tension and shear
-  int crack = 0;              // the worst
+  // Distance of the compression from the middle of the joint, over its depth that way; 0.5: an edge.
+  double eccentricity = 0.0;
+  double opening = 0.0;  // largest, m
+  double slip = 0.0;     // largest, m
+  double damage = 0.0;   // largest, of tension and shear
+  int crack = 0;         // the worst
 };
 using BlockPair = std::pair<std::int32_t, std::int32_t>;  // the smaller number first
 std::map<BlockPair, JointSum> joint_sums(const VtuFile& joints);

@@ -212,7 +212,7 @@ void MonitorFile::finish() {
       }
       if (known) of_monitor["largest"][columns_[first + k]] = largest;
     }
-    // Of displacements against the ground and drifts, what stays.
+    // Residual values of displacements against the ground and of drifts.
     for (const std::size_t k : {9, 10, 11, 18, 19}) {
       if (!rows_.empty() && std::isfinite(rows_.back()[first + k]))
         of_monitor["residual"][columns_[first + k]] = rows_.back()[first + k];

@@ -13,7 +13,7 @@ namespace quoin {
 struct PartedPoint {
   JointPoint joint;  // as its last contact point, on block a, but for the traction, which is 0, and the opening,
                      // which is the distance of now between the two sides; contact.index: -1
-  std::vector<double> state;  // of its law, in the law's order
+  std::vector<double> state;  // state of its law, in the law's order
 };
 
 // Of joints that begin at blocks [first, end), which this rank must own or have all of. None in small displacements,

@@ -59,11 +59,11 @@ namespace {
 
 using Run = ResultRun;
 
-constexpr long kMostBricks = 100'000;  // gnuplot takes 10 kB for each, and nobody sees them any more
+constexpr long kMostBricks = 100'000;  // gnuplot takes 10 kB for each, and more are too small to be seen
 
 // The wall moves by millimetres: magnified so that the largest movement is about 6 % of its height.
 struct Magnified {
-  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // of all blocks, m
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // box around all blocks, m
   double largest = 0.0;                                                           // displacement, m
   double factor = 1.0;
 
@@ -311,7 +311,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
                         is_vertical(scene) ? "vertical" : "horizontal", std::abs(r.force) / 1e3, law);
   }
   const std::string moment = moment_of(rows, scene);
-  // One scale on both axes; the picture is as high as the wall asks for, with room for title and legend.
+  // One scale on both axes; the picture is as high as the wall needs, with room for title and legend.
   const Vec3 &low = view.low, &high = view.high;
   const double width = (high[0] - low[0]) * 1e3, height = (high[1] - low[1]) * 1e3,
                sway = view.largest * view.factor * 1e3;

@@ -28,7 +28,7 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
 // Displacements, forces, multiplier and energies over time, a panel each; what stays at 0 is left out.
 std::string plot_histories(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
                            const std::string& label);
-// Of the lattice. Other ranks call collect_cracks at the same moment.
+// Cracks on the lattice. Other ranks call collect_cracks at the same moment.
 std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
                         const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label);
 void collect_cracks(const Simulation& simulation, const Surfaces& surfaces);

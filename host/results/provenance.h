@@ -10,7 +10,7 @@
 
 namespace quoin {
 
-// What a command asked for.
+// What a command requested.
 struct Request {
   std::string law;                     // in place of the scene's; empty: none
   std::vector<std::string> overrides;  // dotted.key=value, in their order
@@ -33,7 +33,7 @@ std::vector<HashedFile> input_files(const Scene& scene);
 
 struct Provenance {
   std::string program, program_sha256, compiler;  // version, of the executable, what built it
-  std::vector<HashedFile> laws;                   // of every stage
+  std::vector<HashedFile> laws;                   // laws of every stage
   std::string scene, scene_text;                  // file as it was named, and as it was read
   std::vector<HashedFile> inputs;                 // other files that the scene takes in
   Request request;
@@ -51,7 +51,8 @@ Provenance provenance_of(const Simulation& simulation, const Request& request);
 void note_results(const Simulation& simulation, const std::filesystem::path& folder, Provenance* provenance);
 
 nlohmann::ordered_json to_json(const Provenance& provenance);
-// Of FOLDER/summary.json. Throws Error(bad_input): there is none, it is not whole, or the run was interrupted.
+// Provenance of FOLDER/summary.json. Throws Error(bad_input): there is none, it is not whole, or the run was
+// interrupted.
 Provenance read_provenance(const std::filesystem::path& folder);
 
 // What is not the same in two of them and may change the bits: "program 0.1.0 (sha256 12ab...), there 0.1.0 (...)".

@@ -8,7 +8,7 @@
 namespace quoin {
 namespace {
 
-constexpr long kLeastRows = 10;  // of a stage: fewer are no sample of forces that swing
+constexpr long kLeastRows = 10;  // least rows of a stage: fewer are no sample of forces that oscillate
 
 // Slowly, as it should be: not the stages that shake.
 bool drives(const Stage& stage) {

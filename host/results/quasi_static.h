@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-// Of the stages that drive a body: by a velocity, or until a displacement is reached.
+// Findings of the stages that drive a body: by a velocity, or until a displacement is reached.
 struct QuasiStatic {
   // The sum of supports and loads along the loading direction is force that moves the wall in place of straining it.
   // Its measure is the root of the mean square, with or without the ramps, whichever is larger, over the peak force.
@@ -17,7 +17,7 @@ struct QuasiStatic {
   std::optional<double> dynamic_force_ratio;
   // Largest kinetic energy over the work done until the end. Empty when no work was done.
   std::optional<double> kinetic_energy_ratio;
-  // Displacement beyond the one that a stage asks for, over it: the largest of the stages that ended by displacement.
+  // Displacement beyond the one that a stage requests, over it: the largest of the stages that ended by displacement.
   double overshoot_ratio = 0.0;
   std::string not_judged;  // why the record is too short to be judged; empty when it is not
 

@@ -13,7 +13,7 @@ namespace quoin {
 
 // Cells of a grid: cell c has the corners [end[c - 1], end[c]) of `corner`, indices of points, as many as its type has.
 struct VtuGrid {
-  std::vector<float> position;  // of points, x y z, finite numbers
+  std::vector<float> position;  // places of points, x y z, finite numbers
   std::vector<std::size_t> corner, end;
   std::vector<std::uint8_t> type;
   std::size_t points() const { return position.size() / 3; }
@@ -33,13 +33,13 @@ class VtuFile {
   std::vector<T> read(const std::string& name, VtkRows rows, std::size_t components = 1) const;
   template <class T>
   std::vector<T> values_of(const std::string& name) const;  // the same, of any number
-  // Of int32, in [0, count).
+  // Values of int32, in [0, count).
   std::vector<std::int32_t> read_indices(const std::string& name, VtkRows rows, std::size_t count) const;
   [[noreturn]] void refuse(const std::string& why) const;  // Error(bad_input)
 
  private:
   void read_grid();
-  std::string element_of(const std::string& name) const;  // of the XML; empty: there is none
+  std::string element_of(const std::string& name) const;  // element of the XML; empty: there is none
   std::string bytes_of(const std::string& name, const char* type) const;
   std::string unpacked(std::size_t place) const;
   std::uint64_t word_at(std::size_t* place) const;  // and past it

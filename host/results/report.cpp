@@ -109,15 +109,16 @@ std::array<float, 3> at(const std::vector<float>& vectors, std::size_t i) {
 
 // The surface of all blocks as triangles of the file's points, of which it keeps those on the surface.
 struct Surface {
-  std::vector<std::uint32_t> vertex;  // of the file, by vertex of the surface
-  std::vector<Triangle> triangle;     // of vertices of the surface
+  std::vector<std::uint32_t> vertex;  // vertex of the file, by vertex of the surface
+  std::vector<Triangle> triangle;     // triangles of vertices of the surface
   std::vector<std::uint32_t> edge;    // pairs of these: sharp edges
   std::vector<std::int32_t> block;    // by vertex
   std::set<std::int32_t> beams;       // rigid blocks beside the masonry, on the lattice
 };
 
 std::vector<Triangle> triangles_of(const VtuGrid& grid) {
-  std::map<Triangle, std::pair<int, Triangle>> faces;  // of tetrahedra, by their sorted corners: how often, as it is
+  // Faces of tetrahedra, by their sorted corners: count, and corners as given.
+  std::map<Triangle, std::pair<int, Triangle>> faces;
   std::vector<Triangle> result;
   for (std::size_t c = 0; c < grid.cells(); ++c) {
     const std::size_t first = grid.first_corner(c);
@@ -216,7 +217,7 @@ struct Solid {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // centre times volume
 };
 
-// Of rigid blocks that are free to move, as they stand: what holds or drives a block is in no joint.
+// Solids of rigid blocks that are free to move, in their current places: joints carry all forces on these.
 std::map<std::int32_t, Solid> rigid_solids(const VtuFile& blocks, const std::set<std::int32_t>& held) {
   const VtuGrid& grid = blocks.grid();
   const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());
@@ -241,7 +242,7 @@ std::map<std::int32_t, Solid> rigid_solids(const VtuFile& blocks, const std::set
     const auto corner = [&](std::size_t k) { return place(static_cast<std::size_t>(t[k])); };
     const std::int32_t b = of_point[static_cast<std::size_t>(t[0])];
     if (zoned.contains(b) || held.contains(b) || !moves.contains(b)) continue;
-    const double volume = corner(0).dot(corner(1).cross(corner(2))) / 6.0;  // of the tetrahedron with the origin
+    const double volume = corner(0).dot(corner(1).cross(corner(2))) / 6.0;  // volume of the tetrahedron with the origin
     solids[b].volume += volume, solids[b].moment += volume / 4.0 * (corner(0) + corner(1) + corner(2));
   }
   return solids;
@@ -294,7 +295,7 @@ struct JointValues {
   std::vector<float> damage, opening, slip;
 };
 
-// Of those blocks that show what their joints say.
+// Vertices of blocks whose colour comes from their joints.
 class VerticesOfBlocks {
  public:
   explicit VerticesOfBlocks(const Surface& surface) {
@@ -520,10 +521,10 @@ struct Frame {
 
 // The surface of the first frame, and where its joints come to it.
 struct Start {
-  std::vector<float> places;  // of the points of the file
+  std::vector<float> places;  // places of the points of the file
   Surface surface;
   VerticesOfBlocks vertices;
-  std::vector<float> position;     // of vertices
+  std::vector<float> position;     // places of vertices
   std::vector<std::uint32_t> rim;  // points of joints on the lattice; empty until a frame has some
   std::vector<float> rim_position;
   std::set<std::int32_t> held;  // blocks that some stage holds or drives
@@ -603,14 +604,14 @@ Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
   return frame;
 }
 
-// Of "#rrggbb", 0 to 255.
+// Bytes of "#rrggbb", 0 to 255.
 Json bytes_of(const std::string& colour) {
   Json bytes = Json::array();
   for (const std::size_t place : {1, 3, 5}) bytes.push_back(std::stoi(colour.substr(place, 2), nullptr, 16));
   return bytes;
 }
 
-// Of everything on the page, cracks by their numbers.
+// Colours of everything on the page, cracks by their numbers.
 Json colours() {
   Json cracks = Json::array();
   for (const CrackStyle& style : kCrackStyles) cracks.push_back({{"label", style.label}, {"colour", style.colour}});
@@ -626,7 +627,7 @@ float shortened(double value) {
   const auto exact = static_cast<float>(value);
   std::uint32_t bits = 0;
   std::memcpy(&bits, &exact, sizeof bits);
-  constexpr std::uint32_t kDropped = 0xfffu;  // of 23: what stays is good to 1 in 2048
+  constexpr std::uint32_t kDropped = 0xfffu;  // bits dropped of 23: the rest is good to 1 in 2048
   bits &= ~kDropped;
   float result = 0.0F;
   std::memcpy(&result, &bits, sizeof bits);

@@ -43,7 +43,7 @@ class GrowingRun {
   std::filesystem::path folder_;
   std::unique_ptr<Frames> frames_;
 };
-// A page that asks for `state` and `run` beside it, until nobody answers. Throws as require_report_library.
+// A page that requests `state` and `run` beside it, until the server ends. Throws as require_report_library.
 std::string live_page_text(const std::string& title);
 
 }  // namespace quoin

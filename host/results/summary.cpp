@@ -62,7 +62,7 @@ Json thinned(const TimeSeries& series) {
 }
 
 Json spectrum_of(const TimeSeries& acceleration) {
-  constexpr double kDamping = 0.05, kLongest = 3.0;  // of critical; s
+  constexpr double kDamping = 0.05, kLongest = 3.0;  // share of critical; longest period, s
   constexpr std::size_t kPeriods = 150;
   std::vector<double> periods = default_periods(kPeriods);
   std::erase_if(periods, [](double period) { return period > kLongest; });
@@ -245,7 +245,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   return json;
 }
 
-// Of blocks of any shape, and of bricks on a ground that moves.
+// Numbers of blocks of any shape, and of bricks on a ground that moves.
 Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   Json json;
   json["largest_displacement_m"] = largest_displacement(rows);
@@ -272,7 +272,7 @@ Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows
   return json;
 }
 
-// Of those that have one, by number.
+// Names of blocks that have one, by number.
 Json block_names(const Simulation& simulation) {
   constexpr std::size_t kMost = 5000;  // more are no use to a reader, and the file would be names alone
   Json names = Json::object();
@@ -317,7 +317,7 @@ Json motion_of(const Simulation& simulation) {
           {"promoted", promoted}};
 }
 
-// What the looks at the rows of the history have seen. The other assumptions stand under motion and quasi_static.
+// Findings of the watch at rows of the history. The other assumptions are under motion and quasi_static.
 Json watch_json(const Simulation& simulation) {
   const Watch& w = watch_of(simulation);
   const bool balanced = w.energy_moved > 0.0;

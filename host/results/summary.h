@@ -26,7 +26,7 @@ std::string modes_text(const StageModes& modes);  // "first modes: 12.1 Hz 0.4 %
 
 struct RunInfo {
   std::string status = "done";  // done, interrupted, failed
-  std::string message;          // of a failure
+  std::string message;          // message of a failure
   double wall_clock_s = 0.0;    // process start to end
   QuasiStatic quasi_static;
   CrushedOut crushed_out;

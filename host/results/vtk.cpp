@@ -228,7 +228,7 @@ void add_points(const Simulation& simulation, const Surfaces& surfaces, const st
   }
 }
 
-// Of joints that begin at these blocks, where no contact point is left.
+// Points of joints that begin at these blocks, where no contact point is left.
 void add_parted_points(const Simulation& simulation, const std::vector<std::string>& states, const ResultRun& run,
                        Rows& rows) {
   for (const PartedPoint& p : parted_points(simulation, run.first, run.end)) {
@@ -323,7 +323,7 @@ class Sink {
 
 using Run = ResultRun;
 
-// Of a frame: which file, what goes there.
+// File and contents of a frame.
 struct Target {
   std::filesystem::path path;
   bool compressed = false;

@@ -31,7 +31,7 @@ std::string attributes_of(const VtkArray& array) {
                      array.components);
 }
 
-std::uint64_t width_of(const VtkArray& array) {  // of a value, bytes
+std::uint64_t width_of(const VtkArray& array) {  // width of a value, bytes
   const std::string type = array.type;
   return type == "UInt8" ? 1 : type == "Int64" ? 8 : 4;
 }

@@ -20,7 +20,7 @@ constexpr const char* kVtkType = std::is_same_v<T, float>          ? "Float32"
                                  : std::is_same_v<T, std::uint8_t> ? "UInt8"
                                                                    : "Int64";
 
-// Of what an array has values: one row for each.
+// Items of which an array has one row each.
 enum class VtkRows { point, cell, corner };
 
 // How many rows there are.
@@ -33,7 +33,7 @@ struct VtkSizes {
 };
 
 struct VtkArray {
-  const char* section;  // of the XML: "Points", "Cells", "PointData" or "CellData"
+  const char* section;  // element of the XML: "Points", "Cells", "PointData" or "CellData"
   std::string name;
   const char* type;  // kVtkType
   int components = 1;

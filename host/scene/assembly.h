@@ -34,11 +34,11 @@ struct Brick {
 // from the face triangles inside the overlap alone. The normal points from a to b.
 struct Joint {
   int block_a, block_b;
-  int face_a;  // of block_a
+  int face_a;  // face of block_a
   int family;  // index into Assembly::families
 };
 
-inline constexpr int kNoFamily = -1;  // of blocks without contact: they pass through each other
+inline constexpr int kNoFamily = -1;  // family of blocks without contact, which pass through each other
 
 struct Assembly {
   std::vector<BlockMaterial> materials;

@@ -19,24 +19,24 @@ using geometry::Vector;
 
 // Without extent, and firmly on a block, within it or not.
 struct PointMass {
-  Vector at;    // of the start, m
+  Vector at;    // place at the start, m
   double mass;  // kg
 };
 
 struct Block {
   std::string name;
   int shape = 0;           // index into Assembly::shapes; many blocks may share one
-  Vector position;         // where the origin of the shape's coordinates goes, m
-  Quaternion orientation;  // and how its axes are turned
+  Vector position;         // place of the origin of the shape's coordinates, m
+  Quaternion orientation;  // orientation of its axes
   int material = 0;        // index into Assembly::materials
   bool rigid = true;
   double zone_edge = 0.0;  // deformable: target edge length of the zones, m
   std::array<int, 3> divisions{0, 0,
                                0};  // deformable bricks: hexahedra of 5 zones along each axis, instead of zone_edge
-  int parity = 0;                   // of divisions: hexahedron (i, j, k) has pattern (i + j + k + parity) % 2
+  int parity = 0;                   // parity of divisions: hexahedron (i, j, k) has pattern (i + j + k + parity) % 2
   std::shared_ptr<const geometry::Zoning> zoning;  // deformable: zones made elsewhere, of the shape; null: none
   bool fixed = false;          // held in all six degrees of freedom (prescribe() may drive it later)
-  int unit = -1, course = -1;  // for pictures
+  int unit = -1, course = -1;  // place in the masonry, for pictures
   bool beam = false;           // rigid, beside the masonry of a wall or building
   double spread_mass = 0.0;    // kg, besides that of its volume and spread as that is
   std::vector<PointMass> masses;
@@ -45,7 +45,7 @@ struct Block {
 // Where two blocks meet for the first time: what the joint family may depend on.
 struct Meeting {
   int block_a, block_b;
-  Vector normal;  // from a to b
+  Vector normal;  // direction from a to b
 };
 
 struct ContactSettings {
@@ -72,7 +72,7 @@ struct Assembly {
   std::function<int(const Meeting&)> family_of;  // index into families; empty: family 0 for all
   ContactSettings contact;
   bool shared_names = false;       // several blocks of one name move and are loaded together
-  std::vector<std::string> notes;  // of the reader: how shapes differ from those of mesh files
+  std::vector<std::string> notes;  // notes of the reader: how shapes differ from those of mesh files
   bool symmetry_plane_z0 = false;  // what touches z = 0 at the start stays there: u_z = 0, no rotation out of it
 
   // Adds a block of its own shape; its index.

@@ -14,7 +14,8 @@ inline constexpr double kCollapseGrowth = 0.005;
 
 inline bool waits(const Collapse& c) { return !c.rate; }
 
-// From the end of the ramp until the stage gives up, s; none: it waits, or limit analysis has not found its loads.
+// Time from the end of the ramp until the stage ends without collapse, s; none: it waits, or limit analysis has not
+// found its loads.
 inline std::optional<double> seconds_of_growth(const Collapse& c) {
   if (!c.start || !c.rate || !c.limit) return std::nullopt;
   return (*c.limit - *c.start) / *c.rate;

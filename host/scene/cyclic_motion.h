@@ -51,10 +51,10 @@ class ForceLoss {
   // the half cycle that has just ended lost force.
   bool see(double force, int half_cycle, double target, double allowed_fraction);
 
-  // Of the half cycle that ended last.
+  // Numbers of the half cycle that ended last.
   int half_cycle() const { return ended_; }
-  double force() const { return of_ended_; }     // its largest, N
-  double largest() const { return reference_; }  // what it was held against, N
+  double force() const { return of_ended_; }     // largest force of the half cycle, N
+  double largest() const { return reference_; }  // force that it was compared with, N
 
  private:
   int now_ = 0, ended_ = -1;

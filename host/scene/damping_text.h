@@ -14,7 +14,7 @@ double local_damping_in(const Scene& scene, std::size_t stage);
 std::string solver_text(const SolverSettings& solver, bool settling);
 // Whether the inertia that is added to vibrations is another one than that of [solver].
 bool has_own_inertia(const Scene& scene, std::size_t stage);
-// Of stages with a solver table of their own, and of those after them; else empty.
+// Text for stages with a solver table of their own, and for those after them; else empty.
 std::string own_solver_text(const Scene& scene, std::size_t stage);
 
 // The part of the damping of a stage that acts on motion in space, whole blocks included. It falsifies what slides,
@@ -24,7 +24,7 @@ std::string damping_in_space(const Scene& scene, std::size_t stage);
 inline constexpr const char* kDampingForMotion =
     "take damping = \"impact\", \"viscous\" with stiffness_damping = 2 zeta/omega of the contacts and no mass_damping, "
     "or \"none\", in [solver] or in the solver table of the stage (scenes/BLOCKS.md, \"Ground motion and damping\")";
-// Of a stage that moves the ground, whose damping is of that kind; else empty.
+// Warning for a stage that moves the ground under damping of that kind; else empty.
 std::string ground_damping_warning(const Scene& scene, std::size_t stage);
 
 // The share of its velocity with which an edge comes back after landing on a spring and a dashpot of this share of

@@ -53,7 +53,7 @@ class WallGrid {
     return static_cast<size_t>(course) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
   }
 
-  // Units as the bricklayer sees them; a unit cut by an opening or a lintel keeps the half that is left.
+  // Units as they are laid; a unit cut by an opening or a lintel keeps the half that is left.
   void number_units() {
     int next = 0;
     for (int course = 0; course < wall_.courses; ++course) {

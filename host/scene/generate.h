@@ -16,7 +16,7 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
 Assembly generate_building(const BuildingSpec& building, const std::map<std::string, BlockMaterial>& materials,
                            const std::map<std::string, JointFamily>& joints);
 
-// Of the scene's wall or building.
+// Assembly of the scene's wall or building.
 Assembly assemble(const Scene& scene);
 
 // Gross area of a bed joint, m2, over the whole thickness.

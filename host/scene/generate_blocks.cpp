@@ -144,7 +144,8 @@ class Course {
 
   bool is_gap(double x) const { return is_in(gaps_, x); }
   bool is_lintel(double x) const { return is_in(lintels_, x); }
-  // Of the whole unit that the piece is cut from; the end of the piece when both sides would not be worth a block.
+  // Middle of the whole unit that the piece is cut from; the end of the piece when both sides would not be worth a
+  // block.
   double middle_of_unit(double from, double to) const {
     const double unit = std::floor((0.5 * (from + to)) / length_ + shift_), x = (unit - shift_ + 0.5) * length_;
     return x > from + 0.1 * length_ && x < to - 0.1 * length_ ? x : to;

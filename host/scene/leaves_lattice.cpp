@@ -9,7 +9,7 @@ std::string leaves_lattice(const Scene& scene, std::size_t stage) {
   others.ground.reset();
   if (std::string acts = beyond_lattice(others); !acts.empty()) return acts;
   const Damping damping = damping_of(scene.solver_in(stage));
-  // Of joints the lattice has no viscous damping.
+  // The lattice has no viscous damping of joints.
   if (damping.beta > 0.0) return "moves the ground under stiffness_damping";
   return damping.has_maxwell() ? "moves the ground under maxwell_damping" : "";
 }

@@ -10,7 +10,7 @@ namespace quoin::blocks {
 
 struct LoadPlace {
   int block = -1;
-  geometry::Vector position, at;  // on the line of the load; on the block at the start, m
+  geometry::Vector position, at;  // places on the line of the load, and on the block at the start, m
 };
 
 // By position: the first face that the line of action of the force meets from there on, or the block that has the

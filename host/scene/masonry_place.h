@@ -8,12 +8,12 @@
 namespace quoin {
 
 struct PlacedBlock {
-  int unit, course;  // of masonry; -1: none
+  int unit, course;  // place in the masonry; -1: none
 };
 
-// Of a block: its unit, or a number of its own where it is none of masonry.
+// Key of a block: its unit, or a number of its own where it is none of masonry.
 std::uint64_t unit_key(int block, const PlacedBlock& placed);
-// Of the joint between two units.
+// Key of the joint between two units.
 std::uint64_t joint_key(std::uint64_t unit_a, std::uint64_t unit_b);
 
 // Whether the joint of a family between two blocks is one that has no mortar in the family's sample.

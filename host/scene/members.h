@@ -13,7 +13,7 @@ namespace quoin {
 // Where a member is fixed.
 struct MemberEnd {
   std::string block;              // empty: the one that has the point
-  Vec3 point{};                   // at the start, m
+  Vec3 point{};                   // place at the start, m
   std::array<double, 2> plate{};  // m, sides of an anchor plate across the tie, level and upright; 0: none
   Source source;
 };
@@ -43,14 +43,14 @@ struct SpringSpec {
   double normal_dashpot = 0.0, shear_dashpot = 0.0;      // Pa s/m
   double friction_angle = 90.0;                          // deg; 90: the shear spring has no limit
   bool tension = false;                                  // else the face lifts off
-  int divisions = 4;                                     // of each edge of the triangles that the face is cut into
+  int divisions = 4;  // parts of each edge of the triangles that the face is cut into
   Source source;
 };
 
 // Fibres along a line on faces, bonded by a law.
 struct StripSpec {
   std::string name, joint;                                    // joint: family whose law is the bond
-  std::vector<Vec3> points;                                   // its line, m
+  std::vector<Vec3> points;                                   // points of its line, m
   double width = 0.0, thickness = 0.0;                        // m
   double young_modulus = 0.0;                                 // Pa
   double strength = std::numeric_limits<double>::infinity();  // Pa, of the fibres
@@ -70,12 +70,12 @@ struct FloorSpec {
   double mass = 0.0;                                             // kg/m2
   double load = 0.0;                                             // Pa
   std::string span = "across";                                   // towards the edges that carry its weight
-  // Of a metre of edge:
+  // Properties of a metre of edge:
   double axial_stiffness = 0.0, connector_stiffness = 0.0;              // N/m2, out of the edge and along it
   double axial_strength = std::numeric_limits<double>::infinity();      // N/m, of anchors
   double connector_strength = std::numeric_limits<double>::infinity();  // N/m, along the edge
-  double friction = 0.0;                                                // of the weight on it
-  double pull_out = std::numeric_limits<double>::infinity();            // m
+  double friction = 0.0;                                      // friction coefficient, on the weight that it carries
+  double pull_out = std::numeric_limits<double>::infinity();  // m
   bool bearing = true;
   Source source;
 };
@@ -107,8 +107,8 @@ struct BeamSpec {
   double yield_force = std::numeric_limits<double>::infinity();                 // N
   bool compression = true;                                                      // else a cable
   double support_stiffness = 0.0;                                               // N/m; 0: that of a piece
-  double friction = 0.6;                                                        // where it rests
-  std::string bedding = "none";                                                 // of nodes without a support
+  double friction = 0.6;                                                        // friction coefficient where it rests
+  std::string bedding = "none";                                                 // hold of nodes without a support
   std::vector<BeamSupportSpec> supports;
   Source source;
 };
@@ -116,8 +116,8 @@ struct BeamSpec {
 // A bar across a joint: what it resists where both blocks part or slide.
 struct DowelSpec {
   std::string name;
-  Vec3 point{};                                         // on the joint, m
-  Vec3 direction{0, 1, 0};                              // of the bar
+  Vec3 point{};                                         // place on the joint, m
+  Vec3 direction{0, 1, 0};                              // direction of the bar
   double axial_stiffness = 0.0, shear_stiffness = 0.0;  // N/m
   double yield_force = 0.0, yield_shear = 0.0;          // N
   Source source;
@@ -133,7 +133,7 @@ struct FillSpec {
   double friction_angle = 0.0;                        // deg
   double at_rest = 0.0, active = 0.0, passive = 0.0;  // horizontal over vertical stress
   double stiffness = 0.0;                             // Pa/m, of horizontal pressure over way
-  int divisions = 4;                                  // as of springs
+  int divisions = 4;                                  // divisions as of springs
   Source source;
 };
 

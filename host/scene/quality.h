@@ -12,8 +12,8 @@ namespace quoin {
 struct Quality {
   std::string name;
   SolverSettings solver;
-  double velocity = 0.0;           // of the top beam in a shear stage, m/s
-  double equilibrium_ratio = 0.0;  // at the end of a pressure stage
+  double velocity = 0.0;           // velocity of the top beam in a shear stage, m/s
+  double equilibrium_ratio = 0.0;  // ratio at the end of a pressure stage
   // Expected errors against a converged run, as fractions, at least the largest seen on the measured walls. Of the peak
   // force. Of the curve, root of the mean square of the difference over that of the force, where later drops count
   // whole. Of the work up to the end. Only for scenes within what was measured: scene/measured.h.

@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// folder: where files named by the scene are looked for, with its slash. Faults go to the context of the table.
+// folder: where files named by the scene are sought, with its slash. Faults go to the context of the table.
 BlocksSpec read_blocks(reader::Table& t, const Scene& scene, const std::string& folder);
 // Keys of [contact] that blocks of any shape have.
 void read_contact(reader::Table& c, const SolverSettings& solver, BlocksSpec::Contact* contact);

@@ -6,7 +6,7 @@ using namespace reader;
 
 namespace {
 
-constexpr int kMostCycles = 10000;  // of one amplitude
+constexpr int kMostCycles = 10000;  // most cycles of one amplitude
 
 void read_counts(Table& t, Cycles& cycles) {
   cycles.counts.assign(cycles.amplitudes.size(), 1);
@@ -58,7 +58,7 @@ void read_cycles(Table& t, Stage& stage, const char* velocity) {
                "stop_at_force_loss");
   }
   cycles.ramp_time = stage.ramp_time;
-  stage.duration = 1.0;  // of faulty ones, which are never run
+  stage.duration = 1.0;  // any value for faulty cycles, which are never run
   if (reached && moves) {
     stage.duration = CyclicMotion(cycles).duration();
     if (!std::isfinite(*stage.duration)) t.refuse(velocity, "one that reaches the amplitudes in finite time");

@@ -143,7 +143,7 @@ void read_files(Table& t, const std::string& folder, GroundMotion& ground) {
 
 // pulse = { shape, ... }: in closed form.
 TimeSeries read_pulse(Table t) {
-  constexpr double kSamples = 200;  // of a period
+  constexpr double kSamples = 200;  // samples of a period
   std::string shape = "sine";
   double amplitude = 1.0, period = 1.0, gamma = 2.0, phase = 0.0;
   t.choice("shape", shape, {"rectangle", "sine", "cosine", "ricker", "mavroeidis"}, true);

@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// folder: where files named by the scene are looked for, with its slash.
+// folder: where files named by the scene are sought, with its slash.
 GroundMotion read_ground(reader::Table t, const std::string& folder);
 
 // A vector that has a direction.

@@ -11,7 +11,7 @@
 namespace quoin {
 
 struct Monitor {
-  std::string name;           // of its columns
+  std::string name;           // name of its columns
   std::string block;          // a block, or a body or floor of several
   std::optional<Vec3> point;  // m: the corner or gridpoint that is closest to it at the start; else the mean of all
   std::string below;          // another monitor, from which its drift counts; empty: none
@@ -19,7 +19,7 @@ struct Monitor {
 };
 
 std::vector<Monitor> read_monitors(reader::Table& scene);
-// Of the text of a scene that has been read, and what was laid over it.
+// Monitors in the text of a scene that has been read, and in the changes laid over it.
 std::vector<Monitor> monitors_of(const std::string& text, const std::string& path,
                                  const std::vector<std::string>& overrides);
 

@@ -11,7 +11,7 @@ namespace {
 using Opening = WallSpec::Opening;
 
 constexpr int kManyHalfUnits = 20000, kManyCourses = 10000;  // where the wall's own are not known
-constexpr double kBearingTolerance = 1e-3;                   // of a half unit: bearings are written with few digits
+constexpr double kBearingTolerance = 1e-3;  // share of a half unit: bearings are written with few digits
 
 void read_bearing(Table& o, Opening& opening, const Lattice& lattice,
                   const std::map<std::string, BlockMaterial>& materials) {

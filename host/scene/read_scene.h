@@ -24,7 +24,7 @@ class SceneFaults : public Error {
 // and a plain word otherwise. An element of a list is named by its number from 1, or by its `name`: stage.2.velocity,
 // stage.shear.velocity. Throws SceneFaults.
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides = {});
-// The same of a text in place of what the file holds; other files are looked for beside PATH all the same.
+// The same of a text in place of what the file holds; other files are sought beside PATH all the same.
 Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides = {});
 
 }  // namespace quoin

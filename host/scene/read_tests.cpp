@@ -22,7 +22,7 @@ const std::map<std::string, JointKind> kHeads{{"mortar", JointKind::mortar},
                                               {"dry", JointKind::dry},
                                               {"unfilled", JointKind::unfilled}};
 
-// True where the table asks for numbers from tests; the word itself goes.
+// True where the table requests numbers from tests; the word itself goes.
 bool asks(toml::table& table, const std::string& path, Context& context) {
   const toml::node* node = table.get(kKey);
   if (!node) return false;

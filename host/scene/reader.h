@@ -82,7 +82,7 @@ class Context {
   std::string file;
   std::set<std::string> overridden;     // dotted paths given by --set
   std::vector<std::string> inputs;      // other files that the scene takes in
-  const toml::table* solver = nullptr;  // what [solver] writes; null: there is none
+  const toml::table* solver = nullptr;  // table [solver]; null: there is none
 
   std::string where(const toml::node* node, const std::string& path) const {
     for (const std::string& set : overridden) {
@@ -112,7 +112,7 @@ class Context {
   std::vector<std::string> faults_;
 };
 
-// One table being read. Each accessor takes a key; finish() reports the keys that nobody asked for.
+// One table being read. Each accessor takes a key; finish() reports the keys that were not read.
 class Table {
  public:
   Table(Context& context, const toml::table& table, std::string path)
@@ -403,7 +403,7 @@ JointFamily read_joint(const std::string& name, Table& t);
 
 // Keys that stages of every kind of scene have: name, gravity, ramp, ends, rows.
 void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
-void read_rest(Table& t, Stage& stage);  // of kind rest, after read_stage_basics
+void read_rest(Table& t, Stage& stage);  // keys of kind rest, after read_stage_basics
 // Keys of what ends a stage by motion: displacement (m), and the monitor and direction that it is measured on.
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
 void read_law_swaps(Table& t, const Scene& scene, Stage& stage);

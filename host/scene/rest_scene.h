@@ -1,4 +1,4 @@
-// A scene of which only the state under constant loads is asked for.
+// A scene of which only the state under constant loads is requested.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,8 @@ namespace quoin {
 // from it. Throws Error(bad_input): there is no such stage.
 Scene at_rest(Scene scene, const std::string& stage);
 
-// How `quoin rest` asks for it. It is kept beside the keys of the scene that a command sets. So a run that goes on or
-// is repeated has it, too. The name of the stage; none: it is not asked for.
+// How `quoin rest` requests it. It is kept beside the keys of the scene that a command sets. So a run that goes on or
+// is repeated has it, too. The name of the stage; none: it is not requested.
 inline constexpr std::string_view kRestAsked = "rest=";
 inline std::optional<std::string> rest_asked(const std::vector<std::string>& overrides) {
   for (const std::string& set : overrides)

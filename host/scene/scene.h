@@ -34,7 +34,7 @@ struct Scatter {
   random::Distribution distribution;
   ScatterLevel level = ScatterLevel::joint;
   double correlation_length = 0.0;  // m along the wall, between places of one course; 0: independent
-  bool of_joint_mean = false;       // of points: the distribution is that of their mean over a joint
+  bool of_joint_mean = false;       // whether the distribution of level point is that of the mean over a joint
 };
 
 struct PropertySetting {
@@ -45,7 +45,7 @@ struct PropertySetting {
   std::optional<Scatter> scatter{};
 };
 
-// Of two properties of a family that scatter, in the normal variables behind them.
+// Correlation of two properties that scatter, in the normal variables behind them.
 struct PropertyCorrelation {
   std::string first, second;
   double value = 0.0;
@@ -72,7 +72,7 @@ struct JointFamily {
 
   std::vector<PropertyCorrelation> correlation{};
   double missing_mortar = 0.0;                      // share of joints that are left out, at random
-  RigidPoints rigid_points = RigidPoints::corners;  // as choose_rigid_points() has it (model/motion.h)
+  RigidPoints rigid_points = RigidPoints::corners;  // choice of choose_rigid_points() (model/motion.h)
   RandomSample random{};
   bool scatters() const {
     return std::any_of(properties.begin(), properties.end(), [](const auto& p) { return p.scatter.has_value(); });
@@ -105,18 +105,18 @@ enum class Kernels { automatic, lattice, general };
 
 // Up to here small displacements give curves within 1 % of those of large motion (benchmarks/README.md).
 struct MotionBound {
-  double rotation = 0.013;  // of a block, rad
-  double sliding = 0.03;    // of two joined blocks on each other, over the length of their joint
+  double rotation = 0.013;  // rotation of a block, rad
+  double sliding = 0.03;    // sliding of two joined blocks on each other, over the length of their joint
   bool stop = true;         // past it, with LargeMotion::never; else only a warning
 };
 
 struct SolverSettings : DampingSettings {
-  double time_step_fraction = 0.6;  // of the critical time step of the undamaged assembled system
+  double time_step_fraction = 0.6;  // share of the critical time step of the undamaged assembled system
   CriticalTimeStep critical_time_step = CriticalTimeStep::assembled;
   double mass_scaling = 1.0;         // factor on inertia (not on weight); 1: none
   double selective_time_step = 0.0;  // s; > 0: nodal inertia is raised just where this step needs it
   double deformation_inertia = 1.0;  // factor on the inertia against deformation of blocks (model/rigid_motion.h)
-  double unit_inertia = 1.0;         // and on that against motion of the two halves of a unit on each other
+  double unit_inertia = 1.0;         // factor on the inertia against motion of the two halves of a unit on each other
   InternalForces internal_forces = InternalForces::automatic;
   bool skip_resting_bodies = true;  // rigid blocks that controls hold still are left out of the step
   LargeMotion large_motion = LargeMotion::automatic;
@@ -147,7 +147,7 @@ struct PointForce {
 // A force that goes along a line and acts, at each of its positions, on the first face that its line of action meets.
 struct MovingLoad {
   Vec3 from{}, to{}, force{};  // m, m, N
-  int positions = 41;          // from one end to the other
+  int positions = 41;          // number of places from one end to the other
 };
 
 // On the face of a block whose outward normal is closest to `normal`; follows the face.
@@ -161,14 +161,14 @@ struct FacePressure {
 // given as the accelerations of the spline through them.
 struct GroundMotion {
   struct Component {
-    Vec3 direction;           // of any length
+    Vec3 direction;           // vector of any length
     TimeSeries acceleration;  // s since the start of the stage, m/s2
     RunningIntegral velocity;
   };
   std::vector<Component> components;
-  std::vector<std::string> notes;  // what the files do not state, and how they were scaled
+  std::vector<std::string> notes;  // assumptions where files do not state something, and how they were scaled
   // Fixed blocks that move otherwise, group by group.
-  std::vector<std::string> blocks;     // of a group
+  std::vector<std::string> blocks;     // blocks of a group
   std::vector<GroundMotion> supports;  // groups, without groups of their own
 };
 
@@ -179,8 +179,9 @@ struct Collapse {
   // alpha grows to `start` over the ramp, then by `rate` 1/s. No start: limit analysis finds it before the run
   // (analysis/collapse_start.h). No rate: the load waits until blocks are at rest (collapse_load.h).
   std::optional<double> start = 0.0, rate = 0.01;
-  double displacement = 0.01;         // m
-  std::optional<double> limit = 2.0;  // of alpha: gives up; none: limit analysis finds it, too
+  double displacement = 0.01;  // m
+  // Alpha at which the stage ends without collapse; none: limit analysis finds it, too.
+  std::optional<double> limit = 2.0;
 };
 
 // A virtual whiffletree. Every floor gets the same force along x, F = stiffness (u - mean of the floors'
@@ -197,7 +198,7 @@ struct Whiffletree {
 // A stage ends when its first given criterion is met; one that never can is refused by read_scene.
 struct Stage {
   std::string name;
-  std::string kind;  // as read: pressure, shear, weight, push, cycles, custom
+  std::string kind;  // kind as read: pressure, shear, weight, push, cycles, custom
   std::vector<BodyControl> controls;
   Vec3 gravity{0.0, 0.0, 0.0};  // m/s2
   double ramp_time = 0.0;       // s; velocities and forces grow smoothly from those of the stage before
@@ -213,16 +214,16 @@ struct Stage {
   std::string monitor;
   int direction = 0;
   long record_interval = 0;   // steps; 0: chosen so that the stage has about 1000 rows
-  std::optional<int> frames;  // of this stage, in place of OutputSettings::frames; 0: none
+  std::optional<int> frames;  // frames of this stage, in place of OutputSettings::frames; 0: none
 
   std::optional<Whiffletree> whiffletree;  // `displacement` is then that of the roof
-  std::optional<Cycles> cycles;            // of the whiffletree, or of controls
+  std::optional<Cycles> cycles;            // cycles of the whiffletree, or of controls
   std::vector<PointForce> forces;
   std::optional<MovingLoad> moving_load;
   std::vector<FacePressure> pressures;
   std::optional<GroundMotion> ground;
   std::optional<Collapse> collapse;
-  // Of a stage with a solver table: what holds from it on. What the table leaves out is that of the stage before.
+  // Settings from this stage on, with a solver table. Keys that the table leaves out stay as in the stage before.
   std::optional<SolverSettings> solver;
 
   std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage
@@ -246,7 +247,7 @@ struct WallSpec {
   bool rigid_units = false;           // not zoned; the bodies of the outer courses: "bottom_course", "top_course"
   std::string unit_material;
   std::string bed_joint, head_joint, unit_joint, beam_joint;  // joint families
-  struct Opening {                                            // in half units and courses, from the lower left
+  struct Opening {                                            // place in half units and courses, from the lower left
     int first_half_unit = 0, half_units = 0, first_course = 0, courses = 0;
     // The lintel, a block of its own in the course above the opening, reaches so many half units over either side of
     // it. 0: none.
@@ -296,7 +297,7 @@ struct BuildingSpec {
     std::array<double, 2> start{};  // x and z of the lowest corner, m
     int half_units = 0;
     double half_unit = 0.0;              // m
-    std::string first_course = "whole";  // what the bottom course starts with
+    std::string first_course = "whole";  // begin of the bottom course
     std::vector<WallSpec::Opening> openings;
     Source source;
   };
@@ -330,16 +331,17 @@ struct BlockSpec {
   bool rigid = true, fixed = false;
   double zone_edge = 0.0;                      // m, deformable
   std::array<int, 3> divisions{0, 0, 0};       // deformable bricks, instead of zone_edge
-  Vec3 position{0, 0, 0};                      // of the shape's origin, m
+  Vec3 position{0, 0, 0};                      // place of the shape's origin, m
   Vec3 rotation{0, 0, 0};                      // vector whose length is the angle, deg
   std::vector<Vec3> vertices;                  // own coordinates, m
   std::vector<std::vector<int>> faces;         // empty: the hull of the vertices
   std::vector<std::array<int, 4>> tetrahedra;  // deformable: of the vertices, the zones; empty: they are made
   std::optional<Vec3> box_lower, box_size;
-  std::string mesh;                      // file; every object becomes a block
-  std::vector<std::string> fixed_names;  // of the mesh's blocks, with or without the name of this table before them
-  double scale = 1.0;                    // of the mesh file's lengths
-  std::string unit;                      // blocks that name the same one are parts of a masonry unit
+  std::string mesh;  // file; every object becomes a block
+  // Names of fixed blocks of the mesh, with or without the name of this table before them.
+  std::vector<std::string> fixed_names;
+  double scale = 1.0;  // factor on the mesh file's lengths
+  std::string unit;    // blocks that name the same one are parts of a masonry unit
   Source source;
 };
 
@@ -352,7 +354,7 @@ struct DryWallSpec {
   double units_per_course = 0.0;  // multiples of one half
   Vec3 unit{0, 0, 0};             // length, height, thickness, m
   Vec3 origin{0, 0, 0};           // lower corner, m
-  double direction = 0.0;         // of the wall in plan, deg from x towards z
+  double direction = 0.0;         // direction of the wall in plan, deg from x towards z
   // Ends of even (0, 2, ...) and odd courses are shortened by these, m: a corner where two walls interlock
   std::array<double, 2> trim_start{0, 0}, trim_end{0, 0};
   bool rigid = true;
@@ -361,7 +363,7 @@ struct DryWallSpec {
   bool mid_unit_joints = false;       // units are cut in the middle, into halves of one masonry unit
   struct Opening {                    // m along the wall and above its foot
     double from, to, sill, head;
-    double bearing;  // of the lintel each side, m; 0: no lintel
+    double bearing;  // bearing of the lintel on each side, m; 0: no lintel
   };
   std::vector<Opening> openings;
   Source source;
@@ -369,7 +371,7 @@ struct DryWallSpec {
 
 struct ArchSpec {
   std::string name, material;
-  Vec3 centre{0, 0, 0};  // of the near face, m; the arch lies in a plane x-y, its depth along z
+  Vec3 centre{0, 0, 0};  // centre of the near face, m; the arch lies in a plane x-y, its depth along z
   double radius = 0.0;   // mean, m
   double thickness = 0.0, depth = 0.0;
   int voussoirs = 0;
@@ -385,7 +387,7 @@ struct JointRule {
   std::string family;                          // "none": the blocks pass through each other
   std::string normal = "any";                  // vertical (bed joints), horizontal (head joints), any
   std::array<std::string, 2> between{"", ""};  // names begin so; empty: any
-  bool inside_units = false;                   // only between parts of one masonry unit
+  bool inside_units = false;                   // whether it is for parts of one masonry unit alone
 };
 
 // Blocks of any convex shape.
@@ -409,9 +411,9 @@ struct Damage {
   std::vector<std::array<double, 2>> crack;
   int crack_along = 0;                  // 0: the wall runs along x, 2: along z
   bool through_units = false;           // the crack cuts units too; else it goes round them
-  std::string initial_state;            // of the law; empty: as the joint is
+  std::string initial_state;            // initial state of the law; empty: that of the joint
   std::optional<double> xi;             // all internal variables of softening that the law has
-  std::map<std::string, double> state;  // of the law, by its own names
+  std::map<std::string, double> state;  // states of the law, by its own names
   double slip = 0.0;                    // m, slid under no pressure
   double opening = 0.0;                 // m, at which the joint stands open
   Source source;
@@ -419,12 +421,12 @@ struct Damage {
 
 struct OutputSettings {
   int frames = 20;         // VTU frames over a stage; 0: none
-  bool all_stages = true;  // have frames; else the last one alone
+  bool all_stages = true;  // whether all stages have frames; else the last one alone
   bool plots = true;
   bool energy = false;           // energies by mode in history.csv
   std::string monitor;           // block that the history shows; empty: as the stages say
   double record_interval = 0.0;  // s between rows of the history; 0: as the stages say
-  bool pieces = false;           // with ranks each writes its blocks of a frame, and none has all of them
+  bool pieces = false;           // whether each rank writes its own blocks of a frame
   bool end_state = false;        // end_state.bin: where other scenes may begin
 };
 
@@ -450,9 +452,9 @@ struct Scene {
     return false;
   }
   std::string title, file;
-  std::string text;                 // of the file, as read
+  std::string text;                 // text of the file, as read
   std::vector<std::string> inputs;  // other files that it takes in: meshes, series
-  std::string quality;              // whose settings are the defaults; empty: none
+  std::string quality;              // quality whose settings are the defaults; empty: none
   bool quality_as_is = true;        // nothing of it was changed: its errors apply
   SolverSettings solver;
   std::map<std::string, BlockMaterial> materials;
@@ -461,9 +463,9 @@ struct Scene {
   std::optional<WallSpec> wall;  // or a building; blocks may stand beside either, or alone
   std::optional<BuildingSpec> building;
   std::optional<BlocksSpec> blocks;
-  std::optional<bool> cubic_points;            // of rigid blocks; none: where joints carry tension at the start
+  std::optional<bool> cubic_points;  // key for rigid blocks; none: exact points where joints carry tension at the start
   std::shared_ptr<const MemberSpecs> members;  // null: none
-  std::vector<AddedMass> masses;               // those of floors too
+  std::vector<AddedMass> masses;               // added masses, those of floors included
   std::vector<Damage> damage;
   std::string start;  // folder of the run whose end is where this one begins; empty: at rest
   std::vector<Stage> stages;

@@ -17,7 +17,8 @@ struct Costs {
 };
 constexpr Costs kLattice{147.0, 207.0, 0.0}, kLargeMotion{572.0, 872.0, 1900.0};
 constexpr double kAlone = 8.0;  // times a gridpoint of a block that is like no other: it has one lane of eight
-constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;  // that every rank has of all blocks on the lattice
+// Bytes a block and a point that every rank has of the whole lattice.
+constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;
 constexpr double kOutlineInMotion = 0.25;  // share of memory in large motion that every rank has of all
 constexpr double kOnBorders = 1.13;  // times an equal share, of what a rank has beside: it has what lies on borders too
 
@@ -30,7 +31,7 @@ double points_all_round(const Counts& n) {
   return (n[0] + 1) * (n[1] + 1) + (n[1] + 1) * (n[2] + 1) + (n[2] + 1) * (n[0] + 1);
 }
 
-// Of a head joint and of the bed joints to the next course: half units lie on one block, whole ones across two.
+// Points of a head joint and of the bed joints to the next course: half units lie on one block, whole ones across two.
 double points_in_a_wall(const Counts& n, bool halves) {
   const double bed = halves ? n[0] + 1 : 2 * (std::ceil(n[0] / 2) + 1);
   return (n[1] + 1) * (n[2] + 1) + bed * (n[2] + 1);
@@ -67,7 +68,7 @@ OfRigid points_of_rigid(const Scene& scene) {
 }
 
 Counts parts_of_rigid(const Vec3& extent, double spacing) {
-  constexpr double kMostParts = 100.0;  // of a side: geometry/overlap.cpp
+  constexpr double kMostParts = 100.0;  // most parts of a side: geometry/overlap.cpp
   Counts n{1, 1, 1};
   for (std::size_t k = 0; k < 3 && spacing > 0.0; ++k)
     n[k] = std::clamp(std::ceil(extent[k] / spacing), 1.0, kMostParts);

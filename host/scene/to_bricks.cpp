@@ -19,7 +19,7 @@ using namespace geometry;
 
 namespace {
 
-// Of a length: boxes are straight, and faces touch, up to this. The lattice asks for the second.
+// Tolerances over a length: boxes are straight, and faces touch. The lattice requires the second.
 constexpr double kStraight = 1e-9, kTouching = 1e-6;
 
 // Why the lattice is not for this scene. Caught where it is asked.
@@ -231,7 +231,7 @@ class StageWriter {
     return brick;
   }
 
-  // Of a block that nothing holds: free to move and to turn.
+  // Control of a block that nothing holds: free to move and to turn.
   static BodyControl& control_of(const std::string& body, Stage* stage) {
     for (BodyControl& control : stage->controls) {
       if (control.body == body) return control;

@@ -189,7 +189,7 @@ void SparseCholesky::find_borders(const Matrix& permuted) {
 
 void SparseCholesky::factorize(const Matrix& permuted) {
   std::vector<MatrixXd> update(fronts_.size());  // what a front leaves to its parent, lower triangle
-  std::vector<int> place(new_of_old_.size());    // of unknowns in the front of now
+  std::vector<int> place(new_of_old_.size());    // places of unknowns in the current front
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
     Front& front = fronts_[k];
     const int size = front.own + static_cast<int>(front.border.size());

@@ -15,7 +15,7 @@ namespace quoin {
 
 // Unknowns that are eliminated together: those of a gridpoint or a rigid block.
 struct UnknownGroups {
-  std::vector<int> begin;               // of each group, and the end of the last; in the order of unknowns
+  std::vector<int> begin;               // begin of each group, and the end of the last; in the order of unknowns
   std::vector<geometry::Vector> place;  // m
   int size() const { return static_cast<int>(place.size()); }
 };
@@ -25,11 +25,11 @@ class SparseCholesky {
   // lower: triangle of a symmetric matrix. Throws Error(numerical) where it is not positive definite.
   SparseCholesky(const Eigen::SparseMatrix<double>& lower, const UnknownGroups& groups);
   void solve(Eigen::MatrixXd& x) const;  // columns, in place
-  double entries() const;                // of the factor
+  double entries() const;                // entries of the factor
 
  private:
   struct Front {
-    int first = 0, own = 0;     // of its unknowns, in the order of elimination
+    int first = 0, own = 0;     // range of its unknowns, in the order of elimination
     std::vector<int> border;    // later unknowns that it touches, ascending
     std::vector<int> children;  // fronts
     Eigen::MatrixXd factor;     // own columns; rows: own, then border

@@ -38,7 +38,7 @@ struct FaceSlots {
   const std::int32_t* run;
   const std::int32_t* point;
   const std::array<double, 2>* arm;
-  std::size_t first_value;  // of the slaves in lane layout
+  std::size_t first_value;  // index of the first slave's value in lane layout
   int count;
   double normal_arm;
 };
@@ -151,7 +151,7 @@ struct LaneWork {
   V damping_before[kParts], damping_after[kParts], external_before[kParts], external_after[kParts];
 };
 
-// A degree of freedom through a step: its new velocity, and the work if somebody asks.
+// A degree of freedom through a step: its new velocity, and the work where requested.
 template <Brake kBrake, bool kMeasure>
 HWY_INLINE V advance_component(const BodyGroupInertia& lanes, const StepData& step, std::size_t dof, int p,
                                V joint_force, V given, V before, V prescribed, hn::Mask<D> is_prescribed,

@@ -67,7 +67,7 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
     of_large_motion(s.monitor.blocks);
   else
     of_bodies(s.monitor.bodies);
-  // Against which ranks look at how their blocks have moved.
+  // The reference from which ranks measure how far their blocks have moved.
   if (const int ground = s.large_motion ? -1 : s.controls.ground_body(); ground >= 0) of_bodies({ground});
   for (const int i : s.monitor.loaded) of_loaded(i, 3);
   for (const WhiffletreeFloor& floor : s.controls.whiffletree) {
@@ -77,7 +77,7 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
   }
 }
 
-// Of sides: what goes to other ranks and comes from them.
+// Keys of sides: those sent to other ranks, and those received.
 template <class Key>
 struct BorderKeys {
   std::map<int, std::set<Key>> to, from;
@@ -93,7 +93,7 @@ struct BorderKeys {
 
 }  // namespace
 
-// Every rank finds out for all others what they need, so that nobody has to ask.
+// Every rank finds what all others need, without messages.
 void bind_halo(Simulation::Impl& s) {
   s.parts.halo.clear();
   if (!s.ranks) return;

@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-void bind_halo(Simulation::Impl& s);  // what neighbours ask for in every step, and all ranks of what stages watch
+void bind_halo(Simulation::Impl& s);  // what neighbours request in every step, and all ranks of what stages watch
 // Of gridpoints and bodies on borders: of those who move them to those who evaluate their contact points. Lattice.
 using SideNumbers = std::function<void(int block, std::int32_t gridpoint, std::vector<double*>&)>;
 Halo halo_on_borders(Simulation::Impl& s, const SideNumbers& numbers_of_side);

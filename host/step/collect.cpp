@@ -18,7 +18,8 @@ namespace quoin {
 
 namespace {
 
-constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;  // of a run at most: a megabyte of results
+// Largest lengths of a run: a megabyte of results.
+constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;
 
 // One process alone has no lists of ranks.
 int rank_in(const std::vector<int>& ranks, std::size_t i) { return ranks.empty() ? 0 : ranks[i]; }

@@ -84,7 +84,7 @@ void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, con
     s.controls.ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
     s.controls.ramps[b].in_cycles[c] = controlled && control->in_cycles == static_cast<int>(c) ? 1.0 : 0.0;
     const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = ground || (controlled && !control->may_turn);
-    // The motion of what is driven is no kinetic energy: what is let go has its own, what is caught leaves it to the
+    // The motion of what is driven is no kinetic energy: what is released has its own, what is caught leaves it to the
     // support.
     const double linear = 0.5 * s.model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
     const double angular = 0.5 * s.model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];

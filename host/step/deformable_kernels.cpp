@@ -147,7 +147,7 @@ struct Pose {
   Lanes33 f, r, previous_r;  // the last of the step before; with viscosity
 };
 
-// Of a BlockFrame: the numbers of R^T, then those of F.
+// Numbers of a BlockFrame: those of R^T, then those of F.
 constexpr int kFrameNumbers = 18;
 static_assert(sizeof(BlockFrame) == kFrameNumbers * sizeof(double));
 
@@ -155,7 +155,7 @@ template <class Frame>
 HWY_INLINE Pose pose_of(const Frame& frame, const Begins<const double>& frames, const LaneColumns& columns, int first,
                         const ZoneStep& step) {
   Pose pose;
-  pose.centre = load_line(columns.x + first);  // of gridpoint 0: K and b do not see where it is
+  pose.centre = load_line(columns.x + first);  // place of gridpoint 0: K and b do not depend on it
   alignas(64) double number[kFrameNumbers][kLanes];
   rows_to_lanes(frames.of + first, kFrameNumbers, number[0]);
   for (int i = 0; i < 3; ++i) {
@@ -389,7 +389,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     linear[k] = hn::Load(d, gains->linear[k].of + first);
     for (int j = 0; j < 3; ++j) turning.row[k][j] = hn::Load(d, gains->turning[k][j].of + first);
   }
-  V unbalanced = zero, positions = zero, kinetic = zero, damping = zero, external = zero;  // of the first the square
+  V unbalanced = zero, positions = zero, kinetic = zero, damping = zero, external = zero;  // `unbalanced` is a square
   Lanes3 net = zeros();
   for (int n = 0; n < columns.node_count; ++n) {
     const int at = n * kLine + first;

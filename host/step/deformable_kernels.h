@@ -28,22 +28,22 @@ struct LaneBlock {
   Vector *x, *v;          // m, m/s at half steps
   const double* force;    // N, four doubles a gridpoint, the last of no meaning
   const double* viscous;  // the viscous part of it, likewise; null where it is not needed, or not yet computed
-  Vector acceleration;    // of weight and what is shared by mass, by the mass of inertia, m/s2
-  Vector moment;          // on the frame, of what turns with it (gridpoint_kernels.h), N m
+  Vector acceleration;  // acceleration by weight and by loads that are shared by mass, over the mass for inertia, m/s2
+  Vector moment;        // moment of point forces on the frame (gridpoint_kernels.h), N m
   int node_count;
-  std::span<const ZoneLanes> zones;  // of distinct_forces; the shape stands as it did at the start
-  BlockFrame* frame;                 // as gridpoints stand; null: zone by zone
+  std::span<const ZoneLanes> zones;  // zones for distinct_forces, in the shape of the start
+  BlockFrame* frame;                 // current frame; null: zone by zone
 };
 
 // Columns of up to kLanes blocks, a line a gridpoint. Gridpoints that a block does not have are without mass and force
 // where its first one is. Lanes without a block hold numbers of no meaning. Scratch of a thread.
 struct LaneColumns {
   int node_count = 0, fewest = 0;            // most and fewest of a block
-  bool viscous = false;                      // viscous_force is asked for: set before load_blocks
+  bool viscous = false;                      // viscous_force is requested: set before load_blocks
   double *x, *v, *force, *viscous_force;     // m, m/s, N
-  double *u, *weighted, *product, *elastic;  // of congruent_forces and distinct_forces
+  double *u, *weighted, *product, *elastic;  // scratch of congruent_forces and distinct_forces
   double* moment;                            // a line, N m
-  double* rows;                              // of distinct_forces: of one block
+  double* rows;                              // scratch of distinct_forces, for one block
   // FixedColumns; place and anchor of distinct_forces.
   const double *mass, *over_mass, *place, *anchor, *held, *held_v;
 
@@ -68,14 +68,14 @@ void distinct_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, La
 // How gridpoints are moved on.
 struct GridpointStep {
   double time_step;        // s
-  double gamma;            // of eq. 1, on gridpoints
+  double gamma;            // coefficient of eq. 1, at gridpoints
   double alpha;            // mass-proportional viscosity, 1/s; with gamma = 0
-  Vector ground;           // whose velocity damping leaves, m/s
-  double inertia_factor;   // of deformation
+  Vector ground;           // velocity of the ground, against which damping acts, m/s
+  double inertia_factor;   // factor on the inertia of deformation
   double weight_per_mass;  // mass that has weight over mass of inertia
   Vector gravity;          // m/s2
   bool energies;           // work and kinetic energy are summed
-  bool measured;           // and net forces
+  bool measured;           // whether net forces and energies are measured
 };
 
 // Frames follow the gridpoints. gains: of motion that is split; null: true inertia. shared: of congruent blocks, else

@@ -184,7 +184,7 @@ void slide(double slip, const Material& material, std::span<const std::size_t> p
   }
 }
 
-// Without traction: the law says at which opening. Points that are not damaged are not asked.
+// Without traction: the law gives the opening at which that is so. Undamaged points are left out.
 void unload_points(const JointFamily& family, const std::shared_ptr<const Material>& material,
                    std::span<const PlacedPoint> points, std::span<const std::size_t> damaged,
                    const std::vector<double>& opening, DamagedFamily& result) {

@@ -10,17 +10,17 @@
 
 namespace quoin {
 
-// A block of a model, as far as cracks see it.
+// The data of a block that cracks depend on.
 struct CrackedBlock {
   Vec3 centre;  // m, of the start
-  int unit;     // of masonry; -1: none
+  int unit;     // masonry unit; -1: none
 };
 
 // What damage makes of the points of one joint family.
 struct DamagedFamily {
   std::vector<double> state;          // columns of the law, one after the other, of all points
-  std::vector<double> opening_shift;  // by point, m: added to the opening that the law sees
-  std::size_t points = 0;             // that are damaged
+  std::vector<double> opening_shift;  // by point, m: added to the opening of the law
+  std::size_t points = 0;             // number of damaged points
 };
 
 // Contact points of a family, all or some, without traction and at no opening. `of_joints` has all points of their

@@ -31,8 +31,8 @@ void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, 
 struct FacetTouches {
   std::span<const OwnerTouch> owner;
   std::span<const CarrierTouch> carrier;
-  std::span<const GridpointTouch> gridpoint;        // of b
-  std::span<const GridpointTouch> owner_gridpoint;  // of a, with one row a point
+  std::span<const GridpointTouch> gridpoint;        // gridpoints of block b
+  std::span<const GridpointTouch> owner_gridpoint;  // gridpoints of block a, with one row a point
 };
 
 // Adds what acts on the block to its gridpoints, four doubles each; returns the sum, N.

@@ -8,11 +8,11 @@
 
 namespace quoin {
 
-const MotionSeen& motion_seen(const Simulation::Impl& s);  // at the last look of run()
+const MotionSeen& motion_seen(const Simulation::Impl& s);  // motion at the last check of run()
 const Watch& watch_of(const Simulation::Impl& s);          // at the last row
 double allowed_overlap(const Simulation::Impl& s);         // m
-std::string past_motion_bound(const Simulation::Impl& s);  // what is exceeded, where; empty: nothing
-// Which contact points a law is asked about, for messages, from any thread: "contact points 0 to 255 of joint family
+std::string past_motion_bound(const Simulation::Impl& s);  // bound that is exceeded, and where; empty: none
+// The contact points of a batch, for messages, from any thread: "contact points 0 to 255 of joint family
 // 'mortar', from (0.100, 0.000, 0.050) m on".
 std::string batch_text(const Simulation::Impl& s, const quoin_batch& batch);
 

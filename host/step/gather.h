@@ -1,4 +1,4 @@
-// What is gathered of the others when somebody asks for all of it, for a row or for sums.
+// What is gathered of the other ranks: everything, for a row, or for sums.
 #pragma once
 
 #include "step/rank_share.h"
@@ -6,7 +6,7 @@
 
 namespace quoin {
 
-bool has_all(const Simulation::Impl& s);  // of the last step
+bool has_all(const Simulation::Impl& s);  // whether this process has all results of the last step
 // Afterwards they have it as one process alone has it. next: of the shares that holders are to have; null: now.
 void gather(Simulation::Impl& s, Part part, Who who = Who::everybody, const RankShare* next = nullptr);
 void fetch_for_frame(

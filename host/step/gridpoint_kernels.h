@@ -20,7 +20,7 @@ struct GridpointColumns {
   const double *traction[3], *viscous[3];  // Pa; viscous[0] null: none
   const double *reference, *area;          // m, m2
   double *slid[2], *normal_jump, *slip[2];
-  const std::int32_t *node_a, *node_b;  // of the point `first` on
+  const std::int32_t *node_a, *node_b;  // gridpoints from the point `first` on
   std::uint32_t first;
 };
 

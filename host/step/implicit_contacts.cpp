@@ -83,7 +83,7 @@ void WeighPoints(const ImplicitContacts::Chunk& c, int count, double dt, double*
 
 using Lanes = ImplicitContacts::Lanes;
 
-// Of the lanes in use; the others are 0.
+// Values of the lanes in use; the others are 0.
 HWY_INLINE V from_line(const Lanes& c, const double* field, const std::int32_t* place, bool row, int p) {
   const D d;
   place += p * kWidth;

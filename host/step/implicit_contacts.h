@@ -41,7 +41,7 @@ class ImplicitContacts {
   // G of its points, and what G takes of the velocities of half a step ago.
   void weigh(const ContactChunk& chunk, const Chunk& columns, double time_step);
 
-  // Clusters that look the same: which of their gridpoints each contact point joins, and along which axis it lies.
+  // Congruent clusters: which of their gridpoints each contact point joins, and along which axis it lies.
   struct Point {
     int a, b, axis;
     auto operator<=>(const Point&) const = default;
@@ -64,7 +64,7 @@ class ImplicitContacts {
   void settle(int piece, const StepData& step) const;
 
  private:
-  static constexpr int kBatches = 8;  // of a piece
+  static constexpr int kBatches = 8;  // batches of a piece
   struct Kind {
     int nodes = 0;
     std::vector<Point> points;
@@ -73,7 +73,7 @@ class ImplicitContacts {
   struct Batch {
     int kind, lanes;
     bool any_held;
-    std::size_t first_node, first_point;  // in lines of lanes
+    std::size_t first_node, first_point;  // first lines of lanes
   };
   struct Cluster {
     std::vector<int> nodes, points;  // offsets of gridpoints, contact points; both in order

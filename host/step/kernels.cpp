@@ -168,7 +168,7 @@ struct GroupScratch {
   // In measured steps:
   double* elastic;   // K u
   double* damping;   // damping forces
-  double* velocity;  // of half a step ago
+  double* velocity;  // velocity half a step ago
   // With forces by zones:
   double* by_zone;
   double* elastic_by_zone;
@@ -200,7 +200,7 @@ struct GroupData {
   const ContactSlots& slots;
   const std::int32_t* slot_point;
   const std::int32_t* slot_run;
-  const RigidMotion* motion;  // of its blocks; null: not needed
+  const RigidMotion* motion;  // rigid motion of its blocks; null: not needed
   const int doubles;
   double* const u;
   double* const v;
@@ -242,7 +242,7 @@ HWY_INLINE const double* damped_displacement(const GroupData& g) {
   return g.scratch.weighted;
 }
 
-// Of gridpoint n, internal forces split into those of u and those of beta v.
+// Internal forces at gridpoint n, split into those of u and those of beta v.
 template <int kCount>
 HWY_INLINE void store_split(const GroupData* groups, int n, const V (&internal)[kCount][3][kParts],
                             const V (&elastic)[kCount][3][kParts]) {
@@ -390,7 +390,7 @@ struct UnitData {
   const int count;
   const GroupData blocks[kUnitBlocks];  // the second is the first where count is 1
   const RigidMotion* const motion;
-  Vec3 arm[kUnitBlocks];  // of the centre of each block from that of the unit
+  Vec3 arm[kUnitBlocks];  // centre of each block from that of the unit
 };
 
 // Sum x and sum r x x over the gridpoints of a group.
@@ -462,7 +462,7 @@ HWY_INLINE Rigid motion_of_unit(const UnitData& unit, const Rigid (&of_block)[kU
   return over_inertia(*unit.motion, sum);
 }
 
-// Motion of the unit as its block b sees it: A + alpha x arm, alpha.
+// Motion of the unit at its block b: A + alpha x arm, alpha.
 HWY_INLINE Rigid at_block(const UnitData& unit, int b, const Rigid& of_unit) {
   Rigid result = of_unit;
   const Vec3& arm = unit.arm[b];
@@ -571,7 +571,7 @@ HWY_INLINE void integrate_group(const UnitData& unit, int b, const Rigid* extra)
     }
     return;
   }
-  Rigid gain;  // of velocity in the step, where there is a block
+  Rigid gain;  // change of velocity in the step, in lanes with a block
   for (int p = 0; p < kParts; ++p) {
     const V factor = hn::Mul(hn::Load(d, g.in_use + p * kWidth), dt);
     for (int c = 0; c < 3; ++c) {

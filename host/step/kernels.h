@@ -30,7 +30,7 @@ struct StepData {
   double unit_inertia = 1.0;                  // s_u
   const RigidMotion* block_motion = nullptr;  // by block group; null: not needed
   const RigidMotion* unit_motion = nullptr;   // by unit group; null: not needed
-  std::size_t scratch_doubles = 0;            // of each block of a unit
+  std::size_t scratch_doubles = 0;            // doubles for each block of a unit
   // By block group: acceleration that loads give its blocks, [component][lane], m/s2; null: none of them is loaded.
   const double* const* load = nullptr;
   const double* normal_shift = nullptr;  // by contact point, added to the opening; null: none
@@ -50,7 +50,7 @@ inline Brake brake_of(const StepData& step) {
 struct Measured {
   double unbalanced_squared = 0.0;  // largest over gridpoints, N2
   double kinetic = 0.0;             // m v(-1/2) v(+1/2) / 2, which is what central differences conserve
-  // Of block groups only with StepData::energies:
+  // Energies of block groups, with StepData::energies alone:
   double strain = 0.0;
   double damping_before = 0.0, damping_after = 0.0;
   double external_before = 0.0, external_after = 0.0;

@@ -33,12 +33,12 @@ struct Model : World {
   void step();
   // What a law has answered last that it must not, where and for which points; nothing: all is well.
   std::optional<WrongAnswer> wrong_law(std::span<const int> own_chunks) const;
-  std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
+  std::string batch_text(const quoin_batch& batch) const;  // text as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* threads) { pool = threads, shared_division = -1; }
   // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end. Then
   // find_contacts, when end_step() says that blocks have moved enough. clock: of the thread, started; null: not timed.
-  // measure: the energies of the step are asked for.
+  // measure: the energies of the step are requested.
   void begin_step(bool measure = false);
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
@@ -63,11 +63,11 @@ struct Model : World {
   bool leaves_frame(std::span<const int> own_pieces) const;  // some block of theirs, which has deformed too much for it
   bool has_deviating(
       std::span<const int> own_pieces) const;  // some block of theirs: contacts may have to be found again
-  // For rows of the history: what is asked of all blocks and points, found for these.
+  // Numbers of a row of the history, over these blocks and points.
   void scan_for_row(std::span<const int> own_chunks, std::span<const int> own_pieces);
   void each_memory_of_piece(Part wanted, int piece, const VisitMemory& visit);
   void each_memory_of_chunk(Part wanted, int chunk, const VisitMemory& visit);
-  // Of each side of a contact point: its block, and the body or gridpoint whose motion the point reads.
+  // Visits each side of a contact point: its block, and the body or gridpoint whose motion the point reads.
   void each_side(int chunk, const std::function<void(int block, std::int64_t key)>& visit) const;
   void numbers_of(std::int64_t key, std::vector<double*>& numbers);  // that say where it is
   void motion_of(int block, std::vector<double*>& numbers);          // place and velocity of a whole block

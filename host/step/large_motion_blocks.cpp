@@ -126,7 +126,7 @@ struct LaneGroup {
   std::vector<double> rows;  // forces on gridpoints, block after block
   LaneBlock block[kBodies];
   BlockSums* sums[kBodies];
-  double power[kBodies];  // of loads, before the step
+  double power[kBodies];  // power of loads before the step
   size_t count = 0;
   std::span<const LaneBlock> blocks() const { return {block, count}; }
 };
@@ -224,7 +224,7 @@ void zone_forces_of(Model& m, const ModelBlock& b, BlockSums& sums, double* forc
   sums.strain += zone_forces(m.zones.lanes_of(b), step, {u, v, force, viscous});
 }
 
-// Of a group of a piece, in lanes: forces of contacts, loads and zones.
+// Forces on a group of a piece, in lanes: those of contacts, loads and zones.
 void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneColumns& columns, PhaseClock* clock) {
   const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
   group.count = blocks.size();

@@ -15,7 +15,7 @@ using namespace geometry;
 
 namespace {
 
-struct Axes {  // of the points of a chunk
+struct Axes {  // axes of the points of a chunk
   FacetFrames* triangles;
   PairAxes* pairs;
 };

@@ -25,11 +25,11 @@ std::vector<int> chunks_in_large_motion(const Simulation::Impl& s) {
                                         : s.division.share.chunks;
 }
 
-// Of the points of families one after the other those in a range.
+// A range of the points of families, family after family.
 struct FamilyPart {
   const blocks::Family& family;
-  int index;               // of the family
-  std::size_t first, end;  // in it
+  int index;               // index of the family
+  std::size_t first, end;  // points in the family
   std::size_t before;      // points of the families before
 };
 

@@ -17,7 +17,7 @@ void ask_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capabilit
                               const PointOutputs& outputs);
 BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block);
 BlockSize size_in_large_motion(const Simulation::Impl& s, int block);
-// Of its gridpoints since the start, m.
+// Displacements of its gridpoints since the start, m.
 std::vector<Vec3> gridpoint_displacements(const Simulation::Impl& s, int block);
 std::vector<Vec3> gridpoint_velocities(const Simulation::Impl& s, int block);
 std::vector<std::array<double, 6>> zone_stresses(const Simulation::Impl& s, int block);  // by zone, Cauchy

@@ -102,7 +102,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
 
 std::vector<int> followed_blocks(const Simulation::Impl& s) {
   std::vector<int> followed = s.monitor.blocks;
-  bool on_ground = false;  // which moves as its record says: one block stands for all
+  bool on_ground = false;  // whether it moves with the ground: one block stands for all
   for (const Drive& drive : s.actions.drives) {
     if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
     on_ground = on_ground || (drive.of_ground && drive.motion == 0);
@@ -165,7 +165,7 @@ void swap_law_in_large_motion(Simulation::Impl& s, std::size_t index, std::share
   for (const blocks::Point& p : f.point) area.push_back(p.area);
   FamilyColumns points;
   points.count = f.size();
-  points.opening = f.normal_jump.data();  // of the last law call, as the tractions
+  points.opening = f.normal_jump.data();  // opening at the last law call, as the tractions
   points.area = area.data();
   for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data();
   for (const auto& column : f.state) points.state.push_back(column.data());

@@ -1,4 +1,4 @@
-// Blocks in large motion: how they are built, what stages and steps ask of them.
+// Blocks in large motion: how they are built, and what stages and steps do with them.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace quoin {
 
 void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
                         std::vector<std::shared_ptr<const Material>> materials);
-// What every rank follows through a stage, whoever advances it.
+// Blocks that every rank follows through a stage, whichever rank advances them.
 std::vector<int> followed_blocks(const Simulation::Impl& s);
 // Before a stage is bound that names them; previous: null: it is the first.
 void exchange_blocks_of_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous);
@@ -20,9 +20,9 @@ void watch_blocks(Simulation::Impl& s, const Stage& settings);  // the monitor o
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous);
 void swap_law_in_large_motion(Simulation::Impl& s, std::size_t index, std::shared_ptr<const Material> material);
 void end_large_motion_step(Simulation::Impl& s);  // and finds contacts where blocks have moved enough
-void follow_time_step(Simulation::Impl& s);       // of the model, which may have chosen a new one
+void follow_time_step(Simulation::Impl& s);       // time step of the model, which may have changed
 void measure_large_motion_step(Simulation::Impl& s);
-Vec3 block_translation(const Simulation::Impl& s, int block);  // of the centre of mass since the start, m
+Vec3 block_translation(const Simulation::Impl& s, int block);  // displacement of the centre of mass since the start, m
 Vec3 block_translation(const Simulation::Impl& s, const std::vector<int>& blocks);  // on average
 // At the time of the forces of a row.
 Vec3 block_translation_at_forces(const Simulation::Impl& s, const std::vector<int>& blocks);

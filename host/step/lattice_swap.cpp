@@ -57,7 +57,7 @@ void swap_lattice_law(Simulation::Impl& s, std::size_t f, std::shared_ptr<const 
   std::vector<SwapSums> of_chunk(s.model.chunks.size());
   std::optional<Error> fault;
   for (const PointRow& row : rows) {
-    std::vector<double> opening;  // that belongs to the standing tractions
+    std::vector<double> opening;  // openings at the standing tractions
     for (std::size_t p = row.first; p < row.end; ++p)
       opening.push_back(opening_at_traction(s, static_cast<std::int32_t>(p)));
     FamilyColumns points;

@@ -16,9 +16,9 @@ namespace quoin {
 // shape keep them in different places, but both as plain columns.
 struct FamilyColumns {
   std::size_t count = 0;
-  const double* opening = nullptr;          // that belongs to the tractions, m
+  const double* opening = nullptr;          // opening at the standing tractions, m
   std::array<const double*, 3> traction{};  // Pa
-  std::vector<const double*> state;         // of the old law, in its order
+  std::vector<const double*> state;         // states of the old law, in its order
   const double* area = nullptr;             // m2
 };
 
@@ -36,9 +36,9 @@ LawSwap report_of(const std::string& family, const Material& from, const Materia
 // What the new law makes of them.
 struct MigratedFamily {
   std::vector<double> state;          // columns of the new law, one after the other
-  std::vector<double> opening_shift;  // by point, m: added to the opening that the new law sees from now on
+  std::vector<double> opening_shift;  // by point, m: added to the opening of the new law from now on
   std::vector<SwapSums> terms;        // by point
-  SwapSums sums(std::size_t first, std::size_t count) const;  // of points in a row, in their order
+  SwapSums sums(std::size_t first, std::size_t count) const;  // sums over contiguous points, in their order
 };
 
 // The material of the law that takes over a family, with those of the family's properties that the law has. Throws

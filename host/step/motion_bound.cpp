@@ -45,7 +45,7 @@ Vec3 centre_of(const Brick& brick) {
 
 WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
   WholeMotion m;
-  double gradient[3][3];  // of component c along axis k
+  double gradient[3][3];  // derivative of component c along axis k
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t k = 0; k < 3; ++k) {
       double difference = 0.0;

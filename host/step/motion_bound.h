@@ -11,12 +11,12 @@ namespace quoin {
 
 // The largest so far, and where. Indices into the assembly.
 struct MotionSeen {
-  double rotation = 0.0;     // of a block since the start, rad
-  double sliding = 0.0;      // of two joined blocks on each other over the length of their joint along the sliding
-  double opening = 0.0;      // of a joint over its shorter side
-  double translation = 0.0;  // of a block since the start over the diagonal of the model
-  double nearness = 0.0;     // of two blocks without a joint: the least distance that they may have over that of now
-  double gap = 0.0;          // of these two, m; < 0: depth of their overlap
+  double rotation = 0.0;     // rotation of a block since the start, rad
+  double sliding = 0.0;      // sliding of two joined blocks over the length of their joint along the sliding
+  double opening = 0.0;      // opening of a joint over its shorter side
+  double translation = 0.0;  // displacement of a block since the start over the diagonal of the model
+  double nearness = 0.0;     // least distance allowed for two blocks without a joint, over their current distance
+  double gap = 0.0;          // distance of these two, m; < 0: depth of their overlap
   int turned_block = -1, moved_block = -1;
   int slid_joint = -1, opened_joint = -1;
   int near_block[2] = {-1, -1};
@@ -32,7 +32,7 @@ Vec3 centre_of(const Brick& brick);  // m
 // Small motion of a block as a whole, about its centre.
 struct WholeMotion {
   Vec3 translation{}, rotation{};  // m, rad
-  double speed = 0.0;              // of its fastest corner at most, against the ground, m/s
+  double speed = 0.0;              // bound of the speed of its fastest corner against the ground, m/s
 };
 
 // Displacement at an arm from the centre, m.
@@ -41,7 +41,7 @@ Vec3 at_arm(const WholeMotion& motion, const Vec3& arm);
 // False where the value is within the bound; true where it is no number.
 inline bool exceeds(double value, double bound) { return !(value <= bound); }
 
-double diagonal_of(const std::vector<Brick>& bricks);  // of the box around them, m
+double diagonal_of(const std::vector<Brick>& bricks);  // diagonal of the box around them, m
 
 // Of a box from the displacements of its 8 corners (x fastest, then y, then z), m. They are means over opposite faces,
 // so that deformation that is the same all over the block is no rotation.
@@ -61,17 +61,17 @@ class JointSliding {
  private:
   struct Place {
     int a, b;
-    Vec3 arm_a, arm_b;  // of the joint's centre from those of the blocks, m
+    Vec3 arm_a, arm_b;  // centre of the joint from those of the blocks, m
     Vec3 centre;        // m
     int normal;         // axis
     double towards_b;   // along it: 1 or -1
     std::array<int, 2> along;
-    std::array<double, 2> length;  // of the overlap, m
+    std::array<double, 2> length;  // sides of the overlap, m
   };
   Place place_of(const Joint& joint) const;
 
   const Assembly* assembly_ = nullptr;
-  double diagonal_ = 0.0;    // of the model, m
+  double diagonal_ = 0.0;    // diagonal of the model, m
   std::vector<Place> kept_;  // or empty
 };
 

@@ -52,8 +52,8 @@ HWY_INLINE std::size_t part_of_sum(std::size_t i) { return i / static_cast<std::
 // that moves the traction by less than kRounding of itself says nothing.
 constexpr double kLettingGo = 0.05, kRounding = 1e-9;
 
-// Advances the elements of one direction, normal or shear. power: change of the traction times way. Lanes that let go
-// have none.
+// Advances the elements of one direction, normal or shear. power: change of the traction times way. Lanes that lose
+// their force have none.
 template <class Load, class Store, class Mask>
 HWY_INLINE V Relax(const MaxwellColumns& m, int component, V change, Mask holds, const Load& load, const Store& store) {
   const D d;

@@ -24,13 +24,13 @@ double damp_points(const DampingColumns& columns, std::size_t count, double rate
 // Maxwell elements beside the springs of these points (model/maxwell.h).
 struct MaxwellColumns {
   double* traction[3 * kMaxwellElements];    // Pa; null: none
-  double keep[kMaxwellElements];             // what a step leaves of it
-  double gain[kMaxwellElements];             // what it takes of the change of the traction of the law
-  double normal_stiffness, shear_stiffness;  // of whole joints, Pa/m
+  double keep[kMaxwellElements];             // share of the element's traction that a step keeps
+  double gain[kMaxwellElements];             // share of the change of the law's traction that it takes
+  double normal_stiffness, shear_stiffness;  // stiffness of undamaged joints, Pa/m
 };
 
 // The same of closed contacts alone, where blocks land, at rates of their own normal to the joint and along it. Maxwell
-// elements act on all that touch, and let go where a joint opens, slides or softens.
+// elements act on all that touch, and lose their force where a joint opens, slides or softens.
 double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count, double normal,
                     double along);
 

@@ -51,8 +51,8 @@ GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
   return field;
 }
 
-// Rigid part of a vector field by mass: that of U + theta x (X - centre) which leaves a rest without momentum and
-// angular momentum. On a plane of symmetry only what keeps it.
+// Rigid part of a vector field: the U + theta x (X - centre) whose difference from the field has no momentum and no
+// angular momentum. With a plane of symmetry, the part that keeps points on the plane.
 struct RigidPart {
   Vector centre, mean, turn;
 };
@@ -121,7 +121,7 @@ double strain_energy(const blocks::Model& m, const std::vector<Vector>& displace
   return sum;
 }
 
-// Of a rigid block of the lattice: place of the start, motion since, m, rad, and m/s, rad/s.
+// Motion of a rigid block of the lattice: place of the start, motion since, m, rad, and m/s, rad/s.
 struct BodyMotion {
   Vec3 centre, displacement, rotation, velocity, spin;
 };
@@ -207,7 +207,7 @@ void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& 
 
 }  // namespace
 
-// v M' v/2 less v M v/2 (model/rigid_motion.h). All ranks ask together.
+// v M' v/2 less v M v/2 (model/rigid_motion.h). All ranks call it together.
 double added_kinetic_energy(const Simulation::Impl& s) {
   const double s_b = s.inertia.in_use.deformation, s_u = s.inertia.in_use.unit;
   if (s_b == 1.0 && s_u == 1.0) return 0.0;

@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-double added_kinetic_energy(const Simulation::Impl& s);  // of deformation and unit inertia, J
+double added_kinetic_energy(const Simulation::Impl& s);  // energy of the added inertia of deformation and of units, J
 void promote(Simulation::Impl& s, const std::string& why);
 void leave_lattice(Simulation::Impl& s);  // for large motion, at rest
 void return_to_lattice(Simulation::Impl& s);

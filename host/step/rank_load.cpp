@@ -31,7 +31,7 @@ void repartition(Simulation::Impl& s) {
     gather(s, Part::all, Who::holders, &next);
   }
   partition_work(s);
-  s.controls.rest_known = false;                     // of the bodies of others it was not
+  s.controls.rest_known = false;                     // not known for bodies of other ranks
   if (s.division.share.rank_of_item != before_it) {  // else items are too large for anything better
     if (s.rank_load.traffic.repartitions == 0.0) s.rank_load.traffic.uneven_before = s.rank_load.traffic.uneven;
     s.rank_load.traffic.repartitions += 1.0;
@@ -41,7 +41,7 @@ void repartition(Simulation::Impl& s) {
   s.rank_load.balance.divided(s.rank_load.costly_blocks ? 0.0 : took[0]);
 }
 
-// Of costly_blocks, own work in the window, any unit.
+// Own work in the window by costly_blocks, any unit.
 double pretended_seconds(const Simulation::Impl& s) {
   const std::vector<double> cost = estimated_costs(s);
   double sum = 0.0;

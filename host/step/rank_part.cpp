@@ -22,7 +22,7 @@ namespace quoin {
 
 namespace {
 
-// Of this rank, in order.
+// Units of this rank, in order.
 std::vector<int> own_units(const Simulation::Impl& s) {
   std::vector<int> own;
   for (int u = 0; u < static_cast<int>(s.model.unit_groups.size()); ++u) {
@@ -125,7 +125,7 @@ void hold_part(Simulation::Impl& s) {
 }
 
 void hold_first_part(Simulation::Impl& s) {
-  std::optional<Error> fault;  // of properties drawn for this part
+  std::optional<Error> fault;  // fault of properties drawn for this part
   try {
     hold_part(s);
   } catch (const Error& error) {

@@ -25,9 +25,9 @@ enum class Who {
 using VisitMemory = std::function<void(void*, std::size_t)>;
 
 struct RankShare {
-  std::vector<int> chunks;       // of this rank, in order
-  std::vector<int> items;        // of this rank: first those that others wait for, in order, then the rest, in order
-  std::size_t border_items = 0;  // how many of them others wait for
+  std::vector<int> chunks;       // chunks of this rank, in order
+  std::vector<int> items;        // items of this rank: first those that others wait for, then the rest, each in order
+  std::size_t border_items = 0;  // number of items that others wait for
 
   // Whose values count.
   std::vector<int> rank_of_item, rank_of_chunk;

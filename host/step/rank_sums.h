@@ -26,20 +26,20 @@ class RankSums : public SharedModel {
   void largest(std::span<double> values) override { ranks_.largest(values); }
 
  private:
-  // Of one rank.
+  // Contiguous values of one rank.
   struct Run {
     int rank;
     VectorRow row;
   };
   void append(int rank, const VectorRow& row);
 
-  std::vector<Run> runs_;  // of all ranks, in order
+  std::vector<Run> runs_;  // runs of all ranks, in order
   std::vector<VectorRow> rows_;
   std::vector<int> units_, chunks_;
   Ranks& ranks_;
   std::function<Halo(LaneVector<double>&)> halo_of_;
   Halo halo_;
-  const double* numbers_ = nullptr;  // those of the last vector, whose addresses the halo has
+  const double* numbers_ = nullptr;  // numbers of the last vector, whose addresses the halo has
 };
 
 }  // namespace quoin

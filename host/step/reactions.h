@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// Of the bodies and blocks of now; names are those of the first time, as the history has its columns by then.
+// Finds the current bodies and blocks; names are those of the first time, as the history has its columns by then.
 void find_restraints(Simulation::Impl& s);
 void find_restrained_blocks(Simulation::Impl& s);
 // Viscous forces of contacts included.

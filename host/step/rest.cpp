@@ -33,7 +33,7 @@ using Eigen::VectorXd;
 using geometry::Vector;
 using Triplet = Eigen::Triplet<double>;
 
-// Iterations at most, and the unbalanced ratio that ends them: a hundredth of the stage's, for its steps look at that.
+// Iterations at most, and the unbalanced ratio that ends them: a hundredth of the stage's, which its steps check.
 constexpr int kMostIterations = 100;
 constexpr double kOfWanted = 1e-2;
 // Of the stiffness of a closed point, what an open one and a sliding one keep. It is enough to find a factor, too
@@ -43,9 +43,9 @@ constexpr double kOpen = 1e-6, kSlides = 1e-3;
 // of the last one's, one that has not ten times as much. Too stiff a system only moves too little, too soft a one
 // flies.
 constexpr double kSofter = 1.0 / 3.0, kStiffer = 10.0;
-// Of the largest entry of the stiffness, what holds that nothing else holds.
+// Stiffness of what nothing else holds, over the largest entry of the stiffness.
 constexpr double kHeld = 1e-12;
-// Of the size of the model: a block that one iteration moves by more is held by nothing.
+// Share of the size of the model: a block that one iteration moves by more is held by nothing.
 constexpr double kFlies = 0.1;
 
 class Search {
@@ -120,7 +120,7 @@ class Search {
         continue;
       }
       const blocks::ModelBlock& block = m.blocks[b];
-      double inertia = 0.0;  // its gridpoints share weight and forces by mass
+      double inertia = 0.0;  // mass by which its gridpoints share weight and forces, kg
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n) inertia += m.nodes.mass[at(block.first_node) + n];
       const Vector per_mass = (m.blocks[b].mass * g + applied[at(b)]) / inertia;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
@@ -287,7 +287,7 @@ class Search {
   // Moves all blocks, lets the laws follow, and leaves all at rest.
   void move(const VectorXd& moved) {
     if (s_.large_motion) return move_large_motion(moved);
-    // Laws see sliding as velocity times the step. Once more at rest, since some settle in two answers.
+    // Laws get sliding as velocity times the step. Once more at rest, since some settle in two answers.
     for (const bool moving : {true, false}) {
       for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b)
         unknowns_->blocks()[at(b)].rigid ? move_body(b, moved, moving) : move_gridpoints(b, moved, moving);

@@ -1,4 +1,4 @@
-// A simulation from the bytes that save() has made. What comes from another model, or was written by somebody, is
+// A simulation from the bytes that save() has made. What comes from another model, or was changed, is
 // refused.
 #include <fmt/core.h>
 
@@ -101,7 +101,7 @@ void take_law_of(std::size_t f, Simulation::Impl& s, ArchiveReader& reader) {
                           family.name, law, schema, api.id, api.state_schema));
 }
 
-// Counters that no run comes to were written by somebody, and would be counted up for ever.
+// Counters beyond those of any run come from a changed file, and would be counted up for ever.
 bool counts_are_sound(const Simulation::Impl& s) {
   constexpr long kMost = 1L << 53;
   const auto is_count = [](long value, long least) { return value >= least && value <= kMost; };
@@ -150,7 +150,7 @@ void require_same_time_step(const Simulation::Impl& s, ArchiveReader& reader) {
                             dt, here));
 }
 
-// Of what follows from the model alone.
+// Sizes that follow from the model alone.
 std::vector<std::size_t> sizes_of(const Simulation::Impl& s) {
   std::vector<std::size_t> sizes{s.controls.ramps.size(), s.controls.load_ramps.size()};
   each_lattice_field(s.lattice, [&](const Field& field, const auto& array, int) {

@@ -13,9 +13,9 @@
 namespace quoin {
 
 struct BlockMesh {
-  std::vector<Vec3> gridpoint;           // at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
+  std::vector<Vec3> gridpoint;           // places at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
   std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid blocks
-  std::vector<std::vector<int>> face;    // of the whole block, corner by corner, counter-clockwise from outside
+  std::vector<std::vector<int>> face;    // faces of the whole block, corner by corner, counter-clockwise from outside
   int unit = -1, course = -1;            // of masonry; -1: none
   bool fixed = false;                    // a support, or a beam beside the masonry
 };
@@ -36,7 +36,7 @@ const char* condition_name(Condition condition);
 Condition condition_of(std::uint32_t flags);  // QUOIN_FLAG_...
 
 struct ContactPoint {
-  std::int32_t index;  // of the point, for Simulation::state
+  std::int32_t index;  // index of the point, for Simulation::state
   Vec3 position;       // reference, m
   Vec3 normal, s, t;   // n from block a to block b
   double area;         // m2
@@ -58,7 +58,7 @@ PointRange all_points(const Simulation::Impl& s);
 // own_alone: of joints that begin at a block of this rank (owns_block).
 std::vector<ContactPoint> contact_points(const Simulation::Impl& s, const PointRange& range, bool own_alone = false);
 inline std::vector<ContactPoint> contact_points(const Simulation::Impl& s) { return contact_points(s, all_points(s)); }
-// Of the gridpoints that it joins, of block a and block b, m. On the lattice.
+// Displacements of the gridpoints that it joins, of block a and block b, m. On the lattice.
 std::pair<Vec3, Vec3> displacement_of_sides(const Simulation::Impl& s, std::int32_t point);
 // Column of a law state, by id; NaN where the law of a point has no such state or does not keep it.
 std::vector<double> law_state(const Simulation::Impl& s, const std::string& id, const PointRange& range);

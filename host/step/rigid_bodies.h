@@ -18,7 +18,7 @@ struct BodyLanes {
   Quantity prescribed_velocity = {};  // m/s
   double prescribed[6][kLanes] = {};  // 1: translations have this velocity, rotations are held; else 0
   bool any_prescribed = false;
-  bool at_rest = false;  // and held there: a step changes nothing
+  bool at_rest = false;  // whether it is at rest and held: a step changes nothing
 };
 
 // What does not change about the bodies of a group, by lane.
@@ -32,7 +32,7 @@ BodyGroupInertia inertia_of(const BodyGroup& group, const Model& model, const In
 // Moves the body of lane 0 by a step: sums, control or free motion, gridpoints. Fixed order throughout.
 void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyLanes* state,
                   Measured* measured);
-// The same for the bodies of a group, side by side. Of the gridpoints it writes what the joints of their faces ask for:
+// The same for the bodies of a group, side by side. Of the gridpoints it writes what the joints of their faces need:
 // displacement along the normal, velocity across.
 void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia, const StepData& step,
                     BodyLanes* state, Measured* measured);

@@ -184,7 +184,7 @@ HWY_INLINE Lanes33 matrix_of(const Lanes4& q) {
 HWY_INLINE Lanes4 rotation_of(const Lanes3& angle) {
   const D d;
   const V one = hn::Set(d, 1.0), half = hn::Set(d, 0.5);
-  const V square = hn::Mul(hn::Set(d, 0.25), dot_of(angle, angle));  // of half the angle
+  const V square = hn::Mul(hn::Set(d, 0.25), dot_of(angle, angle));  // square of half the angle
   const auto term = [&](double over, V next)
                         HWY_ATTR { return hn::NegMulAdd(hn::Mul(square, hn::Set(d, 1.0 / over)), next, one); };
   V cosine = term(2.0, term(12.0, term(30.0, one)));
@@ -206,7 +206,7 @@ HWY_INLINE Lanes4 rotation_of(const Lanes3& angle) {
 // The bodies of a vector: four members that follow each other, of all of them at a time.
 struct Members {
   Body* lane[kLanes];  // the last one again where there are fewer
-  int count;           // to be written
+  int count;           // number of lanes that are written
 
   HWY_INLINE void load(std::size_t offset, V (&member)[kFour]) const {
     load_rows([&](int l) { return at(l, offset); }, member);
@@ -263,7 +263,7 @@ HWY_INLINE V against(V gamma, V force, V velocity) {
   return hn::IfThenZeroElse(hn::Eq(velocity, hn::Zero(D())), hn::Neg(amount));
 }
 
-// Of viscous damping: v' = -alpha v, as the mean of both velocities.
+// Viscous damping: v' = -alpha v, as the mean of both velocities.
 HWY_INLINE double half_alpha_dt(const BodyStep& step) { return 0.5 * step.alpha * step.time_step; }
 
 struct EnergyLanes {

@@ -33,11 +33,11 @@ void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidCol
 // How bodies are moved on in a step.
 struct BodyStep {
   double time_step;  // s
-  double gamma;      // of eq. 1
+  double gamma;      // coefficient of eq. 1
   double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
-  Vector ground;     // whose velocity damping leaves, m/s
+  Vector ground;     // velocity of the ground, against which damping acts, m/s
   Vector gravity;    // m/s2
-  bool energies;     // work and kinetic energy are asked for
+  bool energies;     // work and kinetic energy are requested
 };
 
 // Central differences for bodies[index[0 .. count - 1]], kBodies at most, from force and torque in them. sums: of each,

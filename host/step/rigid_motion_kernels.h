@@ -20,7 +20,7 @@ struct RigidGains {
   ByLane centre[3], linear[3], turning[3][3];
 };
 
-// Of each block about its mass centre, for energies.
+// Motion of each block about its mass centre, for energies.
 struct RigidLanes {
   ByLane mass, second[3][3];                           // kg; sum m r r^T, kg m2
   ByLane velocity[2][3], change[2][3], damping[2][3];  // linear and angular: before the step, in it; N, N m
@@ -29,8 +29,8 @@ struct RigidLanes {
 
 struct RigidMotionStep {
   InertiaFactors factors;
-  double gamma;      // of eq. 1 on rigid motion
-  Vector ground;     // whose velocity damping leaves, m/s
+  double gamma;      // coefficient of eq. 1 on rigid motion
+  Vector ground;     // velocity of the ground, against which damping acts, m/s
   double time_step;  // s
 };
 

@@ -81,7 +81,7 @@ void check_stiffness(Simulation::Impl& s) {
 // A block that is as fast as after a fall of some of its least extent, and whose forces are not balanced, moves by
 // inertia. It falls, slides or topples.
 std::string damped_motion(const Simulation::Impl& s) {
-  constexpr double kFall = 0.05, kUnbalanced = 0.05;  // of the least extent; of the weight
+  constexpr double kFall = 0.05, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);
   if (std::string of_ground = ground_damping_warning(s.scene, now_in); !of_ground.empty()) return of_ground;
   const std::string damping = damping_in_space(s.scene, now_in);
@@ -177,7 +177,7 @@ std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
     return s.large_motion->wrong_law(all ? whole_share(s.large_motion->chunk_count(), 0).chunks
                                          : s.division.share.chunks);
   }
-  // Of `count` points of a family from `first` on.
+  // Checks `count` points of a family from `first` on.
   const auto examine = [&](std::size_t f, std::size_t first, std::size_t count) {
     const ContactFamily& family = s.model.families[f];
     Answers answers;
@@ -223,7 +223,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
       if (!s.large_motion) receive_whole_borders(s);
       check_stiffness(s);
       s.watch.stiffness_ratio = largest_of_ranks(s, s.watch.stiffness_ratio);
-      if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // so that all see the first of them
+      if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // so that all find the same first one
     } else {
       gather(s, Part::all);
       check_stiffness(s);

@@ -39,7 +39,7 @@ void begin_damping(Simulation::Impl& s) {
         shares(std::vector<double>(static_cast<std::size_t>(s.contacts.implicit.pieces()), 1.0), s.pool.thread_count());
 }
 
-// Of points that are laid out.
+// States of the points that are laid out.
 void begin_states(Simulation::Impl& s) {
   std::vector<std::vector<double>> initial;  // by family and column
   for (std::size_t f = 0; f < s.model.families.size(); ++f) {
@@ -158,7 +158,8 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   begin_damping(s);
 }
 
-// A step that a stage has chosen begins at the time of the displacements; velocities stay those of half a step before.
+// Takes the time step of a stage. It holds from the time of the displacements on; velocities are still half a step
+// older.
 void follow_solver(Simulation::Impl& s) {
   s.progress.clock_start = time_now(s), s.progress.clock_start_step = s.progress.step;
   std::unique_ptr<SharedModel> shared;

@@ -64,7 +64,7 @@ void Simulation::run(Observer& observer) {
   } catch (const Error& error) {
     if (impl_->ranks) impl_->agreed.together = impl_->ranks->all_here(kTogether);
     if (impl_->agreed.together) {
-      // All ranks share what they have found. A rank that was only asked to stop has nothing to share.
+      // All ranks share what they have found. A rank that only got a signal has nothing to share.
       if (any_rank(*impl_, error.exit_code != Exit::interrupted))
         gather(*impl_, Part::all, Who::first);
       else

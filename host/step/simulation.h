@@ -54,35 +54,36 @@ struct Energies {
 struct Reaction {
   Vec3 force{};         // N
   Vec3 moment{};        // about the centre at the start, N m; of the sum of all about the origin
-  Vec3 displacement{};  // since the start, m
+  Vec3 displacement{};  // displacement since the start, m
 };
 constexpr std::size_t kMostRestraints = 12;  // columns of a history, one each
 
 // The numbers that every line of the history has. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryNumbers {
   int stage = 0;
-  long step = 0;                  // since the start of the simulation
+  long step = 0;                  // number of steps since the start of the simulation
   double time = 0.0;              // s, since the start of the simulation
-  double displacement = 0.0;      // of the monitor along Stage::direction since the start of the stage, m
+  double displacement = 0.0;      // displacement of the monitor along Stage::direction since the start of the stage, m
   double resistance = 0.0;        // minus the force of the joints on the monitor along Stage::direction, N: positive
                                   // when the wall resists a movement in the positive direction
   double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
-  Vec3 monitor_displacement{};    // since the start of the simulation, m
-  Vec3 joint_force{};             // of the joints on the bodies of the monitor, N
+  Vec3 monitor_displacement{};    // displacement since the start of the simulation, m
+  Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
   double dynamic_force = 0.0;     // along Stage::direction: what supports and loads give in all, N; 0 at rest
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
   double kinetic_energy = 0.0;    // J, of the model as computed
-  double multiplier = 0.0;        // of the body force of a collapse stage
+  double multiplier = 0.0;        // multiplier of the body force in a collapse stage
   // Blocks in large motion only:
-  Vec3 ground_displacement{};  // since the start, m
+  Vec3 ground_displacement{};  // displacement since the start, m
   Vec3 monitor_relative{};     // displacement of the monitor less that of the ground, m
-  Vec3 base_force{};           // on the fixed blocks by what stands on them, N
-  // Of these about the centre of the base, which moves with the ground, N m; not a number where ranks share the points.
+  Vec3 base_force{};           // force on the fixed blocks by what stands on them, N
+  // Moment of these about the centre of the base, which moves with the ground, N m; not a number where ranks share
+  // points.
   Vec3 overturning_moment{NAN, NAN, NAN};
-  double largest_displacement = 0.0;                // of any block since the start, m; blocks of any shape only
-  std::optional<Energies> energies;                 // when Scene::output.energy
-  std::array<Reaction, kMostRestraints> reactions;  // of restraints_of()
-  Reaction reaction_sum;                            // of these and of all others
+  double largest_displacement = 0.0;  // largest displacement of a block since the start, m; blocks of any shape alone
+  std::optional<Energies> energies;   // energies, with Scene::output.energy
+  std::array<Reaction, kMostRestraints> reactions;  // values for Simulation::restraints
+  Reaction reaction_sum;                            // sum over these and all other supports
 };
 
 // A support, or what drives blocks: by name, in the order in which stages name them, then fixed blocks that have one.
@@ -99,27 +100,27 @@ struct HistoryRow : HistoryNumbers {
 struct Progress {
   int stage = 0, stage_count = 0;
   const Stage* settings = nullptr;
-  long step = 0;          // in this stage
-  double fraction = 0.0;  // of this stage, 0..1; by the criterion closest to its end
+  long step = 0;          // number of steps in this stage
+  double fraction = 0.0;  // share of the stage that is done, 0..1, by the criterion closest to its end
   double steps_per_second = 0.0;
-  double seconds_left = 0.0;  // of this stage; negative: not known yet
+  double seconds_left = 0.0;  // time left in the stage; negative: not known yet
   double unbalanced_ratio = 0.0;
 };
 
 // From small displacements to large motion in mid-run, with the traction and state of every contact point kept.
 struct Promotion {
-  std::string why;  // which bound was passed, where
+  std::string why;  // bound that was passed, and where
   int stage = 0;
   long step = 0;
   double time = 0.0;           // s
-  double strain_energy = 0.0;  // of the zones before, J, as computed
+  double strain_energy = 0.0;  // strain energy of the zones before, J, as computed
   double energy_jump = 0.0;    // after less before, J
 };
 
 // Why a stage of cycles ended early.
 struct StopAtForceLoss {
-  int stage = 0, half_cycle = 0;      // from 0
-  double force = 0.0, largest = 0.0;  // of that half cycle; of an earlier one towards the same side, N
+  int stage = 0, half_cycle = 0;      // indices from 0
+  double force = 0.0, largest = 0.0;  // largest forces then, and in an earlier half cycle to the same side, N
 };
 
 // What stages found out.
@@ -147,18 +148,18 @@ struct LawSwap {
 struct RankTraffic {
   double steps = 0.0, step_seconds = 0.0;  // s: all of run(), files included
   double halo_bytes = 0.0, halo_messages = 0.0;
-  double own_seconds = 0.0;                    // of contacts and motion, without any waiting: processor time
-  double waiting_seconds = 0.0;                // for the halo of others, and to agree
-  double gathers = 0.0, gathered_bytes = 0.0;  // of all ranks to all: rows, detection, checkpoints
+  double own_seconds = 0.0;                    // processor time of contacts and motion, without waiting
+  double waiting_seconds = 0.0;                // time for the halo of others, and to agree
+  double gathers = 0.0, gathered_bytes = 0.0;  // gathers on all ranks: rows, detection, checkpoints
   double gathering_seconds = 0.0;
-  double blocks = 0.0;                       // that it advances
+  double blocks = 0.0;                       // blocks that it advances
   double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
   double peak_memory = 0.0;                  // bytes: most of its process until the end of run(), set-up included
   double repartitions = 0.0;                 // times, because the ranks' own work was uneven
   double uneven_before = 0.0, uneven = 0.0;  // most / mean of it: before the first of them, in the last window; 0: none
 };
 
-// What the caller asks for. All calls come from the thread that runs the simulation, between steps.
+// What the caller requests. All calls come from the thread that runs the simulation, between steps.
 struct Observer {
   virtual ~Observer() = default;
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
@@ -166,7 +167,7 @@ struct Observer {
   virtual void on_warning(const Warning&) {}       // once for each assumption that the run leaves, when it goes on
   virtual void on_promotion(const Simulation&) {}  // Simulation::outcome has more
   virtual void on_row(const HistoryRow&) {}
-  // Whether on_pause will take the state: with ranks all of them are asked then, and all of them must save.
+  // Whether on_pause will take the state: with ranks it is called on all of them, and all of them must save.
   virtual bool wants_pause(bool /*last*/) { return true; }
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
@@ -219,8 +220,8 @@ class Simulation {
   long step() const;
   double time() const;
   int thread_count() const;
-  std::uint64_t hash() const;  // of gridpoints, bodies, tractions and states: equal hashes, equal bits
-  HistoryRow measure() const;  // as it stands
+  std::uint64_t hash() const;  // hash of gridpoints, bodies, tractions and states: equal hashes, equal bits
+  HistoryRow measure() const;  // row of the current state
   // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come
   // from another model. Bits after a restore are those of an uninterrupted run.
   std::vector<std::uint8_t> save() const;

@@ -37,7 +37,7 @@ bool have_contact(Simulation::Impl& s, int a, int b, int axis) {
   return !s.small_motion.meeting_family || s.small_motion.meeting_family({a, b, normal}) >= 0;
 }
 
-constexpr long kMostSteps = 1000;  // between two looks at how far blocks have moved
+constexpr long kMostSteps = 1000;  // between two checks of how far blocks have moved
 
 // And when to do so again: no output has a say in that.
 void check_motion(Simulation::Impl& s) {

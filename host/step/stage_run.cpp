@@ -22,9 +22,9 @@ namespace quoin {
 
 namespace {
 
-constexpr long kCollapseInterval = 10;    // steps between two looks at how far blocks have moved
+constexpr long kCollapseInterval = 10;    // steps between two checks of how far blocks have moved
 constexpr long kPauseInterval = 16;       // steps between two moments at which a checkpoint may be taken
-constexpr long kClockInterval = 64;       // steps between two looks at the clock
+constexpr long kClockInterval = 64;       // steps between two checks of the clock
 constexpr double kProgressPeriod = 0.25;  // s
 
 }  // namespace
@@ -57,7 +57,7 @@ bool StageRun::advance() {
   const bool done = has_ended(due);
   if (done) step_once(s_, true, true);  // so that the last row and what follows it are complete
   gone_over_ = false, frame_due_ = due.frame;
-  // Before a row that only the stop asks for: who goes on from here has a history without it.
+  // Before a row that only the stop requests: a resumed run has a history without it.
   const bool stop_between_rows = due.stop && !due.planned && !done;
   if (stop_between_rows) follow_motion(done), show_frame(), pause(true);
   if ((due.row && !gone_over_) || done) write_row(done);
@@ -93,7 +93,7 @@ StageRun::Due StageRun::look_ahead() {
   return due;
 }
 
-// Each criterion is asked: what it finds out is kept, whichever of them ends the stage.
+// Each criterion is evaluated: its findings are kept, whichever of them ends the stage.
 bool StageRun::has_ended(const Due& due) {
   bool ended = due.check && equilibrium_reached(s_, settings_);
   ended |= stage_fraction(s_) >= 1.0 || force_lost(s_);
@@ -136,7 +136,7 @@ void StageRun::write_row(bool done) {
 void StageRun::pause(bool last) {
   if (!any_rank(s_, observer_.wants_pause(last))) return;
   if (!s_.parts.divided) gather(s_, Part::all);
-  std::optional<Error> fault;  // of one rank: all end then, together
+  std::optional<Error> fault;  // fault of one rank, at which all end together
   try {
     write([&] { observer_.on_pause(simulation_, last); });
   } catch (const Error& error) {

@@ -17,7 +17,7 @@ class StageRun {
   void end();
 
  private:
-  // What the next step is asked for.
+  // What the next step has to measure.
   struct Due {
     bool stop = false, check = false;   // check: of equilibrium
     bool planned = false, row = false;  // planned: a row by the interval of the stage; a stop has one, too
@@ -50,7 +50,7 @@ class StageRun {
   const Stage& settings_;
   int frames_;
   std::vector<Warning> warnings_;  // found, not yet reported
-  bool gone_over_ = false;         // to large motion, in this step
+  bool gone_over_ = false;         // whether the run has gone over to large motion in this step
   bool frame_due_ = false;
   // As of the last report of progress.
   Clock::time_point reported_at_;

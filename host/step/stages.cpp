@@ -27,7 +27,7 @@ namespace quoin {
 
 namespace {
 
-constexpr int kCalmChecks = 5;        // looks in a row that must pass: one may catch a swing at its turning point
+constexpr int kCalmChecks = 5;        // checks in a row that must pass: one may meet a vibration at its turning point
 constexpr long kDefaultRows = 1000;   // rows of a stage with record_interval 0
 constexpr long kHalfCycleRows = 200;  // rows of a half cycle with record_interval 0
 constexpr long kUnknownLength = 200;  // steps between rows of a stage whose length cannot be foreseen

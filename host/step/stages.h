@@ -14,7 +14,7 @@ inline const SolverSettings& solver_in_use(const Simulation::Impl& s) {
 double time_now(const Simulation::Impl& s);    // s, since the start
 double stage_time(const Simulation::Impl& s);  // s, since the stage began
 void begin_stage(Simulation::Impl& s, int index);
-void choose_damping(Simulation::Impl& s);          // of the stage
+void choose_damping(Simulation::Impl& s);          // damping of the stage
 bool force_lost(Simulation::Impl& s);              // by the half cycle that has just ended, as the stage defines it
 double stage_fraction(const Simulation::Impl& s);  // by duration or displacement
 bool equilibrium_reached(Simulation::Impl& s, const Stage& settings);

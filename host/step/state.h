@@ -31,7 +31,7 @@ namespace quoin {
 // Laws of a run that stages may swap.
 struct LawsOfRun {
   std::vector<std::shared_ptr<const Material>> first;  // by joint family, before any law is swapped
-  std::vector<LawSwap> swaps;                          // of the current stage
+  std::vector<LawSwap> swaps;                          // swaps of the current stage
 };
 
 struct Simulation::Impl {

@@ -5,7 +5,7 @@
 
 namespace quoin {
 
-void end_run(Simulation::Impl& s);     // what results ask rank 0 for
+void end_run(Simulation::Impl& s);     // results that rank 0 needs
 void note_start(Simulation::Impl& s);  // the hash, where no rank can compute it alone
 
 }  // namespace quoin

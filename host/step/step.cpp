@@ -27,7 +27,7 @@ namespace {
 // All chunks of contact points; then all items, which move blocks. clock: of the thread, started; null: not timed.
 using Work = std::function<void(int thread, int index, PhaseClock* clock)>;
 
-// What acts from outside, and what the step is asked for.
+// What acts from outside, and what the step has to measure.
 void begin_step(Simulation::Impl& s, bool measure_step) {
   apply_controls(s);
   if (s.watch.pending && !s.energy.sampled) end_check(s);
@@ -75,7 +75,7 @@ void advance_contacts(Simulation::Impl& s, int thread, int index, bool measure_s
     std::copy_n(s.lattice.traction[k].data() + chunk.first_point, chunk.point_count, jump->old_traction[k]);
   evaluate_law(s, index, *jump, measure_step, report);
   lap(clock, Phase::law);
-  alignas(64) double way[kChunk];  // normal to the joint, before damping looks at the next step
+  alignas(64) double way[kChunk];  // motion normal to the joint, for damping in the next step
   for (int i = 0; implicit && i < chunk.point_count; ++i)
     way[i] = jump->normal[i] - s.lattice.old_jump[static_cast<std::size_t>(chunk.first_point + i)];
   if (damped) damp_chunk(s, index, *jump);
@@ -99,7 +99,7 @@ void end_step(Simulation::Impl& s, bool measure_step, bool report) {
   ++s.progress.stage_step;
 }
 
-// Of this thread, s: what others take of the core is no cost of a block.
+// Time of this thread, s: what others take of the core is no cost of a block.
 double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -42,7 +42,7 @@ void damage_lattice(Simulation::Impl& s, std::size_t f, const std::vector<Cracke
     for (std::int32_t i = 0; at(chunk.family) == f && i < chunk.point_count; ++i) own.push_back(chunk.first_point + i);
   }
   const std::vector<PlacedPoint> points = placed_points(s.model, own);
-  // A crack sees where the whole of a joint is, and neighbouring ranks may have the rest of it.
+  // A crack depends on the place of a whole joint, parts of which neighbouring ranks may have.
   std::vector<PlacedPoint> of_joints;
   if (follows_cracks(s.scene.damage) && own.size() < at(family.point_count))
     of_joints = placed_points(s.model, points_of_same_joints(s.model, family, own));

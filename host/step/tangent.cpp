@@ -20,7 +20,7 @@ namespace {
 using Eigen::MatrixXd;
 using geometry::Vector;
 
-// Of the traction, by which points are tried: far below any strength, far above the rounding of tractions.
+// Change of the traction by which points are tried: far below any strength, far above the rounding of tractions.
 constexpr double kProbe = 1.0;  // Pa
 
 struct PointStiffness {
@@ -66,7 +66,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
     for (std::size_t i = 0; i < count; ++i) {
       const double way = along == 0 ? closing[i] : forth[i];
       if (way == 0.0) continue;
-      // Of both directions the one that does not slide on.
+      // Stiffness of the direction, of both, in which the point does not slide on.
       const double stiffness =
           std::isnan(still[i])
               ? still[i]
@@ -74,7 +74,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
       along == 0 ? k.normal[i] = stiffness : k.shear[i] += 0.5 * stiffness;
     }
   }
-  for (const ContactPoint& p : points) {  // of laws that are not asked: as they were at first
+  for (const ContactPoint& p : points) {  // points without a stiffness so far: bounds of their laws
     if (!std::isnan(k.normal[at(p.index)]) && !std::isnan(k.shear[at(p.index)])) continue;
     const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
     const bool carries = p.traction[0] != 0.0 || p.jump[0] <= 0.0;
@@ -83,7 +83,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
   return k;
 }
 
-// Of rigid blocks about the global axes.
+// Inertia of rigid blocks about the global axes.
 MatrixXd inertia_of(const Simulation::Impl& s, int b) {
   MatrixXd inertia = MatrixXd::Zero(3, 3);
   if (!s.large_motion) {
@@ -161,7 +161,7 @@ void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tang
 
 }  // namespace
 
-// Of impact and viscous damping: viscosity over stiffness by joint family, normal and along, and of zones, s.
+// Dashpots of impact and viscous damping: viscosity over stiffness by joint family, normal and along, and of zones, s.
 struct Dashpots {
   std::vector<std::array<double, 2>> of_family;
   double of_zones = 0.0, of_mass = 0.0;  // 1/s

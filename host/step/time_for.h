@@ -1,4 +1,4 @@
-// How long a block takes for a way, as looks at motion reckon.
+// How long a block takes for a way, as checks of motion reckon.
 #pragma once
 
 #include <cmath>

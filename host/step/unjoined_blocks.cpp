@@ -13,7 +13,7 @@ using geometry::Pair;
 
 namespace {
 
-constexpr double kTouching = 1e-4;  // of the least extent: blocks closer than this at the start touch
+constexpr double kTouching = 1e-4;  // share of the least extent: blocks closer than this at the start touch
 
 double least_extent(const Brick& b) { return *std::min_element(b.size.begin(), b.size.end()); }
 
@@ -84,7 +84,7 @@ UnjoinedBlocks::Near UnjoinedBlocks::nearness(const Pair& pair, const std::vecto
     near.least_gap = -sliding_bound * least;
     return near;
   }
-  // Corners of faces that look at each other come nearer than their middle where the blocks turn.
+  // Corners of faces opposite each other come nearer than their middle where the blocks turn.
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (static_cast<int>(c) != near.axis && to[c] > from[c]) squares += (to[c] - from[c]) * (to[c] - from[c]);
@@ -99,7 +99,7 @@ double UnjoinedBlocks::look(const std::vector<WholeMotion>& motion, double slidi
   if (has_moved(motion)) find_pairs(motion);
   double fastest = 0.0;
   for (const WholeMotion& m : motion) fastest = std::max(fastest, m.speed);
-  double time = time_for(0.25 * reach_, 2.0 * fastest);  // of pairs that are not near yet
+  double time = time_for(0.25 * reach_, 2.0 * fastest);  // time for pairs that are not near yet
   for (const Pair& pair : pairs_) {
     const Near near = nearness(pair, motion, sliding_bound);
     if (near.gap <= near.least_gap && !have_contact(pair.a, pair.b, near.axis)) continue;

@@ -31,7 +31,7 @@ class UnjoinedBlocks {
  private:
   struct Near {
     double gap;        // m; < 0: depth of an overlap
-    double least_gap;  // that they may have, m
+    double least_gap;  // least distance allowed, m
     int axis;          // along which they are farthest apart
   };
   void find_pairs(const std::vector<WholeMotion>& motion);

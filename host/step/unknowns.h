@@ -18,16 +18,16 @@ struct UnknownShare {
   geometry::Vector moves;
 };
 
-// Of a zone on the lattice, by the displacements of the gridpoints of its block.
+// Stress of a zone on the lattice, by the displacements of the gridpoints of its block.
 geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<geometry::Vector>& moved);
 
 class Unknowns {
  public:
-  using Entries = std::vector<Eigen::Triplet<double>>;  // of the lower triangle
+  using Entries = std::vector<Eigen::Triplet<double>>;  // entries of the lower triangle
   struct OfBlock {
     std::vector<std::array<int, 3>> gridpoint;        // -1: held
     std::array<int, 6> body{-1, -1, -1, -1, -1, -1};  // translations, spins about the axes; -1: held
-    geometry::Vector centre;                          // of a rigid block
+    geometry::Vector centre;                          // centre of a rigid block
     bool rigid = false;
   };
 

@@ -1,4 +1,4 @@
-// A campaign: all walls of a table, predicted and held against what was measured.
+// A campaign: all walls of a table, predicted and compared with what was measured.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ struct CampaignSettings {
   std::filesystem::path out;
   bool cyclic = false;
   int jobs = 1;
-  int samples = 0;                     // of each banded wall, with properties that scatter
+  int samples = 0;                     // samples of each banded wall, with properties that scatter
   std::vector<std::string> overrides;  // laid over every scene; for trials
 };
 
@@ -43,7 +43,8 @@ ScatterFactor lognormal_factor(const WallRow& row, int sample);
 
 struct Statistics {
   std::size_t count = 0;
-  double mean = 0.0, median = 0.0, variation = 0.0;  // of ratios; standard deviation over mean, n - 1
+  // Statistics of ratios; variation: standard deviation over mean, n - 1.
+  double mean = 0.0, median = 0.0, variation = 0.0;
 };
 Statistics statistics_of(const std::vector<double>& ratios);
 

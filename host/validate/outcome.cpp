@@ -19,7 +19,7 @@ using reproduce::Curve;
 // kLeading it is named first [assumed; the same for all walls].
 constexpr double kSeen = 0.08, kLeading = 0.25, kSlides = 0.5;
 constexpr double kSeenSliding = 0.2;
-constexpr double kKept = 0.8;  // of the peak: the loss that ends a wall's capacity by convention
+constexpr double kKept = 0.8;  // share of the peak: the loss that ends a wall's capacity by convention
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;

@@ -16,12 +16,12 @@ constexpr double kGravity = 9.81;                        // m/s2
 constexpr double kMortarJoint = 10.0, kThinJoint = 2.0;  // mm
 // Largest number of half units; walls of more get blocks that stand for several courses. 0.3 to 1 s each.
 constexpr int kMostHalfUnits = 700;
-constexpr double kBondedThickness = 1.5;  // of a unit's width: beyond it headers tie leaves
-constexpr double kDrift = 0.01;           // of the height, that a wall is pushed to
+constexpr double kBondedThickness = 1.5;  // limit in unit widths: in thicker walls headers tie leaves
+constexpr double kDrift = 0.01;           // share of the height by which a wall is pushed
 constexpr double kCyclicDrifts[] = {0.001, 0.002, 0.003, 0.005, 0.008};
 constexpr double kCyclicVelocity = 0.01;                    // m/s
 constexpr double kBeamHeight = 0.1, kBeamDensity = 7850.0;  // m, kg/m3
-// Top moments below this ratio are those of a top that is held.
+// H0/H of a wall whose top is held from rotation, and of rows that give none.
 constexpr double kHeldSpan = 0.5;
 
 std::string upper(std::string text) {

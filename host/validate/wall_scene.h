@@ -12,7 +12,7 @@ struct TestScene {
   std::string text;  // TOML, a scene that `quoin run` takes
   MasonryNumbers numbers;
   double load_height = 0.0;       // m, where the horizontal force acts
-  double top_displacement = 0.0;  // of the top of the wall over that of the driven point
+  double top_displacement = 0.0;  // displacement of the top of the wall over that of the driven point
   double bed_area = 0.0;          // m2
   int half_units = 0;             // a measure of the cost
 };

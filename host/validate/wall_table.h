@@ -12,7 +12,7 @@ using Given = std::optional<double>;  // nothing where the cell is blank
 
 // What a campaign reports of one wall. Units are those of the columns.
 struct WallRow {
-  int line = 0;  // of the table
+  int line = 0;  // line of the table
   std::string number, campaign, specimen, unit_type, bed_joints, head_joints, failure_mode;
   double height = 0.0, length = 0.0, thickness = 0.0;                   // m
   double axial_stress = 0.0;                                            // MPa, at the top

@@ -41,7 +41,7 @@ struct Records {
       : count(n),
         stride(static_cast<int64_t>(fields + gap) * stride_sign),
         memory((fields + gap) * (n + 2) + 1, kGuard) {
-    // The odd offset makes every element start on a double, and on nothing more.
+    // The odd offset aligns every element as a double, and not as a vector.
     first = memory.data() + (fields + gap) + 1;
     if (stride_sign < 0 && n > 0) first += (fields + gap) * (n - 1);
   }

@@ -89,7 +89,7 @@ std::string json_of(const std::string& law, const check::Settings& settings, con
   return out + "]}";
 }
 
-// The library's own findings are part of every law's report: who asks about a law must not miss them.
+// The library's own findings are part of every law's report: its reader must not miss them.
 Report check_law(const Report& library_report, const quoin_law& law, const check::Settings& given,
                  check::Settings* used) {
   Report report = library_report;

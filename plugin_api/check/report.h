@@ -45,7 +45,7 @@ class Report {
 
   int pipe_ = -1;
   char* current_ = nullptr;  // id of the clause, in memory that the child process shares: the last one, however it ends
-  Outcome* outcome_ = nullptr;  // of the current clause, in the child
+  Outcome* outcome_ = nullptr;  // outcome of the current clause, in the child
   std::map<std::string, Outcome> outcomes_;
   std::vector<std::string> notes_;
 };

@@ -10,7 +10,7 @@
 // Units: SI, degrees where a property's unit says so; tension and opening positive (quoin/metadata.h).
 // Ownership: a Material owns its quoin_material; the law and its library are the program's and must outlive it. Nothing
 // is kept of the values that it is made from.
-// Threads: a Material does not change once it is made; any number of threads may ask and evaluate at once, in batches
+// Threads: a Material does not change once it is made; any number of threads may read and evaluate at once, in batches
 // that share no outputs.
 // Errors: quoin::api::Error, which says what was refused, and by which law.
 #pragma once
@@ -129,7 +129,7 @@ class Material {
     expect(law_->initial_state(handle(), id.c_str(), values.data()), "no initial state " + id + "; it has " + known);
     return values;
   }
-  // Throws Error: the batch breaks the contract or asks for what the law does not offer, and nothing was written. What
+  // Throws Error: the batch breaks the contract or requests what the law does not offer, and nothing was written. What
   // becomes of single points the batch tells: failed_count, worst_status, status.
   void evaluate(quoin_batch& batch) const {
     const quoin_status status = law_->evaluate(handle(), &batch);

@@ -268,7 +268,7 @@ void check_varied_field(const Library& library, Integrate integrate, const quoin
   CHECK(std::strstr(bad.message, "opening (nan, 0, 0) m") != nullptr);
 }
 
-// The law is looked for once: a file of its name that appears later, and is no law, is not met.
+// The law is sought once: a file of its name that appears later, and is no law, is not met.
 void check_law_is_kept(const Library& library, Integrate integrate, const quoin_law& law) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("quoin_mgis_" + std::to_string(getpid()));

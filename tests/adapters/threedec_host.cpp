@@ -142,7 +142,7 @@ void* symbol(const char* plugin, const char* name) {
   return address;
 }
 
-// 3DEC looks for jmodelNAME###.dll: what getName exports, and the three digits of the version it asks for.
+// 3DEC looks for jmodelNAME###.dll: what getName exports, and the three digits of the version it requests.
 std::string exported_name(const char* plugin) {
   const auto name = reinterpret_cast<const char* (*)()>(symbol(plugin, "getName"));
   const auto major = reinterpret_cast<unsigned (*)()>(symbol(plugin, "getMajorVersion"));
@@ -188,7 +188,7 @@ void check_synonyms(const JointModel& prototype) {
   CHECK(index_of(prototype, "stiffness-normal") == 1);
 }
 
-// 3DEC asks for stiffnesses while the properties come in one by one: 0 until they make a material.
+// 3DEC requests stiffnesses while the properties come in one by one: 0 until they make a material.
 void check_stiffness_before_properties(const JointModel& prototype) {
   const Model model(prototype.clone());
   CHECK(model->getMaxNormalStiffness() == 0.0);

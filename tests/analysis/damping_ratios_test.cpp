@@ -1,4 +1,4 @@
-// Damping ratios of the first modes of a stage, held against a block on one joint.
+// Damping ratios of the first modes of a stage, compared with a block on one joint.
 #include "analysis/damping_ratios.h"
 
 #include <gtest/gtest.h>

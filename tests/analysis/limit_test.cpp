@@ -129,7 +129,7 @@ TEST(Limit, ManyPointsAreSolvedInTheMiddle) {
   EXPECT_EQ(answer.friction, 0.0);
 }
 
-// Forces of the result are in equilibrium and within strength: what the static theorem asks for, checked without the
+// Forces of the result are in equilibrium and within strength: what the static theorem requires, checked without the
 // solver.
 TEST(Limit, ForcesAreInEquilibriumAndWithinStrength) {
   const LimitProblem problem = running_bond(3, 5, 0.65, 1);

@@ -76,7 +76,7 @@ TEST_F(Again, OtherBitsAreToldWithTheReason) {
   EXPECT_THAT(error_, HasSubstr("not as then: law " + law));
   fs::copy_file(fs::path(QUOIN_PROGRAM).parent_path() / "laws" / "coulomb_slip.so", law,
                 fs::copy_options::overwrite_existing);
-  // The other law has other properties to ask for: refused, or another curve.
+  // The other law needs other properties: refused, or another curve.
   const int code = again();
   EXPECT_TRUE(code == 4 || code == 5) << code << error_;
   if (code == 5) {

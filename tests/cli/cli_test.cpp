@@ -427,7 +427,7 @@ TEST_F(Cli, RunWritesEveryResult) {
 }
 
 // Ten metres a second carries a third more force than the wall has strength, and the stage ends inside its ramp. Mass
-// scaled by 1e9 gives steps of half a second, which pass the displacement asked for. Neither says what a wall bears.
+// scaled by 1e9 gives steps of half a second, which pass the displacement requested. Neither says what a wall bears.
 TEST_F(Cli, RunsThatAreNotSlowEnoughAreNotVouchedFor) {
   const std::string wall = QUOIN_SCENES "/solid_wall_030.toml";
   for (const auto& [setting, words] : {std::pair{"stage.shear.velocity=10", "ended inside its ramp"},

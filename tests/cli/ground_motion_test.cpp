@@ -203,7 +203,7 @@ TEST_F(GroundMotion, AModeIsAmplifiedAsTheoryHasIt) {
   }
 }
 
-// Local damping and mass damping brake what slides or rocks on the ground. A stage that asks for them is warned of on
+// Local damping and mass damping brake what slides or rocks on the ground. A stage that requests them is warned of on
 // the screen, in the summary and by check. What [solver] alone writes is refused.
 TEST_F(GroundMotion, DampingThatFalsifiesMotionIsToldOf) {
   const std::string shake = kShake;

@@ -77,7 +77,7 @@ solver = { time_step_fraction = 0.4, damping = "local", local_damping = 0.2 }
   ASSERT_EQ(run(scene, {"--set", "stage.faster.duration=1e-6"}), 0) << error_;
   nlohmann::json all = summary();
   const double critical = all["critical_time_step_s"];
-  EXPECT_NEAR(all["time_step_s"], 0.4 * critical, 1e-12 * critical);  // grows, too, where a stage asks for it
+  EXPECT_NEAR(all["time_step_s"], 0.4 * critical, 1e-12 * critical);  // grows, too, where a stage requests it
   const auto& stages = all["settings"]["stages"];
   for (const int i : {0, 1}) {  // what a stage sets holds in those after it
     EXPECT_EQ(stages[i]["damping"], "viscous") << i;
@@ -162,7 +162,7 @@ TEST_F(Stages, ABlockIsFoundByTheLastPartOfItsName) {
   EXPECT_THAT(error_, HasSubstr("no block is called 'Foundation', did you mean 'bridge/Foundation'?"));
 }
 
-// Stiffness is asked for where blocks deform, and there alone.
+// Stiffness is requested where blocks deform, and there alone.
 TEST_F(Stages, RigidBlocksNeedNoStiffness) {
   ASSERT_EQ(run(write(kBlocks)), 0) << error_;  // its stone has a density and nothing else
   const std::string zoned =
@@ -176,7 +176,7 @@ TEST_F(Stages, RigidBlocksNeedNoStiffness) {
   EXPECT_EQ(quoin({"check", small_, "--set", "wall.rigid_units=true", "--set", "wall.zones=[1,1,1]"}), 3);
 }
 
-// Corners alone make joints that carry tension too stiff in bending, and are for those who ask for them; dry ones turn
+// Corners alone make joints that carry tension too stiff in bending, and are for those who request them; dry ones turn
 // about them.
 TEST_F(Stages, CheckTellsOfJointsWithCornersAlone) {
   const std::string bonded =

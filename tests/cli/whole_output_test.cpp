@@ -1,4 +1,4 @@
-// All that commands write, held against texts that people have read (approved/): help, checks of the shipped scenes,
+// All that commands write, compared with texts that people have read (approved/): help, checks of the shipped scenes,
 // and short runs. Of these words, histories, summaries, scripts of pictures and arrays of frames. Tests of single
 // numbers stand elsewhere; this one sees what lies between them. Runs stay below the cracking of most joints, so that a
 // rounding stays one: the texts are those of AVX-512, and of AVX2 to 1e-5.

@@ -62,7 +62,7 @@ TEST(Page, EveryStepOfRandomPaths) {
         History page = points.history(i);
         const History old = page;
         const Outcome o = update(joint, page, walks[i].dn, walks[i].step_s, walks[i].step_t);
-        // A joint that stands at h = 0 to rounding is open to one and closed to the other.
+        // A joint at h = 0 to rounding may be open for the law and closed for the page's equations.
         const Real h = walks[i].dn + old.w - uplift(old) - old.q;
         const Real reach_n = std::abs(static_cast<Real>(walks[i].dn)) + old.w + uplift(old) + old.q;
         if (std::abs(h) < 4e-16L * reach_n) {

@@ -521,7 +521,7 @@ TEST_F(Ensemble, FailsWhereAllSamplesFail) {
   }
 }
 
-// What only the results ask for is looked at before the work, and may be changed after it.
+// What only the results request is checked before the work, and may be changed after it.
 TEST_F(Ensemble, FragilitiesOfNoColumnAreRefusedBeforeTheWork) {
   const auto write = [&](const std::string& output) {
     std::string text = read_all(study_);

@@ -143,7 +143,7 @@ TEST(Cycles, StopWhereAHalfCycleLosesForce) {
   const double kept = largest[2] / largest[0];
   ASSERT_LT(kept, 0.95);
   ASSERT_GT(largest[1], 0.0);
-  // Forces are looked at every 20 steps, and may miss the largest by little.
+  // Forces are checked every 20 steps, and may miss the largest by little.
   EXPECT_TRUE(run(std::to_string(0.97 * std::min({kept, largest[3] / largest[1], largest[4] / largest[0],
                                                   largest[5] / largest[1]})))
                   .first->outcome()

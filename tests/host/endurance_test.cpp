@@ -14,7 +14,7 @@
 namespace quoin {
 namespace {
 
-// At rest as a whole: a drifting block loses digits of its deformation to those of its place.
+// Takes rigid motion away: in a block that drifts, place and deformation share the digits of a number.
 void take_away_drift(Simulation* simulation) {
   const Model& model = simulation->model();
   Vec3 momentum{};

@@ -205,7 +205,7 @@ TEST(Lintel, BendsLikeABeamWhenItsMeshIsRefined) {
   EXPECT_NEAR((4.0 * fine - coarse) / 3.0, 0.0, 0.05);
 }
 
-// With the inertia of every quality: one lintel among half units, so some lanes of its group are empty.
+// With true and with added inertia. One lintel among half units: some lanes of its group are empty.
 TEST(Lintel, StableJustBelowTheLimitUnstableJustAbove) {
   for (const double deformation_inertia : {1.0, 64.0}) {
     const auto largest = [&](double fraction) {

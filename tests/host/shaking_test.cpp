@@ -321,7 +321,7 @@ TEST(Maxwell, IsFlatOverItsBand) {
 }
 
 // A block on a joint, let swing about its weight. The logarithmic decrement over ten cycles gives the ratio within 10 %
-// of what is asked for at frequencies all over the band. The elements' own ratio is within 3 %. The frequency is that
+// of what is requested at frequencies all over the band. The elements' own ratio is within 3 %. The frequency is that
 // of the stiffer spring. The weight is so little that the block sinks by 4 mm at most. No vibration is left out:
 // without damping of impacts nothing else takes energy.
 TEST(Maxwell, DampsVibrationsAlikeOverTheBand) {

@@ -271,7 +271,7 @@ TEST(TimeStep, MassScalingIsReported) {
   EXPECT_GT(some.added_mass, 0.0);
   EXPECT_GE(some.critical.value * selective.time_step_fraction, some.time_step * (1 - 1e-9));
   for (std::size_t i = 0; i < raised.node.size(); ++i) EXPECT_GE(raised.node[i], model.node_mass[i]);
-  // No more than row sums ask for: the stiffest row meets the step.
+  // No more than row sums require: the stiffest row meets the step.
   const double wanted = selective.selective_time_step / selective.time_step_fraction;
   EXPECT_NEAR(some.gershgorin.value, wanted, 1e-12 * wanted);
 }

@@ -151,7 +151,7 @@ TEST_P(Turned, NamesOfAxesChangeNothing) {
         near(ua[g], ub[h], 1e-3);
         near(va[g], vb[h], 1.0);
       }
-      // Zones are numbered otherwise: what does not depend on the order is held against each other.
+      // Zones are numbered otherwise: what does not depend on the order is compared with each other.
       Vec3 normal_a{}, normal_b{}, shear_a{}, shear_b{};
       for (const auto& s : block_stress(*straight, i))
         for (std::size_t c = 0; c < 3; ++c) normal_a[c] += s[c], shear_a[c] += s[3 + (c + 1) % 3];  // c: not in it

@@ -95,7 +95,7 @@ TEST(Watch, OverlapIsToldFromAFivePercentOfTheLeastExtentOn) {
   }
 }
 
-// Of steps that are looked at, a few of some thousand, though nobody has asked for energies.
+// Of steps that are checked, a few of some thousand, though energies are not requested.
 TEST(Watch, EnergiesOfSomeStepsAreLookedAt) {
   const auto missing = [](const std::string& solver, const std::string& of_stone) {
     Simulation simulation(read_scene_text(

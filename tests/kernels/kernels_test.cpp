@@ -385,7 +385,7 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
   EXPECT_EQ(a.status[3], QUOIN_POINT_FAILED);
 }
 
-// Tractions and states take a shorter way through the law when nothing else is asked for, with properties point by
+// Tractions and states take a shorter way through the law when nothing else is requested, with properties point by
 // point too. They have the same bits, and the same points fail. With all outputs a law derives what it needs at every
 // point. Without, shorter ways may do: of strengths and energies alone, with stiffnesses, with angles. Energies of one
 // point in eight reach far into what snaps back and is refused. The first steps are so small that all else is elastic.

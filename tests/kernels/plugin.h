@@ -43,7 +43,7 @@ inline api::Material make_material(const quoin_law& law, const Values& given) {
   return {law, values};
 }
 
-// Columns of a batch with stride 1, new apart from old, every output asked for.
+// Columns of a batch with stride 1, new apart from old, every output requested.
 struct Batch {
   std::size_t count, states;
   std::vector<std::vector<double>> in,

@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Damage,
                          ::testing::Values(reference::Shape::linear, reference::Shape::exponential,
                                            reference::Shape::table));
 
-// Results that are asked for without the others: the same as all together, whichever they are.
+// Results that are requested without the others: the same as all together, whichever they are.
 TEST(Outputs, AskedForAloneAreThoseAskedForTogether) {
   const Step step(mortar(), points(-2e-6, 60e-6), points(0.0, 200e-6));
   constexpr std::size_t kStored = 1, kDissipated = 4, kTangent = 9, kAll = kStored + kDissipated + kTangent;

@@ -46,7 +46,7 @@ family = "dry"
 struct Pull {
   double largest = 0.0, debonded = 0.0, energy_error = 0.0;
 };
-// every: steps from one look to the next.
+// every: steps from one check to the next.
 Pull pulled(const Scene& scene, int every = 20) {
   Simulation simulation(scene, 1);
   Pull result;

@@ -82,7 +82,7 @@ TEST(Correlation, VarianceOfAMeanOfAShortIntervalIsThatOfAPoint) {
   EXPECT_NEAR(variance_of_mean(1e4, 1.0), 2e-4, 1e-7);                                // scale of fluctuation over T
 }
 
-// Mean and scatter of the mean over a joint are those asked for.
+// Mean and scatter of the mean over a joint are those requested.
 TEST(Correlation, PointsScatterMoreSoThatTheirMeanScattersAsGiven) {
   const std::vector<double> x{0.0, 0.0275, 0.055, 0.0825, 0.11}, weight{0.125, 0.25, 0.25, 0.25, 0.125};
   constexpr double kLength = 0.05;

@@ -1,5 +1,5 @@
-// All that a study asks for and says, word for word. Its runs with their overrides; from curves that are made up its
-// verdicts, tables, sentences and the scripts of its charts. Single numbers are held against closed forms in
+// All that a study requests and says, word for word. Its runs with their overrides; from curves that are made up its
+// verdicts, tables, sentences and the scripts of its charts. Single numbers are compared with closed forms in
 // studies_test.cpp; this one sees the words, labels, orders and constants between them. The texts were read by people
 // (approved/STUDY.txt, STUDY_brittle.txt, STUDY_reference.txt); no simulation, no gnuplot.
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Cycles: their closed form, the loss of force, and scenes that ask for them.
+// Cycles: their closed form, the loss of force, and scenes that request them.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

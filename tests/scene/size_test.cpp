@@ -48,7 +48,7 @@ TEST(Size, OfBlocksFollowsTheirEdgesAndPoints) {
   EXPECT_GT(dense.points, 100 * arch.points);
   EXPECT_EQ(dense.blocks, arch.blocks);
   const SceneSize zoned = size_with("arch", {"arch.arch.rigid=false", "arch.arch.zone_edge=0.01"});
-  // 157.5 degrees at 10.75 m in 7, 1.5 m, 1 m: 422, 150 and 100 hexahedra of 5 zones.
+  // A voussoir is 157.5/7 degrees at 10.75 m long, 1.5 m thick, 1 m deep: 422, 150 and 100 hexahedra of 5 zones.
   EXPECT_EQ(zoned.blocks, 7);
   EXPECT_EQ(zoned.zones, 7.0 * 5 * 423 * 150 * 100);
 }
@@ -71,7 +71,7 @@ TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
   const std::string wall =
       "[[dry_wall]]\nmaterial = \"stone\"\ncourses = 3\nunits_per_course = 4\nunit = [0.4, 0.2, 0.3]\n";
   // A course of 4 units is cut into 5 at most. Head joints, and bed joints: whole units lie on two.
-  // Elastic: each of them may have the 17 points that integrate bending, unless corners are asked for.
+  // Elastic: each of them may have the 17 points that integrate bending, unless corners are requested.
   expect(size(wall), 15, 0, 15 * (17 + 2 * 17));
   expect(size(wall + end + "[contact]\ncubic_points = false\n"), 15, 0, 15 * (4 + 2 * 4));
   expect(size(wall + "rigid = false\nzones = [2, 3, 4]\n"), 15, 15 * 5 * 4 * 3 * 4, 15 * (4 * 5 + 2 * 3 * 5));

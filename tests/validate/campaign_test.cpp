@@ -108,7 +108,7 @@ TEST_F(Validate, FourWallsOfTheTable) {
   EXPECT_GE(met, 3);
 }
 
-// Mean 1 and the coefficient of variation that was asked for; 4000 draws know them to 1 and 2 %, three times that here.
+// Mean 1 and the coefficient of variation that was requested; 4000 draws know them to 1 and 2 %, three times that here.
 TEST(Bands, FactorsAreLognormalOfMeanOne) {
   quoin::validate::WallRow row;
   row.number = "7";

@@ -1,4 +1,4 @@
-// The rule from tests to properties, held against the paper's tables and against codes by hand.
+// The rule from tests to properties, compared with the paper's tables and with codes by hand.
 #include <gmock/gmock.h>
 
 #include <cmath>

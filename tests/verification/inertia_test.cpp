@@ -23,7 +23,7 @@ SolverSettings by_block(double deformation, double unit = 1.0, double fraction =
 }
 
 // One block, or the two halves of a unit on an elastic joint; turned about the origin. Contacts as those of walls in
-// large motion: points of the joint ride on their blocks.
+// large motion: points of the joint move with their blocks.
 Scene unit_scene(int halves, const Quaternion& turn = {}, const JointFamily& joint = elastic_joint(1e11, 5e10)) {
   Scene scene(joint, 2000, 1e9, 0.2);
   scene.assembly.contact.small_displacement = 0.0, scene.assembly.contact.joint_motion = 0.05;

@@ -325,7 +325,7 @@ DryWall ferris_tin_loi(int courses, double rate, double kn, double start, bool h
   for (int i = 0; i < m->block_count(); ++i) rest.push_back(position_of(*m, i));
   double alpha = 0.0, slip_at_uplift = -1;
   Curve path{"measured"};
-  // fast to `start`, then at the rate asked for
+  // fast to `start`, then at the rate requested
   while (alpha < 1.0) {
     alpha += (alpha < start ? 0.2 : rate) * 0.002;
     m->set_gravity({alpha * gravity, -gravity, 0});

@@ -32,7 +32,7 @@ inline constexpr SavedState kSaved{
 
 using VisitName = std::function<void(const std::string& block)>;
 
-// Of blocks in large motion. What an action does not have is null.
+// An action on blocks in large motion. Functions that it does not have are null.
 struct Action {
   // Blocks that a stage names: looked up before anything runs, and known to all ranks when the stage begins.
   void (*names)(const Stage& stage, const VisitName& visit) = nullptr;

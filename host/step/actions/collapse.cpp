@@ -29,7 +29,7 @@ constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as up
 // Growth of the largest displacement in a window of time that counts as none, of what counts as collapse. A load that
 // is too large by 0.1 % of the weight moves a block by more, even with nine tenths of its acceleration lost to damping.
 constexpr double kAtRest = 1e-3;
-constexpr double kMostSeen = 0.01;  // m; larger displacements of collapse make it no harder to see that blocks rest
+constexpr double kMostSeen = 0.01;  // m; larger displacements of collapse leave the criterion for rest as it is
 
 void watch_uplift(Simulation::Impl& s) {
   if (s.outcome.base_slip_at_uplift) return;
@@ -106,7 +106,7 @@ void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
 
 }  // namespace
 
-// Blocks on their own side of the border alone: watch_uplift asks each rank for its own.
+// Blocks on their own side of the border alone: watch_uplift takes those of each rank.
 void find_blocks_on_base(Simulation::Impl& s) {
   const auto& blocks = s.large_motion->assembly.blocks;
   s.reactions.on_base.assign(blocks.size(), 0);

@@ -16,8 +16,8 @@ using geometry::Vector;
 
 namespace {
 
-// Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
-// components that are let go from what their support has carried. previous: null: there was no stage.
+// Drives of the stage, and what was driven before and is now free. Velocities grow from the current ones, forces of
+// released components from what their support has carried. previous: null: there was no stage.
 void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   blocks::Model& m = *s.large_motion;
   std::vector<Drive> before = std::move(s.actions.drives);

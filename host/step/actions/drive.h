@@ -1,4 +1,4 @@
-// Blocks that a stage moves, or loads at their centres; supports are such, and what is let go of.
+// Blocks that a stage moves, or loads at their centres; supports are such, and what is released.
 #pragma once
 
 #include "step/state.h"

@@ -54,7 +54,7 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
 Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double time, std::int32_t motion) {
   if (!of_stage.ground) return {};
   const GroundMotion& ground = *of_stage.ground;
-  if (motion > static_cast<std::int32_t>(ground.supports.size())) return {};  // of a stage before
+  if (motion > static_cast<std::int32_t>(ground.supports.size())) return {};  // the motion is one of a stage before
   const GroundMotion& moving = motion > 0 ? ground.supports[static_cast<std::size_t>(motion) - 1] : ground;
   Vector of_record;
   for (const GroundMotion::Component& c : moving.components)

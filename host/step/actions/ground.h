@@ -7,7 +7,7 @@ namespace quoin {
 
 constexpr double kGroundAtRest = 1e-12;  // m/s, rounding of a record that ends at rest
 
-// Of the ground motion of a stage, m/s. motion: as in Drive.
+// Velocity of the ground motion of a stage, m/s. motion: as in Drive.
 geometry::Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double time,
                                  std::int32_t motion = 0);
 geometry::Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage,

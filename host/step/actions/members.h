@@ -5,6 +5,6 @@
 
 namespace quoin {
 
-void build_members(Simulation::Impl& s);  // of the scene
+void build_members(Simulation::Impl& s);  // members of the scene
 
 }  // namespace quoin

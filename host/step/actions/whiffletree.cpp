@@ -71,7 +71,7 @@ void pull_whiffletree(Simulation::Impl& s) {
   const Whiffletree& tree = *settings.whiffletree;
   const double moved = s.controls.cycles ? s.controls.cycles->position(stage_time(s))
                                          : tree.velocity * smooth_way(stage_time(s), settings.ramp_time);
-  // Displacements of now, as the joints have them: a spring that sees them one step late feeds energy in at any step.
+  // Current displacements, as for the joints: a spring with those of a step ago would add energy in every step.
   double mean = 0.0;
   for (std::size_t f = 0; f < s.controls.whiffletree.size(); ++f)
     mean += floor_displacement_now(s, f) / static_cast<double>(s.controls.whiffletree.size());

@@ -16,7 +16,7 @@ struct ColumnGroup {
   std::vector<double> (*values)(const Simulation::Impl& run);
 };
 
-// Of all groups, in the order of the file.
+// Columns of all groups, in the order of the file.
 std::vector<std::string> added_columns(const Scene& scene);
 std::vector<double> added_values(const Simulation::Impl& run);
 

@@ -19,7 +19,7 @@ struct Drive {
   // bits 0..2: this component is of the ground, which adds its record to the velocities below: what is left of earlier
   // records.
   std::uint8_t of_ground = 0;
-  std::int32_t motion = 0;  // that of the ground: 0; of a group of supports: from 1 on
+  std::int32_t motion = 0;  // index of the motion: 0: that of the ground; from 1 on: of a group of supports
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
   geometry::Vector force_from, force_to, force_now;                   // N, along free components
 };
@@ -28,7 +28,7 @@ struct Drive {
 // the multiplier takes to grow by a hundredth. They have stood four times as long as a fall by what counts as collapse,
 // too. Else what moves them later may be what the ramp has set in motion.
 struct FirstLoad {
-  double since = -1.0;                 // s, in the stage; < 0: not looked at yet
+  double since = -1.0;                 // s, in the stage; < 0: not checked yet
   double lowest = 0.0, highest = 0.0;  // largest displacement of a block since then, m
   bool carried = false;
   void look(double time, double moved, double allowed, double needed);   // s, m, m, s
@@ -38,7 +38,7 @@ struct FirstLoad {
 struct Actions {
   std::vector<Drive> drives;
   std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
-  double multiplier = 0.0;                             // of the body force of a collapse stage
+  double multiplier = 0.0;                             // multiplier of the body force in a collapse stage
   FirstLoad first_load;
 
   const Drive* ground_drive() const;  // a block that moves as the ground does; null: none

@@ -31,7 +31,7 @@ struct LoadRamp {
   Vec3 from{}, to{}, now{};  // N
 };
 
-// Of a whiffletree.
+// A floor of a whiffletree.
 struct WhiffletreeFloor {
   std::vector<int> bodies, loaded;  // loaded: indices into Controls::loaded_blocks
   std::vector<int> large_motion;    // blocks in large motion, in place of both
@@ -43,17 +43,17 @@ struct Controls {
   std::vector<LoadRamp> load_ramps;   // by loaded block
   Vec3 gravity_from{}, gravity_to{};  // m/s2
 
-  std::vector<int> ramped_bodies;             // whose control changes over the ramp
+  std::vector<int> ramped_bodies;             // bodies whose control changes over the ramp
   std::vector<LoadedBlock> loaded_blocks;     // deformable blocks that have a name
-  LaneVector<double> load;                    // of groups with loaded blocks: [component][lane], m/s2
+  LaneVector<double> load;                    // acceleration of groups with loaded blocks: [component][lane], m/s2
   std::vector<const double*> load_of_group;   // by block group, into load; null: none
-  std::vector<WhiffletreeFloor> whiffletree;  // in stages that have one
-  std::optional<CyclicMotion> cycles;         // of the stage
+  std::vector<WhiffletreeFloor> whiffletree;  // floors, in stages with a whiffletree
+  std::optional<CyclicMotion> cycles;         // cycles of the stage
   bool settled = true;                        // the ramp of the stage is over, and no body moves in cycles
   bool rest_known = true;                     // BodyLanes::at_rest is up to date
 
   void find_loaded_blocks(const Model& model);
-  void apply_load(const Model& model, std::size_t loaded);  // what load_ramps has now, to the block's group
+  void apply_load(const Model& model, std::size_t loaded);  // current value of load_ramps, to the block's group
   int ground_body() const;                                  // a body that moves as the ground does; -1: none
 };
 

@@ -16,8 +16,8 @@ struct LawCall {
   quoin_batch batch{};
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
-  std::vector<quoin_property_column> properties;  // that scatter
-  double force_sum = 0.0;                         // of |force|, measured steps
+  std::vector<quoin_property_column> properties;  // properties that scatter
+  double force_sum = 0.0;                         // sum of |force| in measured steps
   bool failed = false;
   quoin_status status = QUOIN_OK;
   double deepest = 0.0;  // smallest opening, m, measured steps
@@ -26,7 +26,7 @@ struct LawCall {
   double stored = 0.0;                 // J, energy steps
   std::array<double, 4> dissipated{};  // J during the last step, energy steps
   double damping = 0.0;                // J during the last step, by the damping of impacts
-  Vec3 on_monitor{};                   // of the last row, on the deformable blocks of the monitor, N; with ranks
+  Vec3 on_monitor{};                   // force of the last row on the deformable blocks of the monitor, N; with ranks
 };
 
 struct LatticeContacts {
@@ -35,8 +35,8 @@ struct LatticeContacts {
   LaneVector<double> energy_columns[5];  // stored, dissipated by mode; by contact point, energy runs only
   std::atomic<bool> law_failed{false};
   bool keep_diagnostics = false;
-  ImplicitContacts implicit;      // where the stage has them
-  std::vector<int> implicit_end;  // of their pieces, per thread
+  ImplicitContacts implicit;      // implicit contacts, in stages that have them
+  std::vector<int> implicit_end;  // ends of their pieces, by thread
 
   void bind_energies(LawCall& call, const ContactChunk& chunk) {
     call.batch.energy_stored = {energy_columns[0].data() + chunk.first_point, 1};

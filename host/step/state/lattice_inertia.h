@@ -14,7 +14,7 @@ namespace quoin {
 struct LatticeInertia {
   Inertia in_use;
   LaneVector<double> dt_over_mass;                 // lane layout, s/kg; 0 for held components
-  std::set<std::vector<double>> tables;            // of groups whose blocks share them
+  std::set<std::vector<double>> tables;            // tables of groups whose blocks share them
   std::vector<const double*> shared_dt_over_mass;  // by block group, into tables; null: its blocks differ
   std::vector<BodyGroupInertia> of_body_group;
 

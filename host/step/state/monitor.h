@@ -16,11 +16,11 @@ struct StageMonitor {
   };
 
   Vec3 start{};               // displacement when the stage began, m
-  std::vector<int> bodies;    // on the lattice
-  std::vector<int> loaded;    // and deformable blocks, indices into Controls::loaded_blocks
-  std::vector<Point> points;  // of these blocks, in order
-  std::vector<int> blocks;    // in large motion
-  bool stands_below = false;  // at the start of the stage: what these blocks touch is above them
+  std::vector<int> bodies;    // bodies on the lattice
+  std::vector<int> loaded;    // deformable blocks on the lattice, indices into Controls::loaded_blocks
+  std::vector<Point> points;  // points of these blocks, in order
+  std::vector<int> blocks;    // blocks in large motion
+  bool stands_below = false;  // whether these blocks lie below what they touch, at the start of the stage
 };
 
 }  // namespace quoin

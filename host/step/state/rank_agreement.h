@@ -13,12 +13,12 @@ namespace quoin {
 struct RankAgreement {
   bool failed = false;       // one of them in this step
   bool stop_wanted = false;  // here
-  bool stop = false;         // of any rank
+  bool stop = false;         // whether any rank is to stop
   bool together = true;      // all ranks end in the same way
-  // Of a run in parts, for rank 0.
+  // End conditions of a run in parts, for rank 0.
   std::optional<std::array<long, kConditionCount>> end_conditions;
   std::uint64_t end_hash = 0;
-  std::optional<std::uint64_t> start_hash;  // where states differ from rank to rank at the start
+  std::optional<std::uint64_t> start_hash;  // hash where states differ from rank to rank at the start
 };
 
 }  // namespace quoin

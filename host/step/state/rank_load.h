@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-// Steps of this rank since the last look at how even the ranks are.
+// Steps of this rank since the last check of how even the ranks are.
 struct RankWindow {
   long steps = 0;
   double seconds_before = 0.0;    // RankTraffic::own_seconds when it began
@@ -27,12 +27,12 @@ struct CostlyBlocks {
 
 struct RankLoad {
   Clock::time_point run_start = Clock::now();
-  RankTraffic traffic;  // of this rank
+  RankTraffic traffic;  // traffic of this rank
   std::vector<RankTraffic> traffic_of_all;
   RankBalance balance;
   RankWindow window;
   std::vector<double> measured_over_estimated;  // cost by block; empty: nothing is known yet
-  std::optional<CostlyBlocks> costly_blocks;    // for tests
+  std::optional<CostlyBlocks> costly_blocks;    // costs for tests
 };
 
 }  // namespace quoin

@@ -10,7 +10,7 @@ struct RankParts {
   bool divided = false;                            // each rank holds a part of the model
   bool holds_all = true;                           // this one all of it
   bool gathered = true, gathered_by_first = true;  // all of it, since the last step: by everybody, by rank 0
-  bool has_row = false;                            // what a row takes, in large motion in parts, of the last step
+  bool has_row = false;  // whether numbers of a row of the last step are gathered; large motion in parts
   Halo halo;
 };
 

@@ -17,8 +17,8 @@ struct SmallMotion {
   long next_check = 0;  // step
   JointSliding joint_sliding;
   UnjoinedBlocks unjoined;
-  std::function<int(const blocks::Meeting&)> meeting_family;  // of blocks that meet; empty: not asked yet
-  std::vector<WholeMotion> whole_motions;                     // by brick, of the last look
+  std::function<int(const blocks::Meeting&)> meeting_family;  // family of two blocks that meet; empty: not needed yet
+  std::vector<WholeMotion> whole_motions;                     // by brick, of the last check
   double extent = 0.0;                                        // diagonal of the model at the start, m
   std::vector<std::uint8_t> held_blocks;                      // held_in of the stage
 };

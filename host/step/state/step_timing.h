@@ -9,7 +9,7 @@
 namespace quoin {
 
 // One step in so many is timed phase by phase: a percent of a step, and no more. A prime: what comes at round
-// intervals, such as looks at motion, falls on timed steps as often as on others.
+// intervals, such as checks of motion, falls on timed steps as often as on others.
 constexpr long kTimedSteps = 31;
 
 using Clock = std::chrono::steady_clock;
@@ -19,7 +19,7 @@ inline double seconds_since(Clock::time_point start) {
 
 struct StepTiming {
   bool every_step = false;
-  double timed_steps = 0.0;  // that the time of this one stands for; 0: it is not timed
+  double timed_steps = 0.0;  // number of steps that the time of this one stands for; 0: not timed
   PhaseTimes phases;
   std::vector<PhaseClock> clocks;  // by thread
 

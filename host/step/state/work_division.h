@@ -12,14 +12,14 @@
 namespace quoin {
 
 struct WorkDivision {
-  std::vector<double> item_cost, chunk_cost;  // of all, any unit; of an item without its contact points
+  std::vector<double> item_cost, chunk_cost;  // costs of all, in any unit; item_cost is without contact points
   RankShare share;
   std::vector<int> chunk_end, border_end, item_end;  // per thread, into those lists
   std::vector<int> unit_of_group;                    // by block group: its item
-  std::vector<int> item_by_block;                    // in large motion
+  std::vector<int> item_by_block;                    // items in large motion
 
   // What threads work in.
-  std::size_t largest_group = 0;            // of deformable blocks, doubles
+  std::size_t largest_group = 0;            // size of the largest group of deformable blocks, doubles
   std::vector<LaneVector<double>> scratch;  // per thread
   std::vector<std::unique_ptr<ChunkJumps>> jumps;
   std::vector<Measured> measured;  // by item, of the last measured step

@@ -1,6 +1,6 @@
 // The types of 3DEC's interface, read off its own declarations. 3DEC 7 has wide String, UInt, UByte for a dimension,
 // Variant with toDouble(). 3DEC 9 has string, uint32 for both, base::Property with to<double>(). QUOIN_3DEC_VERSION
-// says which of them it is; beyond this file only the version number and the stiffness that is asked for depend on it.
+// says which of them it is; beyond this file only the version number and the stiffness that is requested depend on it.
 #pragma once
 
 #include <string_view>

@@ -34,7 +34,7 @@ std::uint32_t evaluate(adapters::PointBatch& point, const PointMaterial& of) {
   return point.evaluate(*of.material, of.column_count, of.columns);
 }
 
-// In plane strain the third component stays 0. states: where those of the end of the step go.
+// In plane strain the third component stays 0. states: memory for the states at the end of the step.
 void put_start(const BehaviourData& data, int components, double* states, adapters::PointBatch& point) {
   point.slip[1] = point.traction[2] = 0.0;
   std::copy_n(data.s0.thermodynamic_forces, components, point.traction);
@@ -137,7 +137,7 @@ int Behaviour::initialize(BehaviourData& data, const char* initial_state) const 
   }
 }
 
-// Looked for once: that asks the environment and the file system, a thousand times what a step costs.
+// Sought once: reading the environment and the file system costs a thousand times as much as a step.
 const quoin_law& Behaviour::law() const {
   const quoin_law* known = law_.load(std::memory_order_acquire);
   if (known == nullptr) {

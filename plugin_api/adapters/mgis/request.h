@@ -1,5 +1,5 @@
-// What K[0] asks for: its sign whether the step is integrated or only a prediction operator is due, its size which
-// operator. Above 50 it asks for the speed of sound as well (K[0] = 100 + request).
+// What K[0] requests: its sign whether the step is integrated or only a prediction operator is due, its size which
+// operator. Above 50 it requests the speed of sound as well (K[0] = 100 + request).
 #pragma once
 
 #include <cmath>

@@ -13,7 +13,7 @@ std::filesystem::path own_file();
 
 // The law of this name (NAME.so, on Windows NAME.dll). It is sought in the folders of QUOIN_LAW_PATH (separated by ':',
 // on Windows by ';'), in the adapter's own folder and in laws/ beside that. Throws std::runtime_error saying where it
-// was looked for, or why the library was refused. Any thread.
+// was sought, or why the library was refused. Any thread.
 const quoin_law& law_by_name(const std::string& name);
 
 // The first law of a library file.

@@ -28,7 +28,7 @@ PropertyValue scalar_value(const quoin_property_info& property, double number);
 // The material of these values of scalar_properties, NaN for the law's default. Throws as Material does.
 std::unique_ptr<Material> scalar_material(const quoin_law& law, std::span<const double> scalars);
 
-// The same: one a process for equal values, however many points ask, and kept to the end. Throws as Material does. Any
+// The same: one a process for equal values, shared by all points, and kept to the end. Throws as Material does. Any
 // thread.
 const Material& shared_material(const quoin_law& law, std::span<const double> scalars);
 

@@ -10,7 +10,7 @@ namespace quoin::adapters {
 
 constexpr std::uint64_t max_states = 32;
 
-// What a step asks of a law beyond traction and state. What is not asked for is not computed.
+// What a step requests of a law beyond traction and state. What is not requested is not computed.
 namespace outputs {
 constexpr unsigned nothing = 0, energies = 1, tangent = 2, flags = 4, all = 7;
 }  // namespace outputs
@@ -19,8 +19,8 @@ constexpr unsigned nothing = 0, energies = 1, tangent = 2, flags = 4, all = 7;
 // numbers. In the convention of the contract: tension and opening positive, traction in Pa, slip over the step.
 class PointBatch {
  public:
-  // The batch of this thread for this law; request: outputs::... It holds the numbers of whoever used it last. Throws
-  // std::runtime_error for a law that does not offer what is asked for; flags that a law does not offer are 0.
+  // The batch of this thread for this law; request: outputs::... It holds the numbers of its last use. Throws
+  // std::runtime_error for a law that does not offer what is requested; flags that a law does not offer are 0.
   static PointBatch& of_thread(const quoin_law& law, unsigned asked);
 
   // In.
@@ -32,7 +32,7 @@ class PointBatch {
   void states(const double* old, double* now) {
     for (std::size_t k = 0; k < state_old_.size(); ++k) state_old_[k].data = old + k, state_new_[k].data = now + k;
   }
-  // Out, where asked for.
+  // Out, where requested.
   double energy_stored = 0.0;
   double dissipated[QUOIN_DISSIPATED_COUNT] = {};
   double tangent[9] = {};  // row by row
