@@ -9,6 +9,8 @@ namespace quoin::ensemble {
 
 inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-inline nlohmann::ordered_json number_or_null(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nullptr; }
+inline nlohmann::ordered_json number_or_null(double v) {
+  return std::isfinite(v) ? nlohmann::ordered_json(v) : nullptr;
+}
 
 }  // namespace quoin::ensemble

@@ -131,7 +131,8 @@ Json output_json(const Results& r, const std::string& name) {
   // How the estimate settles as samples are added.
   for (std::size_t n = 5; n <= values.size(); n = n < values.size() ? std::min(values.size(), n * 2) : n + 1) {
     const Moments then = moments_of({values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n)});
-    json["convergence"].push_back({{"samples", n}, {"mean", number_or_null(then.mean)}, {"mean_95", pair(then.of_mean)}});
+    json["convergence"].push_back(
+        {{"samples", n}, {"mean", number_or_null(then.mean)}, {"mean_95", pair(then.of_mean)}});
   }
   return json;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/generate.h"
 #include "scene/actions/actions.h"
+#include "scene/generate.h"
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
 

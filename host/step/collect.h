@@ -19,8 +19,9 @@ struct ResultRun {
 };
 std::vector<ResultRun> runs_of_blocks(const Simulation::Impl& s);
 std::vector<ResultRun> runs_of_points(const Simulation::Impl& s);  // whole batches of their laws
-std::vector<ResultRun> runs_of_joints(const Simulation::Impl& s);  // runs of joints on the lattice, with all of their points
-bool brings(const Simulation::Impl& s, const ResultRun& run);      // this rank makes of it what rank 0 takes
+std::vector<ResultRun> runs_of_joints(
+    const Simulation::Impl& s);  // runs of joints on the lattice, with all of their points
+bool brings(const Simulation::Impl& s, const ResultRun& run);  // this rank makes of it what rank 0 takes
 // make: by the rank that has the run; take: by rank 0, in the order of runs. All ranks call it at the same moment: in
 // on_frame, or after run(). Where rank 0 has all of the state it makes everything, and others do nothing.
 void collect_at_first(const Simulation::Impl& s, std::span<const ResultRun> runs,

@@ -13,7 +13,7 @@
 namespace quoin {
 
 struct BlockMesh {
-  std::vector<Vec3> gridpoint;           // places at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
+  std::vector<Vec3> gridpoint;  // places at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
   std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid blocks
   std::vector<std::vector<int>> face;    // faces of the whole block, corner by corner, counter-clockwise from outside
   int unit = -1, course = -1;            // of masonry; -1: none

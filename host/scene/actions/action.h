@@ -20,7 +20,6 @@ struct StageAction {
 
 QUOIN_REGISTRY(StageAction, kStageActions, kGroundMotion, kCollapseLoad, kMovingLoad, kPointForces, kFacePressures);
 
-
 // The block that something acts on. names: those that the scene has; empty: they are looked up later.
 inline void read_block_name(reader::Table& t, std::string& block, const std::vector<std::string>& names) {
   if (names.empty())

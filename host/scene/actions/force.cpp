@@ -10,8 +10,7 @@ namespace {
 PointForce read_point_force(Table f, const std::vector<std::string>& names) {
   PointForce c{};
   read_block_name(f, c.block, names);
-  f.numbers("point", c.point, kPlace, "m, where it acts at the start; it moves with the block",
-            true);
+  f.numbers("point", c.point, kPlace, "m, where it acts at the start; it moves with the block", true);
   f.numbers("force", c.force, kAny, "N", true);
   f.finish();
   return c;

@@ -1,5 +1,5 @@
-// Columns that a scene adds to the history beside HistoryNumbers. A group of them is one file of this folder, and its name
-// in columns.cpp.
+// Columns that a scene adds to the history beside HistoryNumbers. A group of them is one file of this folder, and its
+// name in columns.cpp.
 #pragma once
 
 #include <string>
