@@ -140,7 +140,7 @@ py::tuple limit(const std::variant<py::dict, std::string>& source, const std::st
   std::string text;
   {
     const py::gil_scoped_release others_go_on;
-    const Simulation simulation(scene, 1);
+    const quoin::Simulation simulation(scene, 1);
     found = quoin::limit_of(simulation, options);
     text = quoin::json_of(scene.file, found, options).dump();
   }
