@@ -12,16 +12,19 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-KEY_SOURCES = sorted(glob.glob(f"{ROOT}/host/scene/read_*.cpp")) + [
+KEY_SOURCES = sorted(glob.glob(f"{ROOT}/host/scene/read_*.cpp") + glob.glob(f"{ROOT}/host/scene/actions/*.cpp")) + [
     f"{ROOT}/host/ensemble/{name}.cpp" for name in ("study", "record_suite")]
+DAMPING = "host/scene/damping.cpp"
 KEY_PAGES = ["host/scenes/README.md", "host/scenes/BLOCKS.md", "host/ensemble/README.md", "host/records/README.md"]
 COLUMN_PAGES = KEY_PAGES + ["host/python/README.md", "host/analysis/README.md", "host/step/RANKS.md"]
 PYTHON = ["plugin_api/python/quoin/law.py"] + [f"host/python/quoin/{m}.py" for m in
           ("scene", "run", "simulation", "results", "analysis", "meshes", "shapes", "pictures", "view", "errors")]
 ACCESSORS = {"number": "a number", "integer": "an integer", "boolean": "true or false", "text": "text", "choice": "one of",
-             "numbers": "a list of numbers", "table": "a table", "tables": "tables", "velocity": "a velocity",
-             "find": "", "accept": ""}
-RANGES = {"kPositive": "more than 0", "kNotNegative": "0 or more", "kAny": "any finite number"}
+             "numbers": "a list of numbers", "texts": "a list of texts", "points": "a list of points", "line": "a list of points", "list": "",
+             "table": "a table", "tables": "tables", "within": "a table", "each": "tables", "velocity": "a velocity",
+             "name_of": "a name of a table", "find": "", "accept": ""}
+RANGES = {"kPositive": "more than 0", "kNotNegative": "0 or more", "kAny": "any finite number", "kPlace": "-1e6 to 1e6",
+          "kLength": "more than 0 and at most 1e6"}
 # Keys that are asked for by a name that is made, or of tables whose keys are free.
 MADE = {"velocity": "a list of 3: numbers in m/s, or \"free\"", "x": "", "y": "", "z": "", "properties": "\"from_tests\"",
         "across": "a list of 3 numbers, m", "up": "a list of 3 numbers", "towards": "a list of 3 numbers",
@@ -64,10 +67,14 @@ def arguments_at(text, begin):
 def allowed_of(accessor, arguments):
     """What a message would say is allowed, as far as the call has it in words."""
     words = [ACCESSORS[accessor]] if ACCESSORS[accessor] else []
+    if accessor == "name_of":
+        return f"a name of a table [{arguments[3][1:-1]}.NAME]"
+    if accessor == "each":
+        return arguments[-1][1:-1] if arguments[-1].startswith('"tables') else tables_of(arguments[0][1:-1])
     for a in arguments[1:]:
         if a in RANGES:
             words.append(RANGES[a])
-        a = re.sub(r"\bk[A-Z]\w+", lambda name: constant(name[0]), a)
+        a = re.sub(r"\bk[A-Z]\w+", lambda name: constant(name[0]), a.replace("kPlace.upper", "1e6"))
         for kind, lower in (("between", "{} to {}"), ("above_to", "more than {} and at most {}")):
             found = re.fullmatch(kind + r"\((.+?), (.+)\)", a)
             if found:
@@ -80,8 +87,16 @@ def allowed_of(accessor, arguments):
         limits = [re.sub(r"\bk[A-Z]\w+", lambda name: constant(name[0]), a) for a in arguments[2:4]]
         if all(re.fullmatch(r"-?\d+", a) for a in limits):
             words.append(" to ".join(limits))
+    if any("list of" in w for w in words[1:]):  # said again, in more words
+        words = words[1:]
     text = ", ".join(w for w in words if w).replace("one of, ", "one of ").replace("a table, a table", "a table")
     return re.sub(r"one of$", "a name that the scene or the page has", text).replace("tables, tables", "tables")
+
+
+def tables_of(key):
+    """Heads of these tables, as the pages write them."""
+    heads = {head for page in KEY_PAGES for head in re.findall(r"\[\[((?:[a-z_]+\.)*%s)\]\]" % key, read(page))}
+    return "; or ".join(f"tables [[{head}]]" for head in sorted(heads or {key}))
 
 
 def constant(name):
@@ -98,7 +113,7 @@ def keys_of_code():
     for path in KEY_SOURCES:
         text = read(path)
         helpers = set(re.findall(r"auto (\w+) = \[[^\]]*\]\((?:Table& \w+, )?const (?:char\*|std::string&) (?:key|kind)\b", text))
-        helpers |= set(re.findall(r"\b(\w+)\(Table& t, const (?:char\*|std::string&) key\b", text))
+        helpers |= set(re.findall(r"\b(\w+)\(Table& \w+, const (?:char\*|std::string&) (?:key|kind)\b", text))
         for found in re.finditer(r"\.(%s)\(|\b(%s)\((?!Table&)" % ("|".join(ACCESSORS), "|".join(helpers) or "$^"), text):
             arguments = arguments_at(text, found.end() - 1)
             if found[2] and arguments and not arguments[0].startswith('"'):
@@ -106,12 +121,18 @@ def keys_of_code():
             if not arguments or not re.fullmatch(r'"[a-z_0-9]+"', arguments[0]):
                 continue
             entry = keys.setdefault(arguments[0][1:-1], set())
-            allowed = allowed_of(found[1], arguments) if found[1] else ""
+            accessor = "each" if found[2] == "read_kind" else found[1]
+            allowed = allowed_of(accessor, arguments) if accessor else ""
             if allowed:
                 entry.add(allowed)
         for listed in re.findall(r'const char\* (?:key|other) : \{("[^}]*")\}', text):
             for key in re.findall(r'"([a-z_]+)"', listed):
                 keys.setdefault(key, set())
+    for row in re.finditer(r'\{"\w+", &Settings::', read(DAMPING)):
+        name, member, limits, unit = arguments_at(read(DAMPING), row.start())[:4]
+        kind = "numbers" if name == '"maxwell_band"' else "number" if limits != "{}" else "boolean"
+        keys.setdefault(name[1:-1], set()).add(allowed_of(kind, [name, member, limits.replace("reader::", ""), unit]))
+    keys["damping"] = {"one of " + ", ".join(re.findall(r'\n    \{"(\w+)",\n     \{', read(DAMPING)))}
     return keys
 
 
