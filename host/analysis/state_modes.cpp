@@ -61,10 +61,7 @@ Vibrating vibrating_about(const Scene& scene, const std::string& state, const st
     take_start(&simulation);
   Vibrating v = vibrating_now(simulation, tangent_of(simulation));
   v.state = state;
-  if (v.unknown.empty())
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{}: modes: all blocks are held, so nothing can vibrate; leave some block free", scene.file));
+  refuse_if_held(v, scene.file);
   return v;
 }
 

@@ -436,6 +436,12 @@ int stage_named(const Scene& scene, const std::string& name) {
   return static_cast<int>(found - names.begin());
 }
 
+void refuse_if_held(const Vibrating& v, const std::string& file) {
+  if (!v.unknown.empty()) return;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: modes: all blocks are held, so nothing can vibrate; leave some block free", file));
+}
+
 Vibrating vibrating(const Scene& scene, int stage) {
   const SceneBlocks given = blocks_of(scene);
   World world(given.assembly);
@@ -450,10 +456,7 @@ Vibrating vibrating(const Scene& scene, int stage) {
   v.symmetry_factor = given.symmetry_factor;
   world.hold(scene.stages.empty() ? Stage{} : scene.stages[at(stage)], &v.held);
   world.fill(scene.file, &v);
-  if (v.unknown.empty())
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{}: modes: all blocks are held, so nothing can vibrate; leave some block free", scene.file));
+  refuse_if_held(v, scene.file);
   return v;
 }
 

@@ -64,4 +64,7 @@ int stage_named(const Scene& scene, const std::string& name);
 // Throws Error(bad_input) where nothing can move.
 Vibrating vibrating(const Scene& scene, int stage = 0);
 
+// Throws Error(bad_input) where nothing can move. file: name of the scene in the message.
+void refuse_if_held(const Vibrating& v, const std::string& file);
+
 }  // namespace quoin

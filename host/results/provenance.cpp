@@ -108,6 +108,9 @@ Provenance provenance_of(const Simulation& simulation, const Request& request) {
   p.scene = scene.file;
   p.scene_text = scene.text;
   p.inputs = input_files(scene);
+  for (const auto& [name, family] : scene.joints) {
+    if (family.scatters() || family.missing_mortar > 0.0) p.seed = family.random.seed;
+  }
   p.request = request;
   std::error_code none;
   p.working_directory = fs::current_path(none).string();
@@ -138,7 +141,7 @@ Json to_json(const Provenance& p) {
           {"machine", {{"processor", p.processor}, {"system", p.system}, {"memory_bytes", p.memory}}},
           {"instruction_set", p.instruction_set},
           {"threads", p.threads},
-          {"seed", nullptr},  // nothing in a run is left to chance
+          {"seed", p.seed ? Json(*p.seed) : Json()},
           {"results", {{"state", p.state}, {"history_sha256", p.history_sha256}}}};
 }
 

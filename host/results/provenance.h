@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct Provenance {
   std::vector<HashedFile> laws;                   // laws of every stage
   std::string scene, scene_text;                  // file as it was named, and as it was read
   std::vector<HashedFile> inputs;                 // other files that the scene takes in
+  std::optional<std::uint64_t> seed;              // seed of properties that scatter; empty: nothing is drawn
   Request request;
   std::string working_directory;  // where its paths count from
   std::string processor, system, instruction_set;

@@ -398,7 +398,7 @@ void find_rest(Simulation::Impl& impl) {
 void find_rest(Simulation::Impl& impl) {
   throw Error(Exit::bad_input,
               fmt::format("{}: this program finds no states of rest; build it with libopenblas-serial-dev",
-                          impl.scene.stages[static_cast<std::size_t>(impl.stage)].source.text));
+                          impl.scene.stages[static_cast<std::size_t>(impl.progress.stage)].source.text));
 }
 
 #endif

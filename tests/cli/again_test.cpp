@@ -37,7 +37,7 @@ TEST_F(Again, SummariesSayWhatARunWasMadeFrom) {
   EXPECT_EQ(p["law"], "coulomb_slip");
   EXPECT_EQ(p["set"], nlohmann::json({"output.plots=false", "stage.2.displacement=5e-5"}));
   EXPECT_EQ(p["instruction_set"], summary()["instruction_set"]);
-  EXPECT_TRUE(p["seed"].is_null()) << "nothing is left to chance";
+  EXPECT_TRUE(p["seed"].is_null()) << "no property scatters";
   // Hashes are those of sha256sum.
   const std::string library = p["laws"][0]["library"], list = (folder_ / "sums").string();
   std::ofstream(list) << p["laws"][0]["sha256"].get<std::string>() << "  " << library << "\n"
@@ -45,6 +45,12 @@ TEST_F(Again, SummariesSayWhatARunWasMadeFrom) {
                       << p["scene"]["sha256"].get<std::string>() << "  " << scene_ << "\n"
                       << p["results"]["history_sha256"].get<std::string>() << "  " << out() << "/history.csv\n";
   EXPECT_EQ(finish(start({"/usr/bin/sha256sum", "--check", "--strict", list})), 0) << out_;
+}
+
+TEST_F(Again, SummariesHaveTheSeedOfWhatScatters) {
+  const std::string settings = "joints.mortar.missing_mortar=0.1";
+  ASSERT_EQ(run({"--set", settings, "--set", "random.seed=7"}), 0) << error_;
+  EXPECT_EQ(provenance()["seed"], 7);
 }
 
 TEST_F(Again, SummariesNameTheMachine) {

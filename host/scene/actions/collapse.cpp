@@ -9,7 +9,7 @@ using namespace reader;
 
 namespace {
 
-Collapse read_load_of_collapse(Table c) {
+Collapse read_load_of_collapse(Table& c) {
   Collapse collapse;
   read_direction(c, "direction", collapse.direction, "of the body force", false);
   const auto is_word = [&](const char* key) {
@@ -37,13 +37,12 @@ Collapse read_load_of_collapse(Table c) {
              fmt::format("a limit ({}) of more than start ({})", *collapse.limit, *collapse.start));
   }
   if (!collapse.start && !c.has("limit")) collapse.limit.reset();
-  c.finish();
   return collapse;
 }
 
 void read_collapse(Table& t, Stage& stage, const std::string&, const std::vector<std::string>&) {
-  if (const auto* table = t.table("collapse", "a table { direction, start, rate, displacement, limit }"))
-    stage.collapse = read_load_of_collapse({t.context(), *table, t.path("collapse")});
+  t.within("collapse", "a table { direction, start, rate, displacement, limit }",
+           [&](Table& c) { stage.collapse = read_load_of_collapse(c); });
 }
 
 std::string text_of_collapse(const Stage& stage) {

@@ -7,20 +7,13 @@ using namespace reader;
 
 namespace {
 
-PointForce read_point_force(Table f, const std::vector<std::string>& names) {
-  PointForce c{};
-  read_block_name(f, c.block, names);
-  f.numbers("point", c.point, kPlace, "m, where it acts at the start; it moves with the block", true);
-  f.numbers("force", c.force, kAny, "N", true);
-  f.finish();
-  return c;
-}
-
-void read_force(Table& t, Stage& stage, const std::string&, const std::vector<std::string>& names) {
-  int index = 0;
-  for (const toml::table* table : t.tables("force", "tables [[stage.force]]"))
-    stage.forces.push_back(
-        read_point_force({t.context(), *table, fmt::format("{}.{}", t.path("force"), ++index)}, names));
+void read_forces(Table& t, Stage& stage, const std::string&, const std::vector<std::string>& names) {
+  t.each("force", [&](Table& f) {
+    PointForce& added = stage.forces.emplace_back();
+    read_block_name(f, added.block, names);
+    f.numbers("point", added.point, kPlace, "m, where it acts at the start; it moves with the block", true);
+    f.numbers("force", added.force, kAny, "N", true);
+  });
 }
 
 std::string text_of_force(const Stage& stage) {
@@ -33,7 +26,7 @@ std::string text_of_force(const Stage& stage) {
 
 }  // namespace
 
-extern const StageAction kPointForces{"force", "has forces at points", read_force,
+extern const StageAction kPointForces{"force", "has forces at points", read_forces,
                                       [](const Stage& s) { return !s.forces.empty(); }, text_of_force};
 
 }  // namespace quoin

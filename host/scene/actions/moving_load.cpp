@@ -7,7 +7,7 @@ using namespace reader;
 
 namespace {
 
-MovingLoad read_load(Table m) {
+MovingLoad read_load(Table& m) {
   MovingLoad load;
   m.numbers("from", load.from, kPlace, "m, where it begins", true);
   m.numbers("to", load.to, kPlace, "m, where it ends", true);
@@ -16,14 +16,13 @@ MovingLoad read_load(Table m) {
   if (m.integer("positions", load.positions, 1, 2000) && load.positions < 2 && load.from != load.to)
     m.refuse("positions", "2 or more along a line, to the end of which the load goes");
   if (load.from == load.to) load.positions = 1;
-  m.finish();
   return load;
 }
 
 void read_moving_load(Table& t, Stage& stage, const std::string&, const std::vector<std::string>&) {
-  const auto* table = t.table("moving_load", "a table { from, to, force, positions }");
-  if (!table) return;
-  stage.moving_load = read_load({t.context(), *table, t.path("moving_load")});
+  if (!t.within("moving_load", "a table { from, to, force, positions }",
+                [&](Table& m) { stage.moving_load = read_load(m); }))
+    return;
   if (!stage.duration && !t.has("duration"))
     t.refuse("moving_load", "with duration (s) of the stage, in which the load goes along its line after ramp_time");
   else if (stage.duration && *stage.duration <= stage.ramp_time)

@@ -8,20 +8,13 @@ using namespace reader;
 
 namespace {
 
-FacePressure read_face_pressure(Table p, const std::vector<std::string>& names) {
-  FacePressure c{};
-  read_block_name(p, c.block, names);
-  read_direction(p, "normal", c.normal, "outward, of the face that is meant", true);
-  p.number("pressure", c.pressure, kAny, "Pa, > 0 pushes on the block", true);
-  p.finish();
-  return c;
-}
-
-void read_pressure(Table& t, Stage& stage, const std::string&, const std::vector<std::string>& names) {
-  int index = 0;
-  for (const toml::table* table : t.tables("pressure", "tables [[stage.pressure]]"))
-    stage.pressures.push_back(
-        read_face_pressure({t.context(), *table, fmt::format("{}.{}", t.path("pressure"), ++index)}, names));
+void read_pressures(Table& t, Stage& stage, const std::string&, const std::vector<std::string>& names) {
+  t.each("pressure", [&](Table& p) {
+    FacePressure& added = stage.pressures.emplace_back();
+    read_block_name(p, added.block, names);
+    read_direction(p, "normal", added.normal, "outward, of the face that is meant", true);
+    p.number("pressure", added.pressure, kAny, "Pa, > 0 pushes on the block", true);
+  });
 }
 
 std::string text_of_pressure(const Stage& stage) {
@@ -33,7 +26,7 @@ std::string text_of_pressure(const Stage& stage) {
 
 }  // namespace
 
-extern const StageAction kFacePressures{"pressure", "has pressures on faces", read_pressure,
+extern const StageAction kFacePressures{"pressure", "has pressures on faces", read_pressures,
                                         [](const Stage& s) { return !s.pressures.empty(); }, text_of_pressure};
 
 }  // namespace quoin
