@@ -17,14 +17,14 @@ using Eigen::VectorXd;
 using geometry::Vector;
 
 constexpr int kMostSteps = 100;
-constexpr double kToBorder = 0.99;  // length of a step over the distance to the border of the cones
-constexpr double kShort = 0.1;      // shorter steps are replaced by one to the centre of the cones
-constexpr double kCentre = 0.9;     // share of the gap that such a step keeps
-constexpr double kWanted = 5e-7;    // gap and residuals at which the iteration ends
-constexpr double kGood = 1e-5;      // gap and residuals that are accepted when steps make no progress
-constexpr double kGoodNear = 1e-3;  // the same with given forces `near`: change of a settled multiplier
-constexpr double kRegular = 1e-13;  // added to the diagonal, over its largest entry, for blocks without resistance
-constexpr double kNear = 1e-6;      // weight of the distance to given forces: no more than the gap leaves undetermined
+constexpr double kToBorder = 0.99;    // length of a step over the distance to the border of the cones
+constexpr double kShort = 0.1;        // shorter steps are replaced by one to the centre of the cones
+constexpr double kCentre = 0.9;       // share of the gap that such a step keeps
+constexpr double kWanted = 5e-7;      // gap and residuals at which the iteration ends
+constexpr double kGood = 1e-5;        // gap and residuals that are accepted when steps make no progress
+constexpr double kGoodNear = 1e-3;    // the same with given forces `near`: change of a settled multiplier
+constexpr double kRegular = 1e-13;    // added to the diagonal, over its largest entry, for blocks without resistance
+constexpr double kNear = 1e-6;        // weight of the distance to given forces, within what the gap leaves open
 constexpr double kLeastBound = 1e-8;  // least z/s in the matrix, for forces without bounds; residuals have 0
 constexpr double kInside = 1.0;       // distance of the start from the border of the cones
 

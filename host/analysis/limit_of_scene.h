@@ -27,7 +27,7 @@ struct LimitOptions {
   LimitSettings settings = whole_cones();
   bool associated = false;  // whether to skip the analysis without dilation
   bool friction = true;     // whether to compute the smallest factor on friction too
-  bool moving = false;  // whether to multiply the moving load of the first stage that has one, at each of its positions
+  bool moving = false;      // whether to multiply the first stage's moving load, at each of its positions
 };
 
 // A mass that acts along given directions only, or along all.

@@ -51,7 +51,7 @@ struct Vibrating {
   std::vector<std::string> held;   // "bottom_beam: x y z, no rotation"
   std::size_t members = 0;         // number of floors and beams that are drawn
   long points = 0, zones = 0;
-  long open = 0;  // number of points without stiffness; 0 for the undamaged scene, which does not count them
+  long open = 0;                    // number of points without stiffness; not counted if undamaged
   std::string state = "undamaged";  // or "weight", or the folder of a run
   double symmetry_factor = 1.0;
   double free_mass(int axis) const;  // mass that can move along the axis, kg

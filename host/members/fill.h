@@ -8,9 +8,9 @@ namespace quoin::members {
 using geometry::Vector;
 
 struct FillLaw {
-  Vector up, out;                     // unit vectors: upwards in the soil; horizontal part of the face's outward normal
-  double upright = 0.0, level = 0.0;  // area of the face seen from above and from the side, m2
-  double vertical = 0.0;              // vertical stress of the soil at the point, Pa
+  Vector up, out;                                     // unit: upwards in the soil; level part of the face's normal
+  double upright = 0.0, level = 0.0;                  // area of the face seen from above and from the side, m2
+  double vertical = 0.0;                              // vertical stress of the soil at the point, Pa
   double at_rest = 0.0, active = 0.0, passive = 0.0;  // horizontal over vertical stress
   double stiffness = 0.0;                             // Pa/m
 };

@@ -1,5 +1,4 @@
-// A floor: a membrane in its own plane between walls, with inertia, connected to them along its edges. Equations:
-// README.md.
+// A floor: a membrane with inertia between walls, connected to them along its edges. Equations: README.md.
 #pragma once
 
 #include <array>
@@ -46,10 +45,10 @@ class Floor {
     double length = 0.0;   // length of edge, m
     double carried = 0.0;  // area of the floor whose weight it carries, m2
     // State after the last step, in the frame that turns with the floor:
-    double open = 0.0, slip = 0.0;  // motion of the block relative to the floor, outwards and along the edge, m
-    double axial = 0.0, anchor = 0.0, shear = 0.0;  // forces, N; axial: anchors and bearing
-    double slid = 0.0, drawn = 0.0;  // plastic slip along the edge, and plastic opening of the anchors, m
-    double stored = 0.0;             // J
+    double open = 0.0, slip = 0.0;                  // motion of the block outwards and along the edge, m
+    double axial = 0.0, anchor = 0.0, shear = 0.0;  // N; axial: anchors and bearing
+    double slid = 0.0, drawn = 0.0;                 // plastic: slip along the edge, opening of anchors, m
+    double stored = 0.0;                            // J
     bool is_out = false;
   };
   struct Grid {

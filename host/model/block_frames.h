@@ -26,8 +26,8 @@ inline constexpr double kLargestDeformation = 0.01;
 // Steps update the frames, and mark blocks that deform too much for theirs.
 struct BlockFrames {
   LaneVector<BlockFrame> frame;  // frames of deformable blocks that have one
-  bool are_old = true;  // whether gridpoints were moved outside of steps: frames are not those of their positions
-  std::vector<uint8_t> by_zone;  // by block: 1 where forces are computed zone by zone, not in a frame
+  bool are_old = true;           // whether gridpoints have moved outside of steps since then
+  std::vector<uint8_t> by_zone;  // by block: 1 where forces are computed zone by zone
 };
 
 bool may_have_frame(const World& w, int block);       // whether a block is deformable and not computed by zone

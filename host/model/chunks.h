@@ -44,7 +44,7 @@ struct PairAxes {
 // Contact point with one deformable side. All but its index is of the last step.
 struct OtherPoint {
   uint32_t index;           // of the family
-  ShapeGradients gradient;  // shape functions of the triangle on a; in small displacements those at rest
+  ShapeGradients gradient;  // of the shape functions of a's triangle; in small displacements at rest
   Vector force;             // force on a, in space, viscous part included, N
   double shear[2];          // traction along s and t, viscous part included, Pa
 };

@@ -21,7 +21,7 @@ using geometry::Vector;
 struct Point {
   int32_t a, b;                        // blocks
   int32_t facet_a = -1, facet_b = -1;  // index into Contacts::facets for a deformable side
-  bool on_gridpoints = false;  // on the first gridpoint of both facets; n, s, t are then in the frame of block a
+  bool on_gridpoints = false;          // on the first gridpoints of both facets; n, s, t are in the frame of block a
   // Unit vectors, n from a to b. For a triangle's frame they are in space, from the last step or detection (see
   // frame_of).
   Vector n, s, t;

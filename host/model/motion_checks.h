@@ -50,10 +50,11 @@ double pair_motion(const World& w, const Contact& c, const PairPlace& place, con
 double allowed_motion(const World& w, const Contact& c, const PairPlace& place);
 double detection_fraction(const World& w);                   // share of a block's least extent
 double motion_since_broad_phase(const World& w, int block);  // translation plus rotation times radius, m
-// Pose and speed of a block at a check.
+// Pose of a block at a check, and an upper bound of the speed of its parts. The bound is twice the fastest corner's
+// speed; for rigid bodies, twice the larger one of |v| and |omega| radius.
 struct CheckedMotion {
   Pose pose;
-  double speed;  // twice that of its fastest corner, m/s
+  double speed;  // m/s
 };
 CheckedMotion checked_motion(const World& w, int block);
 bool check_pair_motion(const World& w, const Contact& c, const PairPlace& place, const CheckedMotion& now_a,

@@ -26,7 +26,7 @@ struct Energies {        // J
   double kinetic = 0.0;  // kinetic energy of components that are free to move
   double strain = 0.0, contact_stored = 0.0;
   double dissipated[QUOIN_DISSIPATED_COUNT] = {};  // tension, cohesion, friction, crushing
-  double damping = 0.0;                            // work of damping
+  double damping = 0.0;                            // energy dissipated by damping
   double external = 0.0;  // work of weight, loads and supports on joints, independent of inertia scaling
   // Energy lost (> 0) or gained when contact points were placed again. Also the kinetic energy of halves' added inertia
   // that is lost when a unit comes apart.

@@ -29,7 +29,7 @@ struct StepLimit {
   double height = 0.0, shortest_edge = 0.0;  // height and shortest edge of the zone, m; 0: a rigid block
 };
 
-// The time step with these settings over the critical one, s, without damping.
+// The time step with these settings over the critical one. critical: without damping, s.
 double step_over_critical(const SolverSettings& solver, double critical);
 
 // Place of the largest motion in the fastest vibration. Only for a process that has all blocks.
