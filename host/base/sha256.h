@@ -1,7 +1,7 @@
 // SHA-256 as sha256sum prints it; it identifies the files and texts that a run depends on.
 #pragma once
 
-#define OPENSSL_SUPPRESS_DEPRECATED  // EVP, its successor, allocates at every turn, and crashes where that fails
+#define OPENSSL_SUPPRESS_DEPRECATED  // EVP, its successor, allocates in every call, and crashes where that fails
 #include <openssl/sha.h>
 
 #include <array>

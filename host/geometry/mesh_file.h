@@ -28,7 +28,7 @@ struct NamedShape {
 std::vector<NamedShape> read_mesh_file(const std::string& path, double scale = 1.0,
                                        const std::function<bool(const std::string& name)>& fixed = {});
 
-// The blocks as OFF text (one object) or OBJ text, for other programs.
+// The blocks as OBJ text, for other programs.
 std::string to_obj(const std::vector<NamedShape>& shapes);
 
 }  // namespace quoin::geometry

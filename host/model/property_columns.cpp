@@ -35,7 +35,7 @@ std::uint64_t point_key(const Vec3& x, std::uint64_t joint) {
 struct Element {
   std::uint64_t key;
   long row;  // elements of one row are consecutive along the wall
-  double x;  // m along the wall
+  double x;  // position along the wall, m
 };
 
 // Places with one drawn value each, at a level of scatter, and the place of each point.

@@ -3,9 +3,7 @@
 //
 // Blocks are stiff compared with mortar joints, and so is the joint between the halves of a unit. Their vibrations set
 // the time step, although a quasi-static wall does not depend on them. P_u and P_b are the projections of motion on
-// rigid motions of units and of blocks. They are orthogonal in the mass matrix M, and P_u P_b = P_u. The
-// inertia
-// inertia
+// rigid motions of units and of blocks. They are orthogonal in the mass matrix M, and P_u P_b = P_u. The inertia
 //   M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)),  s_u, s_b >= 1,
 // slows the motion of halves against each other by sqrt(s_u) and the deformation of blocks by sqrt(s_b). It does not
 // change mass, moments of inertia and stiffness, so that rigid units on joints move as before. This is selective mass

@@ -49,7 +49,7 @@ HWY_INLINE void transpose(const F (&row)[1], F (&column)[1]) { column[0] = row[0
 HWY_INLINE V join(F lower, F) { return lower; }
 HWY_INLINE F part_of(V v, int) { return v; }
 #else
-// Templates, so that what a target has no instruction for is not compiled for it.
+// Templates, so that code without an instruction on a target is not compiled for it.
 template <class Tag = Four>
 HWY_INLINE void transpose(const hn::Vec<Tag> (&row)[kPart], hn::Vec<Tag> (&column)[kPart]) {
   const Tag d;

@@ -16,7 +16,7 @@ struct World;
 struct Items {
   size_t first, end;
 };
-Items items_of_blocks(const World& w, Owner owner, size_t first_block, size_t end_block);  // in a row
+Items items_of_blocks(const World& w, Owner owner, size_t first_block, size_t end_block);  // of consecutive blocks
 
 // All ranks have the outline of the model: blocks, pairs that are close, and numbers of contact points. Arrays have the
 // length of the whole model. A rank lays out its own blocks, the chunks of points that touch them, and the blocks of
