@@ -90,7 +90,7 @@ TEST(FreeMotion, WorkOfLoadsOnGridpointsIsItsEnergy) {
   m->step();
   const double lead = m->step_sums.energies.balance_error(0.0);
   for (int i = 0; i < 400; ++i) m->step();
-  const Energies& e = m->step_sums.energies;
+  const auto& e = m->step_sums.energies;
   // Strain oscillates about its mean under loads that come at once; leapfrog keeps energy to (omega dt)^2 of that part.
   check_error("loads on gridpoints: work less energy", std::abs(e.balance_error(lead)), 0.2 * e.strain, "J");
   check_error("loads on gridpoints: strain energy beside kinetic", e.strain, 0.01 * e.kinetic, "J");
@@ -294,7 +294,7 @@ TEST(Friction, SlidingWork) {
   m->set_velocity(b, {v, 0, 0});
   const double x0 = position_of(*m, b).x, mass = 2000 * 0.4 * 0.1 * 0.4;
   m->step();
-  const Energies start = m->step_sums.energies;
+  const auto start = m->step_sums.energies;
   const double before = start.kinetic + start.contact_stored + start.damping + start.detection +
                         start.dissipated_total() - start.external;
   Curve way{"measured"};
