@@ -36,7 +36,8 @@ const Stage& moving_stage(const Scene& scene) {
                           scene.file));
 }
 
-// Gravity and direction of the first collapse stage; else gravity of the first stage that has some.
+// Gravity and direction of the first collapse stage, or gravity of the stage with the moving load. Else gravity of the
+// first stage that has some.
 void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
   for (const Stage& stage : scene.stages) {
     if (norm(geometry::vector(stage.gravity)) > 0.0 && (stage.collapse || norm(limit->gravity) == 0.0))

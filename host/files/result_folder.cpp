@@ -58,7 +58,7 @@ struct Manifest {
   std::string token;            // token in the names of partial files
 };
 
-// Reads a manifest, which may be corrupt: only names inside the folder that a run could have written count.
+// Reads a manifest, which may come from outside: only names inside the folder that a run could have written count.
 Manifest read_manifest(const fs::path& folder) {
   Manifest manifest;
   std::ifstream stream(folder / kManifest);

@@ -40,7 +40,7 @@ struct DrawnShape {
 DrawnShape from_drawn(const RawShape& shape);
 
 // A plate behind a flat face, with a thickness of a tenth of the extent of the face's hull. It is on the side away from
-// `others`, the centre of the blocks before the face. Throws Error(bad_input) for a face that is not convex.
+// `others`, the mean corner of the other blocks. Throws Error(bad_input) for a face that is not convex.
 ConvexPolyhedron plate(const RawShape& shape, const Vector& others);
 
 }  // namespace quoin::geometry
