@@ -17,15 +17,15 @@ namespace {
 
 #ifdef QUOIN_LIMIT
 
-// Share of the multiplier without dilation: runs of 27 dry assemblies lie within 4 % of that multiplier.
+// Start over the multiplier without dilation: runs of 27 dry assemblies lie within 4 % of that multiplier.
 constexpr double kOfSettled = 0.9;
-// Share of the associated one where the other is not found. Stones that must lift to slide put runs below it: a dome
-// by a sixth. A bonded wall that cannot dilate lies below it by more than half. Such a start is too high, which the run
-// reports.
+// Start over the associated multiplier, where the other did not converge. Runs in which stones must lift to slide lie
+// below that multiplier: a dome by a sixth. A bonded wall that cannot dilate lies below it by more than half. Its start
+// is then too high, which the run reports.
 constexpr double kOfAssociated = 0.5;
-// Largest model whose multiplier without dilation is sought, in contact points: a minute.
+// Largest model for the analysis without dilation, in contact points: it takes a minute.
 constexpr long kMostPoints = 12000;
-// Share of the associated multiplier at which the stage ends; no brittle joint exceeds it before blocks have moved.
+// End of the stage over the associated multiplier; no brittle joint exceeds it before blocks have moved.
 constexpr double kGivesUp = 1.2;
 
 void find_start(const Simulation& simulation, Stage* stage) {

@@ -17,23 +17,23 @@ using Eigen::VectorXd;
 using geometry::Vector;
 
 constexpr int kMostSteps = 100;
-constexpr double kToBorder = 0.99;    // share of the way to the border of the cones that a step goes
-constexpr double kShort = 0.1;        // steps below it go to the middle of the cones instead,
-constexpr double kCentre = 0.9;       // with this share of the gap kept
-constexpr double kWanted = 5e-7;      // gap and residuals at which the search ends
-constexpr double kGood = 1e-5;        // at which it may end where numbers give out
-constexpr double kGoodNear = 1e-3;    // of forces near to given ones: what a settled multiplier may change by
-constexpr double kRegular = 1e-13;    // added to the diagonal, of the largest: what no contact holds yet
-constexpr double kNear = 1e-6;        // weight of the distance to given forces: no more than what the gap leaves open
-constexpr double kLeastBound = 1e-8;  // least z/s in the matrix: of forces that nothing bounds; steps have it at 0
-constexpr double kInside = 1.0;       // distance of the first point from the border of the cones
+constexpr double kToBorder = 0.99;    // length of a step over the distance to the border of the cones
+constexpr double kShort = 0.1;        // shorter steps are replaced by one to the centre of the cones
+constexpr double kCentre = 0.9;       // share of the gap that such a step keeps
+constexpr double kWanted = 5e-7;      // gap and residuals at which the iteration ends
+constexpr double kGood = 1e-5;        // gap and residuals that are accepted when steps make no progress
+constexpr double kGoodNear = 1e-3;    // the same with given forces `near`: change of a settled multiplier
+constexpr double kRegular = 1e-13;    // added to the diagonal, over its largest entry, for blocks without resistance
+constexpr double kNear = 1e-6;        // weight of the distance to given forces, within what the gap leaves open
+constexpr double kLeastBound = 1e-8;  // least z/s in the matrix, for forces without bounds; residuals have 0
+constexpr double kInside = 1.0;       // distance of the start from the border of the cones
 
-// The cone s[0] >= |(s[1], s[2])|, with slack s and price z.
+// Second-order cone s[0] >= |(s[1], s[2])|, with slack s and price z.
 struct Cone {
   Vector3d s, z, lambda;
   Matrix3d w, w_inverse, square_inverse;  // Nesterov and Todd's scaling
   double eta = 1.0;                       // W = eta times a hyperbolic rotation,
-  Eigen::Vector2d turn;                   // by these parts of its axis
+  Eigen::Vector2d turn;                   // given by these components of its axis
 
   void reset() {
     for (Matrix3d* m : {&w, &w_inverse, &square_inverse}) m->setIdentity();
@@ -77,8 +77,8 @@ struct Cone {
     lambda = w * z;
     return true;
   }
-  // (G W^-2 G + D)^-1, G = diag(friction, -1, -1), D = diag(normal, shear, shear). In the axes of the turn q^2 -
-  // (2 v0 v1)^2 = 1. So there are no differences of large numbers, however close to the border s and z are.
+  // (G W^-2 G + D)^-1, G = diag(friction, -1, -1), D = diag(normal, shear, shear). In the axes of the turn q^2 - (2 v0
+  // v1)^2 = 1. So no differences of large numbers occur, however close s and z are to the border.
   Matrix3d compliance(double friction, double normal, double shear) const {
     const double r = turn.norm(), q = 1.0 + 2.0 * r * r, coupled = 2.0 * std::sqrt(1.0 + r * r) * r;
     const double square = eta * eta, n = square * normal, p = square * shear, mu2 = friction * friction;
@@ -111,7 +111,7 @@ struct Bound {
   }
 };
 
-// A contact point, with forces x along n, s, t; or a force of a member, with one number.
+// A contact point with forces x along n, s, t, or a force of a member with one component.
 struct Element {
   struct Side {
     int row;                         // first row of a block that is not fixed
@@ -123,7 +123,7 @@ struct Element {
   Cone cone{};
   Vector3d cone_ds, cone_dz, corrector;
   std::vector<Bound> bounds;
-  double pull = 0.0;  // stiffness of the pull of the normal force to `towards`, and of shear to 0
+  double pull = 0.0;  // stiffness that pulls the normal force to `towards`, and shear to 0
   double towards = 0.0;
   Vector3d x = Vector3d::Zero(), dx;
 
@@ -187,7 +187,7 @@ class ConeProgramme {
     }
   }
 
-  // Force number c of an element acts on a block by f at a position, and by a moment.
+  // Component c of an element acts on a block by a force f at a position, and by a moment.
   void act_on(int block, const Vector& position, const Vector& f, const Vector& turn, int c, Element& e) const {
     const int row = rows_[static_cast<std::size_t>(block)];
     if (row < 0) return;
@@ -209,7 +209,7 @@ class ConeProgramme {
     }
     e.friction = p.friction, e.strength = p.cohesion / force_, e.live = p.live_cohesion / force_;
     e.has_cone = e.friction > 0.0 || e.strength > 0.0 || e.live != 0.0;
-    // Force at the tip of the cone.
+    // Whether the apex of the cone bounds the tensile force.
     const bool tip = e.friction > 0.0 && e.live == 0.0 && p.tension >= p.cohesion / p.friction;
     if (!tip) e.bounds.push_back({1.0, p.tension / force_});
     if (std::isfinite(p.crushing)) e.bounds.push_back({-1.0, p.crushing / force_});
@@ -224,14 +224,14 @@ class ConeProgramme {
     elements_.push_back(e);
   }
 
-  // Pairs of sides, a side with itself included: visit(lower, upper), in the order of rows.
+  // Visits pairs of sides, a side with itself included: visit(lower, upper), in the order of rows.
   template <class Visit>
   static void each_pair(const Element& e, const Visit& visit) {
     for (std::size_t i = 0; i < e.sides.size(); ++i)
       for (std::size_t j = 0; j <= i; ++j) visit(e.sides[i], e.sides[j]);
   }
 
-  // Pattern of the matrix, which is the same in all steps: the lower triangle, block by block.
+  // Pattern of the matrix, the same in all steps: the lower triangle, block by block.
   void pattern() {
     std::vector<Eigen::Triplet<double>> entries;
     for (int r = 0; r < rows_count_; ++r) entries.emplace_back(r, r, 1.0);
@@ -250,7 +250,7 @@ class ConeProgramme {
   void add_block(int row, int col, const Eigen::Matrix<double, 6, 6>& k) {
     for (int j = 0; j < 6; ++j) {
       const int first = row == col ? j : 0;
-      // Rows of a block of one column follow each other.
+      // Rows of a block are consecutive in a column.
       const auto begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[col + j],
                  end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[col + j + 1];
       double* value = matrix_.valuePtr() + (std::lower_bound(begin, end, row + first) - matrix_.innerIndexPtr());
@@ -258,7 +258,7 @@ class ConeProgramme {
     }
   }
 
-  // identity: without scaling, as for the first point.
+  // Assembles and factorises the matrix. identity: without scaling, for the start.
   bool assemble(bool identity) {
     std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
     pull_ = live_, own_ = whole_own_ = 0.0;
@@ -312,9 +312,9 @@ class ConeProgramme {
     for (const Element::Side& side : e.sides) on.segment<6>(side.row) += side.on * f;
   }
 
-  // H dx + A^T dy + to_multiplier dm = rest, A dx + live dm = of_rows, and the row of the multiplier. The residual is
-  // solved for again. Cones have none: H dx loses more digits than their inverse does, and prices follow from
-  // velocities.
+  // Solves H dx + A^T dy + to_multiplier dm = rest, A dx + live dm = of_rows, and the row of the multiplier, with
+  // iterative refinement. Elements with cones get no refinement. H dx loses more digits than the inverse does, and
+  // their prices follow from velocities.
   void solve_for(const VectorXd& of_rows, double of_multiplier) {
     for (Element& e : elements_) e.dx.setZero(), e.left = e.rest;
     dy_ = VectorXd::Zero(rows_count_), dm_ = 0.0;
@@ -347,7 +347,7 @@ class ConeProgramme {
     for (Element& e : elements_) e.dx += e.inverse * (e.left - forces_from(e, y) - m * e.to_multiplier);
   }
 
-  // Forces nearest to the middle of the cones, and prices nearest to 0; both moved inside.
+  // Start: forces nearest to the centre of the cones, and prices nearest to 0, both moved inside.
   bool begin() {
     if (!assemble(true)) return false;
     double of_multiplier = 0.0;
@@ -396,7 +396,7 @@ class ConeProgramme {
     for (Bound& b : multiplier_bounds_) (slacks ? b.s : b.z) += by;
   }
 
-  // Residuals of equilibrium, prices and slacks; gap.
+  // Computes residuals of equilibrium, prices and slacks, and the gap.
   void residuals() {
     of_rows_ = dead_ + m_ * live_;
     of_multiplier_ = -1.0 + live_.dot(y_);
@@ -433,7 +433,7 @@ class ConeProgramme {
 
   Vector3d slack_error(const Element& e) const { return e.slope(e.x, m_) + e.cone.s - Vector3d(e.strength, 0.0, 0.0); }
 
-  // One of both systems: towards the solution, and towards the middle of the way there with what that found.
+  // Direction of the predictor, towards the solution (centring 0), or of the corrector, towards the centre as well.
   void direction(double centring) {
     const double mu = gap_ / degree_, keep = 1.0 - centring;
     VectorXd rows = -keep * of_rows_;
@@ -443,7 +443,7 @@ class ConeProgramme {
       if (e.has_cone) {
         Vector3d d = -Cone::product(e.cone.lambda, e.cone.lambda) - e.corrector;
         d[0] += centring * mu;
-        e.cone_ds = e.cone.w * e.cone.over_lambda(d);  // part of the slack alone; the rest follows from prices
+        e.cone_ds = e.cone.w * e.cone.over_lambda(d);  // part of the slack; the rest follows from prices
         const Vector3d right = e.cone.square_inverse * (keep * slack_error(e) + e.cone_ds);
         e.rest -= e.back(right);
         multiplier += e.live * right[0];
@@ -468,7 +468,7 @@ class ConeProgramme {
     b.dz = b.z / b.s * (moved + error + b.ds);
     b.ds = -error - moved;
   }
-  // Slacks and prices so that what forces and velocities say of them holds to rounding.
+  // Slacks and prices from forces and velocities, so that their relations hold to rounding.
   void finish(Element& e, double keep) const {
     const Vector3d moved = e.slope(e.dx, dm_) + keep * slack_error(e);
     Vector3d prices = keep * price_error(e) + forces_from(e, dy_) + e.pull * e.dx;
@@ -574,8 +574,8 @@ class ConeProgramme {
   double m_ = 0.0, dm_ = 0.0;  // multiplier
   Eigen::SparseMatrix<double> matrix_;
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
-  VectorXd pull_, answer_to_pull_;      // effect of the multiplier on blocks, after elimination of forces
-  double own_ = 0.0, whole_own_ = 0.0;  // diagonal entry of the multiplier, after elimination and before
+  VectorXd pull_, answer_to_pull_;      // coefficients of the multiplier in rows of blocks, after elimination of forces
+  double own_ = 0.0, whole_own_ = 0.0;  // diagonal entry of the multiplier, after elimination of forces and before
   VectorXd of_rows_;
   double of_multiplier_ = 0.0, gap_ = 0.0, upper_ = 0.0, error_ = 0.0, degree_ = 0.0;
   double best_error_ = std::numeric_limits<double>::infinity(), best_m_ = 0.0, best_upper_ = 0.0;

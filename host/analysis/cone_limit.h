@@ -1,17 +1,17 @@
-// Limit analysis with whole friction cones in place of pyramids, by an interior point method of its own.
+// Limit analysis with friction cones in place of pyramids, by an interior point method.
 //
-// Lobo et al. (1998): a second-order cone programme. Nesterov and Todd's scaling, Mehrotra's predictor and corrector,
-// as Vandenberghe (2010) has them. A step solves for the virtual velocities of the blocks alone. Its sparse matrix is
-// that of springs at the contact points. Time grows little faster than the number of blocks.
+// After Lobo et al. (1998): a second-order cone programme, with Nesterov and Todd's scaling and Mehrotra's predictor
+// and corrector as in Vandenberghe (2010). Each step solves only for the virtual velocities of the blocks. Its sparse
+// matrix is that of springs at the contact points. Time grows little faster than the number of blocks.
 #pragma once
 
 #include "analysis/limit.h"
 
 namespace quoin {
 
-// Forces and mechanism are the middle of all that the multiplier, up to `most`, allows. Friction may be below 0. Status
-// is solved or not_converged: what has no equilibrium, or no bound, is the latter. problem: as limit_multiplier() takes
-// it.
+// Forces and mechanism are the analytic centre of all solutions, for a multiplier of at most `most`. Friction may be
+// negative. Status is solved or not_converged; problems without equilibrium or without a bound are not_converged.
+// problem: as in limit_multiplier(). near: as in LimitSettings.
 LimitResult limit_with_cones(const LimitProblem& problem, double most = std::numeric_limits<double>::infinity(),
                              const std::vector<double>& near = {});
 

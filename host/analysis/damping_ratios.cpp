@@ -17,14 +17,14 @@ namespace {
 
 constexpr int kCount = 3;
 
-// Empty: they cost little beside the stage.
+// Reason where modes cost too much beside the stage; else empty.
 std::string why_dear(const Simulation& simulation, const Stage& stage) {
   double unknowns = 0.0;
   for (int block = 0; block < static_cast<int>(simulation.block_count()); ++block) {
     const BlockSize size = block_size(simulation, block);
     unknowns += size.zones > 0 ? 3.0 * static_cast<double>(size.gridpoints) : 6.0;
   }
-  // Measured: as long as so many steps (manual/EARTHQUAKES.md).
+  // Measured cost in steps (manual/EARTHQUAKES.md).
   constexpr double kLikeSteps = 6000.0, kFew = 3000.0, kShare = 0.03;
   const double steps = stage.duration.value_or(0.0) / simulation.time_step_report().time_step;
   if (unknowns <= kFew || kLikeSteps <= kShare * steps) return "";

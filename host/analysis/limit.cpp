@@ -17,16 +17,17 @@ namespace {
 
 using geometry::Vector;
 
-// Largest residual of equilibrium (in mean loads of a block) and of virtual velocities that counts as rounding.
+// Largest residual that counts as rounding, of equilibrium (in mean loads of a block) and of virtual velocities.
 constexpr double kResidual = 1e-6;
-constexpr double kInteriorResidual = 1e-4;  // the same of the middle of all solutions
+constexpr double kInteriorResidual = 1e-4;  // the same for the centre of all solutions
 
-constexpr int kFacets = LimitSettings{}.facets;  // where whole cones do not do
+constexpr int kFacets = LimitSettings{}.facets;  // where whole cones have no solution
 
-// Contact points from which the vertex is left out where the middle is as exact: the way to it takes most of the time.
+// Contact points from which on a sufficiently exact centre replaces the vertex, whose computation takes most of the
+// time.
 constexpr std::size_t kManyPoints = 1000;
 constexpr double kGap =
-    2e-7;  // between both bounds of the multiplier, of max(1, multiplier); within kAll of stands.cpp
+    2e-7;  // Gap of the bounds of the multiplier, over max(1, multiplier); within kAll of stands.cpp.
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Exit::bad_input, "limit analysis: " + why); }
 
@@ -69,8 +70,8 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
   }
 }
 
-// The linear programme of a problem. Forces in multiples of the mean load of a block, lengths in multiples of the mean
-// distance between centres and points.
+// Linear programme of a problem. Forces are in multiples of the mean load of a block, lengths in multiples of the mean
+// arm of a contact point.
 class Programme {
  public:
   Programme(const LimitProblem& problem, const LimitSettings& settings) : problem_(problem), settings_(settings) {
@@ -105,14 +106,14 @@ class Programme {
 
  private:
   struct Columns {
-    int first = 0, normal = 0;  // columns of the edges and of the pure normal force
-    double lift = 0.0;          // compression that goes with a unit of an edge
+    int first = 0, normal = 0;  // columns of the shear along edges, and of the pure normal force
+    double lift = 0.0;          // compression for a unit of an edge
     double tension = 0.0;       // at the apex, in units of force_
     int shear_row = -1, crushing_row = -1;
-    bool slides = false;  // carries shear
+    bool slides = false;  // whether it carries shear
   };
 
-  // Sum of what contact points do to a block = -(dead + multiplier * live): six rows a free block.
+  // Equilibrium: contact forces on a block = -(dead + multiplier * live), six rows a free block.
   void add_equilibrium() {
     rows_.assign(problem_.blocks.size(), -1);
     for (std::size_t k = 0; k < problem_.blocks.size(); ++k) {
@@ -138,7 +139,7 @@ class Programme {
       if (columns_[i].shear_row >= 0) linear_.add(columns_[i].shear_row, -problem_.points[i].live_cohesion / force_);
   }
 
-  // The column that was added last is a force f on this block.
+  // Adds coefficients of the last column: a force f on this block.
   void act(int block, const Vector& position, const Vector& f) {
     const int row = rows_[static_cast<std::size_t>(block)];
     if (row < 0) return;
@@ -146,10 +147,10 @@ class Programme {
     for (int c = 0; c < 3; ++c) linear_.add(row + c, f[c]);
     for (int c = 0; c < 3; ++c) linear_.add(row + 3 + c, moment[c] / length_);
   }
-  // And the opposite on b.
+  // A force f on block a, and the opposite on b.
   void act(const LimitPoint& p, const Vector& f) { act(p.a, p.position, f), act(p.b, p.position, -f); }
 
-  // A unit counts in multiples of force_, whether it is a force, a moment or a shear flow.
+  // A unit of the column is force_, whether it is a force, a moment or a shear flow.
   void add_force(const LimitForce& force) {
     member_columns_.push_back(linear_.add_column(0.0, force.low / force_, force.high / force_));
     std::map<int, double> sum;  // several places may be on one block
@@ -163,9 +164,9 @@ class Programme {
     for (const auto& [row, coefficient] : sum) linear_.add(row, coefficient);
   }
 
-  // Traction inside a pyramid with its apex at sigma = tension. Normal force is tension - N, shear the sum of e_i d_i
-  // over the edges d_i with sum of e_i <= c + mu N. Without cohesion at the apex each edge carries its compression
-  // along.
+  // Tractions inside a pyramid with its apex at sigma = tension. Normal force is tension - N, shear the sum of e_i d_i
+  // over the edges d_i with sum of e_i <= c + mu N. Without cohesion at the apex, the column of an edge includes its
+  // compression.
   void add_rows(const LimitPoint& p) {
     Columns columns;
     const double tension = p.friction > 0.0 ? std::min(p.tension, p.cohesion / p.friction) : p.tension;
@@ -197,13 +198,13 @@ class Programme {
     }
   }
 
-  // From s towards t.
+  // Angle from s towards t, rad.
   double edge_angle(int edge) const {
     const double first = settings_.facet_on_axis ? 0.5 : 0.0;
     return 2.0 * std::numbers::pi * (edge + first) / settings_.facets;
   }
 
-  // The tension of the apex is a constant of equilibrium.
+  // Adds the tension of the apex to the constants of equilibrium.
   void add_apex(const LimitPoint& p, double tension) {
     if (tension == 0.0) return;
     for (const auto& [block, sign] : {std::pair(p.a, 1.0), std::pair(p.b, -1.0)}) {
@@ -239,7 +240,7 @@ class Programme {
   std::vector<int> member_columns_;
 };
 
-// The largest velocity of a centre or contact point becomes 1.
+// Scales the mechanism to a largest velocity of 1 at centres and contact points.
 void scale_mechanism(const LimitProblem& problem, LimitResult* r) {
   if (r->velocity.empty()) return;
   double largest = 0.0;
@@ -256,7 +257,7 @@ void scale_mechanism(const LimitProblem& problem, LimitResult* r) {
   for (Wrench& v : r->velocity) v.force *= 1.0 / largest, v.moment *= 1.0 / largest;
 }
 
-// Which blocks are out of balance when the sum of all residuals under dead loads is as small as it can be.
+// Blocks out of balance when the sum of all residuals under dead loads is minimal.
 std::vector<int> unheld_blocks(const LimitProblem& problem, const LimitSettings& settings) {
   const Programme programme(problem, settings);
   LinearProgram linear = programme.linear();
@@ -290,7 +291,7 @@ std::vector<int> loaded_blocks(const LimitProblem& problem) {
   return loaded;
 }
 
-// A solution counts when the programme itself confirms it.
+// A solution counts if the residuals of the programme confirm it.
 LimitStatus status_of(const LinearSolution& solution, bool interior) {
   const bool confirmed =
       std::max(solution.primal_residual, solution.dual_residual) < (interior ? kInteriorResidual : kResidual);
@@ -339,7 +340,8 @@ LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& g
     scale_mechanism(problem, &whole);
     if (whole.status == LimitStatus::solved || !given.near.empty()) return whole;
   }
-  LimitSettings settings = given;  // pyramids say what has no answer, and find those that have no room in the cones
+  // Pyramids show that a problem has no solution, and solve those without room inside the cones.
+  LimitSettings settings = given;
   if (settings.facets == 0) settings.facets = kFacets;
   const Programme programme(problem, settings);
   const LinearSolution solution = solution_of(programme.linear(), problem, settings);

@@ -1,9 +1,9 @@
-// Limit analysis of assemblies of rigid blocks by the static theorem. It is the largest multiplier of loads for which
-// contact forces exist that are in equilibrium and within strength everywhere.
+// Limit analysis of assemblies of rigid blocks by the static theorem. The result is the largest load multiplier for
+// which contact forces are in equilibrium and within strength.
 //
-// Livesley (1978): a linear programme where friction cones are pyramids, a second-order cone programme where they are
-// whole. Flow is associated: sliding lifts by the friction
-// angle. The multiplier is an upper bound of those without dilation, far above them where a bonded wall cannot dilate.
+// Livesley (1978): a linear programme for pyramids in place of friction cones, a second-order cone programme for the
+// cones. Flow is associated: sliding dilates by the friction angle. The multiplier is an upper bound of those without
+// dilation, far above them where a bonded wall cannot dilate.
 #pragma once
 
 #include <array>
@@ -24,10 +24,10 @@ struct Wrench {
 struct LimitBlock {
   geometry::Vector centre;  // reference point of wrenches and velocities, m
   bool fixed = false;
-  Wrench dead, live;  // constant loads, and those that are multiplied
+  Wrench dead, live;  // constant loads, and loads that are multiplied
 };
 
-// A contact point. Tractions as in the laws: sigma > 0 is tension, n from block a to block b.
+// A contact point. Signs as in the laws: sigma > 0 is tension, n points from block a to block b.
 struct LimitPoint {
   int a = 0, b = 0;
   geometry::Vector position;                                  // m
@@ -35,17 +35,17 @@ struct LimitPoint {
   double friction = 0.0;                                      // tan(phi), >= 0
   double tension = 0.0;                                       // largest force along n, N, >= 0
   double cohesion = 0.0;                                      // shear strength without normal force, N, >= 0
-  double crushing = std::numeric_limits<double>::infinity();  // largest compression, N, > 0
-  double area = 1.0;                                          // m2, > 0; stiffness of joints is in proportion
+  double crushing = std::numeric_limits<double>::infinity();  // largest compressive force, N, > 0
+  double area = 1.0;                                          // m2, > 0; stiffness is proportional to it
   double live_cohesion = 0.0;                                 // cohesion added by a multiplier of 1, N
 };
 
-// What a member carries: one number between two bounds, which acts on all of its places at once.
+// Force of a member: one number within bounds, which acts on all of its places at once.
 struct LimitForce {
   struct Place {
     int block = 0;
     geometry::Vector at;         // m
-    geometry::Vector way, turn;  // force and moment on the block of a unit
+    geometry::Vector way, turn;  // force and moment on the block for a unit of the number
   };
   std::vector<Place> places;
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
@@ -58,26 +58,27 @@ struct LimitProblem {
 };
 
 struct LimitSettings {
-  // Facets of the pyramid inside the friction cone. A shear force between two of its edges is at most 1 -
-  // cos(pi/facets) too weak: 0.5 % of friction with 32. Edges lie along s and t where 4 divides it: exact for plane
-  // problems. With 0 the whole cone, by cone_limit.h, and pyramids of 32 facets where that finds nothing.
+  // Number of facets of the pyramid inside the friction cone. A shear force between two of its edges is too small by up
+  // to 1 - cos(pi/facets): 0.5 % of friction with 32. Edges lie along s and t where 4 divides the number, which is
+  // exact for plane problems. 0: the whole cone, by cone_limit.h; where that finds no solution, pyramids of 32 facets.
   int facets = 32;
-  bool facet_on_axis = false;  // the normal of the first facet, and not its edge, lies along s
-  // The middle of all forces that give the multiplier, and not a corner of them: it moves little when strengths do. To
-  // fewer digits, with pyramids. Friction may be below 0 then.
+  bool facet_on_axis = false;  // whether the normal of the first facet, not its edge, lies along s
+  // Whether to return the centre of all forces that give the multiplier, not a vertex: it changes little when strengths
+  // do. With pyramids it has fewer digits. It permits negative friction.
   bool interior = false;
-  // Compression at each point, N, or none: of all forces that give the multiplier those nearest to these, with the
-  // least shear. With whole cones alone, and with friction below 0, too; not_converged where cone_limit.h finds none.
+  // Compression at each point, N, or empty. Of all forces that give the multiplier, the result is nearest to these and
+  // has the least shear. It takes whole cones, and permits negative friction. The result is not_converged where
+  // cone_limit.h finds none.
   std::vector<double> near{};
   double most =
-      std::numeric_limits<double>::infinity();  // bound of the multiplier; where it is reached, no mechanism is sought
+      std::numeric_limits<double>::infinity();  // bound of the multiplier; a multiplier at the bound has no mechanism
 };
 
 enum class LimitStatus {
   solved,
-  no_equilibrium,  // the dead loads alone cannot be carried
-  unbounded,       // no multiple of the live loads moves anything
-  not_converged    // the solver stopped, or its solution leaves residuals
+  no_equilibrium,  // no forces carry the dead loads
+  unbounded,       // no multiple of the live loads makes a mechanism
+  not_converged    // the solver stopped, or its solution has residuals
 };
 
 struct LimitResult {
@@ -85,24 +86,24 @@ struct LimitResult {
   double multiplier = 0.0;
   double gap = 0.0;  // (upper - lower bound)/max(1, |multiplier|) of the programme
   int facets = 0;    // facets of the friction cones; 0: whole cones
-  // On block a along n, s, t at each point, N: n > 0 is tension.
+  // Force on block a along n, s, t at each point, N: n > 0 is tension.
   std::vector<std::array<double, 3>> force;
   std::vector<double> member_force;  // by LimitProblem::forces
-  // Mechanism: virtual velocity of the centre and spin of each block. The largest velocity of a centre or contact point
-  // is 1 (m/s, rad/s).
+  // Mechanism: virtual velocity of the centre, and spin, of each block. They are scaled so that the largest velocity of
+  // a centre or contact point is 1 (m/s, rad/s).
   std::vector<Wrench> velocity;  // force: velocity, moment: spin
-  // Blocks that cannot be held (no_equilibrium), or on which the load acts that moves nothing (unbounded); ascending.
+  // Blocks out of balance (no_equilibrium), or blocks under a live load that makes no mechanism (unbounded); ascending.
   std::vector<int> blocks_concerned;
 };
 
-// Throws Error(bad_input): indices out of range, values that are not finite, strengths below 0, no live load, facets
-// < 4.
+// Throws Error(bad_input) for indices out of range, values that are not finite, strengths below 0, no live load, fewer
+// than 4 facets.
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings = {});
 
-// What programmes count forces and lengths in: the mean load of a block, N, and the mean arm of a contact point, m.
+// Units of force and length in programmes: the mean load of a block, N, and the mean arm of a contact point, m.
 std::pair<double, double> scales_of(const LimitProblem& problem);
 
-// Blocks that no chain of contact points and members joins to a fixed one; indices, ascending.
+// Blocks that no chain of contact points and members connects to a fixed one; indices, ascending.
 std::vector<int> unconnected_blocks(const LimitProblem& problem);
 
 }  // namespace quoin

@@ -36,7 +36,8 @@ const Stage& moving_stage(const Scene& scene) {
                           scene.file));
 }
 
-// Weight and direction are those of the first collapse stage, or gravity that of the first stage that has some.
+// Gravity and direction of the first collapse stage, or gravity of the stage with the moving load. Else gravity of the
+// first stage that has some.
 void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
   for (const Stage& stage : scene.stages) {
     if (norm(geometry::vector(stage.gravity)) > 0.0 && (stage.collapse || norm(limit->gravity) == 0.0))
@@ -64,7 +65,7 @@ void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* lim
                             scene.file));
 }
 
-// Brittle strength of a joint family, from the law's own properties; 0, or no crushing, where a law has none.
+// Brittle strength of a joint family, from its law's properties; 0, or no crushing, where the law has no such property.
 struct Strength {
   double friction = 0.0, tension = 0.0, cohesion = 0.0;  // -, Pa, Pa
   double crushing = std::numeric_limits<double>::infinity();
@@ -103,7 +104,7 @@ void refuse_members(const members::Members& members, const std::string& file) {
                                              file));
 }
 
-// Each with any force up to that at which it yields; without hardening.
+// Ties: any force up to yield, without hardening.
 void add_ties(const members::Members& members, SceneLimit* limit) {
   for (const members::Tie& tie : members.ties()) {
     LimitForce force{{}, tie.law.compression ? -tie.law.yield : 0.0, tie.law.yield};
@@ -122,7 +123,7 @@ void add_ties(const members::Members& members, SceneLimit* limit) {
   }
 }
 
-// What the ground holds of a node that has no unknown there.
+// Reaction of the ground along the directions in which a node is not free.
 void guide(int block, const Vector& at, const std::vector<Vector>& free, bool turns, SceneLimit* limit) {
   std::vector<Vector> held;
   if (free.empty()) held = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -134,7 +135,7 @@ void guide(int block, const Vector& at, const std::vector<Vector>& free, bool tu
   }
 }
 
-// Nodes of floors and beams as blocks of their own, held where they have no unknown.
+// Nodes of floors and beams as blocks; they are held in directions that are not free.
 void add_own_nodes(const members::LinearMembers& own, SceneLimit* limit) {
   for (const members::OwnBody& body : own.bodies) {
     for (int n = body.first; n < body.end; ++n) {
@@ -159,7 +160,7 @@ LimitPoint point_at(const Vector& position, const Vector& normal) {
   return point;
 }
 
-// A force acts against its deformation.
+// A member's force acts against its deformation.
 void add_deformations(const members::Members& members, const members::LinearMembers& own, SceneLimit* limit) {
   const auto first = static_cast<int>(limit->block_count);
   for (const members::OwnBody& body : own.bodies) {
@@ -193,7 +194,7 @@ void add_deformations(const members::Members& members, const members::LinearMemb
   }
 }
 
-// A contact point without friction: its normal force up to yield both ways, its shear in a circle.
+// Dowels: normal force up to yield in both directions, shear force in a circle, no friction.
 void add_dowels(const members::Members& members, SceneLimit* limit) {
   for (const members::Dowel& dowel : members.dowels()) {
     const members::Node &first = members.nodes()[static_cast<std::size_t>(dowel.first)],
@@ -205,7 +206,7 @@ void add_dowels(const members::Members& members, SceneLimit* limit) {
   }
 }
 
-// The soil's weight and active pressure act always; up to the passive one resists.
+// Fills: weight and active pressure are constant; the wall's resistance grows up to the passive pressure.
 void add_fills(const members::Members& members, SceneLimit* limit) {
   for (const members::FillPoint& p : members.fill_points()) {
     const members::Node& node = members.nodes()[static_cast<std::size_t>(p.node)];
@@ -231,7 +232,7 @@ void add_members(const members::Members& members, const std::string& file, Scene
   }
 }
 
-// What an acceleration of all masses does to each block.
+// Wrench on each block from an acceleration of all masses.
 std::vector<Wrench> pull_of(const SceneLimit& limit, const Vector& acceleration) {
   std::vector<Wrench> pull(limit.problem.blocks.size());
   for (const LimitMass& m : limit.masses) {
@@ -244,7 +245,8 @@ std::vector<Wrench> pull_of(const SceneLimit& limit, const Vector& acceleration)
   return pull;
 }
 
-// Each block is rigid, each contact point a force. Weights from the outlines of the blocks.
+// Assembles the problem: rigid blocks, and a force at each contact point. Weights follow from the outlines of the
+// blocks.
 void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
   const blocks::Model* const shapes = simulation.large_motion();
@@ -338,7 +340,7 @@ LimitResult solved(const std::string& file, const SceneLimit& limit, const Limit
   throw Error(Exit::numerical, fmt::format("{}: the linear programme was not solved: residuals are left", file));
 }
 
-// Least margin of four loads, the weight turned along x and z, both ways.
+// Smallest margin of four loads: the weight along x and z, in both directions.
 void find_least_margin(const std::string& file, const LimitSettings& settings, SceneLimit* limit) {
   for (const Vector& way : {Vector{1, 0, 0}, Vector{-1, 0, 0}, Vector{0, 0, 1}, Vector{0, 0, -1}}) {
     LimitProblem pushed = limit->problem;
@@ -385,7 +387,7 @@ std::optional<double> settled(const std::optional<LimitWithoutDilation>& without
   return without->multiplier;
 }
 
-// Each position on its own, beside the weight. The least multiplier is that of the worst position.
+// Computes each position by itself, beside the weight. The worst position has the smallest multiplier.
 void find_moving(const Simulation& simulation, const LimitOptions& options, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
   const Stage& stage = moving_stage(scene);
@@ -442,7 +444,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
   assemble(simulation, options.given, &limit);
   require_supports(file, limit);
   limit.stands = stands(limit.problem, options.settings, options.friction);
-  // Normal forces alone, where they carry all, do so without dilation, too.
+  // If normal forces alone carry all loads, they do so without dilation too.
   const bool needs_friction = limit.stands.friction && *limit.stands.friction > 0.0;
   if (!options.associated && options.friction && needs_friction)
     limit.friction = friction_without_dilation(limit.problem, options.settings);
@@ -480,11 +482,11 @@ std::vector<int> moving_without_load(const SceneLimit& limit) {
 }
 
 MemberForce largest_force(const LimitMember& member, const LimitResult& result) {
-  constexpr double kAll = 1.0 - 1e-6;  // share of a strength
+  constexpr double kAll = 1.0 - 1e-6;  // share of a strength that counts as reaching it
   MemberForce found;
   for (std::size_t k = 0; k < member.of.size(); ++k) {
     double force = result.member_force[member.of[k]] / member.over[k];
-    if (member.what == "anchor_N_per_m") force = std::max(0.0, force);  // bearing has no strength
+    if (member.what == "anchor_N_per_m") force = std::max(0.0, force);  // bearing has no limit
     if (std::abs(force) >= found.largest) found.largest = std::abs(force), found.strength = member.strength[k];
     if (std::abs(force) >= kAll * member.strength[k] && member.strength[k] > 0.0) ++found.at_strength;
   }

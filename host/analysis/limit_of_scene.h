@@ -1,4 +1,4 @@
-// Limit analysis of a scene: its blocks rigid, its contact points as a run places them, strengths from its laws.
+// Limit analysis of a scene: rigid blocks, contact points as in a run, strengths from its laws.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -22,37 +22,37 @@ inline LimitSettings whole_cones() {
 }
 
 struct LimitOptions {
-  std::vector<double> direction;  // direction of the load that is multiplied; empty: that of the first collapse stage
-  double given = 0.0;             // multiple of the weight along it that acts beside the weight
+  std::vector<double> direction;  // direction of the multiplied load; empty: that of the first collapse stage
+  double given = 0.0;             // multiple of the weight along it that acts as a constant load
   LimitSettings settings = whole_cones();
-  bool associated = false;  // no search for answers without dilation
-  bool friction = true;     // the smallest scale of friction, too
-  bool moving = false;      // the moving load of the first stage that has one is multiplied, at each of its positions
+  bool associated = false;  // whether to skip the analysis without dilation
+  bool friction = true;     // whether to compute the smallest factor on friction too
+  bool moving = false;      // whether to multiply the first stage's moving load, at each of its positions
 };
 
-// A mass that is pulled along given directions alone, or along all.
+// A mass that acts along given directions only, or along all.
 struct LimitMass {
   int block = 0;
   double mass = 0.0;                   // kg
   geometry::Vector at;                 // m
-  std::vector<geometry::Vector> ways;  // unit, square to each other; none: all
+  std::vector<geometry::Vector> ways;  // unit, perpendicular to each other; empty: all directions
 };
 
-// A force that acts always, without mass.
+// A constant force without mass.
 struct LimitLoad {
   int block = 0;
   geometry::Vector at, force;  // m, N
 };
 
-// Forces of a member that one strength bounds.
+// Forces of a member with one strength.
 struct LimitMember {
   std::string label, what;       // "floor 'first'", "shear_N_per_m"
   std::vector<std::size_t> of;   // indices into LimitProblem::forces
-  std::vector<double> over;      // by which each is divided, m
-  std::vector<double> strength;  // strength of each, divided by the same; may be infinite
+  std::vector<double> over;      // divisor of each, m
+  std::vector<double> strength;  // strength of each, over the same divisor; may be infinite
 };
 
-// A floor or beam as it is drawn: its nodes among the blocks, its faces by nodes from 0.
+// A drawn floor or beam: its nodes are a range of blocks, its faces have node numbers from 0.
 struct LimitBody {
   int first = 0, end = 0;
   std::vector<std::vector<int>> faces;
@@ -61,18 +61,18 @@ struct LimitBody {
 // A moving load at one of its positions.
 struct MovingLimit {
   int block = 0;
-  geometry::Vector position, at;     // on its line; where it acts, m
-  std::optional<double> multiplier;  // none: no multiple moves anything
+  geometry::Vector position, at;     // point on its line; point of action, m
+  std::optional<double> multiplier;  // none: no multiple makes a mechanism
 };
 
 struct SceneLimit {
   geometry::Vector gravity;                   // m/s2
-  std::optional<geometry::Vector> direction;  // none: no collapse stage, and none was given
-  // Blocks of the scene, then nodes of floors and beams. dead: weight and what is given; live: the weight along the
+  std::optional<geometry::Vector> direction;  // none: no collapse stage, and no direction given
+  // Blocks of the scene, then nodes of floors and beams. dead: weight and constant loads; live: the weight along the
   // direction.
   LimitProblem problem;
   std::size_t block_count = 0, point_count = 0;  // sizes of the scene
-  std::vector<std::string> names, labels;        // blocks' names in the scene, and as messages give them
+  std::vector<std::string> names, labels;        // names of blocks in the scene, and in messages
   std::vector<LimitMass> masses;
   std::vector<LimitLoad> loads;
   std::vector<std::string> tie_names;  // names of the ties, which are the first forces
@@ -80,37 +80,38 @@ struct SceneLimit {
   std::vector<LimitBody> bodies;
 
   Stands stands;
-  std::optional<LimitWithoutDilation> friction;  // smallest factors without dilation
-  std::optional<LimitResult> limit;              // where there is a direction and equilibrium
+  std::optional<LimitWithoutDilation> friction;  // smallest factors on friction without dilation
+  std::optional<LimitResult> limit;              // if there is a direction and equilibrium
   std::optional<LimitWithoutDilation> without_dilation;
-  // Multiplier left beyond what is given, of associated flow; without a direction the least of four horizontal ones.
+  // Multiplier left beyond `given`, of associated flow; without a direction the smallest of four horizontal ones.
   std::optional<double> margin;
   geometry::Vector margin_direction{};
-  std::vector<MovingLimit> moving;  // by position; `limit` is then that of the worst one
-  std::size_t worst = 0;            // index of the one nearest to its strength
+  std::vector<MovingLimit> moving;  // by position; `limit` is then that of the worst position
+  std::size_t worst = 0;            // index of the position with the smallest multiplier
   geometry::Vector moving_force{};  // N
 };
 
-// Throws Error(bad_input) where the scene has no gravity, no support, blocks that touch nothing that is held, or laws
-// without a limit. Throws Error(numerical) where no multiple of the load moves anything, or the programme was not
-// solved.
+// Throws Error(bad_input) where the scene has no gravity or no support. So it does where blocks touch nothing that is
+// held, or laws have no limit. Throws Error(numerical) where no multiple of the load makes a mechanism, or the
+// programme was not solved.
 SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options = {});
 
-// Blocks of a mechanism that needs no load beyond what is given: where the margin is 0.
+// Blocks of a mechanism under the constant loads alone, where the margin is 0.
 std::vector<int> moving_without_load(const SceneLimit& limit);
 
-// The largest of what a member carries in these forces (of many that give the multiplier), its strength, and how many
-// places are at theirs.
+// Largest force of a member in this solution (one of many that give the multiplier), its strength, and the number of
+// its places at strength.
 struct MemberForce {
   double largest = 0.0, strength = 0.0;
   int at_strength = 0;
 };
 MemberForce largest_force(const LimitMember& member, const LimitResult& result);
 
-// What limit.json holds.
+// Contents of limit.json.
 nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options);
 
-// "\n  block #3 'key' at (0, 1, 0) m", of five at most.
+// "
+//   block #3 'key' at (0, 1, 0) m", for at most five blocks.
 std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks);
 
 }  // namespace quoin

@@ -9,8 +9,8 @@ namespace quoin {
 
 namespace {
 
-// Of prices and bounds: prices > 0 belong to upper bounds of a maximum, < 0 to lower ones. A price without a bound is
-// an infeasibility of the dual programme.
+// Adds a price's share of the dual objective. Prices > 0 belong to upper bounds of a maximum, < 0 to lower ones. A
+// price on the side of an infinite bound is an infeasibility of the dual programme.
 void add_share(double price, double low, double high, LinearSolution* solution) {
   const double bound = price > 0.0 ? high : low;
   if (std::isfinite(bound))
@@ -21,7 +21,7 @@ void add_share(double price, double low, double high, LinearSolution* solution) 
 
 double beyond(double value, double low, double high) { return std::max({0.0, low - value, value - high}); }
 
-// Residuals and dual objective from the programme as it was given, whatever the library reports.
+// Computes residuals and dual objective from the given programme, independent of the library's report.
 void hold_against_programme(const LinearProgram& p, LinearSolution* solution) {
   std::vector<double> activity(static_cast<std::size_t>(p.rows()), 0.0);
   solution->objective = 0.0;
@@ -48,7 +48,7 @@ void hold_against_programme(const LinearProgram& p, LinearSolution* solution) {
 LinearSolution solve(const LinearProgram& p, bool interior) {
   ClpSimplex clp;
   clp.setLogLevel(0);
-  clp.scaling(0);  // Clp's own scaling leaves infeasibilities of the unscaled programme that it reports as solved
+  clp.scaling(0);  // Clp's scaling may report solutions that are infeasible in the unscaled programme
   clp.loadProblem(p.columns(), p.rows(), p.begin.data(), p.row.data(), p.value.data(), p.low.data(), p.high.data(),
                   p.cost.data(), p.row_low.data(), p.row_high.data());
   clp.setOptimizationDirection(-1.0);  // maximise

@@ -1,4 +1,4 @@
-// Linear programmes, solved by a library; other code includes this header alone.
+// Linear programmes, solved by the library Clp; other code includes only this header.
 #pragma once
 
 #include <limits>
@@ -12,7 +12,7 @@ inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 struct LinearProgram {
   std::vector<double> row_low, row_high;
   std::vector<double> cost, low, high;
-  std::vector<int> begin{0};  // begin of each column in `row` and `value`, and the end of the last
+  std::vector<int> begin{0};  // begin of each column in `row` and `value`; end of the last one
   std::vector<int> row;
   std::vector<double> value;
 
@@ -22,12 +22,12 @@ struct LinearProgram {
     row_low.push_back(from), row_high.push_back(to);
     return rows() - 1;
   }
-  // Coefficients follow with add(); rows ascending or not, each once.
+  // Coefficients of the column follow by add(), each row once, in any order.
   int add_column(double c, double from, double to) {
     cost.push_back(c), low.push_back(from), high.push_back(to), begin.push_back(begin.back());
     return columns() - 1;
   }
-  void add(int in_row, double coefficient) {  // to the column that was added last
+  void add(int in_row, double coefficient) {  // to the last column
     if (coefficient == 0.0) return;
     row.push_back(in_row), value.push_back(coefficient), ++begin.back();
   }
@@ -38,14 +38,14 @@ enum class LinearStatus { solved, infeasible, unbounded, stopped };
 struct LinearSolution {
   LinearStatus status = LinearStatus::stopped;
   double objective = 0.0;
-  double dual_objective = 0.0;  // an upper bound where dual_residual is 0, from prices and bounds
+  double dual_objective = 0.0;  // from prices and bounds; an upper bound where dual_residual is 0
   std::vector<double> x;
   std::vector<double> price;     // prices of rows: change of the objective with the active bound
   double primal_residual = 0.0;  // largest distance of a row or column from its bounds
-  double dual_residual = 0.0;    // largest price of a row or column towards a bound that it does not have
+  double dual_residual = 0.0;    // largest price of a row or column whose bound on that side is infinite
 };
 
-// At a vertex; interior: the middle of all solutions, by an interior point method alone. One thread.
+// Solution at a vertex; interior: centre of all solutions, by an interior point method alone. Uses one thread.
 LinearSolution solve(const LinearProgram& program, bool interior = false);
 
 }  // namespace quoin

@@ -19,11 +19,11 @@ using Eigen::VectorXd;
 using geometry::Vector;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-// Unknowns up to which all eigenvalues are found at once.
+// Largest number of unknowns for a full eigenvalue solution.
 constexpr Index kFew = 300;
-// Part of the largest eigenvalue below which one is rounding of zero.
+// Share of the largest eigenvalue below which an eigenvalue counts as 0.
 constexpr double kZero = 1e-13;
-// Shift, as a part of the largest ratio of stiffness to mass: what moves freely can be factorised with it.
+// Shift over the largest ratio of stiffness to mass. It makes the matrix of free motion positive definite.
 constexpr double kShift = 1e-10;
 
 struct Eigenpairs {
@@ -32,7 +32,7 @@ struct Eigenpairs {
   double entries = 0.0;
 };
 
-// K over the square roots of mass, lower triangle.
+// K scaled by the inverse roots of mass, lower triangle.
 Eigen::SparseMatrix<double> scaled_stiffness(const Vibrating& v, const VectorXd& over_root) {
   Eigen::SparseMatrix<double> scaled = v.stiffness;
   for (Index column = 0; column < scaled.cols(); ++column) {
@@ -49,7 +49,7 @@ Eigenpairs all_of(const Eigen::SparseMatrix<double>& scaled, Index count) {
   return {eigen.eigenvalues().head(count), eigen.eigenvectors().leftCols(count)};
 }
 
-// Columns orthogonal to `basis` and to each other, of length 1; how they were made of them. Twice is enough.
+// Makes the columns of a block orthonormal, and orthogonal to `basis`; returns their coefficients. Two passes suffice.
 MatrixXd orthonormalize(const Eigen::Ref<const MatrixXd>& basis, MatrixXd* block) {
   for (int pass = 0; pass < 2 && basis.cols() > 0; ++pass) {
     const MatrixXd inside = basis.transpose() * *block;
@@ -61,19 +61,19 @@ MatrixXd orthonormalize(const Eigen::Ref<const MatrixXd>& basis, MatrixXd* block
   return r;
 }
 
-// Lanczos's method with blocks of vectors, all kept orthogonal, on (K + shift)^-1. Blocks find frequencies that are
-// equal, and read the factor once for all their columns.
+// Block Lanczos method with full orthogonalisation, on (K + shift)^-1. Blocks find equal frequencies, and read the
+// factor once for all their columns.
 Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGroups& groups, double shift,
                      Index count) {
-  constexpr Index kBlock = 6, kMostBlocks = 60;  // more than the six ways in which one loose body moves
-  // Residual over its eigenvalue: frequencies are exact to its square.
+  constexpr Index kBlock = 6, kMostBlocks = 60;  // more than the six rigid motions of one loose body
+  // Residual over the eigenvalue: the error of frequencies is its square.
   constexpr double kSettled = 1e-7;
   const Index n = scaled.rows();
   Eigen::SparseMatrix<double> shifted = scaled;
   for (Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += shift;
   const SparseCholesky factor(shifted, groups);
 
-  std::mt19937_64 random(1);  // the same start in every run
+  std::mt19937_64 random(1);  // fixed seed
   MatrixXd next(n, kBlock);
   for (Index c = 0; c < kBlock; ++c)
     for (Index i = 0; i < n; ++i) next(i, c) = static_cast<double>(random() >> 11) / 9007199254740992.0 - 0.5;
@@ -122,7 +122,7 @@ void require(const ModesSettings& s) {
   }
 }
 
-// Blocks with more than a trace of the motion without stiffness.
+// Blocks that move noticeably in the modes without stiffness.
 std::vector<int> loose_blocks(const Vibrating& v, const MatrixXd& shapes) {
   constexpr double kTrace = 1e-6;  // share of the largest displacement, squared
   std::vector<double> motion(v.drawn.size(), 0.0);
@@ -139,7 +139,7 @@ std::vector<int> loose_blocks(const Vibrating& v, const MatrixXd& shapes) {
   return loose;
 }
 
-// Shapes to a largest displacement of 1, and what ground motion does to them.
+// Scales shapes to a largest displacement of 1, and computes participation factors and effective masses.
 void finish(const Vibrating& v, Modes* modes) {
   for (std::size_t m = 0; m < modes->mode.size(); ++m) {
     auto column = modes->shape.col(static_cast<Index>(m));
@@ -171,7 +171,7 @@ Rayleigh rayleigh(const std::array<double, 2>& frequencies, const std::array<dou
   Rayleigh r{0.0, 0.0, frequencies, ratios};
   const double low = kTwoPi * frequencies[0], high = kTwoPi * frequencies[1];
   if (!(low > 0.0)) return r;
-  if (high <= low * (1.0 + 1e-9)) {  // one frequency: half of its damping each
+  if (high <= low * (1.0 + 1e-9)) {  // one frequency: each term gives half of its damping
     r.mass_damping = ratios[0] * low, r.stiffness_damping = ratios[0] / low;
     return r;
   }
@@ -182,7 +182,7 @@ Rayleigh rayleigh(const std::array<double, 2>& frequencies, const std::array<dou
 }
 
 std::vector<Vector> shape_of_block(const Vibrating& v, const Modes& modes, int block, int mode) {
-  // Unknowns of a block are in a row.
+  // Unknowns of a block are consecutive.
   const auto [first, end] = std::equal_range(v.unknown.begin(), v.unknown.end(), Unknown{block},
                                              [](const Unknown& a, const Unknown& b) { return a.block < b.block; });
   const std::vector<Vector>& points = v.drawn[static_cast<std::size_t>(block)].point;

@@ -5,9 +5,9 @@
 namespace quoin {
 namespace {
 
-// Share of dead loads from which all of them count as carried: rounding of the linear programme.
+// Share of the dead loads that counts as all of them, within rounding of the linear programme.
 constexpr double kAll = 1.0 - 1e-6;
-// Accuracy of a factor on friction, and the largest one that is tried.
+// Accuracy of a factor on friction, and its largest value.
 constexpr double kExact = 1e-3, kMostFriction = 64.0;
 
 bool carried_with(LimitProblem problem, const LimitSettings& settings, double factor) {
@@ -16,8 +16,8 @@ bool carried_with(LimitProblem problem, const LimitSettings& settings, double fa
   return result.status == LimitStatus::solved && result.multiplier >= kAll;
 }
 
-// What stands with little friction stands with more. So halving finds the least: a cone lies within a wider one, but
-// for tension that cohesion over friction limits.
+// Bisection, as an assembly that stands with some friction stands with more. A wider cone contains the narrower one,
+// except for tension, which cohesion over friction limits.
 std::optional<double> smallest_friction(const LimitProblem& problem, const LimitSettings& settings, bool stands) {
   double holds = stands ? 1.0 : kMostFriction, falls = stands ? 0.0 : 1.0;
   if (!stands && !carried_with(problem, settings, holds)) return std::nullopt;
@@ -44,7 +44,8 @@ Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool f
     return !b.fixed && norm(b.dead.force) + norm(b.dead.moment) > 0.0;
   });
   if (!loaded) return {true, 1.0, 0.0, {}};
-  // One programme in place of three for what only presses. Not with cohesion, which over friction limits tension.
+  // A single programme suffices for joints that only press. Not with cohesion, since cohesion over friction limits
+  // tension.
   const bool cohesive =
       std::any_of(problem.points.begin(), problem.points.end(), [](const LimitPoint& p) { return p.cohesion > 0.0; });
   if (!cohesive && carried_with(problem, settings, 0.0)) return {true, 1.0, 0.0, {}};

@@ -1,7 +1,7 @@
-// Whether an assembly stands under given loads, and with how much friction at least.
+// Stability of an assembly under dead loads, and the least friction that it needs.
 //
-// Any contact forces that are in equilibrium and within strength are enough for the associated answer. Without dilation
-// it is not: which normal forces there are decides, so two ways that lead to them are followed (without_dilation.h).
+// By associated flow, an assembly stands if any contact forces are in equilibrium and within strength. Without
+// dilation, friction depends on which normal forces act. So that analysis follows two load paths (without_dilation.h).
 #pragma once
 
 #include <optional>
@@ -14,18 +14,18 @@ namespace quoin {
 
 struct Stands {
   bool stands = false;
-  double carried = 0.0;  // largest share of the dead loads that can be carried, up to 1
-  // Smallest factor on the friction of all points with which dead loads are carried, to 0.1 %; none: no friction does,
-  // or it was not sought.
+  double carried = 0.0;  // largest share of the dead loads that forces carry, at most 1
+  // Smallest factor on the friction of all points with which forces carry the dead loads, to 0.1 %. None: no factor
+  // suffices, or it was not requested.
   std::optional<double> friction;
-  std::vector<int> out_of_balance;  // blocks, where it does not stand
+  std::vector<int> out_of_balance;  // blocks of the mechanism where it does not stand
 };
 
-// Of dead loads; live ones have no part. friction: its smallest factor is sought, by some ten programmes. Throws as
-// limit_multiplier().
+// Stability under dead loads; live loads are ignored. friction: whether to compute its smallest factor, which takes
+// some ten programmes. Throws as limit_multiplier().
 Stands stands(const LimitProblem& problem, const LimitSettings& settings = {}, bool friction = true);
 
-// Multiplier of dead loads up to 1, with the forces that carry them; its mechanism is that of their fall.
+// Multiplier of the dead loads, at most 1, with its forces; the mechanism is that of collapse.
 LimitResult carried_share(const LimitProblem& problem, const LimitSettings& settings = {});
 
 }  // namespace quoin

@@ -52,7 +52,7 @@ Vibrating vibrating_about(const Scene& scene, const std::string& state, const st
       weight ? std::optional(stage) : rest_asked(read_provenance(state).request.overrides);
   Scene there = rest ? at_rest(scene, *rest) : scene;
   there.start = weight ? "" : state;
-  if (!weight) there.stages.push_back(there.stages.back());  // what would come after the run: it is not begun
+  if (!weight) there.stages.push_back(there.stages.back());  // a stage after the run's last one, which is not begun
   Simulation simulation(std::move(there), 0);
   Observer nobody;
   if (weight)

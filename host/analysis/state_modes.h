@@ -1,4 +1,4 @@
-// What vibrates about another state than the undamaged one: under weight, or at the end of a run.
+// Vibration about states other than the undamaged one: under weight, or at the end of a run.
 #pragma once
 
 #include "analysis/undamaged.h"
@@ -6,12 +6,12 @@
 
 namespace quoin {
 
-// About the state of now. tangent: of tangent_of.
+// Vibration about the current state. tangent: from tangent_of.
 Vibrating vibrating_now(const Simulation& simulation, Tangent tangent);
 
-// state: "weight", with the loads and supports of the stage of that name (empty: the first that has a load;
-// rest_scene.h). Or the folder of a run of this scene with output.end_state = true. Throws Error as a run of kind rest,
-// or as take_start.
+// state: "weight", or the folder of a run of this scene with output.end_state = true. "weight" takes the loads and
+// supports of the stage of that name (empty: the first with a load; rest_scene.h). Throws as a run of kind rest, or as
+// take_start.
 Vibrating vibrating_about(const Scene& scene, const std::string& state, const std::string& stage);
 
 }  // namespace quoin

@@ -34,8 +34,8 @@ struct JointStiffness {
   double normal, shear;  // Pa/m
 };
 
-// Stiffness of a closed point by small differences. Compression comes first, so that a point without bond can be
-// sheared.
+// Stiffness of a closed point by small differences. Compression comes first, as a dry point resists shear only under
+// pressure.
 JointStiffness stiffness_of(const std::shared_ptr<const Material>& material, const std::string& initial_state) {
   // Far below any strength, and far above the rounding of tractions.
   constexpr double kCompression = 1e3, kShear = 1.0;  // Pa
@@ -51,13 +51,13 @@ JointStiffness stiffness_of(const std::shared_ptr<const Material>& material, con
   return k;
 }
 
-// One side of a contact point: unknowns, and what a unit of each moves the point by.
+// One side of a contact point: an unknown, and the motion of the point for a unit of it.
 struct Share {
   int unknown;
   Vector moves;
 };
 
-// normal: along n; across: in all directions across it.
+// normal: stiffness along n; across: stiffness perpendicular to it, N/m.
 void add_spring(const std::vector<Share>& shares, const Vector& n, double normal, double across,
                 std::vector<Triplet>* entries) {
   for (const Share& row : shares) {
@@ -68,7 +68,7 @@ void add_spring(const std::vector<Share>& shares, const Vector& n, double normal
   }
 }
 
-// A world at its start that gives away its stiffness. Its solver settings are those that scale no inertia.
+// A world at its start, with access to its stiffness. Its solver settings scale no inertia.
 class World : public blocks::World {
  public:
   explicit World(const blocks::Assembly& scene) : blocks::World(scene, SolverSettings{}) {}
@@ -91,9 +91,9 @@ class World : public blocks::World {
 
   std::vector<std::uint8_t> held_;                  // by block: bits 0..2 translations, 3..5 rotations
   std::vector<int> first_of_body_, count_of_body_;  // unknowns, by block
-  std::vector<std::array<int, 3>> of_gridpoint_;    // -1: held
+  std::vector<std::array<int, 3>> of_gridpoint_;    // by gridpoint and direction; -1: held
   members::LinearMembers own_;                      // floors and beams
-  std::vector<int> first_of_node_;                  // unknowns, by own node of a member; one more at the end
+  std::vector<int> first_of_node_;                  // first unknown of each own node of a member; one more at the end
 };
 
 std::string axes_text(std::uint8_t bits) {
@@ -103,7 +103,7 @@ std::string axes_text(std::uint8_t bits) {
   return text;
 }
 
-// As supports_in(): what is fixed, and what the stage imposes on it in its place.
+// Supports as in supports_in(): fixed blocks, and blocks and components that the stage prescribes.
 void World::hold(const Stage& stage, std::vector<std::string>* held) {
   const std::vector<blocks::Block>& given = assembly.blocks;
   held_.assign(given.size(), 0);
@@ -134,7 +134,7 @@ void World::number_body(int block, Vibrating* v) {
     u.translation[c] = 1.0;
     v->unknown.push_back(u), v->mass.push_back(body.mass);
   }
-  // Rotations that are free: about the principal axes of their inertia, so that mass is diagonal.
+  // Free rotations are about the principal axes of their inertia, so that mass is diagonal.
   std::vector<int> axes;
   for (int c = 0; c < 3; ++c) {
     if ((held >> (3 + c) & 1u) == 0) axes.push_back(c);
@@ -206,8 +206,8 @@ void World::draw(Vibrating* v) const {
   }
 }
 
-// Linear elasticity, constant strain. Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T +
-// mu g_j g_i^T + mu (g_i . g_j) I).
+// Linear elasticity at constant strain. With gradients g of the shape functions, nodes i and j have the stiffness
+//   V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
 void World::add_zones(std::vector<Triplet>* entries) const {
   each_zone(*this, [&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
     for (int i = 0; i < 4; ++i) {
@@ -263,7 +263,7 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
     for (std::size_t i = 0; i < family.size(); ++i) {
       const blocks::Point& p = family.point[i];
       const blocks::Location here = locate(*this, p, contacts.facets);
-      if (here.jump > detection.joint_tolerance) continue;  // close to each other, and apart
+      if (here.jump > detection.joint_tolerance) continue;  // an open gap
       shares.clear();
       add_side(p.a, p.facet_a, here.at, -1.0, *v, &shares);
       add_side(p.b, p.facet_b, here.at, 1.0, *v, &shares);
@@ -287,14 +287,14 @@ void World::add_node(const members::Node& node, double sign, const Vibrating& v,
   }
 }
 
-// Ties without slack are taut, springs of beddings touch.
+// Stiffness of members. Ties without slack are taut, springs of beddings are closed.
 void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const {
   if (!held_by.members.get()) return;
   std::vector<Share> shares;
   const auto& riders = held_by.members.get()->nodes();
   for (const members::Tie& tie : held_by.members.get()->ties()) {
     if (tie.law.slack > 0.0) continue;
-    shares.clear();  // shares of its elongation, along the axis x
+    shares.clear();  // shares of its elongation along the axis
     for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
       const Vector along =
           normalized(held_by.members.get()->start_of(tie.stops[i + 1]) - held_by.members.get()->start_of(tie.stops[i]));
@@ -327,7 +327,7 @@ void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const
   }
 }
 
-// Nodes of floors and beams, drawn behind the blocks.
+// Numbers unknowns of floors and beams, and draws their nodes after the blocks.
 void World::number_members(Vibrating* v) {
   for (const members::OwnBody& body : own_.bodies) {
     const auto drawn_as = static_cast<int>(v->drawn.size());
@@ -348,7 +348,7 @@ void World::number_members(Vibrating* v) {
   first_of_node_.push_back(static_cast<int>(v->unknown.size()));
 }
 
-// Entries of deformations: unknowns, and coefficients of each. Connectors and supports count as closed.
+// Stiffness of deformations from their unknowns and coefficients. Connectors and supports count as closed.
 void World::add_deformations(const Vibrating& v, std::vector<Triplet>* entries) const {
   using Row = std::vector<std::pair<int, double>>;
   std::vector<Share> shares;

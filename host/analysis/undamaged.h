@@ -1,8 +1,7 @@
-// Blocks that vibrate about their state at the start: stiffness and mass of all that can move, undamaged.
+// Vibration of blocks about their state at the start: stiffness and mass of all free components, undamaged.
 //
-// Every contact point that is closed has the stiffness that its law gives a little compression and a little shear;
-// zones are linearly elastic. Rigid blocks have six degrees of freedom. Nothing is stressed: weight has no part in
-// stiffness.
+// Every closed contact point has the stiffness of its law for a small compression and a small shear. Zones are linearly
+// elastic. Rigid blocks have six degrees of freedom. Stresses are zero: weight does not change stiffness.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -18,22 +17,23 @@
 
 namespace quoin {
 
-// Everything that a scene holds, as blocks; walls and buildings, too.
+// Blocks of a scene of any kind, walls and buildings included.
 struct SceneBlocks {
   blocks::Assembly assembly;
   double symmetry_factor = 1.0;  // 2 where half of the thickness is modelled
 };
 SceneBlocks blocks_of(const Scene& scene);
 
-// Velocity with which a degree of freedom moves a block: of all of it, or of one gridpoint.
+// Velocity of a block for a unit of one degree of freedom: of the whole block, or of one gridpoint.
 struct Unknown {
-  int block = 0, gridpoint = -1;           // index of what is drawn; -1: a rigid block
-  geometry::Vector translation{}, spin{};  // one of them a unit vector; spin about the centre of mass
+  int block = 0, gridpoint = -1;           // index into Vibrating::drawn; gridpoint -1: a rigid block
+  geometry::Vector translation{}, spin{};  // one of them is a unit vector; spin about the centre of mass
   geometry::Vector centre{};               // m
   geometry::Vector at(const geometry::Vector& place) const { return translation + cross(spin, place - centre); }
 };
 
-// Where a block is drawn: gridpoints, of rigid blocks corners. Floors and beams follow the blocks, with their nodes.
+// Points of a block in drawings: gridpoints, or corners of a rigid block. Floors and beams follow the blocks, with
+// their nodes.
 struct DrawnBlock {
   std::vector<geometry::Vector> point;  // m
   std::vector<std::array<int, 4>> zone;
@@ -47,21 +47,21 @@ struct Vibrating {
   std::vector<Unknown> unknown;
   UnknownGroups groups;
   std::vector<DrawnBlock> drawn;
-  std::vector<std::string> label;  // names of blocks, as messages give them
+  std::vector<std::string> label;  // names of blocks in messages
   std::vector<std::string> held;   // "bottom_beam: x y z, no rotation"
   std::size_t members = 0;         // number of floors and beams that are drawn
   long points = 0, zones = 0;
-  long open = 0;                    // number of points that carry nothing; of the undamaged scene not counted
+  long open = 0;                    // number of points without stiffness; not counted if undamaged
   std::string state = "undamaged";  // or "weight", or the folder of a run
   double symmetry_factor = 1.0;
   double free_mass(int axis) const;  // mass that can move along the axis, kg
 };
 
-// Index of the stage of that name; empty: the first. Throws Error(bad_input): none has it.
+// Index of the stage of that name; empty: the first stage. Throws Error(bad_input) where none has it.
 int stage_named(const Scene& scene, const std::string& name);
 
-// With the supports of a stage: fixed blocks, and what its controls give a velocity, whatever that is.
-// Throws Error(bad_input) where nothing can move.
+// Vibration with the supports of a stage: fixed blocks, and components whose velocity its controls prescribe, whatever
+// its value. Throws Error(bad_input) where all is held.
 Vibrating vibrating(const Scene& scene, int stage = 0);
 
 // Throws Error(bad_input) where nothing can move. file: name of the scene in the message.

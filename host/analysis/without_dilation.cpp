@@ -17,41 +17,41 @@ namespace {
 
 using geometry::Vector;
 
-// Gilbert's: slope of strength over the normal force, as a part of friction, and how far normal forces follow a
-// problem.
+// After Gilbert: slope of strength over the normal force, as a share of friction. And the share of its change by which
+// the assumed normal force follows each problem.
 constexpr double kSlope = 0.1, kFollow = 0.5, kFollowPyramids = 0.3;
-// From this problem on normal forces follow by less and less, as a mean of all would: large assemblies go round in
-// circles else.
+// Number of problems after which that share falls, as for a mean of all problems. Otherwise large assemblies run into
+// cycles.
 constexpr double kMeanFrom = 10.0;
-// Settled: the multiplier changes by less, of itself, and shear is less beyond Coulomb's friction. Either at each
-// point, of the mean normal force, or in all, of the friction of what slides. In large assemblies some nearly unloaded
-// point changes sides in any problem; where little slides, the sum says nothing. What is left shrinks by 1 - kFollow a
-// problem, so 0.1 % of the multiplier is still to come.
+// Convergence. The multiplier changes by a smaller share, and the excess of shear over Coulomb's friction is small. The
+// latter holds at each point, over the mean normal force, or for the sum, over the friction of sliding points. In large
+// assemblies some nearly unloaded point changes state in any problem. Where little slides, the sum has no meaning. The
+// remaining change shrinks by 1 - kFollow a problem, so 0.1 % of the multiplier is still to come.
 constexpr double kSteady = 1e-3, kBeyond = 0.05, kShareBeyond = 0.02;
-constexpr double kSliding = 0.99;  // share of its strength from which on a point slides
-constexpr double kJump = 1.2;      // factor on the multiplier, from a state whose shear is within friction
+constexpr double kSliding = 0.99;  // share of its strength from which on a point counts as sliding
+constexpr double kJump = 1.2;      // factor on the multiplier that counts as a jump, from a state within friction
 constexpr int kSteadyFor = 3, kMostProblems = 60;
-// Large assemblies come no closer than this: over so many problems the multiplier stays within this range, and shear
-// beyond friction below this. Then the mean counts, and half of the range is said.
+// Large assemblies converge no further. If the multiplier stays in this range over so many problems, with shear beyond
+// friction below this bound, then the mean is the result. Half of the range is reported.
 constexpr int kWanderFor = 10;
 constexpr double kWander = 0.005, kWanderBeyond = 0.1;
-// A factor on friction below which changes are relative to this value: a factor of 0 settles, too.
+// Factor on friction below which changes are relative to this value, so that a factor of 0 converges.
 constexpr double kNoFriction = 0.01;
-// Of the mean normal force. Below it there is no friction. Strength does not sink there, or the point could take no
-// normal force at all.
+// Normal force over the mean one, below which a point has no friction. The strength of such a point has no slope, as
+// with one it could take no normal force.
 constexpr double kUnloaded = 1e-4, kUnloadedPyramids = 1e-6;
-// Contact points up to which pyramids are tried where cones have not settled: a second a problem.
+// Contact points up to which pyramids are tried where cones have not converged: a second a problem.
 constexpr std::size_t kFewPoints = 2000;
-// A start that has not settled and is worse by more than this casts doubt on the other.
+// Relative difference of an unsettled and worse start from which on the other start does not count as settled.
 constexpr double kDoubt = 0.05;
-// Shear stiffness of joints over their normal one: of masonry with a Poisson's ratio of 0.25.
+// Shear stiffness of joints over their normal stiffness: masonry with a Poisson's ratio of 0.25.
 constexpr double kShearStiffness = 0.4;
 
 struct Row {
   std::array<int, 12> unknown;
   std::array<double, 12> value;
 };
-// What the motions of both blocks add to the opening of a point along an axis.
+// Opening of a point along an axis as a function of the motions of both blocks.
 Row row_of(const LimitProblem& problem, const LimitPoint& p, const Vector& axis) {
   Row row{};
   std::size_t k = 0;
@@ -63,7 +63,7 @@ Row row_of(const LimitProblem& problem, const LimitPoint& p, const Vector& axis)
   return row;
 }
 
-// As stiff as a mean contact point, and always taut: normal forces of the weight alone begin the search, no more.
+// Members are as stiff as a mean contact point and always taut, as this solution only starts the sequence.
 void add_force(const LimitProblem& problem, const LimitForce& force, std::vector<Eigen::Triplet<double>>& entries) {
   std::vector<std::pair<int, double>> row;
   for (const LimitForce::Place& place : force.places) {
@@ -77,7 +77,7 @@ void add_force(const LimitProblem& problem, const LimitForce& force, std::vector
 
 Eigen::SparseMatrix<double> stiffness_of(const LimitProblem& problem, const std::vector<bool>& closed,
                                          double mean_area) {
-  // Holds what nothing else does, and is too weak to carry anything.
+  // Stiffness that holds blocks without contact, too weak to carry loads.
   constexpr double kHeld = 1e-7, kFixed = 1e9;
   std::vector<Eigen::Triplet<double>> entries;
   const auto blocks = static_cast<int>(problem.blocks.size());
@@ -106,7 +106,7 @@ double mean_of(const std::vector<double>& values) {
   return sum;
 }
 
-// The problem whose shear strengths are those of given normal forces.
+// The problem with the shear strengths of given normal forces.
 LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& normal, bool cones) {
   LimitProblem next = problem;
   const double unloaded = (cones ? kUnloaded : kUnloadedPyramids) * mean_of(normal);
@@ -120,7 +120,8 @@ LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& norm
   return next;
 }
 
-// The problem whose multiplier is the negative of a factor on friction: shear strengths grow with it, loads stay.
+// The problem whose multiplier is minus a factor on friction: shear strengths are proportional to it, loads are
+// constant.
 LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<double>& normal, double factor,
                              bool cones) {
   LimitProblem next = problem;
@@ -153,7 +154,7 @@ void measure_beyond_friction(const LimitProblem& problem, const LimitResult& res
 
 enum class Sought { multiplier, friction };
 
-// Settles it where the last multipliers lie within a small range.
+// Ends the sequence where the last multipliers lie within a small range.
 bool wanders(const std::vector<double>& multipliers, SettledLimit* now) {
   if (multipliers.size() < kWanderFor || now->share_beyond > kWanderBeyond) return false;
   const auto first = multipliers.end() - kWanderFor;
@@ -164,7 +165,8 @@ bool wanders(const std::vector<double>& multipliers, SettledLimit* now) {
   return true;
 }
 
-// cones: with whole ones and the forces nearest to the last, which is faster by far; else with pyramids, in the middle.
+// cones: with whole cones and forces nearest to the previous ones, which is far faster; else with pyramids, at the
+// centre.
 SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sought sought, std::vector<double> normal,
                     const std::string& from, bool cones) {
   const bool of_friction = sought == Sought::friction;
@@ -173,7 +175,7 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
   if (settings.facets == 0) settings.facets = LimitSettings{}.facets;
   if (of_friction) settings.most = 0.0;
   const double mean = mean_of(normal);
-  std::vector<double> solved;  // the last normal forces whose problem has a solution
+  std::vector<double> solved;  // last normal forces whose problem has a solution
   SettledLimit now{from};
   std::vector<double> multipliers;
   int steady = 0;
@@ -183,7 +185,8 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     const LimitResult result = limit_multiplier(
         of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones), settings);
     ++now.problems;
-    // Too far at once: halfway back. Points that lose their load may jump to another state, from one nearly settled.
+    // The change was too large: go halfway back. A nearly settled state may jump to another when points lose their
+    // load.
     const bool jumps =
         !of_friction && now.problems > 1 && now.beyond <= kBeyond && result.multiplier > kJump * now.multiplier;
     if (result.status != LimitStatus::solved || jumps) {
@@ -206,7 +209,7 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
   return now;
 }
 
-// Whole cones are solved in the middle as they are.
+// Whole cones give the centre by themselves.
 LimitSettings middle_of(LimitSettings settings) {
   settings.interior = settings.facets != 0;
   return settings;
@@ -221,7 +224,7 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
   const std::vector<double> of_weight = elastic_normal_forces(problem);
   std::vector<double> of_associated;
   for (const auto& force : associated.force) of_associated.push_back(std::max(0.0, -force[0]));
-  // Side by side: neither start has anything from the other.
+  // In parallel, as the starts are independent.
   auto other = std::async(associated.status == LimitStatus::solved ? std::launch::async : std::launch::deferred,
                           with_cones, of_associated, "associated");
   result.start.push_back(with_cones(of_weight, "weight"));

@@ -1,9 +1,9 @@
-// Limit analysis without dilation: sliding does not lift.
+// Limit analysis without dilation: sliding does not open joints.
 //
-// Gilbert, Casapulla and Ahmed (2006): associated problems one after the other. In each the shear strength of a point
-// is that of the normal force of the last one, and sinks a little with its own. Where they settle, forces are within
-// Coulomb's friction and the mechanism slides without lifting. There may be several such states, for normal forces
-// depend on the way that led to them: two starts, of which the lower multiplier counts.
+// Gilbert, Casapulla and Ahmed (2006): a sequence of associated problems. In each, the shear strength of a point
+// follows from its normal force in the previous problem, and falls slightly with its current one. When they converge,
+// forces obey Coulomb's friction and the mechanism slides without lifting. There may be several such states, since
+// normal forces depend on the load path. So there are two starts, and the lower multiplier counts.
 #pragma once
 
 #include <string>
@@ -13,32 +13,33 @@
 
 namespace quoin {
 
+// Result of the sequence from one start.
 struct SettledLimit {
   std::string from;      // "weight": elastic forces under dead loads; "associated": those of the associated multiplier
-  bool settled = false;  // else the multiplier is that of the last problem
+  bool settled = false;  // whether it has converged; else the multiplier is that of the last problem
   double multiplier = 0.0;
-  // Shear forces beyond Coulomb's friction: the largest, of the mean normal force; all, of the friction of points that
-  // slide.
+  // Excess of shear forces over Coulomb's friction. beyond: the largest, over the mean normal force. share_beyond: the
+  // sum, over the friction of sliding points.
   double beyond = 0.0, share_beyond = 0.0;
-  double spread = 0.0;  // half of the range of the last multipliers over their mean, where that is what has settled
+  double spread = 0.0;  // half of the range of the last multipliers over their mean, where the mean is the result
   int problems = 0;
 };
 
 struct LimitWithoutDilation {
   std::vector<SettledLimit> start;
-  bool settled = false;     // from some start, and the other is no worse by more than 5 %
-  double multiplier = 0.0;  // the lowest of those that settled
+  bool settled = false;     // from at least one start, where the other is not worse by more than 5 %
+  double multiplier = 0.0;  // lowest of the settled ones
 };
 
-// The problem must be one for which limit_multiplier() finds a multiplier.
+// The problem must have a multiplier by limit_multiplier().
 LimitWithoutDilation limit_without_dilation(const LimitProblem& problem, const LimitSettings& settings = {});
 
-// Smallest factor on friction with which dead loads are carried, from the same two starts. Shear strengths of each
-// problem are that factor times friction times the normal forces of the last one. `multiplier` is the factor; the
-// larger one of those that settle counts.
+// Smallest factor on friction with which forces carry the dead loads, from the same two starts. Shear strengths of each
+// problem are that factor times friction times the previous normal forces. `multiplier` is the factor; the larger of
+// the settled ones counts.
 LimitWithoutDilation friction_without_dilation(const LimitProblem& problem, const LimitSettings& settings = {});
 
-// Normal forces under dead loads of joints that are elastic and take no tension, compression positive, N.
+// Normal forces under dead loads of elastic joints without tensile strength, N, compression positive.
 std::vector<double> elastic_normal_forces(const LimitProblem& problem);
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// What reaches the end of a command or of a run as an exception, said to a user.
+// Error with a message for the user, from any exception that ends a command or a run.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,8 +12,8 @@
 
 namespace quoin {
 
-// smaller: what to do where memory is missing; std::filesystem and threads report that as a std::system_error. with:
-// what the report of a fault of the program or of a law has beside it. An Error stays as it is.
+// An Error stays as it is. smaller: remedy where memory is missing; std::filesystem and threads report that as a
+// std::system_error. with: what a report of a fault of the program or of a law should include.
 inline Error any_error(const std::exception& error, std::string_view smaller = "make the scene smaller",
                        std::string_view with = "the scene") {
   if (const auto* known = dynamic_cast<const Error*>(&error)) return *known;

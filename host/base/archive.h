@@ -1,4 +1,4 @@
-// Bytes of a checkpoint, written and read by one and the same list of fields: nothing is left out on one side alone.
+// Bytes of a checkpoint; one list of fields serves writing and reading, so that both have the same fields.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct ArchiveWriter {
     value(count);
     append(x.data(), count * sizeof(x[0]));
   }
-  // Each element by a list of fields of its own: of_element(archive, element).
+  // Writes each element by a list of fields: of_element(archive, element).
   template <class Element, class Fields>
   void list(const std::vector<Element>& x, Fields&& of_element) {
     const std::uint64_t count = x.size();
@@ -40,12 +40,12 @@ struct ArchiveWriter {
   }
 };
 
-// Where the bytes come from, one after the other.
+// Sequential source of bytes.
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
   virtual std::size_t left() const = 0;
-  // No more than are left.
+  // size: at most left()
   virtual void take(void* to, std::size_t size) = 0;
   virtual void skip(std::size_t size) = 0;
 };
@@ -64,7 +64,7 @@ class BytesInMemory : public ByteSource {
   std::span<const std::uint8_t> bytes_;
 };
 
-// Throws Error(bad_input) where the bytes end too early.
+// Reads values from a source. Throws Error(bad_input) where the bytes end too early.
 struct ArchiveReader {
   ByteSource& source;
   std::size_t left() const { return source.left(); }
@@ -90,7 +90,7 @@ struct ArchiveReader {
     x.resize(count_of(sizeof(x[0])));
     take(x.data(), x.size() * sizeof(x[0]));
   }
-  // Number of the elements that follow, each of so many bytes.
+  // Reads the number of elements that follow, each of at least element_bytes.
   std::size_t count_of(std::size_t element_bytes) {
     std::uint64_t count = 0;
     value(count);
@@ -100,7 +100,7 @@ struct ArchiveReader {
   template <class Element, class Fields>
   void list(std::vector<Element>& x, Fields&& of_element) {
     x.clear();
-    x.resize(count_of(1));  // an element takes a byte at least
+    x.resize(count_of(1));  // an element has at least one byte
     for (Element& element : x) of_element(*this, element);
   }
   [[noreturn]] static void ends_too_early() { throw Error(Exit::bad_input, "checkpoint: the data end too early"); }

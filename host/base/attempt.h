@@ -1,4 +1,5 @@
-// What may fail while others wait for us: they are served to the end, and the first fault is thrown after that.
+// Calls that may fail while other ranks wait for this one: later calls are skipped, and the first error is thrown at
+// the end.
 #pragma once
 
 #include <exception>
@@ -7,7 +8,7 @@ namespace quoin {
 
 class Attempt {
  public:
-  // Nothing is done any more once something has failed.
+  // Calls what(), unless an earlier call has failed.
   template <class Do>
   void operator()(const Do& what) {
     if (fault_) return;

@@ -1,4 +1,4 @@
-// The nearest of the words that are known, for one that is not.
+// Nearest known word to a misspelt one.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// Levenshtein's: insertions, deletions and substitutions of a character.
+// Levenshtein distance: number of insertions, deletions and substitutions of a character.
 inline size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<size_t> row(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -24,9 +24,9 @@ inline size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-// ", did you mean 'courses'?" for the candidate nearest to a misspelt word, or nothing.
+// ", did you mean 'courses'?" for the candidate nearest to a misspelt word, or an empty text.
 inline std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
-  // The last part of a path, as Foundation of bridge/Foundation.
+  // A path may be given by its last part, as Foundation for bridge/Foundation.
   for (const std::string& candidate : candidates) {
     if (!word.empty() && candidate.size() > word.size() && candidate.ends_with(word) &&
         candidate[candidate.size() - word.size() - 1] == '/')

@@ -1,4 +1,4 @@
-// Durations for people: digits that they can use, in the unit that they would take.
+// Durations as text, in a suitable unit with few digits.
 #pragma once
 
 #include <fmt/format.h>

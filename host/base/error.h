@@ -1,4 +1,4 @@
-// Errors of the host's cold code: one exception type that carries its exit code.
+// Exception of the host, with its exit code.
 #pragma once
 
 #include <stdexcept>
@@ -16,7 +16,7 @@ enum class Exit : int {
   interrupted = 130
 };
 
-// The message says what is wrong, where (file:line, key), the value, the allowed range and what to do.
+// The message has the error, its place (file:line, key), the value, the allowed range and a remedy.
 class Error : public std::runtime_error {
  public:
   Error(Exit code, const std::string& message) : std::runtime_error(message), exit_code(code) {}

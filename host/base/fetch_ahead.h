@@ -1,4 +1,4 @@
-// Memory that is soon read, fetched ahead. Changes no result.
+// Prefetch of memory that is read soon. It changes no result.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// FNV-1a in 64 bits: a short name of data, proof against chance and not against intent (that is sha256.h).
+// FNV-1a hash in 64 bits: it detects accidental changes, not intended ones (for those see sha256.h).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ class FnvHash {
   FnvHash() = default;
   explicit FnvHash(std::uint64_t start) : value_(start) {}
 
-  // A byte, or a word of eight in one step, which is another hash than that of its bytes.
+  // Adds a byte, or a word of eight bytes in one step. A word's hash differs from that of its bytes.
   void add(std::uint64_t word) { value_ = (value_ ^ word) * 0x100000001b3u; }
   void add(std::string_view text) {
     for (const char c : text) add(static_cast<unsigned char>(c));
@@ -20,7 +20,7 @@ class FnvHash {
   void add(std::span<const std::uint8_t> bytes) {
     for (const std::uint8_t byte : bytes) add(byte);
   }
-  // Folds high bits into low ones, which multiplication alone leaves untouched.
+  // Mixes high bits into low ones, which multiplication alone does not change.
   void fold() { value_ ^= value_ >> 29; }
   std::uint64_t value() const { return value_; }
 
@@ -28,7 +28,7 @@ class FnvHash {
   std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-// The start of hashes that golden runs and caches hold: not the one of FNV.
+// Start value of the hashes of golden runs and caches; it is not that of FNV.
 inline constexpr std::uint64_t kOtherHashStart = 1469598103934665603u;
 
 }  // namespace quoin

@@ -4,7 +4,7 @@
 
 namespace quoin {
 
-// Index of an array from a number that is not negative.
+// Array index from a non-negative number.
 inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace quoin

@@ -1,5 +1,4 @@
-// Files that users name, read whole: what never ends (a device, a pipe that nobody writes) is refused before it is
-// read.
+// Whole input files of users. Devices and pipes, which may never end, are refused before they are read.
 #pragma once
 
 #include <fcntl.h>
@@ -17,14 +16,14 @@
 
 namespace quoin {
 
-inline constexpr std::size_t kLargestInput = std::size_t{1} << 28;  // bytes; text of this size has no reader
+inline constexpr std::size_t kLargestInput = std::size_t{1} << 28;  // bytes; no reader takes larger text
 
 [[noreturn]] inline void refuse_input(const std::string& file, const std::string& why) {
   throw Error(Exit::bad_input, file + ": cannot read it: " + why);
 }
 inline std::string system_words() { return std::error_code(errno, std::generic_category()).message(); }
 
-// Open for reading, until its end.
+// A file that is open for reading; closed with the object.
 struct InputFile {
   explicit InputFile(int opened) : number(opened) {}
   ~InputFile() {
@@ -33,13 +32,13 @@ struct InputFile {
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
   const int number;
-  std::size_t size = 0;  // bytes, as the system has it
+  std::size_t size = 0;  // size by the file system, bytes
 };
 
-// Throws Error(bad_input) with the reason: missing, a folder, a device or pipe, not readable.
+// Throws Error(bad_input) with the reason: missing file, folder, device or pipe, not readable.
 inline std::unique_ptr<InputFile> open_input_file(const std::string& file) {
   struct stat status {};
-  // Looked at before it is opened, as opening alone has effects on some devices and waits for the writer of a pipe.
+  // The kind is checked before opening, as opening a device can have effects, and opening a pipe waits for its writer.
   if (stat(file.c_str(), &status) != 0) refuse_input(file, errno == ENOENT ? "no such file" : system_words());
   if (S_ISDIR(status.st_mode)) refuse_input(file, "it is a folder; give a file");
   if (!S_ISREG(status.st_mode))
@@ -51,8 +50,7 @@ inline std::unique_ptr<InputFile> open_input_file(const std::string& file) {
   return input;
 }
 
-// The bytes of FILE, or those that are kept of it (kept_inputs.h). Throws as open_input_file, and for more than
-// `largest` bytes.
+// Bytes of FILE, or its kept bytes (kept_inputs.h). Throws as open_input_file, and for more than `largest` bytes.
 inline std::string read_input_file(const std::string& file, std::size_t largest = kLargestInput) {
   if (const std::string* kept = kept_inputs().find(file)) return *kept;
   const auto input = open_input_file(file);
@@ -61,7 +59,7 @@ inline std::string read_input_file(const std::string& file, std::size_t largest 
   };
   if (input->size > largest) too_large();
 
-  // To its end and not to the size: files of /proc say 0.
+  // Reads to the end, not to the size: files of /proc have size 0.
   std::string bytes;
   for (std::size_t done = 0;;) {
     bytes.resize(done + (done < input->size ? input->size - done : 0) + 4096);

@@ -1,5 +1,5 @@
-// Input files as they were when they were first read. A study of a thousand samples finds one scene, whatever its file
-// holds by then.
+// Input files as they were at their first read. All samples of a study get the same scene, even if its file changes
+// meanwhile.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,15 @@
 
 namespace quoin {
 
-// Bytes by absolute path. Reading of any number of threads, writing of one alone.
+// Bytes by absolute path. Any number of threads may read, or a single thread may write.
 class KeptInputs {
  public:
-  // Between the two each file is kept as it is read; what is kept is what readers get from then on.
+  // Between begin() and end() each file that is read is kept; later readers get the kept bytes.
   void begin() { keeping_ = true; }
   void end() { keeping_ = false; }
   bool keeping() const { return keeping_; }
 
-  // Null: not kept. FILE counts from the working folder.
+  // Kept bytes; null: not kept. FILE is relative to the working folder.
   const std::string* find(const std::string& file) const {
     if (files_.empty()) return nullptr;
     const auto found = files_.find(place_of(file));

@@ -1,4 +1,4 @@
-// Numbers as people and programs write them in text: on command lines, in CSV, mesh and record files.
+// Numbers in text: on command lines, in CSV, mesh and record files.
 #pragma once
 
 #include <charconv>
@@ -7,9 +7,9 @@
 
 namespace quoin {
 
-// The number that the whole of `text` spells, surrounding blanks and a plus sign allowed, whatever the locale. False
-// for anything else and for numbers out of the type's range. Floating point: "inf" and "nan" are numbers. Integers:
-// digits only, so that 1.7 and 1e3 are none.
+// Reads the number that is the whole of `text`, in any locale; blanks around it and a plus sign are allowed. False for
+// other text, and for numbers out of the type's range. For floating point, "inf" and "nan" are numbers. Integers have
+// digits only, so 1.7 and 1e3 are none.
 template <typename Number>
 bool parse_number(std::string_view text, Number& value) {
   const auto first = text.find_first_not_of(" \t\r\n");

@@ -1,4 +1,4 @@
-// Where the time of a run goes, phase by phase.
+// Time of a run by phase.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ struct alignas(64) PhaseClock {
   }
 };
 
-// Nothing where no clock runs, so that a step that is not timed pays nothing.
+// Ends a phase. Without a clock it does nothing, so that steps without timing have no cost.
 inline void lap(PhaseClock* clock, Phase phase) {
   if (clock) clock->lap(phase);
 }

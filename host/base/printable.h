@@ -1,4 +1,4 @@
-// Text from outside (laws, scenes, meshes, file names) on its way to a terminal, which obeys control characters.
+// Text from outside (laws, scenes, meshes, file names) for a terminal, which would execute control characters.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,8 +8,8 @@
 
 namespace quoin {
 
-// The bytes of the character at `i` that a terminal shows, 0: a control character (line ends and tabs are none here),
-// or no UTF-8.
+// Number of bytes of the printable character at `i`; 0 for a control character or invalid UTF-8. Line ends and tabs
+// count as printable.
 inline std::size_t shown_bytes(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
   const unsigned first = byte(i);
@@ -19,7 +19,7 @@ inline std::size_t shown_bytes(std::string_view text, std::size_t i) {
   for (std::size_t k = 1; k < count; ++k) {
     if ((byte(i + k) & 0xc0) != 0x80) return 0;
   }
-  return first == 0xc2 && byte(i + 1) < 0xa0 ? 0 : count;  // U+0080 to U+009F control terminals, too
+  return first == 0xc2 && byte(i + 1) < 0xa0 ? 0 : count;  // U+0080 to U+009F control terminals too
 }
 
 inline bool is_printable(std::string_view text) {
@@ -31,7 +31,7 @@ inline bool is_printable(std::string_view text) {
   return true;
 }
 
-// What is_printable does not allow, as \x1b.
+// The text with bytes that is_printable refuses written as \x1b.
 inline std::string printable(std::string_view text) {
   std::string result;
   for (std::size_t i = 0; i < text.size();) {

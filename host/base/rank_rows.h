@@ -1,4 +1,4 @@
-// Exchange of memory between ranks, some megabytes at a time: what is exchanged may be most of the model.
+// Exchange of memory between ranks, some megabytes at a time, as it may be most of the model.
 #pragma once
 
 #include <algorithm>
@@ -12,33 +12,32 @@
 
 namespace quoin {
 
-// What ranks gather of a model in its steps, whichever rank advances it. Each has more than those before it, but
-// motion, which has no sums.
+// Parts of a model that ranks gather in steps. Each includes those before it, except `motion`, which has no sums.
 enum class Part {
-  sums,    // what a measured step adds up
+  sums,    // sums of a measured step
   motion,  // motion of blocks for detection, in large motion alone
-  row,     // sums and motion; of contact points what a row of the history takes
-  all,     // everything that changes in steps and that later ones, or results, read
+  row,     // sums and motion; values of contact points for a row of history.csv
+  all,     // everything that steps change and that later steps or results read
   nothing  // fields that are in none of these
 };
 constexpr bool has(Part part, Part field) { return field <= part && (part != Part::motion || field == Part::motion); }
 
-// Bytes of all ranks together that are on their way at a time.
+// Bytes of all ranks together in one message.
 inline constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
 
-// Memories by the rank that has them. All ranks add the same ones in the same order.
+// Memory by the rank that owns it. All ranks add the same items in the same order.
 class RankRows {
  public:
   explicit RankRows(Ranks& ranks) : ranks_(ranks), of_rank_(static_cast<std::size_t>(ranks.count())) {}
 
-  // needed: here, if it is another rank's.
+  // The last argument: whether this rank receives the bytes of another rank.
   void add(int rank, void* first, std::size_t bytes, bool wanted) {
     Row& row = of_rank_[static_cast<std::size_t>(rank)];
     row.parts.push_back({{static_cast<std::byte*>(first), bytes}, wanted});
     row.rest += bytes;
   }
 
-  // Afterwards all ranks that need them have them. Returns the bytes of all ranks.
+  // Sends all bytes to the ranks that receive them. Returns the bytes of all ranks.
   std::size_t exchange() {
     std::size_t whole = 0, longest = 0;
     for (const Row& row : of_rank_) whole += row.rest, longest = std::max(longest, row.rest);
@@ -72,7 +71,7 @@ class RankRows {
     std::span<std::byte> bytes;
     bool wanted;
   };
-  // One after the other, gone through some bytes at a time.
+  // Memory of one rank, sent some bytes at a time.
   struct Row {
     std::vector<Memory> parts;
     std::size_t next = 0, rest = 0;
@@ -95,7 +94,7 @@ class RankRows {
   std::vector<Row> of_rank_;
 };
 
-// What each rank has, by rank.
+// Values of all ranks, by rank.
 template <class T>
 std::vector<T> of_all_ranks(Ranks& ranks, const T& own) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -105,7 +104,7 @@ std::vector<T> of_all_ranks(Ranks& ranks, const T& own) {
   return all;
 }
 
-// Each value by the rank that has it: rank_of(index). null: one process alone, which has all.
+// Gives all ranks each value from the rank that owns it: rank_of(index). null: a single process, which has all values.
 template <class T, class RankOf>
 void all_gather(Ranks* ranks, std::span<T> values, const RankOf& rank_of) {
   if (!ranks) return;

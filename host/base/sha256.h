@@ -1,7 +1,7 @@
-// SHA-256, as sha256sum prints it: files and texts that a run depends on are named by it.
+// SHA-256 as sha256sum prints it; it identifies the files and texts that a run depends on.
 #pragma once
 
-#define OPENSSL_SUPPRESS_DEPRECATED  // EVP, its successor, allocates at every turn, and crashes where that fails
+#define OPENSSL_SUPPRESS_DEPRECATED  // EVP, its successor, allocates in every call, and crashes where that fails
 #include <openssl/sha.h>
 
 #include <array>
@@ -10,18 +10,18 @@
 
 namespace quoin {
 
-// By libcrypto, which has the processor's own instructions for it: every run hashes its program and its laws.
+// Uses libcrypto, which has the processor's instructions for it: every run hashes its program and its laws.
 class Sha256 {
  public:
   Sha256() { SHA256_Init(&context_); }
   void add(const void* data, std::size_t size) { SHA256_Update(&context_, data, size); }
-  // With its length, so that two texts in a row are not one.
+  // Includes the length, so that two consecutive texts differ from one.
   void add_text(const std::string& text) {
     const std::uint64_t size = text.size();
     add(&size, sizeof size);
     add(text.data(), text.size());
   }
-  // 64 hexadecimal digits, once.
+  // 64 hexadecimal digits; may be called once.
   std::string end() {
     std::array<unsigned char, 32> bytes;
     SHA256_Final(bytes.data(), &context_);

@@ -1,4 +1,4 @@
-// How velocities and forces grow over a ramp.
+// Smooth growth of velocities and forces over a ramp.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ inline double smooth_step(double t) {
   return t <= 0.0 ? 0.0 : t >= 1.0 ? 1.0 : t * t * t * (10.0 + t * (-15.0 + 6.0 * t));
 }
 
-// Integral over time of smooth_step(time / ramp): the way at a velocity of 1 that grows over the ramp.
+// Integral over time of smooth_step(time / ramp): displacement at a velocity that grows to 1 over the ramp.
 inline double smooth_way(double time, double ramp) {
   if (ramp <= 0.0) return time;
   const double t = std::min(1.0, time / ramp);

@@ -1,7 +1,7 @@
-// Memory that takes room in the machine only where something other than zero has been written.
+// Memory that takes space in the machine only where values other than zero were written.
 //
-// A rank has arrays with the numbers of the whole model, so that nothing has a local number. It has memory for its own
-// items and those of neighbours alone; the other addresses are never written to.
+// A rank has arrays with the length of the whole model, so that all item numbers are global. Only its own items and
+// those of neighbours take memory; the other addresses are never written to.
 #pragma once
 
 #include <sys/mman.h>
@@ -19,12 +19,12 @@
 
 namespace quoin {
 
-// From here on memory comes from the system, which gives pages of zeros once they are written to.
+// Least size of arrays whose memory comes from the system, which supplies zeroed pages when they are written to.
 inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
 inline constexpr std::size_t kLineBytes = 64;  // line of the cache
 
-// The address sanitizer checks memory of `new` alone, so its builds use that.
+// The address sanitizer checks only memory of `new`, so its builds use that.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kSparse = false;
 #elif defined(__has_feature)
@@ -33,10 +33,10 @@ inline constexpr bool kSparse = !__has_feature(address_sanitizer);
 inline constexpr bool kSparse = true;
 #endif
 
-// With ranks: the system gives memory where it is written to, by small pages.
+// Set with ranks: the system then supplies memory by small pages.
 inline std::atomic<bool> sparse_memory_wanted = false;
 
-// Aligned to a cache line; begins as zeros.
+// Allocator of zeroed memory, aligned to a cache line.
 template <class T>
 struct SparseMemory {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -48,7 +48,7 @@ struct SparseMemory {
   T* allocate(std::size_t n) {
     const std::size_t bytes = n * sizeof(T);
     if (!kSparse || bytes < kSparseBytes) {
-      // Aligned by hand: allocators cut aligned memory out of larger pieces, which takes a detection a fifth longer.
+      // Aligned by hand: an allocator's aligned memory makes a detection a fifth slower.
       auto* const memory = static_cast<unsigned char*>(::operator new(bytes + kLineBytes));
       const std::size_t skipped = kLineBytes - reinterpret_cast<std::uintptr_t>(memory) % kLineBytes;
       memory[skipped - 1] = static_cast<unsigned char>(skipped);
@@ -68,7 +68,7 @@ struct SparseMemory {
       ::operator delete(memory - memory[-1]);
     }
   }
-  // What is made by default is zeros, whatever its type says, and those are left where they are.
+  // Default values are zeros, whatever the type, and zeros are not written.
   template <class U>
   void construct(U* place) {
     const auto* const bytes = reinterpret_cast<const unsigned char*>(place);
@@ -76,11 +76,11 @@ struct SparseMemory {
     for (std::size_t i = 0; i < sizeof(U); ++i) any |= bytes[i];
     if (any != 0) std::memset(static_cast<void*>(place), 0, sizeof(U));
   }
-  // So are zeros that are given.
+  // Given values that are zeros are not written either.
   template <class U, class... From>
   void construct(U* place, From&&... from) {
     const U value = U(std::forward<From>(from)...);
-    // Bits count: -0.0 is no zero. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+    // Compares bits: -0.0 is not zero. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     if (std::memcmp(place, &value, sizeof value) != 0) ::new (static_cast<void*>(place)) U(value);
   }
   template <class U>
@@ -89,7 +89,7 @@ struct SparseMemory {
   }
 };
 
-// Gives back the pages that lie in this memory whole: zeros from now on.
+// Releases the pages that lie wholly in this memory; they read as zeros from then on.
 template <class T>
 void forget(std::span<T> memory) {
   static const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
@@ -104,7 +104,7 @@ void forget_part(Array& array, std::size_t first, std::size_t end) {
   forget(std::span(array).subspan(first, end - first));
 }
 
-// Rows of neighbours that have this value: visit(first, end).
+// Visits runs of consecutive indices with this value: visit(first, end).
 template <class Visit>
 void each_row(const std::vector<bool>& values, bool value, Visit visit) {
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -1,4 +1,4 @@
-// A few threads that run the same function side by side, many thousand times a second.
+// Threads that run the same function in parallel, many thousand times a second.
 #pragma once
 
 #include <atomic>
@@ -11,11 +11,10 @@
 
 namespace quoin {
 
-// Threads wait by spinning for some microseconds (a phase of a step is not longer), then give way to others.
+// Threads wait by spinning for some microseconds (a phase of a step is not longer), then yield the core.
 //
-// Nobody waits for a thread without work: a call is over when all of its pieces are done. A thread that the machine
-// held up finds out later that it came too late. So a core that others take away costs its share of the work and no
-// more.
+// No call waits for an idle thread: it ends when all of its pieces are done. A delayed thread finds no piece when it
+// resumes. So a core that other programs occupy costs only its share of the work.
 class ThreadPool {
  public:
   explicit ThreadPool(int thread_count)
@@ -24,7 +23,7 @@ class ThreadPool {
         ranges_(std::make_unique<Range[]>(static_cast<std::size_t>(thread_count))) {
     try {
       for (int i = 1; i < thread_count; ++i) threads_.emplace_back([this, i] { work(i); });
-    } catch (const std::system_error&) {  // the machine has no more
+    } catch (const std::system_error&) {  // the system has no more threads
       thread_count_ = 1 + static_cast<int>(threads_.size());
     }
   }
@@ -36,10 +35,11 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  int thread_count() const { return thread_count_; }  // less than requested where the machine starts no more
+  int thread_count() const { return thread_count_; }  // fewer than requested if the system has no more
 
   // Calls function(thread, piece) once for every piece 0 .. end.back() - 1, on any thread, in any order. Thread t
-  // begins with the pieces [end[t - 1], end[t]), then takes what is left of the others'. The function must not throw.
+  // begins with the pieces [end[t - 1], end[t]), then takes remaining pieces of other threads. The function must not
+  // throw.
   template <class Function>
   void for_each(const std::vector<int>& end, Function& function) {
     if (thread_count_ == 1) {
@@ -47,8 +47,8 @@ class ThreadPool {
       return;
     }
     const std::uint32_t call = call_.load(std::memory_order_relaxed) + 1;
-    // All pieces of the last call are done. A thread that still searches for one must not find its counters beside the
-    // new job.
+    // All pieces of the last call are done. A thread that still searches for one must not see its counters with the new
+    // function.
     for (int t = 0; t < thread_count_; ++t) range(t).next.store(ticket(call, kNoPiece), std::memory_order_release);
     run_.store([](void* f, int thread, int piece) { (*static_cast<Function*>(f))(thread, piece); },
                std::memory_order_release);
@@ -65,8 +65,8 @@ class ThreadPool {
   }
 
  private:
-  // Pieces of a thread. next: the call and its next piece in one word. Who took part in an earlier call then cannot
-  // take a piece of a later one.
+  // Pieces of a thread. next: the call and its next piece in one word. So a thread of an earlier call cannot take a
+  // piece of a later one.
   struct alignas(64) Range {
     std::atomic<std::uint64_t> next{0};
     std::atomic<int> end{0};
@@ -77,7 +77,7 @@ class ThreadPool {
   }
 
   void take_pieces(int thread, std::uint32_t call) {
-    // The run of this call, or of a later one, which has no piece for this ticket.
+    // Function of this call, or of a later call, which has no piece for this ticket.
     const auto run = run_.load(std::memory_order_acquire);
     void* const argument = argument_.load(std::memory_order_acquire);
     for (int i = 0; i < thread_count_; ++i) {
@@ -117,10 +117,10 @@ class ThreadPool {
   }
 
   static constexpr int kNoPiece = 0x7fffffff;
-  static constexpr int kSpins = 4000;  // about 20 to 50 us of waiting before the core is offered to others
+  static constexpr int kSpins = 4000;  // about 20 to 50 us of waiting before the core is yielded
 
   int thread_count_;
-  int spins_;                        // 0 with more threads than cores: waiting would keep the others from working
+  int spins_;                        // 0 with more threads than cores, where spinning would slow the working threads
   std::unique_ptr<Range[]> ranges_;  // by thread
   std::atomic<void (*)(void*, int, int)> run_{nullptr};
   std::atomic<void*> argument_{nullptr};
@@ -130,7 +130,7 @@ class ThreadPool {
   std::vector<std::thread> threads_;
 };
 
-// Cuts pieces of the given weights into one run of neighbours a thread, of about equal weight: the end of each run.
+// Divides pieces of these weights into one range per thread, of about equal weight; returns the end of each range.
 inline std::vector<int> shares(const std::vector<double>& weight, int thread_count) {
   double total = 0.0, so_far = 0.0;
   for (const double w : weight) total += w;

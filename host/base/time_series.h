@@ -1,4 +1,4 @@
-// A quantity given at some moments.
+// A quantity as a function of time, by samples.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace quoin {
 
-// Piecewise linear in time; constant beyond its ends. Empty: 1 always.
+// Piecewise linear in time, constant beyond its ends. Empty: the constant 1.
 struct TimeSeries {
   std::vector<double> time, value;  // time in s, increasing
 
@@ -19,7 +19,8 @@ struct TimeSeries {
     return value[i - 1] + f * (value[i] - value[i - 1]);
   }
 
-  // From time[0] to t of a record, which is 0 outside its times: ground velocity from ground acceleration. Exact.
+  // Integral from time[0] to t of a record that is 0 outside its times, such as ground velocity from acceleration.
+  // Exact.
   double integral(double t) const {
     double sum = 0.0;
     for (std::size_t i = 1; i < time.size() && time[i - 1] < t; ++i) {
@@ -30,7 +31,7 @@ struct TimeSeries {
   }
 };
 
-// TimeSeries::integral in little time, with the same bits.
+// TimeSeries::integral from stored sums, with the same bits.
 class RunningIntegral {
  public:
   RunningIntegral() = default;
@@ -47,7 +48,7 @@ class RunningIntegral {
   }
 
  private:
-  std::vector<double> until_;  // by sample
+  std::vector<double> until_;  // integral up to each sample
 };
 
 }  // namespace quoin

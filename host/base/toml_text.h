@@ -1,6 +1,5 @@
-// TOML that is refused by its text, before it is parsed. One reason is memory: toml++ calls itself for each part of a
-// dotted key, and keeps a kilobyte for every table. The other one is control characters, which names and titles would
-// carry to the terminal.
+// Checks of TOML text before it is parsed. One reason is memory: toml++ recurses for each part of a dotted key, and
+// uses a kilobyte per table. The other reason is control characters, which names and titles would send to the terminal.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,9 +16,9 @@ namespace quoin {
 
 inline constexpr long kMostKeyParts = 100;
 inline constexpr long kMostTables = 200000;   // [table] and [[table]]
-inline constexpr long kMostValues = 4000000;  // with those in lists
+inline constexpr long kMostValues = 4000000;  // values in lists included
 
-// The end of the string that begins at i: behind its last quote, or where the line ends without one.
+// End of the string that begins at i: after its closing quote, or at the end of the line.
 inline std::size_t end_of_toml_string(std::string_view text, std::size_t i) {
   const char quote = text[i];
   const std::string three(3, quote);
@@ -36,7 +35,7 @@ inline std::size_t end_of_toml_string(std::string_view text, std::size_t i) {
   return text.size();
 }
 
-// Whether a string, with its quotes, holds a control character or stands for one by an escape.
+// Whether a string with its quotes has no control characters, neither literal nor as an escape.
 inline bool toml_string_is_printable(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t count = text[i] == '\r' ? 1 : shown_bytes(text, i);
@@ -46,7 +45,7 @@ inline bool toml_string_is_printable(std::string_view text) {
     const char kind = text[i++];
     if (kind == 'b' || kind == 'f' || kind == 'e') return false;
     if (kind != 'u' && kind != 'U') continue;
-    unsigned long code = 0x20;  // digits that are none are the parser's to refuse
+    unsigned long code = 0x20;  // the parser refuses malformed digits
     const std::string_view digits = text.substr(i, kind == 'u' ? 4 : 8);
     std::from_chars(digits.data(), digits.data() + digits.size(), code, 16);
     if ((code < 0x20 && code != 9 && code != 10 && code != 13) || (code >= 0x7f && code < 0xa0)) return false;
@@ -54,8 +53,8 @@ inline bool toml_string_is_printable(std::string_view text) {
   return true;
 }
 
-// Throws Error(bad_input) with file and line for text beyond these limits, or with control characters. Text
-// that is no TOML may pass.
+// Throws Error(bad_input) with file and line for text beyond these limits or with control characters. It does not
+// detect all malformed TOML.
 inline void refuse_unfit_toml(std::string_view text, const std::string& file) {
   long line = 1, depth = 0, dots = 0, tables = 0, values = 0;
   bool line_begins = true;

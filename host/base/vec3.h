@@ -1,4 +1,4 @@
-// A place, a length in each direction, or a rotation, of the lattice: x along the wall, y up, z through the thickness.
+// Vector of the lattice, for positions, sizes and rotations: x along the wall, y up, z through the thickness.
 #pragma once
 
 #include <array>

@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// Between quotes, on one line.
+// A text cell, in quotes, on one line.
 inline std::string csv_text(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -18,7 +18,7 @@ inline std::string csv_text(const std::string& text) {
   return result + "\"";
 }
 
-// The shortest decimals that read back to the same double; nothing where there is nothing to say.
+// Shortest decimals that read back as the same double; empty where it is not finite.
 inline std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 }  // namespace quoin

@@ -25,7 +25,7 @@ void make_folder(const std::filesystem::path& folder) {
 namespace {
 
 std::string& own_token() {
-  // Random, as two computers or containers that share a folder may have the same process number.
+  // Random, as two computers or containers that share a folder may use the same process number.
   static std::string token = fmt::format("{:08x}", std::random_device{}());
   return token;
 }
@@ -59,7 +59,7 @@ std::string words_of(int fault) { return std::error_code(fault, std::generic_cat
                                            path.string(), words_of(fault)));
 }
 
-// Whether all of it was written; errno says why not.
+// Writes all bytes; returns false with errno set on failure.
 bool write_all(int file, const void* bytes, std::size_t size) {
   for (std::size_t done = 0; done < size;) {
     const ssize_t count = write(file, static_cast<const char*>(bytes) + done, size - done);
@@ -90,7 +90,7 @@ std::filesystem::path named_place(const std::filesystem::path& path) {
   std::error_code error;
   const fs::file_status kind = fs::status(path, error);
   if (fs::is_directory(kind)) throw Error(Exit::bad_input, path.string() + ": is a folder; give the name of a file");
-  const bool device = fs::exists(kind) && !fs::is_regular_file(kind);  // /dev/stdout leads to what has no name
+  const bool device = fs::exists(kind) && !fs::is_regular_file(kind);  // /dev/stdout may be a link without a file
   if (device || !fs::is_symlink(path, error)) return path;
   const fs::path target = fs::canonical(path, error);
   if (error)
@@ -124,7 +124,7 @@ void require_space(const std::filesystem::path& folder, double bytes, const std:
 
 UnfinishedFile::UnfinishedFile(const std::filesystem::path& path) : path_(path), part_(begin_file(path)) {
   std::error_code ignored;
-  std::filesystem::remove(part_, ignored);  // never written through a link
+  std::filesystem::remove(part_, ignored);  // removed first, so that a link is never followed
   file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (file_ < 0) refuse_write(path, errno);
 }
@@ -158,7 +158,7 @@ void DurableFile::finish(std::span<const std::uint8_t> first_bytes) {
   if (!first_bytes.empty() && lseek(file_, 0, SEEK_SET) == 0) append(first_bytes);
   require(fsync(file_) == 0);
   close_and_rename();
-  // The name, too, is on the disk only when its folder is.
+  // The name is on the disk only after its folder is synchronised.
   const int folder =
       open(path_.has_parent_path() ? path_.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return;

@@ -1,4 +1,4 @@
-// Files that are never visible before they are complete: written under a name of their own, renamed when complete.
+// Files that are visible only when complete: written under a temporary name, then renamed.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 
 namespace quoin {
 
-// Throws Error(bad_input) when the folder cannot be made or written.
+// Both throw Error(bad_input) when the folder cannot be made or written.
 void make_folder(const std::filesystem::path& folder);
 void write_file(const std::filesystem::path& path, const std::string& bytes);
-// A file that a user named. Where PATH is a link it stays one and its target is written; a device or pipe gets the
-// bytes and keeps its place. Throws Error(bad_input), for a folder and a link to nothing too.
+// Writes a file that a user named. A link stays a link, and its target is written. A device or pipe receives the bytes
+// and stays. Throws Error(bad_input), also for a folder and for a link without target.
 void write_named_file(const std::filesystem::path& path, const std::string& bytes);
-// The target of such a link, or PATH itself. Throws Error(bad_input) for a folder and a link to nothing.
+// Target of a link, or PATH itself. Throws Error(bad_input) for a folder and for a link without target.
 std::filesystem::path named_place(const std::filesystem::path& path);
-// A file that is written bit by bit; not there without finish() of what it is. All throw Error(bad_input).
+// A file that is written in parts; without finish() of the derived class it disappears. All calls throw
+// Error(bad_input).
 class UnfinishedFile {
  public:
   UnfinishedFile(const UnfinishedFile&) = delete;
@@ -27,7 +28,7 @@ class UnfinishedFile {
  protected:
   explicit UnfinishedFile(const std::filesystem::path& path);
   ~UnfinishedFile();
-  // Result of the last call of the system: on failure the file is abandoned.
+  // good: result of the last system call; false abandons the file.
   void require(bool good);
   void close_and_rename();
 
@@ -35,16 +36,16 @@ class UnfinishedFile {
   int file_ = -1;
 };
 
-// On the disk when it is finished, so that it outlives a crash of the machine too.
+// A file that is on the disk when finished, so that it survives a crash of the machine.
 class DurableFile : public UnfinishedFile {
  public:
   explicit DurableFile(const std::filesystem::path& path) : UnfinishedFile(path) {}
   void append(std::span<const std::uint8_t> bytes);
-  // The first bytes once more, with what is known at the end alone.
+  // first_bytes: replaces the beginning by values that are known only at the end.
   void finish(std::span<const std::uint8_t> first_bytes = {});
 };
 
-// From its first byte to its last.
+// A file that is written from its first byte to its last.
 class GrowingFile : public UnfinishedFile {
  public:
   explicit GrowingFile(const std::filesystem::path& path) : UnfinishedFile(path) {}
@@ -52,7 +53,7 @@ class GrowingFile : public UnfinishedFile {
   void finish() { close_and_rename(); }
 };
 
-// Written at any places, in any order.
+// A file that is written at any positions, in any order.
 class PlacedFile : public UnfinishedFile {
  public:
   explicit PlacedFile(const std::filesystem::path& path) : UnfinishedFile(path) {}
@@ -60,19 +61,18 @@ class PlacedFile : public UnfinishedFile {
   void finish() { close_and_rename(); }
 };
 
-// Throws Error(bad_input) where the disk of FOLDER has not so many bytes left; `what` they are for stands in the
-// message.
+// Throws Error(bad_input) where the disk of FOLDER has fewer bytes left. what: their use, for the message.
 void require_space(const std::filesystem::path& folder, double bytes, const std::string& what);
 
-// For files that are written bit by bit. begin_file() notes PATH in the manifest of its folder of results
-// (result_folder.h) and returns where to write; finish_file() renames that.
+// For files that are written in parts. begin_file() adds PATH to the manifest of its result folder (result_folder.h)
+// and returns the temporary name; finish_file() renames that file.
 std::filesystem::path begin_file(const std::filesystem::path& path);
 void finish_file(const std::filesystem::path& path);
 
-// PATH.TOKEN.part. The token is this process's own, so that two processes never write into one file.
+// PATH.TOKEN.part. The token is unique to this process, so that two processes never write the same file.
 std::filesystem::path part_name(const std::filesystem::path& path);
 const std::string& part_token();
-// One token of the manifest for all processes that write files of the same folder. Called before any file is written.
+// Sets one token for all processes that write files of the same folder. Called before any file is written.
 void use_part_token(const std::string& token);
 
 }  // namespace quoin

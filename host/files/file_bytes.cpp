@@ -8,7 +8,7 @@ namespace quoin {
 
 namespace {
 
-constexpr std::size_t kWindow = std::size_t{1} << 18;  // bytes: what is skipped within costs less than another call
+constexpr std::size_t kWindow = std::size_t{1} << 18;  // bytes; skipping within it is faster than another system call
 
 }  // namespace
 

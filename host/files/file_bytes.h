@@ -1,4 +1,4 @@
-// A part of a file as a source of bytes: only what is taken is read, and some hundred kilobytes at a time.
+// Part of a file as a source of bytes. Only bytes that are taken are read, some hundred kilobytes at a time.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ struct InputFile;
 
 class FileBytes : public ByteSource {
  public:
-  // All of the file. Throws Error(bad_input) as open_input_file, and where it can no longer be read.
+  // The whole file. Throws Error(bad_input) as open_input_file, and where reading fails later.
   explicit FileBytes(const std::filesystem::path& path);
   ~FileBytes() override;
   std::size_t left() const override { return end_ - position_; }

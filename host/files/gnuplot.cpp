@@ -48,13 +48,13 @@ class Descriptor {
 };
 
 struct Drawing {
-  std::string fault;     // empty: the picture is there
+  std::string fault;     // empty: the drawing is complete
   std::string messages;  // output of gnuplot
 };
 
 std::string system_message() { return std::error_code(errno, std::generic_category()).message(); }
 
-// A full disk makes a picture without its end, and gnuplot does not always say so.
+// Whether the file ends in `last`. A full disk truncates a drawing, and gnuplot does not always report it.
 bool is_whole(const fs::path& file, std::string_view last) {
   std::string end(last.size(), ' ');
   std::ifstream stream(file, std::ios::binary);
@@ -68,14 +68,14 @@ bool is_whole_picture(const fs::path& file) {
 
 bool is_control(unsigned char code) { return code < 0x20 || code == 0x7f; }
 
-// s that a picture may take. A plot program that waits for ever shall not hold the results of a run.
+// Time limit of a drawing, s. A plot program that never ends must not block the results of a run.
 double longest_drawing() {
   double seconds = 0.0;
   const char* given = std::getenv("QUOIN_PLOT_SECONDS");
   return given != nullptr && parse_number(given, seconds) && seconds > 0.0 ? seconds : 300.0;
 }
 
-// The status of the child when it ends, or nothing after so many seconds: it is killed then.
+// Exit status of the child, or nothing after the time limit, s, when it is killed.
 std::optional<int> wait_for(pid_t child, double seconds) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
@@ -95,8 +95,8 @@ std::optional<int> wait_for(pid_t child, double seconds) {
   return std::nullopt;
 }
 
-// gnuplot reads the script from its standard input and writes the picture to its standard output. Neither a name of a
-// file nor any other text is on its command line.
+// gnuplot reads the script from its standard input and writes the drawing to its standard output. Its command line has
+// no file name or other text.
 Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, const fs::path& picture) {
   const Descriptor input(memfd_create("script", MFD_CLOEXEC)), messages(memfd_create("messages", MFD_CLOEXEC));
   const fs::path part = begin_file(picture);
@@ -116,8 +116,8 @@ Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, c
   posix_spawn_file_actions_adddup2(&actions, output.number(), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, messages.number(), STDERR_FILENO);
   posix_spawn_file_actions_addchdir_np(&actions, working_folder.c_str());
-  // -d: not the user's own settings. With a named input the first fault ends gnuplot. From "-" it reads byte by byte, a
-  // call of the system each.
+  // -d: ignores the user's settings. With a named input the first error ends gnuplot; from "-" it reads byte by byte,
+  // with a system call each.
   std::array<std::string, 3> words{"gnuplot", "-d", "/dev/stdin"};
   std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
   pid_t child = 0;
@@ -154,17 +154,17 @@ Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, c
 }  // namespace
 
 std::string gnuplot_text(const std::string& text) {
-  constexpr size_t kLongest = 300;  // bytes; far more than fits into a picture, far less than gnuplot's buffers
+  constexpr size_t kLongest = 300;  // bytes; far more than fits into a drawing, far less than gnuplot's buffers
   size_t size = std::min(text.size(), kLongest);
   if (size < text.size()) {
-    while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0) == 0x80) --size;  // not inside a character
+    while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0) == 0x80) --size;  // not within a character
   }
-  // As a number: gnuplot's rules for quotes within quotes have holes (a leading '' is an empty string).
+  // As a number, since gnuplot's rules for quotes within quotes have exceptions (a leading '' is an empty string).
   std::string result = "\"";
   bool as_number = false;
   for (const char c : text.substr(0, size)) {
     const auto code = static_cast<unsigned char>(c);
-    const bool octal_digit = c >= '0' && c <= '7';  // would be read as part of the number before it
+    const bool octal_digit = c >= '0' && c <= '7';  // would extend the number before it
     const bool plain = code >= 0x80 || (std::isalnum(code) != 0 && !(as_number && octal_digit)) ||
                        std::string_view(" .,:;()/+-=_").find(c) != std::string_view::npos;
     as_number = !plain && !is_control(code);
@@ -189,10 +189,10 @@ std::string draw_picture(const fs::path& folder, const std::string& name, const 
 std::string draw_as_svg(const fs::path& folder, const std::string& name) {
   const fs::path plots = folder / "plots";
   std::string script = read_input_file((plots / (name + ".gp")).string());
-  script.erase(0, script.find("\nset terminal ") + 1);  // not what gnuplot sends elsewhere than to us
+  script.erase(0, script.find("\nset terminal ") + 1);  // drops the `set output` at the head of the file
   constexpr std::string_view png = "set terminal pngcairo";
   if (!script.starts_with(png)) return fmt::format("no {}.svg: its script draws no PNG", name);
-  // Points of fonts are 96 to 72 pixels of a PNG and pixels of an SVG.
+  // Font points are 96/72 pixels in a PNG, and one pixel in an SVG.
   script.replace(0, png.size(), "set terminal svg fontscale 1.33333");
   const Drawing drawing = run_gnuplot(plots, script, folder / (name + ".svg"));
   return drawing.fault.empty() ? std::string{} : fmt::format("no {}.svg: {}", name, drawing.fault);

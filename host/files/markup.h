@@ -1,11 +1,11 @@
-// Text as HTML and XML hold it.
+// Text in HTML and XML.
 #pragma once
 
 #include <string>
 
 namespace quoin {
 
-// As content, and as the value of an attribute.
+// Escaped text, valid as content and as the value of an attribute.
 inline std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {

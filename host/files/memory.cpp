@@ -15,7 +15,7 @@ double memory_here() {
   double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
     double limit = 0.0;
-    if (std::ifstream(file) >> limit && limit > 0.0) bytes = std::min(bytes, limit);  // "max" is no number
+    if (std::ifstream(file) >> limit && limit > 0.0) bytes = std::min(bytes, limit);  // "max" is not a number
   }
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
@@ -24,7 +24,7 @@ double memory_here() {
 }
 
 void require_memory(double bytes, const std::string& what, const std::string& remedy) {
-  constexpr double kShare = 0.8;  // the rest is for others, and for what an estimate misses
+  constexpr double kShare = 0.8;  // the rest is for other processes, and for errors of the estimate
   const double here = memory_here();
   if (bytes <= kShare * here) return;
   throw Error(Exit::bad_input, fmt::format("{} need about {:.3g} GB of memory, and this process may use {:.3g} GB; {}",

@@ -1,14 +1,14 @@
-// Memory of the machine, for what would not fit into it.
+// Memory of the machine, and checks of what fits into it.
 #pragma once
 
 #include <string>
 
 namespace quoin {
 
-// Bytes that this process may use: of the machine, of its control group (a container's), or of ulimit -v.
+// Memory limit of this process, bytes: the least of the machine, its control group (a container) and ulimit -v.
 double memory_here();
 
-// Throws Error(bad_input): what takes so many bytes does not fit. `what` begins the message, `remedy` ends it.
+// Throws Error(bad_input) where this many bytes do not fit. `what` begins the message, `remedy` ends it.
 void require_memory(double bytes, const std::string& what, const std::string& remedy);
 
 }  // namespace quoin

@@ -1,5 +1,5 @@
-// Words to the person at the terminal, on standard error. A terminal that is gone, or a full disk behind it, costs the
-// words and nothing else.
+// Messages to the user on standard error. If the terminal is gone or the disk behind it is full, they are lost without
+// an error.
 #pragma once
 
 #include <cstdio>
@@ -9,10 +9,10 @@
 
 namespace quoin {
 
-// Off in processes that help another one, which speaks for all.
+// false in helper processes, whose parent prints the messages
 inline bool notices_wanted = true;
 
-// One line; names and texts in it may come from anywhere.
+// Prints one line; names and texts in it may come from outside.
 inline void notice(const std::string& text) {
   if (!notices_wanted) return;
   std::fputs((printable(text) + "\n").c_str(), stderr);

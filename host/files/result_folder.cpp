@@ -35,9 +35,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kLock = ".quoin-lock";
 constexpr const char* kManifest = ".quoin-manifest";
-constexpr const char* kManifestHead = "results of quoin, partial files .";  // and the token of the process
+constexpr const char* kManifestHead = "results of quoin, partial files .";  // the token of the process follows
 
-// Names that runs give their results: what else has them is in the way.
+// Names of results; other files with these names are an error.
 constexpr std::array kNames{
     "summary.json",      "history.csv",      "curve.png",       "cracks.png",         "mechanism.png",
     "blocks.pvd",        "joints.pvd",       "forces.pvd",      "forces_*.vtu",       "blocks_*.vt[pu]",
@@ -58,7 +58,7 @@ struct Manifest {
   std::string token;            // token in the names of partial files
 };
 
-// A manifest may come from anywhere: only names inside the folder that a run could have written count.
+// Reads a manifest, which may come from outside: only names inside the folder that a run could have written count.
 Manifest read_manifest(const fs::path& folder) {
   Manifest manifest;
   std::ifstream stream(folder / kManifest);
@@ -80,7 +80,8 @@ bool made_plots(const Manifest& manifest) {
                      [](const std::string& name) { return name == "plots" || name.starts_with("plots/"); });
 }
 
-// A file that the last run had begun when it was killed, before it was in the manifest: its token shows it.
+// Whether a file is a partial file of the last run, by its token. A killed run may not have added it to the manifest
+// yet.
 bool is_part_of(const Manifest& manifest, const std::string& name) {
   return !manifest.token.empty() && name.ends_with(fmt::format(".{}.part", manifest.token));
 }
@@ -114,7 +115,7 @@ void refuse_what_others_wrote(const fs::path& folder, const Manifest& manifest) 
                           folder.string(), foreign[0], others, kManifest));
 }
 
-// Returns whether the folder for plots, which was ours, is kept for what others have put there.
+// Removes old results; returns whether the folder for plots, which was ours, is kept as others have files there.
 bool remove_old_results(const fs::path& folder, const Manifest& manifest, const std::set<std::string>& kept) {
   for (const std::string& name : manifest.names) {
     if (name == "plots") continue;
@@ -143,7 +144,7 @@ bool remove_old_results(const fs::path& folder, const Manifest& manifest, const 
   return static_cast<bool>(not_empty);
 }
 
-// Folders of results of this process, with the file that takes their manifest.
+// Result folders of this process, with their open manifests.
 struct OpenFolder {
   fs::path path;
   std::ofstream manifest;
@@ -163,12 +164,12 @@ std::string host_name() {
 
 namespace {
 
-// A process that is killed as it starts another leaves the lock to that one, until it closes what it does not need.
+// A process that is killed while it starts a child leaves its lock to the child, until that closes its descriptors.
 constexpr std::chrono::milliseconds kWait{10};
 constexpr int kMostWaits = 300;
 
-// Whether the lock was taken on this machine by a process that has ended. The holder of the lock then either releases
-// it in a moment, or has not written its name yet.
+// Whether the named holder has ended on this machine. The actual holder then releases the lock soon, or has not written
+// its name yet.
 bool has_died(const std::string& holder) {
   int process = 0, read = 0;
   if (std::sscanf(holder.c_str(), "process %d on %n", &process, &read) != 1 || process <= 0 || read == 0) return false;
@@ -182,7 +183,7 @@ FolderLock::FolderLock(const fs::path& folder) {
   make_folder(folder);
   const fs::path path = folder / kLock;
   const auto message = [](int code) { return std::error_code(code, std::generic_category()).message(); };
-  // Not handed on to gnuplot and other children, which would keep the lock when this process dies.
+  // Close on exec: gnuplot and other children would keep the lock when this process dies.
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file_ < 0)
     throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; choose another folder with --out",
@@ -210,7 +211,7 @@ FolderLock::FolderLock(const fs::path& folder) {
   const std::string holder = fmt::format("process {} on {} since {:%Y-%m-%d %H:%M:%S} UTC\n", getpid(), host_name(),
                                          fmt::gmtime(std::time(nullptr)));
   if (ftruncate(file_, 0) != 0 || pwrite(file_, holder.data(), holder.size(), 0) < 0) {
-    // The lock holds all the same; only the message to others is poorer.
+    // The lock is valid without it; only messages to others have no name.
   }
 }
 
@@ -226,10 +227,10 @@ ResultFolder::ResultFolder(const fs::path& folder, std::shared_ptr<FolderLock> h
     if (is_kept && is_kept(name) && fs::exists(folder / name)) kept.insert(name);
   }
   const bool plots_kept = remove_old_results(folder, old, kept);
-  // There is a manifest at any moment: a run killed here shall find its own results when it goes on.
+  // There is a manifest at any moment: a run that is killed here finds its results when it is resumed.
   const fs::path path = folder / kManifest, part = part_name(path);
   std::error_code error;
-  fs::remove(part, error);  // never written through a link
+  fs::remove(part, error);  // removed first, so that a link is never followed
   OpenFolder open_folder{whole_path(folder), std::ofstream(part, std::ios::trunc), kept};
   open_folder.manifest << kManifestHead << part_token() << (plots_kept ? "\nplots" : "") << '\n';
   for (const std::string& name : kept) open_folder.manifest << name << '\n';

@@ -1,5 +1,5 @@
-// A folder of results: one process at a time writes there, and a later run removes what an earlier one wrote and
-// nothing else.
+// Result folders. One process at a time writes there. A later run removes the results of the earlier one, and no other
+// files.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace quoin {
 
-// Makes the folder, and holds it until the end of this object or of the process, however it ends. The lock is the
-// kernel's, on FOLDER/.quoin-lock, which names the holder. Throws Error(bad_input) with the holder when there is one.
-// Where the file system has no locks, a warning is printed and the folder is used.
+// Makes the folder, and locks it for the lifetime of this object or of the process, however it ends. It is a lock of
+// the kernel on FOLDER/.quoin-lock, which names the holder. Throws Error(bad_input) with the holder where there is one.
+// Where the file system has no locks, it prints a warning and uses the folder.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
@@ -23,14 +23,13 @@ class FolderLock {
   int file_ = -1;
 };
 
-// The folder of a run. Locks it, removes the results that the manifest of the last run names, and begins a manifest of
-// its own, FOLDER/.quoin-manifest. Every file is noted there before it is begun, so that results of a killed run are
-// listed too. Throws Error(bad_input), with nothing removed, when the folder has something else under a name that a run
-// gives its results.
+// Folder of a run. Locks it, removes the results in the manifest of the last run, and begins its own manifest,
+// FOLDER/.quoin-manifest. Every file is added there before it is written, so that the manifest has the results of a
+// killed run too. Throws Error(bad_input), with nothing removed, where other files have the name of a result.
 class ResultFolder {
  public:
-  // For a run that goes on: held is the lock of the folder if it is taken already. kept: whether a name of the
-  // manifest, relative to the folder, stays.
+  // For a resumed run. held: lock of the folder, if already locked. kept: whether a name of the manifest, relative to
+  // the folder, is kept.
   explicit ResultFolder(const std::filesystem::path& folder, std::shared_ptr<FolderLock> held = nullptr,
                         const std::function<bool(const std::string&)>& kept = {});
   ~ResultFolder();
@@ -42,7 +41,7 @@ class ResultFolder {
   std::filesystem::path path_;  // absolute
 };
 
-// Adds FILE to the manifest of the ResultFolder of this process that it lies in, if any. From any thread.
+// Adds FILE to the manifest of the ResultFolder of this process that contains it, if any. Thread-safe.
 void note_result(const std::filesystem::path& file);
 
 }  // namespace quoin

@@ -21,13 +21,14 @@ std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
       throw Error(Exit::numerical, fmt::format("block {}: its position is not a number", i));
     all.include(boxes[i].lower), all.include(boxes[i].upper);
   }
-  // Cells as large as a typical large block: each box touches at most 8 cells; the few boxes beyond go another way.
+  // Cells have the size of a large block, so that a box touches at most 8 cells. The few larger boxes are tested
+  // directly.
   std::vector<double> sorted = extent;
   std::nth_element(sorted.begin(), sorted.begin() + n * 9 / 10, sorted.end());
   const double cell = 1.01 * sorted[n * 9 / 10] + 1e-300;
   const Vector span = all.upper - all.lower;
   int64_t count[3];
-  // Bounded before they become integers: a block far from all others may be more cells away than any integer counts.
+  // Bounded before conversion to integers: for a block far from all others the number of cells could overflow.
   for (int k = 0; k < 3; ++k) count[k] = int64_t(std::min(span[k] / cell, double((1 << 20) - 1))) + 1;
   auto cell_of = [&](double x, int k) {
     return int64_t(std::clamp((x - all.lower[k]) / cell, 0.0, double(count[k] - 1)));
@@ -65,7 +66,7 @@ std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
       for (size_t j = i + 1; j < end; ++j) {
         const int32_t a = entries[i].box, b = entries[j].box;
         if (!overlap(boxes[a], boxes[b])) continue;
-        // A pair that shares several cells is reported by the cell that holds the lower corner of the common box.
+        // The cell with the lower corner of the common box reports a pair that shares several cells.
         const Vector corner = max(boxes[a].lower, boxes[b].lower);
         const int64_t home = (cell_of(corner.z, 2) * count[1] + cell_of(corner.y, 1)) * count[0] + cell_of(corner.x, 0);
         if (home == entries[begin].key) pairs.push_back({a, b});

@@ -14,8 +14,8 @@ struct Pair {
   friend auto operator<=>(const Pair&, const Pair&) = default;
 };
 
-// Sorted pairs of overlapping boxes (inflate them by half the skin each beforehand). Boxes much larger than the rest (a
-// floor) are tested against all others directly. Not a number in a box: Error(numerical) naming its index.
+// Sorted pairs of overlapping boxes; the caller inflates each box by half the skin. Boxes much larger than the rest (a
+// floor) are tested against all others directly. Throws Error(numerical) with the index of a box that is not finite.
 std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes);
 
 }  // namespace quoin::geometry

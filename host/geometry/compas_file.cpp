@@ -18,17 +18,17 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kDeepest = 64;  // largest depth of nesting in an assembly
 
-// Rows of a matrix and a translation.
+// Rows of a rotation matrix with a translation.
 using Placement = std::array<std::array<double, 4>, 3>;
 
 class Reader {
  public:
   explicit Reader(const std::string& path) : path_(path) {}
 
-  // What stands above a mesh and holds for it.
+  // Properties of a mesh that it inherits from the objects around it.
   struct Above {
     std::string name, where;
-    std::string number;  // COMPAS's own of a block
+    std::string number;  // COMPAS's number of a block
     bool support = false;
     Placement placement{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     int depth = 0;
@@ -54,19 +54,20 @@ class Reader {
         above.name = attributes["name"].get<std::string>();
     }
     if (node.contains("transformation")) place(node["transformation"], above);
-    // An assembly has its blocks at the nodes of its graph; whatever an old writer left beside them is of one of them.
+    // Blocks of an assembly are at the nodes of its graph; what old files have beside the graph belongs to these
+    // blocks.
     if (has_blocks(node, "node")) {
       above.support = false;
       return visit_all(node["node"], below(above, "node"), nullptr);
     }
-    // Before COMPAS 1 blocks stood beside the graph, whose nodes (or vertices) have their supports.
+    // Before COMPAS 1, blocks were beside the graph, whose nodes (or vertices) have the supports.
     if (node.contains("blocks") && node["blocks"].is_object()) {
       const Json* graph = node.contains("assembly") && node["assembly"].is_object() ? &node["assembly"] : nullptr;
       return visit_all(node["blocks"], below(above, "blocks"), graph);
     }
     if (node.contains("vertex") && node.contains("face") && node["vertex"].is_object() && node["face"].is_object())
       return add_mesh(node, above);
-    // A model of compas_dem has its blocks as elements; its tree and graph only point to them.
+    // Blocks of a compas_dem model are its elements; its tree and graph only refer to them.
     if (node.contains("elements") && node["elements"].is_array())
       return visit(node["elements"], below(above, "elements"));
     if (node.contains("elements") && node["elements"].is_object())
@@ -95,7 +96,7 @@ class Reader {
     return std::any_of(graph[key].begin(), graph[key].end(), holds);
   }
 
-  // Entries by COMPAS's numbers; graph: its node (or vertex) of the same number says whether one is a support.
+  // Visits entries by COMPAS's numbers; graph: its node (or vertex) of the same number has is_support.
   void visit_all(const Json& entries, const Above& above, const Json* graph) {
     for (const auto& [key, value] : entries.items()) {
       Above own = entry(above, key);
@@ -107,7 +108,7 @@ class Reader {
     }
   }
 
-  // One of several things: what holds them all does not give it a name.
+  // One of several entries: the name of their parent is not its name.
   static Above entry(const Above& above, const std::string& key) {
     Above own = below(above, key);
     own.name.clear();
@@ -120,7 +121,7 @@ class Reader {
     return above;
   }
 
-  // transformation: {data: {matrix: 4 x 4}}, also as value of COMPAS 1 or bare; null: none.
+  // Applies transformation: {data: {matrix: 4 x 4}}, also as value of COMPAS 1 or bare; null: none.
   void place(const Json& given, Above& above) const {
     const Json* node = &given;
     for (const char* key : {"data", "value", "matrix"}) {
@@ -176,7 +177,7 @@ class Reader {
           refuse(above.where, fmt::format("face {} has a vertex {} that is not there", key, of));
         if (face.empty() || face.back() != found->second) face.push_back(found->second);
       }
-      if (face.size() > 1 && face.front() == face.back()) face.pop_back();  // COMPAS may close its cycles
+      if (face.size() > 1 && face.front() == face.back()) face.pop_back();  // COMPAS may repeat the first corner
     }
   }
 

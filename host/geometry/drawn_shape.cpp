@@ -27,7 +27,7 @@ std::map<Edge, std::vector<int>> faces_by_edge(const RawShape& shape) {
   return found;
 }
 
-// Number of the component of each face, from 0.
+// Component number of each face, from 0.
 std::vector<int> components(const RawShape& shape) {
   std::vector<int> parent(shape.faces.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -54,7 +54,7 @@ bool runs_along(const std::vector<int>& face, int a, int b) {
   return false;
 }
 
-// A distance (m) from the planes of a body, and where.
+// Largest distance from the planes of a body, m, and its place.
 struct Farthest {
   double distance = 0.0;
   Vector at;
@@ -93,9 +93,9 @@ Farthest depth_of(const RawShape& shape, const ConvexPolyhedron& hull) {
   return worst;
 }
 
-// Moves corners to where the planes of their faces meet, where these differ enough. A corner keeps its place along
-// directions in which its planes leave it free. Where more than three planes meet in a corner, planes are fitted again.
-// False: the faces do not become planar.
+// Moves corners to the intersection of the planes of their faces, if their normals differ enough. A corner keeps its
+// position along directions that its planes do not determine. Where more than three planes meet in a corner, planes are
+// fitted again. Returns false if the faces do not become planar.
 bool make_planar(ConvexPolyhedron& shape, double tolerance) {
   constexpr double kLeastShare = 0.01;  // least sum of squared components of normals along a direction
   constexpr int kRounds = 200;
@@ -130,7 +130,7 @@ bool make_planar(ConvexPolyhedron& shape, double tolerance) {
   return false;
 }
 
-// m, to the nearest plane or corner of a body.
+// Distance to the nearest plane or corner of a body, m.
 double distance_from_surface(const ConvexPolyhedron& body, const Vector& p) {
   double nearest = 1e300, inside = 1e300;
   for (const Vector& q : body.vertices) nearest = std::min(nearest, norm(p - q));
@@ -139,9 +139,9 @@ double distance_from_surface(const ConvexPolyhedron& body, const Vector& p) {
   return std::min(nearest, std::abs(inside));
 }
 
-// The hull of a surface that is uneven by so many m, with planar faces. The fourth corner of a quadrilateral lies off
-// the plane of the other three by four times the warp, twice the tolerance of the hull. Where small edges end in that,
-// another tolerance may keep them.
+// Hull with planar faces of a surface that is uneven by this distance, m. The fourth corner of a quadrilateral is off
+// the plane of the other three by four times the warp, twice the tolerance of the hull. Where that produces small
+// edges, another tolerance may avoid them.
 ConvexPolyhedron planar_hull(const RawShape& shape, double uneven) {
   const double relative = uneven / longest_extent(shape.vertices);
   std::string why = "its corners do not come to rest";

@@ -1,5 +1,5 @@
-// Blocks from surfaces as other programs draw them. They are closed, but no plane fits their faces exactly. Corners are
-// written several times, and faces run either way round.
+// Blocks from surfaces of drawing programs. Such surfaces are closed, but faces are not exactly planar, corners are
+// repeated, and faces have either orientation.
 #pragma once
 
 #include <vector>
@@ -9,38 +9,38 @@
 
 namespace quoin::geometry {
 
-// How far a drawn surface may lie off the planes of the block that is made of it, relative to the block's largest
-// extent. A joint's normal is then off by 0.3 degrees at most, and friction by half a per cent.
+// Largest distance of a drawn surface from the planes of its block, relative to the block's largest extent. The error
+// of a joint's normal is then at most 0.3 degrees, and that of friction half a per cent.
 constexpr double warp_bound = 5e-3;
 
-// Corners at one place made one; faces without area, and those that are there twice, left out.
+// Merges corners at one place; removes faces without area, and repeated faces.
 void weld(RawShape& shape);
 
 // Connected surfaces (by edges), in the order of their first faces.
 std::vector<RawShape> split(const RawShape& shape);
 
-// Every edge has two faces.
+// Whether every edge has two faces.
 bool is_closed(const RawShape& shape);
 
-// Turns faces so that all run counter-clockwise seen from outside, where every edge has two of them.
+// Orients faces counter-clockwise seen from outside, where every edge has two of them.
 void orient(RawShape& shape);
 
-// All corners in one plane, within warp_bound of their extent.
+// Whether all corners are in one plane, within warp_bound of their extent.
 bool is_flat(const RawShape& shape);
 
 struct DrawnShape {
   ConvexPolyhedron shape;
-  double warp = 0.0;  // m, from the drawn corners and surface to the block at most; 0: as drawn
+  double warp = 0.0;  // largest distance of drawn corners and surface from the block, m; 0: as drawn
 };
 
-// The block of a welded and oriented surface. Faces warped by less than warp_bound get the plane that fits their
-// corners best, and corners move to where the planes meet. Two blocks that share the corners of a face share its plane.
+// The block of a welded and oriented surface. Faces warped by less than warp_bound get the best-fit plane of their
+// corners, and corners move to the intersection of planes. Two blocks that share the corners of a face share its plane.
 // A joint then has one face, and not two triangles at an angle. Throws Error(bad_input) as from_faces, and for surfaces
 // beyond the bound.
 DrawnShape from_drawn(const RawShape& shape);
 
-// A plate behind a flat face, a tenth of the extent of the face's hull thick. It lies away from `others`, the middle of
-// the blocks before it. Throws Error(bad_input) for a face that is not convex.
+// A plate behind a flat face, with a thickness of a tenth of the extent of the face's hull. It is on the side away from
+// `others`, the mean corner of the other blocks. Throws Error(bad_input) for a face that is not convex.
 ConvexPolyhedron plate(const RawShape& shape, const Vector& others);
 
 }  // namespace quoin::geometry

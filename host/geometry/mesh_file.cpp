@@ -21,16 +21,16 @@
 namespace quoin::geometry {
 namespace {
 
-// A block has few corners; a count beyond this is a slip, or another kind of file.
+// Largest number of corners of a block; a larger one is an error, or another kind of file.
 constexpr int64_t most_corners = 10'000'000;
 
-// The file as words of lines, and its faults by line.
+// Lines of a file as words, and errors with the line number.
 class Lines {
  public:
-  // comment: begins one; 0: the format has none.
+  // comment: first character of comments; 0: the format has none.
   Lines(const std::string& path, const std::string& bytes, char comment) : path_(path), in_(bytes), comment_(comment) {}
 
-  // The next line that has words. False: the end of the file.
+  // Goes to the next line that has words; false at the end of the file.
   bool next() {
     std::string text;
     while (std::getline(in_, text)) {
@@ -43,7 +43,7 @@ class Lines {
     return false;
   }
   const std::vector<std::string>& words() const { return words_; }
-  // What follows the first word: a name, which may have blanks.
+  // Text after the first word: a name, which may have blanks.
   std::string rest() const { return fmt::format("{}", fmt::join(words_.begin() + 1, words_.end(), " ")); }
 
   [[noreturn]] void refuse(const std::string& what) const {
@@ -55,7 +55,7 @@ class Lines {
     if (!std::isfinite(value)) refuse(fmt::format("'{}' is not finite", words_[word]));
     return value;
   }
-  // A whole number, lower to upper; `what` it counts stands in the message.
+  // A whole number from lower to upper. what: its meaning, for the message.
   int64_t integer(const std::string& word, int64_t lower, int64_t upper, const char* what) const {
     int64_t value = 0;
     if (!parse_number(word, value) || value < lower || value > upper) {
@@ -86,13 +86,13 @@ std::vector<RawShape> read_off(const std::string& path, const std::string& bytes
   };
   const std::string counts = "the numbers of vertices and faces";
   next(counts);
-  size_t word = 0;  // "OFF" may stand before the counts, on their line or on one of its own
+  size_t word = 0;  // "OFF" may precede the counts, on their line or on its own
   if (lines.words()[0] == "OFF" || lines.words()[0] == "off") word = 1;
   if (word == lines.words().size()) next(counts), word = 0;
   if (lines.words().size() < word + 2) lines.refuse("expected " + counts);
   const int64_t vertex_count = lines.integer(lines.words()[word], 0, most_corners, "number of vertices");
   const int64_t face_count = lines.integer(lines.words()[word + 1], 0, most_corners, "number of faces");
-  // Nothing is reserved by a count: a file may promise more than it has.
+  // No memory is reserved by a count, as a file may be shorter than that.
   for (int64_t i = 0; i < vertex_count; ++i) {
     next(fmt::format("vertex {} of {}", i, vertex_count));
     shape.vertices.push_back(lines.point(0));
@@ -134,7 +134,7 @@ std::vector<RawShape> read_obj(const std::string& path, const std::string& bytes
       const auto count = int64_t(all.size());
       std::vector<int> face;
       for (size_t k = 1; k < words.size(); ++k) {
-        // "7", "7/1", "7//3"; negative counts back from the last vertex
+        // "7", "7/1", "7//3"; negative numbers count back from the last vertex
         const std::string number = words[k].substr(0, words[k].find('/'));
         const bool backwards = number.starts_with('-');
         const int64_t given = backwards ? lines.integer(number, -count, -1, "vertex number")
@@ -151,7 +151,7 @@ std::vector<RawShape> read_obj(const std::string& path, const std::string& bytes
   return shapes;
 }
 
-// STL repeats every corner: equal coordinates are one vertex.
+// STL repeats every corner: corners with equal coordinates are one vertex.
 struct Welder {
   std::map<std::array<double, 3>, int> known;
   int operator()(const Vector& p, RawShape& shape) {
@@ -170,7 +170,7 @@ std::vector<RawShape> read_binary_stl(const std::string& path, const std::string
     auto& face = shape.faces.emplace_back();
     for (int k = 0; k < 3; ++k) {
       const Vector p{xyz[3 * k], xyz[3 * k + 1], xyz[3 * k + 2]};
-      // A coordinate that is not a number would break the order by which vertices are welded.
+      // A coordinate that is not a number would break the order of the map.
       if (!std::isfinite(p.x + p.y + p.z))
         throw Error(Exit::bad_input, fmt::format("{}: triangle {}, corner {}: a coordinate is not finite", path, t, k));
       face.push_back(weld(p, shape));
@@ -218,7 +218,7 @@ std::vector<RawShape> read_stl(const std::string& path, const std::string& bytes
   return read_ascii_stl(path, bytes);
 }
 
-// Every body of its own, in m, welded and oriented. Parts of one object are numbered.
+// Each body as a shape, in m, welded and oriented. Bodies of one object are numbered.
 std::vector<RawShape> bodies(const std::string& path, std::vector<RawShape> raw, double scale) {
   std::vector<RawShape> all;
   for (RawShape& r : raw) {
@@ -227,7 +227,8 @@ std::vector<RawShape> bodies(const std::string& path, std::vector<RawShape> raw,
       if (!std::isfinite(p.x + p.y + p.z))
         throw Error(Exit::bad_input, fmt::format("{}: block '{}': a coordinate is not finite", path, r.name));
     }
-    // Bodies that touch have corners at the same places; what is open hangs together by places alone.
+    // Bodies that touch have corners at the same places, so closed surfaces are split first. Open surfaces are
+    // connected only by welding.
     std::vector<RawShape> parts = split(r);
     if (std::all_of(parts.begin(), parts.end(), is_closed)) {
       for (RawShape& part : parts) weld(part);
@@ -247,7 +248,8 @@ std::vector<RawShape> bodies(const std::string& path, std::vector<RawShape> raw,
   return all;
 }
 
-// The file's own names; what has none is called as the file and by its place in it, and what shares one by its number.
+// Names of the file. A block without a name gets the file's name and its place; blocks with the same name get their
+// numbers.
 void name_all(const std::string& path, std::vector<RawShape>& raw) {
   const std::string file = std::filesystem::path(path).stem().string();
   std::map<std::string, std::vector<size_t>> called;

@@ -46,7 +46,7 @@ void clip(const Polygon& subject, const Polygon& window, double tolerance, Polyg
     scratch.clear();
     for (size_t i = 0; i < result.size(); ++i) {
       const Point2 &p = result[i], &q = result[(i + 1) % result.size()];
-      // distances within the tolerance count as on the line: shared edges neither split nor breed slivers
+      // Distances within the tolerance count as 0, so that shared edges make no slivers.
       double dp = cross2(a, b, p) / length, dq = cross2(a, b, q) / length;
       if (std::abs(dp) <= tolerance) dp = 0;
       if (std::abs(dq) <= tolerance) dq = 0;
@@ -82,8 +82,8 @@ void vertex_rule(const Polygon& p, std::vector<QuadraturePoint>& points) {
     for (const Point2& c : p) points.push_back({c, third});
     return;
   }
-  // The fan about the centroid gives each of its triangles' thirds to two corners and the centroid. The centroid's
-  // share is handed back in proportion, because the corners weighted so have the centroid as their mean.
+  // The fan about the centroid distributes thirds of its triangles to two corners and the centroid. The centroid's
+  // share is returned to the corners in proportion, as the corners with these weights have the centroid as their mean.
   const Point2 g = centroid(p);
   double before = 0.5 * cross2(g, p[n - 1], p[0]);
   for (size_t i = 0; i < n; ++i) {
@@ -110,7 +110,7 @@ void cubic_rule(const Polygon& p, std::vector<QuadraturePoint>& points) {
 void grid_rule(const Polygon& p, double spacing, std::vector<QuadraturePoint>& points) {
   const size_t n = p.size(), first = points.size();
   auto divisions = [&](double length2) {
-    constexpr double most = 100;  // points are merged pair by pair
+    constexpr double most = 100;  // points are merged pair by pair, which is slow for more
     const double count = std::max(1.0, std::ceil(std::sqrt(length2) / spacing - 1e-6));
     if (count > most) {
       throw Error(Exit::bad_input,

@@ -22,7 +22,7 @@ struct Triangle {
   bool alive = true;
 };
 
-// Twice the vector area of a polygon (Newell): robust for slightly warped faces.
+// Twice the vector area of a polygon (Newell), robust for slightly warped faces.
 Vector newell(const std::vector<Vector>& vertices, const std::vector<int>& face) {
   Vector sum;
   const Vector& o = vertices[face[0]];
@@ -30,10 +30,10 @@ Vector newell(const std::vector<Vector>& vertices, const std::vector<int>& face)
   return sum;
 }
 
-// Incremental hull. Blocks have few vertices, so the plain quadratic method is the right one.
+// Incremental hull. Blocks have few vertices, so the simple quadratic method suffices.
 std::vector<Triangle> triangle_hull(const std::vector<Vector>& p, double tolerance, const std::string& name) {
   const int n = int(p.size());
-  // Four corners that span the largest simplex found greedily.
+  // Four corners of a large simplex, found greedily.
   int a = 0, b = 0, c = 0, d = 0;
   for (int i = 0; i < n; ++i) {
     if (p[i].x < p[a].x) a = i;
@@ -120,7 +120,7 @@ void complete(ConvexPolyhedron& shape) {
 
 namespace {
 
-// Mesh files repeat corners.
+// Distinct points, as mesh files repeat corners.
 std::vector<Vector> different(const std::vector<Vector>& input, double tolerance) {
   std::vector<Vector> points;
   for (const Vector& p : input) {
@@ -131,8 +131,7 @@ std::vector<Vector> different(const std::vector<Vector>& input, double tolerance
   return points;
 }
 
-// Corners of a face, counter-clockwise about its normal. Points inside of it are no corners, nor are those in the
-// middle of a straight side.
+// Corners of a face, counter-clockwise about its normal, without points inside it and on straight sides.
 std::vector<int> corners_in_order(const std::vector<Vector>& points, const std::set<int>& corners, const Vector& normal,
                                   double tolerance) {
   Vector centre;
@@ -158,7 +157,7 @@ std::vector<int> corners_in_order(const std::vector<Vector>& points, const std::
   return face;
 }
 
-// Coplanar neighbours merged: every plane becomes one face.
+// Faces of the hull, with coplanar neighbours merged.
 std::vector<std::vector<int>> faces_of(const std::vector<Triangle>& hull, const std::vector<Vector>& points,
                                        double size, double tolerance) {
   std::vector<double> area(hull.size());
@@ -171,7 +170,7 @@ std::vector<std::vector<int>> faces_of(const std::vector<Triangle>& hull, const 
   std::stable_sort(by_area.begin(), by_area.end(), [&](size_t i, size_t j) { return area[i] > area[j]; });
   std::vector<bool> used(hull.size(), false);
   std::vector<std::vector<int>> faces;
-  for (size_t first : by_area) {  // planes of faces come from large triangles; slivers join the plane that they lie in
+  for (size_t first : by_area) {  // large triangles set the planes of faces; slivers join the plane that they lie in
     if (used[first]) continue;
     const Triangle& t = hull[first];
     std::set<int> corners;
@@ -183,7 +182,7 @@ std::vector<std::vector<int>> faces_of(const std::vector<Triangle>& hull, const 
       used[other] = true;
       corners.insert(hull[other].corner, hull[other].corner + 3);
     }
-    // A splinter between faces, and not a face that is merely small.
+    // Drops slivers between faces, but not faces that are only small.
     double longest = 0.0;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, norm(points[t.corner[k]] - points[t.corner[(k + 1) % 3]]));
     if (area[first] >= tolerance * longest) faces.push_back(corners_in_order(points, corners, t.normal, tolerance));
@@ -214,7 +213,7 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::stri
     }
   }
   complete(shape);
-  // Euler's formula catches what tolerances could spoil: nearly flat corners, points closer than the tolerance.
+  // Euler's formula detects errors of tolerances: nearly flat corners, points closer than the tolerance.
   if (shape.vertices.size() + shape.faces.size() != shape.edges.size() + 2 || mass_properties(shape).volume <= 0) {
     refuse(name,
            fmt::format("degenerate shape near {}: {} corners, {} faces and {} edges do not close (are corners closer "

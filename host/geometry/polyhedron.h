@@ -8,38 +8,38 @@
 
 namespace quoin::geometry {
 
-// Vertices in m; faces are planar, with corners counter-clockwise seen from outside, neighbours never coplanar.
-// Edges are listed once, with the two faces they part.
+// Vertices in m. Faces are planar, with corners counter-clockwise seen from outside; neighbours are never coplanar.
+// Edges are listed once, with their two faces.
 struct ConvexPolyhedron {
   std::vector<Vector> vertices;
   std::vector<std::vector<int>> faces;
   std::vector<Vector> normals;  // outward, one a face
   struct Edge {
-    int tail, head;   // in the direction in which `left` runs
+    int tail, head;   // in the direction of the corners of `left`
     int left, right;  // faces
   };
   std::vector<Edge> edges;
 };
 
-// How far a vertex may lie off its face, or in front of another face, relative to the largest extent of the block.
-// Beyond it the input is refused. Mesh files in single precision need 1e-6.
+// Largest distance of a vertex from its face, or in front of another face, relative to the largest extent of the block.
+// Larger distances are errors. Mesh files in single precision need 1e-6.
 constexpr double shape_tolerance = 1e-6;
 
-// The hull of points; points inside it are dropped. `name` stands in the messages. relative_tolerance: of the largest
-// extent; faces take in corners that lie off their planes by twice that. Throws Error(bad_input): fewer than four
-// points, not a number, flat or needle-like point sets.
+// Convex hull of points; points inside it are dropped. name: for messages. relative_tolerance: tolerance over the
+// largest extent; a face includes corners within twice that distance of its plane. Throws Error(bad_input) for fewer
+// than four points, numbers that are not finite, and flat or needle-like sets of points.
 ConvexPolyhedron from_vertices(const std::vector<Vector>& points, const std::string& name,
                                double relative_tolerance = shape_tolerance);
 
-// A closed convex surface given by faces (counter-clockwise seen from outside; neighbouring coplanar faces, as mesh
-// files have them, are merged). Throws Error(bad_input) naming block, face, place and distance: corner numbers out of
-// range, holes, inverted faces, faces that are not planar, zero volume, non-convex.
+// A closed convex surface by its faces, counter-clockwise seen from outside. Coplanar neighbours, as in mesh files, are
+// merged. Throws Error(bad_input) with block, face, place and distance. Errors are corner numbers out of range, holes,
+// inverted faces, faces that are not planar, zero volume, and non-convex shapes.
 ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
                             const std::string& name);
 
-// The checks of from_faces. check_closed throws Error(bad_input) for corner numbers out of range, holes, faces or
-// bodies that are inverted, zero volume. fault_of_faces: the first face that is not planar or has a vertex in front of
-// it, in words; empty: there is none.
+// Checks of from_faces. check_closed throws Error(bad_input) for corner numbers out of range, holes, inverted faces or
+// bodies, and zero volume. fault_of_faces describes the first face that is not planar or has a vertex in front of it;
+// empty: none.
 void check_closed(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
                   const std::string& name);
 std::string fault_of_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces);
@@ -48,10 +48,10 @@ constexpr const char* how_to_cut =
     "inside_units "
     "of an elastic family";
 
-// m3, of a closed surface.
+// Volume of a closed surface, m3.
 double volume_within(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces);
 
-// The plane through the mean of a face's corners, normal to its vector area.
+// Plane through the mean of a face's corners, normal to its vector area.
 struct Plane {
   Vector centre, normal;  // normal: unit, outward; zero for a face without area
 };
@@ -61,7 +61,7 @@ ConvexPolyhedron box(const Vector& lower, const Vector& size);
 
 // Sets normals and edges from vertices and faces.
 void complete(ConvexPolyhedron& shape);
-// Normals of the same faces after the vertices have moved.
+// Computes the normals of the same faces after the vertices have moved.
 void update_normals(ConvexPolyhedron& shape);
 
 struct MassProperties {
@@ -74,6 +74,6 @@ MassProperties mass_properties(const ConvexPolyhedron& shape);
 double face_area(const ConvexPolyhedron& shape, int face);  // m2
 Vector face_centroid(const ConvexPolyhedron& shape, int face);
 double longest_extent(const std::vector<Vector>& points);  // longest side of the bounding box, m
-std::string place(const Vector& p);                        // "(1.2, 0.4, 0) m" for messages
+std::string place(const Vector& p);                        // "(1.2, 0.4, 0) m", for messages
 
 }  // namespace quoin::geometry

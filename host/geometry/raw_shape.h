@@ -1,4 +1,4 @@
-// A block as a file has it, before anything is checked.
+// A block as in its file, before any check.
 #pragma once
 
 #include <string>

@@ -3,7 +3,7 @@
 namespace quoin::geometry {
 namespace {
 
-// Signed distance of the nearest vertex of `other` in front of the plane of a face.
+// Least signed distance of the vertices of `other` in front of the plane of a face.
 double face_distance(const Placed& p, int face, const Placed& other) {
   const Vector n = p.normals[face];
   const double offset = dot(n, p.vertices[p.shape->faces[face][0]]);
@@ -22,8 +22,8 @@ Edge edge(const Placed& p, int i) {
   return {p.vertices[e.tail], p.vertices[e.head] - p.vertices[e.tail], p.normals[e.left], p.normals[e.right]};
 }
 
-// The edges span a face of the Minkowski difference (arcs of their normals cross on the Gauss sphere). Only such pairs
-// can be the closest ones.
+// Whether the edges span a face of the Minkowski difference (arcs of their normals cross on the Gauss sphere). Only
+// such pairs can give the greatest separation.
 bool arcs_cross(const Edge& a, const Edge& b) {
   const Vector c = -b.left, d = -b.right;
   const Vector ba = cross(a.right, a.left), dc = cross(d, c);
@@ -34,11 +34,11 @@ bool arcs_cross(const Edge& a, const Edge& b) {
 bool edge_axis(const Placed& a, const Placed& b, const Edge& ea, const Edge& eb, Separation& s) {
   const Vector m = cross(ea.direction, eb.direction);
   const double sine2 = dot(m, m), scale2 = dot(ea.direction, ea.direction) * dot(eb.direction, eb.direction);
-  if (sine2 < 1e-6 * scale2) return false;  // parallel: a face normal is as good
+  if (sine2 < 1e-6 * scale2) return false;  // parallel: a face normal gives the same axis
   s.normal = m / std::sqrt(sine2);
   if (dot(s.normal, ea.point - a.centre) < 0) s.normal = -s.normal;
-  // Extents of all corners, not of the edges: arcs of faces that are bent by their load may seem to cross where they do
-  // not.
+  // Extents of all corners, not of the edges, since arcs of faces that are bent under load may seem to cross where they
+  // do not.
   double lowest = 1e300, highest = -1e300;
   for (size_t i = 0; i < b.shape->vertices.size(); ++i) lowest = std::min(lowest, dot(s.normal, b.vertices[i]));
   for (size_t i = 0; i < a.shape->vertices.size(); ++i) highest = std::max(highest, dot(s.normal, a.vertices[i]));
@@ -52,7 +52,7 @@ bool edge_axis(const Placed& a, const Placed& b, const Edge& ea, const Edge& eb,
 int facing(const Placed& p, const Vector& direction) {
   int best = 0;
   for (size_t f = 1; f < p.shape->faces.size(); ++f) {
-    // the margin keeps the choice among parallel candidates independent of rounding
+    // The margin keeps the choice among parallel candidates independent of rounding.
     if (dot(p.normals[f], direction) > dot(p.normals[best], direction) + 1e-9) best = int(f);
   }
   return best;
@@ -117,7 +117,7 @@ std::optional<std::pair<Vector, Vector>> crossing_points(const Vector& p, const 
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), det = uu * vv - uv * uv;
   const Vector w = q - p;
   const double a = (dot(w, u) * vv - dot(w, v) * uv) / det, b = (dot(w, u) * uv - dot(w, v) * uu) / det;
-  if (!(a >= 0 && a <= 1 && b >= 0 && b <= 1)) return std::nullopt;  // not a number where they are parallel
+  if (!(a >= 0 && a <= 1 && b >= 0 && b <= 1)) return std::nullopt;  // not a number for parallel lines
   return std::pair{p + a * u, q + b * v};
 }
 

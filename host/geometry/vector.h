@@ -1,4 +1,4 @@
-// Vectors, matrices and rotations of three-dimensional space: just what blocks need, in plain doubles.
+// Vectors, matrices and rotations in three dimensions, in plain doubles.
 #pragma once
 
 #include <algorithm>
@@ -38,7 +38,7 @@ inline Vector max(const Vector& a, const Vector& b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
-// A unit vector normal to the unit vector n; the same for the same n, bit for bit.
+// A unit vector normal to the unit vector n; it depends on n alone, bit for bit.
 inline Vector any_normal(const Vector& n) {
   const Vector axis = std::abs(n.x) < 0.6 ? Vector{1, 0, 0} : (std::abs(n.y) < 0.6 ? Vector{0, 1, 0} : Vector{0, 0, 1});
   return normalized(axis - dot(axis, n) * n);
@@ -66,7 +66,7 @@ inline Matrix operator-(const Matrix& a, const Matrix& b) {
   return {{a.row[0] - b.row[0], a.row[1] - b.row[1], a.row[2] - b.row[2]}};
 }
 inline Matrix transposed(const Matrix& m) { return {{m.column(0), m.column(1), m.column(2)}}; }
-// transposed(m) * v without building the transpose
+// transposed(m) * v without the transpose.
 inline Vector transposed_times(const Matrix& m, const Vector& v) {
   return v.x * m.row[0] + v.y * m.row[1] + v.z * m.row[2];
 }

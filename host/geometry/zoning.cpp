@@ -21,7 +21,7 @@ int face_of_triangle(const ConvexPolyhedron& shape, const Vector& a, const Vecto
   return -1;
 }
 
-// Seen from outside, counter-clockwise.
+// Triangles of a zone, counter-clockwise seen from outside.
 std::array<std::array<int, 3>, 4> triangles_of(const std::array<int, 4>& zone) {
   return {{{zone[0], zone[2], zone[1]},
            {zone[0], zone[1], zone[3]},
@@ -39,7 +39,7 @@ double volume_of(const std::vector<Vector>& nodes, const std::array<int, 4>& t) 
   return dot(nodes[size_t(t[1])] - o, cross(nodes[size_t(t[2])] - o, nodes[size_t(t[3])] - o)) / 6;
 }
 
-// Surface triangles are the zone faces that no second zone shares; `stray` says what one inside the shape means.
+// Finds surface triangles: faces of only one zone. stray: message for one that lies inside the shape.
 void finish(const ConvexPolyhedron& shape, const std::string& name, Zoning& m,
             const char* stray = "zoning failed: a surface triangle lies on no face") {
   const double size = longest_extent(shape.vertices);
@@ -75,7 +75,7 @@ void finish(const ConvexPolyhedron& shape, const std::string& name, Zoning& m,
   }
 }
 
-// Every zone into 8: the corners, and the inner octahedron along its shortest diagonal.
+// Divides every zone into 8: four at the corners, and four of the inner octahedron along its shortest diagonal.
 void refine(Zoning& m) {
   std::map<std::pair<int, int>, int> middle;
   auto mid = [&](int a, int b) {
@@ -114,9 +114,9 @@ double longest_edge_of(const Zoning& m) {
   return longest;
 }
 
-// Halves edges longer than `bound` (m), the longest first, in all zones around them. Short edges stay, where refine()
-// would halve them too, and with them the time step. The division of a face depends on its own edges alone; of equal
-// ones that with the lower middle comes first. So blocks that share a face have the same triangles there.
+// Halves edges longer than `bound` (m), the longest first, in all zones around them. Short edges are not divided,
+// unlike by refine(), which keeps the time step. The division of a face depends on its own edges alone; of equal edges
+// the one with the lower midpoint comes first. So blocks that share a face have the same triangles there.
 class Bisection {
  public:
   Bisection(Zoning& m, double bound) : m_(m), bound_(bound) {
@@ -133,7 +133,7 @@ class Bisection {
 
  private:
   using Edge = std::pair<int, int>;
-  // Length to a millionth, longest first, then the middle: x, y, z to a millionth.
+  // Length to a millionth, longest first, then the midpoint: x, y, z to a millionth.
   using Rank = std::array<long, 4>;
 
   Rank rank_of(const Edge& e) const {
@@ -295,7 +295,7 @@ Zoning make_brick_zones(const ConvexPolyhedron& shape, std::array<int, 3> n, int
       for (int i = 0; i < n[0]; ++i) {
         int c[8];
         for (int b = 0; b < 8; ++b) c[b] = at(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2));
-        if ((i + j + k + parity) % 2 == 0) {  // four corners cut off, one inner tetrahedron
+        if ((i + j + k + parity) % 2 == 0) {  // four corners and one inner tetrahedron
           m.zones.insert(m.zones.end(), {{c[0], c[1], c[2], c[4]},
                                          {c[3], c[2], c[1], c[7]},
                                          {c[5], c[4], c[7], c[1]},
@@ -341,7 +341,7 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
     for (size_t i = 0; i < face.size(); ++i) m.zones.push_back({centre, middle, face[i], face[(i + 1) % face.size()]});
   }
   const double bound = 1.5 * target_edge;
-  while (longest_edge_of(m) > 8 * bound) refine(m);  // fine zones are slow to halve one by one
+  while (longest_edge_of(m) > 8 * bound) refine(m);  // halving fine zones one by one is slow
   Bisection(m, bound).run();
   finish(shape, name, m);
   return m;
@@ -353,17 +353,17 @@ namespace {
   throw Error(Exit::bad_input, fmt::format("block {}: {}", name, what));
 }
 
-// A triangle in the order of its first tetrahedron, and the two that have it; -1: one alone.
+// A triangle in the orientation of its first tetrahedron, and its two tetrahedra; second -1: it has only one.
 struct Owners {
   std::array<int, 3> triangle;
   int first, second = -1;
 };
 using Triangles = std::map<std::array<int, 3>, Owners>;
 
-// Returns the volume. number: of the tetrahedron, in messages.
+// Checks a tetrahedron and returns its volume. number: that of the tetrahedron, for messages.
 double sound_volume(const std::vector<Vector>& points, const std::array<int, 4>& t, int number,
                     const std::string& name) {
-  constexpr double kFlat = 1e-6;  // volume, of the longest edge's cube
+  constexpr double kFlat = 1e-6;  // least volume over the cube of the longest edge
   const int count = int(points.size());
   double longest = 0.0;
   for (size_t i = 0; i < t.size(); ++i) {
@@ -401,7 +401,7 @@ void add_triangle(const std::array<int, 3>& f, int tetrahedron, const std::vecto
                           tetrahedron, place(points[size_t(f[0])])));
 }
 
-// Corners of triangles that one tetrahedron has alone.
+// Corners of triangles that belong to only one tetrahedron.
 std::vector<Vector> skin_of(const std::vector<Vector>& points, const Triangles& triangles) {
   std::vector<bool> outside(points.size(), false);
   for (const auto& [key, o] : triangles) {
@@ -414,7 +414,7 @@ std::vector<Vector> skin_of(const std::vector<Vector>& points, const Triangles& 
   return skin;
 }
 
-// The corners of the shape first, as all zonings have them.
+// Zoning with the corners of the shape first, as in all zonings.
 Zoning numbered(const ConvexPolyhedron& shape, const std::vector<Vector>& points,
                 const std::vector<std::array<int, 4>>& tetrahedra) {
   std::map<std::array<double, 3>, int> number;

@@ -1,4 +1,4 @@
-// What a law says of contact points as they stand: an evaluation that moves nothing.
+// Evaluation of a law for contact points at rest, with jumps unchanged.
 #pragma once
 
 #include <array>
@@ -10,21 +10,21 @@
 
 namespace quoin {
 
-// Some points of one material; borrowed.
+// Contact points of one material; columns are owned by the caller.
 struct RestingPoints {
   std::size_t count = 0;
   const double* normal_jump = nullptr;              // m
   std::array<const double*, 3> traction{};          // Pa
   std::vector<const double*> state;                 // in the order of the law
-  std::vector<quoin_property_column> properties{};  // that scatter
+  std::vector<quoin_property_column> properties{};  // properties that scatter
 };
 
-// ask: gives the batch the columns that the law is to fill beside tractions and states, which are thrown away.
+// ask: adds output columns to the batch; tractions and states of the evaluation are discarded.
 void evaluate_at_rest(const Material& material, const RestingPoints& points,
                       const std::function<void(quoin_batch&)>& ask);
 
-// Whether a point in this initial state answers a little opening with tension: one that is bonded, or elastic. False of
-// a state that the law does not know.
+// Whether a small opening gives tension in this initial state, as for a bonded or elastic point. False for a state that
+// the law does not have.
 bool carries_tension(const Material& material, const std::string& initial_state);
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// Small tables of numbers in CSV: read with the place of every fault.
+// Small tables of numbers in CSV; errors have the place in the file.
 #pragma once
 
 #include <string>
@@ -10,17 +10,17 @@ struct CsvTable {
   std::string file;
   std::vector<std::string> columns;
   std::vector<std::vector<double>> rows;  // rows[i][column]
-  std::vector<int> lines;                 // line of the file of each row
+  std::vector<int> lines;                 // line number in the file, by row
 
   int column(const std::string& name) const;  // -1: none
 };
 
-// The first line names the columns; '#' begins a comment line; blank lines are skipped. Throws Error(bad_input) with
-// file, line and value for a missing file, or a number that is none or not finite. So it does for a row of another
-// length, a column twice, or no row.
+// Reads a table. The first line has the names of columns; '#' begins a comment line; blank lines are skipped. Throws
+// Error(bad_input) with file, line and value for a missing file, and for a number that is malformed or not finite. It
+// also throws for a row of wrong length, a repeated column, or no row.
 CsvTable read_csv(const std::string& file);
 
-// Shortest decimal that reads back as the same double would be unreadable in columns: 17 significant digits.
+// 17 significant digits, which read back as the same double; shortest decimals would not align in columns.
 std::string full_precision(double value);
 
 }  // namespace quoin

@@ -25,7 +25,7 @@ std::string missing_of_elf(const std::string& bytes) {
   const int order = std::endian::native == std::endian::little ? ELFDATA2LSB : ELFDATA2MSB;
   if (head.e_ident[EI_CLASS] != word || head.e_ident[EI_DATA] != order) return "";
 
-  // Sums cannot overflow: numbers beyond the file are checked before they are added.
+  // Sums cannot overflow: numbers beyond the file's size are compared before they are added.
   const std::uint64_t size = bytes.size();
   const auto end_of = [&](std::uint64_t from, std::uint64_t length) {
     return from > size || length > size - from ? std::max(from, length) + std::min(from, length) : 0;
@@ -37,7 +37,7 @@ std::string missing_of_elf(const std::string& bytes) {
     std::memcpy(&part, bytes.data() + head.e_phoff + static_cast<std::size_t>(i) * sizeof part, sizeof part);
     if (const auto end = end_of(part.p_offset, part.p_filesz)) return too_short(end);
   }
-  // The table of sections, which nothing loads, is the end of the file as linkers write it.
+  // The section table, which the loader ignores, is the end of the files that linkers write.
   if (const auto end = end_of(head.e_shoff, std::uint64_t{head.e_shnum} * head.e_shentsize)) return too_short(end);
   return "";
 }

@@ -1,13 +1,12 @@
-// Shared libraries as files: whether all of one is there. The loader maps what the head of the file promises, and ends
-// the program where the file is shorter.
+// Completeness of shared libraries. The loader maps the sizes in a file's header, and a shorter file ends the program.
 #pragma once
 
 #include <string>
 
 namespace quoin {
 
-// What is missing from the bytes of an ELF file of this machine's kind. Empty: nothing, or it is another file, whose
-// fault the loader reports.
+// The missing part of the bytes of an ELF file of this machine's kind. Empty for complete files, and for other files,
+// whose error the loader reports.
 std::string missing_of_elf(const std::string& bytes);
 
 }  // namespace quoin

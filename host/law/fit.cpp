@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kKindNames[] = {"couplet", "triplet", "prism"};
 
-// A curve that cannot be run (the law refuses the properties, or cannot carry the stress) has no residual.
+// Residuals; none for a curve that cannot run, as the law refuses the properties or cannot carry the stress.
 using Residuals = std::optional<Eigen::VectorXd>;
 
 double trapezoid(const std::vector<double>& x, const std::vector<double>& y) {
@@ -32,7 +32,8 @@ double trapezoid(const std::vector<double>& x, const std::vector<double>& y) {
 
 double largest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
 
-// Quantile 0.975 of Student's t (Cornish-Fisher about the normal one; better than 1 % from 3 degrees of freedom on).
+// Quantile 0.975 of Student's t (Cornish-Fisher about the normal quantile; better than 1 % from 3 degrees of freedom
+// on).
 double student(double freedom) {
   constexpr double z = 1.959963984540054;
   const double z3 = z * z * z, z5 = z3 * z * z;
@@ -56,12 +57,12 @@ class Fit {
     const int unknowns = static_cast<int>(ids_.size());
     if (rows <= unknowns) throw Error(Exit::bad_input, fmt::format("fit: {} rows for {} unknowns", rows, unknowns));
 
-    // Equal relative noise first, then each curve by the noise that its own residuals show.
+    // Weights assume equal relative noise first, then the noise of each curve's own residuals.
     for (std::size_t k = 0; k < curves_.size(); ++k) weights_[k] = 1.0 / peak(curves_[k]);
     minimise();
     noise();
     for (std::size_t k = 0; k < curves_.size(); ++k) {
-      // A curve that the law meets exactly must not outweigh all others without bound.
+      // The bound keeps a curve without residuals from outweighing all others.
       weights_[k] = 1.0 / std::max(noise_[k], 1e-6 * peak(curves_[k]));
     }
     minimise();
@@ -100,7 +101,7 @@ class Fit {
     return is_angle(id) ? std::atan(std::exp(log)) * 180.0 / std::numbers::pi : std::exp(log);
   }
 
-  // Start values by hand calculation from the curves: peaks, areas, and the line through the peaks of the triplets.
+  // Start values by estimates from the curves: peaks, areas, and the line through the peaks of the triplets.
   void guess() {
     const double kn = number("normal_stiffness", 0.0), ks = number("shear_stiffness", 0.0);
     if (!(kn > 0.0) || !(ks > 0.0)) {
@@ -185,8 +186,7 @@ class Fit {
     const auto all = settings(logs);
     std::vector<std::vector<double>> result;
     for (const MeasuredCurve& curve : curves_) {
-      // Each curve by itself, and what the other tests find out of its way: a triplet at the pressure that the test
-      // held.
+      // Each curve has only the properties that its own test determines. A triplet runs at the pressure of its test.
       std::vector<PropertySetting> own = all;
       if (curve.kind != TestKind::prism) {
         std::erase_if(own, [&](const PropertySetting& s) {
@@ -227,7 +227,7 @@ class Fit {
   }
 
   Eigen::MatrixXd jacobian(const Eigen::VectorXd& logs, const Eigen::VectorXd& here) const {
-    constexpr double kStep = 1e-4;  // step of the logarithm: wide enough to average over single rows near a peak
+    constexpr double kStep = 1e-4;  // step of the logarithm, wide enough to average over single rows near a peak
     Eigen::MatrixXd result(here.size(), logs.size());
     for (Eigen::Index j = 0; j < logs.size(); ++j) {
       Eigen::VectorXd up = logs, down = logs;
@@ -235,7 +235,7 @@ class Fit {
       const Residuals above = residuals(up), below = residuals(down);
       if (above && below) {
         result.col(j) = (*above - *below) / (2 * kStep);
-      } else if (above) {  // at the edge of what the law admits
+      } else if (above) {  // at the bound of what the law admits
         result.col(j) = (*above - here) / kStep;
       } else if (below) {
         result.col(j) = (here - *below) / kStep;
@@ -267,7 +267,7 @@ class Fit {
         damped.diagonal() += damping * (normal.diagonal().array() + 1e-12 * normal.diagonal().maxCoeff()).matrix();
         Eigen::VectorXd step = -damped.ldlt().solve(gradient);
         const double size = step.cwiseAbs().maxCoeff();
-        if (size > 0.5) step *= 0.5 / size;  // a factor of 1.65 at a time
+        if (size > 0.5) step *= 0.5 / size;  // a factor of 1.65 at most
         const Eigen::VectorXd next = logs_ + step;
         const Residuals there = residuals(next);
         if (there && there->squaredNorm() < cost) {
@@ -384,7 +384,7 @@ MeasuredCurve read_curve(TestKind kind, const std::string& file) {
 FitResult fit_properties(const Law& law, const std::vector<MeasuredCurve>& curves,
                          const std::vector<PropertySetting>& given) {
   if (curves.empty()) throw Error(Exit::bad_input, "fit: no curve was given");
-  // Modes that no curve shows have no strength drop, unless given: they need no fracture energy.
+  // Modes without a curve have no strength drop, unless given: they need no fracture energy.
   return Fit(law, curves, given).run();
 }
 

@@ -1,4 +1,4 @@
-// Identification of a law's properties from measured curves of couplets, triplets and prisms: least squares on the law
+// Identification of a law's properties from measured curves of couplets, triplets and prisms. Least squares on the law
 // itself, with confidence intervals.
 #pragma once
 
@@ -12,9 +12,8 @@ namespace quoin {
 
 enum class TestKind {
   couplet,  // columns dn, sigma: opening, m, and tensile stress, Pa
-  triplet,  // columns ds, tau, sigma: sliding, m, shear stress, Pa, and the normal stress held meanwhile (compression <
-            // 0)
-  prism     // columns dn, sigma: closing of the joint, m (< 0), and its stress, Pa (< 0)
+  triplet,  // columns ds, tau, sigma: slip, m, shear stress and constant normal stress, Pa
+  prism     // columns dn, sigma: closing of the joint, m (< 0), and stress, Pa (< 0)
 };
 
 struct MeasuredCurve {
@@ -25,33 +24,33 @@ struct MeasuredCurve {
   std::vector<double> normal;  // triplet: sigma
 };
 
-// Throws Error(bad_input) with file, line and value.
+// Reads a curve. Throws Error(bad_input) with file, line and value.
 MeasuredCurve read_curve(TestKind kind, const std::string& file);
 
 struct FittedProperty {
   std::string id, symbol, unit;
   double value = 0.0;
-  double low = 0.0, high = 0.0;  // 95 % confidence
+  double low = 0.0, high = 0.0;  // bounds of the 95 % confidence interval
 };
 
 struct FitResult {
   std::vector<FittedProperty> properties;
   std::vector<std::vector<double>> model;  // stress of the fitted law, by curve and row
-  std::vector<double> noise;               // standard deviation of measured less fitted, by curve, Pa
+  std::vector<double> noise;               // standard deviation of the residuals, by curve, Pa
   int iterations = 0;
-  std::vector<PropertySetting> settings;  // given and fitted, ready to make the material
+  std::vector<PropertySetting> settings;  // given and fitted properties, as settings of a material
 };
 
 // Fits the properties that the curves determine. Couplets give tensile_strength and fracture_energy_tension, prisms
-// compressive_strength and fracture_energy_compression. Triplets give cohesion, fracture_energy_shear and
-// friction_angle, this one with two confinements at least, or curves that reach their residual. given: all others, the
-// stiffnesses at least. A property that is given is not fitted. Levenberg-Marquardt in the logarithm of each property
-// (of tan for the angle), curves weighted by their own noise. Throws Error(bad_input): curves that determine nothing;
-// Error(numerical): no convergence.
+// compressive_strength and fracture_energy_compression. Triplets give cohesion and fracture_energy_shear. They give
+// friction_angle with at least two confinements, or with curves that reach their residual stress. given: values of all
+// other properties, at least the stiffnesses; given properties are not fitted. The method is Levenberg-Marquardt in the
+// logarithm of each property (of tan for the angle), with curves weighted by their own noise. Throws Error(bad_input)
+// for curves that determine nothing, Error(numerical) without convergence.
 FitResult fit_properties(const Law& law, const std::vector<MeasuredCurve>& curves,
                          const std::vector<PropertySetting>& given);
 
-// Measured and fitted curves side by side, FOLDER/fit.png; returns the picture's name.
+// Plots measured and fitted curves side by side to FOLDER/fit.png; returns the file's name.
 std::string plot_fit(const std::vector<MeasuredCurve>& curves, const FitResult& result, const std::string& folder);
 
 }  // namespace quoin

@@ -73,7 +73,7 @@ class Parser {
   explicit Parser(const std::string& text) : text_(text) {}
 
   NodePointer whole() {
-    // Long sums are deep trees, too.
+    // Long sums are deep trees too.
     if (text_.size() > kLongest)
       throw std::invalid_argument(
           fmt::format("formula '{}...': {} characters; at most {}", text_.substr(0, 40), text_.size(), kLongest));
@@ -100,7 +100,7 @@ class Parser {
   static NodePointer call(std::string name, std::vector<NodePointer> arguments) {
     return std::make_shared<Node>(Node{Node::Kind::call, 0.0, std::move(name), std::move(arguments)});
   }
-  // Parentheses, signs and powers within each other. Beyond, a formula is a slip, and the stack has an end.
+  // Counts the nesting of parentheses, signs and powers. A deeper formula is an error, and would exhaust the stack.
   class Deeper {
    public:
     explicit Deeper(Parser& parser) : depth_(parser.depth_) {

@@ -1,4 +1,4 @@
-// Formulas of path files: closed forms written as text beside the expected answer, and evaluated.
+// Formulas of path files: closed forms as text, and their evaluation.
 #pragma once
 
 #include <map>
@@ -10,13 +10,13 @@ namespace quoin {
 using Variables = std::map<std::string, double>;
 
 // Numbers, names, + - * / ^, parentheses, < > <= >= (1 or 0), if(condition, a, b), and functions. These are sqrt exp
-// log sin cos tan atan atan2 abs min max hypot deg (degrees to radians); `pi` is known.
+// log sin cos tan atan atan2 abs min max hypot deg (degrees to radians). `pi` is a constant.
 class Formula {
  public:
   Formula() = default;
-  // Throws std::invalid_argument saying what is wrong and where.
+  // Throws std::invalid_argument with the error and its place.
   explicit Formula(const std::string& text);
-  // Throws std::invalid_argument for a name that is not among the variables.
+  // Value of the formula. Throws std::invalid_argument for a name that is not among the variables.
   double operator()(const Variables& variables) const;
   bool uses(const std::string& name) const;
   const std::string& text() const { return text_; }

@@ -36,7 +36,7 @@ LawWatchdog::LawWatchdog(double seconds, Overdue overdue) {
   if (seconds <= 0.0) return;
   try {
     thread_ = std::thread([this, seconds, overdue = std::move(overdue)] { watch(seconds, overdue); });
-  } catch (const std::system_error&) {  // no thread can be started: there is no watch
+  } catch (const std::system_error&) {  // without threads there is no watch
   }
 }
 

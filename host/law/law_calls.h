@@ -1,4 +1,4 @@
-// Laws that are being evaluated at this moment, by thread: so that one that never returns can be named.
+// Calls of laws in progress, by thread: so that a message can name a law that never returns.
 #pragma once
 
 #include <array>
@@ -14,18 +14,18 @@ namespace quoin {
 
 class Material;
 
-// What a thread is doing. Two plain stores a call: no clock is read.
+// The law call of a thread. A call costs two plain stores; no clock is read.
 struct alignas(64) LawCallSlot {
-  std::atomic<const Material*> material{nullptr};  // null: in no law
+  std::atomic<const Material*> material{nullptr};  // null: no law is called
   std::atomic<const quoin_batch*> batch{nullptr};
   std::atomic<unsigned long> calls{0};
   std::atomic<bool> taken{false};
 };
-inline constexpr std::size_t kLawCallSlots = 512;  // threads; more are not watched
+inline constexpr std::size_t kLawCallSlots = 512;  // number of threads; further threads are not watched
 extern std::array<LawCallSlot, kLawCallSlots> law_call_slots;
-LawCallSlot* slot_of_this_thread();  // null: there is none left
+LawCallSlot* slot_of_this_thread();  // null: no slot is left
 
-// A call while this lives.
+// Registers a call for the lifetime of the object.
 class LawCallNote {
  public:
   LawCallNote(const Material* material, const quoin_batch* batch) : slot_(slot_of_this_thread()) {
@@ -45,8 +45,8 @@ class LawCallNote {
   LawCallSlot* slot_;
 };
 
-// Calls `overdue`, from a thread of its own, when one call has lasted for so many seconds (0: never). It is expected to
-// end the program: a thread inside a law cannot be taken out of it.
+// Calls `overdue`, from a thread of its own, when one call has lasted this many seconds (0: never). `overdue` should
+// end the program: a thread cannot be taken out of a law.
 class LawWatchdog {
  public:
   using Overdue = std::function<void(const Material&, const quoin_batch&)>;
@@ -62,6 +62,6 @@ class LawWatchdog {
   bool ended_ = false;
   std::thread thread_;
 };
-inline constexpr double kLawSeconds = 60.0;  // for one batch, which takes microseconds
+inline constexpr double kLawSeconds = 60.0;  // for one batch, whose evaluation takes microseconds
 
 }  // namespace quoin

@@ -51,7 +51,7 @@ std::vector<fs::path>& added_folders() {
   return folders;
 }
 
-// Folders that hold laws, in the order in which they are searched.
+// Folders of laws, in the order of the search.
 std::vector<fs::path> search_folders() {
   std::vector<fs::path> folders;
   if (const char* variable = std::getenv("QUOIN_LAW_PATH")) {
@@ -116,8 +116,8 @@ std::string resolve(const std::string& name_or_path) {
                      did_you_mean(name_or_path, known), fmt::join(tried, "\n  "), remedy));
 }
 
-// The bytes in memory, as a file for the loader; -1: this machine makes none. Who overwrites the law meanwhile does not
-// pull its code from under the run. A rebuilt law is another file (dlopen identifies files by their inodes).
+// Copy of the bytes in memory, as a file for the loader; -1 where the system makes none. So overwriting the file does
+// not change code in use. A rebuilt law is another file (dlopen identifies files by their inodes).
 int copy_in_memory(const std::string& bytes) {
   const int copy = memfd_create("law", MFD_CLOEXEC);
   for (std::size_t done = 0; copy >= 0 && done < bytes.size();) {
@@ -134,7 +134,7 @@ int copy_in_memory(const std::string& bytes) {
 
 std::string name_of(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
 
-// The loader's own words, less the file name that dlerror puts in front of them.
+// Message of the loader, without the file name that dlerror puts in front.
 std::string loader_reason(const std::string& path) {
   const char* words = dlerror();
   std::string reason = words == nullptr ? "unknown reason" : words;
@@ -147,7 +147,7 @@ std::string loader_reason(const std::string& path) {
 std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_path) {
   static std::mutex one_at_a_time;
   static std::map<std::string, std::weak_ptr<const LawLibrary>> loaded;  // by path and bytes
-  static std::set<std::string> tried;                                    // the same: came back when they were loaded
+  static std::set<std::string> tried;                                    // by path and bytes: trial loads that returned
   const std::lock_guard guard(one_at_a_time);
   const std::string path = resolve(name_or_path);
   const std::string failed = fmt::format("law '{}' could not be loaded from {}: ", name_or_path, path);
@@ -180,11 +180,12 @@ std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_pa
 }
 
 void LawLibrary::open(const std::string& bytes, const std::string& failed) {
-  // RTLD_LOCAL: two laws may share symbol names. RTLD_NOW: a missing symbol shows here, not in the middle of a run.
+  // RTLD_LOCAL: two laws may share symbol names. RTLD_NOW: a missing symbol is an error at load, not in the middle of a
+  // run.
   constexpr int kMode = RTLD_NOW | RTLD_LOCAL;
   if (std::getenv("QUOIN_LAW_IN_PLACE") == nullptr) copy_ = copy_in_memory(bytes);
   if (copy_ >= 0) handle_ = dlopen(name_of(copy_).c_str(), kMode);
-  // A law may need files beside it, and a machine may run no code from memory.
+  // A law may need files beside it, and a system may refuse to run code from memory.
   if (handle_ == nullptr) handle_ = dlopen(path_.c_str(), kMode);
   if (handle_ == nullptr) {
     refuse(fmt::format("{}the dynamic loader says: {}; give a shared library built for this machine", failed,
@@ -241,7 +242,7 @@ LawLibrary::~LawLibrary() {
   forget_law(entry_);
   dlclose(handle_);
   if (copy_ < 0) return;
-  // The loader identifies libraries by their names, too: one that it keeps must keep its name.
+  // The loader identifies libraries by their names too: the name of a library that it keeps loaded must stay in use.
   void* const kept = dlopen(name_of(copy_).c_str(), RTLD_NOW | RTLD_NOLOAD);
   if (kept != nullptr) dlclose(kept);
   if (kept == nullptr) close(copy_);
@@ -276,7 +277,7 @@ int Law::state_index(const std::string& id) const {
 
 namespace {
 
-// True when the line names the id as a whole word: cohesion is not named by cohesion_residual.
+// Whether the line has the id as a whole word: "cohesion_residual" does not match cohesion.
 bool names(const std::string& line, const std::string& id) {
   const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
   for (std::size_t at = line.find(id); at != std::string::npos; at = line.find(id, at + 1)) {
@@ -286,7 +287,7 @@ bool names(const std::string& line, const std::string& id) {
   return false;
 }
 
-// Every line of a law's text, as a terminal may show it, behind the places where the properties that it names were set.
+// Lines of a law's text, printable, each preceded by the sources of the properties that it names.
 std::string with_sources(const std::string& words, const std::vector<const PropertySetting*>& settings) {
   const std::string text = printable(words);
   std::string result;
@@ -307,7 +308,7 @@ std::string with_sources(const std::string& words, const std::vector<const Prope
   return result;
 }
 
-// A later setting of an id replaces an earlier one: --set over the scene.
+// A later setting of an id replaces an earlier one: --set replaces the scene's.
 std::vector<const PropertySetting*> in_force(const std::vector<PropertySetting>& settings) {
   std::vector<const PropertySetting*> used;
   for (const PropertySetting& setting : settings) {

@@ -1,4 +1,4 @@
-// Contact laws in the host: C++ ownership around the C ABI of plugin_api.
+// Contact laws in the host: C++ ownership of the C interface in plugin_api.
 #pragma once
 
 #include <memory>
@@ -12,14 +12,15 @@ namespace quoin {
 
 class LawProcess;
 
-// A loaded library; unloaded with its last owner. Laws and materials keep their library alive.
+// A loaded library; unloaded with its last owner. Laws and materials own their library.
 class LawLibrary {
  public:
-  // name_or_path: a path (contains '/') or the name of a law. NAME.so is searched in $QUOIN_LAW_PATH (colon separated),
-  // laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) naming what was tried and the reason:
-  // missing file, not a shared library, not all of one, no quoin_library_v1, other ABI version. The library runs from a
-  // copy in memory, made again where the file has changed since the last load. What happens to the file later has no
-  // effect. With $QUOIN_LAW_IN_PLACE set it runs from its file, as debuggers and profilers need it.
+  // Loads a library. name_or_path: a path (contains '/') or the name of a law. NAME.so is searched in $QUOIN_LAW_PATH
+  // (colon separated), laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) with the paths tried
+  // and the reason. Reasons are a missing or incomplete file, a file that is no shared library, no quoin_library_v1,
+  // and another ABI version. The library runs from a copy in memory, which is made again if the file has changed since
+  // the last load. Later changes of the file have no effect. With $QUOIN_LAW_IN_PLACE set it runs from its file, as
+  // debuggers and profilers require.
   static std::shared_ptr<const LawLibrary> load(const std::string& name_or_path);
   ~LawLibrary();
   LawLibrary(const LawLibrary&) = delete;
@@ -32,7 +33,7 @@ class LawLibrary {
   LawLibrary() = default;
   void open(const std::string& bytes, const std::string& failed);
   void* handle_ = nullptr;
-  const void* entry_ = nullptr;  // in the library's code
+  const void* entry_ = nullptr;  // address in the library's code
   int copy_ = -1;                // descriptor of the copy; -1: none
   const quoin_library* library_ = nullptr;
   std::string path_;
@@ -43,25 +44,25 @@ struct Law {
   std::shared_ptr<const LawLibrary> library;
   const quoin_law* law = nullptr;
 
-  // The law whose id is requested by a bare name, or the only / first law of a library given by path.
+  // The law of a bare name; for a path, the only or first law of its library.
   static Law find(const std::string& name_or_path);
-  int state_index(const std::string& id) const;  // -1: the law has no such state
+  int state_index(const std::string& id) const;  // -1: none
 };
 
-// An immutable material: thread-safe, freely shared.
+// An immutable, thread-safe material.
 class Material {
  public:
-  // Throws Error(law_refused) with the law's own message (every fault) behind the source of the offending key when
+  // Throws Error(law_refused) with the law's message (all its errors), preceded by the source of each wrong key if
   // known.
   Material(Law law, const std::vector<PropertySetting>& settings);
   const Law& law() const { return law_; }
   const quoin_law& api() const { return *law_.law; }
   const quoin_material* handle() const { return material_.handle(); }
   const std::string& warnings() const { return warnings_; }
-  // As the law's own function. The call is noted, so that one that never returns can be named (law_calls.h). It is made
-  // in a process of its own after isolate_laws(). Thread-safe.
+  // Calls the law's function. The call is registered, so that a message can name a law that never returns
+  // (law_calls.h). After isolate_laws() it runs in a separate process. Thread-safe.
   quoin_status evaluate(quoin_batch* batch) const;
-  std::string fault() const;  // how the law's process has ended; empty: it lives, or there is none
+  std::string fault() const;  // how the law's process ended; empty: it runs, or there is none
   const LawProcess* process() const { return process_.get(); }  // null: none
   double number(const std::string& property_id) const;
   std::vector<double> initial_state(const std::string& id) const;  // throws Error(bad_input): unknown initial state
@@ -74,21 +75,22 @@ class Material {
   std::shared_ptr<LawProcess> process_;
 };
 
-// Whether laws are evaluated in processes of their own.
+// Settings of laws in separate processes.
 struct LawIsolation {
-  int threads = 0;       // that evaluate at once; 0: laws are evaluated in this process
-  double seconds = 0.0;  // that a batch has; 0: any time
+  int threads = 0;       // number of threads that evaluate at once; 0: laws are evaluated in this process
+  double seconds = 0.0;  // time limit of a batch; 0: none
 };
-// For the materials that this thread makes from now on; what was said before.
+// Sets the isolation of materials that this thread makes from now on; returns the previous setting.
 LawIsolation isolate_laws(const LawIsolation& wanted);
 
-// Texts of a law may be null.
+// Text of a law, which may be null.
 inline const char* law_text(const char* text) { return text == nullptr ? "" : text; }
 
-// One more folder where laws are searched by name, before those beside the program: for what is no program itself.
+// Adds a folder in which laws are searched by name, before the folders beside the program. For other programs, such as
+// tests.
 void add_law_folder(const std::string& folder);
 
-// Laws in the search path, by name, for `quoin models`.
+// Names of the laws in the search path, for `quoin models`.
 std::vector<std::string> installed_laws();
 
 }  // namespace quoin

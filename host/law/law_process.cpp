@@ -33,15 +33,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr std::size_t kPoints = 1024;  // largest piece of a batch: chunks of the host are smaller
-constexpr long kSpins = 400;           // polls before a process sleeps, where there are processors for both
+constexpr std::size_t kPoints = 1024;  // largest piece of a batch; chunks of the host are smaller
+constexpr long kSpins = 400;           // polls before a process sleeps, if there are processors for both
 
 enum : std::uint32_t { kIdle, kAsked, kAnswered };
 
-// Which optional columns a piece has, in this order.
+// Number of optional columns: stored energy, dissipation, 9 of the tangent, damage.
 constexpr std::size_t kOptional = 1 + QUOIN_DISSIPATED_COUNT + 9 + QUOIN_DAMAGE_COUNT;
 
-// A piece of a batch in shared memory; columns of kPoints doubles follow it.
+// A piece of a batch in shared memory; its columns of kPoints doubles follow.
 struct alignas(64) Lane {
   std::atomic<std::uint32_t> turn;
   std::atomic<std::uint32_t> taken;  // by a thread of the host
@@ -50,7 +50,7 @@ struct alignas(64) Lane {
   quoin_status answer;
   std::uint64_t clamped, failed;
   std::uint32_t worst, any_yielding;
-  double in_law;  // s, this piece
+  double in_law;  // time in the law for this piece, s
 };
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
 
@@ -82,7 +82,7 @@ struct Columns {
 std::size_t column_count(const quoin_law& law) { return 8 + kOptional + law.state_count + law.property_count; }
 std::size_t lane_bytes(const quoin_law& law) { return sizeof(Lane) + column_count(law) * kPoints * sizeof(double); }
 
-// The optional columns of a batch in the order of Lane::has_optional.
+// Visits the optional columns of a batch in the order of Lane::has_optional.
 template <class Batch, class Each>
 void each_optional(Batch& batch, const Each& each) {
   std::size_t k = 0;
@@ -96,7 +96,7 @@ void each_optional(Batch& batch, const Each& each) {
   }
 }
 
-// The law's own property of this id; property_count: none.
+// Index of the law's property with this id; property_count: none.
 std::size_t property_of(const quoin_law& law, const char* id) {
   std::size_t k = 0;
   while (k < law.property_count && id != law.properties[k]->id && std::strcmp(id, law.properties[k]->id) != 0) ++k;
@@ -114,7 +114,7 @@ void scatter(const Value* from, std::size_t first, std::size_t count, const To& 
 
 }  // namespace
 
-// One process of the law, of the process that has started it.
+// One process of the law, started by this process.
 struct LawProcess::Impl {
   Impl(const quoin_law& law_in, const quoin_material* material_in, std::string path_in, int threads, double seconds)
       : law(law_in),
@@ -132,7 +132,7 @@ struct LawProcess::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  // False in a fork of the process that started the process of the law.
+  // Whether this process started the law's process; false in a fork.
   bool is_ours() const { return owner == getpid(); }
   void start();
 
@@ -141,12 +141,12 @@ struct LawProcess::Impl {
   std::string path;
   int lanes;
   double limit;
-  bool spins;  // processes need not sleep: there are processors for all
+  bool spins;  // whether processes poll instead of sleeping, as there are processors for all
   unsigned char* memory = nullptr;
   std::size_t bytes = 0;
   const pid_t owner = getpid();
   pid_t child = -1;
-  mutable std::mutex mutex;  // guards what follows
+  mutable std::mutex mutex;  // guards the members below
   std::string fault;
   LawProcessTimes times;
   std::atomic<bool> ended{false};
@@ -165,10 +165,10 @@ struct LawProcess::Impl {
   [[noreturn]] void serve() {
     end_of_watch();
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(signal, SIG_DFL);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);  // the host's to obey
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);  // the host handles these
     std::vector<std::thread> threads;
     for (int i = 0; i < lanes; ++i) threads.emplace_back([this, i] { serve_lane(lane(i)); });
-    // A signal at the death of the parent would come with that of the thread which started us.
+    // PR_SET_PDEATHSIG would fire at the end of the thread that started this process, so it polls instead.
     while (getppid() == owner) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     _exit(0);
   }
@@ -222,11 +222,11 @@ struct LawProcess::Impl {
       for (int i = 0; i < lanes; ++i) {
         if (lane(i).taken.exchange(1, std::memory_order_acquire) == 0) return &lane(i);
       }
-      std::this_thread::yield();  // more threads than were announced
+      std::this_thread::yield();  // more threads than expected
     }
   }
 
-  // Whether the process still lives; notes how it ended otherwise.
+  // Whether the process still runs; else records how it ended.
   bool alive(const Clock::time_point& asked) {
     const std::lock_guard guard(mutex);
     if (ended) return false;
@@ -270,7 +270,7 @@ struct LawProcess::Impl {
     for (std::size_t k = 0; k < batch.property_column_count; ++k) {
       const quoin_property_column& column = batch.property_columns[k];
       const std::size_t p = column.id && column.values.data ? property_of(law, column.id) : law.property_count;
-      if (p == law.property_count) return QUOIN_ERROR_ARGUMENT;  // as the law says of one that it does not know
+      if (p == law.property_count) return QUOIN_ERROR_ARGUMENT;  // as the law does for an unknown property
       l.has_property[p] = 1;
       gather(column.values, first, count, c.property(law, p));
     }
@@ -318,7 +318,7 @@ void LawProcess::Impl::start() {
   if (shared == MAP_FAILED) refuse();
   memory = static_cast<unsigned char*>(shared);
   for (int i = 0; i < lanes; ++i) new (&lane(i)) Lane{};
-  std::fflush(nullptr);  // what is in buffers is written by one of the two
+  std::fflush(nullptr);  // else both processes would write the content of buffers
   child = fork();
   if (child == 0) serve();
   if (child < 0) {
@@ -342,7 +342,7 @@ LawProcess::LawProcess(const quoin_law& law, const quoin_material* material, std
 
 LawProcess::~LawProcess() = default;
 
-// The law's process belongs to the process that has started it; one that was forked from it starts its own.
+// A law's process belongs to the process that started it; a fork starts its own.
 LawProcess::Impl& LawProcess::ours() {
   if (Impl& s = *current_; s.is_ours() || s.ended) return s;
   const std::lock_guard guard(starting_);

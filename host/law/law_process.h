@@ -1,4 +1,4 @@
-// A material that is evaluated in a process of its own, through shared memory: its law's crash ends that process.
+// Evaluation of a material in a separate process through shared memory: a crash of its law ends only that process.
 #pragma once
 
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-// What that costs: the whole time of calls, and what of it the law had.
+// Cost of separate processes: total time of calls, and the law's part of it.
 struct LawProcessTimes {
   long batches = 0;
   double seconds = 0.0, in_law = 0.0;
@@ -19,23 +19,23 @@ struct LawProcessTimes {
 
 class LawProcess {
  public:
-  // threads: largest number of calls at once. seconds: for one batch, then the process is ended (0: any time). Throws
-  // Error(numerical) when the system starts no process.
+  // threads: largest number of calls at once. seconds: time limit of a batch, after which the process is killed (0:
+  // none). Throws Error(numerical) where the system cannot start a process.
   LawProcess(const quoin_law& law, const quoin_material* material, std::string path, int threads, double seconds);
   ~LawProcess();
   LawProcess(const LawProcess&) = delete;
   LawProcess& operator=(const LawProcess&) = delete;
 
-  // As the law's own function; QUOIN_ERROR_INTERNAL once the process has ended, and fault() says how. A process that
-  // was forked from ours starts a process of the law for itself here.
+  // Calls the law's function in the process. Returns QUOIN_ERROR_INTERNAL after the process has ended; fault() then has
+  // the reason. In a fork of our process, this starts another process of the law.
   quoin_status evaluate(quoin_batch* batch);
-  std::string fault() const;  // empty: the law is well
+  std::string fault() const;  // empty: the process runs
   LawProcessTimes times() const;
 
  private:
   struct Impl;
   Impl& ours();
-  // The last is that of this process, those before it of the processes that it was forked from.
+  // One per process that this one was forked from, then its own.
   std::vector<std::unique_ptr<Impl>> started_;
   std::atomic<Impl*> current_;
   std::mutex starting_;

@@ -26,7 +26,7 @@ namespace {
 constexpr char kCameBack = '+', kThrew = '!';
 
 [[noreturn]] void load_and_report(const std::function<void()>& load, int to) {
-  end_of_watch();  // the status says what happened
+  end_of_watch();  // the exit status reports the result
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(signal, SIG_DFL);
   const rlimit none{0, 0};
@@ -37,7 +37,7 @@ constexpr char kCameBack = '+', kThrew = '!';
   try {
     load();
   } catch (const Error&) {
-  } catch (const std::bad_alloc&) {  // memory may end in our code too
+  } catch (const std::bad_alloc&) {  // memory may run out in our code too
   } catch (...) {
     how = kThrew;
   }
@@ -46,7 +46,7 @@ constexpr char kCameBack = '+', kThrew = '!';
   _exit(how);
 }
 
-// What the process has written until it ended or closed `from`, 0: nothing; -1: not in time.
+// Byte that the process wrote before it ended or closed its end; 0: none; -1: time limit.
 int heard(int from, double seconds) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
@@ -55,7 +55,7 @@ int heard(int from, double seconds) {
     if (seconds > 0.0 && left <= 0.0) return -1;
     pollfd look{from, POLLIN, 0};
     const int ready = poll(&look, 1, seconds > 0.0 ? static_cast<int>(1e3 * left) + 1 : -1);
-    if (ready <= 0) continue;  // interrupted, or not yet
+    if (ready <= 0) continue;  // interrupted, or not ready
     char how = 0;
     const ssize_t count = read(from, &how, 1);
     if (count < 0 && errno == EINTR) continue;
@@ -66,7 +66,7 @@ int heard(int from, double seconds) {
 }  // namespace
 
 std::string fault_of_loading(const std::function<void()>& load, double seconds) {
-  std::fflush(nullptr);  // what is in buffers is written once
+  std::fflush(nullptr);  // else both processes would write the content of buffers
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return "";
   const pid_t child = fork();
@@ -75,7 +75,7 @@ std::string fault_of_loading(const std::function<void()>& load, double seconds) 
   const int how = child > 0 ? heard(ends[0], seconds) : kCameBack;
   close(ends[0]);
   if (child < 0) return "";
-  if (how != 0) kill(child, SIGKILL);  // it came back, and may linger: threads of its own
+  if (how != 0) kill(child, SIGKILL);  // it returned, but its own threads may keep it alive
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
@@ -87,7 +87,7 @@ std::string fault_of_loading(const std::function<void()>& load, double seconds) 
     return fmt::format("called exit({}) or _exit({})", WEXITSTATUS(status), WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
   for (const int from_outside : {SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGQUIT}) {
-    if (signal == from_outside) return "";  // no deed of the law
+    if (signal == from_outside) return "";  // not the law's fault
   }
   const char* const abbreviation = sigabbrev_np(signal);
   return fmt::format("{} (SIG{})", signal == SIGABRT ? "aborted, or threw what a law must not throw" : "crashed",

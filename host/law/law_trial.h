@@ -1,5 +1,4 @@
-// A law may crash, end the program past every handler, or never return when it is loaded. So a process of its own loads
-// it first.
+// Trial load of a law in a separate process. A law may crash, exit or never return while it is loaded.
 #pragma once
 
 #include <functional>
@@ -7,12 +6,12 @@
 
 namespace quoin {
 
-// What a law may take to be loaded, s, before it is refused; 0: any time.
+// Time limit for loading a law, s; 0: none.
 inline double law_loading_seconds = 10.0;
 
-// How `load` ended there: "crashed (SIGSEGV)", or empty where it came back. An Error there is empty, too: our own
-// process then meets it itself. seconds: that it may take (0: any time). Empty as well where the system starts no
-// process.
+// Error of `load` in the separate process: "crashed (SIGSEGV)", or empty where it returned. An Error thrown there gives
+// an empty text, as our own process then throws it too. seconds: time limit (0: none). Empty where the system cannot
+// start a process.
 std::string fault_of_loading(const std::function<void()>& load, double seconds);
 
 }  // namespace quoin

@@ -20,14 +20,14 @@ namespace quoin {
 
 namespace {
 
-// Handlers may only read what is there: no allocation, no lock.
+// Data for signal handlers, which must not allocate or lock.
 struct Known {
-  std::atomic<std::uintptr_t> begin{0}, end{0};  // range of the law's code; end 0: no law
+  std::atomic<std::uintptr_t> begin{0}, end{0};  // range of the law's code; end 0: unused
   std::array<char, 512> path{};
 };
 std::array<Known, 64> known;
 std::mutex writing;
-std::array<char, 512> loading{};  // path; empty: nothing is being loaded
+std::array<char, 512> loading{};  // path of the library being loaded; empty: none
 std::atomic<bool> watching{false};
 
 void keep_name(std::array<char, 512>& to, const std::string& path) {
@@ -54,7 +54,7 @@ int find_range(dl_phdr_info* info, std::size_t, void* to) {
   return 1;
 }
 
-// The law whose code is on the stack, the innermost; null: none.
+// Path of the innermost law on the stack; null: none.
 const char* law_on_stack() {
   std::array<void*, 256> frames{};
   const int count = backtrace(frames.data(), static_cast<int>(frames.size()));
@@ -73,7 +73,7 @@ void say(std::initializer_list<const char*> words) {
   }
 }
 
-// Says which law it was and ends the program; returns when it was none.
+// Prints which law is to blame and ends the program; returns if it was none.
 void blame_law(const char* deed) {
   if (loading[0] != '\0') {
     say({"quoin: law library ", loading.data(), " ", deed, " while it was loaded; tell its author\n"});
@@ -93,12 +93,12 @@ extern "C" void on_crash(int signal) {
                      : signal == SIGILL ? "crashed (SIGILL)"
                                         : "aborted, or threw what a law must not throw";
   blame_law(name);
-  // In a function of the C++ library that may throw nothing, as those that walk through folders: memory was missing.
+  // An exception in a function of the C++ library that must not throw, such as a directory iterator: memory ran out.
   if (signal == SIGABRT && std::uncaught_exceptions() > 0) {
     say({"quoin: out of memory; make the scene smaller\n"});
     _exit(static_cast<int>(Exit::numerical));
   }
-  std::signal(signal, SIG_DFL);  // our own fault: as without a watch
+  std::signal(signal, SIG_DFL);  // our own error: as without a watch
   raise(signal);
 }
 
@@ -114,7 +114,7 @@ extern "C" void on_exit_called() {
 void watch_laws() {
   std::array<void*, 1> loads_the_unwinder{};
   backtrace(loads_the_unwinder.data(), 1);
-  alignas(16) static std::array<char, 65536> stack;  // stack for handlers: the law may have used up the other
+  alignas(16) static std::array<char, 65536> stack;  // stack for handlers, as the law may have exhausted its own
   const stack_t own{stack.data(), 0, stack.size()};
   sigaltstack(&own, nullptr);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) {

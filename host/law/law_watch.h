@@ -1,18 +1,19 @@
-// Laws are code from outside, in this process. One that crashes, calls exit() or throws ends the program. This names
-// the law before, and gives such an end an exit code of failure.
+// Watch over laws, which are external code in this process. A law that crashes, calls exit() or throws ends the
+// program. The watch prints the name of the law first, and makes the exit code one of failure.
 #pragma once
 
 #include <string>
 
 namespace quoin {
 
-// From main, before any law is loaded: signals of crashes, exit() and std::terminate are watched from now on. What
-// already has a handler (a sanitizer's) keeps it.
+// Watches signals of crashes, exit() and std::terminate. main calls it before any law is loaded. Signals that already
+// have a handler (of a sanitizer) keep it.
 void watch_laws();
-// From main, at the end: the program may exit now.
+// Ends the watch, so that the program can exit. main calls it at the end.
 void end_of_watch() noexcept;
 
-// A library is being loaded while this lives: what ends the program then is its fault. Not nested.
+// Marks the load of a library for the lifetime of the object: it is then to blame for an end of the program. Not
+// nested.
 class WatchedLoading {
  public:
   explicit WatchedLoading(const std::string& path);
@@ -21,8 +22,8 @@ class WatchedLoading {
   WatchedLoading& operator=(const WatchedLoading&) = delete;
 };
 
-// Where the code of a loaded library is, by any address within it; until forget_law. Cheap; any number of libraries, of
-// which the first 64 are named.
+// Registers the code of a loaded library by any address in it, until forget_law. Messages name only the first 64
+// libraries.
 void note_law(const void* inside, const std::string& path);
 void forget_law(const void* inside);
 

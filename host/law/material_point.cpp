@@ -14,7 +14,7 @@ namespace quoin {
 namespace {
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
-// Normal stress control stops at this fraction of the stress (issue 3), or when d_n has no finer value to give.
+// Tolerance of normal stress control, as a fraction of the stress. It also ends when d_n cannot be any finer.
 constexpr double kStressTolerance = 1e-10;
 
 }  // namespace
@@ -112,14 +112,14 @@ const PointResult& MaterialPoint::press_to(double sigma, double ds, double dt) {
   const double dt_step = dt - now_.jump[2];
   const double stiffness = material_->stiffness_bounds().normal;
   double scale = std::max(std::abs(sigma), std::abs(now_.traction[0]));
-  if (scale == 0.0) scale = 1.0;  // Pa: from nothing to nothing
+  if (scale == 0.0) scale = 1.0;  // Pa: from zero to zero
   const double tolerance = kStressTolerance * (sigma != 0.0 ? std::abs(sigma) : scale);
 
   double dn = now_.jump[0];
   auto [stress, slope] = trial(dn, ds_step, dt_step);
   double low = dn, high = dn, low_stress = stress, high_stress = stress;  // sigma(low) <= target <= sigma(high)
 
-  // Newton first: it ends in a step or two wherever the law is piecewise smooth, and stays on the branch of the old
+  // Newton's method first: it converges in a step or two where the law is piecewise smooth, on the branch of the old
   // point.
   for (int i = 0; i < 20; ++i) {
     if (std::abs(stress - sigma) <= tolerance) return accept(dn, ds, dt);
@@ -133,7 +133,7 @@ const PointResult& MaterialPoint::press_to(double sigma, double ds, double dt) {
   }
   if (std::abs(stress - sigma) <= tolerance) return accept(dn, ds, dt);
 
-  // Bracket from the old point outwards along the rising branch, then halve with secants.
+  // Bracket from the old point outwards along the rising branch, then bisection with secants.
   dn = low;
   double reach = std::max(std::abs(sigma - low_stress) / stiffness, 1e-9 * scale / stiffness);
   const bool up = low_stress < sigma;
@@ -154,7 +154,7 @@ const PointResult& MaterialPoint::press_to(double sigma, double ds, double dt) {
     if (i % 2 == 1 || !(middle > low && middle < high)) middle = 0.5 * (low + high);
     stress = trial(middle, ds_step, dt_step)[0];
     if (std::abs(stress - sigma) <= tolerance || middle == low || middle == high) {
-      // d_n is as fine as it gets: the stress is then as close as kn times one unit in the last place of d_n.
+      // d_n cannot be finer: the stress is then within kn times one unit in the last place of d_n.
       if (std::abs(stress - sigma) > tolerance + 4.0 * stiffness * std::abs(middle) * 2.3e-16) break;
       return accept(middle, ds, dt);
     }

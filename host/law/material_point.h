@@ -1,4 +1,4 @@
-// One contact point under any law: the material-point laboratory behind `quoin path` and `quoin fit`.
+// One contact point under any law, for `quoin path` and `quoin fit`.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-// Everything that the law says of the point at the end of a step. Energies are not a number when the law gives none.
+// Output of the law for the point at the end of a step. Energies are not a number if the law computes none.
 struct PointResult {
   std::array<double, 3> jump{};      // d_n, d_s, d_t, totals, m
   std::array<double, 3> traction{};  // sigma, tau_s, tau_t, Pa
@@ -21,19 +21,21 @@ struct PointResult {
   double energy_stored = 0.0;              // J/m2
   std::array<double, 4> dissipated{};      // by mode, since the start of the path, J/m2
   std::array<double, 4> dissipated_now{};  // by mode, during the last step
-  double work = 0.0;                       // work of the traction on the jumps since the start, by trapezoids, J/m2
+  double work = 0.0;                       // work of the traction since the start of the path, trapezoidal rule, J/m2
 };
 
 class MaterialPoint {
  public:
-  // Throws Error(bad_input) for an initial state that the law does not know.
+  // Throws Error(bad_input) for an initial state that the law does not have.
   MaterialPoint(std::shared_ptr<const Material> material, const std::string& initial_state);
 
-  // Each returns the point at the end of one increment, and throws Error(numerical) when the law reports it as failed.
+  // Each returns the point at the end of one increment. Throws Error(numerical) when the law reports that the point
+  // failed.
   const PointResult& move_to(double dn, double ds, double dt);            // totals
-  const PointResult& move_by(double dn, double ds_step, double dt_step);  // d_n total, sliding increments
-  // Finds the d_n that gives this normal stress together with the sliding increment, to 1e-10 of the stress. Newton's
-  // method on the law's tangent, inside a bracket. Throws Error(numerical) when no d_n near the old one gives it.
+  const PointResult& move_by(double dn, double ds_step, double dt_step);  // total d_n, slip increments
+  // Finds the d_n that gives this normal stress together with the slip increment, to 1e-10 of the stress. It applies
+  // Newton's method with the law's tangent, inside a bracket. Throws Error(numerical) when no d_n near the old one
+  // gives the stress.
   const PointResult& press_to(double sigma, double ds, double dt);
 
   const PointResult& now() const { return now_; }
@@ -41,14 +43,14 @@ class MaterialPoint {
 
  private:
   const PointResult& accept(double dn, double ds, double dt);
-  // sigma and d sigma / d d_n (or not a number) at the end of a trial increment that is not accepted
+  // Returns sigma and d sigma / d d_n (or not a number) at the end of a trial increment that is not accepted.
   std::array<double, 2> trial(double dn, double ds_step, double dt_step);
   void evaluate(double dn, double ds_step, double dt_step, double* tangent);
 
   std::shared_ptr<const Material> material_;
   bool energies_, tangents_, flags_known_;
   PointResult now_;
-  // One evaluation's outputs and its columns; they point into this object's own buffers.
+  // Output of one evaluation and its columns, which point into buffers of this object.
   std::array<double, 3> traction_new_{};
   std::vector<double> state_new_;
   std::array<double, 5> energy_{};

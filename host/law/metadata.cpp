@@ -18,16 +18,17 @@ namespace quoin {
 
 namespace {
 
-constexpr uint64_t kMost = 4096;         // laws, properties, states, choices: more is no count
+constexpr uint64_t kMost = 4096;         // laws, properties, states, choices; a larger count is an error
 constexpr std::size_t kLongest = 65536;  // bytes of a text
 
-// Texts end, their bytes are there, and they hold no control characters.
+// Whether a text ends, its bytes can be read, and it has no control characters.
 bool is_text(const char* text) {
   for (std::size_t done = 0; done < kLongest;) {
-    // Up to the end of a page at once: the next one may be nobody's.
+    // Reads up to the end of a page at once, as the next page may not be mapped.
     const std::size_t page = 4096 - (reinterpret_cast<std::uintptr_t>(text + done) & 4095);
     if (!is_readable(text + done, page)) return false;
-    if (std::memchr(text + done, 0, page) != nullptr) return is_printable(text);  // a terminal obeys what is not
+    // A terminal would execute control characters.
+    if (std::memchr(text + done, 0, page) != nullptr) return is_printable(text);
     done += page;
   }
   return false;
@@ -136,7 +137,7 @@ std::string fault_of_law(const quoin_law* law) {
 }  // namespace
 
 bool is_readable(const void* address, std::size_t bytes) {
-  // The kernel copies, and says where it cannot. Of each page one byte is enough.
+  // The kernel copies the bytes, and returns an error where it cannot. One byte of each page suffices.
   constexpr std::size_t kPage = 4096;
   const auto begin = reinterpret_cast<std::uintptr_t>(address);
   if (bytes == 0) return true;

@@ -1,4 +1,4 @@
-// The tables that a law library describes itself with, checked before anything else of the host reads them.
+// Checks of the tables in which a law library describes itself, before other code reads them.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,11 @@
 
 namespace quoin {
 
-// Whether so many bytes are there, without a crash when they are not. Where the system gives no answer: true.
+// Whether this many bytes can be read, without a crash if not. True where the system has no such check.
 bool is_readable(const void* address, std::size_t bytes);
 
-// What is wrong with the tables, as far as the host relies on them, whatever they hold; empty: nothing. The head of
-// the library (size and version) has been checked.
+// Error in the tables, as far as the host relies on them; empty: none. The head of the library (size and version) must
+// have been checked.
 std::string fault_of_tables(const quoin_library& library);
 
 }  // namespace quoin

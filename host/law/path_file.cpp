@@ -38,7 +38,7 @@ constexpr std::array<std::pair<const char*, uint32_t>, 9> kFlags = {
      {"crushing_complete", QUOIN_FLAG_CRUSHING_COMPLETE},
      {"yielding", QUOIN_FLAG_YIELDING}}};
 
-// Reads one file; every fault carries file:line.
+// Reads one file; every error has file:line.
 class Reader {
  public:
   explicit Reader(std::string file) : file_(std::move(file)) {}
@@ -222,7 +222,7 @@ class Reader {
   std::string reason_;
 };
 
-// The quantities of fracture_energy have a fixed place in OUT.csv (issue 2); other laws list theirs as they come.
+// States of fracture_energy have fixed columns in OUT.csv; states of other laws follow in their own order.
 std::vector<int> state_order(const quoin_law& law) {
   std::vector<int> order;
   for (const char* id : {"xi_t", "xi_s", "w", "v", "slip"}) {
@@ -284,14 +284,14 @@ std::string path_row(const quoin_law& law, const PointResult& point) {
 
 namespace {
 
-// A contact point on its way along a path.
+// A contact point that follows a path.
 class PathRun {
  public:
   PathRun(const PathFile& path, const std::string& law_name)
       : path_(path),
         law_(Law::find(law_name.empty() ? path.law : law_name)),
         contact_(std::make_shared<const Material>(law_, path.properties), path.initial) {
-    // Only what the file sets is known to its formulas: a wrong default in the law cannot hide in them.
+    // Formulas have only the properties that the file sets: so they reveal a wrong default in the law.
     for (const PropertySetting& setting : path.properties) {
       if (setting.numbers.size() != 1) continue;
       constants_[setting.id] = setting.numbers[0];
@@ -323,7 +323,7 @@ class PathRun {
     outcome_.closed_form.emplace_back();
   }
 
-  // number: of the point, from 1.
+  // number: that of the point, from 1.
   void follow(const PathPoint& point, std::size_t number) {
     const PointResult start = contact_.now();
     Variables segment = constants_;
@@ -344,7 +344,7 @@ class PathRun {
     }
   }
 
-  // Towards the targets of a point: by the part of the way that this step has come, or where their formulas say.
+  // Moves towards the targets of a point: linearly in the part of the way, or as their formulas describe.
   void move(const PathPoint& point, const PointResult& start, int step, const Variables& segment) {
     const double part = segment.at("part");
     const auto target = [&](const char* key, double from) {
@@ -402,7 +402,7 @@ class PathRun {
 PathOutcome run_path(const PathFile& path, const std::string& law_name, bool force) {
   double steps = 0.0;
   for (const PathPoint& point : path.points) steps += point.steps;
-  constexpr double kOfStep = 2300.0;  // bytes: every quantity by its name
+  constexpr double kOfStep = 2300.0;  // bytes per step: all quantities with their names
   if (!force)
     require_memory(kOfStep * steps, fmt::format("{}: {:g} steps", path.file, steps),
                    "give fewer steps, or try all the same with --force");
@@ -448,7 +448,7 @@ std::string plot_path(const PathFile& path, const PathOutcome& outcome, const st
       law_rows += fmt::format("{:.9g} {:.9g}\n", values.at(x) * x_factor, values.at(y) * y_factor);
       const auto form = outcome.closed_form[i].find(y);
       if (form == outcome.closed_form[i].end()) {
-        form_rows += "\n";  // a gap: no formula here
+        form_rows += "\n";  // gap: no formula in this row
       } else {
         form_rows += fmt::format("{:.9g} {:.9g}\n", values.at(x) * x_factor, form->second * y_factor);
         any = true;

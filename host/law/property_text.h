@@ -1,4 +1,4 @@
-// Property values as people write them on a command line: id=value, by the kind that the law's metadata gives the id.
+// Property values on a command line: id=value, in the kind that the law's metadata has for the id.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 namespace quoin {
 
 // "cohesion=0.3e6", "softening=exponential", "softening_table=0:1,0.3:0.5,1:0". An id that the law does not have is
-// passed on, so that the law lists it with its other faults. Throws Error(usage): no '=', empty id; Error(bad_input): a
-// number or a table that is none.
+// kept, so that the law reports it with its other errors. Throws Error(usage) without '=' or with an empty id,
+// Error(bad_input) for a malformed number or table.
 PropertySetting parse_setting(const quoin_law& law, const std::string& assignment, const Source& source);
 
-// The property of that id, or null.
+// Property with that id, or null.
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id);
 
 }  // namespace quoin

@@ -9,7 +9,7 @@ using geometry::Matrix;
 
 namespace {
 
-// Rotation by a vector, rad.
+// Rotation matrix of a rotation vector, rad.
 Matrix rotation_by(const Vector& w) {
   const double angle = norm(w);
   if (angle == 0.0) return {};
@@ -20,7 +20,7 @@ Matrix rotation_by(const Vector& w) {
   return r;
 }
 
-// Rotation of a triad in a frame, as a vector; pieces are short enough for it to be small.
+// Rotation of a triad relative to a frame, as a vector; pieces are short enough for it to be small.
 Vector rotation_in(const Matrix& frame, const Matrix& triad) {
   const Matrix m = transposed(frame) * triad;
   return 0.5 * Vector{m.row[2].y - m.row[1].z, m.row[0].z - m.row[2].x, m.row[1].x - m.row[0].y};
@@ -52,9 +52,9 @@ double Beam::length() const {
   return sum;
 }
 
-// Masses, and rotary inertia that lets rotations vibrate no faster than displacements do. It comes from sums of the
-// sizes in the rows of the stiffness, which bound eigenvalues. Rotations count by the way that they make over a piece,
-// or over the arm of a support.
+// Masses, and rotary inertia with which rotations vibrate no faster than displacements. It follows from row sums of
+// magnitudes of the stiffness, which bound eigenvalues. Rotations are scaled by the length of a piece or by the arm of
+// a support.
 void Beam::find_inertia() {
   const std::size_t n = x_.size();
   std::vector<double> turning(n), arm(n);
@@ -80,7 +80,7 @@ void Beam::find_inertia() {
     row_[k] += stiffness * (1.0 + lever), turning[k] += stiffness * lever * (1.0 + lever);
   }
   for (std::size_t k = 0; k < n; ++k) {
-    const double share = turning[k] > 0.0 ? turning[k] / row_[k] : 1.0;  // rotations of a cable have no stiffness
+    const double share = turning[k] > 0.0 ? turning[k] / row_[k] : 1.0;  // a cable has no rotational stiffness
     inertia_[k] = std::max(inertia_[k], mass_[k] * arm[k] * arm[k] * share);
   }
 }
@@ -94,7 +94,7 @@ double Beam::own_eigenvalue(double mass_scaling) const {
   return largest;
 }
 
-// Moments at both ends for their rotations from the chord; hinges follow until no moment is beyond yield.
+// Moments at both ends from their rotations relative to the chord; hinges rotate until no moment is above yield.
 void Beam::bend(Piece& piece, int plane, const std::array<double, 2>& rotation) {
   const auto p = static_cast<std::size_t>(plane);
   const double l = piece.length, ei = section_.bending[p];
@@ -109,7 +109,7 @@ void Beam::bend(Piece& piece, int plane, const std::array<double, 2>& rotation) 
   const double most = section_.yield_moment[p];
   std::array<double, 2> m = moments();
   const std::array<double, 2> before = piece.hinge[p];
-  // Each end in turn: the stiffness is positive, so that this comes to an end.
+  // The ends yield in turn. Since the stiffness is positive, the iteration ends.
   for (int round = 0; round < 50 && (std::abs(m[0]) > most || std::abs(m[1]) > most); ++round) {
     const int end = std::abs(m[0]) >= std::abs(m[1]) ? 0 : 1;
     piece.hinge[p][static_cast<std::size_t>(end)] +=
@@ -145,7 +145,7 @@ void Beam::pull_piece(std::size_t i) {
   stored_ += 0.5 * piece.torque * (b.x - a.x);
   bend(piece, 0, {a.z, b.z});
   bend(piece, 1, {a.y, b.y});
-  // On the piece by its nodes.
+  // Forces on the piece at its nodes.
   const Vector on_first = frame * Vector{-piece.torque, piece.moment[1][0], piece.moment[0][0]};
   const Vector on_second = frame * Vector{piece.torque, piece.moment[1][1], piece.moment[0][1]};
   const Vector shear = cross(along, on_first + on_second) / now;

@@ -13,12 +13,12 @@
 namespace quoin::members {
 
 struct Section {
-  double axial = 0.0;                  // E A, N
-  double torsion = 0.0;                // G J, N m2
-  std::array<double, 2> bending{};     // E I, N m2: of deflection towards `up`, and to the side
-  std::array<double, 2> shear_area{};  // G As, N; infinity: none
-  double mass = 0.0;                   // kg/m
-  double polar = 0.0;                  // rotary inertia of a metre, kg m
+  double axial = 0.0;                                            // E A, N
+  double torsion = 0.0;                                          // G J, N m2
+  std::array<double, 2> bending{};                               // E I, N m2: of deflection towards `up`, and sideways
+  std::array<double, 2> shear_area{};                            // G As, N; infinity: none
+  double mass = 0.0;                                             // kg/m
+  double polar = 0.0;                                            // rotary inertia per metre, kg m
   double yield_force = std::numeric_limits<double>::infinity();  // N
   std::array<double, 2> yield_moment{};                          // N m
   bool compression = true;
@@ -26,7 +26,7 @@ struct Section {
 
 class Beam {
  public:
-  // One spring between a node of the beam, by an arm that turns with it, and a block.
+  // One spring between a block and the end of an arm that turns with a node of the beam.
   struct Support {
     int place = 0, node = 0;
     Vector arm;  // m, at the start
@@ -34,35 +34,35 @@ class Beam {
     Vector out;  // normal of the block's face, unit, where the node rests
     SpringLaw law;
     SpringState state;
-    Vector moved;  // motion of block less beam in the last step, m
+    Vector moved;  // motion of the block relative to the arm's end in the last step, m
   };
-  // points: of its nodes at the start, m. up: not along the line.
+  // points: positions of its nodes at the start, m. up: any vector that is not along the line.
   Beam(std::string name, std::vector<Vector> points, const Vector& up, const Section& section);
 
   const std::string& name() const { return name_; }
   const std::vector<Vector>& nodes() const { return x_; }
   std::vector<Support>& supports() { return supports_; }
   const std::vector<Support>& supports() const { return supports_; }
-  double piece_at(int place) const;  // shortest piece there, m
+  double piece_at(int place) const;  // shortest piece at the node, m
   const Section& section() const { return section_; }
   double length() const;  // length at the start, m
 
   void pull(std::vector<Node>& nodes, const Surroundings& step);
-  double own_eigenvalue(double mass_scaling) const;  // as of floors
+  double own_eigenvalue(double mass_scaling) const;  // as Floor::own_eigenvalue
 
   struct Piece {
     double length = 0.0;                            // length at the start, m
     geometry::Matrix frame;                         // frame at the start: columns along, up, side
-    double plastic = 0.0;                           // elongation, m
-    std::array<std::array<double, 2>, 2> hinge{};   // plastic rotation: towards up and side; at either end
+    double plastic = 0.0;                           // plastic elongation, m
+    std::array<std::array<double, 2>, 2> hinge{};   // plastic rotation towards up and sideways, at both ends, rad
     double force = 0.0, torque = 0.0;               // N, N m
-    std::array<std::array<double, 2>, 2> moment{};  // N m, as hinge
+    std::array<std::array<double, 2>, 2> moment{};  // N m, in the order of `hinge`
   };
   const std::vector<Piece>& pieces() const { return pieces_; }
   double stored() const { return stored_; }
   double dissipated() const { return dissipated_; }
   double outside() const { return outside_; }
-  double largest_force() const;   // N, of size
+  double largest_force() const;   // largest magnitude, N
   double largest_moment() const;  // N m
   double largest_hinge() const;   // rad
 

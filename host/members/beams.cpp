@@ -1,4 +1,4 @@
-// Where beams are: their nodes along a line, and the blocks that hold them.
+// Positions of beams: their nodes along a line, and the blocks that support them.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace quoin::members {
 
 namespace {
 
-constexpr double kSame = 1e-6;  // m: points closer than this are one
+constexpr double kSame = 1e-6;  // distance in m below which points are the same
 
 Section section_of(const BeamSpec& spec) {
   const double shear = spec.young_modulus / (2.0 * (1.0 + spec.poisson_ratio));
@@ -27,7 +27,7 @@ Section section_of(const BeamSpec& spec) {
   return s;
 }
 
-// Nodes at most `spacing` apart; at corners of the line and at supports as well.
+// Positions of nodes, at most `spacing` apart, with nodes at corners of the line and at supports.
 std::vector<Vector> places_along(const BeamSpec& spec) {
   std::vector<Vector> nodes{geometry::vector(spec.points.front())};
   std::vector<bool> found(spec.supports.size());
@@ -63,7 +63,7 @@ std::vector<Vector> places_along(const BeamSpec& spec) {
   return nodes;
 }
 
-// The face of a block that has the point, or is nearest to it: its outward normal, in space.
+// Outward normal, in space, of the face of a block that is nearest to a point.
 Vector face_towards(const blocks::Assembly& assembly, int block, const Vector& point) {
   const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
   const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
@@ -78,7 +78,7 @@ Vector face_towards(const blocks::Assembly& assembly, int block, const Vector& p
   return normal;
 }
 
-// Points that a block holds a built-in node by: half way to its corners.
+// Points at which a block holds a built-in node: half way to its corners.
 std::vector<Vector> grips(const blocks::Assembly& assembly, int block, const Vector& point) {
   const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
   std::vector<Vector> at;

@@ -1,4 +1,4 @@
-// Faces on springs: where their points are, and what they do in a step.
+// Faces on springs: their points, and their forces in a step.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A bar across a joint: elastic, then plastic, along itself and in shear. Equations: README.md.
+// A bar across a joint: elastic-plastic along its axis and in shear. Equations: README.md.
 #pragma once
 
 #include "geometry/vector.h"
@@ -14,14 +14,14 @@ struct DowelLaw {
 
 // Energies in J.
 struct DowelState {
-  double drawn = 0.0;  // plastic, along the bar, m
-  Vector slid;         // plastic, across it, m
+  double drawn = 0.0;  // plastic elongation, m
+  Vector slid;         // plastic slip across the bar, m
   double force = 0.0;  // N, tension positive
-  Vector shear;        // N, on the first block
+  Vector shear;        // force on the first block, N
   double stored = 0.0, dissipated = 0.0;
 
-  // along: of the bar, unit; apart: how far the second block has moved from the first, m; both in the first one's
-  // frame.
+  // Updates the state. along: unit vector of the bar; apart: motion of the second block relative to the first, m; both
+  // in the frame of the first block.
   void follow(const DowelLaw& law, const Vector& along, const Vector& apart);
 };
 

@@ -1,4 +1,4 @@
-// Dowels: which blocks they join, and what they do in a step.
+// Dowels: the blocks that they join, and their forces in a step.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -7,7 +7,7 @@
 namespace quoin::members {
 
 void Members::add_dowel(const DowelSpec& spec, const blocks::Assembly& assembly) {
-  // Shares of the extent of a block: distance at which both sides of the joint are sought, and length that is drawn.
+  // Shares of the extent of a block: distance of the test points on both sides of the joint, and length in drawings.
   constexpr double kBeside = 5e-3, kDrawn = 0.3;
   Dowel dowel;
   dowel.name = spec.name, dowel.along = normalized(geometry::vector(spec.direction));
@@ -43,7 +43,7 @@ void Members::add_dowel(const DowelSpec& spec, const blocks::Assembly& assembly)
   dowels_.push_back(dowel);
 }
 
-// In the frame of the first block, with which the bar turns. The couple of shear and slip is left out.
+// Forces in the frame of the first block, with which the bar turns. The couple of shear and slip is neglected.
 void Members::pull_dowels() {
   for (Dowel& dowel : dowels_) {
     Node &first = nodes_[static_cast<std::size_t>(dowel.first)],

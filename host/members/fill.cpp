@@ -14,7 +14,7 @@ void FillState::follow(const FillLaw& law, double share, const Vector& now) {
   pressure = std::clamp(trial, law.active * vertical, law.passive * vertical);
   const double flow = (trial - pressure) / law.stiffness;
   slid += flow;
-  // What the soil gives where it follows a wall that yields comes from its weight.
+  // Work of soil that follows a yielding wall comes from its weight.
   (flow > 0.0 ? dissipated : outside) += law.level * pressure * std::abs(flow);
   stored = 0.5 * law.level * pressure * pressure / law.stiffness;
   outside += 0.5 * law.level * (before + pressure) * (jack - was_jacked);

@@ -1,4 +1,4 @@
-// Soil on a face: what it does at one point. Equations: README.md.
+// Soil on a face: its force at one point. Equations: README.md.
 #pragma once
 
 #include "geometry/vector.h"
@@ -8,9 +8,9 @@ namespace quoin::members {
 using geometry::Vector;
 
 struct FillLaw {
-  Vector up, out;                                     // unit: of the soil; of the face, its level part
-  double upright = 0.0, level = 0.0;                  // m2: the face's area seen from above, from the side
-  double vertical = 0.0;                              // stress of the soil there, Pa
+  Vector up, out;                                     // unit: upwards in the soil; level part of the face's normal
+  double upright = 0.0, level = 0.0;                  // area of the face seen from above and from the side, m2
+  double vertical = 0.0;                              // vertical stress of the soil at the point, Pa
   double at_rest = 0.0, active = 0.0, passive = 0.0;  // horizontal over vertical stress
   double stiffness = 0.0;                             // Pa/m
 };
@@ -18,13 +18,13 @@ struct FillLaw {
 // Energies in J.
 struct FillState {
   double pressure = 0.0;  // horizontal, Pa
-  double slid = 0.0;      // plastic, into the soil, m
-  double jack = 0.0;      // displacement that gives the soil its pressure at rest, m
+  double slid = 0.0;      // plastic displacement into the soil, m
+  double jack = 0.0;      // displacement that preloads the soil to its pressure at rest, m
   Vector force;           // force on the block, N
-  Vector moved;           // motion in the last step, m
+  Vector moved;           // displacement of the point since the start, m
   double stored = 0.0, dissipated = 0.0, outside = 0.0;
 
-  // share: of the soil that is there; now: where the point has moved to, m.
+  // Updates the state. share: share of the soil's weight that acts; now: displacement of the point since the start, m.
   void follow(const FillLaw& law, double share, const Vector& now);
 };
 

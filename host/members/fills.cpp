@@ -1,4 +1,4 @@
-// Soil on faces: which points it reaches, and what it does there in a step.
+// Soil on faces: its points, and its forces in a step.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -11,8 +11,7 @@ namespace quoin::members {
 
 namespace {
 
-// Whether another block lies against the face at a point of it. Points on its border are checked from a little
-// inside.
+// Whether another block covers the face at a point. Points on the border are tested slightly inside.
 bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, const Vector& middle,
                 const Vector& out) {
   const double off = 2.0 * allowed_off(assembly, block);
@@ -22,7 +21,7 @@ bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, c
   return false;
 }
 
-// Blocks of a name, or of a group as an arch, whose blocks are NAME/0 and so on; without its fixed abutments.
+// Blocks of this name, or of a group such as an arch, whose blocks are NAME/0 and so on, without its fixed abutments.
 std::vector<int> blocks_of(const FillSpec& spec, const blocks::Assembly& assembly) {
   std::vector<int> found;
   for (std::size_t b = 0; b < assembly.blocks.size(); ++b)
@@ -52,7 +51,7 @@ void Members::add_fill_point(const FillSpec& spec, const Vector& at, double area
 }
 
 void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
-  // Cosine to `towards` from which a face counts; fronts of a vault and its intrados do not.
+  // Least cosine between a face's normal and `towards`; it excludes fronts and intrados of vaults.
   constexpr double kTowards = 0.05;
   Fill fill{spec.name, fill_points_.size(), 0, 0.0};
   const Vector towards = normalized(geometry::vector(spec.towards)), up = normalized(geometry::vector(spec.up));

@@ -11,7 +11,7 @@ InPlane operator+(const InPlane& a, const InPlane& b) { return {a.along + b.alon
 InPlane operator-(const InPlane& a, const InPlane& b) { return {a.along - b.along, a.across - b.across}; }
 InPlane operator*(double f, const InPlane& a) { return {f * a.along, f * a.across}; }
 double dot(const InPlane& a, const InPlane& b) { return a.along * b.along + a.across * b.across; }
-// By the rotation, and back.
+// Rotates a vector by an angle with cosine c and sine s.
 InPlane turned(const InPlane& a, double c, double s) {
   return {c * a.along - s * a.across, s * a.along + c * a.across};
 }
@@ -50,7 +50,7 @@ double Floor::share_of(int place) const {
   return area() / (n * m) * (i == 0 || i == n ? 0.5 : 1.0) * (j == 0 || j == m ? 0.5 : 1.0);
 }
 
-// The rotation that leaves the least displacement in its frame.
+// Rotation with the least displacements in its frame.
 void Floor::turn_along() {
   double with = 0.0, across = 0.0;
   for (std::size_t k = 0; k < start_.size(); ++k) {
@@ -66,8 +66,8 @@ void Floor::find_local() {
     local_[k] = turned(start_[k] + moved_[k], cosine_, -sine_) - start_[k];
 }
 
-// Rectangles of four nodes: axial strains linear over each, integrated exactly; shear that of its middle, so that
-// panels bend without being sheared.
+// Rectangles of four nodes. Axial strains are linear over each and integrated exactly. Shear strain is that of the
+// middle, so that panels can bend without shear.
 void Floor::pull_membrane() {
   const auto& [n, m] = grid_.pieces;
   const double a = grid_.size[0] / n, b = grid_.size[1] / m;
@@ -91,7 +91,7 @@ void Floor::pull_membrane() {
         dissipated_ += a * b * membrane_.shear_yield * std::abs(flow);
       }
       shear_flow_[panel] = shear;
-      // Forces of half of the panel each, N.
+      // Forces on the two halves of the panel, N.
       const double at_low = membrane_.along * b * (2 * low + high) / 6,
                    at_high = membrane_.along * b * (low + 2 * high) / 6;
       const double at_left = membrane_.across * a * (2 * left + right) / 6,
@@ -107,8 +107,8 @@ void Floor::pull_membrane() {
   }
 }
 
-// Anchors draw where wall and floor part; where they close up, the floor bears on the wall. What the work does not
-// store is dissipated.
+// Anchors open plastically where wall and floor separate; in compression the floor bears on the wall. Work that is not
+// stored is dissipated.
 void Floor::pull_connector(Connector& c, std::vector<Node>& nodes) {
   Node& node = nodes[static_cast<std::size_t>(c.node)];
   const auto place = static_cast<std::size_t>(c.place);
@@ -142,7 +142,7 @@ void Floor::pull_connector(Connector& c, std::vector<Node>& nodes) {
   node.force += on_block.along * grid_.along + on_block.across * grid_.across;
 }
 
-// Weight along the normal goes to the walls at once: a membrane has no bending of its own.
+// Weight along the normal acts on the walls directly: a membrane has no bending.
 void Floor::load_blocks(std::vector<Node>& nodes, const Surroundings& step) {
   const Vector normal = cross(grid_.along, grid_.across);
   lift_then_.resize(connectors_.size());
@@ -191,7 +191,7 @@ void Floor::pull(std::vector<Node>& nodes, const Surroundings& step) {
 
 double Floor::stiffness_of(const Connector& c) const { return c.length * std::max(law_.axial, law_.shear); }
 
-// By the sum of the sizes in a row of the stiffness over the inertia, which eigenvalues do not pass.
+// Upper bound of eigenvalues: the sum of magnitudes in a row of the stiffness, over the inertia.
 double Floor::own_eigenvalue(double mass_scaling) const {
   const auto& [n, m] = grid_.pieces;
   const double a = grid_.size[0] / n, b = grid_.size[1] / m;

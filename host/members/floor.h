@@ -1,4 +1,4 @@
-// A floor: a membrane in its own plane between walls, with inertia, held to them by connectors. Equations: README.md.
+// A floor: a membrane with inertia between walls, connected to them along its edges. Equations: README.md.
 #pragma once
 
 #include <array>
@@ -11,29 +11,29 @@
 
 namespace quoin::members {
 
-// Two numbers in the plane of a floor: along, across.
+// Vector in the plane of a floor: components along and across.
 struct InPlane {
   double along = 0.0, across = 0.0;
 };
 
-inline constexpr double kGravityOfLoads = 9.81;  // m/s2, that `load` of a floor is given for
+inline constexpr double kGravityOfLoads = 9.81;  // gravity for which `load` of a floor is given, m/s2
 
 struct Membrane {
   double along = 0.0, across = 0.0;                              // axial stiffness, N/m
   double shear = 0.0;                                            // N/m
   double shear_yield = std::numeric_limits<double>::infinity();  // N/m
   double mass = 0.0;                                             // kg/m2
-  double load = 0.0;                                             // Pa, without inertia
+  double load = 0.0;                                             // load without inertia, Pa
 };
 
-// Law of a metre of edge.
+// Law of a connector, per metre of edge.
 struct ConnectorLaw {
   double axial = 0.0, shear = 0.0;                                  // N/m2
   double axial_strength = 0.0;                                      // N/m, of anchors in tension
   double shear_strength = std::numeric_limits<double>::infinity();  // N/m
-  double friction = 0.0;  // friction coefficient, on the weight that a connector carries
-  double pull_out = std::numeric_limits<double>::infinity();  // m, at which anchors are out
-  bool bearing = true;                                        // the wall's push comes through
+  double friction = 0.0;  // friction coefficient, for the weight that a connector carries
+  double pull_out = std::numeric_limits<double>::infinity();  // opening at which anchors are pulled out, m
+  bool bearing = true;                                        // whether the floor bears on the wall in compression
 };
 
 class Floor {
@@ -43,11 +43,11 @@ class Floor {
     int node = 0;          // node on the block
     InPlane out;           // outward direction in the floor, unit
     double length = 0.0;   // length of edge, m
-    double carried = 0.0;  // area of the floor that it carries, m2
+    double carried = 0.0;  // area of the floor whose weight it carries, m2
     // State after the last step, in the frame that turns with the floor:
     double open = 0.0, slip = 0.0;                  // motion of the block outwards and along the edge, m
     double axial = 0.0, anchor = 0.0, shear = 0.0;  // N; axial: anchors and bearing
-    double slid = 0.0, drawn = 0.0;                 // history: along the edge; by which anchors have yielded, m
+    double slid = 0.0, drawn = 0.0;                 // plastic: slip along the edge, opening of anchors, m
     double stored = 0.0;                            // J
     bool is_out = false;
   };
@@ -69,11 +69,11 @@ class Floor {
   const ConnectorLaw& law() const { return law_; }
   double area() const { return grid_.size[0] * grid_.size[1]; }
 
-  // Forces on the blocks, and the floor on by a step.
+  // Adds forces to the blocks' nodes and advances the floor by a step.
   void pull(std::vector<Node>& nodes, const Surroundings& step);
 
-  // Upper bounds: of the stiffness of a connector, N/m. Of the squared frequency of its own nodes while blocks stand
-  // still and connectors are twice as stiff, 1/s2.
+  // Upper bounds: stiffness of a connector, N/m; squared frequency of the floor's own nodes for fixed blocks and
+  // doubled connectors, 1/s2.
   double stiffness_of(const Connector& c) const;
   double own_eigenvalue(double mass_scaling) const;
 
@@ -82,12 +82,12 @@ class Floor {
   double outside() const { return outside_; }
   double largest_shear() const;      // N/m
   double largest_anchor() const;     // N/m
-  double pulled_out_length() const;  // m
-  double plastic_shear() const;      // largest
+  double pulled_out_length() const;  // length of edge with pulled-out anchors, m
+  double plastic_shear() const;      // largest plastic shear strain
   double largest_drawn() const;      // largest plastic opening of its anchors, m
   double largest_slid() const;       // largest slip of its connectors along their edges, m
 
-  // A panel between four nodes, as pictures show it.
+  // A panel between four nodes, for drawings.
   struct Panel {
     std::array<Vector, 4> corner;  // m
     double shear = 0.0;            // N/m
@@ -124,15 +124,16 @@ class Floor {
   Membrane membrane_;
   ConnectorLaw law_;
   std::vector<Connector> connectors_;
-  std::vector<InPlane> start_;             // from the middle, m
+  std::vector<InPlane> start_;             // position from the middle at the start, m
   std::vector<InPlane> moved_, velocity_;  // m; m/s half a step ago
-  std::vector<double> sheared_;            // plastic, of panels
-  std::vector<double> shear_flow_;         // N/m, of panels
-  std::vector<double> lift_then_;          // displacement of the blocks at connectors along the normal, m
+  std::vector<double> sheared_;            // plastic shear strain by panel
+  std::vector<double> shear_flow_;         // shear flow by panel, N/m
+  std::vector<double> lift_then_;          // displacement of blocks along the normal at connectors, a step ago, m
   double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
-  double weight_ = 0.0;  // N/m2 along the normal, of now
+  double weight_ = 0.0;  // current weight along the normal, N/m2
   std::uint8_t begun_ = 0;
-  // Numbers of the step: rotation of the floor in its plane; displacement and forces in the frame that turns with it.
+  // Temporary numbers of a step: rotation of the floor in its plane; displacements and forces in the frame that turns
+  // with it.
   double cosine_ = 1.0, sine_ = 0.0;
   std::vector<InPlane> local_, force_;
 };

@@ -1,4 +1,4 @@
-// Where floors are: their nodes, and the blocks that their edges lie in.
+// Positions of floors: their nodes, and the blocks at their edges.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,8 +19,8 @@ Floor::Grid grid_of(const FloorSpec& spec) {
   return grid;
 }
 
-// Of a line of nodes between two edges: each node's weight goes to the first and the last that are held, by the lever.
-// Returns whether some is held. line: places; at: their places along it, m; held: by place, connectors of these edges.
+// Distributes the weight of a line of nodes to its first and last held nodes, by the lever rule. Returns whether a node
+// is held. line: nodes; at: their positions along it, m; held: by node, its connectors of these edges.
 bool carry(const Floor& floor, const std::vector<int>& line, const std::vector<double>& at, double share,
            const std::vector<std::vector<std::size_t>>& held, std::vector<double>& carried) {
   std::size_t first = 0, last = line.size() - 1;
@@ -42,7 +42,7 @@ bool carry(const Floor& floor, const std::vector<int>& line, const std::vector<d
 
 }  // namespace
 
-// The block that has a point, or none; off: how far the nearest is, m.
+// The block at a point, or -1; off: distance of the nearest block, m.
 int Members::block_at(const Vector& point, const blocks::Assembly& assembly, double* off) const {
   int nearest = -1;
   *off = 1e300;
@@ -60,7 +60,7 @@ void Members::connect(Floor& floor, const blocks::Assembly& assembly) {
     double off = 0.0;
     return block_at(floor.start_of(floor.place_at(i, j)), assembly, &off);
   };
-  // A corner belongs to an edge that runs in a wall there, not to one that ends at a wall.
+  // A corner belongs to an edge that runs along a wall there, not to one that ends at a wall.
   const auto add = [&](int i, int j, bool along, const InPlane& out) {
     const int k = along ? i : j, last = along ? n : m;
     const bool corner = k == 0 || k == last;
@@ -79,7 +79,7 @@ void Members::connect(Floor& floor, const blocks::Assembly& assembly) {
   for (int j = 0; j <= m; ++j) add(0, j, false, {-1, 0}), add(n, j, false, {1, 0});
 }
 
-// To the edges that its joists end on.
+// Distributes the floor's weight to the edges on which its joists end.
 void Members::carry_weight(const FloorSpec& spec, Floor& floor) const {
   const auto& [n, m] = floor.grid().pieces;
   std::vector<double> carried(floor.connectors().size());

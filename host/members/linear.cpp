@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-// Axial strains at both edges of a panel are coupled, as floor.cpp integrates them; shear is not.
+// Axial strains at both edges of a panel are coupled by the integration in floor.cpp; shear is not.
 void add_panel(const Floor& floor, int first, int i, int j, std::vector<Deformation>* out) {
   const Floor::Grid& grid = floor.grid();
   const Membrane& membrane = floor.membrane();
@@ -29,7 +29,7 @@ void add_panel(const Floor& floor, int first, int i, int j, std::vector<Deformat
   stretch(high, high + 1, grid.along, membrane.along * b / a, true);
   stretch(low, high, grid.across, membrane.across * a / b, false);
   stretch(right, high + 1, grid.across, membrane.across * a / b, true);
-  // The mean shear strain, times the area: its force is the shear flow.
+  // The deformation is the mean shear strain times the area, so that its force is the shear flow.
   const Vector along = 0.5 * a * grid.along, across = 0.5 * b * grid.across;
   Deformation shear;
   shear.shares = {{true, low, -1.0 * along - across, {}},
@@ -89,14 +89,14 @@ void add_floor(const Floor& floor, const Vector& gravity, LinearMembers* out) {
   out->bodies.push_back(body);
 }
 
-// Rotations of a piece's ends from its chord, and their moments: of Timoshenko's beam.
+// Rotations of the ends of a piece relative to its chord, and their moments, by Timoshenko's beam.
 void add_bending(const Section& section, const Beam::Piece& piece, int plane, int first,
                  std::vector<Deformation>* out) {
   const auto p = static_cast<std::size_t>(plane);
   const double l = piece.length, ei = section.bending[p];
   const double phi = std::isfinite(section.shear_area[p]) ? 12.0 * ei / (section.shear_area[p] * l * l) : 0.0;
   const Vector side = piece.frame.column(plane == 0 ? 2 : 1), along = piece.frame.column(0);
-  const Vector chord = cross(side, along) / l;  // its rotation, of the way of the far end
+  const Vector chord = cross(side, along) / l;  // rotation of the chord per displacement of the far end
   for (int end = 0; end < 2; ++end) {
     Deformation d;
     d.shares = {{true, first, chord, end == 0 ? side : Vector{}},
@@ -142,7 +142,8 @@ void add_support(const Beam::Support& s, int first, LinearMembers* out) {
   }
 }
 
-// Without torsional stiffness a node of a straight line does not turn about it, unless a support grips it.
+// Axes about which a node turns. Without torsional stiffness, a straight line does not turn about itself, unless a
+// support holds it.
 std::vector<Vector> turns_of(const Beam& beam, std::size_t node) {
   const std::vector<Beam::Piece>& pieces = beam.pieces();
   const geometry::Matrix& before = pieces[node > 0 ? node - 1 : 0].frame;
@@ -161,7 +162,7 @@ void add_beam(const Beam& beam, LinearMembers* out) {
       fmt::format("beam '{}'", beam.name()), static_cast<int>(out->nodes.size()), 0, out->deformations.size(), 0, {}};
   const std::size_t count = beam.nodes().size();
   for (std::size_t k = 0; k < count; ++k) {
-    double half = 0.0;  // m
+    double half = 0.0;  // length of the node, m
     if (k > 0) half += 0.5 * beam.pieces()[k - 1].length;
     if (k + 1 < count) half += 0.5 * beam.pieces()[k].length;
     out->nodes.push_back({beam.nodes()[k],

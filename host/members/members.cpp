@@ -13,7 +13,7 @@ namespace quoin::members {
 
 namespace {
 
-// Share of the largest extent of a block by which an end may lie off it: coordinates are typed in round numbers.
+// Tolerance of an end's distance from a block, over the block's largest extent: scenes have rounded coordinates.
 constexpr double kOffBlock = 1e-3;
 
 std::string column_of_tie(const std::string& name) { return "tie_" + name + "_N"; }
@@ -85,7 +85,7 @@ int Members::node_at(const MemberEnd& end, const blocks::Assembly& assembly) {
                             end.source.text, geometry::place(node.start),
                             end.block.empty() ? "the nearest block," : "block", label(assembly, nearest), least));
   node.block = nearest;
-  // On a face between two, both have it, and neither more than the other.
+  // A point on a common face belongs to both blocks, so neither can be chosen.
   for (const int block : has) {
     if (block == nearest || outside_by(assembly, block, node.start) > least + 1e-9) continue;
     throw Error(Exit::bad_input,

@@ -1,5 +1,5 @@
-// Members of a model: ties between blocks, springs to the ground, strips on faces, floors, beams. They act on nodes.
-// The model moves nodes and takes the forces there (model/world_members.cpp).
+// Members of a model: ties between blocks, springs to the ground, strips on faces, floors, beams. They act on nodes;
+// the model moves the nodes and applies their forces (model/world_members.cpp).
 #pragma once
 
 #include <algorithm>
@@ -23,10 +23,10 @@
 namespace quoin::members {
 
 struct Tie {
-  // Nodes, and the share of its force that each takes.
+  // Nodes of a stop, each with its share of the tie's force.
   using Stop = std::vector<std::pair<int, double>>;
   std::string name;
-  std::vector<Stop> stops;  // the first and the last hold its ends; it slides through the others
+  std::vector<Stop> stops;  // the first and the last are its ends; it slides through the others
   double length = 0.0;      // length at the start, m
   TieLaw law;
   TieState state;
@@ -34,20 +34,20 @@ struct Tie {
 
 struct Dowel {
   std::string name;
-  int first = 0, second = 0;  // nodes, at the same point of the start
+  int first = 0, second = 0;  // nodes, at one place at the start
   Vector along;               // unit, from the first to the second
-  double drawn_length = 0.0;  // m, in pictures
+  double drawn_length = 0.0;  // length in drawings, m
   DowelLaw law;
   DowelState state;
 };
 
-// One point of a face below or beside soil.
+// One point of a face under or beside soil.
 struct FillPoint {
   int node = 0;
   FillLaw law;
   FillState state;
 };
-// A [[fill]]: a run of them.
+// A [[fill]]: a range of fill points.
 struct Fill {
   std::string name;
   std::size_t first = 0, end = 0;
@@ -61,49 +61,49 @@ struct SpringPoint {
   SpringLaw law;
   SpringState state;
 };
-// A [[spring]]: a run of them.
+// A [[spring]]: a range of spring points.
 struct Bed {
   std::string name;
   std::size_t first = 0, end = 0;
   double area = 0.0;  // m2
 };
 
-// How far a point is outside of a block, at least, m; < 0: inside. And how far an end may be.
+// Lower bound of the distance of a point from a block, m; < 0: inside. And the tolerance of this distance for ends, m.
 double outside_by(const blocks::Assembly& assembly, int block, const Vector& point);
 double allowed_off(const blocks::Assembly& assembly, int block);
 
-// Of a face in triangles: the middles of the edges of divisions^2 congruent ones, each with its share of the area, m2.
-// Exact for quadratics. visit(point, area).
+// Visits quadrature points of a triangle, exact for quadratics: visit(point, area in m2). They are the midpoints of the
+// edges of divisions^2 congruent triangles.
 void each_point(const std::array<Vector, 3>& triangle, int divisions,
                 const std::function<void(const Vector&, double)>& visit);
-// A face of a block, in triangles of its corners: visit(triangle).
+// Visits the triangles of a face of a block: visit(triangle).
 void each_triangle(const blocks::Assembly& assembly, int block, std::size_t face,
                    const std::function<void(const std::array<Vector, 3>&)>& visit);
 
-inline constexpr int kGround = -1;  // in place of a node
+inline constexpr int kGround = -1;  // index of the ground, in place of a node
 
-// Kinds of members in pictures.
+// Kinds of members in drawings.
 inline constexpr int kTie = 0, kStrip = 1, kFloor = 2, kBeam = 3, kDowel = 4;
 
-// A stretch of a member, as pictures show it.
+// A stretch of a member in drawings.
 struct Line {
-  int kind = 0, member = 0;  // index among those of the kind
+  int kind = 0, member = 0;  // index among the members of the kind
   Vector from, to;           // m
   double force = 0.0;        // N, tension positive
   double plastic = 0.0;      // m
-  double moment = 0.0;       // N m, the larger one of its ends
+  double moment = 0.0;       // larger one of its ends, N m
   bool broken = false;
 };
 
-// What members have done since the start, J.
+// Energies of members since the start, J.
 struct Work {
   double stored = 0.0, dissipated = 0.0;
-  double outside = 0.0;  // done on them by jacks and by the ground that moves
+  double outside = 0.0;  // work of jacks and of the moving ground on members
 };
 
 class Members {
  public:
-  // Throws Error(bad_input): an end that is in no block, with place and what is nearest.
+  // Throws Error(bad_input) for an end in no block, with its place and the nearest block.
   Members(const MemberSpecs& specs, const blocks::Assembly& assembly);
 
   std::vector<Node>& nodes() { return nodes_; }
@@ -119,10 +119,10 @@ class Members {
   const std::vector<Fill>& fills() const { return fills_; }
   const std::vector<FillPoint>& fill_points() const { return fill_points_; }
   Vector force_of(const Bed& bed) const;         // force on its blocks, N
-  Vector force_of(const Fill& fill) const;       // the same
-  Vector start_of(const Tie::Stop& stop) const;  // m
-  Vector place_of(const Tie::Stop& stop) const;  // now, m
-  // Blocks that members join: visit(a, b).
+  Vector force_of(const Fill& fill) const;       // force on its blocks, N
+  Vector start_of(const Tie::Stop& stop) const;  // position at the start, m
+  Vector place_of(const Tie::Stop& stop) const;  // current position, m
+  // Visits pairs of blocks that members connect: visit(a, b).
   template <class Visit>
   void each_joint(const Visit& visit) const {
     const auto block = [&](int node) { return nodes_[static_cast<std::size_t>(node)].block; };
@@ -140,24 +140,25 @@ class Members {
     for (const Beam& beam : beams_) visit_all(beam.supports());
   }
 
-  // Share of the pretension that jacks have given, from the next step on.
+  // Sets the share of the pretension that jacks apply from the next step on.
   void jack(double share) { jack_ = share; }
-  void pull(const Surroundings& step);  // before a step
-  // Upper bound of the squared frequency of members' own nodes, 1/s2, while blocks stand still and what joins both is
-  // twice as stiff. With each_spring it bounds the whole.
+  void pull(const Surroundings& step);  // adds forces to nodes, before a step
+  // Upper bound of the squared frequency of members' own nodes, 1/s2, for fixed blocks and doubled connections. With
+  // each_spring it bounds the frequency of the whole.
   double own_eigenvalue(double mass_scaling) const;
-  // Time step that dashpots are to be stable with, s.
+  // Sets the time step for which dashpots are to be stable, s.
   void reckon_with(double dt) { reckoned_step_ = dt; }
   bool has_dashpots() const;
   Work work() const;
-  // Upper bound of the stiffness in any direction, N/m, with 2/dt of dashpots: visit(node, other node or -1: the
-  // ground, stiffness).
+  // Visits springs with an upper bound of their stiffness in any direction, N/m, with 2/dt of dashpots: visit(node,
+  // other node or kGround, stiffness).
   template <class Visit>
   void each_spring(const Visit& visit) const {
     for (const Tie& tie : ties_) each_spring_of(tie, visit);
     for (const Dowel& dowel : dowels_) visit(dowel.first, dowel.second, std::max(dowel.law.axial, dowel.law.shear));
     for (const FillPoint& p : fill_points_) visit(p.node, kGround, p.law.level * p.law.stiffness);
-    // K is at most the sum of sizes in its rows. Nodes of strips have inertia for theirs; blocks need twice the bond.
+    // An upper bound of K is the sum of magnitudes in a row. Strips have nodes with inertia for their rows; blocks need
+    // twice the bond.
     for (const Strip& strip : strips_) {
       for (std::size_t i = 0; i < strip.places().size(); ++i)
         visit(strip.places()[i].node, kGround, 2.0 * strip.bond_stiffness(i));
@@ -174,10 +175,10 @@ class Members {
             std::max(p.law.normal + rate * p.law.normal_dashpot, p.law.shear + rate * p.law.shear_dashpot));
   }
 
-  std::vector<double> columns() const;  // numbers of a row of the history, by column_names
+  std::vector<double> columns() const;  // values of a row of history.csv, in the order of column_names
   std::vector<Line> lines() const;
 
-  // Numbers for the hash of the state: visit(number).
+  // Visits the numbers for the hash of the state: visit(number).
   template <class Visit>
   void each_number(const Visit& visit) const {
     for (const Tie& tie : ties_) visit(tie.state.force), visit(tie.state.plastic);
@@ -219,7 +220,8 @@ class Members {
   void add_dowel(const DowelSpec& spec, const blocks::Assembly& assembly);
   void add_fill(const FillSpec& spec, const blocks::Assembly& assembly);
   void add_fill_point(const FillSpec& spec, const Vector& at, double area, const Vector& out, int block);
-  // A tie's own stiffness is k g g', g its direction at each node: k |g_i| sum |g_j| to the ground at each bounds it.
+  // A tie's stiffness is k g g', g its direction at each node. It is bounded by k |g_i| sum |g_j| to the ground at each
+  // node.
   template <class Visit>
   static void each_spring_of(const Tie& tie, const Visit& visit) {
     const std::size_t last = tie.stops.size() - 1;
@@ -238,7 +240,7 @@ class Members {
   void pull_fills();
 
   std::vector<Node> nodes_;
-  std::vector<int> by_block_;              // nodes, block after block
+  std::vector<int> by_block_;              // node numbers, block after block
   std::vector<std::size_t> end_of_block_;  // by block
   std::vector<Tie> ties_;
   std::vector<Bed> beds_;
@@ -255,7 +257,7 @@ class Members {
   double reckoned_step_ = 0.0;
 };
 
-// Columns of the history for the members of a scene.
+// Columns of history.csv for the members of a scene.
 std::vector<std::string> column_names(const MemberSpecs& specs);
 
 }  // namespace quoin::members

@@ -1,4 +1,4 @@
-// A point of a block that members pull at.
+// A point of a block on which members act.
 #pragma once
 
 #include <cmath>
@@ -14,29 +14,29 @@ using geometry::Vector;
 
 struct Node {
   int block = -1;
-  Vector start;  // m
-  // How it moves with its block: of a rigid one in the body frame, m; of a deformable one gridpoints and weights.
+  Vector start;  // position at the start, m
+  // Attachment to its block: place in the body frame of a rigid block, m; gridpoints and weights in a deformable one.
   Vector arm;
   std::vector<std::pair<std::int32_t, double>> share;
-  bool turns = false;  // whether `turn` is used
+  bool turns = false;  // whether `turn` is computed
   // State in the current step:
   Vector x;               // m
   geometry::Matrix turn;  // rotation of the block since the start
   Vector force;           // force on the block, N
 };
 
-// What a step adds to nodes that members have of their own.
+// Data of a step for nodes that members own.
 struct Surroundings {
   double dt = 0.0;             // s
-  Vector ground_way;           // motion in the last step, m
-  Vector ground_velocity;      // velocity of the ground, against which damping acts, m/s
+  Vector ground_way;           // motion of the ground in the last step, m
+  Vector ground_velocity;      // velocity of the ground, relative to which damping acts, m/s
   Vector gravity;              // m/s2
   double mass_scaling = 1.0;   // inertia over mass
   double mass_damping = 0.0;   // 1/s
   double local_damping = 0.0;  // coefficient of eq. 1
 };
 
-// One component of a node's velocity, on by a step. Returns what damping has taken, J. inertia: kg; force: N.
+// Advances one component of a node's velocity by a step; returns the work of damping, J. inertia: kg; force: N.
 inline double brake(const Surroundings& step, double inertia, double force, double ground, double& v) {
   const double before = v, alpha = step.mass_damping * step.dt / 2.0;
   const double local = v == ground ? 0.0 : std::copysign(step.local_damping * std::abs(force), v - ground);

@@ -12,7 +12,7 @@ void SpringState::follow(const SpringLaw& law, const Vector& out, const Vector& 
   const Vector along = now - sunk * out, way_along = way - way_in * out;
   const double pressing = law.normal * sunk;
   const bool closed = law.tension || pressing > 0.0;
-  if (!closed) {  // what the shear spring had is lost, and it begins at 0 where the block comes down again
+  if (!closed) {  // shear energy is lost; shear begins at 0 when the block touches again
     if (stored > 0.0) dissipated += 0.5 * law.shear * dot(sheared, sheared);
     slid = along;
     force = {}, stored = 0.0;

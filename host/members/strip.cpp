@@ -11,10 +11,10 @@ namespace quoin::members {
 
 namespace {
 
-// Inertia of nodes over the least that a step is stable with; what they weigh is far below either.
+// Inertia of nodes over the least stable one; the mass of a strip is far below either.
 constexpr double kInertia = 2.0;
-// Nodes follow their faces without ringing: eq. 1's share of the force, against their motion on the face. Against that
-// in space it would brake faces that move.
+// Local damping (eq. 1) of nodes against their motion relative to the face, which prevents ringing. Against their
+// motion in space it would brake moving faces.
 constexpr double kDamping = 0.8;
 
 }  // namespace
@@ -59,7 +59,7 @@ double Strip::bond_stiffness(std::size_t place) const {
   return places_[place].area * std::max(bounds.normal, bounds.shear);
 }
 
-// By the sum of the sizes in a row of the stiffness, which its eigenvalues do not pass.
+// Masses from sums of magnitudes in the rows of the stiffness, which bound its eigenvalues.
 void Strip::find_masses(double dt) {
   if (dt <= mass_step_) return;
   mass_step_ = dt;
@@ -98,7 +98,7 @@ void Strip::pull_bars(std::vector<Vector>& force) {
     const double now = norm(span);
     double tension = fibres_.stiffness * (now / length_[i] - 1.0);
     if (!fibres_.compression) tension = std::max(tension, 0.0);
-    if (tension > fibres_.strength) {  // what it stored is lost
+    if (tension > fibres_.strength) {  // its stored energy is lost
       dissipated_ += 0.5 * force_[i] * force_[i] * length_[i] / fibres_.stiffness;
       broken_[i] = 1, force_[i] = 0.0;
       continue;

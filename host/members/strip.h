@@ -1,4 +1,4 @@
-// A strip: bars between nodes of their own, each held to a face by a contact law. Equations: README.md.
+// A strip: bars between its own nodes, each bonded to a face by a contact law. Equations: README.md.
 #pragma once
 
 #include <memory>
@@ -12,11 +12,11 @@ namespace quoin::members {
 
 class Strip {
  public:
-  // A bonded place, as it was at the start.
+  // A bonded place at the start.
   struct Place {
     int node = 0;          // node on the block
     Vector at;             // m
-    Vector normal, along;  // unit: out of the block, along the strip
+    Vector normal, along;  // unit vectors: outward normal of the block, direction of the strip
     double area = 0.0;     // m2
   };
   struct Fibres {
@@ -30,7 +30,8 @@ class Strip {
   const std::string& name() const { return name_; }
   const std::vector<Place>& places() const { return places_; }
   double bond_stiffness(std::size_t place) const;  // upper bound, N/m
-  // Forces on the blocks, and the nodes of the strip on by a step, s. Throws Error(numerical): the law has failed.
+  // Adds forces to the blocks' nodes and advances the strip's nodes by a step dt, s. Throws Error(numerical) where the
+  // law fails.
   void pull(std::vector<Node>& nodes, double dt);
 
   double stored() const { return stored_; }
@@ -75,15 +76,15 @@ class Strip {
   std::shared_ptr<const Material> bond_;
 
   std::vector<Vector> x_, v_;    // m, m/s half a step ago
-  std::vector<Vector> face_;     // places of the points of the faces a step ago, m
+  std::vector<Vector> face_;     // positions of the points of the faces a step ago, m
   std::vector<double> mass_;     // kg
   std::vector<double> force_;    // forces of bars, N
-  std::vector<uint8_t> broken_;  // bars
+  std::vector<uint8_t> broken_;  // by bar
   std::vector<double> jump_[3], slip_[2], traction_[3];
   std::vector<std::vector<double>> state_;
   std::vector<double> energy_[1 + QUOIN_DISSIPATED_COUNT];  // stored, dissipated in the step, J/m2
   std::vector<std::uint32_t> flags_;
-  double mass_step_ = 0.0;  // s, that masses are for
+  double mass_step_ = 0.0;  // time step for which masses are computed, s
   double stored_ = 0.0, dissipated_ = 0.0;
   quoin_batch batch_{};
   std::vector<quoin_in> state_old_;

@@ -1,4 +1,4 @@
-// Where strips lie: nodes on faces, from the line that a scene gives.
+// Positions of strips: nodes on faces along the line in a scene.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace quoin::members {
 
 namespace {
 
-// Share of the largest extent of a block by which a strip may lie off its face: coordinates are typed in round numbers.
+// Tolerance of a strip's distance from its face, over the block's largest extent: scenes have rounded coordinates.
 constexpr double kOffFace = 2e-3;
 
 struct OnFace {
@@ -19,7 +19,7 @@ struct OnFace {
   double off = 1e300;  // m
 };
 
-// Distance of a point from the planes of a block's faces, in front of them positive, m.
+// Distance of a point from the planes of a block's faces, m; > 0 in front.
 std::vector<double> in_front_of(const geometry::ConvexPolyhedron& shape, const Vector& own) {
   std::vector<double> distance;
   for (std::size_t f = 0; f < shape.faces.size(); ++f) {
@@ -29,7 +29,7 @@ std::vector<double> in_front_of(const geometry::ConvexPolyhedron& shape, const V
   return distance;
 }
 
-// The face that has the point, of all blocks; at an edge the one along which the strip runs.
+// The face of any block at a point; at an edge, the face along which the strip runs.
 OnFace face_at(const blocks::Assembly& assembly, const Vector& point, const Vector& along) {
   OnFace best;
   for (std::size_t i = 0; i < assembly.blocks.size(); ++i) {
@@ -65,7 +65,7 @@ void Members::add_strip(const StripSpec& spec, const blocks::Assembly& assembly)
       Strip::Place place;
       place.at = from + ((i + 0.5) / pieces) * (to - from);
       const OnFace on = face_at(assembly, place.at, normalized(to - from));
-      constexpr double kSteepest = 0.5;  // sine of the angle between a strip and its face
+      constexpr double kSteepest = 0.5;  // largest sine of the angle between a strip and its face
       if (!(on.off <= kOffFace) || std::abs(dot(on.normal, normalized(to - from))) > kSteepest)
         throw Error(Exit::bad_input,
                     fmt::format("{}: strip '{}' leaves the masonry at {}: the nearest face is that of block {}; its "

@@ -1,4 +1,4 @@
-// A tie: what a bar does along its axis. Equations: README.md.
+// A tie: law of a bar along its axis. Equations: README.md.
 #pragma once
 
 #include <limits>
@@ -10,7 +10,7 @@ struct TieLaw {
   double yield = 0.0;                                        // N
   double hardening = 0.0;                                    // slope of the yield force over plastic elongation, N/m
   double pretension = 0.0;                                   // N
-  double rupture = std::numeric_limits<double>::infinity();  // elongation, pretension's included, m
+  double rupture = std::numeric_limits<double>::infinity();  // elongation at rupture, pretension included, m
   double slack = 0.0;                                        // m
   bool compression = false;
 };
@@ -18,13 +18,13 @@ struct TieLaw {
 // All but the force is history. Energies in J.
 struct TieState {
   double force = 0.0;       // N, tension positive
-  double plastic = 0.0;     // elongation, m
-  double shortening = 0.0;  // by the jack, m: pretension over stiffness when it is done
+  double plastic = 0.0;     // plastic elongation, m
+  double shortening = 0.0;  // shortening by the jack, m; pretension over stiffness in the end
   bool broken = false;
   double stored = 0.0, dissipated = 0.0;
   double jack_work = 0.0;
 
-  // elongation: of the ends since the start, m. jack: share of the pretension, 0 to 1.
+  // Updates the state. elongation: between the ends, since the start, m. jack: share of the pretension, 0 to 1.
   void follow(const TieLaw& law, double elongation, double jack);
 };
 

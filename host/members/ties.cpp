@@ -1,4 +1,4 @@
-// Ties between blocks: where they are held, and what they do in a step.
+// Ties between blocks: their stops, and their forces in a step.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace quoin::members {
 
 namespace {
 
-// Points of an anchor plate in a row, in the middle of equal parts.
+// Points per side of an anchor plate, in the middle of equal parts.
 constexpr int kPlatePoints = 6;
 
 TieLaw law_of(const TieSpec& spec, double length) {
@@ -28,7 +28,7 @@ TieLaw law_of(const TieSpec& spec, double length) {
 
 }  // namespace
 
-// A plate presses evenly on what lies below it: it bends with the masonry, and turns with nothing.
+// An anchor plate presses evenly on the masonry below it; it has no bending stiffness of its own.
 Tie::Stop Members::stop_at(const MemberEnd& end, const Vector& along, const TieSpec& spec,
                            const blocks::Assembly& assembly) {
   const int centre = node_at(end, assembly);
@@ -93,7 +93,7 @@ void Members::add_tie(const TieSpec& spec, const blocks::Assembly& assembly) {
   ties_.push_back(tie);
 }
 
-// One force all along: nothing rubs where a tie slides through.
+// The force is constant along a tie, as it slides through stops without friction.
 void Members::pull_ties() {
   std::vector<Vector> place;
   for (Tie& tie : ties_) {

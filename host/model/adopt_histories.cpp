@@ -1,4 +1,4 @@
-// A model of blocks in large motion that goes on from one of small displacements.
+// Start of a model in large motion from the state of a run in small displacements.
 #include <fmt/format.h>
 
 #include <map>
@@ -13,7 +13,7 @@ using namespace geometry;
 
 namespace {
 
-// Contact points of both models stand at the same gridpoints: nearer than this, of the least extent of a block.
+// Distance below which contact points of both models are the same, as a share of the least extent of a block.
 constexpr double kSamePlace = 1e-6;
 
 }  // namespace
@@ -37,10 +37,10 @@ void adopt_histories(World& w, const std::vector<PointHistory>& histories) {
       Point& p = f.point[i];
       const PointHistory* history = nullptr;
       for (const PointHistory* h : of_pair[{std::min(p.a, p.b), std::max(p.a, p.b)}]) {
-        const Vector d = h->position - p.at;  // still of the start
+        const Vector d = h->position - p.at;  // still the position at the start
         if (dot(d, d) <= near2) history = h;
       }
-      // Axes of the start, as the history has them.
+      // Axes at the start, as in the history.
       const bool on_triangle = p.facet_a >= 0 && !p.on_gridpoints;
       const Matrix start =
           on_triangle ? Matrix{} : (p.on_gridpoints ? start_of_frame(w, p.a) : w.poses.start[size_t(p.a)].r);
@@ -54,7 +54,8 @@ void adopt_histories(World& w, const std::vector<PointHistory>& histories) {
         opening = history->opening;
         f.normal_jump[i] = history->opening_at_traction;
         f.traction[0][i] = history->traction[0];
-        // Seen from the other block, normal, traction and slip change their signs together: sigma and the opening stay.
+        // In the frame of the other block, normal, traction and slip change their signs together: sigma and the opening
+        // stay.
         const double sign = history->block_a == p.a ? 1.0 : -1.0;
         const double ss = sign * dot(s, history->s), st = sign * dot(s, history->t);
         const double ts = sign * dot(t, history->s), tt = sign * dot(t, history->t);

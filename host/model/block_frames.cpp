@@ -1,4 +1,4 @@
-// Frames of deformable blocks, outside of steps; and contact points that leave them.
+// Frames of deformable blocks outside of steps, and contact points whose block loses its frame.
 #include "model/block_frames.h"
 
 #include "model/world.h"
@@ -11,7 +11,7 @@ namespace {
 
 // R of a matrix near a rotation: Newton's iteration R <- (R + R^-T)/2, whose error e becomes e^2/2.
 Matrix rotation_in(const Matrix& f) {
-  constexpr int kIterations = 5;  // a strain of a tenth goes to rounding
+  constexpr int kIterations = 5;  // a strain of 0.1 converges to rounding
   Matrix r = f;
   for (int i = 0; i < kIterations; ++i) r = 0.5 * (r + transposed(inverse(r)));
   return r;
@@ -23,7 +23,7 @@ bool may_have_frame(const World& w, int block) {
   return !w.frames.by_zone[size_t(block)] && (w.blocks[size_t(block)].congruent >= 0 || !w.nodes.anchor.empty());
 }
 
-// Congruent blocks share a shape, which each has turned by its orientation. Others have the shape as it stands.
+// Congruent blocks share a shape, which each block has rotated by its orientation. For others R starts at the identity.
 Matrix start_of_frame(const World& w, int block) {
   return w.blocks[size_t(block)].congruent >= 0 ? matrix(w.assembly.blocks[size_t(block)].orientation) : Matrix{};
 }
@@ -48,7 +48,7 @@ void find_block_frames(World& w) {
 
 namespace {
 
-// The largest |u| beside the first gridpoint, as a step finds it, m.
+// Largest |u| in the frame, from the first gridpoint, as in a step, m.
 double deformation(const World& w, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
   const Matrix& back = w.frames.frame[size_t(block)].transposed_r;

@@ -1,4 +1,4 @@
-// Frames of deformable blocks that deform little.
+// Co-rotational frames of deformable blocks whose strains are small.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,27 @@ struct World;
 
 using geometry::Matrix;
 
-// The frame of a deformable block that deforms little (step/deformable_kernels.h), as its gridpoints stand.
+// Co-rotational frame of a deformable block at the current positions of its gridpoints (step/deformable_kernels.h).
 struct BlockFrame {
-  Matrix transposed_r;  // transpose of R, which leads from the undeformed shape to space
+  Matrix transposed_r;  // transpose of R, which rotates the undeformed shape into space
   Matrix f;             // F = R U = sum x b^T
 };
 
-// |u| of a frame over the least extent of its block, beyond which it goes zone by zone: error of its stiffness 1 %.
+// Bound of |u| in a frame over the least extent of the block. Above it the block's forces are computed zone by zone.
+// The frame's error of stiffness there is 1 %.
 inline constexpr double kLargestDeformation = 0.01;
 
-// By block. Steps find the frames, and which blocks leave theirs.
+// Steps update the frames, and mark blocks that deform too much for theirs.
 struct BlockFrames {
   LaneVector<BlockFrame> frame;  // frames of deformable blocks that have one
-  bool are_old = true;           // gridpoints have been moved from outside
-  std::vector<uint8_t> by_zone;  // 1: it has deformed too much for a frame
+  bool are_old = true;           // whether gridpoints have moved outside of steps since then
+  std::vector<uint8_t> by_zone;  // by block: 1 where forces are computed zone by zone
 };
 
-bool may_have_frame(const World& w, int block);       // deformable
+bool may_have_frame(const World& w, int block);       // whether a block is deformable and not computed by zone
 Matrix start_of_frame(const World& w, int block);     // R of a deformable block at the start
-Matrix rotation_of_frame(const World& w, int block);  // current one; in small displacements that of the start
-void find_block_frames(World& w);                     // frames of all blocks that are laid out
+Matrix rotation_of_frame(const World& w, int block);  // current R; in small displacements R at the start
+void find_block_frames(World& w);                     // computes the frames of all blocks that are laid out
 void leave_frames_of_deformed(World& w);
 
 }  // namespace quoin::blocks

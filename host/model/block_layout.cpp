@@ -1,4 +1,4 @@
-// From cold input to hot data: shapes, zones, masses.
+// Data of a model from its assembly: shapes, zones, masses.
 #include "model/block_layout.h"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ namespace {
 bool is_finite(const Vector& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 bool is_positive(double v) { return v > 0 && std::isfinite(v); }
 
-// Held by a plane of symmetry z = 0: gridpoints in z; bodies in z and about x and y.
+// Bits held by a plane of symmetry z = 0: z of gridpoints; z of bodies and their rotation about x and y.
 constexpr uint8_t kPlaneOfNodes = 0x04, kPlaneOfBodies = 0x1c;
 
 bool touches_plane(const ConvexPolyhedron& shape, const Block& block) {
@@ -26,7 +26,8 @@ bool touches_plane(const ConvexPolyhedron& shape, const Block& block) {
                      [&](const Vector& p) { return (block.position + matrix(block.orientation) * p).z == 0.0; });
 }
 
-// So that the first edge, along which shear is measured, is a side of the brick and not the diagonal of a zone.
+// Rotates the triangle's gridpoints so that its first edge, along which shear is measured, is a side of the brick and
+// not a diagonal.
 void begin_at_widest_angle(const std::vector<Vector>& nodes, Zoning::SurfaceTriangle& t) {
   const auto opposite = [&](int k) {
     const Vector edge = nodes[size_t(t.node[size_t((k + 2) % 3)])] - nodes[size_t(t.node[size_t((k + 1) % 3)])];
@@ -49,7 +50,7 @@ double least_extent_of(const ConvexPolyhedron& s) {
   return least;
 }
 
-// What the triangles of the surface give to the corner gridpoints, m2: a contact there is then no stiffer than a joint.
+// Mean area of the surface triangles at a corner gridpoint, m2. With it a corner contact is no stiffer than a joint.
 double area_at_corners(const ModelBlock& b, const LaneVector<Vector>& x) {
   double sum = 0.0;
   for (const auto& t : b.surface) {
@@ -61,16 +62,15 @@ double area_at_corners(const ModelBlock& b, const LaneVector<Vector>& x) {
   return sum;
 }
 
-// Where the next block's numbers begin in each array.
+// Next free index of each array.
 struct Counts {
   size_t bodies = 0, nodes = 0, zone_lanes = 0, corners = 0, normals = 0;
-  std::map<std::array<double, 11>, int32_t>
-      lanes_of;  // congruent blocks share them: shape, material, zones, orientation
+  std::map<std::array<double, 11>, int32_t> lanes_of;  // congruent blocks share: shape, material, zones, orientation
   std::map<std::array<double, 6>, std::pair<int, int>> zoned;  // gridpoints and zones by zoning_key
 };
 
-// Shapes that are the same but for rounding have the same number. The grid, a part of the radius, is far finer than any
-// strain that matters; its offset keeps round dimensions away from where rounding turns.
+// Numbers of shapes; shapes that are equal but for rounding have the same number. The grid is a share of the radius,
+// far finer than any strain that matters. Its offset keeps round dimensions away from its borders.
 std::vector<int> kinds_of_shapes(const std::vector<ConvexPolyhedron>& shapes) {
   constexpr double kGrid = 1e-10, kOffset = 0.2371;
   std::map<std::pair<std::vector<std::vector<int>>, std::vector<int64_t>>, int> known;
@@ -78,7 +78,7 @@ std::vector<int> kinds_of_shapes(const std::vector<ConvexPolyhedron>& shapes) {
   for (const ConvexPolyhedron& shape : shapes) {
     double radius = 0.0;
     for (const Vector& p : shape.vertices) radius = std::max(radius, norm(p - shape.vertices[0]));
-    const double step = kGrid * std::exp2(std::ceil(std::log2(radius)));  // the same for shapes that hardly differ
+    const double step = kGrid * std::exp2(std::ceil(std::log2(radius)));  // equal for shapes that hardly differ
     std::vector<int64_t> places;
     for (const Vector& p : shape.vertices) {
       for (int k = 0; k < 3; ++k) places.push_back(int64_t(std::floor((p[k] - shape.vertices[0][k]) / step + kOffset)));
@@ -204,7 +204,7 @@ void size_fields(World& w, const Counts& counts) {
   w.part.laid_out.resize(w.blocks.size());
 }
 
-// Turned back to how the shape stands.
+// Shared data of congruent blocks, from one of them, rotated back into the frame of the shape.
 void make_congruent(World& w, int block) {
   lay_out(w, block);
   const ModelBlock& b = w.blocks[size_t(block)];
@@ -227,7 +227,8 @@ void make_congruent(World& w, int block) {
                                                     zones, first.lambda, first.mu));
 }
 
-// The halves of a unit go together: they are of one kind, or each has its own.
+// Chooses the blocks that share a stiffness. Both halves of a unit share one of the same kind, or each half has its
+// own.
 void find_frames(World& w, InternalForces wanted) {
   w.frames.by_zone.assign(w.blocks.size(), wanted == InternalForces::zones);
   if (wanted == InternalForces::zones) return;
@@ -386,7 +387,7 @@ void lay_out_zones(World& w, int block) {
 
 }  // namespace
 
-// What a block is at the start.
+// Lays out the data of a block at the start.
 void lay_out(World& w, int block) {
   if (w.part.laid_out[size_t(block)]) return;
   w.part.laid_out[size_t(block)] = true;
@@ -407,7 +408,8 @@ void lay_out(World& w, int block) {
 Pose pose(const World& w, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
   if (b.body >= 0) return {w.bodies[size_t(b.body)].x, w.bodies[size_t(b.body)].r};
-  // Deformable: mean of the corners, and axes along the first face. Strains are small, so any material axes do.
+  // Deformable: mean of the corners, and axes along the first face. Strains are small, so any axes fixed in the
+  // material serve.
   const auto& face = b.shape->faces[0];
   const Vector* p = w.nodes.x.data() + b.first_node;
   Vector x;
@@ -418,7 +420,7 @@ Pose pose(const World& w, int block) {
   return {x / double(n), Matrix::columns(e1, cross(e3, e1), e3)};
 }
 
-// Shape functions of the zone that holds the point, or of the nearest one.
+// Shape functions of the zone that contains the point, or of the nearest zone.
 std::vector<std::pair<int32_t, double>> shares_at(const World& w, int block, const Vector& point) {
   const ModelBlock& b = w.blocks[size_t(block)];
   double best = -1e300;

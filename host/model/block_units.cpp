@@ -1,4 +1,4 @@
-// Deformable blocks and masonry units of two halves as bodies whose rigid motion is split from the rest (inertia.h).
+// Deformable blocks and units of two halves, as bodies whose rigid motion is split from the rest (block_inertia.h).
 #include "model/block_units.h"
 
 #include <map>
@@ -10,7 +10,8 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
-// Two deformable blocks of one unit are its halves; units cut into more stand alone block by block, as on the lattice.
+// Two deformable blocks of one unit are its halves; units that are cut into more are advanced block by block, as on the
+// lattice.
 void find_units(World& w) {
   std::map<int, std::vector<int>> blocks_of;
   for (int i = 0; i < w.block_count(); ++i) {
@@ -41,7 +42,7 @@ UnitInertia inertia_of(const World& w, const Unit& unit) {
 
 }  // namespace
 
-// What M' leaves out of the kinetic energy of s_b M, of the velocities half a step ago, J (< 0).
+// Kinetic energy by M' less that by s_b M, at the velocities half a step ago, J (< 0).
 double rigid_kinetic_energy(const World& w, const Unit& unit) {
   const UnitInertia inertia = inertia_of(w, unit);
   Rigid velocity[2];
@@ -61,7 +62,7 @@ std::vector<UnitInertia> inertia_of_units(const World& w, std::span<const int> b
   return inertia;
 }
 
-// M'^-1/2 M^1/2 on velocities of gridpoints, or M^1/2 M'^-1/2 on forces, which is its transpose.
+// Applies M'^-1/2 M^1/2 to velocities of gridpoints, or its transpose M^1/2 M'^-1/2 to forces.
 void scale_motion(const World& w, std::span<const int> blocks, const std::vector<UnitInertia>& inertias,
                   LaneVector<Vector>& y, bool of_forces) {
   const double of_deformation = 1 / std::sqrt(w.solver.deformation_inertia);
@@ -93,10 +94,10 @@ void scale_motion(const World& w, std::span<const int> blocks, const std::vector
 
 namespace {
 
-// Whether a point of the joint between halves can close before the next check. Until then each of them moves by less
-// than a quarter of the way (motion_checks.cpp). Or whether it holds them: what is left of its stiffness, sigma over
-// opening, is more than 1/s_u of kn. Without the added inertia it would then vibrate faster than a closed joint does
-// with it. What has come apart is farther away.
+// Whether the two halves hold together. They do while a point of their joint can close before the next check. Until
+// then each half moves by less than a quarter of the way (motion_checks.cpp). They also do while the joint's secant
+// stiffness, sigma over opening, is more than 1/s_u of kn. Without the added inertia it would then vibrate faster than
+// a closed joint does with it. Halves that are apart join at half of the opening at which they separate.
 bool are_together(const World& w, int a, int b) {
   const Pair pair{a, b};
   const auto c = std::lower_bound(w.contacts.list.begin(), w.contacts.list.end(), pair,
@@ -113,13 +114,13 @@ bool are_together(const World& w, int a, int b) {
 
 }  // namespace
 
-// The added inertia of halves against each other is there to slow the vibration of their joint, which would set the
-// time step. So it stays as long as a point of the joint can close. Where nothing holds them together it would slow
-// their fall apart. Inertia that goes or comes back takes no momentum with it, as velocities stay and P_b - P_u has
-// none. Its kinetic energy, (s_u - 1)/2 v . M (P_b - P_u) v, is booked.
+// The added inertia of halves against each other slows the vibration of their joint, which would set the time step. So
+// it stays as long as a point of the joint can close. Where nothing holds the halves together, it would slow their fall
+// apart. Adding or removing it changes no momentum, as velocities stay and P_b - P_u has none. Its kinetic energy, (s_u
+// - 1)/2 v . M (P_b - P_u) v, is booked.
 void part_units(World& w) {
   if (w.stepping.count < w.checks.next || !splits_motion(w)) return;
-  std::vector<double> freed(w.blocks.size(), std::nan(""));  // by the first half of those that part or meet, J
+  std::vector<double> freed(w.blocks.size(), std::nan(""));  // by the first half of units that separate or join, J
   bool changed = false;
   for (int a = 0; a < w.block_count(); ++a) {
     const int b = w.units.other_half[size_t(a)];

@@ -1,4 +1,4 @@
-// Deformable blocks that move as halves of one masonry unit.
+// Deformable blocks that are halves of one masonry unit.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace quoin::blocks {
 
 struct World;
 
-// Deformable blocks that move on together: one, or the two halves of a masonry unit.
+// Deformable blocks that are advanced together: a single block, or the two halves of a masonry unit.
 struct Unit {
   int block[2] = {-1, -1};
   int count = 1;
@@ -22,10 +22,10 @@ struct Unit {
   bool has(int i) const { return i == block[0] || (count == 2 && i == block[1]); }
 };
 
-// Found at the start; steps part halves that nothing holds together, and join them again.
+// Units are found at the start. Steps separate halves that nothing holds together, and join them again.
 struct Units {
-  std::vector<int32_t> other_half;  // by block; -1: none
-  std::vector<uint8_t> apart;       // by block: nothing holds it and its other half together
+  std::vector<int32_t> other_half;  // by block; -1: the block is no half
+  std::vector<uint8_t> apart;       // by block: 1 where nothing holds it and its other half together
   int count = 0;                    // number of units of two halves that hold together
 
   enum class Halves : uint8_t { together, also_apart };
@@ -38,7 +38,7 @@ struct Units {
 
 void find_units(World& w);
 double rigid_kinetic_energy(const World& w, const Unit& unit);
-// By the first half or single block; others: nothing.
+// Inertia of the units of these blocks, at the index of the single block or of the first half; others are empty.
 std::vector<UnitInertia> inertia_of_units(const World& w, std::span<const int> blocks);
 void scale_motion(const World& w, std::span<const int> blocks, const std::vector<UnitInertia>& inertias,
                   LaneVector<geometry::Vector>& y, bool of_forces);

@@ -29,7 +29,7 @@ void lay_out(const Zoning& zoning, const Matrix& turned, const BlockMaterial& ma
     const bool is_one = k < zoning.zones.size();
     to.count += is_one;
     const auto& corners = zoning.zones[is_one ? k : k - lane];
-    // From the shape, not from the place: congruent blocks have the same bits.
+    // Edges come from the shape, not from positions in space: zones of congruent blocks have the same bits.
     Vector edge[3];
     for (size_t c = 0; c < 3; ++c)
       edge[c] = turned * (zoning.nodes[size_t(corners[c + 1])] - zoning.nodes[size_t(corners[0])]);

@@ -25,8 +25,8 @@ struct Zone {
   double energy(const Matrix& strain) const;  // stored under a uniform strain, symmetric, J
 };
 
-// Zones of a block in lanes, as their kernel reads them; those beyond `count` have no volume and the node numbers of
-// the first.
+// Zones of a block in lanes, in the layout of the kernel. Lanes from `count` on have no volume, and the node numbers of
+// the first zone.
 struct ZoneLanes {
   static constexpr int kCount = 8;
   alignas(64) double gradient[3][3][kCount];                // gradients of the shape functions of corners 1 to 3, 1/m
@@ -36,10 +36,10 @@ struct ZoneLanes {
   Zone zone(int lane) const;
 };
 
-// Zones of all blocks, in the orientation of the start. Blocks of one shape, material, zoning and orientation share
-// theirs.
+// Zones of all blocks in their orientation at the start. Blocks of one shape, material, zoning and orientation share
+// their zones.
 struct Zones {
-  LaneVector<ZoneLanes> lanes;             // laid out with the first block that has them
+  LaneVector<ZoneLanes> lanes;             // stored with the first block that has them
   std::vector<CongruentBlocks> congruent;  // data that blocks of one shape share in any orientation
 
   std::span<const ZoneLanes> lanes_of(const ModelBlock& b) const {
@@ -50,7 +50,7 @@ struct Zones {
   }
 };
 
-// Zones of a block, in the orientation that `turned` gives to its shape. lanes: as many as they need, without any yet.
+// Zones of a block in the orientation that `turned` gives to its shape. lanes: as many as the zones need, empty.
 void lay_out(const geometry::Zoning& zoning, const Matrix& turned, const BlockMaterial& material,
              std::span<ZoneLanes> lanes);
 

@@ -24,7 +24,7 @@ std::vector<BodyPoint> on_face(const std::vector<BodyPoint>& points, int face) {
   return found;
 }
 
-// The slots that hold the points of both, or nothing when they do not agree on a face.
+// Slots that hold the points of both; empty when they do not agree on a face.
 std::vector<BodyPoint> common_slots(const std::vector<BodyPoint>& slots, const std::vector<BodyPoint>& points) {
   std::vector<BodyPoint> common;
   for (int face = 0; face < 6; ++face) {

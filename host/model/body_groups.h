@@ -1,4 +1,4 @@
-// Rigid bodies that move side by side, one a lane: which ones.
+// Groups of rigid bodies that SIMD kernels advance together, one body a lane.
 #pragma once
 
 #include <vector>
@@ -13,17 +13,17 @@ struct BodyPoint {
   Vec3 arm{};    // place from the centre, m
 };
 
-// Bodies of one name that have contact points at the same places, in the same order, on every face that they use.
+// Bodies of one name whose contact points have the same places in the same order, on every face that has any.
 struct BodyClass {
   std::vector<BodyPoint> slot;  // by face
   std::vector<int> body;        // bodies in the order of the model
   int first_slot(int face) const;
 };
 
-// Fewer bodies than this move faster one by one.
+// Classes of fewer bodies than this are faster one by one.
 inline constexpr std::size_t kFewBodies = 4;
 
-// Classes of kFewBodies and more. points_of: by body, face after face.
+// Classes of at least kFewBodies bodies. points_of: contact points by body, face after face.
 std::vector<BodyClass> body_classes(const std::vector<RigidBody>& bodies,
                                     const std::vector<std::vector<BodyPoint>>& points_of);
 

@@ -1,4 +1,4 @@
-// Who does what: contact points in runs for one call of their law.
+// Division of the work: contact points in runs for one call of their law.
 #include "model/chunks.h"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ void put_on_gridpoints(World& w, const Point& p, uint32_t i, Chunk& chunk) {
     ++last->count;
   } else {
     chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, uint32_t(w.chunks.rows.size()), {p.n, p.s, p.t}, {}});
-    if (w.is_small) {  // they stay so
+    if (w.is_small) {  // axes are constant
       const Matrix r = start_of_frame(w, p.a);
       chunk.pair_axes.push_back(pair_axes(r * p.n, r * p.s, r * p.t));
     }
@@ -58,7 +58,7 @@ void put_on_gridpoints(World& w, const Point& p, uint32_t i, Chunk& chunk) {
   w.chunks.rows.resize(w.chunks.rows.size() + 1);
 }
 
-// In small displacements, where frames stay. In large motion a step finds them.
+// Gradients in small displacements, where frames are constant. In large motion each step computes them.
 ShapeGradients gradients_at_rest(const World& w, const Facet& facet) {
   return w.is_small ? triangle_frame(w.nodes.reference, facet).gradient : ShapeGradients{};
 }
@@ -143,7 +143,7 @@ void pack(World& w, const Chunk& chunk) {
   }
 }
 
-// What steps read: of the chunks that touch own blocks, and of own blocks.
+// Binds the data that steps read: of the chunks that touch own blocks, and of own blocks.
 void bind_work(World& w) {
   w.chunks.own.clear(), w.chunks.rows.clear();
   for (int c = 0; c < w.chunk_count(); ++c) {

@@ -1,4 +1,4 @@
-// Contact points in runs for one call of their law: what kernels read of them, and what a step adds up.
+// Chunks: runs of contact points for one call of their law, with the input of the kernels and the sums of a step.
 #pragma once
 
 #include <cstdint>
@@ -15,75 +15,77 @@ struct World;
 
 using geometry::Vector;
 
-// Points in a row between two rigid blocks, in one plane: what they share, and what they add up to.
+// Consecutive contact points between two rigid blocks in one plane: their common axes, and the sums of a step.
 struct RigidPair {
   int32_t a, b;           // bodies
   uint32_t first, count;  // points of the family
   Vector axis[3];         // n, s, t in a's body frame, unit
-  // Numbers of the last step:
-  double in_space[3][4];             // the axes; the fourth has no meaning
-  Vector force, moment_a, moment_b;  // force on a, N; moments about the centre of a, on a, and of b, on b, N m
+  // Results of the last step:
+  double in_space[3][4];             // axes in space, one a row; the fourth number is padding
+  Vector force, moment_a, moment_b;  // force on a, N; moments on a and on b about their centres, N m
 };
 
-// Points in a row of one pair of deformable blocks, which sit on gridpoints of both. Axes turn with the frame of block
-// a.
+// Consecutive contact points of one pair of deformable blocks that lie on gridpoints of both. Axes turn with the frame
+// of block a.
 struct GridpointPair {
   int32_t a, b;           // blocks
   uint32_t first, count;  // points of the family
   uint32_t row;           // force of the first point in Chunks::rows, which has one row a point
   Vector axis[3];         // n, s, t in the frame of block a, unit
-  Vector moment;          // moment of the last step on the frame of block a, which turns the axes, N m
+  Vector moment;          // moment of the last step on the frame of block a, N m
 };
 
-// The axes of a pair in space: n, s, t; the fourth number has no meaning. A step forms them again: they never leave the
-// cache.
+// Axes of a pair in space: n, s, t; the fourth number is padding. A step computes them again, which is faster than
+// reading them from memory.
 struct PairAxes {
   double axis[3][4];
 };
 
-// A point with one deformable side. Of the last step but for its index:
+// Contact point with one deformable side. All but its index is of the last step.
 struct OtherPoint {
   uint32_t index;           // of the family
-  ShapeGradients gradient;  // of the triangle of a; in small displacements of its shape at rest
+  ShapeGradients gradient;  // of the shape functions of a's triangle; in small displacements at rest
   Vector force;             // force on a, in space, viscous part included, N
-  double shear[2];          // traction along s and t that goes with it, Pa
+  double shear[2];          // traction along s and t, viscous part included, Pa
 };
 
-// Up to kCount points in a row on triangles, lane by lane; those beyond `count` repeat the last one.
+// Up to kCount consecutive contact points on triangles, one a lane; lanes from `count` on repeat the last point.
 struct FacetLanes {
   static constexpr int kCount = 8;
   uint32_t first, count;  // points of the family
-  uint32_t row;           // index into Chunks::rows of the first point's rows; a point has FacetRow::kCount of them
-  bool on_gridpoints;     // all points sit on the first gridpoint of b's triangle
+  uint32_t row;           // index into Chunks::rows of the first point's rows; each point has FacetRow::kCount rows
+  bool on_gridpoints;     // whether all points lie on the first gridpoint of b's triangle
   int32_t node_a[3][kCount], node_b[3][kCount];
-  int32_t facet_a[kCount];  // triangles of block a, which take the weights back
+  int32_t facet_a[kCount];  // triangles on block a, to which weight_a is copied back
   alignas(64) double weight_b[3][kCount];
   double reference[kCount], area[kCount];  // m, m2
-  double weight_a[3][kCount];  // weights of the point's foot on the triangle that owns the plane, in the last step
+  double weight_a[3][kCount];              // weights of the point's foot on a's triangle, in the last step
 };
 
-// Frames of those triangles as they stand. In large motion a step forms them again: they never leave the cache.
+// Current frames of the triangles on block a. In large motion a step computes them again, which is faster than reading
+// them from memory.
 struct FacetFrames {
   static constexpr int kCount = FacetLanes::kCount;
   alignas(64) double n[3][kCount];
   double s[3][kCount], t[3][kCount];
-  double slope[3][kCount];  // along s of corner 1, along t of corners 1 and 2: gradients of shape functions, 1/m
+  double slope[3][kCount];  // gradients of shape functions, 1/m: of corner 1 along s, of corners 1 and 2 along t
 };
 
-// Of what a point does to a, N: all of it, and the parts of corners 1 and 2 of a's triangle. The rest is corner 0's,
-// and b has the opposite of it all by its weights. The fourth number of a row has no meaning.
+// Force of a contact point on block a, N, in three rows. They are the whole force, and its shares at corners 1 and 2 of
+// the triangle on a. Corner 0 has the rest. Block b has the opposite of the whole, by its weights. The fourth number of
+// a row is padding.
 struct FacetRow {
   static constexpr int kCount = 3;
   double force[4];
 };
 
-// The smallest opening of some points, m, and where it is, m.
+// Smallest opening of a set of contact points, m, and its place, m.
 struct Deepest {
   double opening;
   Vector at;
 };
 
-// A run of points of one family: one call of its law, one piece of work. At most kChunk points.
+// A run of at most kChunk contact points of one family: one call of its law, and one task of a thread.
 struct Chunk {
   int family = 0;
   uint32_t first = 0, count = 0;
@@ -96,28 +98,29 @@ struct Chunk {
   std::vector<PairAxes> pair_axes;                // axes of gridpoint_pairs; constant in small displacements
   std::vector<int32_t> node_a, node_b;            // gridpoints of these pairs, by point of the chunk
   std::vector<FacetLanes> facets;                 // points on triangles
-  std::vector<FacetFrames> frames;                // axes of gridpoint_pairs; constant in small displacements
+  std::vector<FacetFrames> frames;                // frames of their triangles; constant in small displacements
   std::vector<OtherPoint> others;                 // points with one deformable side
-  // of the last step
+  // Results of the last step:
   quoin_status status = QUOIN_OK;
   bool failed = false;
   double stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // J
-  // for rows of the history
+  // For rows of history.csv:
   double force_sum = 0.0;  // sum of the magnitudes of the points' forces, N
   Deepest deepest{};
 };
 inline constexpr uint32_t kChunk = 256;
 
-// Divided again when contacts have changed. All ranks have the list.
+// Chunks are divided again when contacts have changed. All ranks have the list.
 struct Chunks {
-  std::vector<Chunk> all;  // chunks; those of other processes are empty
+  std::vector<Chunk> all;  // chunks; those that other ranks evaluate have no points bound
   std::vector<int> own;    // chunks that this process evaluates
-  // Forces of a step in own chunks: a row a point on gridpoints, three a point on a triangle.
+  // Forces of a step in own chunks: one row for a point on gridpoints, three for a point on a triangle.
   LaneVector<FacetRow> rows;
   long divisions = 0;  // number of divisions of the work so far
 };
 
-// After contacts have changed. One process alone has then all that steps read; ranks are to hold their parts first.
+// Divides contact points and blocks into chunks and pieces, after contacts have changed. A single process then binds
+// them too. Ranks call bind_work after they hold their parts.
 void divide_work(World& w);
 void bind_work(World& w);
 void pack(World& w, const Chunk& chunk);

@@ -6,7 +6,7 @@ using namespace geometry;
 
 namespace {
 
-// From the mass centre.
+// Positions from the mass centre, m.
 std::vector<Vector> places_of(std::span<const Vector> node, std::span<const double> mass) {
   Vector centre;
   double sum = 0.0;

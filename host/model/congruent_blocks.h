@@ -1,4 +1,4 @@
-// What deformable blocks of one shape, zoning and material share, in the frame of their shape.
+// Data that deformable blocks of one shape, zoning and material share, in the frame of their shape.
 #pragma once
 
 #include <vector>
@@ -14,10 +14,10 @@ struct CongruentBlocks {
   std::vector<geometry::Vector> anchor;  // b = m S^-1 X, S = sum m X X^T, 1/m: sum X b^T = 1, sum b = 0
 };
 
-// b of gridpoints, from where they stand and their masses.
+// b of gridpoints, from their positions and masses.
 std::vector<geometry::Vector> anchors_of(std::span<const geometry::Vector> node, std::span<const double> mass);
 
-// node, mass: of gridpoints, m and kg. zones: as of one block, indices from 0.
+// node, mass: positions and masses of gridpoints, m and kg. zones: those of one block, with node indices from 0.
 CongruentBlocks make_congruent_blocks(std::span<const geometry::Vector> node, std::span<const double> mass,
                                       std::span<const quoin::Zone> zones, double lambda, double shear_modulus);
 

@@ -46,7 +46,6 @@ void take_back_facets(World& w) {
   }
 }
 
-// Where the point is now: place in space, gap from the plane less the reference, position along s and t in a's frame.
 Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets) {
   Location l;
   if (p.facet_b >= 0) {
@@ -79,8 +78,8 @@ std::pair<double, double> turned_into(const Vector& s, const Vector& t, const Ve
   return {keep * along_s, keep * along_t};
 }
 
-// The foot goes to below the point, vectors of the joint are turned into the axes of the triangle. The opening stays,
-// and what the law has not seen yet of the slip.
+// Moves a point from its gridpoint on block a to a triangle. The foot moves below the point; joint vectors are turned
+// into the axes of the triangle. The opening stays, and so does the slip since the last call of the law.
 void leave_gridpoints(World& w, Family& f, size_t i) {
   Point& p = f.point[i];
   Facet& facet = w.contacts.facets[size_t(p.facet_a)];

@@ -1,4 +1,4 @@
-// Where contact points are, and the axes that they have.
+// Places of contact points, and their axes.
 #pragma once
 
 #include <iterator>
@@ -13,11 +13,11 @@ struct World;
 using geometry::Vector;
 
 struct Location {
-  Vector at;                                // place in space, m
-  double jump = 0.0, slid[2] = {0.0, 0.0};  // gap from the plane less the reference; along s and t in a's frame, m
+  Vector at;                                // position in space, m
+  double jump = 0.0, slid[2] = {0.0, 0.0};  // normal jump; position along s and t in a's frame, m
 };
 Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets);
-Vector in_space(const World& w, const Point& p, const Vector& v);  // a vector of p's frame in space
+Vector in_space(const World& w, const Point& p, const Vector& v);  // a vector of the point's frame, in space
 
 // n of a triangle, s along its first edge.
 struct TriangleFrame {
@@ -26,13 +26,13 @@ struct TriangleFrame {
 };
 TriangleFrame triangle_frame(const LaneVector<Vector>& gridpoints, const Facet& facet);
 void take_axes(Point& p, const TriangleFrame& frame);
-void move_foot(Facet& facet, const ShapeGradients& gradient, double along_s, double along_t);  // on its triangle, m
-void take_back_facets(World& w);                           // frames and feet, from lanes to points
-void leave_gridpoints(World& w, Family& f, size_t point);  // whose block a has no frame: it goes on from a triangle
+void move_foot(Facet& facet, const ShapeGradients& gradient, double along_s, double along_t);  // m
+void take_back_facets(World& w);                           // copies frames and feet from lanes to points
+void leave_gridpoints(World& w, Family& f, size_t point);  // frame: from block a to its triangle
 
-// Along these axes of a joint: what a vector along slightly different ones becomes, of the same size.
+// Components along s and t of a vector that lies nearly in their plane; its size is kept.
 std::pair<double, double> turned_into(const Vector& s, const Vector& t, const Vector& v);
-// Turns the vectors that contact points have along s and t: turn(s before, t before, s now, t now), arrays by point.
+// Turns the vectors that contact points have along s and t: turn(old s, old t, new s, new t), arrays by point.
 template <class Turn>
 void turn_joint_vectors(const Family& old, Family& f, const Turn& turn) {
   turn(old.traction[1], old.traction[2], f.traction[1], f.traction[2]);

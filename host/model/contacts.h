@@ -10,29 +10,29 @@ namespace quoin::blocks {
 using geometry::Matrix;
 using geometry::Vector;
 
-// Two blocks close to each other: what every process has of them.
+// A pair of blocks close to each other, on every rank.
 struct Contact {
   geometry::Pair pair;
   int family = -1;
   uint32_t first = 0, count = 0;  // points in Family::point
   uint32_t first_facet = 0;       // index of the contact's first facet point in Contacts::facets
-  bool initial = false;           // a joint of the start
-  bool beside_joint = false;      // blocks that only touch along an edge or at a corner since the start
+  bool initial = false;           // whether it is a joint of the start
+  bool beside_joint = false;      // whether the blocks touch only along an edge or at a corner since the start
 };
 
-// The same pair at its last narrow detection.
+// Geometry of a pair at its last narrow phase.
 struct PairPlace {
   geometry::Separation separation;
-  Vector relative_x;  // pose of b seen from a
+  Vector relative_x;  // pose of b in the frame of a
   Matrix relative_r;
 };
 
-// Detection makes them; steps change the points. With ranks all have the list, and points of own pairs.
+// Detection makes contacts; steps change their points. Every rank has the list, but only points of own pairs.
 struct Contacts {
   std::vector<Contact> list;    // contacts in the order of their pairs
-  LaneVector<PairPlace> place;  // place of each contact
+  LaneVector<PairPlace> place;  // by contact
   std::vector<Family> families;
-  std::vector<std::vector<uint32_t>> of_family;  // indices of those that have points
+  std::vector<std::vector<uint32_t>> of_family;  // indices of contacts with points, by family
   LaneVector<Facet> facets;                      // family after family, in the order of points
 };
 

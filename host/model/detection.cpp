@@ -1,4 +1,4 @@
-// Contact detection: which blocks are close, where they touch, and what history a new contact point inherits.
+// Contact detection: pairs of close blocks, their contact points, and the history that a new contact point inherits.
 #include "model/detection.h"
 
 #include <fmt/format.h>
@@ -20,22 +20,23 @@ using namespace geometry;
 
 namespace {
 
-// Between features that agree within this fraction of the smallest block, the reference face of before is kept.
+// The reference face of before is kept among features that agree within this fraction of the smallest block.
 constexpr double preference_fraction = 1e-4;
-// Of the local stiffness bound, before 2/omega_max is sought again. The step is then longer than its fraction of it
-// by the root of this at most.
+// Limits of the growth of the local stiffness bound up to which 2/omega_max is not computed again. Between them the
+// margin of the step fraction decides. The step then exceeds its fraction of the critical step by the root of this
+// growth at most.
 constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 
 struct Detection {
   bool at_start;
-  std::vector<Contact> contacts;  // contacts in the order of the pairs
-  std::vector<Finding> findings;  // place of each contact
+  std::vector<Contact> contacts;  // in the order of the pairs
+  std::vector<Finding> findings;  // by contact
   std::vector<NewPoint> points;
-  std::vector<Contact> lost;  // contacts that had points, of pairs beyond the skin now
+  std::vector<Contact> lost;  // contacts with points whose pair is now beyond the skin
   bool changed = false;       // whether points of any contact have changed
 };
 
-// Broad phase: all pairs within the skin, found again when some block has used up its part of it.
+// Broad phase: all pairs within the skin. They are found again when a block has moved by its share of the skin.
 std::vector<Pair> close_pairs(World& w, bool everything) {
   bool stale = everything;
   for (size_t i = 0; i < w.blocks.size() && !stale; ++i)
@@ -57,7 +58,7 @@ std::vector<Pair> close_pairs(World& w, bool everything) {
   w.part.gather_by_block(boxes);
   for (size_t i = 0; i < w.blocks.size(); ++i) w.part.rough_place[i] = 0.5 * (boxes[i].lower + boxes[i].upper);
   pairs = overlapping_pairs(boxes);
-  const auto held = [&](int i) {  // those that stages drive are laid out everywhere
+  const auto held = [&](int i) {  // fixed blocks that stages drive are laid out on all ranks
     return w.blocks[i].body >= 0 && w.assembly.blocks[i].fixed &&
            (!w.part.laid_out[size_t(i)] || w.bodies[w.blocks[i].body].held == 0x3f);
   };
@@ -84,7 +85,7 @@ void name_family(const World& w, Contact& c, const Vector& normal, std::span<con
                                            label(w.assembly, c.pair.a), label(w.assembly, c.pair.b), place(middle)));
 }
 
-// Where the two blocks of a pair touch, and the points that belong there.
+// Narrow phase of one pair: separation of its blocks, and new contact points.
 void detect_pair(World& w, Contact& c, PairPlace& place, Finding& finding, Detection& found) {
   finding.examined = true;
   const Pair pair = c.pair;
@@ -110,16 +111,16 @@ void detect_pair(World& w, Contact& c, PairPlace& place, Finding& finding, Detec
     finding.fresh = true;
     c.beside_joint |= found.at_start && found.points.size() == finding.begin && distance <= w.detection.joint_tolerance;
   } else {
-    // Beyond reach the points go, unless one still carries something: a joint that stretches further than the skin.
+    // Beyond reach the points are removed, unless one carries traction: a joint that stretches further than the skin.
     c.beside_joint = false;
     finding.fresh = !carries(w, c);
   }
   const auto fresh = std::span(found.points).subspan(finding.begin);
   if (!fresh.empty() && c.family < 0) name_family(w, c, place.separation.normal, fresh);
-  finding.fresh_count = c.family < 0 ? 0 : uint32_t(fresh.size());  // none: declared to pass through each other
+  finding.fresh_count = c.family < 0 ? 0 : uint32_t(fresh.size());  // 0: declared to pass through each other
 }
 
-// Contacts of now with what those of before go on with; pairs that are no longer close are lost.
+// Contacts of the current pairs, with the data of the same pairs before; contacts of other pairs are lost.
 void keep_contacts(World& w, const std::vector<Pair>& pairs, Detection& found) {
   const std::vector<Contact>& old = w.contacts.list;
   std::vector<KeptItems> kept;
@@ -146,7 +147,7 @@ void keep_contacts(World& w, const std::vector<Pair>& pairs, Detection& found) {
   keep_pairs(w, kept, pairs.size());
 }
 
-// Narrow phase: of own pairs those that are new, or have moved enough, are checked; the others go on as they are.
+// Narrow phase of own pairs that are new or have moved enough; others keep their points.
 void narrow_phase(World& w, bool everything, Detection& found) {
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     Contact& c = found.contacts[i];
@@ -158,7 +159,7 @@ void narrow_phase(World& w, bool everything, Detection& found) {
   }
 }
 
-// How many points each pair has now, and of what: known to all, so that points have the numbers of one process.
+// Exchanges the family and number of points of each pair, so that points have the numbers of a single process.
 void exchange_findings(World& w, Detection& found) {
   struct Exchanged {
     int32_t family;
@@ -184,8 +185,8 @@ void exchange_findings(World& w, Detection& found) {
   }
 }
 
-// Points of now, in the order of the pairs; facets in the order of points. Those that are replaced, or go, are set
-// aside.
+// Numbers all points in the order of the pairs, and facets in the order of points. Returns copies of the points that
+// are replaced or lost.
 PointsBefore number_points(World& w, Detection& found) {
   PointsBefore before;
   for (const Family& f : w.contacts.families) before.families.push_back(without_points(f));
@@ -234,8 +235,8 @@ PointsBefore number_points(World& w, Detection& found) {
   return before;
 }
 
-// Contact points that go on stay, the others are made with the history of those nearby. Where several processes share
-// the model, those between own blocks and others.
+// Keeps or makes contact points. New points inherit the history of points nearby. With ranks: points of pairs with an
+// own block.
 void place_points(World& w, Detection& found) {
   const PointsBefore before = number_points(w, found);
   if (!found.at_start && w.start_joints.kept.empty())
@@ -245,7 +246,7 @@ void place_points(World& w, Detection& found) {
       keep_of_joint(w, c, before.families[c.family], before.facets, first, count);
   };
 
-  // Energies that are freed, J, in a fixed order, and the pairs that they belong to.
+  // Elastic energies of points that are removed (> 0) or placed (< 0), J, in a fixed order, and their pairs.
   std::vector<double> freed;
   std::vector<const Contact*> freed_by;
   const auto free = [&](const Contact& c, double energy) {
@@ -280,7 +281,7 @@ void place_points(World& w, Detection& found) {
     if (found.findings[i].fresh) has_changed[size_t(pair.a)] = has_changed[size_t(pair.b)] = true;
   }
   const double bound = local_stiffness_bound(w, [&](int block) { return has_changed[size_t(block)]; });
-  // Springs may grow by what the step has in hand, as its frequency costs many steps.
+  // Stiffness may grow within the margin of the time step fraction, as the frequency costs as much as many steps.
   const double fraction = w.solver.time_step_fraction;
   if (bound <= std::clamp(1.0 / (fraction * fraction), kLeastGrowth, kMostGrowth) * w.stepping.stiffness_bound) return;
   std::set<int> changed;

@@ -1,4 +1,4 @@
-// What the tables of fields say of an array (model/fields.h).
+// Description of one array in the tables of fields (model/fields.h).
 #pragma once
 
 #include <cstddef>
@@ -7,24 +7,24 @@
 
 namespace quoin {
 
-// Whose the items of an array are.
+// Kind of the items of an array.
 enum class Owner { block, body, gridpoint, pair, contact_point, facet };
-// When an array has its items; else it may be empty.
+// Condition under which an array has its items; else it may be empty.
 enum class When { always, with_stiffness_damping, with_maxwell, with_energies, after_checks, after_law_swaps };
 
 struct Field {
   Owner owner;
   const char* name;
-  int components;    // numbers of an item; 0: a struct, see its members
+  int components;    // numbers per item; 0: a struct, see its members
   const char* unit;  // unit of the components
   When when = When::always;
-  std::size_t hashed = 0;     // bytes of an item, its first ones, that belong to the hash of the state
+  std::size_t hashed = 0;     // leading bytes of an item that belong to the hash of the state
   Part gathered = Part::all;  // first part with which ranks gather it in steps; nothing: steps do not change it
-  bool known_to_all = false;  // ranks have all of it
-  bool of_step = false;       // every step finds it again before it is read: new contact points need not have it
+  bool known_to_all = false;  // whether every rank has all of it
+  bool of_step = false;       // every step computes it before it is read: new contact points need no values
   bool saved = true;
 
-  // The same but for what they name.
+  // Copies of the field with one property changed.
   constexpr Field only(When holds) const {
     return change([&](Field& f) { f.when = holds; });
   }

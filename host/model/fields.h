@@ -1,6 +1,7 @@
-// The table of what changes in a run: every array once, with what it is and whose. Checkpoints, state hashes, what
-// ranks gather, exchange and release, and what new contact points inherit are loops over it. No other list of arrays
-// exists. Blocks on the lattice: step/lattice_fields.h. Single numbers, which only checkpoints have, are listed there.
+// The table of all arrays that change in a run, each with its description. Checkpoints and state hashes are loops over
+// it. So is what ranks gather, exchange and release, and what new contact points inherit. No other list of arrays
+// exists. Fields of the lattice are in step/lattice_fields.h. Single numbers, which only checkpoints have, are listed
+// there.
 #pragma once
 
 #include <algorithm>
@@ -48,7 +49,7 @@ struct WorldFields {
     const auto each = [&](const Field& of, auto&... columns) {
       for (std::size_t k = 0; k < std::min({std::size(columns)...}); ++k) visit(of, columns[k]...);
     };
-    const Field point{Owner::contact_point, "point", 0, "SI"};  // steps change those with one deformable side alone
+    const Field point{Owner::contact_point, "point", 0, "SI"};  // steps change only points with one deformable side
     visit(point.in(Part::nothing), f.point, g.point...);
     each(field("slid", "m"), f.slid, g.slid...);
     visit(field("normal_jump", "m").in(Part::row), f.normal_jump, g.normal_jump...);
@@ -66,7 +67,7 @@ struct WorldFields {
     each(field("maxwell_traction", "Pa").only(When::with_maxwell), f.maxwell, g.maxwell...);
   }
 
-  // All of them.
+  // Visits all fields.
   template <class World, class Visit>
   static void each(World& w, const Visit& visit) {
     of_blocks(w, visit);

@@ -39,7 +39,7 @@ double GatheredSums::sum(const Add& add) {
     each_run([&](std::size_t rank, std::size_t from, std::size_t to) {
       sizes[rank] += (to - from) * sizeof(double);
       if (static_cast<int>(rank) != ranks_.rank()) return;
-      for (std::size_t i = from; i < to; ++i) own.push_back(add({i, i + 1}, 0.0));  // one number alone: its term
+      for (std::size_t i = from; i < to; ++i) own.push_back(add({i, i + 1}, 0.0));  // the term of one number
     });
     all.resize(end - begin);
     ranks_.gather(std::as_bytes(std::span(own)), sizes, std::as_writable_bytes(std::span(all)));

@@ -1,7 +1,8 @@
-// Sums over a vector whose numbers ranks share, in the order of one process.
+// Sums over a vector that is shared by ranks, in the order of a single process.
 //
-// All ranks gather all terms, a few megabytes at a time, and each adds up all of them. So the number of messages does
-// not depend on how often numbers in a row change their rank. step/rank_sums.h hands the sum on instead.
+// All ranks gather all terms, a few megabytes at a time, and each rank adds up all of them. So the number of messages
+// does not depend on how often consecutive numbers change rank. step/rank_sums.h passes the sum from rank to rank
+// instead.
 #pragma once
 
 #include <vector>
@@ -15,7 +16,7 @@ class GatheredSums : public SharedVectors {
  public:
   explicit GatheredSums(Ranks& ranks) : ranks_(ranks) {}
 
-  void append(int rank, std::size_t numbers);  // the next ones of the vector, by the rank that computes them
+  void append(int rank, std::size_t numbers);  // appends the next numbers of the vector, which `rank` computes
   std::span<const VectorRow> rows() const override { return rows_; }
   double sum(const Add& add) override;
 

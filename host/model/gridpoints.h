@@ -19,13 +19,13 @@ struct BlockGridpoints {
   std::span<const uint8_t> held;
 };
 
-// Gridpoints of all blocks, block after block. Steps change x and v, stages supports; the rest is constant.
+// Gridpoints of all blocks, block after block. Steps change x and v, stages change supports; the rest is constant.
 struct Gridpoints {
-  LaneVector<Vector> x, reference, v;    // m, of the start m, m/s at half steps
+  LaneVector<Vector> x, reference, v;    // position, position at the start, m; velocity at half steps, m/s
   LaneVector<double> mass, weight_mass;  // mass for inertia (mass scaling included) and for weight, kg
-  LaneVector<uint8_t> held, support;     // bits 0..2; of held, what a plane of symmetry holds for good
-  LaneVector<Vector> held_v;             // m/s
-  LaneVector<Vector> anchor;             // b of blocks in frames of their own, 1/m; empty: there are none
+  LaneVector<uint8_t> held, support;     // held axes, bits 0..2; those of `held` that a symmetry plane holds for good
+  LaneVector<Vector> held_v;             // prescribed velocity, m/s
+  LaneVector<Vector> anchor;             // b of blocks in frames that do not share it, 1/m; empty: there are none
 
   BlockGridpoints of(const ModelBlock& b) const {
     const auto part = [&](const auto& field) {

@@ -8,8 +8,7 @@
 
 namespace quoin {
 
-// The motion that goes from one rank to another after every step: where its numbers lie, in the same order on both
-// sides.
+// Motion that two ranks exchange after every step: addresses of its numbers, in the same order on both sides.
 struct Border {
   int rank;
   std::vector<double*> send, receive;
@@ -21,7 +20,7 @@ class Halo {
  public:
   void clear() { borders_.clear(); }
   void add(Border border);
-  void send(Ranks& ranks);                               // and makes ready to receive; returns at once
+  void send(Ranks& ranks);                               // also begins to receive; returns at once
   void receive(Ranks& ranks);                            // waits
   std::size_t messages() const { return send_.size(); }  // messages that this rank sends
   std::size_t bytes() const;                             // bytes of these messages

@@ -9,7 +9,7 @@ namespace quoin {
 namespace {
 
 constexpr double kZoneDamping = 0.01;  // share of critical at the first frequency of a block that deforms
-constexpr double kAlong = 0.5;         // damping along the joint, of that normal to it
+constexpr double kAlong = 0.5;         // damping along the joint over damping normal to it
 
 }  // namespace
 

@@ -14,9 +14,9 @@ using namespace geometry;
 
 namespace {
 
-using Landing = std::array<double, 2>;  // normal to the face and along it
+using Landing = std::array<double, 2>;  // squared frequencies normal to the face and along it, 1/s2
 
-// Frequencies of a block that lands on an edge of its face at this contact, 1/s2.
+// Squared frequencies of a block that lands on an edge of its face at this contact, 1/s2.
 Landing landing_frequencies(const World& w, const Contact& c, int block) {
   const Block& input = w.assembly.blocks[size_t(block)];
   if (input.fixed) return {};
@@ -50,8 +50,8 @@ Landing landing_frequencies(const World& w, const Contact& c, int block) {
                          f.kn, f.ks);
 }
 
-// Of the lightest block at the joints of a family, 1/s2. Of a family that has none yet, of the lightest block of all
-// on its largest face.
+// Squared frequencies of the lightest block at the joints of a family, 1/s2. For a family without joints, those of the
+// lightest of all blocks on its largest face.
 Landing landing_frequencies(const World& w, int family) {
   const Family& f = w.contacts.families[size_t(family)];
   Landing highest{};
@@ -81,8 +81,8 @@ void choose_impact_damping(World& w) {
   w.impacts.beta.clear();
   w.impacts.zone_beta = 0.0, w.impacts.share = 1.0;
   if (!w.damping.impacts) return;
-  // Joints between the halves of units are glued from the start: nothing lands there. Their stiffness, which is that of
-  // the units, would take all of the step.
+  // Joints between the halves of units are bonded from the start: nothing lands there. With the stiffness of units they
+  // would reduce the step far too much.
   const auto within_units = [&](size_t f) {
     double any = 0.0, others = 0.0;
     for (const uint32_t i : w.contacts.of_family[f]) {

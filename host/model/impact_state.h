@@ -1,4 +1,4 @@
-// Damping of impacts in large motion, as it is in use.
+// Impact damping in large motion.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@ namespace quoin::blocks {
 
 struct World;
 
-// Chosen with the time step.
+// Impact damping in use; it is chosen with the time step.
 struct ImpactState {
   std::vector<double> beta;  // viscosity over stiffness, normal and along the joint, family by family, s
   double zone_beta = 0.0;    // stiffness-proportional damping of zones, s
-  double rate = 0.0;         // largest eigenvalue of this viscosity over inertia, 1/s
+  double rate = 0.0;         // largest eigenvalue of viscosity over inertia, 1/s
   double share = 1.0;        // damping in use over that of the settings
   std::array<MaxwellElement, kMaxwellElements> maxwell{};
 };

@@ -51,7 +51,7 @@ bool has_columns(const World& w, When when) {
                                               : true;
 }
 
-// An array in parts is laid out again: what other ranks have takes no memory.
+// Resizes an array and keeps items. With ranks it is allocated again, so that items of other ranks take no memory.
 template <class Array>
 void keep_items(const World& w, Array& items, std::span<const KeptItems> kept, size_t count) {
   if (!w.part.ranks && !items.empty() && count > 0) return keep_in_place(items, kept, count);
@@ -63,7 +63,7 @@ void keep_items(const World& w, Array& items, std::span<const KeptItems> kept, s
 }  // namespace
 
 void keep_points(const World& w, Family& f, std::span<const KeptItems> kept, size_t count) {
-  // What damping has is of no use without it, and then gone: a stage may have switched it off.
+  // Columns of damping are empty without it, as a stage may have switched it off.
   WorldFields::of_points(
       [&](const Field& field, auto& column) { keep_items(w, column, kept, has_columns(w, field.when) ? count : 0); },
       f);
@@ -80,7 +80,7 @@ void keep_pairs(World& w, std::span<const KeptItems> kept, size_t count) {
 
 namespace {
 
-// What a new point has from its nearest old one.
+// History of a new point from its nearest old point.
 struct Heir {
   double closure = 0.0;           // plastic, m
   double opening = std::nan("");  // change since the last step, m; not a number for a point without history
@@ -95,8 +95,8 @@ void inherit(const World& w, const Family& old, size_t from, const Contact& c, F
   Point& p = f.point[to];
   const bool open = old.traction[0][from] == 0.0 && old.traction[1][from] == 0.0 && old.traction[2][from] == 0.0;
   p.reference = c.initial || !open ? q.reference : 0.0;  // an open dry contact starts from the true gap
-  // Vectors of the joint keep their direction in space: they are turned from the old axes into the new ones. The roles
-  // of a and b may have changed with the reference face. Sigma and the traction on the former block a change with it.
+  // Joint vectors keep their direction in space: they are turned from the old axes into the new ones. A change of the
+  // reference face may swap blocks a and b. Sigma and the traction on the former block a keep their values.
   const double sign = q.a == p.a ? 1.0 : -1.0;
   const Vector s = in_space(w, p, p.s), t = in_space(w, p, p.t);
   const auto turn = [&](const auto& then_s, const auto& then_t, auto& now_s, auto& now_t) {
@@ -110,13 +110,15 @@ void inherit(const World& w, const Family& old, size_t from, const Contact& c, F
   turn_joint_vectors(old, f, turn);
 }
 
-// What a closed point has crushed, or dilated, since it was placed: the law's sigma = kn (d_n + closure), m.
+// Plastic closure of a closed point by crushing or dilation since it was placed, m: the law's sigma = kn (d_n +
+// closure).
 double plastic_closure(const Family& f, size_t i) {
   return f.traction[0][i] < 0 ? f.traction[0][i] / f.kn - f.normal_jump[i] : std::max(0.0, -f.normal_jump[i]);
 }
 
-// New points hold the elastic energy of those that they replace: the overlap counts from a shifted reference, and shear
-// traction is scaled. Fewer of them, or less area, hold it deeper; never deeper than the lost area explains.
+// Gives new points the elastic energy of those that they replace: the reference gap shifts, and shear traction is
+// scaled. Fewer points, or less area, store it at a deeper overlap. The overlap grows by no more than the lost area
+// explains.
 void keep_energy(World& w, const PointsBefore& before, const Finding& finding, const Contact& c,
                  std::span<const Heir> heirs) {
   struct Sums {
@@ -154,11 +156,11 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
     }
     if (std::isnan(heirs[k].opening)) continue;
     const double pressed = f.traction[0][i];
-    // The opening that the point would have had a step ago: stiffness damping is to act on motion alone.
+    // Opening that the point would have had a step ago, so that stiffness damping depends on motion alone.
     f.normal_jump[i] = locate(w, p, w.contacts.facets).jump - heirs[k].opening;
     if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
     if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
-    // Shear goes no further than the pressure goes with it: a traction within its strength stays there.
+    // Shear traction falls with the pressure: a traction within its strength stays within it.
     const double share = std::min(stronger, pressed < 0 ? f.traction[0][i] / pressed : 1.0);
     f.traction[1][i] *= share, f.traction[2][i] *= share;
   }
@@ -166,7 +168,8 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
 
 }  // namespace
 
-// New points take the history of the nearest old one of their contact: old points have moved along with their blocks.
+// New points inherit the history of the nearest old point of their contact. Old points have moved along with their
+// blocks.
 void hand_over(World& w, const PointsBefore& before, const Finding& finding, const Contact& c,
                std::span<const NewPoint> points, bool at_start) {
   Family& f = w.contacts.families[c.family];
@@ -175,7 +178,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) old_area += old.point[j].area;
   const double radius2 =
       finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * w.detection.size * w.detection.size) : 0.0;
-  std::vector<Vector> then;  // current places of the old points
+  std::vector<Vector> then;  // current positions of the old points
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j)
     then.push_back(locate(w, old.point[j], before.facets).at);
   std::vector<Heir> heirs(points.size());
@@ -190,7 +193,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
     p = points[k].point;
     if (p.facet_a >= 0) p.facet_a = put(points[k].facet_a);
     if (p.facet_b >= 0) p.facet_b = put(points[k].facet_b);
-    if (!f.old_jump.empty()) f.old_jump[to] = std::nan("");  // no rate, no viscous traction in the first step
+    if (!f.old_jump.empty()) f.old_jump[to] = std::nan("");  // no rate, so no viscous traction, in the first step
     long nearest = -1;
     double best = radius2;
     for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) {
@@ -205,8 +208,8 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
       for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = values[s];
       if (!bonded) p.reference = 0.0;
     }
-    // The zero of the jumps. d_n counts from the reference gap. Slip counts from here, less what the last step has
-    // moved and the law has not taken yet.
+    // Zero of the jumps: d_n counts from the reference gap. Slip counts from here, less the slip of the last step that
+    // the law has not integrated yet.
     if (p.facet_a < 0) p.offset += p.reference;
     const Location now = locate(w, p, w.contacts.facets);
     p.at = now.at;
@@ -226,7 +229,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
   if (!at_start) keep_energy(w, before, finding, c, heirs);
 }
 
-// What these points store at the positions of now, and dissipate on the way there from the last step, J.
+// Energy of these points, J: stored at their current positions, plus dissipated since the last step.
 double energy_of_points(const World& w, const Family& f, const LaneVector<Facet>& facets, uint32_t first,
                         uint32_t count) {
   if (!w.books_energy || count == 0) return 0.0;

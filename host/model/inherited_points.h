@@ -1,4 +1,4 @@
-// What contact points go on with when detection places them again.
+// History that contact points inherit when detection places them again.
 #pragma once
 
 #include <span>
@@ -11,30 +11,31 @@ namespace quoin::blocks {
 
 struct World;
 
-// What a pair has after detection, and had before.
+// Contact points of a pair before and after detection.
 struct Finding {
-  bool known = false;  // close before
+  bool known = false;  // whether the pair was within the skin before
   bool examined = false;
-  bool fresh = false;             // new points, or none any more
-  size_t begin = 0;               // index of its first new point, where this process finds them
+  bool fresh = false;             // whether its points are replaced by new ones or by none
+  size_t begin = 0;               // index of its first new point in the list of this process
   uint32_t fresh_count = 0;       // number of its new points
   uint32_t first = 0, count = 0;  // its old points in their family
   uint32_t first_facet = 0;
 };
 
-// Contact points that are replaced, or go, as they were before: families without their laws, and where they sat.
+// Contact points that are replaced or lost, with their facets, before detection: families without their laws.
 struct PointsBefore {
   std::vector<Family> families;
   LaneVector<Facet> facets;
 };
 
-Family without_points(const Family& f);  // another one of the same law
+Family without_points(const Family& f);  // an empty family with the same law
 // Changes the indices of a contact point's facets from `before` to `now`.
 void move_facets(Point& p, uint32_t now, uint32_t before);
-// Copies points [first, first + count) of a contact, and their facets; first ones are then those of the copies.
+// Copies points [first, first + count) of a contact, and their facets. Sets first and first_facet to those of the
+// copies.
 void set_aside(const World& w, const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count,
                PointsBefore& before);
-// Columns of a family, facets, or what pairs have, in which these go on.
+// Resizes columns of a family, facets, or data of pairs to `count` items; the kept ones move to their new indices.
 void keep_points(const World& w, Family& f, std::span<const KeptItems> kept, size_t count);
 void keep_facets(World& w, std::span<const KeptItems> kept, size_t count);
 void keep_pairs(World& w, std::span<const KeptItems> kept, size_t count);

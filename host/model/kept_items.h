@@ -1,4 +1,4 @@
-// Arrays of contact points, from one contact detection to the next: most items go on, some go, some are new.
+// Arrays of contact points across a contact detection: most items are kept, some are removed, some are new.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 
 namespace quoin::blocks {
 
-// Items in a row that go on: where they were, and where they are now. Several of them are in the order of both.
+// Consecutive items that are kept: their old and new first index. Lists of them are in ascending order of both.
 struct KeptItems {
   uint32_t from, to, count;
 };
 
-// Adds items that go on to a list, to its last ones where they follow these.
+// Appends kept items to a list; extends its last entry where they follow it.
 template <class List>
 void keep_on(List& kept, uint32_t from, uint32_t to, uint32_t count) {
   if (count == 0) return;
@@ -23,7 +23,7 @@ void keep_on(List& kept, uint32_t from, uint32_t to, uint32_t count) {
     kept.push_back({from, to, count});
 }
 
-// All items that do not go on.
+// Assigns a value to all items that are not kept.
 template <class Array>
 void fill_others(Array& items, std::span<const KeptItems> kept, const typename Array::value_type& value) {
   uint32_t end = 0;
@@ -31,8 +31,8 @@ void fill_others(Array& items, std::span<const KeptItems> kept, const typename A
   std::fill(items.begin() + end, items.end(), value);
 }
 
-// An array of `count` items in which these go on, in its place; the others begin by default. Since all keep their
-// order, those that move down go first to last, and those that move up last to first.
+// Resizes an array to `count` items in place and moves the kept items to their new indices; the others get default
+// values. Order is kept. So items that move to lower indices are moved first to last, and the others last to first.
 template <class Array>
 void keep_in_place(Array& items, std::span<const KeptItems> kept, std::size_t count) {
   items.resize(std::max(items.size(), count));

@@ -9,17 +9,17 @@
 namespace quoin {
 namespace {
 
-// The tridiagonal matrix so far, and whether its largest eigenvalue stands.
+// Largest eigenvalue of the tridiagonal matrix so far, and its convergence.
 class RitzValue {
  public:
   RitzValue(const LanczosSettings& settings, std::size_t dimension) : settings_(settings), dimension_(dimension) {}
 
-  // True when no more steps are needed. a: of the diagonal, b: beside it, below.
+  // Adds a row; returns whether the iteration can end. a: diagonal element, b: element below it.
   bool add(double a, double b) {
     diagonal_.push_back(a);
     beside_.push_back(b);
     const int steps = this->steps();
-    // Nothing is left outside the subspace.
+    // The subspace is complete.
     const bool exhausted = b <= 1e-14 * std::abs(a) || diagonal_.size() >= dimension_;
     const bool last = exhausted || steps == settings_.max_steps;
     if (!last && steps % settings_.check_interval != 0) return false;
@@ -38,7 +38,7 @@ class RitzValue {
 
  private:
   using Solver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
-  // A new solver each time: one that grows frees its memory first, and once more where there is none to be had.
+  // A new solver each time. A member that grows would free its memory first, and again if allocation fails.
   Solver solved(int what) const {
     Solver solver;
     solver.computeFromTridiagonal(diagonal(), beside(), what);
@@ -77,10 +77,10 @@ LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector
                                                       [](double x) { return x != 0.0; }));
   }));
   RitzValue ritz(settings, moving);
-  LaneVector<double> first;  // of the basis, for the recurrence again
+  LaneVector<double> first;  // first basis vector, for the second sweep
   if (settings.with_vector) first = start;
   LaneVector<double> q = std::move(start), previous(n, 0.0), y(n);
-  // y - a q - old_b previous, whose squared length comes back; then the next q is that over its length.
+  // y = y - a q - old_b previous, and returns its length; then the next q is y over that length.
   const auto orthogonalise = [&](double a, double old_b) {
     double b = 0.0;
     if (!shared) {
@@ -119,7 +119,7 @@ LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector
   result.steps = ritz.steps();
   if (!settings.with_vector) return result;
 
-  // The same recurrence again: a basis to keep would fill the memory.
+  // The recurrence runs a second time: a stored basis would fill the memory.
   const Eigen::VectorXd weight = ritz.vector();
   result.vector.assign(n, 0.0);
   q = std::move(first);

@@ -1,4 +1,4 @@
-// The lane layout of everything that belongs to gridpoints, and the aligned storage under it.
+// Lane layout of all arrays by gridpoint, and the aligned storage under it.
 //
 // A line holds one gridpoint of 8 blocks: 3 components x 8 lanes = 24 doubles = three cache lines. A gridpoint is named
 // by its offset = line * 24 + lane; its component c sits at offset + 8 c. Eight lanes whatever the instruction set: the

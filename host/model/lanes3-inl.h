@@ -59,7 +59,7 @@ HWY_INLINE Lanes3 load_line(const double* line) {
 HWY_INLINE void store_line(const Lanes3& a, double* line) {
   for (int c = 0; c < 3; ++c) hn::Store(a[c], D(), line + c * kLanes);
 }
-// Numbers c .. 2 of the three at `from`; what is beyond is not read.
+// Numbers c .. 2 of the three at `from`; memory beyond them is not read.
 HWY_INLINE F part_of_vector(const double* from, int c) {
   if constexpr (kPart == 4)
     return hn::MaskedLoad(hn::FirstN(Four(), 3), Four(), from);
@@ -67,7 +67,7 @@ HWY_INLINE F part_of_vector(const double* from, int c) {
     return c + kPart <= 3 ? hn::LoadU(Four(), from + c) : hn::Set(Four(), from[c]);
 }
 
-// Three numbers of each lane, from where row(lane) points to.
+// Three numbers of each lane, from the address row(lane).
 template <class Row>
 HWY_INLINE Lanes3 load_vectors(const Row& row) {
   Lanes3 vectors;
@@ -96,7 +96,7 @@ struct FirstLanes {
   }
 };
 
-// Cofactors, row by row; the determinant is row[0] of both, multiplied.
+// Cofactors, row by row; the determinant is the scalar product of row[0] of both matrices.
 HWY_INLINE Lanes33 cofactors_of(const Lanes33& m) {
   return {{cross_of(m.row[1], m.row[2]), cross_of(m.row[2], m.row[0]), cross_of(m.row[0], m.row[1])}};
 }

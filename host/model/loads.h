@@ -1,4 +1,4 @@
-// What acts on blocks beside contacts and members.
+// Loads, pressures and weight on blocks.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@ using geometry::Vector;
 
 struct Load {
   int block;
-  Vector point;  // place in the block's frame of the start (space coordinates at the start), m; moves with the block
+  Vector point;  // place of the point at the start, m; moves with the block
   Vector force;  // N, direction fixed in space
   TimeSeries factor;
   std::vector<std::pair<int32_t, double>> share;  // deformable: nodes and weights
-  Vector arm;                                     // rigid: in the body frame
-  double scale = 1.0;                             // factor by the ramp of the stage
+  Vector arm;                                     // rigid: place in the body frame, m
+  double scale = 1.0;                             // factor of the stage's ramp
 };
 
 struct Pressure {
@@ -28,16 +28,16 @@ struct Pressure {
   double value;  // Pa, > 0 pushes on the block; follows the face
   TimeSeries factor;
   std::vector<std::array<int32_t, 3>> triangles;  // deformable
-  Vector arm, push;                               // rigid: centroid and -normal * area in the body frame
+  Vector arm, push;                               // rigid: centroid, m, and -normal * area, m2, in the body frame
   double scale = 1.0;
 };
 
-// Stages set them between steps.
+// Actions on blocks; stages set them between steps.
 struct Actions {
   std::vector<Load> loads;
   std::vector<Pressure> pressures;
   std::vector<uint8_t> loaded;  // by block: some load or pressure acts on it
-  std::vector<Vector> applied;  // by block, N; empty: nothing
+  std::vector<Vector> applied;  // force by block, N; empty: none
   Vector gravity;               // m/s2
   TimeSeries gravity_factor;
   Vector ground_then, ground_now;  // velocity of the ground half a step ago and now, m/s

@@ -10,7 +10,7 @@ namespace {
 constexpr int kCount = kMaxwellElements;
 using Row = std::array<double, kCount>;
 
-// Solves a x = b, a symmetric and positive definite: elimination needs no pivots.
+// Solves a x = b for symmetric positive definite a: elimination needs no pivots.
 Row solved(std::array<Row, kCount> a, Row b) {
   for (std::size_t i = 0; i < kCount; ++i) {
     for (std::size_t r = i + 1; r < kCount; ++r) {
@@ -31,14 +31,14 @@ Row solved(std::array<Row, kCount> a, Row b) {
 }  // namespace
 
 std::array<MaxwellElement, kCount> maxwell_elements(double damping_ratio, std::array<double, 2> band_Hz) {
-  constexpr int kSamples = 101;  // number of sampled frequencies in the band, evenly over the logarithm
+  constexpr int kSamples = 101;  // sampled frequencies in the band, evenly over the logarithm
   std::array<MaxwellElement, kCount> elements{};
   if (damping_ratio <= 0.0) return elements;
   const auto at = [&](double way) {
     return 2.0 * std::numbers::pi * band_Hz[0] * std::pow(band_Hz[1] / band_Hz[0], way);
   };
   for (int e = 0; e < kCount; ++e) elements[static_cast<std::size_t>(e)].rate = at(e / (kCount - 1.0));
-  // K'' = 2 ratio K' is linear in the shares.
+  // K'' = 2 ratio K' is linear in the shares, which makes the fit a linear least-squares problem.
   std::array<Row, kCount> normal{};
   Row right{};
   for (int i = 0; i < kSamples; ++i) {

@@ -30,13 +30,13 @@ Vec3 offset_between(const Assembly& assembly, int first, int block) {
   return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
 }
 
-// Congruent units: the same templates at the same distance.
+// Congruent units: the same templates at the same offsets.
 struct UnitClass {
-  std::vector<std::vector<int>> units;  // blocks of each
+  std::vector<std::vector<int>> units;  // blocks of each unit
 };
 
-// Deformable blocks by unit, in the order of their first blocks. Blocks of a unit that is cut into more than two stand
-// alone.
+// Deformable blocks by unit, in the order of their first blocks. Where a unit is cut into more than two blocks, each of
+// them is a unit by itself.
 std::vector<UnitClass> unit_classes(const Assembly& assembly, const std::vector<int>& template_of) {
   std::map<int, std::vector<int>> blocks_of;
   for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
@@ -106,7 +106,7 @@ void check_input(const Assembly& assembly) {
   }
 }
 
-// Slots whose lanes have points in a row, as far as lanes are in use.
+// Marks slots whose lanes in use have consecutive points.
 void note_runs_of_slots(Model& m, int first_slot, int slot_count, int lanes_in_use) {
   for (int slot = first_slot; slot < first_slot + slot_count; ++slot) {
     const std::int32_t* point = m.slot_point.data() + slot * kLanes;
@@ -117,7 +117,7 @@ void note_runs_of_slots(Model& m, int first_slot, int slot_count, int lanes_in_u
   }
 }
 
-// The outline of a model from its assembly, step by step; each needs those before it.
+// Builds the outline of a model from its assembly; each step needs those before it.
 class ModelBuilder {
  public:
   explicit ModelBuilder(Model& model) : m(model) {}
@@ -149,7 +149,7 @@ class ModelBuilder {
   int body_of(const Side& side) const { return body_of(side.block); }
   int body_of(int block) const { return m.place[at(block)].body; }  // -1: deformable
 
-  // Offset of a gridpoint, or of the slave of a body in a group; -1: of a lone body.
+  // Offset of a gridpoint, or of the slave of a body in a group; -1: the side of a lone body.
   std::int32_t offset_if_any(int block, std::int32_t node) const {
     const Model::BlockPlace& where = m.place[at(block)];
     if (node < 0) return -1;
@@ -160,7 +160,7 @@ class ModelBuilder {
     return (m.groups[at(where.group)].first_line + node) * kLine + where.lane;
   }
 
-  // Deformable ones learn their template, rigid ones their body.
+  // Sets the template of deformable blocks, and the body of rigid ones.
   void place_blocks() {
     template_of_.assign(m.assembly.bricks.size(), -1);
     m.place.resize(m.assembly.bricks.size());
@@ -191,9 +191,8 @@ class ModelBuilder {
     }
   }
 
-  // Unit i of n goes to lane i / G of unit group i mod G, G = ceil(n/8). So neighbours in the order of the assembly
-  // share a lane. A joint which a regular wall repeats then joins the same two gridpoints in all lanes and needs no
-  // gathers.
+  // Unit i of n is in lane i / G of unit group i mod G, G = ceil(n/8). So neighbours in the order of the assembly share
+  // a lane. A joint that a regular wall repeats then joins the same two gridpoints in all lanes and needs no gathers.
   void group_units() {
     for (const UnitClass& kind : unit_classes(m.assembly, template_of_)) {
       const std::size_t count = kind.units.size(), group_count = (count + kLanes - 1) / kLanes;
@@ -223,7 +222,7 @@ class ModelBuilder {
     m.block_line_count = m.line_count;
   }
 
-  // Whose points have to be known in full: those of bodies are part of the outline.
+  // Finds all contact points. It stores those of bodies in full, as they are part of the outline.
   void find_points() {
     PointFinder finder(m);
     for (std::size_t j = 0; j < m.assembly.joints.size(); ++j) {
@@ -253,7 +252,7 @@ class ModelBuilder {
     return seen;
   }
 
-  // Congruent bodies into groups of 8 lanes.
+  // Puts congruent bodies into groups of 8 lanes.
   void group_bodies() {
     body_place_.resize(m.bodies.size());
     next_slot_.resize(m.bodies.size());
@@ -265,7 +264,7 @@ class ModelBuilder {
         places.face[at(slot.face)].normal_arm = slot.arm[axis];
       }
       for (int face = 0; face < 6; ++face) places.face[at(face)].slot_end = kind.first_slot(face + 1);
-      // Body i goes to lane i / G of group i mod G, as units do.
+      // Body i is in lane i / G of group i mod G, as units are.
       const int first_group = static_cast<int>(m.body_groups.size());
       const int count = (static_cast<int>(kind.body.size()) + kLanes - 1) / kLanes;
       for (int g = 0; g < count; ++g) {
@@ -314,7 +313,8 @@ class ModelBuilder {
     }
   }
 
-  // Family by family and axis by axis, as they are stored, for the order of all at once would take more memory.
+  // Orders points family by family and axis by axis, as they are stored. An order of all at once would take more
+  // memory.
   void order_points() {
     m.point_joint.reserve(nodes_.size());
     m.point_in_joint.reserve(nodes_.size());
@@ -360,7 +360,7 @@ class ModelBuilder {
     }
   }
 
-  // Slaves of lone bodies go behind all other lines.
+  // Gives bodies their points and slaves. Slaves of lone bodies follow all other lines.
   void attach_bodies() {
     const std::int32_t grouped_lines = m.line_count;
     std::int32_t lone_slave_count = 0;
@@ -389,7 +389,7 @@ class ModelBuilder {
     m.line_count = grouped_lines + (lone_slave_count + kLanes - 1) / kLanes;
   }
 
-  // For each gridpoint of a template and each of its faces as many slots as its busiest block needs.
+  // Gives each gridpoint of a template, on each of its faces, as many slots as its busiest block needs.
   void widen_slots() {
     std::vector<std::size_t> first_node{0};
     for (std::size_t i = 0; i < m.assembly.bricks.size(); ++i) {
@@ -451,7 +451,7 @@ class ModelBuilder {
           m.slot_point[at(slot * kLanes + lane)] = body.point[i];
         }
       }
-      // What lanes without a body read does not matter: nothing of them is kept.
+      // Lanes without a body may read any point, as their results are not stored.
       note_runs_of_slots(m, group.first_slot, slots, group.body_count);
     }
   }
@@ -470,16 +470,16 @@ class ModelBuilder {
   }
 
   Model& m;
-  std::vector<int> template_of_;              // by block; -1: rigid
-  std::vector<std::int32_t> first_of_joint_;  // first contact point of each joint, in the order in which they are found
-  std::vector<Nodes> nodes_;                  // gridpoints in that order
-  std::vector<NewPoint> of_bodies_;           // points with a rigid block on one side or both
-  std::vector<std::int32_t> found_of_bodies_;  // their places in that order
-  std::vector<BodyPlace> body_place_;          // by body; none: a lone body
+  std::vector<int> template_of_;               // by block; -1: rigid
+  std::vector<std::int32_t> first_of_joint_;   // first contact point of each joint, in the order of the finder
+  std::vector<Nodes> nodes_;                   // gridpoints of each point, in the order of the finder
+  std::vector<NewPoint> of_bodies_;            // points with a rigid block on one side or both
+  std::vector<std::int32_t> found_of_bodies_;  // numbers of these points in the order of the finder
+  std::vector<BodyPlace> body_place_;          // by body; group -1: a lone body
   std::vector<std::array<int, 6>> next_slot_;  // by body and face
 };
 
-// What unit groups and chunks have in the arrays of a model.
+// Lays out unit groups and chunks in the arrays of a model.
 class ModelFiller {
  public:
   explicit ModelFiller(Model& model) : m(model) {}
@@ -507,7 +507,7 @@ class ModelFiller {
     for (const int c : chunks) note_runs_of_points(m.chunks[at(c)]);
   }
 
-  // Masses and constraints.
+  // Masses and constraints of the gridpoints of a unit group.
   void weigh_unit(const UnitGroup& unit) {
     for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
       const BlockGroup& group = m.groups[at(g)];
@@ -536,7 +536,7 @@ class ModelFiller {
     }
   }
 
-  // Into the first empty slot of its gridpoint and face; points come in order.
+  // Puts a point into the first empty slot of its gridpoint and face; points come in ascending order.
   void fill_slot(std::int32_t point, bool side_a, const std::vector<bool>& of_units) {
     const Model::Sides sides = m.sides_of(point);
     const Model::BlockPlace& where = m.place[at(side_a ? sides.a : sides.b)];

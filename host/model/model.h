@@ -1,5 +1,5 @@
-// The discretised assembly: everything the step reads or writes, as flat arrays. Built once from an Assembly; small
-// displacements, so geometry, areas and normals never change.
+// The discretised assembly of the lattice, as flat arrays that steps read and write. It is built once from an Assembly.
+// Displacements are small, so geometry, areas and normals never change.
 #pragma once
 
 #include <array>
@@ -20,22 +20,22 @@ namespace quoin {
 // Up to 8 blocks of one template, one a lane. Lanes without a block have zero inverse mass and never move.
 struct BlockGroup {
   int brick_template = 0;
-  Vec3 offset{};                    // offset of its blocks from the first blocks of their units, m
+  Vec3 offset{};                    // from the first block of the unit to this block, m
   std::int32_t first_line = 0;      // gridpoint i of the template is line first_line + i
   int block_count = 0;              // lanes in use, from lane 0
   std::array<int, kLanes> block{};  // index into Assembly::bricks
   std::int32_t first_slot = 0;      // into Model::slot_point, in units of 8 lanes
 };
 
-// Groups in a row whose lanes hold the blocks of the same masonry units: two halves, or one block that is a unit by
-// itself. Units that follow each other in the assembly are in the same lane of unit groups that follow each other.
+// Consecutive groups whose lanes hold the blocks of the same masonry units: two halves, or one block that is a unit by
+// itself. Consecutive units of the assembly are in the same lane of consecutive unit groups.
 inline constexpr int kUnitBlocks = 2;
 struct UnitGroup {
   int first_group = 0, group_count = 0;
 };
 
-// Where the contact points of a template's gridpoint come from: the same for all its groups. A slot is one possible
-// contact point. The sign says on which side the block is (normals point along +axis, so a +face is always side a).
+// Contact slots of the gridpoints of a template, the same for all its groups. A slot holds one possible contact point.
+// The sign is the side of the block (normals point along +axis, so a +face is always side a).
 struct ContactSlots {
   std::vector<std::int32_t> slot_end;  // per gridpoint: slots [slot_end[i-1], slot_end[i])
   std::vector<double> sign;            // per slot: +1 side a, -1 side b
@@ -43,8 +43,8 @@ struct ContactSlots {
   int slot_count() const { return static_cast<int>(sign.size()); }
 };
 
-// A rigid block: 6 degrees of freedom, or what a BodyControl leaves of them. Its gridpoints (slaves) exist only where
-// contact points need them.
+// A rigid block: 6 degrees of freedom, fewer under a BodyControl. Its gridpoints (slaves) exist only where it has
+// contact points.
 struct RigidBody {
   int block = -1;
   std::string name;
@@ -52,14 +52,15 @@ struct RigidBody {
   double mass = 0.0;           // kg, without scaling
   Vec3 inertia{};              // about the centre and the axes of the box, kg m2, without scaling
   std::array<bool, 6> held{};  // by the symmetry plane: translations, rotations
-  // Its contact points in fixed order, with the gridpoint that each has to itself.
+  // Its contact points in fixed order, each with a gridpoint of its own.
   std::vector<std::int32_t> point;
   std::vector<std::int32_t> slave;  // offset of the gridpoint
   std::vector<Vec3> arm;            // places of the gridpoints from the centre, m
   std::vector<double> sign;         // +1 side a, -1 side b
 };
 
-// Up to 8 rigid bodies with contact points at the same places, one a lane. Lanes without a body repeat that of lane 0.
+// Up to 8 rigid bodies with contact points at the same places, one a lane. Lanes without a body repeat the body of lane
+// 0.
 struct BodyGroup {
   int slots = 0;                   // index into Model::body_slots
   std::int32_t first_line = 0;     // the slave of slot i is in line first_line + i
@@ -68,8 +69,8 @@ struct BodyGroup {
   std::int32_t first_slot = 0;     // into Model::slot_point, in units of 8 lanes
 };
 
-// Places of contact points, the same for all bodies of some groups, face after face. A body may lack those of whole
-// faces. Face 2 axis + 1 is on the positive side, which is side a of its joints.
+// Places of contact points, the same for all bodies of some groups, face after face. A body may lack the points of
+// whole faces. Face 2 axis + 1 is on the positive side, which is side a of its joints.
 struct BodySlots {
   struct Face {
     int slot_end = 0;         // its slots are [slot_end of the face before, slot_end)
@@ -89,18 +90,18 @@ struct ContactFamily {
   std::vector<PropertyColumn> columns{};                 // properties that scatter, by point of the family
 };
 
-// A run of contact points with one law and one frame, small enough for the first-level cache. `axis` is the normal;
-// s and t are the next axes in right-handed order.
+// A run of contact points with one law and one normal axis, small enough for the first-level cache. s and t are the
+// next axes in right-handed order.
 struct ContactChunk {
   int family = 0;
   int axis = 0;
   std::int32_t first_point = 0, point_count = 0;
 };
-inline constexpr int kChunk = 256;  // points; more spills the columns of a chunk from the first-level cache
+inline constexpr int kChunk = 256;  // points; a larger chunk's columns do not fit the first-level cache
 
-// A rank has an outline of the whole model, some hundred bytes a block: what is where, under which number. Arrays by
-// gridpoint, slot and contact point have their whole length, but are laid out, and take memory, only where the rank
-// works.
+// A rank has an outline of the whole model, some hundred bytes a block: places and numbers of all items. Arrays by
+// gridpoint, slot and contact point have their whole length. Only the part that the rank works on is laid out and takes
+// memory.
 enum class LayOut { all, nothing };
 
 struct Model {
@@ -108,12 +109,12 @@ struct Model {
   Model(Assembly assembly, std::vector<std::shared_ptr<const Material>> family_materials,
         LayOut laid_out = LayOut::all);
 
-  // Fills what these unit groups and chunks have in arrays; what is there already stays. Both in order; all points of
-  // the unit groups must lie in the chunks.
+  // Lays out these unit groups and chunks in arrays; what is laid out already stays. Both lists ascend. All contact
+  // points of the unit groups must lie in the chunks.
   void lay_out(std::span<const int> units, std::span<const int> chunks);
   void lay_out_all();
-  void weigh(int unit);  // fills the masses alone, of a unit group that is not laid out
-  // Gives back the memory of everything else.
+  void weigh(int unit);  // computes the masses alone, of a unit group that is not laid out
+  // Releases the memory of all other unit groups and chunks.
   void keep_alone(std::span<const int> units, std::span<const int> chunks);
 
   Assembly assembly;
@@ -128,12 +129,13 @@ struct Model {
   std::vector<ContactFamily> families;
   std::vector<ContactChunk> chunks;
 
-  // Where the blocks of the assembly went. Deformable: group and lane. Rigid: body.
+  // Position of each block of the assembly. Deformable: group and lane. Rigid: body.
   struct BlockPlace {
     int group = -1, lane = -1, body = -1;
   };
   std::vector<BlockPlace> place;
-  // [group][slot][lane]: contact point, or point_count: a dummy without force. Block groups, then body groups.
+  // [group][slot][lane]: contact point, or point_count, a dummy without force. Block groups come first, then body
+  // groups.
   LaneVector<std::int32_t> slot_point;
   // [group][slot]: point of lane 0 when the 8 lanes have 8 points in a row; kEmptySlot when they have none; else -1.
   LaneVector<std::int32_t> slot_run;
@@ -145,16 +147,16 @@ struct Model {
   LaneVector<double> node_mass;       // kg, per component; without scaling; 0: no gridpoint, or a slave
   LaneVector<double> node_free;       // 1 free, 0 held (symmetry plane, padding, slaves)
 
-  // Contact points: families in order, in them axes in order, in them neighbouring lanes side by side.
+  // Contact points: by family, then by axis; points of neighbouring lanes are consecutive.
   std::int32_t point_count = 0;
   LaneVector<std::int32_t> node_a, node_b;  // offsets of the two gridpoints
   LaneVector<double> area;                  // m2
-  // Number of points of the chunk from this one on, 8 at most, whose gridpoints lie side by side in memory on both
-  // sides: no gathers.
+  // Number of the chunk's points from this one on, at most 8, whose gridpoints are consecutive in memory on both sides.
+  // They need no gathers.
   LaneVector<std::uint8_t> point_run;
   LaneVector<Vec3> point_position;  // reference, m
   LaneVector<std::uint8_t> point_axis;
-  // Numbers of all points, laid out or not: index into Assembly::joints; points of the joint that were found before it.
+  // Joints of all points, laid out or not: index into Assembly::joints, and number of the point in its joint.
   LaneVector<std::int32_t> point_joint, point_in_joint;
 
   // Blocks on the negative and on the positive side of a contact point, along its normal.
@@ -164,7 +166,7 @@ struct Model {
   Sides sides_of(std::int32_t point) const {
     return sides_of(assembly.joints[static_cast<std::size_t>(point_joint[static_cast<std::size_t>(point)])]);
   }
-  // A joint that comes the other way round changes sides.
+  // A joint whose face_a is a negative face changes sides.
   static Sides sides_of(const Joint& joint) {
     return joint.face_a % 2 == 1 ? Sides{joint.block_a, joint.block_b} : Sides{joint.block_b, joint.block_a};
   }
@@ -173,13 +175,13 @@ struct Model {
     const BlockPlace& where = place[static_cast<std::size_t>(block)];
     return templates[static_cast<std::size_t>(groups[static_cast<std::size_t>(where.group)].brick_template)];
   }
-  Vec3 gridpoint_position(int block, int node) const {  // reference, m; of a deformable block
+  Vec3 gridpoint_position(int block, int node) const {  // of a deformable block, at the start, m
     Vec3 p = assembly.bricks[static_cast<std::size_t>(block)].origin;
     for (std::size_t c = 0; c < 3; ++c) p[c] += template_of(block).node[static_cast<std::size_t>(node)][c];
     return p;
   }
 
-  std::vector<int> bodies_named(const std::string& name) const;  // rigid ones: indices into bodies
+  std::vector<int> bodies_named(const std::string& name) const;  // indices into bodies
   std::vector<int> deformable_blocks_named(const std::string& name) const;
   // Visits the gridpoints of a deformable block: visit(offset, mass in kg without scaling).
   template <class Visit>
@@ -191,14 +193,14 @@ struct Model {
       visit((static_cast<std::size_t>(group.first_line) + n) * kLine + static_cast<std::size_t>(where.lane), mass[n]);
   }
   bool has_laid_out(int chunk) const { return chunk_laid_out_[static_cast<std::size_t>(chunk)]; }
-  long layouts() const { return layouts_; }  // another number when other chunks are laid out
+  long layouts() const { return layouts_; }  // counter that changes whenever other chunks are laid out
 
-  // What unit groups in a row have of gridpoints and slots.
+  // Range of gridpoint lines and slots of consecutive unit groups.
   struct Extent {
     std::size_t first_line, end_line, first_slot, end_slot;
   };
   Extent extent_of_units(std::size_t first, std::size_t end) const;
-  double total_mass() const;  // kg, as modelled
+  double total_mass() const;  // kg, without mass scaling
   std::size_t zone_count() const;
 
  private:

@@ -1,4 +1,4 @@
-// Blocks of a model: where their items are in its arrays, and what follows from their shapes.
+// Blocks of a model: indices of their items in its arrays, and properties of their shapes.
 #pragma once
 
 #include <array>
@@ -17,21 +17,20 @@ namespace quoin::blocks {
 using geometry::Matrix;
 using geometry::Vector;
 
-// One block in the model.
 struct ModelBlock {
-  const geometry::ConvexPolyhedron* shape;  // topology; body-frame vertices of rigid blocks are in `corner`
+  const geometry::ConvexPolyhedron* shape;  // topology; body-frame vertices of a rigid block are in BlockShapes::corner
   int32_t body = -1;                        // rigid: index into bodies
   int32_t first_node = 0, node_count = 0;   // deformable
   int32_t zone_count = 0;
   int32_t first_lanes = 0, lanes_count = 0;  // its zones: indices into Zones::lanes
-  int32_t congruent = -1;                    // into what blocks of the same shape share; -1: too few of them
-  uint32_t first_corner = 0;                 // into corner arrays: vertices of the shape
+  int32_t congruent = -1;                    // index into Zones::congruent; -1: the block shares no stiffness
+  uint32_t first_corner = 0;                 // index into BlockShapes::corner: vertices of the shape
   uint32_t first_normal = 0;
   double mass = 0.0;                                       // mass for weight, kg
   double radius = 0.0;                                     // largest distance of a vertex from the centre, m
   double least_extent = 0.0;                               // m
   double corner_area = 0.0;                                // nominal area of an edge or corner contact, m2
-  std::vector<geometry::Zoning::SurfaceTriangle> surface;  // deformable, global node numbers
+  std::vector<geometry::Zoning::SurfaceTriangle> surface;  // deformable; node numbers of the model
 };
 
 struct Pose {
@@ -39,25 +38,25 @@ struct Pose {
   Matrix r;
 };
 
-// Data of each shape of the scene.
+// Data of one shape of the scene.
 struct ShapeFacts {
   geometry::MassProperties mass;
   geometry::Eigen3 axes;
   double least_extent, area;  // m, m2 of the surface
 };
 
-// Facts of shapes, and corners and faces of blocks.
+// Data of shapes, and corners and faces of blocks.
 struct BlockShapes {
   std::vector<ShapeFacts> facts;
-  // Zones of a few shapes.
+  // Cache of a few zonings (block_layout.cpp).
   std::map<std::array<double, 6>, std::shared_ptr<const geometry::Zoning>> zonings;
-  LaneVector<Vector> corner, normal;  // corners and face normals of rigid blocks in the body frame, m, unit
-  LaneVector<Vector> placed_corner, placed_normal;  // corners and face normals of all blocks at the last detection
+  LaneVector<Vector> corner, normal;                // of rigid blocks in the body frame: corners, m, and face normals
+  LaneVector<Vector> placed_corner, placed_normal;  // of all blocks at the last detection
 };
 
-// Poses of every block.
+// Poses of all blocks.
 struct Poses {
-  LaneVector<Pose> start, broad;  // poses at the start, and at the last broad phase
+  LaneVector<Pose> start, broad;  // at the start, and at the last broad phase
 };
 
 }  // namespace quoin::blocks

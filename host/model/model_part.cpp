@@ -10,7 +10,7 @@ double ModelPart::largest(double here) const {
   return here;
 }
 
-// The fault of the first rank that has one.
+// Throws the error of the first rank that has one.
 void ModelPart::fail_together(const std::optional<Error>& here) const {
   if (!ranks) {
     if (here) throw *here;

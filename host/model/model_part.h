@@ -17,23 +17,22 @@ namespace quoin::blocks {
 
 using geometry::Vector;
 
-// One process alone has everything, and no ranks.
+// A single process owns everything, and has no ranks.
 struct ModelPart {
   Ranks* ranks = nullptr;
   std::vector<int> rank_of_block;   // rank by block; empty: one process
   std::vector<bool> laid_out;       // by block
-  std::vector<Vector> rough_place;  // by block, known to all, m
-  Halo neighbours;                  // motion of whole blocks that are close to those of other ranks
-  std::vector<double> deviating;    // by block, as received from neighbours: 1 or 0
-  // Called before contacts are detected or blocks go with others: where other processes have advanced some of them,
-  // what they know is to be fetched.
+  std::vector<Vector> rough_place;  // approximate positions by block, on every rank, m
+  Halo neighbours;                  // exchange of the motion of whole blocks that are close to those of other ranks
+  std::vector<double> deviating;    // by block, as received from neighbours: 1 where it deviates, else 0
+  // Called before contacts are detected or blocks change ranks. Fetches blocks that other processes have advanced.
   std::function<void()> fetch = [] {};
 
   bool owns(int block) const { return !ranks || rank_of_block[size_t(block)] == ranks->rank(); }
   bool owns(const geometry::Pair& pair) const { return owns(pair.a) || owns(pair.b); }
   int rank_of(const geometry::Pair& pair) const { return rank_of_block[size_t(pair.a)]; }
 
-  // Over all ranks; one process alone has everything.
+  // Gathers values by block from all ranks; nothing to do for a single process.
   template <class Memory>
   void gather_by_block(Memory& values) const {
     all_gather(ranks, std::span(values), [&](size_t block) { return rank_of_block[block]; });

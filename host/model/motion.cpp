@@ -22,7 +22,7 @@ namespace {
   throw Error(Exit::bad_input, fmt::format("{}: {}", scene.file, what));
 }
 
-// Settings that blocks of any shape have no meaning for.
+// Refuses settings that apply only to the lattice.
 void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& shapes, const std::string& why_not) {
   const bool in_units =
       std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [](const blocks::Block& b) { return b.unit >= 0; });
@@ -39,12 +39,12 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
   }
 }
 
-// What blocks on the lattice do not have; null: nothing.
+// First kind of item in the scene that the lattice cannot have; null: none.
 const char* what_is_carried(const Scene& scene) {
   return scene.members ? "members" : !scene.masses.empty() ? "added masses" : nullptr;
 }
 
-// Why a wall or building has no part of its run on the lattice; empty: it may have.
+// Reason why no part of the run of a wall or building can be on the lattice; empty: it can begin there.
 std::string why_free_from_start(const Scene& scene) {
   if (const char* const carried = what_is_carried(scene)) return std::string("the scene has ") + carried;
   if (damping_of(scene.solver).has_maxwell()) return "solver.maxwell_damping";
@@ -52,7 +52,7 @@ std::string why_free_from_start(const Scene& scene) {
   return first.empty() ? "" : fmt::format("stage '{}' {}", scene.stages.front().name, first);
 }
 
-// Half of the thickness has no motion across its plane of symmetry.
+// A wall of half thickness cannot move across its plane of symmetry.
 void refuse_motion_across_symmetry(const Scene& scene) {
   if (!scene.wall || !scene.wall->half_thickness) return;
   const auto across = [](const GroundMotion& ground) {
@@ -69,8 +69,8 @@ void refuse_motion_across_symmetry(const Scene& scene) {
   }
 }
 
-// Stages in which something acts: what rests on the lower beam rests on the ground then. A run goes over to large
-// motion when the first of them begins that the lattice does not have.
+// Prepares a scene whose stages the lattice does not all have. A run changes to large motion when the first such stage
+// begins. The bottom beam, or else the bottom course, is then fixed to the ground.
 void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
   refuse_motion_across_symmetry(scene);
   const Stage* beyond = nullptr;

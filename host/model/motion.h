@@ -1,4 +1,4 @@
-// How the blocks of a scene move: which kernels, and why.
+// Choice of the kernels that move the blocks of a scene, and the reason for it.
 #pragma once
 
 #include <optional>
@@ -12,21 +12,22 @@
 namespace quoin {
 
 struct Motion {
-  Scene scene;                             // stages and settings as the kernels have them
-  Assembly bricks;                         // bricks on the lattice; none where blocks are of any shape
+  Scene scene;                             // stages and settings for the kernels
+  Assembly bricks;                         // bricks on the lattice; empty for blocks of any shape
   std::optional<blocks::Assembly> shapes;  // blocks of any shape
-  std::string why_not_lattice;             // reason why a scene with blocks of any shape is not on the lattice
+  std::string why_not_lattice;             // reason why the scene is not on the lattice, for blocks of any shape
 };
 
-// Where rigid blocks have contact points, by joint family: what the scene says, else corners, but for joints of the
-// start that carry tension. Throws Error(bad_input) for laws that are not found or refuse their properties.
+// Sets the rule of contact points between rigid blocks, by joint family: the scene's rule if it gives one. Else
+// corners; for laws that carry tension, quadrature points at the start. Throws Error(bad_input) for laws that are not
+// found or refuse their properties.
 void choose_rigid_points(const Scene& scene, std::vector<JointFamily>* families);
 
-// Motion of all blocks that the scene holds, of the kind that it requests or fits. Throws Error(bad_input), with the
-// reason, where solver.kernels or a setting requests what the blocks cannot do.
+// Motion of all blocks of the scene, of the kind that it requests or fits. Throws Error(bad_input), with the reason,
+// where solver.kernels or a setting requests what the blocks cannot do.
 Motion choose_motion(Scene scene);
 
-// Bricks that were made otherwise, in place of the scene's wall or building.
+// The same with these bricks in place of the scene's wall or building.
 Motion choose_motion(Scene scene, Assembly bricks);
 
 }  // namespace quoin

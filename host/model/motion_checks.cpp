@@ -1,10 +1,11 @@
-// When blocks have moved enough for contact detection. A pair, and a block since the last broad phase, may move
-// by some way. From its speed follows the step before which it cannot have done so, and until then it is not checked.
-// What is reckoned with is the motion that a block was seen in. A block that leaves it by more than a small speed,
-// which is allowed for, deviates (rigid_kernels.cpp). All that it belongs to is checked in that very step. So no rigid
-// block comes further than it may unseen, whatever hits it, and a check costs only those that are due.
+// Decides when blocks have moved enough for contact detection. A pair has an allowed motion since its last narrow
+// phase, and a block since the last broad phase. The speed gives the earliest step at which that motion can be reached;
+// there is no check before it. The check assumes that a rigid block keeps its motion (SeenMotion), up to a small
+// tolerated deviation of speed. A block that exceeds the tolerance deviates (rigid_kernels.cpp); it and its pairs are
+// checked in that very step. So no rigid block exceeds its allowed motion unchecked, whatever hits it, and a step
+// checks only what is due.
 //
-// Deformable blocks are not seen so closely. Theirs is a rule of thumb: none gains speed faster than at 10 g.
+// Deformable blocks have no such guarantee. Their checks assume that none accelerates by more than 10 g.
 #include "model/motion_checks.h"
 
 #include <algorithm>
@@ -19,7 +20,8 @@ using namespace geometry;
 
 namespace {
 
-// What a rotation of b as seen from a moves its parts by, m: the larger radius, of a at most what reaches to b.
+// Lever of a rotation of b in the frame of a, m. It is the larger of both radii, of which a's is at most the distance
+// of b.
 double lever_of(const World& w, const Contact& c, double distance) {
   return std::max(w.blocks[c.pair.b].radius, std::min(w.blocks[c.pair.a].radius, distance));
 }
@@ -52,18 +54,18 @@ double allowed_motion(const World& w, const Contact& c, const PairPlace& place) 
 
 namespace {
 
-// The speed that a block may gain unnoticed uses up the way of a pair of the smallest ones in so many steps. One number
-// is for the first check, one for blocks that deviate all the time.
+// Number of steps in which the tolerated deviation of speed uses up the allowed motion of the smallest blocks. The
+// first number is for the first check, the second for blocks that deviate all the time.
 constexpr double kCalmSteps = 1000.0, kBusySteps = 50.0;
-// Blocks that deviate sooner than this may gain twice as much from then on, those later than that half of it,
-// steps.
+// Steps since the last check. Blocks that deviate before kSoon get twice the tolerance, blocks that do not until kLate
+// get half of it.
 constexpr long kSoon = 30, kLate = 300;
-constexpr long kMostSteps = 1000;  // between two checks of the same
-// Acceleration that checks of deformable blocks reckon with, and the share of their way that each of two may use up
-// until then. More of either: more checks.
+constexpr long kMostSteps = 1000;  // largest interval between two checks of a block or pair, in steps
+// Acceleration that checks of deformable blocks assume; share of the allowed motion that each block of a pair may use
+// up between checks. A larger acceleration or a smaller share means more checks.
 constexpr double kAcceleration = 100.0;  // m/s2, 10 g
 constexpr double kOfWay = 0.25;
-// Share of the way of a pair from which on it joins others, which have moved by all of theirs, in the narrow phase.
+// Share of its allowed motion from which on a pair takes part in a narrow phase that others have caused.
 constexpr double kRipe = 0.8;
 // Share of the skin by which a block may move before the broad phase is due.
 constexpr double kOfSkin = 0.25;
@@ -83,8 +85,8 @@ void see(World& w, int i) {
   seen = {body.v, b.radius, body.omega, unnoticed, w.stepping.count};
 }
 
-// A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many
-// checks fall into one step.
+// Earliest step at which a motion of this speed, m/s, and acceleration, m/s2, reaches `way`, m. Distant steps are
+// rounded down, so that many checks share a step.
 long step_after(const World& w, double way, double speed, double acceleration = 0.0) {
   // speed t + acceleration t^2/2 = way
   const double steps = 2 * way / ((speed + std::sqrt(speed * speed + 2 * acceleration * way)) * w.stepping.dt);
@@ -94,13 +96,14 @@ long step_after(const World& w, double way, double speed, double acceleration = 
   return std::max(w.stepping.count + 1, last - last % round);
 }
 
-// Long before a deformable block of this speed, m/s, can have moved by the tolerance.
+// Step well before a deformable block of this speed, m/s, can have moved by the tolerance.
 long step_of_gridpoints(const World& w, double speed) {
   return step_after(w, kOfWay * detection_fraction(w) * w.detection.size, speed, kAcceleration);
 }
 
-// Small displacement also means that no block has come near others that are not its neighbours. And frozen frames on
-// deformable blocks still point the right way.
+// Checks a block's motion since the last broad phase; sets the step of its next check. In small displacements the
+// motion since the start is limited. So no block comes near others that are not its neighbours, and constant frames
+// still have the right direction.
 bool check_block_motion(const World& w, int i, long& step) {
   const ModelBlock& b = w.blocks[size_t(i)];
   double moved, turned = 0.0;
@@ -171,10 +174,10 @@ bool moved_enough(World& w) {
     moved = of_all[0] > 0.0, w.checks.next = long(-of_all[1]);
   }
   if (moved && w.is_small) {
-    w.is_small = false;  // for good: what has moved once will move again
+    w.is_small = false;  // permanent, as blocks that have moved will move again
     for (size_t i = 0; i < w.blocks.size(); ++i) {
       if (w.blocks[i].body < 0) continue;
-      w.checks.next = w.stepping.count + 1;  // its way is another one
+      w.checks.next = w.stepping.count + 1;  // the allowed motion has changed
       if (w.part.laid_out[i]) w.checks.block[i] = w.checks.next;
     }
   }
@@ -201,14 +204,14 @@ bool check_pair_motion(const World& w, const Contact& c, const PairPlace& place,
   check = {c.pair.a, c.pair.b, moved > kRipe * way, step_of_gridpoints(w, std::max(now_a.speed, now_b.speed))};
   const ModelBlock &a = w.blocks[size_t(c.pair.a)], &b = w.blocks[size_t(c.pair.b)];
   if (a.body >= 0 && b.body >= 0 && w.checks.dt > 0.0) {
-    // As pair_motion: of b as seen from a.
+    // As in pair_motion: motion of b in the frame of a.
     const SeenMotion &of_a = w.checks.seen[size_t(a.body)], &of_b = w.checks.seen[size_t(b.body)];
     const Vector apart = w.bodies[size_t(b.body)].x - w.bodies[size_t(a.body)].x;
     const double distance = norm(apart), lever = lever_of(w, c, distance);
     const double seen = norm(of_b.v - of_a.v - cross(of_a.omega, apart)) + lever * norm(of_b.omega - of_a.omega);
     const double unnoticed = of_a.unnoticed * std::max(1.0, (distance + lever) / a.radius) +
                              of_b.unnoticed * std::max(1.0, lever / b.radius);
-    // a turns away below b, which flies straight on: |R(omega t) - 1 - omega t x| <= (omega t)^2/2.
+    // a turns, while b moves straight on: |R(omega t) - 1 - omega t x| <= (omega t)^2/2.
     const double spin = norm(of_a.omega) + of_a.unnoticed / a.radius;
     check.step = step_after(w, (check.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed, spin * spin * distance);
   }

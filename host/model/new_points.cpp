@@ -13,12 +13,12 @@ using namespace geometry;
 
 namespace {
 
-// Faces closer to parallel than this (about 2.5 degrees) at the start can be a joint.
+// Cosine above which faces (within about 2.5 degrees of parallel) can be a joint of the start.
 constexpr double parallel_cosine = 0.999;
-// Faces of detected overlap merge points within this fraction of the smallest block.
+// Distance below which points of an overlap are merged, as a fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
-// A point this close to a gridpoint, as part of an edge, sits on it. Far above rounding in the places of points that
-// meet gridpoints, far below anything that a mesh can show.
+// Distance from a gridpoint, as a fraction of an edge, below which a point lies on it. It is far above the rounding of
+// points at gridpoints, and far below the size of any zone.
 constexpr double kAtGridpoint = 1e-9;
 
 RigidPoints rigid_points_of(const World& w, const Contact& c, const Vector& normal, bool at_start) {
@@ -29,7 +29,7 @@ RigidPoints rigid_points_of(const World& w, const Contact& c, const Vector& norm
   return at_start || c.initial ? RigidPoints::cubic : RigidPoints::corners;
 }
 
-// The gridpoint becomes the first of the triangle, with all of the weight.
+// Makes the gridpoint with all of the weight the first one of the triangle.
 void put_on_gridpoint(Facet& facet) {
   for (int k = 0; k < 3; ++k) {
     if (facet.weight[k] < 1.0 - kAtGridpoint) continue;
@@ -39,7 +39,8 @@ void put_on_gridpoint(Facet& facet) {
   }
 }
 
-// Ties one side of a point to its block: in its body frame, or on the nearest surface triangle of a deformable one.
+// Attaches one side of a point to its block: in its body frame, or on the nearest surface triangle of a deformable
+// block.
 void anchor(const World& w, NewPoint& made, int block, const Vector& at, int face, bool plane_side) {
   Point& p = made.point;
   const ModelBlock& mb = w.blocks[block];
@@ -68,7 +69,7 @@ void anchor(const World& w, NewPoint& made, int block, const Vector& at, int fac
     facet.weight[0] = w1, facet.weight[1] = w2, facet.weight[2] = w3;
   }
   if (plane_side) {
-    p.facet_a = 0;  // numbered when the point is stored
+    p.facet_a = 0;  // index set when the point is stored
     made.facet_a = facet;
   } else {
     put_on_gridpoint(facet);
@@ -77,8 +78,8 @@ void anchor(const World& w, NewPoint& made, int block, const Vector& at, int fac
   }
 }
 
-// The frame of a point whose plane belongs to a deformable block. That of the block where both sides are gridpoints,
-// else that of the triangle, which edge contacts keep too.
+// Sets the frame of a point whose plane belongs to a deformable block. It is the block's frame where both sides are
+// gridpoints. Else it is the triangle's frame, also for edge contacts.
 void choose_frame(const World& w, NewPoint& made) {
   Point& p = made.point;
   if (p.facet_a < 0) return;
@@ -92,7 +93,7 @@ void choose_frame(const World& w, NewPoint& made) {
   p.n = transposed_times(r, p.n), p.s = transposed_times(r, p.s), p.t = transposed_times(r, p.t);
 }
 
-// Whether edges cross, and the point where they do, unless its area (m2) is nothing.
+// Whether the edges cross; appends the point where they do, unless its area (m2) is 0.
 bool edge_point(const World& w, const Pair& pair, const Separation& separation, double area,
                 std::vector<NewPoint>& out) {
   const Placed a = placed(w, pair.a), b = placed(w, pair.b);
@@ -117,8 +118,8 @@ bool edge_point(const World& w, const Pair& pair, const Separation& separation, 
   return true;
 }
 
-// Points where the face of `carrier` that is turned to `owner` overlaps the face `owner_face`, in the plane of that
-// face. They have the nominal area (m2) at least.
+// Appends points where the face of `carrier` that is turned to `owner` overlaps the face `owner_face`, in the plane of
+// that face. Their areas add up to half of `nominal` (m2) at least; a single corner gets `nominal`.
 void face_points(const World& w, int owner, int owner_face, int carrier, bool at_start, double nominal,
                  RigidPoints rule, std::vector<NewPoint>& out) {
   const Placed a = placed(w, owner), b = placed(w, carrier);
@@ -133,7 +134,7 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
                tolerance = merge_fraction * std::min(w.blocks[owner].least_extent, w.blocks[carrier].least_extent);
   const auto flat = [&](const Vector& p) { return Point2{dot(s, p - origin), dot(t, p - origin)}; };
 
-  // The patches: whole faces of rigid blocks, surface triangles of deformable ones.
+  // Patches: whole faces of rigid blocks, surface triangles of deformable ones.
   struct Patch {
     Polygon polygon;
     Point2 low, high;
@@ -179,7 +180,7 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
         } else {
           vertex_rule(overlap_polygon, local);
         }
-        // Linear jumps and shape functions agree across patch borders, so coinciding points are one.
+        // Linear jumps and shape functions are continuous across patch borders, so points at one place are merged.
         for (const QuadraturePoint& l : local) add_merged(points, 0, l, 10 * tolerance);
       }
     }
@@ -190,7 +191,7 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
     p.a = owner, p.b = carrier;
     p.n = n, p.s = s, p.t = t;
     p.area = area, p.at = at;
-    // a joint of the start: the gap found there is the reference
+    // For a joint of the start, the gap found there is the reference.
     made.joint = at_start && std::abs(gap) <= w.detection.joint_tolerance && cosine > parallel_cosine;
     p.reference = made.joint ? gap : 0.0;
     anchor(w, made, owner, at - gap * n, owner_face, true);
@@ -215,7 +216,7 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
     if (inside && nominal > 0 && w.blocks[carrier].body >= 0) make(b.vertices[deepest], nominal, gap);
     return;
   }
-  // Slivers of overlap would be soft springs; a nominal area keeps corners from sinking in.
+  // Slivers of overlap would be soft springs; the nominal area keeps corners from sinking in.
   double total = 0.0;
   for (const QuadraturePoint& q : points) total += q.area;
   const double stiffen = std::max(1.0, 0.5 * nominal / total);
@@ -236,16 +237,16 @@ int family_of(const World& w, const Contact& c, const Vector& normal) {
 }
 
 void make_points(const World& w, const Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
-  // Corners are given a nominal area, which keeps them from sinking in. Not those of blocks that touch along an edge
-  // since the start, as four units around a joint's end do: their neighbours keep them apart. With the nominal area
-  // units could not slide past an edge that stands out by some micrometres.
+  // Corner contacts get a nominal area, which keeps corners from sinking in. Blocks that touch along an edge since the
+  // start get none, as their neighbours keep them apart (four units around a joint's end). With the nominal area, units
+  // could not slide past an edge that protrudes by some micrometres.
   const double nominal =
       c.beside_joint ? 0.0 : std::min(w.blocks[c.pair.a].corner_area, w.blocks[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;
   const RigidPoints rule = rigid_points_of(w, c, s.normal, at_start);
   if (s.feature == Separation::edges) {
     if (edge_point(w, c.pair, s, nominal, out)) return;
-    // Edges that keep blocks apart but pass beside each other, as the rims of units that lie on one another do.
+    // Edges that separate the blocks but pass beside each other, as the rims of stacked units do.
     const Placed a = placed(w, c.pair.a), b = placed(w, c.pair.b);
     const int face_of_a = facing(a, s.normal), face_of_b = facing(b, -s.normal);
     if (dot(a.normals[face_of_a], s.normal) >= -dot(b.normals[face_of_b], s.normal))

@@ -1,4 +1,4 @@
-// Where two blocks touch: the contact points that belong there.
+// New contact points of a pair of blocks.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ struct NewPoint {
 // Points of a pair, by the feature that separates it.
 void make_points(const World& w, const Contact& c, const geometry::Separation& s, bool at_start,
                  std::vector<NewPoint>& out);
-// That the joint has, or would have, with this normal; below 0: declared to pass through each other.
+// Joint family of the contact for this normal; below 0: blocks declared to pass through each other.
 int family_of(const World& w, const Contact& c, const geometry::Vector& normal);
 
 }  // namespace quoin::blocks

@@ -1,8 +1,8 @@
-// Joints of the start whose blocks come apart: contact points go, and with them what the joint had come to. So each
-// place that a joint had at the start keeps its last contact point: law columns and axes.
+// Joints of the start whose blocks come apart: their contact points are removed, and with them the state of the joint.
+// So each place of a joint at the start keeps the law columns and axes of its last contact point.
 //
-// A place of a joint moves along with both blocks. It is in contact while a contact point of the pair lies beside one
-// of its two sides. That means nearer than half of the distance between the points of the start.
+// A place of a joint moves along with both blocks. It is in contact while a contact point of the pair is near one of
+// its two sides. That means nearer than half of the distance between the points of the start.
 #include "model/parted_points.h"
 
 #include <algorithm>
@@ -40,11 +40,11 @@ void note_start_joints(World& w) {
 
 namespace {
 
-// One row of StartJoints::kept: states, then properties that scatter, follow the head.
+// Head of a row of StartJoints::kept; states and then properties that scatter follow it.
 struct Head {
-  double owner;  // 1: the normal points from the first block of the pair, 2: from the second; 0: still as at the start
+  double owner;  // block that n points from: 1 first, 2 second of the pair; 0: no point was replaced yet
   double normal_jump, traction[3];
-  Vector n, s;  // axes as if block a had not moved since the start
+  Vector n, s;  // axes rotated back to the orientation of that block at the start
 };
 constexpr size_t kHead = sizeof(Head) / sizeof(double);
 static_assert(kHead * sizeof(double) == sizeof(Head));
@@ -55,7 +55,7 @@ Head head_of(const double* row) {
   return std::bit_cast<Head>(numbers);
 }
 
-// Maps places and directions of the start to the current ones, by the motion of a block.
+// Maps positions and directions at the start to the current ones, by the motion of a block.
 struct Motion {
   Pose start, now;
   Vector place(const Vector& at) const { return now.x + now.r * transposed_times(start.r, at - start.x); }
@@ -63,7 +63,7 @@ struct Motion {
   Vector back(const Vector& v) const { return start.r * transposed_times(now.r, v); }
 };
 
-// The nearest of these places to one of the two sides of a joint.
+// The place that is nearest to one of the two sides of a joint.
 struct Nearest {
   size_t index = 0;
   double squared = HUGE_VAL;  // square of the distance, m2
@@ -94,7 +94,6 @@ size_t kept_width(const World& w) {
   return kHead + most;
 }
 
-// Before the points of a joint go or are replaced: `count` of `old` from `first` on.
 void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
                    uint32_t count) {
   const auto joint = std::ranges::lower_bound(w.start_joints.joint, c.pair, {}, &StartJoint::pair);
@@ -108,7 +107,7 @@ void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVect
   for (size_t k = 0; k < points.size(); ++k) {
     double* const row = &w.start_joints.kept[(joint->first + k) * width];
     const Nearest nearest = nearest_of(places, a.place(points[k].at), b.place(points[k].at));
-    if (nearest.squared > reach && head_of(row).owner != 0.0) continue;  // it keeps what it has
+    if (nearest.squared > reach && head_of(row).owner != 0.0) continue;  // it keeps the values of an earlier point
     const size_t i = first + nearest.index;
     const Point& p = old.point[i];
     const bool from_a = p.a == c.pair.a;
@@ -173,7 +172,7 @@ std::vector<PartedPoint> parted_points(const World& w, int first_block, int end_
   return parted;
 }
 
-// States go over by their names, as those of points in contact do; others begin as those of a dry joint.
+// Moves states to a new law by their names, as for points in contact; other states get the values of a dry joint.
 void keep_states_by_id(World& w, int family, const quoin_law& old, size_t old_width) {
   if (!w.start_joints.any_replaced()) return;
   const Family& f = w.contacts.families[size_t(family)];

@@ -1,4 +1,4 @@
-// Joints of the start, and what is left of them where their blocks come apart.
+// Joints of the start, and the last state of their points where blocks have come apart.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct World;
 
 using geometry::Vector;
 
-// A joint of the start, and its contact points then.
+// A joint of the start, and its contact points.
 struct StartJoint {
   geometry::Pair pair;
   int family;
@@ -29,33 +29,33 @@ struct StartPoint {
 
 // A contact point of the start where its blocks are no longer in contact (parted_points.cpp).
 struct PartedPoint {
-  int a, b, family;           // n points from block a to block b
-  Vector side_a, side_b;      // current places, on a and on b, of what was one place, m
-  Vector n, s;                // axes of the last contact point there, unit, turned along with a
-  double area;                // area at the start, m2
-  double normal_jump;         // opening of the last contact point there, m; the numbers below are of that point too
-  double traction[3];         // Pa
-  std::vector<double> state;  // state of the law
+  int a, b, family;                // n points from block a to block b
+  Vector side_a, side_b;           // current positions on a and on b of the point's place at the start, m
+  Vector n, s;                     // axes of the last contact point there, unit, turned with block a
+  double area;                     // area at the start, m2
+  double normal_jump;              // opening of the last contact point there, m; so are the numbers below
+  double traction[3];              // Pa
+  std::vector<double> state;       // state of the law
   std::vector<double> properties;  // properties that scatter, in the order of the family's columns
 };
 
-// Noted at the first detection; later ones keep what goes.
+// First detection writes the joints; later detections store points that are replaced or lost.
 struct StartJoints {
   std::vector<StartJoint> joint;  // joints in the order of their pairs
   LaneVector<StartPoint> point;
-  // Numbers of the last contact point at each of these, row by row; empty: no point was lost yet.
+  // Values of the last contact point at each start point, row by row; empty: no point was replaced yet.
   LaneVector<double> kept;
   bool any_replaced() const { return !kept.empty(); }
 };
 
-// Of joints that begin at blocks [first, end), in their order. With ranks of own blocks, after
+// Parted points of joints whose first block is in [first_block, end_block), in order. With ranks: of own blocks, after
 // exchange_parted_blocks().
 std::vector<PartedPoint> parted_points(const World& w, int first_block, int end_block);
 void note_start_joints(World& w);
-// Before the points of a joint go or are replaced: `count` of `old` from `first` on.
+// Stores the points of a joint before they are lost or replaced: `count` points of `old` from `first` on.
 void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
                    uint32_t count);
-size_t kept_width(const World& w);  // numbers of a row
+size_t kept_width(const World& w);  // numbers per row of StartJoints::kept
 void keep_states_by_id(World& w, int family, const quoin_law& old, size_t old_width);
 
 }  // namespace quoin::blocks

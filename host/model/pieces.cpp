@@ -29,8 +29,8 @@ void fill_columns(const World& w, std::span<const int32_t> blocks, const FixedCo
   }
 }
 
-// Groups of congruent blocks whose columns agree to the last bit read the same ones. Shapes that are congruent but for
-// rounding have other masses.
+// Groups of congruent blocks whose columns agree to the last bit share them. Shapes that are congruent only to rounding
+// have other masses.
 void fill_columns(World& w, Piece& piece) {
   const std::span<const int32_t> all = w.pieces.blocks_of(piece);
   const bool some_held = std::any_of(all.begin(), all.end(), [&](int32_t block) {
@@ -66,8 +66,9 @@ void fill_columns(World& w, Piece& piece) {
 
 }  // namespace
 
-// As many as a vector takes. Units of congruent blocks go by kind, so that most vectors are full; where few are left of
-// a kind they go zone by zone. Of the others those of one size go together, so that lanes are as long as each other.
+// Divides blocks into pieces of as many as a SIMD group holds. Units of congruent blocks are grouped by kind, so that
+// most groups are full. Where a kind has few blocks, their forces are computed zone by zone. Other units are grouped by
+// size, so that lanes of a group have similar lengths.
 void divide_blocks(World& w) {
   w.pieces.all.clear(), w.pieces.blocks.clear();
   const auto zones_of = [&](const Unit& unit) {
@@ -75,10 +76,10 @@ void divide_blocks(World& w) {
     for (const int block : unit.blocks()) zones += w.blocks[size_t(block)].zone_count;
     return zones;
   };
-  // Zones of a piece whose blocks go one by one, so that threads share them.
+  // Bound of zones in a piece whose blocks have one product each, so that threads share the work.
   const int most_zones = int(std::clamp(w.zone_count() / 16, size_t(500), size_t(4000)));
-  // Of a list of units, in its order, those that go into one piece after the other. Halves that are apart stay in one
-  // piece, so that one rank has both when they meet again.
+  // Divides a list of units, in its order, into pieces. Halves that are apart stay in one piece, so that one rank has
+  // both when they join again.
   const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, int32_t congruent = -1) {
     const bool one_by_one = kind == Piece::Kind::distinct || kind == Piece::Kind::by_zone;
     const auto of_one_kind = [&](int count, bool halves) {
@@ -111,7 +112,7 @@ void divide_blocks(World& w) {
       continue;
     }
     const Unit unit = w.units.of(i, Units::Halves::also_apart);
-    if (unit.block[0] != i) continue;  // goes with the first half
+    if (unit.block[0] != i) continue;  // in the piece of the first half
     const bool leaves = w.frames.by_zone[size_t(i)] || w.frames.by_zone[size_t(unit.block[size_t(unit.count) - 1])];
     const int32_t kind = w.blocks[size_t(i)].congruent;
     (leaves ? by_zone : (kind >= 0 ? of_kind[kind] : distinct)).push_back(unit);
@@ -129,7 +130,7 @@ void divide_blocks(World& w) {
   divide(distinct, Piece::Kind::distinct);
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
-  divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
+  divide(fixed, Piece::Kind::rigid);  // fixed blocks are mostly at rest, so their pieces are at rest as a whole
   w.pieces.in_frame.assign(w.blocks.size(), 0);
   for (const Piece& piece : w.pieces.all) {
     for (const int32_t i : w.pieces.blocks_of(piece)) w.pieces.in_frame[size_t(i)] = piece.in_frame();
@@ -177,8 +178,8 @@ int count_of(const World& w, Piece::Kind kind) {
 }
 
 double piece_work(const World& w, int index) {
-  // In sides of contact points, of which a pair of rigid blocks has one. A zone of congruent blocks costs a quarter of
-  // one with a stiffness of its own, as eight blocks share a product.
+  // Cost in units of one side of a contact point; a pair of rigid blocks counts one. A zone of congruent blocks costs a
+  // quarter of one with a stiffness of its own, as eight blocks share a product.
   constexpr double kZone = 2.0, kDistinctZone = 1.0, kCongruentZone = 4.0, kBody = 3.0;
   const Piece& piece = w.pieces.all[size_t(index)];
   double work = 0.0;

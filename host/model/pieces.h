@@ -1,4 +1,4 @@
-// Blocks that move on together, and what kernels read of them.
+// Pieces: blocks that one task advances together, and the columns that kernels read.
 #pragma once
 
 #include <cstddef>
@@ -12,31 +12,31 @@ namespace quoin::blocks {
 
 struct World;
 
-inline constexpr int kBodies = 8;  // blocks that move on side by side
-// Congruent blocks from which on one product with the stiffness of all costs less than one of each with its own.
+inline constexpr int kBodies = 8;  // blocks of a SIMD group
+// Least number of congruent blocks for which one product with their shared stiffness is faster than one product each.
 inline constexpr size_t kFewestAlike = 3;
 
-// Blocks that are advanced together: rigid ones, deformable ones that stand alone, or first the one and then the other
+// Blocks that are advanced together: rigid blocks, deformable single blocks, or all first halves and then all second
 // halves of units.
 struct Piece {
   uint32_t first, count;  // indices into Pieces::blocks; a group has at most kBodies
-  bool halves;            // two groups: lane by lane the two halves of a unit
+  bool halves;            // whether it has two groups, which hold the first and second halves of units lane by lane
   enum class Kind : uint8_t { rigid, congruent, distinct, by_zone } kind;
-  int32_t congruent = -1;  // into Zones::congruent, of congruent blocks
+  int32_t congruent = -1;  // index into Zones::congruent, for congruent blocks
   static constexpr size_t kNoColumns = size_t(-1);
-  size_t columns[2] = {kNoColumns, kNoColumns};  // begin of the FixedColumns of its groups in Pieces::columns
+  size_t columns[2] = {kNoColumns, kNoColumns};  // first number of the FixedColumns of its groups in Pieces::columns
   bool some_held = false;
   size_t group_count() const { return halves ? 2 : 1; }
   bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
 };
 
-// What steps seldom change of the gridpoints of up to kLanes deformable blocks, side by side. A line is a gridpoint:
-// three numbers a lane of vectors, one of others. Gridpoints that a block does not have are without mass and stand
-// where its first one does; lanes without a block repeat the last one.
+// Columns that steps seldom change, of the gridpoints of up to kLanes deformable blocks, side by side. A line holds one
+// gridpoint of each block: three numbers a lane for vectors, one for scalars. Gridpoints that a block lacks have no
+// mass and the position of its first gridpoint. Lanes without a block repeat the last one.
 template <class Number>
 struct FixedColumns {
   Number *mass, *over_mass;  // mass for inertia, kg; its inverse, 1/kg, or 0
-  Number *place, *anchor;    // blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
+  Number *place, *anchor;    // of distinct blocks: X from the first gridpoint, m, and b, 1/m; else null
   Number *held, *held_v;     // supports, 1 or 0, and their velocities, m/s; null: no gridpoint is held
   FixedColumns(Number* from, int node_count, bool distinct, bool some_held) {
     const auto take = [&](bool wanted, int numbers) {
@@ -53,15 +53,16 @@ struct FixedColumns {
   }
 };
 
-// Divided with the chunks, and where blocks leave their frames or halves come apart. Columns follow what is held.
+// Pieces are divided with the chunks, and when blocks leave their frames or halves come apart. Columns follow the
+// supports.
 struct Pieces {
   std::vector<Piece> all;
   std::vector<int32_t> blocks;         // piece after piece
-  std::vector<int32_t> of_block;       // piece by own deformable block; -1: blocks of others
-  std::vector<uint8_t> in_frame;       // by block: of a piece in frames
+  std::vector<int32_t> of_block;       // piece of each own deformable block; -1: blocks of other ranks
+  std::vector<uint8_t> in_frame;       // by block: 1 if its piece is advanced in frames
   LaneVector<double> columns;          // FixedColumns of groups
   std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
-  std::vector<int> held_changed;       // deformable blocks, since the last step
+  std::vector<int> held_changed;       // deformable blocks whose supports changed since the last step
   bool any_held_changed = false;       // whether supports of any gridpoint have changed
 
   std::span<const int32_t> blocks_of(int piece) const { return blocks_of(all[size_t(piece)]); }
@@ -74,7 +75,7 @@ struct Pieces {
   }
 };
 
-int count_of(const World& w, Piece::Kind kind);  // blocks that get their inner forces so
+int count_of(const World& w, Piece::Kind kind);  // number of blocks in pieces of a kind
 double piece_work(const World& w, int piece);
 void divide_blocks(World& w);
 void bind_pieces(World& w);                               // binds pieces to their columns

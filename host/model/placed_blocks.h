@@ -1,4 +1,4 @@
-// Corners and faces of blocks in space, as detection reads them.
+// Corners and faces of blocks in space, for contact detection.
 #pragma once
 
 #include "geometry/separation.h"
@@ -7,7 +7,7 @@ namespace quoin::blocks {
 
 struct World;
 
-void place_blocks(World& w);  // that are laid out
+void place_blocks(World& w);  // updates all blocks that are laid out
 geometry::Placed placed(const World& w, int block);
 
 }  // namespace quoin::blocks

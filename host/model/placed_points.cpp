@@ -19,7 +19,7 @@ std::pair<int, int> blocks_of(const Joint& joint) { return {joint.block_a, joint
 }  // namespace
 
 std::vector<PlacedPoint> placed_points(const Model& model, std::span<const std::int32_t> points) {
-  // Joint by joint, for its points are found together.
+  // Joint by joint, as the finder returns all points of a joint together.
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {

@@ -41,7 +41,7 @@ std::vector<FaceNode> face_nodes(const Brick& brick, const BrickTemplate& shape,
   return result;
 }
 
-// A third of each face triangle that lies whole in the joint, to its three gridpoints.
+// Areas at gridpoints of a face, m2: a third of each triangle that lies wholly in the joint.
 std::vector<double> face_areas(const BrickTemplate& shape, int face, const std::vector<char>& in_joint) {
   std::vector<double> area(shape.node.size(), 0.0);
   const std::size_t s = at((face / 2 + 1) % 3), t = at((face / 2 + 2) % 3);
@@ -64,7 +64,7 @@ std::string describe(const Assembly& assembly, const Joint& joint, std::size_t i
 
 const std::vector<NewPoint>& PointFinder::find(std::size_t j) {
   points_.clear();
-  // The normal points along +axis: a joint that comes the other way round changes sides.
+  // The normal points along +axis: a joint whose face_a is a negative face changes sides.
   Joint joint = assembly_.joints[j];
   if (joint.face_a % 2 == 0) {
     std::swap(joint.block_a, joint.block_b);
@@ -117,7 +117,7 @@ void PointFinder::deformable_to_deformable(const Joint& joint, const Brick& a, c
   const auto area_a = face_areas(shape(joint.block_a), 2 * axis_ + 1, in_a);
   const auto area_b = face_areas(shape(joint.block_b), 2 * axis_, in_b);
   for (const auto& [p, q] : pairs) {
-    // With an odd number of layers the diagonals of the two faces differ: the mean of both sides is used.
+    // With an odd number of layers the diagonals of the two faces differ: the area is the mean of both sides.
     const double area = 0.5 * (area_a[at(p->node)] + area_b[at(q->node)]);
     add({joint.block_a, p->node}, {joint.block_b, q->node}, area, p->position);
   }
@@ -148,9 +148,9 @@ void PointFinder::rigid_to_deformable(const Joint& joint, const Brick& a, const 
   }
 }
 
-// A grid over the overlap with points on its edges and corners, weights of the trapezoidal rule: rigid blocks turn
-// about their true corners. The zones of block a over the overlap set the number of points, 2 x 2 at least. Or, where
-// the family has them, the points that blocks of any shape have too, which integrate cubics exactly.
+// Points on a grid over the overlap, edges and corners included, with weights of the trapezoidal rule: rigid blocks
+// turn about their true corners. The zones of block a over the overlap set the number of points, at least 2 x 2.
+// Families with cubic points have those of blocks of any shape, which integrate cubics exactly.
 void PointFinder::rigid_to_rigid(const Joint& joint, const Brick& a, const Brick& b) {
   const std::size_t s = at((axis_ + 1) % 3), t = at((axis_ + 2) % 3);
   double low[3], length[3];

@@ -1,4 +1,4 @@
-// Where a joint has its contact points: at gridpoints of deformable blocks, on a grid between rigid ones.
+// Contact points of a joint: at gridpoints of deformable blocks, on a grid between rigid ones.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// Coordinates agree when they differ by less than this fraction of the smallest edge in sight.
+// Tolerance of coordinates, as a fraction of the smallest edge at the joint.
 inline constexpr double kCoordinateTolerance = 1e-6;
 
 // One side of a joint's contact point before numbering: a template gridpoint of a deformable block, or a rigid body.
@@ -27,8 +27,8 @@ class PointFinder {
  public:
   explicit PointFinder(const Model& model) : model_(model), assembly_(model.assembly) {}
 
-  // Of joint j, in a fixed order; good until the next call. Throws Error(bad_input): faces that do not touch, or share
-  // no gridpoints.
+  // Contact points of joint j, in a fixed order; valid until the next call. Throws Error(bad_input) for faces that do
+  // not touch or share no gridpoints.
   const std::vector<NewPoint>& find(std::size_t j);
 
  private:

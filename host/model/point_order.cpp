@@ -26,7 +26,7 @@ struct Chains {
     link(true, true);
     in_row = has_previous;
     for (Index i = 0; i < points.size(); ++i) in_row[i] = in_row[i] || next[i] != kNone;
-    // What makes rows longer comes before new ones of one side only.
+    // Points that extend rows come before points that begin rows on one side only.
     for (const bool only_rows : {true, false}) {
       link(true, false, only_rows);
       link(false, true, only_rows);
@@ -64,7 +64,7 @@ struct Chains {
 
   const std::vector<PointEnds>& points;
   std::vector<Index> next;
-  std::vector<bool> has_previous, in_row;  // in_row: has a neighbour on both sides
+  std::vector<bool> has_previous, in_row;  // in_row: whether it has a neighbour on both sides
 };
 
 }  // namespace
@@ -88,7 +88,7 @@ std::vector<std::uint32_t> point_order(const std::vector<PointEnds>& points) {
     if (!chains.has_previous[i]) walk(i);
   }
   for (Index i = 0; i < count; ++i) {
-    if (!placed[i]) walk(i);  // rings
+    if (!placed[i]) walk(i);  // closed chains
   }
   const auto key = [&](const Chain& chain) {
     const PointEnds& first = points[chain.first];

@@ -21,24 +21,24 @@ namespace {
 
 using random::Quantity;
 
-// The same number for places that are the same to rounding: cells of 10 um, whose borders lie where no gridpoint does.
+// Index of a cell of 10 um: equal for places that are equal to rounding. No gridpoint lies on a border of cells.
 std::int64_t cell_of(double x) { return std::llround(x / 1e-5 + 0.3183); }
 
-// Key of a contact point: two joints that meet have their own points at one place.
+// Key of a contact point. It includes the joint, as two joints may have points at one place.
 std::uint64_t point_key(const Vec3& x, std::uint64_t joint) {
   const std::array<std::int64_t, 4> parts{cell_of(x[0]), cell_of(x[1]), cell_of(x[2]),
                                           static_cast<std::int64_t>(joint)};
   return random::name_of({reinterpret_cast<const char*>(parts.data()), sizeof parts});
 }
 
-// A place with a value of its own.
+// A place with one drawn value.
 struct Element {
   std::uint64_t key;
-  long row;  // elements of one row follow each other along the wall
-  double x;  // m along the wall
+  long row;  // elements of one row are consecutive along the wall
+  double x;  // position along the wall, m
 };
 
-// What the points of a family have in common at a level.
+// Places with one drawn value each, at a level of scatter, and the place of each point.
 struct Elements {
   std::vector<Element> element;
   std::vector<std::size_t> of_point;
@@ -63,7 +63,7 @@ class Places {
       elements.element[found->second].x += p.area * p.position[0];
       weight[found->second] += p.area;
     }
-    // In whole cells, so that what stands at one place does so whatever the rounding.
+    // In whole cells, so that equal places stay equal whatever the rounding.
     for (std::size_t e = 0; e < weight.size(); ++e)
       elements.element[e].x = 1e-5 * static_cast<double>(cell_of(elements.element[e].x / weight[e]));
     return elements;
@@ -88,7 +88,7 @@ class Places {
     }
     return 0;
   }
-  // Joints below a course, in it and above it (to what is no masonry) are rows of their own.
+  // Joints below a course, in it, and above it (to a body that is not masonry) are rows of their own.
   long row(const PlacedPoint& p, ScatterLevel level) const {
     const int block = laid(p), other = block == p.block_a ? p.block_b : p.block_a;
     long which = 0;
@@ -101,7 +101,7 @@ class Places {
   std::span<const PlacedBlock> blocks_;
 };
 
-// Standard normal variables of the elements, correlated along rows: chains from one element to the next.
+// Standard normal variables of the elements, correlated along rows: each depends on the one before it.
 std::vector<double> normal_field(const std::vector<Element>& elements, double length,
                                  const std::vector<double>& fresh) {
   std::vector<double> z = fresh;
@@ -121,12 +121,12 @@ std::vector<double> normal_field(const std::vector<Element>& elements, double le
   return z;
 }
 
-// By point: the sampler of its joint, so that the mean over the joint has the distribution given.
+// Values by point, drawn by the sampler of its joint: the mean over the joint has the given distribution.
 std::vector<double> values_by_joint(const Scatter& scatter, const Places& places, std::span<const PlacedPoint> points,
                                     const std::vector<double>& z) {
   std::map<std::uint64_t, std::vector<std::size_t>> joints;
   for (std::size_t i = 0; i < points.size(); ++i) joints[places.joint(points[i])].push_back(i);
-  std::map<std::vector<long>, random::Sampler> by_pattern;  // by the pattern of places and weights: joints repeat
+  std::map<std::vector<long>, random::Sampler> by_pattern;  // by places and weights, which most joints share
   std::vector<double> values(points.size());
   for (const auto& [key, members] : joints) {
     std::vector<double> x, weight;
@@ -171,7 +171,7 @@ void refuse_outside(const JointFamily& family, const quoin_property_info& info, 
   }
 }
 
-// Some values are refused together: a step without motion shows it.
+// Throws for values that the law refuses in combination: a trial step without motion shows it.
 void refuse_together(const JointFamily& family, const Material& material, std::span<const PlacedPoint> points,
                      const std::vector<PropertyColumn>& columns) {
   const std::size_t n = points.size();

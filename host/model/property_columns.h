@@ -1,5 +1,5 @@
-// Properties that scatter from contact point to contact point: drawn once, when the points of a model are known. A
-// value depends on the sample and on where in the masonry its point is, not on the order of points.
+// Properties that scatter from contact point to contact point, drawn once for the points of a model. A value depends on
+// the sample and on the place of its point in the masonry, not on the order of points.
 #pragma once
 
 #include <span>
@@ -18,32 +18,31 @@ struct PlacedPoint {
   int block_a, block_b;  // indices of blocks
 };
 
-// The block of a joint that was laid with it: one of masonry, and the later of two.
+// The block of a joint that was laid with it: the masonry block, of two masonry blocks the later one.
 int block_laid(int block_a, int block_b, std::span<const PlacedBlock> blocks);
 
-// One property, by contact point, as batches of the law take it.
+// Values of one property by contact point, as input of the law's batches.
 struct PropertyColumn {
-  const char* id;  // the law's own
-  double usual;    // value of the material, for points that are not there at the start
-  double most;     // the largest one drawn
+  const char* id;  // the law's id
+  double usual;    // value of the material, for points that are not of the start
+  double most;     // largest value drawn
   LaneVector<double> values;
 };
 
-// Columns of the properties of the family that scatter, without values; none in the sample 0.
+// Columns of the properties of the family that scatter, without values; empty for sample 0.
 std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material);
 
-// The same with the values of these points. They are all of the family, or all in some of its joints; where a property
-// is correlated along courses, all in some courses. Throws Error(bad_input) for values that the law does not allow,
-// with the place and what to do.
+// The same columns with the values of these points. These are all points of the family, or all points of some joints.
+// Where a property is correlated along courses, they are all points of some courses. Throws Error(bad_input) for values
+// that the law does not allow, with the place and a remedy.
 std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Material& material,
                                             std::span<const PlacedPoint> points, std::span<const PlacedBlock> blocks);
 
-// What batches of `material` take of these columns, from point `first` on: those of its properties that may be given
-// point by point.
+// Batch columns of `material`, from point `first` on: those of these columns that the law accepts point by point.
 std::vector<quoin_property_column> batch_columns(const std::vector<PropertyColumn>& columns, const Material& material,
                                                  std::size_t first);
 
-// Stiffness bounds of the law where its stiffnesses scatter: those of the stiffest points.
+// Stiffness bounds of the law: where its stiffnesses scatter, those of the stiffest points.
 quoin_stiffness_bounds stiffness_bounds_of(const JointFamily& family, const Material& material,
                                            const std::vector<PropertyColumn>& columns);
 

@@ -11,10 +11,11 @@ using geometry::Matrix;
 using geometry::Quaternion;
 using geometry::Vector;
 
-// Rigid block. Body frame: principal axes through the centre of mass. In the order in which kernels read it.
+// Rigid block. Body frame: principal axes through the centre of mass. Members are in the order in which kernels read
+// them.
 struct Body {
   Vector x;                  // centre of mass, m
-  Quaternion q;              // body frame to space
+  Quaternion q;              // rotation from the body frame to space
   Vector v;                  // m/s, at half steps
   Vector momentum;           // angular, about the centre of mass, in space, at half steps
   Vector omega;              // rad/s, in space, at half steps
@@ -25,7 +26,7 @@ struct Body {
   Vector held_v, held_omega;
   Matrix r, transposed_r;  // rotation matrix of q
   uint8_t held = 0;        // bits 0..2: velocity prescribed along x, y, z; 3..5: rotation about them
-  uint8_t support = 0;     // bits of `held` that a plane of symmetry holds throughout
+  uint8_t support = 0;     // bits of `held` that a plane of symmetry holds for good
 
   void turn_to(const Quaternion& orientation) {
     q = orientation;

@@ -12,7 +12,7 @@ std::size_t offset(const BlockGroup& group, int n, int c, int lane) {
   return static_cast<std::size_t>((group.first_line + n) * kLine + c * kLanes + lane);
 }
 
-// Gridpoint n of a group from the lowest corner of the first block of its unit.
+// Position of gridpoint n of a group from the lowest corner of the first block of its unit.
 Eigen::Vector3d place_in_unit(const Model& model, const BlockGroup& group, int n) {
   const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
   return vector(shape.node[static_cast<std::size_t>(n)]) + vector(group.offset);
@@ -22,7 +22,7 @@ int node_count(const Model& model, const BlockGroup& group) {
   return model.templates[static_cast<std::size_t>(group.brick_template)].node_count;
 }
 
-// Motion of the blocks of `count` groups as one body; positions from the first block of the unit.
+// Rigid motion of the blocks of `count` groups as one body; positions from the first block of the unit.
 RigidMotion motion_of(const Model& model, const BlockGroup* groups, int count, const LaneVector<double>& node_mass) {
   double mass = 0.0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();

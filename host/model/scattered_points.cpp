@@ -15,8 +15,8 @@ bool is_correlated(const JointFamily& family) {
                      [](const PropertySetting& p) { return p.scatter && p.scatter->correlation_length > 0.0; });
 }
 
-// Points that a joint of the family has in common with these, or a course where properties are correlated. They lie in
-// rows that can be drawn one after the other.
+// Lists of all points of the joints, or courses, of these points, to be drawn one list at a time. by_course: properties
+// are correlated along courses.
 std::vector<std::vector<std::int32_t>> drawn_together(const Model& m, const ContactFamily& family,
                                                       const std::vector<std::int32_t>& points, bool by_course,
                                                       std::span<const PlacedBlock> blocks) {

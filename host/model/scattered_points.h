@@ -1,5 +1,5 @@
-// Properties that scatter over the contact points of the lattice, drawn where a model is laid out. A value depends on
-// the sample and the place of its point, or of its course, alone.
+// Properties that scatter over the contact points of the lattice, drawn where a model is laid out. A value depends only
+// on the sample and on the place of its point or course.
 #pragma once
 
 #include <span>
@@ -8,13 +8,13 @@
 
 namespace quoin {
 
-// Columns of the families' points, with their addresses and no values yet.
+// Allocates the columns of the families' points, without values.
 void make_columns(Model& model);
-// The values of the points of these chunks. Throws as draw_properties.
+// Draws the values of the points of these chunks. Throws as draw_properties does.
 void draw_columns(Model& model, std::span<const int> chunks);
-// Releases columns of the points [first, end) of the model, which are laid out no more.
+// Releases columns of the points [first, end) of the model, which are no longer laid out.
 void forget_columns(Model& model, std::size_t first, std::size_t end);
-// Stiffnesses by the largest values drawn.
+// Sets the stiffness bounds of families by the largest values drawn.
 void bound_stiffness(Model& model);
 
 }  // namespace quoin

@@ -8,7 +8,7 @@ using namespace geometry;
 
 namespace {
 
-// Sides of something, of own blocks, counted and then filled in block after block.
+// Lists sides by own block: counts them first, then fills them in.
 template <class Side, class Owns, class ForEach>
 void by_block(size_t blocks, ByBlock<Side>& sides, Owns owns, ForEach for_each) {
   std::vector<uint32_t>& end = sides.end;
@@ -28,7 +28,7 @@ void by_block(size_t blocks, ByBlock<Side>& sides, Owns owns, ForEach for_each) 
 
 }  // namespace
 
-// Each point of a pair has one at both blocks; where these are rigid, all of them together.
+// A contact point has one side on each block; a pair of rigid blocks has one for all its points.
 void count_sides(World& w) {
   w.sides.cost.assign(w.blocks.size(), 0.0);
   for (const Contact& c : w.contacts.list) {

@@ -1,4 +1,4 @@
-// Sides of contact points, as the blocks fetch them that they act on.
+// Sides of contact points, listed by the block on which they act.
 #pragma once
 
 #include <span>
@@ -9,15 +9,15 @@ namespace quoin::blocks {
 
 struct World;
 
-// One side of a contact point, for its block.
+// One side of a contact point with one deformable side.
 struct Touch {
   const OtherPoint* point;
   int32_t family;
   bool side_a;
 };
 
-// One side of a point of two deformable blocks, for its block. It owns the plane, carries the point on a
-// triangle, or has it on a gridpoint.
+// Sides of a point of two deformable blocks. An owner has the plane, a carrier has the point on a triangle. The third
+// kind has the point on a gridpoint.
 struct OwnerTouch {
   uint32_t row;
   int32_t node[3];
@@ -44,7 +44,7 @@ struct ByBlock {
     return std::span(touch).subspan(first, end[size_t(block)] - first);
   }
 };
-using MomentTouch = const GridpointPair*;  // touch of block a
+using MomentTouch = const GridpointPair*;  // side of block a, which takes the moment
 
 // One side of a pair of rigid blocks.
 struct PairTouch {
@@ -52,9 +52,9 @@ struct PairTouch {
   bool side_a;
 };
 
-// Listed with the chunks: of a block in the order of families and points.
+// Sides are listed with the chunks; those of a block are in the order of families and points.
 struct Sides {
-  std::vector<double> cost;   // by block: of contact points, and of pairs of rigid blocks
+  std::vector<double> cost;   // by block: number of its pairs of rigid blocks and of its other contact points
   ByBlock<Touch> single;      // points with one deformable side
   ByBlock<PairTouch> pair;    // pairs of rigid blocks
   ByBlock<OwnerTouch> owner;  // points between gridpoints

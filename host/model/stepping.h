@@ -1,4 +1,4 @@
-// The clock of a run, and what sets its time step.
+// Clock of a run, and its time step.
 #pragma once
 
 #include <functional>
@@ -13,30 +13,30 @@ struct World;
 
 using geometry::Vector;
 
-// Steps move it on; the time step is chosen again where stiffness, inertia or settings change.
+// Steps advance the clock. The time step is chosen again when stiffness, inertia or settings change.
 struct Stepping {
   double time = 0.0;                   // s
   long count = 0;                      // number of steps
-  double dt = 0.0, critical_dt = 0.0;  // s; 2/omega_max of the assembled system, undamaged
-  double stiffness_bound = 0.0;        // local, of contacts, when omega_max was found, 1/s2
-  double springs = 0.0;                // eigenvalue of springs from outside, 1/s2
+  double dt = 0.0, critical_dt = 0.0;  // s; critical: 2/omega_max of the assembled system, undamped
+  double stiffness_bound = 0.0;        // local bound of contacts, when omega_max was computed, 1/s2
+  double springs = 0.0;                // eigenvalue of external springs, 1/s2
 };
 
-// A rigid block, or a gridpoint and the flattest zone at it.
+// Place that sets the time step: a rigid block, or a gridpoint and the flattest zone at it.
 struct StepLimit {
   int block = -1;
   Vector at;                                 // m
   double height = 0.0, shortest_edge = 0.0;  // height and shortest edge of the zone, m; 0: a rigid block
 };
 
-// The time step with these settings over the critical one, s, without damping.
+// The time step with these settings over the critical one. critical: without damping, s.
 double step_over_critical(const SolverSettings& solver, double critical);
 
-// What moves most in the fastest vibration, which sets the step; of one process that has all blocks.
+// Place of the largest motion in the fastest vibration. Only for a process that has all blocks.
 StepLimit what_sets_time_step(const World& w);
-// Beside the one in use, which falls alone unless it may grow.
+// Computes the critical step and the step. The step in use becomes shorter, or longer only if it may grow.
 void find_time_step(World& w, bool may_grow = false);
-bool shorten_step(const World& w, std::span<const int> changed);  // these own blocks
+bool shorten_step(const World& w, std::span<const int> changed);  // changed: own blocks
 double local_stiffness_bound(const World& w, const std::function<bool(int block)>& is_wanted);
 
 }  // namespace quoin::blocks

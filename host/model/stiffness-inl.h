@@ -17,9 +17,9 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin {
 namespace HWY_NAMESPACE {
 
-// Walks the rows of K: next() gives K w of the next gridpoint for kCount groups at once, which share the loads
-// of the coefficients. Alone, even and odd columns are summed apart, so that there are enough independent multiply-adds
-// to hide the latency of one.
+// Iterates over the rows of K: next() returns K w of the next gridpoint for kCount groups at once, which share the
+// loads of coefficients. For a single group, even and odd columns have separate sums. So there are enough independent
+// multiply-adds to hide their latency.
 template <int kCount>
 struct StiffnessRows {
   explicit StiffnessRows(const Stiffness& k)

@@ -9,7 +9,7 @@
 namespace quoin {
 namespace {
 
-using NodeBlock = std::array<double, 9>;  // rows of gridpoint i, columns of gridpoint j
+using NodeBlock = std::array<double, 9>;  // coupling of gridpoints i and j: rows of i, columns of j
 
 std::vector<std::map<int, NodeBlock>> blocks_of(std::span<const Zone> zones, int node_count, double lambda, double mu) {
   std::vector<std::map<int, NodeBlock>> rows(static_cast<std::size_t>(node_count));
@@ -54,7 +54,7 @@ Stiffness assemble_stiffness(std::span<const Zone> zones, int node_count, double
         for (unsigned c = 0; c < 3; ++c) stiffness.coefficient.push_back(present(c) ? block[3 * c + d] : 0.0);
       }
     }
-    if (stiffness.column.size() % 2 != 0) {  // the kernel takes two at a time
+    if (stiffness.column.size() % 2 != 0) {  // the kernel reads columns in pairs
       stiffness.column.push_back(0);
       stiffness.coefficient.insert(stiffness.coefficient.end(), 3, 0.0);
     }

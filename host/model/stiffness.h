@@ -1,4 +1,4 @@
-// Stiffness of the zones of a block, assembled once for all congruent blocks, as kernels over lanes read it.
+// Stiffness of the zones of a block, assembled once for all congruent blocks, in the layout of the SIMD kernels.
 #pragma once
 
 #include <array>
@@ -18,11 +18,11 @@ struct Zone {
   std::array<Vec3, 4> shape_gradient;  // grad N of each corner, 1/m
 };
 
-// K, the three rows of a gridpoint together. Gridpoint i has the columns [column_end[i - 1], column_end[i]), an even
-// number, each with its coefficients in the rows x, y, z. Coefficients that cancel are kept as zeros: loops of
-// irregular length cost more in mispredicted branches than the multiply-adds.
+// K, with the three rows of a gridpoint together. Gridpoint i has the columns [column_end[i - 1], column_end[i]), an
+// even number, each with its coefficients in the rows x, y, z. Coefficients that cancel are kept as zeros. Loops of
+// irregular length would cost more in mispredicted branches than these multiply-adds.
 struct Stiffness {
-  std::vector<std::int32_t> column;      // doubles from the first line of the group: 24 j + 8 d (lanes.h)
+  std::vector<std::int32_t> column;      // offset in doubles from the first line of the group: 24 j + 8 d (lanes.h)
   std::vector<std::int32_t> column_end;  // by gridpoint
   std::vector<double> coefficient;       // N/m, three a column
 

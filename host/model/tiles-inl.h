@@ -1,5 +1,5 @@
-// Numbers in rows, one a block, and the same side by side: a line of kLanes for each number. Included once for every
-// instruction set.
+// Transposition between rows of numbers, one a block, and lanes: a line of kLanes for each number. Included once for
+// every instruction set.
 #if defined(QUOIN_MODEL_TILES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_MODEL_TILES_INL_H
 #undef QUOIN_MODEL_TILES_INL_H
@@ -17,7 +17,7 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin {
 namespace HWY_NAMESPACE {
 
-// Lanes l, l + kPart of vector i become lanes i, i + kPart of vector l: its own inverse.
+// Swaps lanes l, l + kPart of vector i with lanes i, i + kPart of vector l: its own inverse.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE void transpose_tile(V (&)[kPart]) {}
 #else
@@ -38,10 +38,10 @@ HWY_INLINE void transpose_tile(hn::Vec<Tag> (&a)[kPart]) {
 }
 #endif
 
-// rows: kWidth pointers to `count` numbers each, kPart at least; lanes: where number 0 of the first row goes.
+// rows: kWidth pointers to `count` numbers each, at least kPart; lanes: address of number 0 of the first row.
 HWY_INLINE void rows_to_lanes(const double* const* rows, int count, double* lanes) {
   for (int i = 0; i < count; i += kPart) {
-    const int at = std::min(i, count - kPart);  // the last tile has some numbers twice
+    const int at = std::min(i, count - kPart);  // the last tile repeats some numbers
     V tile[kPart];
     for (int l = 0; l < kPart; ++l)
       tile[l] = join(hn::LoadU(Four(), rows[l] + at), hn::LoadU(Four(), rows[l + kWidth - kPart] + at));
@@ -50,7 +50,7 @@ HWY_INLINE void rows_to_lanes(const double* const* rows, int count, double* lane
   }
 }
 
-// The inverse, of the first `row_count` rows.
+// Inverse of rows_to_lanes, for the first `row_count` rows.
 HWY_INLINE void lanes_to_rows(const double* lanes, int count, double* const* rows, int row_count) {
   for (int i = 0; i < count; i += kPart) {
     const int at = std::min(i, count - kPart);

@@ -15,7 +15,7 @@
 namespace quoin {
 namespace {
 
-// Stiffness of joints, by family normal and shear, Pa/m, and of zones over their own.
+// Stiffness of joints by family, normal and shear, Pa/m, and factor on the stiffness of zones.
 struct Springs {
   std::vector<std::array<double, 2>> of_family;
   double of_zones = 1.0;
@@ -28,10 +28,10 @@ Springs springs_of(const Model& model) {
   return springs;
 }
 
-// The undamaged assembled system in generalised coordinates: gridpoints in lane layout, then 6 a rigid body.
+// The undamaged assembled system in generalised coordinates: gridpoints in lane layout, then 6 numbers a rigid body.
 class UndamagedSystem {
  public:
-  // chunks: of contact points that count, in order.
+  // chunks: those whose contact points count, ascending.
   UndamagedSystem(const Model& model, std::span<const int> chunks)
       : UndamagedSystem(model, chunks, springs_of(model)) {}
   UndamagedSystem(const Model& model, std::span<const int> chunks, Springs springs)
@@ -62,7 +62,7 @@ class UndamagedSystem {
     return model_.bodies[at((dof - body_base_) / 6)].held[at((dof - body_base_) % 6)] ? 0.0 : 1.0;
   }
 
-  // f = K u, free degrees of freedom only.
+  // f = K u, for free degrees of freedom only.
   void apply(const std::vector<double>& u, std::vector<double>* f) const {
     f->assign(at(size()), 0.0);
     for (const UnitGroup& unit : model_.unit_groups) zone_stiffness(model_, unit, u.data(), f->data());
@@ -86,12 +86,12 @@ class UndamagedSystem {
     }
   }
 
-  // Row sums of |K|, the diagonal of K and the part of it that contact points add. Rotations are measured in units of
-  // the radius of gyration, so that mass goes with all six of a body. Any positive scale gives a valid bound. Those of
-  // the bodies and of the gridpoints of these unit groups that no other contact points touch.
+  // Row sums of |K|, its diagonal, and the part of the diagonal that contact points add. Rotations are in units of the
+  // radius of gyration, so that all six inertias of a body are its mass. Any positive scale gives a valid bound. Rows
+  // are those of the bodies and of these unit groups, whose contact points must all be in the chunks.
   struct Rows {
     LaneVector<double> sum, diagonal, contact_diagonal;
-    LaneVector<std::int32_t> next_family;  // one more than that of the stiffest contact point of a row, 0: none
+    LaneVector<std::int32_t> next_family;  // one more than the family of the stiffest contact point of a row; 0: none
   };
   Rows rows(const Inertia& inertia, std::span<const int> units) const {
     Rows rows;
@@ -141,7 +141,7 @@ class UndamagedSystem {
     return rows;
   }
 
-  // Inertia of a degree of freedom; with `scaled`, rotations in units of the radius of gyration.
+  // Inertia of a degree of freedom; scaled: rotations are in units of the radius of gyration.
   double inertia_of(int dof, const Inertia& inertia, bool scaled) const {
     if (dof < body_base_) return inertia.node[at(dof)];
     const std::size_t body = at((dof - body_base_) / 6), k = at((dof - body_base_) % 6);
@@ -175,7 +175,7 @@ class UndamagedSystem {
     return {group.block[at(dof % kLanes)], line - group.first_line};
   }
 
-  // The degrees of freedom that one component of one contact point's jump depends on.
+  // Degrees of freedom that one component of a contact point's jump depends on.
   struct Participants {
     int count = 0;
     int dof[14];
@@ -186,10 +186,10 @@ class UndamagedSystem {
     }
   };
 
-  // Contact points in a row that the same loop takes.
+  // Consecutive contact points for one loop.
   struct Stretch : SpringRun {
     int family = 0;
-    bool of_bodies = false;  // a rigid body on one side or both
+    bool of_bodies = false;  // whether a side or both is a rigid body
     bool goes_on_with(const Stretch& next) const {
       return family == next.family && axis == next.axis && of_bodies == next.of_bodies &&
              first_point + point_count == next.first_point;
@@ -229,7 +229,7 @@ class UndamagedSystem {
     const int body = slave_body_[slave_index(offset)];
     const Vec3& r = slave_arm_[slave_index(offset)];
     const int base = body_base_ + 6 * body;
-    // u = u_c + theta x r: component c has +r of the next but one axis from the next rotation, and the reverse.
+    // u = u_c + theta x r: component c has +r of the axis after next from the next rotation, and the reverse.
     const int next = (c + 1) % 3, last = (c + 2) % 3;
     p->add(base + c, sign);
     p->add(base + 3 + next, sign * r[at(last)]);
@@ -265,7 +265,7 @@ class UndamagedSystem {
   std::vector<Stretch> stretches_;
 };
 
-// M'^-1/2 K M'^-1/2 of the free degrees of freedom, M' the inertia in use.
+// M'^-1/2 K M'^-1/2 of the free degrees of freedom, with the inertia M' in use.
 class ScaledSystem {
  public:
   ScaledSystem(const Model& model, const UndamagedSystem& system, const Inertia& inertia, SharedModel* shared)
@@ -283,7 +283,7 @@ class ScaledSystem {
     scaling_ = {&inertia.rigid, 1.0 / std::sqrt(inertia.deformation), 1.0 / std::sqrt(inertia.unit), root_mass_.data()};
   }
 
-  // The vector has no length where nothing can move.
+  // Start vector; of length 0 where nothing can move.
   LaneVector<double> start() const {
     LaneVector<double> start(scale_.size(), 0.0);
     std::uint64_t random = 0x9e3779b97f4a7c15u;  // any seed serves; a fixed one makes the time step reproducible
@@ -318,7 +318,8 @@ class ScaledSystem {
     return sum;
   }
 
-  // The rows of this process; what contact points add to those of others is not checked.
+  // Computes the rows of this process; sums of its contact points in rows of other processes are incomplete and not
+  // used.
   double product_of_part(const LaneVector<double>& x, LaneVector<double>* y) {
     for (const int u : shared_->units()) scale_and_strain(model_.unit_groups[at(u)], x, y);
     const auto bodies = at(system_.body_base());
@@ -344,7 +345,7 @@ class ScaledSystem {
     for (std::size_t i = of.first_line * kLine; i < of.end_line * kLine; ++i) (*y)[i] *= system_.of_zones();
   }
 
-  // Numbers of bodies of this process.
+  // Visits the numbers of own bodies.
   template <class Visit>
   void each_of_bodies(Visit visit) const {
     const auto bodies = at(system_.body_base());
@@ -356,7 +357,7 @@ class ScaledSystem {
   const Model& model_;
   const UndamagedSystem& system_;
   SharedModel* shared_;
-  LaneVector<double> scale_;  // 1/sqrt(m); 0: does not move
+  LaneVector<double> scale_;  // 1/sqrt(m); 0: held
   LaneVector<double> scaled_;
   LaneVector<double> root_mass_;
   MotionScaling scaling_;
@@ -367,8 +368,9 @@ LargestEigenvalue largest_eigenvalue(const Model& model, const UndamagedSystem& 
   LanczosSettings settings;
   settings.max_steps = 600;
   settings.check_interval = 10;
-  // The residual is no measure: walls have clusters of equal modes, between which the vector wanders long after the
-  // value stands. In large ones modes crowd, and the last 4e-5 of the step would take four times the products.
+  // The residual is no measure of convergence. Walls have clusters of equal modes, between which the vector wanders
+  // long after the value has converged. In large walls modes crowd, and the last 4e-5 of the step would take four times
+  // the products.
   constexpr int kLarge = 1'000'000;
   settings.settled = system.size() > kLarge ? 1e-5 : 1e-7;
   settings.with_vector = with_vector;
@@ -396,7 +398,7 @@ bool has_block(const Model& model, const SharedModel& shared, int block) {
   return std::binary_search(shared.units().begin(), shared.units().end(), unit);
 }
 
-// 1/mass of what a whiffletree pulls by that name, 1/kg. Gridpoints of a deformable block share its force by their
+// 1/mass of each block of a name that a whiffletree pulls, 1/kg. Gridpoints of a deformable block share its force by
 // mass.
 std::vector<double> compliances(const Model& model, const Inertia& inertia, const std::string& name,
                                 SharedModel* shared) {
@@ -414,7 +416,7 @@ std::vector<double> compliances(const Model& model, const Inertia& inertia, cons
     });
     found.push_back(sum / (mass * mass));
   }
-  if (shared) shared->largest(found);  // value of the process that has the block
+  if (shared) shared->largest(found);  // the value of the process that owns the block
   return found;
 }
 
@@ -432,7 +434,7 @@ std::vector<int> units_here(const Model& model, const SharedModel* shared) {
   return shared ? std::vector<int>(shared->units().begin(), shared->units().end()) : all_of(model.unit_groups.size());
 }
 
-// Generalised coordinates of this process: visit(dof).
+// Visits the generalised coordinates of this process: visit(dof).
 template <class Visit>
 void each_number(const UndamagedSystem& system, const SharedModel* shared, Visit visit) {
   const VectorRow all{0, at(system.size())};
@@ -446,7 +448,7 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
                       Limits wanted, SharedModel* shared) {
   TimeStepReport report;
   report.model_mass = model.total_mass();
-  // The eigenvalue of a sum of springs is at most the sum of theirs; trees are soft beside joints.
+  // The largest eigenvalue of a sum is at most the sum of the largest; whiffletrees are soft compared with joints.
   const auto step_of = [tree](double of_joints) {
     const double omega_squared = of_joints + tree;
     return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
@@ -498,8 +500,8 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
   return report;
 }
 
-// The lightest block at the joints of a family sets its viscosity. Joints between the halves of units are glued from
-// the start, and nothing lands there. Their stiffness is that of the units and would take all of the step.
+// The lightest block at the joints of a family sets its viscosity. Joints between the halves of units are bonded from
+// the start, and nothing lands there. With the stiffness of units they would reduce the step far too much.
 std::vector<std::array<double, 2>> impact_viscosities(const Model& model, const SolverSettings& settings) {
   const Assembly& assembly = model.assembly;
   std::vector<std::array<double, 2>> squares(assembly.families.size()), viscosities;
@@ -551,7 +553,7 @@ ImpactStep damp_impacts(const Model& model, const SolverSettings& settings, cons
   damping.viscosity = impact_viscosities(model, settings);
   damping.of_zones = least_zone_viscosity(model, settings);
   const std::vector<int> chunks = chunks_here(model, shared);
-  // K times this plus C times that.
+  // Largest eigenvalue of of_stiffness K + of_viscosity C over the inertia.
   const auto eigenvalue = [&](double of_stiffness, double of_viscosity) {
     Springs springs = springs_of(model);
     for (std::size_t f = 0; f < springs.of_family.size(); ++f) {
@@ -570,8 +572,8 @@ ImpactStep damp_impacts(const Model& model, const SolverSettings& settings, cons
   return step;
 }
 
-// Springs and dashpots of joints that act by the mean of a step (step/implicit_contacts.h) leave the step to the zones.
-// With C = beta K of them central differences are stable where dt^2 + 2 beta dt <= 4/omega^2. Returns that dt, s.
+// Stable step of zones, s. Joints' springs and dashpots with implicit contacts (step/implicit_contacts.h) do not limit
+// the step. With C = beta K of the zones, central differences are stable where dt^2 + 2 beta dt <= 4/omega^2.
 double step_of_zones(const Model& model, const SolverSettings& settings, const Inertia& inertia, double tree,
                      SharedModel* shared, TimeStepReport* report) {
   const auto refuse = [](const std::string& what) {
@@ -597,7 +599,7 @@ double step_of_zones(const Model& model, const SolverSettings& settings, const I
   return std::sqrt(damping.of_zones * damping.of_zones + 4.0 / squared) - damping.of_zones;
 }
 
-// kg; a body counts where its six numbers begin.
+// Mass in use over all ranks, kg; a body counts in the row where its six numbers begin.
 double mass_in_use(const Model& model, const UndamagedSystem& system, const Inertia& inertia, SharedModel* shared) {
   const auto add = [&](const VectorRow& row, double sum) {
     const auto bodies = at(system.body_base());
@@ -669,7 +671,8 @@ Inertia inertia_in_use(const Model& model, const SolverSettings& settings, Share
   }
 
   if (settings.selective_time_step > 0.0) {
-    // omega_max^2 <= max (row sum / inertia): inertia that keeps every row at 4/(dt/fraction)^2 is enough for the step.
+    // omega_max^2 <= max (row sum / inertia): an inertia with this ratio at 4/(dt/fraction)^2 in every row suffices for
+    // the step.
     const UndamagedSystem system(model, chunks_here(model, shared));
     const std::vector<int> units = units_here(model, shared);
     const auto rows = system.rows(inertia, units);
@@ -687,7 +690,7 @@ Inertia inertia_in_use(const Model& model, const SolverSettings& settings, Share
         }
       }
     }
-    // A process that has not all points of a body finds no larger row sums than the one that has.
+    // A process that lacks points of a body finds no larger row sums than the process that has all of them.
     std::vector<double> ratios(model.bodies.size(), 1.0);
     for (std::size_t b = 0; b < ratios.size(); ++b) {
       for (std::size_t k = 0; k < 6; ++k)
@@ -722,8 +725,8 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
                 "the model has no stiffness (no deformable block, no contact point), so no time step follows "
                 "from it; give solver.selective_time_step");
   }
-  // Damping proportional to velocity is taken from the velocity of half a step ago, which costs stability. The bound is
-  // dt <= 2/omega (sqrt(1 + xi^2) - xi) with the damping ratio xi at the highest frequency.
+  // Damping forces use the velocity half a step ago, which reduces the stable step. Its bound is dt <= 2/omega (sqrt(1
+  // + xi^2) - xi) with the damping ratio xi at the highest frequency.
   const Damping damping = damping_of(settings);
   const double omega = 2.0 / report.critical.value;
   double xi = damping.zone_ratio;

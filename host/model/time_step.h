@@ -1,4 +1,4 @@
-// The stable time step of central differences for the undamaged assembled system.
+// Stable time step of central differences for the undamaged assembled system.
 #pragma once
 
 #include <functional>
@@ -15,18 +15,19 @@ namespace quoin {
 
 struct TimeStepLimit {
   double value = 0.0;  // s
-  Vec3 position{};     // place of the gridpoint or body that sets it, m
+  Vec3 position{};     // gridpoint or body that sets it, m
   std::string where;   // "block 12, gridpoint 3, family 'mortar' carries 61 % of the stiffness"
 };
 
 struct TimeStepReport {
   TimeStepLimit critical;    // 2/omega_max by Lanczos
-  TimeStepLimit gershgorin;  // row sums: a guaranteed lower bound of it, without scaling of deformation
+  TimeStepLimit gershgorin;  // row sums: a guaranteed lower bound of `critical`, without scaling of deformation
   TimeStepLimit nodal;       // eq. 3 with diagonal stiffness, 2 sqrt(m/k): for comparison, usually unstable
   int lanczos_steps = 0;
-  double time_step = 0.0;  // s, in use
+  double time_step = 0.0;  // step in use, s
   // Local damping adds up to gamma times the force of a degree of freedom to it, which acts like that much more
-  // stiffness. Above this fraction of the critical step, 1/sqrt(1 + gamma), stiff modes chatter. 1 without it.
+  // stiffness. Above this fraction of the critical step, 1/sqrt(1 + gamma), stiff modes chatter. 1 without local
+  // damping.
   double quiet_fraction = 1.0;
   std::string warning() const;     // text for a step above the quiet one or above 2/omega_max; else empty
   double stiffness_damping = 0.0;  // s, of viscous damping in use
@@ -35,34 +36,34 @@ struct TimeStepReport {
   double model_mass = 0.0;  // kg, before any scaling
 };
 
-// Inertia in use (mass scaling included): per component of gridpoints, and per rigid body.
+// Inertia in use (mass scaling included), by component of gridpoints and by rigid body.
 struct Inertia {
-  LaneVector<double> node;               // kg; 0 where there is nothing to move
+  LaneVector<double> node;               // kg; 0 where there is no gridpoint
   std::vector<double> body_mass;         // kg
   std::vector<Vec3> body_inertia;        // kg m2
   double deformation = 1.0, unit = 1.0;  // s_b and s_u of rigid_motion.h
-  RigidMotions rigid;                    // empty when neither scaling nor damping requests it
+  RigidMotions rigid;                    // empty unless scaling or damping needs it
 };
 
-// Contents of a report: critical.value alone, or nodal.value with it. Or also where they are set, and the third limit,
-// for twice the time and of a whole model.
+// Limits to compute: critical.value alone, or nodal.value with it. `all` computes the third limit and all places too.
+// It takes twice the time, and a whole model.
 enum class Limits { critical, nodal, all };
 
-// Inertia with the scaling of the settings: of what is laid out of the model. shared: as in choose_time_step.
+// Inertia with the scaling of the settings, of the part of the model that is laid out. shared: as in choose_time_step.
 Inertia inertia_in_use(const Model& model, const SolverSettings& settings, SharedModel* shared = nullptr);
 
-// The time step that goes with it. stages: whose whiffletrees are springs. shared: this process has a part of the
-// model, and the masses of all that touches it where the settings need rows. null: all of it.
+// Chooses the time step for an inertia. stages: their whiffletrees are springs. shared: the part of the model that this
+// process has; null: all of it. Where the settings need rows, the part has the masses of all blocks that touch it.
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia,
                                 Limits wanted = Limits::all, const std::vector<Stage>& stages = {},
                                 SharedModel* shared = nullptr);
 
-// Whether inertia or time step follow from rows of K.
+// Whether inertia or time step depend on rows of K.
 bool needs_rows(const SolverSettings& settings);
 
-// Eigenvalue of the stiffest whiffletree on what it pulls, 1/s2. Its energy K/(2 n) (sum of the n floors'
+// Eigenvalue of the stiffest whiffletree on the masses that it pulls, 1/s2. Its energy K/(2 n) (sum of the n floors'
 // displacements)^2 gives every floor the same force. With the mean over the m_f blocks of a floor, lambda = K/n sum
-// 1/(m_f^2 mass). compliances: 1/mass of each block of that name, 1/kg.
+// 1/(m_f^2 mass). compliances: 1/mass of each block of a name, 1/kg.
 double whiffletree_eigenvalue(const std::vector<Stage>& stages,
                               const std::function<std::vector<double>(const Stage&, const std::string&)>& compliances);
 

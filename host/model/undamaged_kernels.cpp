@@ -33,13 +33,13 @@ HWY_INLINE void store(const V3& v, double* p) {
 HWY_INLINE V3 add(const V3& a, const V3& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)}; }
 HWY_INLINE V3 times(const V3& a, const V3& b) { return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)}; }
 HWY_INLINE V3 times(V s, const V3& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
-// Product with an arm that all lanes share.
+// Cross product with an arm that all lanes share.
 HWY_INLINE V3 cross(const V3& a, const V3& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
-struct Rotor {  // v(r) = linear + angular x r, while sums are taken force and torque
+struct Rotor {  // velocity v(r) = linear + angular x r; for sums, force and torque
   V3 linear, angular;
 };
 
@@ -94,8 +94,8 @@ struct UnitView {
   }
 };
 
-// Reads the gridpoints of a unit in order, scales their motion, hands it on, for one vector of lanes. get(i) gives the
-// three components at offset i, put(i, of them) takes the scaled ones.
+// Scales the motion of the gridpoints of a unit in order, for one vector of lanes. get(i) returns the three components
+// at offset i, put(i, components) stores the scaled ones.
 template <class Get, class Put>
 HWY_INLINE void scale_lanes(const UnitView& unit, const MotionScaling& scaling, int lane, Get get, Put put) {
   const D d;
@@ -165,7 +165,7 @@ double ScaleMotionAfter(const Model& model, const UnitGroup& unit_group, const M
   return sum;
 }
 
-// kCount groups of one template share the loads of the coefficients, and their sums hide each other's latency.
+// kCount groups of one template share the loads of the coefficients; their independent sums hide latency.
 template <int kCount>
 HWY_INLINE void zones_of(const BrickTemplate& shape, const BlockGroup* group, const double* HWY_RESTRICT u,
                          double* HWY_RESTRICT f) {
@@ -238,7 +238,7 @@ void AddSprings(const Model& model, const SpringRun& run, const double* u, doubl
   auto i = static_cast<std::size_t>(run.first_point);
   const std::size_t end = i + static_cast<std::size_t>(run.point_count);
   while (i < end) {
-    // Gridpoints side by side: all of one block face or another, so none comes twice.
+    // Gridpoints are consecutive, so they belong to one face of blocks, and no two are the same.
     if (model.point_run[i] >= kWidth && i + kWidth <= end) {
       springs_of(D(), model, run, i, u, f);
       i += kWidth;

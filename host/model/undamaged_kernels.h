@@ -1,5 +1,5 @@
 // Inner loops of K u for the undamaged system, compiled for every instruction set of Highway and chosen at run time.
-// Without fused multiply-adds and with sums in the order of memory: the time step has the same bits on every machine.
+// They use no fused multiply-adds, and add in the order of memory: the time step has the same bits on every machine.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-// Square root of the inverse inertia of rigid_motion.h, in coordinates sqrt(m) u:
+// Operator S, the square root of the inverse inertia of rigid_motion.h, in coordinates sqrt(m) u:
 // P_u + (P_b - P_u)/sqrt(s_u) + (1 - P_b)/sqrt(s_b).
 struct MotionScaling {
   const RigidMotions* rigid = nullptr;     // null: the identity
@@ -18,18 +18,18 @@ struct MotionScaling {
   const double* node_root_mass = nullptr;  // [line][lane], sqrt(kg)
 };
 
-// y = D S x for the gridpoints of a unit group, D diagonal. x and y: whole arrays in lane layout, not the same.
+// y = D S x for the gridpoints of a unit group, D diagonal. x and y: distinct whole arrays in lane layout.
 void scale_motion_then(const Model& model, const UnitGroup& unit, const MotionScaling& scaling, const double* diagonal,
                        const double* x, double* y);
 
-// y = S D y; returns sum + x . y, in the order of memory.
+// y = S D y; returns sum + x . y, added in the order of memory.
 double scale_motion_after(const Model& model, const UnitGroup& unit, const MotionScaling& scaling,
                           const double* diagonal, double sum, const double* x, double* y);
 
 // f = K u of the zones of a unit group; whole arrays in lane layout.
 void zone_stiffness(const Model& model, const UnitGroup& unit, const double* u, double* f);
 
-// Contact points in a row between gridpoints of deformable blocks, of one family and axis.
+// Consecutive contact points between gridpoints of deformable blocks, of one family and axis.
 struct SpringRun {
   std::int32_t first_point = 0, point_count = 0;
   int axis = 0;

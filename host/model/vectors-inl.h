@@ -1,4 +1,4 @@
-// The vectors that all kernels over lanes compute with; included once for every instruction set.
+// Vector types and loads of all SIMD kernels; included once for every instruction set.
 #if defined(QUOIN_MODEL_VECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_MODEL_VECTORS_INL_H
 #undef QUOIN_MODEL_VECTORS_INL_H
@@ -18,7 +18,7 @@ namespace quoin {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A line of 8 lanes is kParts vectors of kWidth.
+// A line of 8 lanes has kParts vectors of kWidth lanes.
 using D = hn::CappedTag<double, kLanes>;
 using V = hn::Vec<D>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(D()));
@@ -38,7 +38,7 @@ HWY_INLINE hn::Vec<Tag> gather(Tag d, const double* base, const std::int32_t* in
   return hn::GatherIndex(d, base, hn::PromoteTo(wide, hn::LoadU(narrow, index)));
 }
 
-// Four numbers that follow each other.
+// Four consecutive numbers.
 constexpr int kFour = 4;
 using Four = hn::CappedTag<double, kFour>;
 using F = hn::Vec<Four>;
@@ -49,7 +49,7 @@ HWY_INLINE void transpose(const F (&row)[1], F (&column)[1]) { column[0] = row[0
 HWY_INLINE V join(F lower, F) { return lower; }
 HWY_INLINE F part_of(V v, int) { return v; }
 #else
-// Templates, so that what a target has no instruction for is not compiled for it.
+// Templates, so that code without an instruction on a target is not compiled for it.
 template <class Tag = Four>
 HWY_INLINE void transpose(const hn::Vec<Tag> (&row)[kPart], hn::Vec<Tag> (&column)[kPart]) {
   const Tag d;
@@ -81,7 +81,7 @@ HWY_INLINE F part_of(hn::Vec<Tag> v, int first) {
 }
 #endif
 
-// Four numbers of each lane, from where row(lane) points to: number i of all lanes in column[i].
+// Four numbers of each lane, from the address row(lane): number i of all lanes in column[i].
 template <class Row>
 HWY_INLINE void load_rows(const Row& row, V (&column)[kFour]) {
   for (int c = 0; c < kFour; c += kPart) {
@@ -95,7 +95,7 @@ HWY_INLINE void load_rows(const Row& row, V (&column)[kFour]) {
   }
 }
 
-// The inverse: visit(lane, c, numbers c .. c + kPart - 1 of that lane), for the first `count` lanes.
+// Inverse of load_rows: visit(lane, c, numbers c .. c + kPart - 1 of that lane), for the first `count` lanes.
 template <class Visit>
 HWY_INLINE void for_rows(const V (&column)[kFour], int count, const Visit& visit) {
   for (int c = 0; c < kFour; c += kPart) {

@@ -1,4 +1,4 @@
-// A model as it begins, its laws, and what stages set between steps.
+// Start of a model, its laws, and changes by stages between steps.
 #include "model/world.h"
 
 #include <fmt/format.h>
@@ -73,7 +73,7 @@ void World::set_solver(const SolverSettings& settings) {
   solver = settings;
   if (runs) solver.mass_scaling = mass_scaling;
   settle(is_settling);
-  if (books) step_sums.later.detection += moving - kinetic_energy_of_all(*this);  // energy of the added inertia
+  if (books) step_sums.later.detection += moving - kinetic_energy_of_all(*this);  // kinetic energy of the added inertia
   if (damping.eq1 == Eq1::gridpoints && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
     throw Error(
         Exit::bad_input,
@@ -161,14 +161,15 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
   for (size_t k = 0; k < f.state.size(); ++k)
     f.state[k].assign(state.begin() + long(k * f.size()), state.begin() + long((k + 1) * f.size()));
   for (size_t i = 0; i < f.size(); ++i) {
-    // The opening counts from a gap that is smaller by the shift; only rigid planes have it in their offset too.
+    // The opening increases by the shift if the reference gap falls by it. Rigid planes have the gap in their offset
+    // too.
     Point& p = f.point[i];
     p.reference -= opening_shift[i];
     if (p.facet_a < 0) p.offset -= opening_shift[i];
     f.normal_jump[i] += opening_shift[i];
     if (!f.old_jump.empty()) f.old_jump[i] += opening_shift[i];
   }
-  // What the old law has stored stays in the columns if the new one writes none.
+  // Columns would keep the old law's energies if the new law writes none.
   std::fill(f.stored.begin(), f.stored.end(), 0.0);
   for (auto& column : f.dissipated) std::fill(column.begin(), column.end(), 0.0);
   divide_work(*this);
@@ -181,8 +182,7 @@ void World::set_gravity(const Vector& g, TimeSeries factor) {
 
 namespace {
 
-// The motion of what is driven is no kinetic energy: what is released adds its own, what is caught leaves it to the
-// support.
+// Driven components have no kinetic energy: a released component adds its own, a caught one passes it to the support.
 void change_held(uint8_t& held, uint8_t next, double mass, const Vector& v, Energies& energies) {
   const int changed = held ^ next;
   for (int k = 0; changed != 0 && k < 3; ++k)
@@ -220,7 +220,7 @@ void World::set_velocity(int block, const Vector& velocity, const Vector& omega)
     body.momentum = body.r * Vector{body.inertia.x * w.x, body.inertia.y * w.y, body.inertia.z * w.z};
     return;
   }
-  checks.dt = 0.0;  // sooner than its checks have reckoned with
+  checks.dt = 0.0;  // the motion changes more than the checks assume: all are due
   const Vector centre = position_of(*this, block);
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
     nodes.v[i] = velocity + cross(omega, nodes.x[i] - centre);

@@ -1,12 +1,12 @@
-// Blocks of any convex shape and the contacts between them, in large motion: what they are, where they are now, what
-// acts on them. Contacts and results are found here; step/large_motion.h advances blocks.
+// Blocks of any convex shape in large motion, the contacts between them, and the actions on them. Contacts and results
+// are computed in host/model; step/large_motion.h advances blocks.
 //
-// Rigid blocks: position, quaternion, linear and angular momentum. Deformable blocks: zones, constant-strain
-// tetrahedra. Contacts: block a owns the plane (a face, or the plane of two crossing edges), block b carries the
-// points. Jumps are measured in a frame that moves with a. d_n is the distance from the plane less its reference, the
-// slip increment is the change of b's position in that frame. So traction turns with a, spin about n included, and a
-// rigid rotation of both changes no bit of physics. The pair of forces acts at one point in space: force and moment
-// balance exactly.
+// Rigid blocks have position, quaternion, linear and angular momentum. Deformable blocks have zones, constant-strain
+// tetrahedra. In a contact, block a owns the plane (a face, or the plane of two crossing edges), and block b carries
+// the points. Jumps are measured in a frame that moves with a. d_n is the distance from the plane less its reference;
+// the slip increment is the change of b's position in that frame. So traction turns with a, spin about n included, and
+// a common rigid rotation of both blocks changes no stress. The opposite forces act at one point in space: force and
+// moment balance exactly.
 #pragma once
 
 #include <algorithm>
@@ -44,53 +44,53 @@
 namespace quoin::blocks {
 
 struct World {
-  // Discretises blocks and finds the initial joints. materials: one a family, or empty to load the laws by their names.
-  // Throws Error(bad_input): blocks that overlap at the start (names, place, depth), bad shapes, materials or settings.
-  // ranks: those that share the model; then all is numbered, and nothing more exists before begin().
+  // Discretises blocks and finds the initial joints. materials: one per family, or empty to load the laws by their
+  // names. Throws Error(bad_input) for blocks that overlap at the start (names, place, depth), bad shapes, materials or
+  // settings. ranks: those that share the model; then items are only numbered, and begin() lays them out.
   World(const Assembly& scene, const SolverSettings& settings,
         std::vector<std::shared_ptr<const Material>> materials = {}, Ranks* ranks = nullptr);
 
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  // What acts from now on.
+  // Actions from now on.
   void set_gravity(const Vector& g, TimeSeries factor = {});                                         // m/s2
   void prescribe(int block, const Vector& velocity, const Vector& omega = {}, uint8_t held = 0x3f);  // m/s, rad/s
   void set_velocity(int block, const Vector& velocity, const Vector& omega = {});  // initial velocity of a free block
   void add(Load load);
   void add(Pressure pressure);
-  // Force on the centre of mass of a block, on a deformable one shared by mass, N. Stays until changed.
+  // Force on the centre of mass of a block, N; gridpoints of a deformable block share it by mass. Stays until changed.
   void apply_force(int block, const Vector& force);
   void clear_loads() {
     actions.loads.clear(), actions.pressures.clear(), actions.applied.clear();
     actions.loaded.assign(blocks.size(), 0);
   }
-  // Settings of a stage: mass_scaling stays as it was at the start. The time step is chosen again.
+  // Settings of a stage; mass_scaling keeps its value of the start. The time step is chosen again.
   void set_solver(const SolverSettings& settings);
-  void settle(bool on);  // damping of stages that run to equilibrium
-  // The law alone, for a state that is about to be restored.
+  void settle(bool on);  // on: damping of stages that run to equilibrium
+  // Replaces the law alone, for a state that is about to be restored.
   void take_law(int family, std::shared_ptr<const Material> material);
-  // Another law for all points of a family, between two steps. state: columns of the new law one after the other.
-  // opening_shift: by point, m, added to the opening of the law, so that tractions can stay. Points born later
-  // start in the new law's dry state; the time step becomes shorter if the new law is stiffer.
+  // Replaces the law of all points of a family, between two steps. state: columns of the new law one after the other.
+  // opening_shift: by point, m, added to the opening of the law, so that tractions can stay. Points placed later start
+  // in the new law's dry state. The time step becomes shorter if the new law is stiffer.
   void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                    std::span<const double> opening_shift);
-  void track_energy(bool on);  // from nothing
-  // Energies of the steps from now on are added to what has been booked; off: that stays.
+  void track_energy(bool on);  // starts from zero
+  // Adds energies of later steps to those already booked; off: the booked energies stay.
   void book_energy(bool on);
-  // Velocity of the ground half a step ago and now, m/s: what mass-proportional and local damping brake against.
+  // Velocity of the ground half a step ago and now, m/s: reference of mass-proportional and local damping.
   void move_ground(const Vector& half_step_ago, const Vector& now) {
     actions.ground_then = half_step_ago, actions.ground_now = now;
   }
-  // Members that hold blocks beside their joints (world_members.cpp). The time step is chosen again. exchange: gives
-  // places and turns of nodes to ranks that do not have their blocks; empty: one process.
+  // Adds members (world_members.cpp); the time step is chosen again. exchange: sends places and rotations of nodes to
+  // ranks that do not have their blocks; empty: one process.
   using ExchangeNodes = std::function<void(std::vector<members::Node>& nodes)>;
   void hold_by_members(std::shared_ptr<members::Members> members, ExchangeNodes exchange = {});
-  // Springs from outside that pull on its blocks, by their eigenvalue on the masses of these, 1/s2: they shorten the
-  // time step.
+  // Adds external springs on its blocks, by their eigenvalue on the masses of these blocks, 1/s2. They shorten the time
+  // step.
   void hold_by_springs(double eigenvalue);
 
-  // For ranks that share the model, of which all have the outline (world_parts.h). Blocks of these ranks are laid out.
+  // Lays out the blocks of this rank. For ranks that share the model, of which all have the outline (world_parts.h).
   void begin(std::vector<int> rank_of_block);
 
   int block_count() const { return int(blocks.size()); }
@@ -98,7 +98,7 @@ struct World {
   int piece_count() const { return int(pieces.all.size()); }
   size_t point_count() const;
   size_t zone_count() const;
-  // parts: hands the bytes of an array on to a function, in pieces if need be; empty: all of it is here.
+  // parts: passes the bytes of an array to a function, in pieces if need be; empty: this process has the whole array.
   using TakeBytes = std::function<void(std::span<const uint8_t>)>;
   using GiveParts = std::function<void(const void* first, size_t bytes, const TakeBytes& take)>;
   uint64_t hash(const GiveParts& parts = {}) const;
@@ -133,17 +133,17 @@ struct World {
   Stepping stepping;
   ImpactState impacts;
   StepSums step_sums;
-  bool is_small = true;       // displacements: frames of contacts stay as at the start
-  bool books_energy = false;  // energies are requested
-  bool is_settling = false;   // in a stage that runs to equilibrium
-  Damping damping;            // of `solver` and `is_settling`
+  bool is_small = true;       // whether displacements are small: frames of contacts stay those of the start
+  bool books_energy = false;  // whether energies are requested
+  bool is_settling = false;   // whether the stage runs to equilibrium
+  Damping damping;            // damping of `solver` and `is_settling`
 };
 
-// Rigid motion is advanced apart from the rest: inertia is scaled apart, or damping is by block.
+// Whether rigid motion is advanced apart from deformation: inertia is scaled, or damping is by block.
 inline bool splits_motion(const World& w) {
   return w.damping.splits_motion() || w.solver.deformation_inertia != 1.0 || w.solver.unit_inertia != 1.0;
 }
-// Velocity of the ground at the time of damping: signs are of half a step ago, viscous forces of now.
+// Velocity of the ground at the time of damping: signs need that of half a step ago, viscous forces the current one.
 inline Vector braking_ground(const World& w) {
   return w.damping.alpha > 0.0 ? w.actions.ground_now : w.actions.ground_then;
 }
@@ -151,8 +151,7 @@ inline int facets_a_point(const World& w, const Contact& c) {
   return int(w.blocks[size_t(c.pair.a)].body < 0) + int(w.blocks[size_t(c.pair.b)].body < 0);
 }
 
-// Whether the current step ends with a check of how far blocks have moved. Contacts are detected after such steps
-// alone.
+// Whether the current step ends with a check of the motion of blocks. Contacts are detected only after such steps.
 inline bool checks_motion(const World& w) {
   return w.stepping.count + 1 >= w.checks.next || w.stepping.dt != w.checks.dt;
 }
@@ -168,7 +167,7 @@ void each_zone(const World& w, Visit visit) {  // visit(ModelBlock, Zone), block
     for (int k = 0; k < b.zone_count; ++k) visit(b, w.zones.zone(b, k));
   }
 }
-// Pairs that have points in a chunk, and their blocks.
+// Visits pairs that have points in a chunk, and their blocks.
 template <class Visit>
 void each_contact_of_chunk(const World& w, int chunk, Visit visit) {
   const Chunk& c = w.chunks.all[size_t(chunk)];

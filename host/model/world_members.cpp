@@ -1,5 +1,5 @@
-// Members in a model: where their nodes ride, and what they do to blocks. Where several processes share the model, each
-// computes all members. Owners of blocks give the others the places of nodes.
+// Members of a model: positions of their nodes, and their forces on blocks. With ranks, each process computes all
+// members. Owners of blocks send the positions of nodes to the others.
 #include "model/world_members.h"
 
 #include <array>
@@ -17,7 +17,7 @@ using namespace geometry;
 
 namespace {
 
-// How a node rides, in a form that ranks exchange: gridpoints below 0 are none.
+// Attachment of a node to its block, in a form that ranks exchange; gridpoints below 0 are unused.
 struct Ride {
   Vector arm;
   std::array<int32_t, 4> gridpoint{-1, -1, -1, -1};
@@ -50,8 +50,8 @@ void World::hold_by_members(std::shared_ptr<members::Members> members, ExchangeN
     }
   }
   find_time_step(*this, true);
-  // Dashpots act with velocities of half a step ago: stable where K + 2 C/dt has dt^2 times its eigenvalue below 4. A
-  // smaller dt is stable too, so that one that fits is enough.
+  // Forces of dashpots use velocities half a step ago. The step is stable where dt^2 times the eigenvalue of K + 2 C/dt
+  // is below 4. A smaller dt is stable too, so one valid dt is enough.
   constexpr double kTry = 0.95;
   for (double reckoned = stepping.dt; held_by.members->has_dashpots();) {
     held_by.members->reckon_with(reckoned);
@@ -80,7 +80,7 @@ void follow_members(World& w) {
                            w.damping.alpha, w.damping.gamma});
 }
 
-// As springs of the same stiffness in all directions, which bound them however they turn.
+// Adds springs of the same stiffness in all directions, an upper bound for members in any orientation.
 void add_member_springs(const World& w, const Unit* alone, const MotionColumns& velocity, const MotionColumns& force) {
   const std::vector<members::Node>& nodes = w.held_by.members->nodes();
   const auto velocity_of = [&](const members::Node& node) {
@@ -94,7 +94,7 @@ void add_member_springs(const World& w, const Unit* alone, const MotionColumns& 
     return v;
   };
   const auto has = [&](const members::Node& node) { return alone ? alone->has(node.block) : w.part.owns(node.block); };
-  std::vector<Vector> moves(nodes.size());  // 0 for blocks outside the unit
+  std::vector<Vector> moves(nodes.size());  // 0 for blocks outside the unit, or of other ranks
   for (size_t n = 0; n < nodes.size(); ++n) {
     if (has(nodes[n])) moves[n] = velocity_of(nodes[n]);
   }

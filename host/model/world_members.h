@@ -1,4 +1,4 @@
-// Members that hold blocks beside their joints, in a model.
+// Members of a model.
 #pragma once
 
 #include <functional>
@@ -18,16 +18,16 @@ namespace quoin::blocks {
 
 struct World;
 
-// Members are made and changed by stages; steps move their nodes along.
+// Members of the model. Stages make and change them; steps move their nodes.
 struct HeldBy {
   std::shared_ptr<members::Members> members;  // null: none
-  // Exchange of places and rotations of nodes with ranks that do not have their blocks; empty: one process.
+  // Sends places and rotations of nodes to ranks that do not have their blocks; empty: one process.
   std::function<void(std::vector<members::Node>& nodes)> exchange;
   double work = 0.0;  // work of members that is booked, J
 };
 
-void follow_members(World& w);  // to where their nodes are, and what they do there, before a step
-// Columns of bodies and gridpoints: velocities, or forces.
+void follow_members(World& w);  // moves nodes with their blocks and computes their forces, before a step
+// Columns of bodies (linear, angular) and gridpoints: velocities, or forces.
 struct MotionColumns {
   LaneVector<geometry::Vector>&linear, &angular, &node;
 };

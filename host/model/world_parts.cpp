@@ -1,7 +1,7 @@
-// A model that several processes share: what each of them has of it, and how it gets what it did not have.
+// The part of a shared model that a rank has, and the exchange of blocks and contact points that it lacks.
 //
-// Arrays have the numbers of the whole model; memory they have where a rank works (base/sparse_memory.h). What steps
-// change of a block is known to its owner; contact points to the owners of both blocks of their pair.
+// Arrays have the length of the whole model; they take memory only where a rank works (base/sparse_memory.h). The owner
+// of a block has its data that steps change. Owners of both blocks of a pair have its contact points.
 
 #include "model/world_parts.h"
 
@@ -22,7 +22,7 @@ namespace {
 
 using VisitBytes = std::function<void(void*, size_t)>;
 
-// Points of joints that begin at these blocks.
+// Start points of the joints whose first block is one of these blocks.
 Items start_points_of(const StartJoints& start, int first_block, int end_block) {
   const auto first_of = [&](int block) {
     const auto joint = std::ranges::lower_bound(start.joint, block, {}, [](const StartJoint& j) { return j.pair.a; });
@@ -38,7 +38,7 @@ void forget_items(Array& array, size_t first, size_t end) {
 
 }  // namespace
 
-// ---- What can be exchanged ------------------------------------------------------------------------------------------
+// ---- Memory of items ------------------------------------------------------------------------------------------------
 
 Items items_of_blocks(const World& w, Owner owner, size_t first, size_t end) {
   const ModelBlock &from = w.blocks[first], &last = w.blocks[end - 1];
@@ -84,8 +84,8 @@ void each_memory_of_points(World& w, int family, size_t first, size_t end, const
 
 struct Wanted {
   std::vector<bool> block, contact;            // items that are sent
-  std::vector<bool> block_here, contact_here;  // requested here
-  std::span<const int> known_by;               // rank of each block
+  std::vector<bool> block_here, contact_here;  // whether they are requested here
+  std::span<const int> known_by;               // rank that sends each block
   explicit Wanted(const World& world, std::span<const int> known)
       : block(world.blocks.size()),
         contact(world.contacts.list.size()),
@@ -94,8 +94,8 @@ struct Wanted {
         known_by(known) {}
 };
 
-// visit(rank, first byte, bytes, whether it is requested here). Neighbouring contacts of one rank go together, array by
-// array, in the same order on all ranks, whatever each of them requests.
+// visit(rank, first byte, bytes, whether it is requested here). Consecutive contacts of one rank are sent together,
+// array by array, in the same order on all ranks, whatever each rank requests.
 template <class Visit>
 void each_exchanged_memory(World& w, const Wanted& wanted, Visit visit) {
   for (size_t i = 0; i < w.blocks.size(); ++i) {
@@ -105,7 +105,7 @@ void each_exchanged_memory(World& w, const Wanted& wanted, Visit visit) {
     });
   }
   const auto rank_of_contact = [&](size_t i) { return wanted.known_by[size_t(w.contacts.list[i].pair.a)]; };
-  // Items of arrays that go together, from some item on: how many of them are requested here, or not, in turn.
+  // Items of arrays that are sent together, in runs that are requested here or not.
   struct Part {
     size_t items;
     bool here;
@@ -174,7 +174,7 @@ void each_owned_memory(World& w, const VisitOwned& visit) {
 
 namespace {
 
-// Items that some ranks lack, and whether this one does.
+// Items that some ranks lack, and whether this rank does.
 struct Need {
   std::vector<bool>& sent;
   std::vector<bool>& here;
@@ -186,7 +186,7 @@ struct Need {
   }
 };
 
-// Releases arrays of contiguous blocks: those that change in a run, and those that lay_out makes.
+// Releases arrays of consecutive blocks: those that change in a run, and those that lay_out makes.
 void forget_blocks(World& w, size_t first, size_t end) {
   WorldFields::of_blocks(w, [&](const Field& field, auto& array) {
     const Items items = items_of_blocks(w, field.owner, first, end);
@@ -311,7 +311,7 @@ void exchange_joints(World& w, std::span<const int> of_blocks) {
   exchange(w, wanted);
 }
 
-// The rank of a joint's first block may know nothing of the other one any more, or no more than what it touches of it.
+// The owner of a joint's first block may lack the second block, or have only the parts of it that it touches.
 void exchange_parted_blocks(World& w) {
   if (!w.part.ranks || !w.start_joints.any_replaced()) return;
   Wanted wanted(w, w.part.rank_of_block);
@@ -366,7 +366,7 @@ void bind_neighbours(World& w) {
   if (!w.part.ranks) return;
   const int here = w.part.ranks->rank();
   w.part.deviating.resize(w.blocks.size(), 0.0);
-  std::map<int, std::pair<std::vector<int>, std::vector<int>>> with;  // by rank: blocks sent to it, and received
+  std::map<int, std::pair<std::vector<int>, std::vector<int>>> with;  // by rank: blocks sent to it, and blocks received
   for (const Contact& c : w.contacts.list) {
     const auto [a, b] = c.pair;
     const int rank_a = w.part.rank_of_block[size_t(a)], rank_b = w.part.rank_of_block[size_t(b)];

@@ -1,4 +1,4 @@
-// What the ranks that share a model exchange of it.
+// Exchange of blocks and contact points between ranks that share a model.
 #pragma once
 
 #include <cstddef>
@@ -16,22 +16,24 @@ struct World;
 struct Items {
   size_t first, end;
 };
-Items items_of_blocks(const World& w, Owner owner, size_t first_block, size_t end_block);  // in a row
+Items items_of_blocks(const World& w, Owner owner, size_t first_block, size_t end_block);  // of consecutive blocks
 
-// All ranks have the outline of the model: blocks, pairs that are close, how many contact points they have. Arrays have
-// the numbers of the whole model; laid out, and in memory, is what a rank works with. It is its own blocks, the chunks
-// of points that touch them, and what those and close pairs touch of others.
-// Blocks go to these ranks from now on. known: blocks that every rank is to have besides.
+// All ranks have the outline of the model: blocks, pairs that are close, and numbers of contact points. Arrays have the
+// length of the whole model. A rank lays out its own blocks, the chunks of points that touch them, and the blocks of
+// these chunks and of close pairs.
+//
+// Assigns blocks to these ranks. known: blocks that every rank has besides its own.
 void hold_blocks(World& w, std::vector<int> rank_of_block, std::span<const int> known);
-void exchange_blocks(World& w, std::span<const int> chosen);     // to all
-void exchange_joints(World& w, std::span<const int> of_blocks);  // to all: their contact points, and what these touch
-void exchange_parted_blocks(World& w);                           // by all ranks at the same moment
-size_t gather_everything(World& w, bool to_all);                 // or to rank 0 alone; bytes
-// visit(rank, first byte, bytes): what steps change of blocks and points, by the rank that has it.
+// Send to all ranks: these blocks; contact points of these blocks, with the blocks that they touch.
+void exchange_blocks(World& w, std::span<const int> chosen);
+void exchange_joints(World& w, std::span<const int> of_blocks);
+void exchange_parted_blocks(World& w);            // collective
+size_t gather_everything(World& w, bool to_all);  // or to rank 0 alone; returns bytes
+// visit(rank, first byte, bytes): data of blocks and points that steps change, with the rank that owns them.
 using VisitOwned = std::function<void(int, void*, size_t)>;
 void each_owned_memory(World& w, const VisitOwned& visit);
 
-// Motion of blocks close to those of other ranks: at the first time, and where it lies from then on.
+// Receives blocks close to those of this rank for the first time; binds addresses of their motion for later exchanges.
 void receive_new_neighbours(World& w, const std::vector<geometry::Pair>& pairs);
 void bind_neighbours(World& w);
 void receive_neighbours(World& w);

@@ -55,7 +55,7 @@ double turned(const World& w, int block) {
 
 double turned_by_now(const World& w, int block) {
   const Matrix r = transposed(orientation_of(w, block));
-  // |R - 1|^2 = 8 sin^2(angle / 2), which keeps its digits at small angles.
+  // |R - 1|^2 = 8 sin^2(angle / 2), which is accurate at small angles.
   double squares = 0.0;
   for (int k = 0; k < 3; ++k) {
     for (int c = 0; c < 3; ++c) {
@@ -149,7 +149,7 @@ double kinetic_energy_of_all(const World& w) {
   return sum;
 }
 
-// The energy that two halves of a unit share counts for the first one.
+// The energy that two halves of a unit share counts for the first half.
 double kinetic_energy_of(const World& w, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
   double sum = 0.0;
@@ -226,7 +226,7 @@ uint64_t World::hash(const GiveParts& parts) const {
   const auto add_field = [&](const Field& field, const auto& array) {
     if (field.hashed == 0) return;
     const size_t size = sizeof array[0];
-    std::vector<uint8_t> rest;  // second part of an item that comes in two
+    std::vector<uint8_t> rest;  // second part of an item that arrives in two
     each_part(array, [&](std::span<const uint8_t> bytes) {
       if (field.hashed == size) return hash.add(bytes);
       rest.insert(rest.end(), bytes.begin(), bytes.end());

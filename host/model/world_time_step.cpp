@@ -1,4 +1,4 @@
-// The stable time step: 2/omega_max of the assembled, undamaged system, by Lanczos iteration without forming a matrix.
+// Stable time step: 2/omega_max of the assembled, undamaged system, by Lanczos iteration without forming a matrix.
 #include <fmt/format.h>
 
 #include <set>
@@ -20,13 +20,13 @@ using namespace geometry;
 
 namespace {
 
-// Springs of contact points, normal and along the joint, by family; and factors on the forces of zones and of members.
+// Springs of contact points by family, normal and along the joint; factors on the forces of zones and of members.
 struct JointSprings {
-  std::vector<std::array<double, 2>> of_family;  // Pa/m; of dashpots Pa s/m
-  double of_zones, of_members;                   // 1; of dashpots s
+  std::vector<std::array<double, 2>> of_family;  // Pa/m; for dashpots Pa s/m
+  double of_zones, of_members;                   // 1; for dashpots s
 };
 
-// Contact points of pairs with a block for which is_wanted(block) holds.
+// Visits contact points of own pairs with a block for which is_wanted(block) holds.
 template <class Visit, class IsWanted>
 void each_own_point(const World& w, Visit visit, IsWanted is_wanted) {
   for (size_t k = 0; k < w.contacts.families.size(); ++k) {
@@ -43,8 +43,8 @@ void each_own_point(const World& w, Visit visit, IsWanted is_wanted) {
 
 }  // namespace
 
-// Upper bound of the stiffness-to-mass ratio that contacts give to any one of these blocks or their gridpoints, 1/s2.
-// Cheap and coarse: compared with its own earlier value alone, it says whether the frequency must be computed again.
+// Upper bound of the ratio of contact stiffness to mass over these blocks and their gridpoints, 1/s2. It is cheap and
+// coarse. Only its growth is used: it decides whether the frequency is computed again.
 double local_stiffness_bound(const World& w, const std::function<bool(int block)>& is_wanted) {
   LaneVector<double> body(w.bodies.size()), node(w.nodes.x.size());
   const auto add = [&](const Family& f, const Point& p) {
@@ -83,8 +83,8 @@ double local_stiffness_bound(const World& w, const std::function<bool(int block)
 
 namespace {
 
-// K times velocities, about the configuration of now, without its stress: of blocks in frames the stiffness of their
-// undeformed shape, turned along. Of others zone by zone.
+// Adds K times velocities, about the current configuration, without the stiffness of its stress. Blocks in frames have
+// the stiffness of their undeformed shape, rotated with the frame. Others are computed zone by zone.
 void add_zone_forces(const World& w, std::span<const int> blocks, const LaneVector<Vector>& velocity,
                      LaneVector<Vector>& force) {
   std::vector<double> rows, product;  // four doubles a gridpoint
@@ -118,15 +118,15 @@ void add_zone_forces(const World& w, std::span<const int> blocks, const LaneVect
   }
 }
 
-// Velocities on both sides of contact points between blocks of different ranks, of those who compute them.
+// Halo exchange of velocities on both sides of contact points between blocks of different ranks.
 struct FrequencyHalo {
   Halo halo;
-  // of_body(body, visit): its numbers; gridpoints have those of `nodes`.
+  // of_body(body, visit): visits its numbers; numbers of gridpoints are those of `nodes`.
   template <class OfBody>
   FrequencyHalo(const World& world, Ranks* ranks, LaneVector<Vector>& nodes, const OfBody& of_body) {
     if (!ranks) return;
     const int here = ranks->rank();
-    using Side = std::pair<bool, int>;  // whether of a gridpoint, and which; else which body
+    using Side = std::pair<bool, int>;  // true and a gridpoint, or false and a body
     std::map<int, std::set<Side>> to, from;
     const auto add_sides = [&](const Family&, const Point& p) {
       const int rank_a = world.part.rank_of_block[size_t(p.a)], rank_b = world.part.rank_of_block[size_t(p.b)];
@@ -172,7 +172,7 @@ JointSprings impact_dashpots(const World& w) {
   return springs;
 }
 
-// K + 2 C/dt, with a share of the viscosity.
+// K + 2 C/dt with a share of the viscosity.
 JointSprings with_dashpots(const World& w, double share, double dt) {
   JointSprings sum = stiffness(w);
   const JointSprings dashpots = impact_dashpots(w);
@@ -183,14 +183,14 @@ JointSprings with_dashpots(const World& w, double share, double dt) {
   return sum;
 }
 
-// K over M as an operator, of own blocks or of one unit. Unknowns: velocities scaled by the square root of inertia, of
-// bodies first; rigid rotations about principal axes.
+// Operator M^-1/2 K M^-1/2, of own blocks or of one unit. Unknowns are velocities scaled by the square root of inertia,
+// first of bodies, then of gridpoints. Rotations are about principal axes.
 struct Vibration {
   struct Spring {
     const Family* family;
     const Point* point;
     Vector at, normal;
-    double area;  // m2, twice where it is bound to what stands still
+    double area;  // m2, twice where the other side is fixed
   };
 
   const World& world;
@@ -200,7 +200,7 @@ struct Vibration {
   std::unique_ptr<GatheredSums> shared;
   std::vector<int> blocks, own_bodies;
   std::vector<VectorRow> own_nodes;
-  std::vector<UnitInertia> inertia;  // empty: none is scaled
+  std::vector<UnitInertia> inertia;  // empty: no inertia is scaled
   std::vector<Spring> springs;
   LaneVector<double> scale;
   LaneVector<Vector> v, w, f, m, nv, nf;  // velocity, spin, force, moment of bodies; velocity, force of gridpoints
@@ -230,7 +230,7 @@ struct Vibration {
     if (splits_motion(world)) inertia = inertia_of_units(world, blocks);
   }
 
-  // Unknowns: six of each body, then three of each gridpoint. A unit alone has none but its own.
+  // Unknowns: six of each body, then three of each gridpoint; for a unit alone, only its own.
   size_t of_nodes() const { return 6 * (alone ? own_bodies.size() : v.size()); }
   size_t size() const { return of_nodes() + 3 * (alone ? node_count() : nv.size()); }
   size_t node_count() const {
@@ -239,13 +239,13 @@ struct Vibration {
     return count;
   }
 
-  // visit(body, where its unknowns begin)
+  // visit(body, index of its first unknown)
   template <class Visit>
   void each_body(const Visit& visit) const {
     size_t next = 0;
     for (const int i : own_bodies) visit(size_t(i), alone ? next : 6 * size_t(i)), next += 6;
   }
-  // visit(gridpoint, where its unknowns begin)
+  // visit(gridpoint, index of its first unknown)
   template <class Visit>
   void each_node(const Visit& visit) const {
     size_t next = of_nodes();
@@ -281,7 +281,7 @@ struct Vibration {
       const Body& b = world.bodies[i];
       for (int k = 0; k < 3; ++k) {
         scale[first + k] = b.held >> k & 1 ? 0.0 : 1 / std::sqrt(b.mass);
-        // Held about some axes only: as if free, which a constraint can only make softer.
+        // Held about some axes only: computed as free, which a constraint can only make softer.
         scale[first + 3 + k] = b.held >> 3 == 7 ? 0.0 : 1 / std::sqrt(b.inertia[k]);
       }
     });
@@ -365,7 +365,7 @@ struct Vibration {
     return shared ? shared->sum(add) : add({0, size()}, 0.0);
   }
 
-  // Random by a fixed seed: the same step in every run.
+  // Random vector with a fixed seed: the same step in every run.
   LaneVector<double> start() const {
     LaneVector<double> x(size());
     uint64_t random = 88172645463325252u;
@@ -381,7 +381,7 @@ double largest_over_inertia(const World& w, const JointSprings& stiffness, LaneV
                             const Unit* alone = nullptr) {
   Vibration vibration(w, stiffness, alone);
   const auto product = [&](const LaneVector<double>& x, LaneVector<double>* y) { return vibration.product(x, y); };
-  // Rough beside the lattice's: the frequency is found again each time that contacts have changed.
+  // Coarser than on the lattice: the frequency is computed again each time that contacts have changed.
   LanczosSettings settings;
   settings.max_steps = 80;
   settings.first_check = 11;
@@ -396,12 +396,12 @@ double largest_over_inertia(const World& w, const JointSprings& stiffness, LaneV
 
 double highest_frequency(const World& w, LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) {
   const double value = largest_over_inertia(w, stiffness(w), mode, alone);
-  return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
+  return value < 0 ? 0.0 : std::sqrt(value);  // not-a-number is returned
 }
 
-// Whether the stiffness or the inertia that these own blocks have got may need a shorter step. Of each unit the
-// highest frequency with all others held still and the springs to them doubled. As k (u_a - u_b)^2 <= 2 k u_a^2 + 2 k
-// u_b^2, it bounds modes in which the unit and its neighbours take part. The same on any number of ranks.
+// Whether the stiffness or the inertia of these own blocks may need a shorter step. It compares the highest frequency
+// of each unit, with all others fixed and the springs to them doubled. As k (u_a - u_b)^2 <= 2 k u_a^2 + 2 k u_b^2,
+// this bounds modes of the unit and its neighbours. The result is the same on any number of ranks.
 bool shorten_step(const World& w, std::span<const int> changed) {
   return std::any_of(changed.begin(), changed.end(), [&](int block) {
     const Unit unit = w.units.of(block);
@@ -472,7 +472,7 @@ void find_time_step(World& w, bool may_grow) {
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
   w.stepping.stiffness_bound = local_stiffness_bound(w, [](int) { return true; });
   if (omega == 0) {
-    // Nothing is in contact yet: the stiffness that a corner contact will have, taken 4 times for safety.
+    // Nothing is in contact yet: the stiffness of a corner contact, times 4 for safety.
     double highest = w.stepping.springs;
     for (int i = 0; i < w.block_count(); ++i) {
       const ModelBlock& b = w.blocks[size_t(i)];
@@ -487,7 +487,7 @@ void find_time_step(World& w, bool may_grow) {
     highest = w.part.largest(highest);
     w.stepping.critical_dt = highest > 0 ? 2 / std::sqrt(highest) : 1e-3;
   } else {
-    // The eigenvalue of a sum of springs is at most the sum of theirs.
+    // The largest eigenvalue of a sum is at most the sum of the largest.
     w.stepping.critical_dt = 2 / std::hypot(omega, std::sqrt(w.stepping.springs));
   }
   if (w.held_by.members) {
@@ -497,9 +497,9 @@ void find_time_step(World& w, bool may_grow) {
   double dt = step_over_critical(w.solver, w.stepping.critical_dt) * w.stepping.critical_dt;
   if (w.damping.impacts) {
     const double left = omega > 0 ? step_under_impact_damping(w) : kLeastImpactStep;
-    double stiffer = 1.0;  // joints beyond the band, with Maxwell elements
+    double stiffer = 1.0;  // stiffness of joints above the band, with Maxwell elements
     for (const MaxwellElement& e : w.impacts.maxwell) stiffer += e.share;
-    // Without these, time_step_fraction leaves room for the stiffness that they add.
+    // Without Maxwell elements, time_step_fraction leaves a margin for the stiffness that they add.
     constexpr double kClose = 0.95;
     dt = std::min(dt, kClose / std::sqrt(stiffer) * w.stepping.critical_dt) * left;
   }

@@ -87,7 +87,7 @@ HWY_INLINE V product_of(const Symmetric& s, const Symmetric& e) {
   return hn::MulAdd(s.xx, e.xx, hn::MulAdd(s.yy, e.yy, hn::MulAdd(s.zz, e.zz, hn::Add(sides, sides))));
 }
 
-// To the corners, s g of their shape gradients, in the order of the zones. s: stress times volume.
+// Adds the forces s g of shape gradients g to the corners, in the order of the zones. s: stress times volume.
 HWY_INLINE void add_to_corners(const ZoneLanes& zone, int first, const V (&s)[3][3], double* force) {
   const D d;
   V of_corner[4][kFour];
@@ -102,7 +102,7 @@ HWY_INLINE void add_to_corners(const ZoneLanes& zone, int first, const V (&s)[3]
     }
     of_corner[0][i] = all;
   }
-  // Zone by zone, so that the order of the sums does not depend on the length of the vector.
+  // The sums run zone by zone, so that their order does not depend on the length of the vector.
   const int count = std::min(kWidth, zone.count - first);
   alignas(64) double row[kWidth][4][kFour];
   for (int k = 0; k < 4; ++k) {
@@ -117,7 +117,7 @@ HWY_INLINE void add_to_corners(const ZoneLanes& zone, int first, const V (&s)[3]
   }
 }
 
-// To the corners, -volume (1 + H) S g.
+// Adds the forces -volume (1 + H) S g to the corners.
 HWY_INLINE void add_forces(const ZoneLanes& zone, int first, const Tensor& h, const Symmetric& s, double* force) {
   const V less_volume = hn::Neg(hn::Load(D(), zone.volume + first));
   const V second[3][3] = {{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}};
@@ -132,7 +132,7 @@ HWY_INLINE void add_forces(const ZoneLanes& zone, int first, const Tensor& h, co
   add_to_corners(zone, first, first_pk, force);
 }
 
-// Zones are read once a step, from far away; eight of them cost about as long as it takes to fetch eight.
+// Zones are read once a step, from main memory. The kernel takes about as long for eight zones as the fetch of eight.
 constexpr int kZonesAhead = 2;
 
 void StiffnessTimes(std::span<const ZoneLanes> zones, std::span<const double> w, double* product) {
@@ -173,7 +173,7 @@ double ZoneForces(std::span<const ZoneLanes> zones, const ZoneStep& step, const 
         for (const double e : twice) energy += 0.5 * e;
       }
       if (step.beta > 0.0) {
-        // (E_n - E_(n-1))/dt, exactly, from the velocity between them: sym((1 + H - dt/2 H')^T H')
+        // (E_n - E_(n-1))/dt, exactly, from the velocity between both: sym((1 + H - dt/2 H')^T H')
         const Tensor rate = gradient_of(zone, first, columns.velocity);
         const Symmetric strain_rate = symmetric_part(rate, sum_of(h, scaled(-0.5 * step.dt, rate)), rate);
         const V beta = hn::Set(d, step.beta);
