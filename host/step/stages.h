@@ -1,4 +1,4 @@
-// A stage of the loading: how it begins, how far it has come, when it has ended.
+// A stage of the loading: its beginning, its progress, its end.
 #pragma once
 
 #include <string>
@@ -14,9 +14,10 @@ inline const SolverSettings& solver_in_use(const Simulation::Impl& s) {
 double time_now(const Simulation::Impl& s);    // s, since the start
 double stage_time(const Simulation::Impl& s);  // s, since the stage began
 void begin_stage(Simulation::Impl& s, int index);
-void choose_damping(Simulation::Impl& s);          // damping of the stage
-bool force_lost(Simulation::Impl& s);              // by the half cycle that has just ended, as the stage defines it
-double stage_fraction(const Simulation::Impl& s);  // by duration or displacement
+void choose_damping(Simulation::Impl& s);  // sets the damping of the stage
+bool force_lost(Simulation::Impl& s);      // whether the last half cycle has lost the force at which the stage ends
+// Share that is done, 0 to 1, by duration, displacement or multiplier.
+double stage_fraction(const Simulation::Impl& s);
 bool equilibrium_reached(Simulation::Impl& s, const Stage& settings);
 void swap_law(Simulation::Impl& s, const std::string& name, const std::string& law);
 

@@ -5,6 +5,6 @@
 
 namespace quoin {
 
-void take_damage(Simulation::Impl& s);  // states and openings of the scene before the first stage
+void take_damage(Simulation::Impl& s);  // sets states and openings of the damaged points
 
 }  // namespace quoin
