@@ -10,7 +10,7 @@ namespace quoin {
 
 const MotionSeen& motion_seen(const Simulation::Impl& s);  // at the last check of run()
 const Watch& watch_of(const Simulation::Impl& s);          // at the last row
-double allowed_overlap(const Simulation::Impl& s);         // m
+double allowed_overlap(const Simulation::Impl& s);         // closure of a contact point above which Watch warns, m
 std::string past_motion_bound(const Simulation::Impl& s);  // bound that is exceeded, and where; empty: none
 // Place of the contact points of a batch, for messages; thread-safe: "contact points 0 to 255 of joint family 'mortar',
 // from (0.100, 0.000, 0.050) m on".

@@ -163,12 +163,12 @@ struct GroupScratch {
         velocity(memory + 4 * doubles),
         by_zone(memory + 5 * doubles),
         elastic_by_zone(memory + 6 * doubles) {}
-  double* net;       // forces less damping
-  double* weighted;  // u + beta v, with stiffness-proportional damping
+  double* net;       // forces less damping, N
+  double* weighted;  // u + beta v, m, with stiffness-proportional damping
   // In measured steps:
-  double* elastic;   // K u
-  double* damping;   // damping forces
-  double* velocity;  // velocity half a step ago
+  double* elastic;   // K u, N
+  double* damping;   // damping forces, N
+  double* velocity;  // velocity at t - dt/2, m/s
   // With forces by zones:
   double* by_zone;
   double* elastic_by_zone;
@@ -594,7 +594,7 @@ HWY_INLINE void integrate_group(const UnitData& unit, int b, const Rigid* extra)
   }
 }
 
-// Sums of a measured step by lane, from what the passes leave in scratch.
+// Sums of a measured step by lane, from the scratch of the passes.
 struct LaneSums {
   V unbalanced[kParts], kinetic[kParts], moment[kParts], strain[kParts], damping_before[kParts], damping_after[kParts],
       weight_before[kParts], weight_after[kParts];

@@ -22,8 +22,8 @@ struct StepData {
   // Velocity of the ground, m/s, from which damping takes velocities: at t - dt/2 with eq. 1, at t with mass_damping.
   Vec3 ground_velocity{};
 
-  double* displacement = nullptr;        // lane layout
-  double* velocity = nullptr;            // lane layout, at t - dt/2
+  double* displacement = nullptr;        // lane layout, at t, m
+  double* velocity = nullptr;            // lane layout, at t - dt/2, m/s
   const double* dt_over_mass = nullptr;  // lane layout, s/kg; 0 for held components
   // dt_over_mass by gridpoint and component, by block group where all of its blocks share it: a third less memory to
   // read. Null: they differ.
@@ -36,8 +36,8 @@ struct StepData {
   // Acceleration by loads on blocks, by block group: [component][lane], m/s2; null: none of its blocks is loaded.
   const double* const* load = nullptr;
   const double* normal_shift = nullptr;  // by contact point, added to the opening; null: none
-  const double* traction[3] = {};        // sigma, tau_s, tau_t by contact point
-  double* force[3] = {};                 // x, y, z on side a by contact point, then a dummy that stays 0
+  const double* traction[3] = {};        // sigma, tau_s, tau_t by contact point, Pa
+  double* force[3] = {};                 // x, y, z on side a by contact point, then a dummy that stays 0, N
 };
 
 // Motion on which damping acts: kernels are compiled for each.
@@ -50,9 +50,9 @@ inline Brake brake_of(const StepData& step) {
 // Measurements of a unit group or a rigid body in a step. Work is split into the half step that ends at the time of the
 // displacements and the one that begins there. So all energies are of one time.
 struct Measured {
-  double unbalanced_squared = 0.0;  // largest over gridpoints, N2
-  double kinetic = 0.0;             // m v(-1/2) v(+1/2) / 2, which is what central differences conserve
-  // In block groups with StepData::energies alone:
+  double unbalanced_squared = 0.0;  // square of the largest unbalanced force of a gridpoint, N2
+  double kinetic = 0.0;             // J, m v(-1/2) v(+1/2) / 2, which central differences conserve
+  // J, in block groups with StepData::energies alone:
   double strain = 0.0;
   double damping_before = 0.0, damping_after = 0.0;
   double external_before = 0.0, external_after = 0.0;

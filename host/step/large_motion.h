@@ -60,9 +60,9 @@ struct Model : World {
   // For several processes, each of which advances some chunks and pieces (large_motion_ranks.cpp).
   // Whether a law has failed at a point of these chunks, or a block of these pieces has no finite position.
   bool in_trouble(std::span<const int> own_chunks, std::span<const int> own_pieces) const;
-  // Whether some block of theirs has deformed too much for its frame.
+  // Whether some block of these pieces has deformed too much for its frame.
   bool leaves_frame(std::span<const int> own_pieces) const;
-  // Whether some block of theirs has moved enough for contact detection to be due.
+  // Whether some block of these pieces has moved enough for contact detection to be due.
   bool has_deviating(std::span<const int> own_pieces) const;
   // Computes the numbers of a history row over these chunks and pieces.
   void scan_for_row(std::span<const int> own_chunks, std::span<const int> own_pieces);
@@ -78,7 +78,7 @@ struct Model : World {
   bool measured = false;          // whether this step measures energies
   double measured_kinetic = 0.0;  // kinetic energy at the time of the forces of the last measured step, J
   ThreadPool* pool = nullptr;
-  std::vector<int> chunk_end, piece_end;  // shares of the threads
+  std::vector<int> chunk_end, piece_end;  // end of each thread's share
   long shared_division = -1;              // division of the chunks for which they are computed
 };
 

@@ -134,7 +134,8 @@ struct LaneGroup {
 // Viscosity of zones: beta of stiffness-proportional damping, s.
 double zone_damping(const Model& m) {
   const double of_impacts = m.damping.impacts ? m.impacts.zone_beta : 0.0;
-  return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;  // 2 xi / omega_max
+  // zone_ratio times the critical time step is 2 xi / omega_max.
+  return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;
 }
 
 template <class Visit>

@@ -1,6 +1,6 @@
 // Quantities that all contact points in large motion have, whatever blocks they lie between: the traction of
 // stiffness-proportional damping, and energies. Compiled for every instruction set of Highway and chosen at run time.
-// Sums have eight lanes in all of these.
+// With any of these, sums have eight lanes.
 #pragma once
 
 #include <cstddef>

@@ -33,7 +33,7 @@ namespace {
 
 // Gridpoints of a deformable block of the lattice.
 struct GridpointMotion {
-  std::vector<Vector> place, displacement, velocity;  // place: of the start, m; m; m/s
+  std::vector<Vector> place, displacement, velocity;  // position at the start, m; m; m/s
   std::vector<double> mass;                           // kg
 };
 

@@ -11,7 +11,7 @@ namespace quoin {
 // Throws the fault of the lowest rank that has one, on all ranks.
 void throw_together(Simulation::Impl& s, const std::optional<Error>& fault);
 void begin_with_ranks(Simulation::Impl& s);
-// Throws Error(bad_input): the ranks have different models. To be called before any exchange that needs equal ones.
+// Throws Error(bad_input): the ranks have different models. To be called before exchanges that need equal models.
 void agree_on_model(const Simulation::Impl& s);
 // Whether any rank has failed. All is then gathered on rank 0, which reports it. Also agrees on stops, on contact
 // detection that is due, and on blocks that leave their frames.

@@ -24,7 +24,7 @@ BlockMesh block_mesh(const Simulation::Impl& s, int block);
 struct BlockSize {
   std::uint64_t gridpoints = 0, zones = 0, faces = 0, face_corners = 0;
 };
-BlockSize block_size(const Simulation::Impl& s, int block);                  // of its mesh
+BlockSize block_size(const Simulation::Impl& s, int block);                  // sizes of its mesh
 std::vector<Vec3> block_displacement(const Simulation::Impl& s, int block);  // per gridpoint of block_mesh, m
 std::vector<Vec3> block_velocity(const Simulation::Impl& s, int block);
 // Per zone: xx yy zz xy yz zx, Pa, tension > 0.

@@ -63,16 +63,16 @@ constexpr std::size_t kMostRestraints = 12;  // most restraints with columns in 
 struct HistoryNumbers {
   int stage = 0;
   long step = 0;                  // number of steps since the start of the simulation
-  double time = 0.0;              // s, since the start of the simulation
+  double time = 0.0;              // time since the start of the simulation, s
   double displacement = 0.0;      // displacement of the monitor along Stage::direction since the start of the stage, m
   double resistance = 0.0;        // minus the force of the joints on the monitor along Stage::direction, N: positive
                                   // when the wall resists a movement in the positive direction
   double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
-  Vec3 monitor_displacement{};    // displacement since the start of the simulation, m
+  Vec3 monitor_displacement{};    // displacement of the monitor since the start of the simulation, m
   Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
   double dynamic_force = 0.0;     // sum of reactions and loads along Stage::direction, N; 0 at rest
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
-  double kinetic_energy = 0.0;    // J, of the model as computed
+  double kinetic_energy = 0.0;    // kinetic energy of the model as computed, J
   double multiplier = 0.0;        // multiplier of the body force in a collapse stage
   // Blocks in large motion, and bricks on the lattice where some stage goes beyond it (beyond_lattice):
   Vec3 ground_displacement{};  // displacement of the ground since the start, m
@@ -114,7 +114,7 @@ struct Promotion {
   std::string why;  // motion bound that is exceeded, and where
   int stage = 0;
   long step = 0;
-  double time = 0.0;           // s
+  double time = 0.0;           // time of the change, s
   double strain_energy = 0.0;  // strain energy of the zones before the change, J, as computed
   double energy_jump = 0.0;    // strain energy after less before, J
 };
@@ -183,7 +183,7 @@ struct Observer {
 
 class Simulation {
  public:
-  // Builds the model of a scene. threads: 0: as many as the machine has. Laws are loaded by name.
+  // Builds the model of a scene. threads 0: as many as the machine has. Laws are loaded by name.
   // ranks: several processes that advance one model, each built from the same scene; null: one process. They must
   // outlive the simulation. Results are bitwise identical with those of one process. run() calls the observers of all
   // ranks at the same steps. Only run() may be used to step.

@@ -79,7 +79,7 @@ void check_motion(Simulation::Impl& s) {
 
 std::string past_motion_bound(const Simulation::Impl& s) {
   if (!s.large_motion) return past_bound(s.small_motion.seen, s.scene.solver.motion_bound, s.model.assembly);
-  // Blocks of any shape leave small displacements by themselves.
+  // A model of blocks in large motion leaves small displacements by itself, without a promotion.
   if (s.scene.solver.large_motion != LargeMotion::never || s.large_motion->is_small) return "";
   return "blocks have moved further than small displacements allow (contact.small_displacement)";
 }

@@ -1,4 +1,4 @@
-// Checks whether small displacements still describe a run, and what follows where they do not.
+// Checks whether small displacements still describe a run. If not, the run is promoted, warned of or ended.
 #pragma once
 
 #include <string>

@@ -55,7 +55,7 @@ void StageRun::begin(bool was_in_stage) {
 bool StageRun::advance() {
   const Due due = look_ahead();
   const bool done = has_ended(due);
-  if (done) step_once(s_, true, true);  // so that the last row and what follows it are complete
+  if (done) step_once(s_, true, true);  // all measurements, for the last row and the results after it
   gone_over_ = false, frame_due_ = due.frame;
   // Pauses before a row that only the stop requests: the history of a resumed run has none there.
   const bool stop_between_rows = due.stop && !due.planned && !done;

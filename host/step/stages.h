@@ -11,8 +11,8 @@ inline const Stage& current_stage(const Simulation::Impl& s) { return s.scene.st
 inline const SolverSettings& solver_in_use(const Simulation::Impl& s) {
   return s.progress.stage >= 0 ? s.scene.solver_in(s.progress.at_stage()) : s.scene.solver;
 }
-double time_now(const Simulation::Impl& s);    // s, since the start
-double stage_time(const Simulation::Impl& s);  // s, since the stage began
+double time_now(const Simulation::Impl& s);    // time since the start, s
+double stage_time(const Simulation::Impl& s);  // time since the beginning of the stage, s
 void begin_stage(Simulation::Impl& s, int index);
 void choose_damping(Simulation::Impl& s);  // sets the damping of the stage
 bool force_lost(Simulation::Impl& s);      // whether the last half cycle has lost the force at which the stage ends

@@ -1,4 +1,4 @@
-// Damage of the scene, before the first stage: on the lattice of the contact points that this rank evaluates.
+// Existing damage, set before the first stage. On the lattice: of the contact points that this rank evaluates.
 #pragma once
 
 #include "step/state.h"

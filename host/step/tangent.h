@@ -24,7 +24,7 @@ struct Tangent {
   // Damping matrix of impact and viscous damping, lower triangle, N s/m, N m s: of closed contacts, zones and masses.
   // Empty: the stage has another kind of damping, or none.
   Eigen::SparseMatrix<double> viscosity;
-  std::vector<double> mass;  // diagonal, kg, kg m2; without scaling
+  std::vector<double> mass;  // diagonal of the mass matrix, kg, kg m2; without mass scaling
   std::vector<Unknown> unknown;
   UnknownGroups groups;
   long points = 0, open = 0;  // contact points, and those of them that are open

@@ -30,7 +30,7 @@ struct Watch {
   static constexpr long kStiffnessSteps = 2000;  // least interval between two checks of tangents and of laws' answers
 
   double overlap = 0.0;  // largest closure of a contact point, elastic and crushed, m
-  Vec3 overlap_at{};     // reference position, m
+  Vec3 overlap_at{};     // position of that point, m
   long crushed_out = 0;  // most contact points that are crushed out
 
   // With output.energy of the balance of the whole run, else of the steps that are compared.
@@ -39,7 +39,7 @@ struct Watch {
   // Largest tangent stiffness over the bound that its law states, from which the time step follows; 0: unknown.
   double stiffness_ratio = 0.0;
 
-  long next_energies = 0, next_flags = 0, next_stiffness = 0;  // steps
+  long next_energies = 0, next_flags = 0, next_stiffness = 0;  // steps of the next checks
   bool pending = false;                                        // the first of two steps has been measured
   double stored = 0.0, work_after = 0.0;  // of that step, J: all stored energy; work less damping in its second half
   double kinds[3] = {0.0, 0.0, 0.0};      // of that step, J: kinetic, strain, joints

@@ -245,7 +245,7 @@ void divide_work(Simulation::Impl& s) {
   for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c)
     s.division.chunk_cost.push_back(s.large_motion->chunks.all[at(c)].count);
 
-  // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
+  // In coefficients of a group's stiffness: a contact point of a lone body costs about 20, eight of a body group 12.
   constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
   s.division.largest_group = 0;
   for (const UnitGroup& unit : s.model.unit_groups) {

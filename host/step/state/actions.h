@@ -19,7 +19,7 @@ struct Drive {
   // Bits 0..2: the velocity component is that of the ground. The stage's record is added to the velocities below, which
   // are what earlier records have left.
   std::uint8_t of_ground = 0;
-  std::int32_t motion = 0;  // ground motion that it follows; 0: the record of all supports; k: of the k-th group
+  std::int32_t motion = 0;  // index of the motion: 0: that of the ground; k: of the k-th group of supports
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
   geometry::Vector force_from, force_to, force_now;  // N, along free components; force_now: in this step
 };

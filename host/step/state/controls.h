@@ -53,7 +53,7 @@ struct Controls {
   bool rest_known = true;                     // BodyLanes::at_rest is up to date
 
   void find_loaded_blocks(const Model& model);
-  void apply_load(const Model& model, std::size_t loaded);  // current value of load_ramps, to the block's group
+  void apply_load(const Model& model, std::size_t loaded);  // writes the current value of load_ramps into `load`
   int ground_body() const;                                  // a body that moves as the ground does; -1: none
 };
 

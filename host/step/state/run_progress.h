@@ -16,8 +16,8 @@ struct RunProgress {
   int stage = -1;             // -1: none has begun
   bool in_stage = false;
   long stage_step = 0;
-  double stage_start = 0.0;       // s
-  double unbalanced_ratio = 0.0;  // ratio of the last measured step
+  double stage_start = 0.0;       // time at which the stage began, s
+  double unbalanced_ratio = 0.0;  // unbalanced ratio of the last measured step
   int calm_checks = 0;            // equilibrium checks passed in a row
   int next_frame = 0;
   long next_row = 0;      // stage_step of the next history row

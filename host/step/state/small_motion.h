@@ -14,7 +14,7 @@ namespace quoin {
 
 struct SmallMotion {
   MotionSeen seen;
-  long next_check = 0;  // step
+  long next_check = 0;  // step of the next check
   JointSliding joint_sliding;
   UnjoinedBlocks unjoined;
   // Joint family of two blocks that meet; empty: not needed yet.
