@@ -1,5 +1,5 @@
-// Promotion: a run continues in large motion when blocks leave small displacements. Velocities of gridpoints and
-// bodies, tractions and states of contact points stay as they are.
+// Promotion: a run continues in large motion when blocks leave small displacements. Gridpoints, bodies and contact
+// points are kept, with their velocities, tractions and states.
 //
 // Small displacements turn blocks by the linear field theta x r, which stretches them by theta^2/2. So the displacement
 // u of a block is split into its rigid motion U + theta x r about its centre and the rest w. Both are by mass. The

@@ -1,4 +1,4 @@
-// Checks whether small displacements still describe a run. If not, the run is promoted, warned of or ended.
+// Checks whether small displacements still describe a run. If not, it promotes the run, warns, or throws.
 #pragma once
 
 #include <string>

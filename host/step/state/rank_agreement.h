@@ -1,4 +1,4 @@
-// Data that are equal on all ranks: whether they continue, and the results at the end of a run that no rank holds
+// Data on which all ranks agree: whether they continue, and the results at the end of a run that no rank holds
 // whole. They are written in each step and at the end.
 #pragma once
 
