@@ -1,4 +1,4 @@
-// Joints on the lattice that act by the mean of a step: springs and dashpots no longer limit the time step, zones do.
+// Springs and dashpots of joints on the lattice, with forces by the mean of a step: zones alone limit the time step.
 //
 // Central differences take forces F at the displacements u, and dashpots C at the velocities of half a step before:
 //     M a = F - C v,    a = (v' - v)/dt.
