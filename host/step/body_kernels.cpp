@@ -1,4 +1,4 @@
-// Rigid bodies of one kind, one a lane: the same equations as in rigid_bodies.cpp.
+// Rigid bodies of a group, one a lane: the same equations as in rigid_bodies.cpp.
 #include "step/rigid_bodies.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -22,7 +22,7 @@ HWY_INLINE void set_zero(Vector& v) {
   }
 }
 
-// Slots of one face of a group, which have contact points either all or not at all.
+// Slots of one face of a group. Either all bodies of the group have contact points there, or none.
 struct FaceSlots {
   HWY_INLINE FaceSlots(const Model& model, const BodyGroup& group, std::size_t face) {
     const BodySlots& slots = model.body_slots[static_cast<std::size_t>(group.slots)];
@@ -38,12 +38,12 @@ struct FaceSlots {
   const std::int32_t* run;
   const std::int32_t* point;
   const std::array<double, 2>* arm;
-  std::size_t first_value;  // index of the first slave's value in lane layout
+  std::size_t first_value;  // index of the first value of the first slot, lane layout
   int count;
   double normal_arm;
 };
 
-// Force and moment about the centre of the contact points of one face, in the order of the slots.
+// Adds the force and the moment about the centre of one face's contact points, in the order of the slots.
 template <std::size_t kAxis>
 HWY_INLINE void add_face(const Model& model, const BodyGroup& group, const StepData& step, bool side_a,
                          Vector* force_sum, Vector* moment_sum) {
@@ -100,7 +100,8 @@ HWY_INLINE void sum_contact_forces(const Model& model, const BodyGroup& group, c
   }
 }
 
-// Translation + rotation x arm at the slots of one face: displacement along the normal, velocity across.
+// Sets the motion of the slots of one face, translation + rotation x arm: displacement along the normal, velocity
+// across it.
 template <std::size_t kAxis>
 HWY_INLINE void move_face(const Model& model, const BodyGroup& group, const StepData& step, bool side_a,
                           const BodyLanes& body) {
@@ -145,13 +146,13 @@ HWY_INLINE V damping_force(const StepData& step, V force, V inertia, V velocity)
   return hn::Zero(d);
 }
 
-// The fields of Measured, by lane.
+// Fields of Measured, by lane.
 struct LaneWork {
   V unbalanced[kParts], kinetic[kParts];
   V damping_before[kParts], damping_after[kParts], external_before[kParts], external_after[kParts];
 };
 
-// A degree of freedom through a step: its new velocity, and the work where requested.
+// Advances a degree of freedom by a step. Returns its new velocity, and adds the work in measured steps.
 template <Brake kBrake, bool kMeasure>
 HWY_INLINE V advance_component(const BodyGroupInertia& lanes, const StepData& step, std::size_t dof, int p,
                                V joint_force, V given, V before, V prescribed, hn::Mask<D> is_prescribed,
@@ -237,7 +238,7 @@ void AdvanceBodiesAndMeasure(const Model& model, const BodyGroup& group, const B
   double unbalanced[kLanes];
   in_lanes(work.unbalanced, unbalanced);
   for (int i = 0; i < group.body_count; ++i) {
-    // Written so that a NaN stays.
+    // The comparison keeps NaN.
     if (!(unbalanced[i] <= measured->unbalanced_squared)) measured->unbalanced_squared = unbalanced[i];
   }
   measured->kinetic = sum(work.kinetic);

@@ -15,7 +15,7 @@ namespace quoin {
 
 namespace {
 
-// That evaluate a chunk.
+// Ranks that evaluate a chunk.
 std::vector<int> ranks_of(const Simulation::Impl& s, int chunk) {
   std::vector<int> found;
   each_item_of_chunk(s, chunk, [&](int item) {
@@ -32,7 +32,8 @@ void numbers_of(Simulation::Impl& s, std::int64_t key, std::vector<double*>& num
   for (const std::size_t c : {(n + 1) % 3, (n + 2) % 3}) numbers.push_back(&s.lattice.velocity[gridpoint + c * kLanes]);
 }
 
-// Motion that every rank follows step by step: monitor, floors. visit(item, its numbers).
+// Visits motion that all ranks receive in every step, of the monitor and of floors: visit(item, addresses of its
+// numbers).
 void each_watched(Simulation::Impl& s, const std::function<void(int, const std::vector<double*>&)>& visit) {
   const auto of_large_motion = [&](const std::vector<int>& blocks) {
     for (const int block : blocks) {
@@ -67,7 +68,7 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
     of_large_motion(s.monitor.blocks);
   else
     of_bodies(s.monitor.bodies);
-  // The reference from which ranks measure how far their blocks have moved.
+  // Motion of the ground, relative to which ranks measure displacements of their blocks.
   if (const int ground = s.large_motion ? -1 : s.controls.ground_body(); ground >= 0) of_bodies({ground});
   for (const int i : s.monitor.loaded) of_loaded(i, 3);
   for (const WhiffletreeFloor& floor : s.controls.whiffletree) {
@@ -77,11 +78,11 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
   }
 }
 
-// Keys of sides: those sent to other ranks, and those received.
+// Keys of sides by rank: those that are sent to it, and those that are received from it.
 template <class Key>
 struct BorderKeys {
   std::map<int, std::set<Key>> to, from;
-  // readers: ranks that evaluate contact points of it. Whether it is of this rank.
+  // readers: ranks that evaluate contact points on this side. Returns whether this rank moves it.
   bool add(const Key& key, int owner, int here, const std::vector<int>& readers) {
     if (owner != here) return from[owner].insert(key), false;
     for (const int r : readers) {
@@ -93,7 +94,7 @@ struct BorderKeys {
 
 }  // namespace
 
-// Every rank finds what all others need, without messages.
+// Every rank computes what all others read, without messages.
 void bind_halo(Simulation::Impl& s) {
   s.parts.halo.clear();
   if (!s.ranks) return;
@@ -140,7 +141,7 @@ void bind_halo(Simulation::Impl& s) {
 
 Halo halo_on_borders(Simulation::Impl& s, const SideNumbers& numbers_of_side) {
   const int here = s.ranks->rank();
-  using Side = std::pair<int, std::int32_t>;  // block, gridpoint; of a rigid block none
+  using Side = std::pair<int, std::int32_t>;  // block, gridpoint; -1: a rigid block
   BorderKeys<Side> keys;
   for (const int c : s.division.share.chunks) {
     const std::vector<int> evaluate = ranks_of(s, c);

@@ -1,4 +1,4 @@
-// Results of a model of which each rank has a part, sent to rank 0 run by run: no rank has all of them.
+// Results of a model in parts, sent to rank 0 run by run: no rank holds all of them.
 #include "step/collect.h"
 
 #include <cstring>
@@ -18,13 +18,13 @@ namespace quoin {
 
 namespace {
 
-// Largest lengths of a run: a megabyte of results.
+// Most blocks, points and joints of a run: about a megabyte of results.
 constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;
 
 // One process alone has no lists of ranks.
 int rank_in(const std::vector<int>& ranks, std::size_t i) { return ranks.empty() ? 0 : ranks[i]; }
 
-// Goes on with the last run, or begins another one.
+// Extends the last run to `end`, or begins another one.
 void extend(std::vector<ResultRun>& runs, std::int32_t end, int rank, std::int32_t most) {
   const std::int32_t first = runs.empty() ? 0 : runs.back().end;
   if (runs.empty() || runs.back().rank != rank || end - runs.back().first > most)
@@ -33,7 +33,7 @@ void extend(std::vector<ResultRun>& runs, std::int32_t end, int rank, std::int32
     runs.back().end = end;
 }
 
-// Messages are of numbers.
+// Messages consist of doubles.
 std::vector<double> words_for(std::size_t bytes) {
   return std::vector<double>((bytes + sizeof(double) - 1) / sizeof(double));
 }
@@ -66,7 +66,7 @@ std::string receive_from(Ranks& ranks, int rank) {
 
 }  // namespace
 
-// Each rank has its own part, until rank 0 has all.
+// Each rank holds the results of its part until they are gathered.
 bool ranks_collect(const Simulation::Impl& s) {
   return s.parts.divided && !s.parts.gathered && !s.parts.gathered_by_first;
 }

@@ -54,7 +54,7 @@ void follow_ramps(Simulation::Impl& s) {
   if (s.large_motion) apply_actions(s, gone);
 }
 
-// motion: of the ground, where the body moves with it. left_over: velocity of the ground, m/s.
+// motion: as in Drive, for a body that moves with the ground. left_over: velocity of the ground, m/s.
 void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, const Stage* previous, std::int32_t motion,
                   const Vec3& left_over) {
   const auto [place, lane] = s.lattice.place[b];
@@ -72,7 +72,7 @@ void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, con
   for (std::size_t c = 0; c < 3; ++c) {
     const bool was_prescribed = body.prescribed[c][lane] != 0.0;
     const bool prescribed = ground || (controlled && control->kind[c] == DofKind::velocity);
-    // What a support has carried so far is the force from which a newly freed component starts.
+    // A newly freed component starts from the reaction of its support.
     const double carried =
         was_prescribed ? -joints[c] - s.model.bodies[b].mass * s.data.gravity[c] : body.applied_force[c][lane];
     s.controls.ramps[b].velocity_from[c] = was_prescribed ? body.prescribed_velocity[c][lane] : body.velocity[c][lane];
@@ -84,8 +84,8 @@ void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, con
     s.controls.ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
     s.controls.ramps[b].in_cycles[c] = controlled && control->in_cycles == static_cast<int>(c) ? 1.0 : 0.0;
     const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = ground || (controlled && !control->may_turn);
-    // The motion of what is driven is no kinetic energy: what is released has its own, what is caught leaves it to the
-    // support.
+    // Driven bodies are not part of the kinetic energy. A body that is released adds its own; one that is caught gives
+    // it to the support.
     const double linear = 0.5 * s.model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
     const double angular = 0.5 * s.model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];
     s.energy.external += (was_prescribed - prescribed) * linear + (was_held - held) * angular;
@@ -102,7 +102,7 @@ void apply_controls(Simulation::Impl& s) {
   if (!s.controls.settled)
     follow_ramps(s);
   else if (s.large_motion && (current_stage(s).collapse || current_stage(s).moving_load))
-    apply_actions(s, 1.0);  // these go on changing; all else stays as the end of the ramp has left it
+    apply_actions(s, 1.0);  // these change after the ramp; all others are constant
   else if (!s.controls.rest_known)
     find_bodies_at_rest(s);
   if (!s.controls.whiffletree.empty()) pull_whiffletree(s);
@@ -114,7 +114,7 @@ double velocity_in_cycles(const Simulation::Impl& s, double initial_velocity) {
          dt;
 }
 
-// Deformable blocks too, of a stage in which the ground moves.
+// Also finds deformable blocks, in stages with ground motion.
 void find_monitor(Simulation::Impl& s, const Stage& settings) {
   const std::vector<int> found = s.model.bodies_named(settings.monitor);
   std::vector<int> loaded;
@@ -144,7 +144,7 @@ void find_monitor(Simulation::Impl& s, const Stage& settings) {
   }
 }
 
-// The ground is all fixed bricks that no table of the stage controls (step/actions/ground.cpp).
+// The ground consists of all fixed bricks that no table of the stage controls (step/actions/ground.cpp).
 void control_bodies(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   for (const BodyControl& control : settings.controls) {
     const bool deformable = !s.model.deformable_blocks_named(control.body).empty();
@@ -197,7 +197,7 @@ void bind_controls(Simulation::Impl& s) {
       s.controls.ramped_bodies.push_back(static_cast<int>(b));
   }
   find_bodies_at_rest(s);
-  s.controls.rest_known = false;  // at the end of the ramps others may be at rest
+  s.controls.rest_known = false;  // other bodies may be at rest when ramps end
 }
 
 void find_bodies_at_rest(Simulation::Impl& s) {

@@ -1,4 +1,4 @@
-// What acts on bodies and blocks in a stage: imposed velocities, forces, gravity, the whiffletree.
+// Controls of bodies and blocks in a stage: prescribed velocities, forces, gravity, the whiffletree.
 #pragma once
 
 #include "step/state.h"
@@ -6,11 +6,11 @@
 namespace quoin {
 
 void apply_controls(Simulation::Impl& s);
-// Over the coming step, of what moved at this velocity when the cycles of the stage began, m/s. Its displacements add
-// up to the closed form.
+// Mean velocity over the coming step of a body in cycles, m/s, from that at the beginning of the stage. The
+// displacements add up to the closed form of the cycles.
 double velocity_in_cycles(const Simulation::Impl& s, double initial_velocity);
 void find_monitor(Simulation::Impl& s, const Stage& settings);
-// When a stage begins: bodies, loads and the monitor. previous: null: it is the first.
+// Sets controls of bodies, loads and the monitor when a stage begins. previous: the stage before; null: there is none.
 void control_bodies(Simulation::Impl& s, const Stage& settings, const Stage* previous);
 void bind_controls(Simulation::Impl& s);  // lists that follow from ramps and prescribed components
 void find_bodies_at_rest(Simulation::Impl& s);

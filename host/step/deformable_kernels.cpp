@@ -21,7 +21,7 @@ namespace quoin::blocks {
 namespace HWY_NAMESPACE {
 using namespace quoin::HWY_NAMESPACE;
 
-constexpr Vector kNothing[2] = {};  // where there is no gridpoint
+constexpr Vector kNothing[2] = {};  // read where there is no gridpoint
 
 // Where a column of each lane begins. Lanes without a block repeat the last one.
 template <class Number>
@@ -53,7 +53,7 @@ struct Begin {
   }
 };
 
-// Gridpoint n of the lanes `first` on. Where a block has no such one, what moves repeats its first one, without force.
+// Loads gridpoint n of the lanes from `first` on. A block without it repeats its first one, without velocity and force.
 struct GridpointLoad {
   const Begin& begin;
   const LaneColumns& to;
@@ -104,8 +104,8 @@ void LoadBlocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
   }
 }
 
-// R of a matrix near a rotation, by Newton's iteration R <- (R + R^-T)/2, whose error e becomes e^2/2: four take
-// kLargestDeformation to rounding.
+// R of a matrix near a rotation, by Newton's iteration R <- (R + R^-T)/2, which turns an error e into e^2/2. Four
+// iterations reduce kLargestDeformation to rounding.
 HWY_INLINE Lanes33 rotation_in(const Lanes33& f) {
   const V half = hn::Set(D(), 0.5);
   Lanes33 r = f;
@@ -117,14 +117,14 @@ HWY_INLINE Lanes33 rotation_in(const Lanes33& f) {
   return r;
 }
 
-// sum x b^T.
+// Adds x b^T to the sum.
 HWY_INLINE void add_outer(const Lanes3& x, const Lanes3& b, Lanes33& sum) {
   for (int i = 0; i < 3; ++i) sum.row[i] = plus_scaled(sum.row[i], x[i], b);
 }
 
 HWY_INLINE Lanes33 zero_matrix() { return {{zeros(), zeros(), zeros()}}; }
 
-// The shape that congruent blocks share in all lanes; place, anchor: of gridpoint n, of the lanes `first` on.
+// The shape of congruent blocks, equal in all lanes. place, anchor: of gridpoint n, in the lanes from `first` on.
 struct SharedFrame {
   const CongruentBlocks& congruent;
   HWY_INLINE Lanes3 place(int n, int) const { return broadcast(&congruent.place[static_cast<std::size_t>(n)].x); }
@@ -132,7 +132,7 @@ struct SharedFrame {
   void times_stiffness(const double* w, int node_count, double* product) const;
 };
 
-// What they are lane by lane.
+// Shapes of blocks that differ, lane by lane.
 struct OwnFrames {
   std::span<const LaneBlock> blocks;
   const LaneColumns& columns;
@@ -141,13 +141,13 @@ struct OwnFrames {
   void times_stiffness(const double* w, int node_count, double* product) const;
 };
 
-// Where a vector of blocks is turned to.
+// Current frames of a vector of blocks.
 struct Pose {
   Lanes3 centre;
-  Lanes33 f, r, previous_r;  // the last of the step before; with viscosity
+  Lanes33 f, r, previous_r;  // previous_r: R of the step before; with viscosity
 };
 
-// Numbers of a BlockFrame: those of R^T, then those of F.
+// Doubles of a BlockFrame: those of R^T, then those of F.
 constexpr int kFrameNumbers = 18;
 static_assert(sizeof(BlockFrame) == kFrameNumbers * sizeof(double));
 
@@ -155,7 +155,7 @@ template <class Frame>
 HWY_INLINE Pose pose_of(const Frame& frame, const Begins<const double>& frames, const LaneColumns& columns, int first,
                         const ZoneStep& step) {
   Pose pose;
-  pose.centre = load_line(columns.x + first);  // place of gridpoint 0: K and b do not depend on it
+  pose.centre = load_line(columns.x + first);  // position of gridpoint 0: a translation changes neither K u nor F
   alignas(64) double number[kFrameNumbers][kLanes];
   rows_to_lanes(frames.of + first, kFrameNumbers, number[0]);
   for (int i = 0; i < 3; ++i) {
@@ -176,7 +176,8 @@ HWY_INLINE Pose pose_of(const Frame& frame, const Begins<const double>& frames, 
   return pose;
 }
 
-// Displacements u in the frame of the shape, but for a translation, and u + beta du/dt into `product`'s place.
+// Stores displacements u in the frame of the shape, up to a translation, and u + beta du/dt (`weighted`). Returns the
+// largest |u| by lane, m.
 template <class Frame>
 HWY_INLINE V displacements(const Frame& frame, const LaneColumns& columns, int first, const ZoneStep& step,
                            const Pose& pose) {
@@ -200,7 +201,7 @@ HWY_INLINE V displacements(const Frame& frame, const LaneColumns& columns, int f
   return hn::Sqrt(largest);
 }
 
-// K w, for all lanes.
+// Computes K w for all lanes.
 void SharedFrame::times_stiffness(const double* w, int node_count, double* product) const {
   StiffnessRows<1> rows(congruent.stiffness);
   const double* const of[1] = {w};
@@ -213,7 +214,7 @@ void SharedFrame::times_stiffness(const double* w, int node_count, double* produ
   }
 }
 
-// Block by block, with rows of its gridpoints.
+// Computes K w block by block, with rows of its gridpoints.
 void OwnFrames::times_stiffness(const double* w, int node_count, double* product) const {
   double* const of = columns.rows;
   double* const times = of + kFour * node_count;
@@ -233,7 +234,7 @@ void OwnFrames::times_stiffness(const double* w, int node_count, double* product
   }
 }
 
-// -R (g - q x b) of K w, into the forces of the blocks. on_frame: moment on the frame besides, in space.
+// Adds -R (g - q x b), g = K w, to the forces of the blocks. on_frame: additional moment on the frame, in space, N m.
 template <class Frame>
 HWY_INLINE void add_to_forces(const Frame& frame, const LaneColumns& columns, int first, const Pose& pose,
                               const Lanes3& on_frame, double* force) {
@@ -287,7 +288,7 @@ HWY_INLINE void frame_forces(const Frame& frame, std::span<const LaneBlock> bloc
       hn::Store(hn::Mul(hn::Set(d, 0.5), twice_energy), d, sums->strain + p * kWidth);
     }
   }
-  // The same forces to the last bit with and without energies.
+  // Forces are bitwise identical with and without energies.
   frame.times_stiffness(is_viscous ? c.weighted : c.u, c.node_count, c.product);
   for (int p = 0; p < kParts; ++p)
     add_to_forces(frame, c, p * kWidth, pose[p], load_line(c.moment + p * kWidth), c.force);
@@ -310,7 +311,7 @@ void DistinctForces(std::span<const LaneBlock> blocks, const ZoneStep& step, Lan
 
 // ---- Gridpoints ----------------------------------------------------------------------------------------------------
 
-// What a step adds up, a column a lane.
+// Sums of a step, by lane.
 struct GridpointSums {
   alignas(64) double unbalanced[kLanes], net[3][kLanes], positions[kLanes];
   alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes];
@@ -320,7 +321,7 @@ HWY_INLINE void store_by_lane(const Lanes3& a, double (*to)[kLanes], int first) 
   for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), to[k] + first);
 }
 
-// Three numbers a gridpoint of the lanes `first` on, written back to where blocks have them.
+// Writes three numbers a gridpoint of the lanes from `first` on back into the blocks.
 HWY_INLINE void store_vectors(const double* lanes, std::span<const LaneBlock> blocks, Vector* LaneBlock::*field,
                               int first, const LaneColumns& columns) {
   constexpr int kVector = 3;
@@ -334,10 +335,10 @@ HWY_INLINE void store_vectors(const double* lanes, std::span<const LaneBlock> bl
   }
 }
 
-// No frame: blocks that go zone by zone.
+// No frame: forces zone by zone.
 struct NoFrame {};
 
-// F and R of the places in the columns, lane by lane.
+// Stores F and R from the positions in the columns, lane by lane.
 template <class Frame>
 HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
                              const Frame& frame) {
@@ -357,14 +358,14 @@ HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, const LaneColumn
   lanes_to_rows(number[0], kFrameNumbers, begin.of + first, std::min(kWidth, static_cast<int>(blocks.size()) - first));
 }
 
-// What components of gridpoints need beside their forces.
+// Optional parts of the motion of gridpoints.
 struct Needs {
-  bool brakes;    // held gridpoints, damping of gridpoints or by mass
+  bool brakes;    // held gridpoints, damping by eq. 1 or by mass
   bool measured;  // net forces and kinetic energy
   bool energies;  // work
 };
 
-// The three components, unrolled: lanes that are indexed at run time would go through memory.
+// The three components, unrolled: lanes indexed at run time would go through memory.
 template <class Visit>
 HWY_INLINE void each_component(const Visit& visit) {
   visit(std::integral_constant<int, 0>()), visit(std::integral_constant<int, 1>());
@@ -379,7 +380,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   const D d;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step);
   const V gamma = hn::Set(d, step.gamma), alpha = hn::Set(d, step.alpha);
-  const double a = 0.5 * step.alpha * step.time_step;  // v' = -alpha v, as the mean of both velocities
+  const double a = 0.5 * step.alpha * step.time_step;  // v' = -alpha v, with the mean of both velocities
   const V keep = hn::Set(d, 1.0 - a), over = hn::Set(d, 1.0 / (1.0 + a));
   const V factor = hn::Set(d, step.inertia_factor), over_factor = hn::Set(d, 1.0 / step.inertia_factor);
   Lanes3 centre, linear;
@@ -433,7 +434,8 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
       external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);
       if (columns.viscous) damping = hn::NegMulAdd(hn::Load(d, columns.viscous_force + at + k * kLanes), way, damping);
     });
-    if constexpr (kNeeds.measured) unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);  // NaN wins
+    // Keeps NaN.
+    if constexpr (kNeeds.measured) unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);
     const Lanes3 place = plus_scaled(x, dt, next);
     positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
     store_line(place, columns.x + at);

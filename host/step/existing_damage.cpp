@@ -21,7 +21,7 @@ double side(const Flat& a, const Flat& b, const Flat& p) {
   return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
 }
 
-// Whether the way from p to q crosses the line from a to b; not when it runs along it.
+// Whether the segment from p to q crosses the segment from a to b; false where it runs along it.
 bool crosses(const Flat& p, const Flat& q, const Flat& a, const Flat& b) {
   const double from = side(a, b, p), to = side(a, b, q);
   return (from != 0.0 || to != 0.0) && from * to <= 0.0 && side(p, q, a) * side(p, q, b) <= 0.0;
@@ -39,7 +39,7 @@ class Crack {
     }
   }
 
-  // joint: the middle of the two blocks' common face.
+  // joint: the middle of the common face of both blocks.
   bool follows(int block_a, int block_b, const Vec3& joint) const {
     const CrackedBlock &a = at(block_a), &b = at(block_b);
     if (!damage_.through_units && a.unit >= 0 && a.unit == b.unit) return false;
@@ -56,8 +56,9 @@ class Crack {
     const auto& [sum, count] = units_.at(b.unit);
     return flat({sum[0] / count, sum[1] / count, sum[2] / count});
   }
-  // What is no masonry may reach far, as a beam: it is where its neighbour is, mirrored at the joint. The way begins
-  // beside the centre, so that a crack through the centre of a unit decides nothing.
+  // End of the segment from b to the joint. Blocks beside the masonry, such as beams, may be long: their centre is the
+  // neighbour's, mirrored at the joint. The segment begins beside the centre, so a crack through the centre does not
+  // cross it.
   Flat end(const CrackedBlock& b, const CrackedBlock& neighbour, const Vec3& joint) const {
     const Flat middle = flat(joint);
     Flat x = centre(b);
@@ -76,12 +77,12 @@ class Crack {
 
   const Damage& damage_;
   std::span<const CrackedBlock> blocks_;
-  std::map<int, std::pair<Vec3, double>> units_;  // sum of the centres of their blocks, and how many
+  std::map<int, std::pair<Vec3, double>> units_;  // sum of the centres of their blocks, m; number of these
 };
 
 std::vector<std::size_t> points_of(const Damage& damage, std::span<const PlacedPoint> points,
                                    std::span<const PlacedPoint> of_joints, std::span<const CrackedBlock> blocks) {
-  std::map<std::pair<int, int>, std::pair<Vec3, double>> joints;  // sum of area x position, and of area
+  std::map<std::pair<int, int>, std::pair<Vec3, double>> joints;  // sum of area times position, m3; of area, m2
   for (const PlacedPoint& p : of_joints) {
     auto& [sum, area] = joints[{p.block_a, p.block_b}];
     for (std::size_t k = 0; k < 3; ++k) sum[k] += p.area * p.position[k];
@@ -94,7 +95,7 @@ std::vector<std::size_t> points_of(const Damage& damage, std::span<const PlacedP
     cracked[pair] =
         damage.crack.empty() || crack.follows(pair.first, pair.second, {sum[0] / area, sum[1] / area, sum[2] / area});
   }
-  constexpr double kRounding = 1e-9;  // m: a gridpoint on the face of the box is in it
+  constexpr double kRounding = 1e-9;  // m: gridpoints on a face of the box are inside
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < points.size(); ++i) {
     bool inside = cracked[{points[i].block_a, points[i].block_b}];
@@ -148,8 +149,7 @@ void set_states(const Damage& damage, const JointFamily& family, const Material&
   }
 }
 
-// The states that a law leaves when its points slide so far under no pressure. In small steps, as an analysis makes
-// them.
+// States of a law after this slip at zero pressure, in small steps as in an analysis.
 void slide(double slip, const Material& material, std::span<const std::size_t> points, std::size_t count,
            const std::vector<PropertyColumn>& columns, std::vector<double>& state) {
   constexpr int kSteps = 1000;
@@ -184,7 +184,7 @@ void slide(double slip, const Material& material, std::span<const std::size_t> p
   }
 }
 
-// Without traction: the law gives the opening at which that is so. Undamaged points are left out.
+// Computes states and opening shifts at which the law has no traction, for damaged points alone.
 void unload_points(const JointFamily& family, const std::shared_ptr<const Material>& material,
                    std::span<const PlacedPoint> points, std::span<const std::size_t> damaged,
                    const std::vector<double>& opening, DamagedFamily& result) {

@@ -24,7 +24,7 @@ HWY_INLINE void keep(const Lanes3& a, double (&in)[3][kLanes], int first) {
   for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), in[k] + first);
 }
 
-// The corners of a triangle.
+// Positions of the corners of triangles.
 HWY_INLINE void corners_of(const std::int32_t (&node)[3][kLanes], int first, const Vector* x, Lanes3 (&corner)[3]) {
   for (int k = 0; k < 3; ++k) corner[k] = load_vectors([&](int l) { return &x[node[k][first + l]].x; });
 }

@@ -1,9 +1,9 @@
-// Contact points on triangles of two deformable blocks, eight side by side. Compiled for every instruction set of
+// Contact points on triangles of two deformable blocks, eight in a SIMD group. Compiled for every instruction set of
 // Highway and chosen at run time.
 //
-// Block a owns the plane of a triangle, n its normal, s along its first edge. b carries the point on a triangle of its
-// own. The foot of the point on a's triangle follows it, so that the pair of forces stays collinear. The pair acts at
-// the point: shear times the gap is a couple, which a's triangle takes as forces along n.
+// Block a owns the plane of a triangle, n its normal, s along its first edge. The point lies on a triangle of block b.
+// The foot of the point on a's triangle follows it, so the pair of forces stays collinear. Both forces act at the
+// point. Shear times the gap is then a couple, which a's triangle carries as forces along n.
 #pragma once
 
 #include <span>
@@ -12,22 +12,22 @@
 
 namespace quoin::blocks {
 
-// Columns of a family, from its first point on.
+// Columns of a family, beginning at its first point.
 struct FacetColumns {
-  const double *traction[3], *viscous[3];  // Pa; viscous[0] null: none
-  double *slid[2], *normal_jump, *slip[2];
+  const double *traction[3], *viscous[3];   // Pa; viscous[0] null: none
+  double *slid[2], *normal_jump, *slip[2];  // position along s, t on the plane; opening; slip increment, m
 };
 
-// Openings and slips of the step, and the frames that they are in. fixed: these and feet stay those of the start (small
-// displacements).
+// Computes openings and slip increments of the step, and the frames of these triangles. fixed: frames and feet stay as
+// at the start (small displacements).
 void facet_jumps(std::span<FacetLanes> lanes, FacetFrames* frames, const Vector* node_x, const FacetColumns& columns,
                  bool fixed);
 
-// Forces on gridpoints from the tractions at the jumps of facet_jumps, in its frames, into the rows of the points.
+// Writes the forces of points on gridpoints into their rows, from the tractions and frames of facet_jumps.
 void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, const FacetColumns& columns,
                   FacetRow* rows);
 
-// The sides of points that belong to one block.
+// Sides of contact points on one block.
 struct FacetTouches {
   std::span<const OwnerTouch> owner;
   std::span<const CarrierTouch> carrier;
@@ -35,7 +35,7 @@ struct FacetTouches {
   std::span<const GridpointTouch> owner_gridpoint;  // gridpoints of block a, with one row a point
 };
 
-// Adds what acts on the block to its gridpoints, four doubles each; returns the sum, N.
+// Adds the forces of these points to the block's gridpoints, four doubles each. Returns their sum, N.
 Vector add_facet_rows(const FacetTouches& touches, const FacetRow* rows, double* force);
 
 }  // namespace quoin::blocks

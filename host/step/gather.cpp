@@ -36,7 +36,7 @@ void gather(Simulation::Impl& s, Part part, Who who, const RankShare* next) {
   if (part == Part::row || part == Part::all) prepare_row(s);
   std::size_t whole = 0;
   const Part asked = part;
-  if (s.large_motion && s.parts.divided) {  // whose sums say what a row takes of blocks and contact points
+  if (s.large_motion && s.parts.divided) {  // the sums then hold all that a row reads
     if (part == Part::all) whole = gather_everything(*s.large_motion, who == Who::everybody);
     part = Part::sums;
   }
@@ -75,7 +75,7 @@ void gather(Simulation::Impl& s, Part part, Who who, const RankShare* next) {
 void fetch_for_frame(Simulation::Impl& s) {
   if (!s.parts.divided && !s.scene.output.pieces) return gather(s, Part::all, Who::first);
   if (!s.ranks) return;
-  // What was a joint shows how far its blocks are apart, wherever they are.
+  // Where detection has replaced joints, results of a joint read both of its blocks, on any ranks.
   if (!s.parts.divided && s.large_motion && s.large_motion->start_joints.any_replaced()) return gather(s, Part::all);
   const auto before = Clock::now();
   if (s.large_motion)

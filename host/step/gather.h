@@ -1,4 +1,4 @@
-// What is gathered of the other ranks: everything, for a row, or for sums.
+// Gathering of other ranks' data: all of it, the numbers of a row, or sums.
 #pragma once
 
 #include "step/rank_share.h"
@@ -6,14 +6,16 @@
 
 namespace quoin {
 
-bool has_all(const Simulation::Impl& s);  // whether this process has all results of the last step
-// Afterwards they have it as one process alone has it. next: of the shares that holders are to have; null: now.
+bool has_all(const Simulation::Impl& s);  // whether this process holds all results of the last step
+// Gathers a part of the model's state on the ranks that `who` names. next: shares that decide what holders receive;
+// null: the current ones.
 void gather(Simulation::Impl& s, Part part, Who who = Who::everybody, const RankShare* next = nullptr);
-void fetch_for_frame(
-    Simulation::Impl& s);  // what results by run, or pieces, show of the blocks of others; or all of it
-// What an item, or a chunk, has of it.
+// Fetches what a frame shows of other ranks' blocks: data at borders where results are collected by run or written in
+// pieces, else all data.
+void fetch_for_frame(Simulation::Impl& s);
+// Visit the memory of an item, or of a chunk, that belongs to a part of the state.
 void each_memory_of_item(Simulation::Impl& s, Part part, int item, const VisitMemory& visit);
 void each_memory_of_chunk(Simulation::Impl& s, Part part, int chunk, const VisitMemory& visit);
-void prepare_row(Simulation::Impl& s);  // what a row has of the blocks of this rank
+void prepare_row(Simulation::Impl& s);  // computes the numbers of a row for the blocks of this rank
 
 }  // namespace quoin

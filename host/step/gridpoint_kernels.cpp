@@ -15,13 +15,13 @@ namespace quoin::blocks {
 namespace HWY_NAMESPACE {
 using namespace quoin::HWY_NAMESPACE;
 
-// The axes of a pair in space: sums of the columns of R.
+// Computes the axes of a pair in space: sums of the columns of R.
 HWY_INLINE void turn_axes(const BlockFrame& frame, const GridpointPair& pair, PairAxes& axes) {
   const Four d;
   for (int k = 0; k < 3; ++k) {
     const Vector& axis = pair.axis[k];
     for (int c = 0; c < kFour; c += kPart) {
-      // The row that ends the matrix is followed by another matrix.
+      // The fourth double after the last row is that of another matrix.
       const auto column = [&](int j) HWY_ATTR { return hn::LoadU(d, &frame.transposed_r.row[j].x + c); };
       const F sum = hn::MulAdd(hn::Set(d, axis.x), column(0),
                                hn::MulAdd(hn::Set(d, axis.y), column(1), hn::Mul(hn::Set(d, axis.z), column(2))));
@@ -40,7 +40,7 @@ void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const 
     for (std::uint32_t i = pair.first; i < end; i += kWidth) {
       const FirstLanes part{static_cast<int>(end - i)};
       const auto at = [&](const std::int32_t* node) HWY_ATTR {
-        // Joints with 9 points end in one alone.
+        // Joints with 9 points leave one point to the last vector.
         if (part.count == 1) return broadcast(&node_x[node[i - c.first]].x);
         return load_vectors(
             [&](int l) { return &node_x[node[std::min(i + static_cast<std::uint32_t>(l), end - 1) - c.first]].x; });
@@ -56,7 +56,7 @@ void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const 
   }
 }
 
-// Three numbers that are summed over eight lanes each, as a tree that is the same for vectors of any width.
+// Sums of three numbers over eight lanes, as a tree that is the same for vectors of any width.
 HWY_INLINE Vector sums_over_lanes(const V (&of)[3][kParts]) {
   alignas(64) double lane[3][kLanes];
   for (int k = 0; k < 3; ++k) {

@@ -1,11 +1,11 @@
-// Contact points that sit on gridpoints of both blocks, pair by pair and eight side by side. Compiled for every
+// Contact points on gridpoints of both blocks, pair by pair, eight points in a SIMD group. Compiled for every
 // instruction set of Highway and chosen at run time.
 //
-// The axes e_k = R_a E_k turn with the frame of block a (deformable_kernels.h). d is the way from the gridpoint of a to
-// that of b. The opening is e_n . d less the reference, and the slip of a step the change of e_s . d and e_t . d. The
-// force f = A (sigma e_n + tau_s e_s + tau_t e_t) acts on both gridpoints. R_a is a function of all gridpoints of a. So
-// the work of f on a change of d in turning axes needs the moment d x f on the frame of a besides. With it forces,
-// moments and energy balance to rounding, however far b has slid.
+// The axes e_k = R_a E_k turn with the frame of block a (deformable_kernels.h). d is the vector from the gridpoint of a
+// to that of b. The opening is e_n . d less the reference; slip increments are the changes of e_s . d and e_t . d in a
+// step. The force f = A (sigma e_n + tau_s e_s + tau_t e_t) acts on both gridpoints. R_a is a function of all
+// gridpoints of a. So the work of f on changes of d in turning axes also needs the moment d x f on the frame of a. With
+// it forces, moments and energy balance to rounding at any slip.
 #pragma once
 
 #include <span>
@@ -15,20 +15,21 @@
 
 namespace quoin::blocks {
 
-// Columns of a family, from its first point on, and the gridpoints of a chunk.
+// Columns of a family, beginning at its first point, and the gridpoints of a chunk.
 struct GridpointColumns {
-  const double *traction[3], *viscous[3];  // Pa; viscous[0] null: none
-  const double *reference, *area;          // m, m2
-  double *slid[2], *normal_jump, *slip[2];
-  const std::int32_t *node_a, *node_b;  // gridpoints from the point `first` on
+  const double *traction[3], *viscous[3];   // Pa; viscous[0] null: none
+  const double *reference, *area;           // m, m2
+  double *slid[2], *normal_jump, *slip[2];  // position along s, t; opening; slip increment, m
+  const std::int32_t *node_a, *node_b;      // gridpoints of the points from `first` on
   std::uint32_t first;
 };
 
-// Openings and slips of the step. frames: by block; null: axes stay those of the start (small displacements).
+// Computes openings and slip increments of the step. frames: by block; null: axes stay as at the start (small
+// displacements).
 void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
                      const Vector* node_x, const GridpointColumns& columns);
 
-// Forces on a, into the rows of the points, and moments on its frame. turning: axes turn.
+// Writes the forces on block a into the rows of the points, and the moments on its frame. turning: axes turn.
 void gridpoint_forces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning,
                       const GridpointColumns& columns, FacetRow* rows);
 

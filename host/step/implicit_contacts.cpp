@@ -19,11 +19,11 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin {
 namespace HWY_NAMESPACE {
 
-constexpr int kMostNodes = 16;  // gridpoints of a cluster
-// Motion that moves the traction by less than this share of it says nothing of the stiffness.
+constexpr int kMostNodes = 16;  // most gridpoints of a cluster
+// Changes of the traction by less than this share of it are rounding, and give no stiffness.
 constexpr double kStill = 1e-9;
 
-// The stiffness that a point has shown in the last step, between 0 and that of a whole joint.
+// Secant stiffness of a point in the last step, Pa/m, between 0 and that of an undamaged joint.
 template <class Tag, class Vec>
 HWY_INLINE Vec secant(Tag d, Vec power, Vec way2, Vec traction2, double stiffness) {
   const auto k = hn::Set(d, stiffness), zero = hn::Zero(d);
@@ -32,7 +32,7 @@ HWY_INLINE Vec secant(Tag d, Vec power, Vec way2, Vec traction2, double stiffnes
   return hn::IfThenElse(still, hn::IfThenElseZero(hn::Gt(traction2, zero), k), shown);
 }
 
-// Its viscosity times the time step: of a traction of damping, at most viscosity times stiffness.
+// Secant viscosity over the time step, Pa/m: traction of damping over motion, between 0 and `most`.
 template <class Tag, class Vec>
 HWY_INLINE Vec dashpot(Tag d, Vec power, Vec way2, Vec most) {
   const auto zero = hn::Zero(d);
@@ -45,7 +45,7 @@ HWY_INLINE void weigh_points(Tag d, const ImplicitContacts::Chunk& c, double dt,
   using Vec = hn::Vec<Tag>;
   const auto zero = hn::Zero(d), area = hn::LoadU(d, c.area + i);
   const auto known_way = hn::LoadU(d, c.way[0] + i);
-  const auto known = hn::Eq(known_way, known_way);  // else of the first step: no rate is known
+  const auto known = hn::Eq(known_way, known_way);  // NaN in the first step: no rate is known
   Vec way[3], change[3], viscous[3], traction[3];
   for (int k = 0; k < 3; ++k) {
     way[k] = hn::IfThenElseZero(known, hn::LoadU(d, c.way[k] + i));
@@ -83,7 +83,7 @@ void WeighPoints(const ImplicitContacts::Chunk& c, int count, double dt, double*
 
 using Lanes = ImplicitContacts::Lanes;
 
-// Values of the lanes in use; the others are 0.
+// Values of the lanes in use; others are 0.
 HWY_INLINE V from_line(const Lanes& c, const double* field, const std::int32_t* place, bool row, int p) {
   const D d;
   place += p * kWidth;
@@ -115,7 +115,8 @@ HWY_INLINE void add_at_nodes(const Lanes& c, int n, int component, int p, V velo
   for (int lane = 0; lane < used; ++lane) v[node[lane]] = afters[lane], u[node[lane]] = moved[lane];
 }
 
-// G of a point and what it takes: G (r - b v), of a component.
+// G of a point for one component, and its pull G (r - b v). r is the point's velocity of half a step before, b v the
+// current one.
 struct Pull {
   V weight, pull;
 };
@@ -131,7 +132,7 @@ HWY_INLINE V mass_of(const Lanes& c, int n, int component, int p) {
   return hn::Load(D(), c.mass + (n * 3 + (c.any_held ? component : 0)) * kLanes + p * kWidth);
 }
 
-// Two gridpoints and a point between them.
+// Solves clusters of two gridpoints and one point between them.
 void SettlePairs(const Lanes& c) {
   for (int p = 0; p < kParts; ++p) {
     for (int k = 0; k < 3; ++k) {
@@ -146,7 +147,7 @@ void SettlePairs(const Lanes& c) {
   }
 }
 
-// (M + G) d = sum b (G r - G b v), by elimination: M is diagonal and positive, so no pivot is needed.
+// Solves (M + G) d = sum b (G r - G b v) by elimination: M is diagonal and positive, so no pivot is needed.
 template <int kNodes>
 void SettleNodes(const Lanes& c) {
   const int nodes = kNodes > 0 ? kNodes : c.nodes;
@@ -205,11 +206,11 @@ HWY_EXPORT(WeighPoints);
 HWY_EXPORT(SettleCluster);
 
 namespace {
-constexpr double kHeld = 1e30;  // kg, of what moves as prescribed
+constexpr double kHeld = 1e30;  // kg; inertia of held components and of prescribed bodies
 }  // namespace
 
 ImplicitContacts::ImplicitContacts(const Model& model, const LaneVector<double>& node_mass) {
-  // Gridpoints by the first one of their cluster.
+  // A gridpoint of lower index in the cluster, by gridpoint; the first one itself.
   std::map<int, int> first;
   const auto find = [&](int node) {
     int root = first.try_emplace(node, node).first->second;
@@ -254,8 +255,8 @@ std::size_t ImplicitContacts::kind_of(const Cluster& cluster, const Model& model
   return kinds_.size() - 1;
 }
 
-// Places that follow each other in memory need no gathers. Where the contact points of at least kRow clusters do, so
-// do gridpoints, on one side at least: they have a batch of their own.
+// Consecutive indices need no gather instructions. Where those of the contact points of at least kRow clusters are
+// consecutive, so are those of gridpoints, on one side at least. Such clusters have a batch of their own.
 void ImplicitContacts::fill(int kind, std::vector<Cluster> clusters, const Model& model,
                             const LaneVector<double>& node_mass) {
   constexpr std::size_t kRow = 6;

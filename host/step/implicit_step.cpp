@@ -23,7 +23,7 @@ void weigh_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump, const d
   if (c.viscosity[0] == 0.0) std::copy_n(jump.normal, chunk.point_count, s.lattice.old_jump.data() + first);
 }
 
-// Gridpoints of bodies that move as prescribed have velocities across their joints alone until here.
+// Completes the velocities of the gridpoints of prescribed bodies: a step writes only those across joints.
 void settle_contacts(Simulation::Impl& s) {
   for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
     const Vec3 moves = s.lattice.of_body(static_cast<int>(b), &BodyLanes::velocity);

@@ -1,4 +1,4 @@
-// What a step does with joints that act by its mean (implicit_contacts.h).
+// Step of joints that act by the mean of the step (implicit_contacts.h).
 #pragma once
 
 #include "step/state.h"

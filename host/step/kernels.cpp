@@ -14,17 +14,17 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin {
 namespace HWY_NAMESPACE {
 
-// Up to so many blocks of a group are cheaper one by one (benchmarks/README.md). It must not depend on the instruction
-// set: the two ways differ in the last bits.
+// Groups of at most this many blocks are cheaper zone by zone (benchmarks/README.md). It must not depend on the
+// instruction set: both ways differ in the last bits.
 constexpr int kFewBlocks = 1;
 
 // ---- Contact points ------------------------------------------------------------------------------------------------
 
-// Pointers of a chunk, fetched once: the stores of the loops might alias what they are kept in.
+// Pointers of a chunk in local copies: after each store the compiler would load them again, as stores might alias them.
 struct JumpSource {
   const std::int32_t *a, *b;
   const std::uint8_t* run;
-  const double *normal, *slip_s, *slip_t;  // displacement, velocity, velocity along the axis
+  const double *normal, *slip_s, *slip_t;  // displacement, velocity, velocity, each along its axis
   const double* shift;                     // null: none
   double time_step;
 };
@@ -34,7 +34,7 @@ HWY_INLINE void jumps_of(Tag d, const JumpSource& from, int i, ChunkJumps* jumps
   const std::int32_t* a = from.a + i;
   const std::int32_t* b = from.b + i;
   const auto dt = hn::Set(d, from.time_step);
-  // Gridpoints side by side in memory, as a regular wall has them, need no gathers.
+  // Consecutive gridpoints, as in a regular wall, need no gather instructions.
   const bool side_by_side = from.run[i] >= hn::Lanes(d);
   const auto jump = [&](const double* field) {
     if (side_by_side) return hn::Sub(hn::LoadU(d, field + *b), hn::LoadU(d, field + *a));
@@ -91,7 +91,7 @@ HWY_NOINLINE void zone_forces(const BrickTemplate& shape, int block_count, const
   std::memset(f, 0, sizeof(double) * static_cast<std::size_t>(shape.node_count) * kLine);
   for (int lane = 0; lane < block_count; ++lane) {
     for (const Zone& zone : shape.zone) {
-      double gradient[3][3] = {};  // d w_c / d x_k
+      double gradient[3][3] = {};  // dw_c / dx_k
       for (std::size_t a = 0; a < 4; ++a) {
         const double* at = w + zone.node[a] * kLine + lane;
         const Vec3& shape_gradient = zone.shape_gradient[a];
@@ -118,7 +118,7 @@ HWY_NOINLINE void zone_forces(const BrickTemplate& shape, int block_count, const
   }
 }
 
-// K w of kCount groups, gridpoint by gridpoint: from the template, or from what zone_forces left in lane layout.
+// K w of kCount groups, gridpoint by gridpoint: from the template's stiffness, or from zone_forces in lane layout.
 template <int kCount>
 class InternalForceRows {
  public:
@@ -153,7 +153,7 @@ HWY_INLINE double sum_lanes(const V (&x)[kParts]) {
   return sum;
 }
 
-// Columns of scratch, in lane layout: what the two or three passes over a group hand on.
+// Columns of scratch in lane layout, which the passes over a group share.
 struct GroupScratch {
   GroupScratch(double* memory, int doubles)
       : net(memory),
@@ -163,18 +163,18 @@ struct GroupScratch {
         velocity(memory + 4 * doubles),
         by_zone(memory + 5 * doubles),
         elastic_by_zone(memory + 6 * doubles) {}
-  double* net;       // forces less damping
-  double* weighted;  // u + beta v, with stiffness-proportional damping
+  double* net;       // forces less damping, N
+  double* weighted;  // u + beta v, m, with stiffness-proportional damping
   // In measured steps:
-  double* elastic;   // K u
-  double* damping;   // damping forces
-  double* velocity;  // velocity half a step ago
+  double* elastic;   // K u, N
+  double* damping;   // damping forces, N
+  double* velocity;  // velocity at t - dt/2, m/s
   // With forces by zones:
   double* by_zone;
   double* elastic_by_zone;
 };
 
-// Everything about a group that its passes need.
+// Data of a group that its passes read.
 struct GroupData {
   GroupData(const Model& model, int index, const StepData& step_in, double* scratch_in)
       : group(model.groups[static_cast<std::size_t>(index)]),
@@ -207,7 +207,7 @@ struct GroupData {
   const double* const dt_over_mass;
   const double* const shared_dt_over_mass;  // null: not shared
   const double* const load;                 // null: none
-  alignas(64) double in_use[kLanes];        // lanes that hold blocks
+  alignas(64) double in_use[kLanes];        // 1: the lane holds a block; else 0
   GroupScratch scratch;
 };
 
@@ -226,7 +226,8 @@ HWY_INLINE V inertia_at(const GroupData& g, int n, int c, int p) {
   return hn::IfThenElseZero(hn::Ne(scale, hn::Zero(d)), hn::Div(hn::Set(d, g.step.time_step), scale));
 }
 
-// The assembled template does all 8 lanes whatever they hold.
+// Whether internal forces are computed zone by zone. With few blocks they are, as the assembled template computes all 8
+// lanes.
 bool forces_by_zone(const GroupData& g) {
   if (g.step.internal_forces != InternalForces::automatic) return g.step.internal_forces == InternalForces::zones;
   return g.group.block_count <= kFewBlocks;
@@ -258,8 +259,8 @@ HWY_INLINE void store_split(const GroupData* groups, int n, const V (&internal)[
   }
 }
 
-// Nodal forces and damping forces of kCount groups of one template: - K u, contact points in the order of the slots,
-// weight; Fd of equation 1.
+// Computes nodal forces and damping forces of kCount groups of one template. Forces: - K u, those of contact points in
+// the order of the slots, weight. Damping: Fd of eq. 1.
 template <Brake kBrake, bool kMeasure, int kCount>
 HWY_INLINE void group_forces(const GroupData* groups) {
   const D d;
@@ -354,7 +355,7 @@ HWY_INLINE void stiffness_times_u(const GroupData* groups, double* force) {
 
 // ---- Rigid motion of blocks and units (model/rigid_motion.h) -------------------------------------------------------
 
-// Force and moment about a centre, or velocity and spin, or acceleration of both; of the blocks in all lanes.
+// Force and moment about a centre, or velocity and spin, or acceleration of both; for the blocks of a group, by lane.
 struct Rigid {
   V linear[3][kParts], angular[3][kParts];
 };
@@ -371,7 +372,7 @@ HWY_INLINE Rigid each(const Rigid& x, const Rigid& y, Operation operation) {
   return result;
 }
 
-// The blocks of a unit group, and their rigid motion.
+// Data of the blocks of a unit group, and their rigid motion.
 struct UnitData {
   UnitData(const Model& model, const UnitGroup& unit, const StepData& step_in, double* scratch)
       : step(step_in),
@@ -388,12 +389,12 @@ struct UnitData {
 
   const StepData& step;
   const int count;
-  const GroupData blocks[kUnitBlocks];  // the second is the first where count is 1
+  const GroupData blocks[kUnitBlocks];  // count 1: both are of the same group
   const RigidMotion* const motion;
-  Vec3 arm[kUnitBlocks];  // centre of each block from that of the unit
+  Vec3 arm[kUnitBlocks];  // centre of each block from that of the unit, m
 };
 
-// Sum x and sum r x x over the gridpoints of a group.
+// Sum x and sum r x x over the gridpoints of a group, r from the centre of the block.
 template <class Weight>
 HWY_INLINE Rigid rigid_sums(const GroupData& g, const double* x, Weight weight_of) {
   const D d;
@@ -474,11 +475,11 @@ HWY_INLINE Rigid difference(const Rigid& x, const Rigid& y) {
   return each(x, y, [](V a, V b) HWY_ATTR { return hn::Sub(a, b); });
 }
 
-// Rigid part of the acceleration of each block that M'^-1 gives beyond net/(s_b m). With damping by block also the
-// damping, gamma |a| sgn(v): on the motion of the unit, and on that of its halves beside it.
+// Rigid part of each block's acceleration, M'^-1 net less net/(s_b m). Damping of rigid motion, gamma |a| sgn(v), acts
+// separately on the motion of the unit and on the relative motion of its halves.
 struct RigidStep {
   Rigid extra[kUnitBlocks];    // m/s2, 1/s2
-  Rigid damping[kUnitBlocks];  // the same, before the inertia of unit motion
+  Rigid damping[kUnitBlocks];  // acceleration by damping, with true inertia
 };
 template <Brake kBrake>
 HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
@@ -526,7 +527,7 @@ HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
                                  difference(velocity[b], at_block(unit, b, whole_velocity)), damped);
         beside_force[b] = times_inertia(*unit.blocks[b].motion, beside_damping[b]);
       }
-      // What halves do beside the unit must not brake the unit.
+      // Damping of the relative motion of halves must have no resultant on the unit.
       leak = motion_of_unit(unit, beside_force);
     }
     for (int b = 0; b < kUnitBlocks; ++b) {
@@ -593,11 +594,11 @@ HWY_INLINE void integrate_group(const UnitData& unit, int b, const Rigid* extra)
   }
 }
 
-// What a measured step records, lane by lane, from what the passes left in scratch.
+// Sums of a measured step by lane, from the scratch of the passes.
 struct LaneSums {
   V unbalanced[kParts], kinetic[kParts], moment[kParts], strain[kParts], damping_before[kParts], damping_after[kParts],
       weight_before[kParts], weight_after[kParts];
-  V along_before[kParts], along_after[kParts];  // momentum times the velocity of the ground, viscous damping
+  V along_before[kParts], along_after[kParts];  // momentum times velocity of the ground, for viscous damping
 };
 
 template <Brake kBrake>
@@ -617,7 +618,7 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
         if (g.load) weight = hn::MulAdd(hn::Set(d, mass), hn::Load(d, g.load + c * kLanes + p * kWidth), weight);
         const V before = hn::Load(d, s.velocity + i), after = hn::Load(d, g.v + i), inertia = inertia_at(g, n, c, p);
         const V damping = hn::Load(d, s.damping + i);
-        // Local damping is part of the net force, beta K v of the internal force.
+        // The net force contains local damping, the internal force beta K v.
         const V force = kBrake == Brake::gridpoints ? hn::Add(hn::Load(d, s.net + i), damping) : hn::Load(d, s.net + i);
         const V free_force = hn::IfThenElseZero(hn::Ne(inertia, zero), force);
         squared[p] = hn::MulAdd(free_force, free_force, squared[p]);
@@ -630,7 +631,7 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
           sums->along_after[p] = hn::MulAdd(along, after, sums->along_after[p]);
         }
         sums->moment[p] = hn::MulAdd(inertia, hn::Mul(before, before), sums->moment[p]);
-        // K u was formed before u moved on.
+        // K u is that of the displacements before this step.
         const V displacement = hn::NegMulAdd(after, dt, hn::Load(d, g.u + i));
         sums->strain[p] = hn::MulAdd(hn::Mul(half, hn::Load(d, s.elastic + i)), displacement, sums->strain[p]);
         if (kBrake != Brake::nothing || step.stiffness_damping != 0.0) {
@@ -645,7 +646,7 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
   }
 }
 
-// sum + factor x . y, force times velocity.
+// Adds factor x . y to the sum: force times velocity.
 HWY_INLINE void add_product(double factor, const Rigid& x, const Rigid& y, V (&sum)[kParts]) {
   const V f = hn::Set(D(), factor);
   for (int p = 0; p < kParts; ++p) {
@@ -656,14 +657,15 @@ HWY_INLINE void add_product(double factor, const Rigid& x, const Rigid& y, V (&s
   }
 }
 
-// Energies of v M' w, of which measure_group has summed the first part, and the work of damping by block.
+// Adds the last two terms of v M' w to energies; measure_group has summed the first one. Also adds the work of damping
+// of rigid motion.
 //   v M' w = s_b v M w - (s_b - s_u) (P_b v) M (P_b w) - (s_u - 1) (P_u v) M (P_u w)
 template <Brake kBrake>
 HWY_INLINE void measure_rigid_motion(const UnitData& unit, const RigidStep& rigid, LaneSums* sums) {
   const StepData& step = unit.step;
   const double half_dt = 0.5 * step.time_step;
   const double s_b = step.deformation_inertia, s_u = unit.count == 1 ? 1.0 : step.unit_inertia;
-  // The sums hold s_b m v.
+  // The momenta below contain the factor s_b.
   const double over_b = (s_b - s_u) / (s_b * s_b), over_u = (s_u - 1.0) / (s_b * s_b);
   Rigid before[kUnitBlocks], after[kUnitBlocks];
   for (int b = 0; b < unit.count; ++b) {

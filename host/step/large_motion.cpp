@@ -1,4 +1,4 @@
-// The explicit step of large motion: one function that names the phases. What a step adds up to, and what it reports.
+// The explicit step of large motion: its phases, its sums, and its reports of failures.
 #include "step/large_motion.h"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ void share_work(Model& m) {
   m.shared_division = m.chunks.divisions;
 }
 
-// The larger of the two; NaN wins, so that it is seen.
+// The larger of the two; NaN if either is.
 double larger(double so_far, double x) { return x <= so_far ? so_far : x; }
 
 void report_failure(const Model& m, const Chunk& chunk) {
@@ -41,7 +41,7 @@ void report_failure(const Model& m, const Chunk& chunk) {
   }
   if (chunk.batch.count == 0)
     throw Error(Exit::numerical, fmt::format("law '{}' failed at step {}, on another rank", law, m.stepping.count));
-  // Failed points keep their old state, so asking again, this time with the status by point, names the same ones.
+  // Failed points keep their old state: a second call, now with the status by point, fails at the same ones.
   std::vector<uint32_t> status(chunk.count, QUOIN_POINT_OK);
   quoin_batch batch = chunk.batch;
   batch.status = {status.data(), 1};
@@ -89,7 +89,7 @@ void sum_up(Model& m) {
     }
     m.step_sums.energies.damping += chunk.damping;
   }
-  // Forces act from half a step before their time to half a step after it; energies are those at their time.
+  // A force does its work from half a step before its time to half a step after it. Energies are those at its time.
   m.step_sums.energies.damping += m.step_sums.later.damping;
   m.step_sums.energies.external += m.step_sums.later.external;
   m.step_sums.energies.detection += m.step_sums.later.detection;

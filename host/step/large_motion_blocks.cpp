@@ -1,4 +1,4 @@
-// Blocks in a step of large motion, piece by piece: what acts on them, and how they move on.
+// Blocks in a step of large motion, piece by piece: their forces and their motion.
 #include <algorithm>
 
 #include "members/members.h"
@@ -20,14 +20,14 @@ struct Wrench {
   Vector force, torque;  // N; about the centre of mass, N m
 };
 
-constexpr size_t kRow = 4;  // doubles of a gridpoint where vectors are read from
+constexpr size_t kRow = 4;  // doubles a gridpoint in rows that kernels read
 
 Vector in_lane(const ByLane (&column)[3], int lane) {
   return {column[0].of[lane], column[1].of[lane], column[2].of[lane]};
 }
 Rigid motion_in(const ByLane (&column)[2][3], int lane) { return {in_lane(column[0], lane), in_lane(column[1], lane)}; }
 
-// Held where it is.
+// Whether all motions of the body are held at zero velocity.
 bool is_at_rest(const Body& b) {
   const auto still = [](const Vector& v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; };
   return b.held == 0x3f && still(b.v) && still(b.omega) && still(b.held_v) && still(b.held_omega);
@@ -94,7 +94,7 @@ void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
   int32_t index[kBodies];
   BlockSums* sums[kBodies];
   Wrench loads[kBodies];
-  double power[kBodies];  // theirs, before the step
+  double power[kBodies];  // power of these loads before the step, W
   const auto power_of = [&](size_t i) {
     const Body& body = m.bodies[size_t(index[i])];
     return dot(loads[i].force, body.v) + dot(loads[i].torque, body.omega);
@@ -110,7 +110,7 @@ void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
     for (size_t i = 0; i < blocks.size(); ++i) *sums[i] = {};
     return lap(clock, Phase::motion);
   }
-  // A rigid block is its own rigid motion: damping by block is eq. 1.
+  // The motion of a rigid block is all rigid motion: damping of rigid motion is eq. 1.
   const Vector g = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
   const BodyStep step{m.stepping.dt, m.damping.gamma, m.damping.alpha, braking_ground(m), g, m.measured};
   advance_rigid(m.bodies.data(), m.checks.seen.empty() ? nullptr : m.checks.seen.data(), index, int(blocks.size()),
@@ -121,12 +121,12 @@ void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
   }
 }
 
-// Up to kBodies deformable blocks side by side. Scratch of a thread.
+// Up to kBodies deformable blocks in a SIMD group. Scratch of a thread.
 struct LaneGroup {
   std::vector<double> rows;  // forces on gridpoints, block after block
   LaneBlock block[kBodies];
   BlockSums* sums[kBodies];
-  double power[kBodies];  // power of loads before the step
+  double power[kBodies];  // power of loads before the step, W
   size_t count = 0;
   std::span<const LaneBlock> blocks() const { return {block, count}; }
 };
@@ -134,7 +134,8 @@ struct LaneGroup {
 // Viscosity of zones: beta of stiffness-proportional damping, s.
 double zone_damping(const Model& m) {
   const double of_impacts = m.damping.impacts ? m.impacts.zone_beta : 0.0;
-  return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;  // 2 xi / omega_max
+  // zone_ratio times the critical time step is 2 xi / omega_max.
+  return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;
 }
 
 template <class Visit>
@@ -183,7 +184,7 @@ Vector forces_on_gridpoints(Model& m, int block, double* force) {
     const Point& p = f.point[other.index];
     if (touch.side_a) {
       const Facet& facet = m.contacts.facets[p.facet_a];
-      // The pair acts at p.at: shear times the gap is a couple that the triangle takes as normal forces.
+      // Both forces act at p.at: shear times the gap is a couple, which the triangle carries as normal forces.
       const double gap = f.normal_jump[other.index] + p.reference;
       for (size_t i = 0; i < 3; ++i) {
         const double couple =
@@ -224,7 +225,7 @@ void zone_forces_of(Model& m, const ModelBlock& b, BlockSums& sums, double* forc
   sums.strain += zone_forces(m.zones.lanes_of(b), step, {u, v, force, viscous});
 }
 
-// Forces on a group of a piece, in lanes: those of contacts, loads and zones.
+// Computes forces on the blocks of a group in a piece, one a lane: those of contacts, loads and zones.
 void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneColumns& columns, PhaseClock* clock) {
   const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
   group.count = blocks.size();

@@ -1,4 +1,4 @@
-// Everything of a model that changes while it runs, as bytes; what follows from the scene alone is built, not stored.
+// Checkpoint of blocks in large motion: all data that change in a run. Data that follow from the scene are built again.
 #include "base/archive.h"
 #include "base/error.h"
 #include "members/members.h"
@@ -22,7 +22,7 @@ void transfer(Archive& archive, Series& series) {
 
 template <class Archive, class Self>
 void transfer_state(Archive& archive, Self& m) {
-  archive.value(m.solver);  // damping is a stage's
+  archive.value(m.solver);  // stages may change its damping
   archive.array(m.contacts.list);
   WorldFields::each(m, [&](const Field&, auto& array) { archive.array(array); });
   archive.value(m.units.count);

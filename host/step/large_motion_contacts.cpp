@@ -88,7 +88,7 @@ void contact_law(Model& m, Family& f, Chunk& chunk) {
   std::copy(std::begin(sums.dissipated), std::end(sums.dissipated), chunk.dissipated);
 }
 
-// Stiffness-proportional damping.
+// Computes tractions of stiffness-proportional or impact damping.
 void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
   DampingColumns c{};
   const size_t first = chunk.first;

@@ -1,4 +1,4 @@
-// Blocks of any shape that several processes advance: what one of them sends the others.
+// Blocks of any shape that several processes advance: the data that these exchange.
 #include <cmath>
 
 #include "model/fields.h"
@@ -97,7 +97,7 @@ void Model::each_memory_of_chunk(Part wanted, int index, const VisitMemory& visi
   }
 }
 
-// Keys: bodies, then gridpoints, then frames of blocks.
+// Keys are numbered: bodies first, then gridpoints, then frames of blocks.
 void Model::each_side(int index, const std::function<void(int, std::int64_t)>& visit) const {
   const Chunk& chunk = chunks.all[size_t(index)];
   const Family& f = contacts.families[size_t(chunk.family)];

@@ -19,13 +19,13 @@ using geometry::Vector;
 
 namespace {
 
-// All, or those of this rank where the others were not gathered.
+// All chunks, or those of this rank where the others are not gathered.
 std::vector<int> chunks_in_large_motion(const Simulation::Impl& s) {
   return !s.parts.divided || has_all(s) ? whole_share(s.large_motion->chunk_count(), 0).chunks
                                         : s.division.share.chunks;
 }
 
-// A range of the points of families, family after family.
+// A part of one family's points, in a range over all families.
 struct FamilyPart {
   const blocks::Family& family;
   int index;               // index of the family
@@ -33,7 +33,7 @@ struct FamilyPart {
   std::size_t before;      // points of the families before
 };
 
-// Chunk by chunk.
+// Parts of a range, chunk by chunk.
 std::vector<FamilyPart> parts_of(const blocks::Model& large_motion, std::span<const int> chunks,
                                  const PointRange& range) {
   std::vector<std::size_t> before;
@@ -157,7 +157,7 @@ std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, cons
       point.family = index;
       point.block_a = p.a;
       point.block_b = p.b;
-      point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed again
+      point.jump = {f.normal_jump[i], 0.0, 0.0};  // total slip is a state of laws alone: detection moves points
       point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
       point.flags = flags_there[at(point.index - range.first)];
       point.condition = condition_of(point.flags);

@@ -29,7 +29,8 @@ using geometry::Vector;
 
 namespace {
 
-// Damage and properties that scatter are found over all contact points; a promotion hands over all of a lattice.
+// Whether ranks may hold parts. Damage and properties that scatter need all contact points, a promotion the whole
+// lattice.
 bool may_ride_in_parts(const Simulation::Impl& s, const blocks::Assembly& shapes) {
   return s.ranks && !s.left && s.scene.damage.empty() &&
          std::none_of(shapes.families.begin(), shapes.families.end(),
@@ -41,7 +42,7 @@ const std::string& watched_block(const Simulation::Impl& s, const Stage& setting
   return settings.monitor.empty() ? s.scene.output.monitor : settings.monitor;
 }
 
-// What these blocks touch is above them, as over a bottom beam.
+// Whether contact points lie above these blocks, as over a bottom beam.
 bool stands_below(const Simulation::Impl& s, const std::vector<int>& blocks) {
   MonitorSide side;
   for (const blocks::Contact& c : s.large_motion->contacts.list) {
@@ -77,7 +78,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
   find_blocks_on_base(s);
   require_moving_ground(s);
   if (!s.left) s.small_motion.extent = extent_of(*s.large_motion);
-  // Every name of every stage is looked up before anything runs.
+  // All names of all stages are checked before the run.
   for (const Stage& settings : s.scene.stages) {
     blocks_named_in(s, settings);
     support_groups(s, settings);
@@ -91,7 +92,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
   }
   s.large_motion->hold_by_springs(
       whiffletree_eigenvalue(s.scene.stages, [&s](const Stage& settings, const std::string& name) {
-        std::vector<double> compliances;  // scaled masses are larger, and safe
+        std::vector<double> compliances;  // 1/kg, without mass scaling, which lowers the eigenvalue
         for (const int block : blocks_named(s, name, settings.source.text))
           compliances.push_back(1.0 / s.large_motion->blocks[block].mass);
         return compliances;
@@ -102,7 +103,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
 
 std::vector<int> followed_blocks(const Simulation::Impl& s) {
   std::vector<int> followed = s.monitor.blocks;
-  bool on_ground = false;  // whether it moves with the ground: one block stands for all
+  bool on_ground = false;  // whether a block that moves with the ground is included: one stands for all
   for (const Drive& drive : s.actions.drives) {
     if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
     on_ground = on_ground || (drive.of_ground && drive.motion == 0);
@@ -182,7 +183,7 @@ void end_large_motion_step(Simulation::Impl& s) {
   const auto before = s.timing.now_if_timed();
   const bool moved = s.large_motion->end_step();
   if (s.timing.timed_steps > 0.0) s.timing.phases[Phase::detection] += s.timing.timed_steps * seconds_since(before);
-  if (s.agreed.failed)  // here all is well
+  if (s.agreed.failed)  // no failure on this rank
     throw Error(Exit::numerical, fmt::format("step {}: another rank cannot go on", s.progress.step));
   if (moved) {
     const auto found = Clock::now();
@@ -208,12 +209,12 @@ void measure_large_motion_step(Simulation::Impl& s) {
   if (s.energy.sampled) {
     Energies now;
     now.kinetic = e.kinetic, now.strain = e.strain, now.contact_stored = e.contact_stored + e.members_stored;
-    const double work = e.external - e.damping - e.detection;  // since energies were booked first
+    const double work = e.external - e.damping - e.detection;  // since the first of the two steps
     check_energies(s, now, s.large_motion->step_sums.dissipated, work, -work);
     if (!s.watch.pending) end_check(s);
   }
   if (!s.energy.wanted) return;
-  // On top of what the lattice has spent before a promotion.
+  // Includes the work on the lattice before a promotion.
   const double jump = s.outcome.promotion ? s.outcome.promotion->energy_jump : 0.0;
   s.energy.now = Energies{e.kinetic,
                           e.strain,

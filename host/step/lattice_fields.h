@@ -1,4 +1,4 @@
-// The table of what changes in a run of bricks on the lattice (model/fields.h): every array once. In large motion
+// The table of arrays that change in a run of bricks on the lattice (model/fields.h): one line each. In large motion
 // they are empty.
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// visit(field, array, joint family of its contact points; -1: all of them).
+// visit(field, array, joint family of its contact points; -1: all families).
 template <class State, class Visit>  // State: LatticeState, const or not
 void each_lattice_field(State& lattice, const Visit& visit) {
   constexpr std::size_t kWhole = sizeof(double);

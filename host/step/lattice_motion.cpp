@@ -9,7 +9,7 @@ namespace quoin {
 
 namespace {
 
-// With that of damping, Pa.
+// Traction of a point with its viscous part, Pa.
 Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
   Vec3 sum;
   for (std::size_t k = 0; k < 3; ++k)
@@ -126,19 +126,19 @@ JointWrench sum_joint_wrench(const Simulation::Impl& s, int body) {
       sum.moment[c] += b.arm[i][next] * of_point[last] - b.arm[i][last] * of_point[next];
     }
   }
-  // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
+  // Forces are those of the last evaluation of the laws. The displacement is that of the same time.
   const Vec3 moved = s.lattice.of_body(body, &BodyLanes::displacement),
              v = s.lattice.of_body(body, &BodyLanes::velocity);
   for (std::size_t c = 0; c < 3; ++c) sum.displacement[c] = moved[c] - s.data.time_step * v[c];
   return sum;
 }
 
-// Lattice blocks by their corner gridpoints, rigid bodies by their own rotation.
+// Motion of lattice blocks from their corner gridpoints, of rigid bodies from their own rotation.
 WholeMotion whole_motion_of(const Simulation::Impl& s, std::size_t brick) {
   const Model::BlockPlace& where = s.model.place[brick];
   const double radius = 0.5 * norm_of(s.model.assembly.bricks[brick].size);
   const int ground = s.controls.ground_body();
-  // What is prescribed is known to all ranks.
+  // Prescribed velocities are equal on all ranks.
   const Vec3 of_ground = ground >= 0 ? s.lattice.of_body(ground, &BodyLanes::prescribed_velocity) : Vec3{};
   const auto speed = [&](Vec3 linear, const Vec3& spin) {
     for (std::size_t c = 0; c < 3; ++c) linear[c] -= of_ground[c];

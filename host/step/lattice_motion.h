@@ -1,4 +1,4 @@
-// Motion and forces of bricks on the lattice, as a row, a check or a promotion reads them.
+// Motion and forces of bricks on the lattice, for rows, checks and promotion.
 #pragma once
 
 #include <cstdint>
@@ -8,25 +8,25 @@
 
 namespace quoin {
 
-// By the mass of gridpoints.
+// Mean of a field's x component over a block, by the mass of gridpoints.
 double mean_along_x(const Simulation::Impl& s, const LoadedBlock& block, const LaneVector<double>& field);
-// Displacement of the deformable blocks of the monitor at the time of the last forces, m.
+// Displacement of a deformable block of the monitor at the time of the last forces, m.
 Vec3 displacement_of_loaded(const Simulation::Impl& s, int index);
-// Sum of the forces of its points on the deformable blocks of the monitor, N.
+// Sum of the forces of a chunk's points on the deformable blocks of the monitor, N.
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index);
-// Translation + rotation x arm of a rigid body at a reference position.
+// Translation + rotation x arm of a rigid body, at a position in the reference configuration.
 Vec3 of_body_at(const Simulation::Impl& s, int body, BodyLanes::Quantity BodyLanes::*translation,
                 BodyLanes::Quantity BodyLanes::*rotation, const Vec3& position);
-// Sum over its contact points at the last evaluation of the laws, N.
+// Sum of the contact forces on a body at the last evaluation of the laws, N.
 Vec3 sum_joint_force(const Simulation::Impl& s, int body);
-// Opening and slips of a contact point at the time of its traction: displacements have moved on by one step since.
+// Opening and slips of a contact point at the time of its traction, one step before the current displacements.
 Vec3 jump_at_traction(const Simulation::Impl& s, std::int32_t point);
-// Combination of displacement and velocity with these factors, at the gridpoints of a contact point on blocks a and b.
+// of_displacement * u + of_velocity * v, at the gridpoints of a contact point on blocks a and b.
 std::pair<Vec3, Vec3> motion_of_sides(const Simulation::Impl& s, std::int32_t point, double of_displacement,
                                       double of_velocity);
-// Motion of side b less that of side a, along n, s, t.
+// Difference of that motion, side b less side a, along n, s, t.
 Vec3 jump_of(const Simulation::Impl& s, std::int32_t point, double of_displacement, double of_velocity);
-// As its law has it, with the shift of laws swapped in.
+// Opening that the law receives, m: with the shift of law swaps.
 double opening_at_traction(const Simulation::Impl& s, std::int32_t point);
 JointWrench sum_joint_wrench(const Simulation::Impl& s, int body);
 WholeMotion whole_motion_of(const Simulation::Impl& s, std::size_t brick);

@@ -14,13 +14,13 @@ namespace quoin {
 
 namespace {
 
-// Neighbouring contact points of a family, in these chunks.
+// Consecutive contact points of a family, in these chunks.
 struct PointRow {
   std::size_t first, end;
   std::vector<int> chunks;
 };
 
-// By chunk, each as the rank has it whose values count.
+// Sums of all chunks, each from the rank that owns it.
 std::vector<SwapSums> of_all_chunks(const std::vector<SwapSums>& here, const RankShare& share, Ranks& ranks) {
   std::vector<SwapSums> own;
   std::vector<std::size_t> sizes(at(ranks.count())), next(sizes.size());
@@ -50,14 +50,14 @@ void swap_lattice_law(Simulation::Impl& s, std::size_t f, std::shared_ptr<const 
     rows.back().chunks.push_back(c);
   }
 
-  // Nothing is changed before all points have been taken over.
+  // The simulation is unchanged until all points are converted.
   const std::size_t state_count = material->api().state_count;
   LaneVector<double> state(state_count * count), shift = s.lattice.normal_shift;
   if (shift.empty()) shift.resize(at(s.model.point_count));
   std::vector<SwapSums> of_chunk(s.model.chunks.size());
   std::optional<Error> fault;
   for (const PointRow& row : rows) {
-    std::vector<double> opening;  // openings at the standing tractions
+    std::vector<double> opening;  // openings at these tractions, m
     for (std::size_t p = row.first; p < row.end; ++p)
       opening.push_back(opening_at_traction(s, static_cast<std::int32_t>(p)));
     FamilyColumns points;

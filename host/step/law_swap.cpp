@@ -8,7 +8,7 @@ namespace quoin {
 
 namespace {
 
-// Energy that the old law has stored, J/m2: of a step that moves nothing. Zeros where it has no answer.
+// Energy stored under the old law, J/m2, from a step without motion. Zeros where the law does not compute it.
 std::vector<double> stored_energy(const Material& material, const FamilyColumns& points) {
   const quoin_law& law = material.api();
   std::vector<double> stored(points.count, 0.0);

@@ -1,4 +1,4 @@
-// A law replaced by another one in mid-run, with the traction of every contact point kept.
+// Law swap: another law replaces that of a joint family in mid-run, and every contact point keeps its traction.
 #pragma once
 
 #include <array>
@@ -12,19 +12,19 @@
 
 namespace quoin {
 
-// Contact points of one joint family, all or some, as their law has left them; borrowed. Lattice and blocks of any
-// shape keep them in different places, but both as plain columns.
+// Columns of the contact points of one joint family, all or some, after the old law's last call; borrowed. The lattice
+// and large motion hold them in different places, both as plain columns.
 struct FamilyColumns {
   std::size_t count = 0;
-  const double* opening = nullptr;          // opening at the standing tractions, m
+  const double* opening = nullptr;          // opening at these tractions, m
   std::array<const double*, 3> traction{};  // Pa
-  std::vector<const double*> state;         // states of the old law, in its order
+  std::vector<const double*> state;         // columns of the old law's states, in its order
   const double* area = nullptr;             // m2
 };
 
-// Sums over points that have changed their law.
+// Sums over contact points of a swap.
 struct SwapSums {
-  long points = 0, limited = 0;
+  long points = 0, limited = 0;  // number of points; of points that the new law represents in part alone
   double stored_before = 0.0, energy_jump = 0.0;  // J
   void add(const SwapSums& more) {
     points += more.points, limited += more.limited;
@@ -33,20 +33,20 @@ struct SwapSums {
 };
 LawSwap report_of(const std::string& family, const Material& from, const Material& to, const SwapSums& sums);
 
-// What the new law makes of them.
+// States and openings of these points under the new law.
 struct MigratedFamily {
-  std::vector<double> state;          // columns of the new law, one after the other
-  std::vector<double> opening_shift;  // by point, m: added to the opening of the new law from now on
+  std::vector<double> state;          // one column a state of the new law, column after column
+  std::vector<double> opening_shift;  // by point, m: added to the opening that the new law receives
   std::vector<SwapSums> terms;        // by point
   SwapSums sums(std::size_t first, std::size_t count) const;  // sums over contiguous points, in their order
 };
 
-// The material of the law that takes over a family, with those of the family's properties that the law has. Throws
-// Error(law_refused): no such law, properties that it refuses, or a law that cannot take over the state of another one.
+// The material of the law that replaces that of a family, with those of the family's properties that it has. Throws
+// Error(law_refused): no such law, refused properties, or a law that cannot take states of another one.
 std::shared_ptr<const Material> successor(const JointFamily& family, const std::string& law);
 
-// Hands the points of a family over. Throws Error(law_refused) with the law's reason and the number of points that it
-// refuses; nothing has changed then.
+// Converts the states of the old law to those of the new one. Throws Error(law_refused), with the law's reason and the
+// number of points that it refuses; nothing has changed then.
 MigratedFamily migrate(const JointFamily& family, const Material& from, const Material& to,
                        const FamilyColumns& points);
 

@@ -43,15 +43,15 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.resistance = -row.joint_force[direction];
   row.vertical_force = s.monitor.stands_below ? -row.joint_force[1] : row.joint_force[1];  // compression positive
   if (s.controls.whiffletree.empty()) return;
-  // The roof against the shear force that the walls carry to the ground.
+  // With a whiffletree: displacement of the roof, and the shear force that the walls carry to the ground.
   row.monitor_displacement = {floor_displacement(s, s.controls.whiffletree.size() - 1), 0.0, 0.0};
   row.displacement = row.monitor_displacement[0] - s.monitor.start[0];
   row.resistance = row.joint_force[0];
 }
 
-// On the lattice.
+// Numbers of the monitor on the lattice.
 void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
-  // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
+  // Forces are those of the last evaluation of the laws. The displacement is that of the same time.
   const Vec3 moved = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::displacement),
              velocity_now = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::velocity);
   MonitorSide side;
@@ -83,7 +83,7 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = -row.joint_force[direction];
   if (!s.controls.whiffletree.empty()) {
-    // The roof against the shear force that the walls carry to the ground.
+    // With a whiffletree: displacement of the roof, and the shear force that the walls carry to the ground.
     row.monitor_displacement = {floor_displacement(s, s.controls.whiffletree.size() - 1), 0.0, 0.0};
     row.displacement = row.monitor_displacement[0] - s.monitor.start[0];
     row.resistance = row.joint_force[0];
@@ -106,7 +106,7 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
 
 double largest_displacement(const Simulation::Impl& s) {
   double largest = 0.0;
-  const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
+  const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // keeps NaN
   for (std::size_t i = 0; !s.large_motion && i < s.model.assembly.bricks.size(); ++i)
     look(norm(geometry::vector((has_all(s) ? whole_motion_of(s, i) : s.small_motion.whole_motions[i]).translation)));
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i) {
@@ -177,7 +177,7 @@ HistoryRow measure_row(const Simulation::Impl& s) {
   return row;
 }
 
-// Rows of a history are finite: NaN or infinity ends the run as failed.
+// Rows of a history are finite: NaN or infinity ends the run with a failure.
 void require_finite(Simulation::Impl& s, const HistoryRow& row) {
   const std::pair<const char*, double> values[] = {
       {"kinetic energy", row.kinetic_energy},

@@ -1,4 +1,4 @@
-// On which side of a monitor its joints are: the sign of the force that presses them goes by it.
+// The side of a monitor on which its joints lie: it gives the sign of the vertical force, compression positive.
 #pragma once
 
 #include <cmath>
@@ -12,11 +12,11 @@ class MonitorSide {
     sum_ += arm;
     whole_ += std::abs(arm);
   }
-  // As over a bottom beam. For blocks with joints above and below rounding decides nothing.
+  // Whether joints lie above, as over a bottom beam. For blocks with joints above and below, rounding must not decide.
   bool joints_are_above() const { return sum_ > kMostly * whole_; }
 
  private:
-  static constexpr double kMostly = 0.5;  // share of the arms, so that joints beside the centre do not count
+  static constexpr double kMostly = 0.5;  // share of the sum of |arm|: joints beside the centre do not count
   double sum_ = 0.0, whole_ = 0.0;
 };
 

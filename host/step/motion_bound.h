@@ -1,4 +1,4 @@
-// How far a model of small displacements has moved: whether its frozen geometry still describes it.
+// How far a model of small displacements has moved, against the bounds within which its fixed contact geometry holds.
 #pragma once
 
 #include <array>
@@ -9,62 +9,62 @@
 
 namespace quoin {
 
-// The largest so far, and where. Indices into the assembly.
+// The largest motions so far, and where. Indices are those of the assembly.
 struct MotionSeen {
   double rotation = 0.0;     // rotation of a block since the start, rad
   double sliding = 0.0;      // sliding of two joined blocks over the length of their joint along the sliding
   double opening = 0.0;      // opening of a joint over its shorter side
   double translation = 0.0;  // displacement of a block since the start over the diagonal of the model
   double nearness = 0.0;     // least distance allowed for two blocks without a joint, over their current distance
-  double gap = 0.0;          // distance of these two, m; < 0: depth of their overlap
+  double gap = 0.0;          // current distance of these two blocks, m; < 0: depth of their overlap
   int turned_block = -1, moved_block = -1;
   int slid_joint = -1, opened_joint = -1;
   int near_block[2] = {-1, -1};
 };
 
-// Largest MotionSeen of what has no setting. A joint that has opened by its shorter side lets a block pass across by
-// 1.3 % of that side if it turns by the default rotation_bound. That is less than sliding_bound allows. What has moved
-// further than the model is large has left all that could hold it.
+// Bounds of MotionSeen without a setting. A joint that has opened by its shorter side lets a block move across by 1.3 %
+// of that side if it turns by the default rotation_bound. That is less than sliding_bound allows. A block that has
+// moved farther than the diagonal of the model has left all supports.
 inline constexpr double kOpeningBound = 1.0, kTranslationBound = 1.0, kNearnessBound = 1.0;
 
 Vec3 centre_of(const Brick& brick);  // m
 
-// Small motion of a block as a whole, about its centre.
+// Small rigid motion of a block about its centre.
 struct WholeMotion {
   Vec3 translation{}, rotation{};  // m, rad
-  double speed = 0.0;              // bound of the speed of its fastest corner against the ground, m/s
+  double speed = 0.0;              // bound of the speed of its fastest corner relative to the ground, m/s
 };
 
 // Displacement at an arm from the centre, m.
 Vec3 at_arm(const WholeMotion& motion, const Vec3& arm);
 
-// False where the value is within the bound; true where it is no number.
+// False where the value is within the bound; true for NaN.
 inline bool exceeds(double value, double bound) { return !(value <= bound); }
 
 double diagonal_of(const std::vector<Brick>& bricks);  // diagonal of the box around them, m
 
-// Of a box from the displacements of its 8 corners (x fastest, then y, then z), m. They are means over opposite faces,
-// so that deformation that is the same all over the block is no rotation.
+// Rigid motion of a box from the displacements of its 8 corners (x fastest, then y, then z), m. Means over opposite
+// faces are used, so that uniform deformation gives no rotation.
 WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner_displacement);
 
-// Joints of an assembly, which must outlive it, with what their sliding and opening are measured by. That is kept, 0.3
-// kB a block, or found again at each check.
+// Joints of an assembly, with the geometry by which their sliding and opening are measured. This geometry is kept, 0.3
+// kB a block, or computed again at each check. The assembly must outlive this.
 class JointSliding {
  public:
   enum class Places { kept, recomputed };
   JointSliding() = default;
   explicit JointSliding(const Assembly& assembly, Places places = Places::kept);
-  // Adds the motion of now. motion: one a brick.
+  // Updates `seen` with the current motion. motion: one a brick.
   void look(const std::vector<WholeMotion>& motion, MotionSeen* seen) const;
   Vec3 centre(int joint) const { return place_of(assembly_->joints[static_cast<std::size_t>(joint)]).centre; }
 
  private:
   struct Place {
     int a, b;
-    Vec3 arm_a, arm_b;  // centre of the joint from those of the blocks, m
+    Vec3 arm_a, arm_b;  // centre of the joint from the centres of the blocks, m
     Vec3 centre;        // m
-    int normal;         // axis
-    double towards_b;   // along it: 1 or -1
+    int normal;         // axis of the joint's normal
+    double towards_b;   // direction along it from a to b: 1 or -1
     std::array<int, 2> along;
     std::array<double, 2> length;  // sides of the overlap, m
   };
@@ -72,10 +72,10 @@ class JointSliding {
 
   const Assembly* assembly_ = nullptr;
   double diagonal_ = 0.0;    // diagonal of the model, m
-  std::vector<Place> kept_;  // or empty
+  std::vector<Place> kept_;  // Places::kept; else empty
 };
 
-// What is exceeded, where, by how much and what to do; empty: within the bound.
+// The bound that is exceeded, where, by how much and what to do; empty: none.
 std::string past_bound(const MotionSeen& seen, const MotionBound& bound, const Assembly& assembly);
 
 }  // namespace quoin

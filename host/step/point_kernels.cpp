@@ -12,7 +12,7 @@ namespace quoin::blocks {
 namespace HWY_NAMESPACE {
 using namespace quoin::HWY_NAMESPACE;
 
-// Eight sums side by side.
+// Sums in eight lanes.
 struct LaneSum {
   V part[kParts];
 
@@ -48,12 +48,12 @@ HWY_INLINE void for_each_vector(std::size_t count, const Visit& visit) {
 }
 HWY_INLINE std::size_t part_of_sum(std::size_t i) { return i / static_cast<std::size_t>(kWidth) % kParts; }
 
-// A joint that slides or softens: its traction grows with its motion by less than this share of its stiffness. Motion
-// that moves the traction by less than kRounding of itself says nothing.
+// A joint slides or softens where its secant stiffness is below the share kLettingGo of its elastic stiffness. Changes
+// of the traction by less than the share kRounding of it are rounding.
 constexpr double kLettingGo = 0.05, kRounding = 1e-9;
 
-// Advances the elements of one direction, normal or shear. power: change of the traction times way. Lanes that lose
-// their force have none.
+// Advances the Maxwell elements of one component, and returns the sum of their tractions, Pa. change: of the law's
+// traction, Pa. Elements of lanes outside `holds` lose their traction.
 template <class Load, class Store, class Mask>
 HWY_INLINE V Relax(const MaxwellColumns& m, int component, V change, Mask holds, const Load& load, const Store& store) {
   const D d;
@@ -68,7 +68,7 @@ HWY_INLINE V Relax(const MaxwellColumns& m, int component, V change, Mask holds,
   return sum;
 }
 
-// kMaxwell only with kImpacts.
+// kMaxwell needs kImpacts.
 template <bool kImpacts, bool kMaxwell>
 HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, double normal,
                        double along) {
@@ -77,13 +77,13 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
   LaneSum work;
   for_each_vector(count, [&](std::size_t i, auto load, auto store) HWY_ATTR {
     const V then = load(c.old_jump), now = load(c.normal_jump);
-    const auto known = hn::Eq(then, then);  // else born since: no rate is known
+    const auto known = hn::Eq(then, then);  // NaN: a new point, without a rate
     const V way[3] = {hn::IfThenElseZero(known, hn::Sub(now, then)), load(c.slip[0]), load(c.slip[1])};
     V done = zero;
     const auto closed = hn::Lt(load(c.traction[0]), zero);
     V change[3];
     for (int k = 0; k < 3; ++k) change[k] = hn::Sub(load(c.traction[k]), load(c.old_traction[k]));
-    // Whether the elements hold: a joint that touches, and neither slides nor softens.
+    // Whether the elements hold: the joint is in contact, and neither slides nor softens.
     const auto holds = [&](V power, V way2, V traction2, double stiffness) HWY_ATTR {
       const V k = hn::Set(d, stiffness), floor = hn::Set(d, kRounding * kRounding);
       const auto elastic = hn::Ge(power, hn::Mul(hn::Mul(hn::Set(d, kLettingGo), k), way2));
@@ -107,7 +107,7 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
       if (k == 0) viscous = hn::IfThenElse(hn::Le(traction, zero), hn::Min(viscous, hn::Neg(traction)), viscous);
       const auto touches = kImpacts && !kMaxwell ? closed : hn::Ne(traction, zero);
       viscous = hn::IfThenElseZero(hn::And(known, touches), viscous);
-      // Central differences: half of the motion is under the traction of the step before.
+      // Central differences: half of the motion is under the traction of the last step.
       done = hn::MulAdd(hn::Add(load(c.viscous[k]), viscous), way[k], done);
       store(viscous, c.viscous[k]);
     }

@@ -69,7 +69,7 @@ void ask_at_rest(const Simulation::Impl& s, std::uint64_t capability, const Poin
     const ContactChunk& chunk = *there;
     const auto index = static_cast<int>(there - s.model.chunks.begin());
     const auto c = at(index);
-    // Points of other ranks that were not gathered have no state to evaluate a law with.
+    // Points of other ranks that are not gathered have no state for a law call.
     if (!has_all(s) && !std::binary_search(s.division.share.chunks.begin(), s.division.share.chunks.end(), index))
       continue;
     const Material& material = *s.model.families[at(chunk.family)].material;
@@ -94,7 +94,7 @@ void ask_at_rest(const Simulation::Impl& s, std::uint64_t capability, const Poin
   }
 }
 
-// Flags of the last step when it reported them, otherwise those of a step that moves nothing.
+// Flags of the last step if it has reported them, else those of a step without motion.
 std::vector<std::uint32_t> current_flags(const Simulation::Impl& s, const PointRange& range) {
   if (!s.large_motion && s.lattice.flags_step == s.progress.step - 1)
     return {s.lattice.flags.begin() + range.first, s.lattice.flags.begin() + range.end};

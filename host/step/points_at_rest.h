@@ -1,4 +1,4 @@
-// What laws say of their contact points when nothing moves: flags, damage, conditions.
+// Results of laws at contact points in a step without motion: flags, damage, conditions.
 #pragma once
 
 #include <array>
@@ -18,11 +18,11 @@ std::size_t contact_point_count(const Simulation::Impl& s);
 inline PointRange whole_range(const Simulation::Impl& s) {
   return {0, static_cast<std::int32_t>(contact_point_count(s))};
 }
-// A step that moves nothing, into scratch but for these outputs: of the points whose law has the capability.
+// Evaluates the laws with this capability in a step without motion. All results but `outputs` go to scratch.
 void ask_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
                  const PointOutputs& outputs);
 std::vector<std::uint32_t> current_flags(const Simulation::Impl& s, const PointRange& range);
-// How many contact points are in which state: of all, who has them; of chunks of this rank; of those of all ranks.
+// Number of contact points in each condition: of all points, which this process must hold; as a sum over all ranks.
 std::array<long, kConditionCount> conditions_here(const Simulation::Impl& s);
 std::array<long, kConditionCount> conditions_of_all(Simulation::Impl& s);
 

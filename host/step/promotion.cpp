@@ -33,7 +33,7 @@ namespace {
 
 // Gridpoints of a deformable block of the lattice.
 struct GridpointMotion {
-  std::vector<Vector> place, displacement, velocity;  // place: of the start, m; m; m/s
+  std::vector<Vector> place, displacement, velocity;  // position at the start, m; m; m/s
   std::vector<double> mass;                           // kg
 };
 
@@ -51,7 +51,7 @@ GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
   return field;
 }
 
-// Rigid part of a vector field: the U + theta x (X - centre) whose difference from the field has no momentum and no
+// Rigid part of a vector field: the U + theta x (X - centre) whose difference from the field has neither momentum nor
 // angular momentum. With a plane of symmetry, the part that keeps points on the plane.
 struct RigidPart {
   Vector centre, mean, turn;
@@ -93,7 +93,7 @@ double rigid_kinetic_energy(const GridpointMotion& f, bool symmetry_plane) {
   return sum;
 }
 
-// Where the gridpoints at these places of a brick are among those of its block in large motion.
+// Index of each gridpoint of a brick among those of its block in large motion, by position at the start.
 std::vector<std::size_t> gridpoint_order(const Brick& brick, const std::vector<Vector>& place,
                                          const LaneVector<Vector>& reference, const blocks::ModelBlock& block) {
   const auto key = [&](const Vector& x) {
@@ -110,7 +110,7 @@ std::vector<std::size_t> gridpoint_order(const Brick& brick, const std::vector<V
   return order;
 }
 
-// By the small strains of the lattice, where Model::strain_energy takes those of large rotations.
+// Strain energy from the small strains of the lattice, J; strain_energy(m) uses those of large rotations.
 double strain_energy(const blocks::Model& m, const std::vector<Vector>& displacement) {
   double sum = 0.0;
   each_zone(m, [&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
@@ -121,7 +121,8 @@ double strain_energy(const blocks::Model& m, const std::vector<Vector>& displace
   return sum;
 }
 
-// Motion of a rigid block of the lattice: place of the start, motion since, m, rad, and m/s, rad/s.
+// Motion of a rigid block of the lattice: position at the start, displacement, rotation, velocities; m, rad, m/s,
+// rad/s.
 struct BodyMotion {
   Vec3 centre, displacement, rotation, velocity, spin;
 };
@@ -156,7 +157,7 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
   return histories;
 }
 
-// What holds, moves and loads blocks, by the numbers that blocks keep.
+// Drives of blocks in large motion, from supports, controls and loads of the lattice. Blocks keep their indices.
 std::vector<Drive> drives_of(const Simulation::Impl& s) {
   std::vector<Drive> drives;
   for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
@@ -237,7 +238,7 @@ double added_kinetic_energy(const Simulation::Impl& s) {
 }
 
 void promote(Simulation::Impl& s, const std::string& why) {
-  if (s.scene.solver.selective_time_step > 0.0)  // before anything has left the lattice
+  if (s.scene.solver.selective_time_step > 0.0)  // before the lattice is changed
     throw Error(Exit::numerical,
                 fmt::format("step {} of stage '{}': {}, and large motion, in which the run would go on, takes no "
                             "solver.selective_time_step; make that smaller than {:g} s, use mass_scaling, or choose "
@@ -246,7 +247,7 @@ void promote(Simulation::Impl& s, const std::string& why) {
   Promotion promotion{why, s.progress.stage, s.progress.step, time_now(s), 0.0, 0.0};
   const double dt = s.data.time_step;
 
-  // Data of the lattice, while it is there.
+  // Data of the lattice, before it is removed.
   const std::vector<blocks::PointHistory> histories = histories_of(s);
   const std::size_t count = s.model.assembly.bricks.size();
   std::vector<GridpointMotion> fields(count);
@@ -263,7 +264,7 @@ void promote(Simulation::Impl& s, const std::string& why) {
   }
   std::vector<Drive> continued = drives_of(s);
 
-  // The same blocks in large motion, at rest, then where they are.
+  // The same blocks in large motion: built at rest, then moved to their current positions.
   leave_lattice(s);
   blocks::Model& m = *s.large_motion;
   m.stepping.time = promotion.time, m.stepping.count = s.progress.step;
@@ -292,14 +293,14 @@ void promote(Simulation::Impl& s, const std::string& why) {
   s.progress.stage_start = promotion.time - static_cast<double>(s.progress.stage_step) * dt;
   watch_blocks(s, settings);
   bind_whiffletree(s);
-  s.controls.settled = false;  // what they impose is bound again
+  s.controls.settled = false;  // the next step applies the controls of the stage to these blocks
   s.progress.row_interval =
       std::max(1L, std::lround(static_cast<double>(s.progress.row_interval) * dt / s.data.time_step));
   promotion.strain_energy = strain_energy(m, before);
   promotion.energy_jump = strain_energy(m) - promotion.strain_energy;
   s.outcome.promotion = promotion;
-  s.watch.pending = false;         // what the lattice stored is counted otherwise
-  if (s.ranks) partition_work(s);  // others are watched now
+  s.watch.pending = false;         // energies of the lattice are computed differently: no comparison with them
+  if (s.ranks) partition_work(s);  // monitored blocks have changed
 }
 
 void leave_lattice(Simulation::Impl& s) {
@@ -311,7 +312,7 @@ void leave_lattice(Simulation::Impl& s) {
   families_alone.symmetry_factor = s.left->symmetry_factor;
   take_bricks(s, std::move(families_alone), materials);
   blocks::Assembly shapes = blocks::from_bricks(*s.left);
-  if (s.scene.blocks) {  // recognised as a lattice: what meets later follows the rules of the scene
+  if (s.scene.blocks) {  // a lattice found among blocks: pairs that meet later follow the rules of the scene
     blocks::Assembly given = blocks::assemble(s.scene);
     shapes.family_of = std::move(given.family_of);
     for (std::size_t i = 0; i < shapes.blocks.size(); ++i) shapes.blocks[i].fixed = given.blocks[i].fixed;

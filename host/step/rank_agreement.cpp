@@ -21,7 +21,7 @@ void throw_together(Simulation::Impl& s, const std::optional<Error>& fault) {
   }
   const int count = s.ranks->count();
   const std::string text = fault ? fault->what() : "";
-  // The lowest rank, and what it has to say: its exit code, and how long its words are.
+  // The lowest rank with a fault, its exit code, and the length of its message.
   const double first = count - largest_of_ranks(s, fault ? count - s.ranks->rank() : 0.0);
   if (first == count) return;
   const bool here = s.ranks->rank() == static_cast<int>(first);

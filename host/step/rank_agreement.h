@@ -1,4 +1,4 @@
-// What all ranks agree on: whether they go on, what has failed, and that they have the same model.
+// Agreement of all ranks: whether they continue, what has failed, and that they have the same model.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,13 @@
 
 namespace quoin {
 
-// All ranks throw what the first of them has found that has found anything.
+// Throws the fault of the lowest rank that has one, on all ranks.
 void throw_together(Simulation::Impl& s, const std::optional<Error>& fault);
 void begin_with_ranks(Simulation::Impl& s);
-// Throws Error(bad_input): the ranks have different models. Before anything is requested that only ranks with the
-// same model can exchange.
+// Throws Error(bad_input): the ranks have different models. To be called before exchanges that need equal models.
 void agree_on_model(const Simulation::Impl& s);
-// Whether any rank has failed. Then all has been gathered, so that rank 0 can report it.
+// Whether any rank has failed. All is then gathered on rank 0, which reports it. Also agrees on stops, on contact
+// detection that is due, and on blocks that leave their frames.
 bool agree(Simulation::Impl& s, bool trouble, bool* deviates = nullptr, bool* leaves_frame = nullptr);
 bool any_rank(Simulation::Impl& s, bool here);
 double largest_of_ranks(const Simulation::Impl& s, double here);

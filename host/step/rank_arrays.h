@@ -1,11 +1,11 @@
-// An array whose parts ranks hold, some megabytes at a time, to rank 0.
+// Transfer of an array, whose parts ranks hold, to rank 0, some megabytes at a time.
 #pragma once
 
 #include "step/state.h"
 
 namespace quoin {
 
-// take: of rank 0, which gets the array in order.
+// whole: size of the array, bytes. take: called on rank 0 with pieces of the array, in order.
 void give_array(Simulation::Impl& s, const void* array, std::size_t whole, const Simulation::TakeBytes& take);
 
 }  // namespace quoin

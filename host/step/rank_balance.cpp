@@ -41,7 +41,7 @@ std::vector<double> RankBalance::measured_over_estimated() const {
 void RankBalance::divided(double seconds) {
   reset();
   cost_ = seconds;
-  patience_ *= 2.0;  // until a window is even
+  patience_ *= 2.0;  // reset when a window is even
 }
 
 void RankBalance::reset() {

@@ -1,8 +1,9 @@
-// When blocks are worth being divided among ranks again, by what their own work of steps has taken.
+// Load balancing: when a repartition of blocks is worth its cost, by the measured work of the ranks.
 //
-// Unevenness costs what the slowest rank takes beyond the mean, for all wait for it; dividing costs what it took last
-// time. Blocks are divided once the first has reached the second. So no more is spent on dividing than was lost without
-// it, however costs drift. A division that leaves the ranks uneven doubles the loss that the next one needs.
+// Uneven work costs what the slowest rank takes beyond the mean, for all wait for it. A repartition costs what the last
+// one took. It is due when the accumulated loss has reached that cost. So no more time goes into repartitions than is
+// lost without them, however costs drift. A repartition that leaves the ranks uneven doubles the loss that the next one
+// needs.
 #pragma once
 
 #include <span>
@@ -14,25 +15,25 @@ double most_over_mean(std::span<const double> values);  // 1: all are equal
 
 class RankBalance {
  public:
-  static constexpr long kWindow = 256;      // steps that are checked together
-  static constexpr double kUneven = 1.15;   // most / mean of a window, from where on it counts: disturbances are less
-  static constexpr int kWindowsInARow = 2;  // uneven windows in a row before a partition: one alone is chance
+  static constexpr long kWindow = 256;      // steps of a window of measurement
+  static constexpr double kUneven = 1.15;   // largest / mean work above which a window is uneven; noise is below it
+  static constexpr int kWindowsInARow = 2;  // uneven windows in a row before a repartition: a single one is chance
 
-  // By rank, own work in the last window, s, and what that was estimated to be, in any unit. The same on all ranks,
-  // and so is what follows from it.
+  // Adds a window and returns whether a repartition is worth its cost. By rank: measured work, s; estimated work, any
+  // unit. Both are equal on all ranks, and so is the result.
   bool is_worth_dividing(std::span<const double> seconds, std::span<const double> estimated);
-  // Ratio in the uneven windows until now, by rank; 1: as over all ranks together.
+  // Measured over estimated work by rank in the current uneven windows, relative to that of all ranks together.
   std::vector<double> measured_over_estimated() const;
-  void divided(double seconds);                    // all that it took
-  void costs(double seconds) { cost_ = seconds; }  // before the first division
+  void divided(double seconds);                    // a repartition has taken this time, s
+  void costs(double seconds) { cost_ = seconds; }  // estimated cost of the first repartition, s
 
  private:
   void reset();
 
-  std::vector<double> spent_, estimated_;  // by rank, in the uneven windows
+  std::vector<double> spent_, estimated_;  // by rank, over the current uneven windows
   int in_a_row_ = 0;
-  double lost_ = 0.0, cost_ = 0.0;  // time lost in them; cost of a partition, s
-  double patience_ = 1.0;           // times that the cost must have been lost
+  double lost_ = 0.0, cost_ = 0.0;  // lost in these windows; cost of a repartition, s
+  double patience_ = 1.0;           // loss that is needed, over cost_
 };
 
 }  // namespace quoin

@@ -14,7 +14,7 @@ namespace quoin {
 
 namespace {
 
-// What blocks cost is what their rank has taken for them, whichever of them it was that took more than estimated.
+// Scales the costs of all blocks of a rank by its measured over estimated work: work is not measured by block.
 void repartition(Simulation::Impl& s) {
   const auto before = Clock::now();
   if (!s.parts.divided) gather(s, Part::all);
@@ -31,8 +31,8 @@ void repartition(Simulation::Impl& s) {
     gather(s, Part::all, Who::holders, &next);
   }
   partition_work(s);
-  s.controls.rest_known = false;                     // not known for bodies of other ranks
-  if (s.division.share.rank_of_item != before_it) {  // else items are too large for anything better
+  s.controls.rest_known = false;                     // at_rest of bodies from other ranks is unknown
+  if (s.division.share.rank_of_item != before_it) {  // else items are too large for a better partition
     if (s.rank_load.traffic.repartitions == 0.0) s.rank_load.traffic.uneven_before = s.rank_load.traffic.uneven;
     s.rank_load.traffic.repartitions += 1.0;
   }
@@ -41,7 +41,7 @@ void repartition(Simulation::Impl& s) {
   s.rank_load.balance.divided(s.rank_load.costly_blocks ? 0.0 : took[0]);
 }
 
-// Own work in the window by costly_blocks, any unit.
+// Work of this rank in the window by costly_blocks, any unit.
 double pretended_seconds(const Simulation::Impl& s) {
   const std::vector<double> cost = estimated_costs(s);
   double sum = 0.0;

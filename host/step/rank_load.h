@@ -1,12 +1,12 @@
-// How even the ranks are, and the division of blocks by what they have cost.
+// Load balancing between steps: measured work of the ranks, and repartition of blocks by it.
 #pragma once
 
 #include "step/state.h"
 
 namespace quoin {
 
-void balance_ranks(
-    Simulation::Impl& s);  // between two steps: divides blocks again where that is worth it, by measured costs
+// Between two steps: repartitions blocks by measured costs, where that is worth its cost.
+void balance_ranks(Simulation::Impl& s);
 void collect_traffic(Simulation::Impl& s);
 
 }  // namespace quoin

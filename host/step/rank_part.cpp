@@ -22,7 +22,7 @@ namespace quoin {
 
 namespace {
 
-// Units of this rank, in order.
+// Unit groups of this rank, ascending.
 std::vector<int> own_units(const Simulation::Impl& s) {
   std::vector<int> own;
   for (int u = 0; u < static_cast<int>(s.model.unit_groups.size()); ++u) {
@@ -49,7 +49,7 @@ HeldParts held_with(const Simulation::Impl& s, const RankShare& shares) {
   return held;
 }
 
-// Bodies are held by all.
+// All ranks hold all bodies.
 RowsElsewhere rows_elsewhere(const Simulation::Impl& s, const HeldParts& held) {
   RowsElsewhere rows;
   const std::vector<bool> units_held(held.items.begin(),

@@ -1,7 +1,7 @@
-// What each rank holds of a model on the lattice, where it is held in parts, and the highest frequency of all of it.
+// The part of a lattice model that each rank holds, and vectors of the whole model for its highest frequency.
 //
-// Arrays have the numbers of the whole model; memory they have where this rank works (base/sparse_memory.h). That is
-// for own items, the chunks that touch them, and what those chunks touch of others.
+// Arrays have the indices of the whole model, but memory only for the rows that this rank uses (base/sparse_memory.h).
+// These are of own items, of chunks that touch them, and of other items that those chunks touch.
 #pragma once
 
 #include <functional>
@@ -15,23 +15,24 @@
 
 namespace quoin {
 
-// Where each rank holds a part of the lattice.
+// Items and chunks of the lattice that a rank holds.
 struct HeldParts {
   std::vector<bool> items, chunks;
 };
-// Gridpoints, as numbers of arrays that have them, and contact points that this rank does not hold.
+// Rows that this rank does not hold: of gridpoints, as indices into arrays by gridpoint, and of contact points.
 struct RowsElsewhere {
   std::vector<VectorRow> gridpoints, points;
 };
 
 HeldParts held_with(const Simulation::Impl& s, const RankShare& shares);
 RowsElsewhere rows_elsewhere(const Simulation::Impl& s, const HeldParts& held);
-// Of an array of a field with so many numbers, in order: visit(first, end). family: of its points; -1: of all.
+// Visits such rows in an array of a field, in ascending order: visit(first, end). numbers: size of the array. family:
+// joint family of its points; -1: all.
 void each_row_elsewhere(const Simulation::Impl& s, const RowsElsewhere& rows, Owner owner, int family,
                         std::size_t numbers, const std::function<void(std::size_t, std::size_t)>& visit);
 void hold_all(Simulation::Impl& s);
-void hold_part(Simulation::Impl& s);        // by share: gives back the memory of the rest
-void hold_first_part(Simulation::Impl& s);  // and all agree on how stiff the stiffest joints are
+void hold_part(Simulation::Impl& s);        // by WorkDivision::share; releases the memory of the rest
+void hold_first_part(Simulation::Impl& s);  // then all ranks agree on the largest stiffness of joints
 std::unique_ptr<SharedModel> share_of_model(Simulation::Impl& s);
 
 }  // namespace quoin

@@ -42,7 +42,7 @@ double RankSums::sum(const Add& add) {
       ranks_.finish();
     }
   }
-  // The last has all of it.
+  // The rank of the last run holds the whole sum.
   const int last = runs_.empty() ? 0 : runs_.back().rank;
   std::vector<std::size_t> sizes(static_cast<std::size_t>(ranks_.count()), 0);
   sizes[static_cast<std::size_t>(last)] = sizeof so_far;

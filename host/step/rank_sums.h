@@ -1,7 +1,7 @@
-// Vectors of a model whose items ranks share: sums over all of them in the order of one process.
+// Sums over vectors of a model that ranks hold in parts, in the order of one process.
 //
-// A sum goes from the rank of the first items to that of the next, as often as items in a row change hands.
-// It takes as long as in one process, but no rank needs the numbers of another.
+// The partial sum over one run of items is sent to the rank of the next run. It takes as long as in one process, but no
+// rank needs the values of another.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,8 @@ namespace quoin {
 
 class RankSums : public SharedModel {
  public:
-  // units: of this rank, in order. halo_of: between those who compute the numbers of a vector and who reads them.
+  // units: unit groups of this rank, ascending. halo_of: exchange from ranks that compute values of a vector to ranks
+  // that read them.
   RankSums(const Model& model, const RankShare& share, std::vector<int> units, const std::vector<int>& rank_of_body,
            Ranks& ranks, std::function<Halo(LaneVector<double>&)> halo_of);
 
@@ -39,7 +40,7 @@ class RankSums : public SharedModel {
   Ranks& ranks_;
   std::function<Halo(LaneVector<double>&)> halo_of_;
   Halo halo_;
-  const double* numbers_ = nullptr;  // numbers of the last vector, whose addresses the halo has
+  const double* numbers_ = nullptr;  // data of the vector to which halo_ is bound
 };
 
 }  // namespace quoin

@@ -15,7 +15,7 @@ using geometry::Vector;
 
 namespace {
 
-// Bits 0..2: x, y, z of a body or block are imposed now; 3..5: its rotation about them.
+// Currently held components of a body or block. Bits 0..2: x, y, z; 3..5: rotation about these axes.
 std::vector<std::uint8_t> held_now(const Simulation::Impl& s) {
   std::vector<std::uint8_t> held;
   for (std::size_t b = 0; !s.large_motion && b < s.model.bodies.size(); ++b) {

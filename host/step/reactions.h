@@ -1,4 +1,4 @@
-// What supports, and what drives blocks, give to the joints of what they hold.
+// Reactions of supports and of prescribed motions.
 #pragma once
 
 #include <vector>
@@ -7,10 +7,11 @@
 
 namespace quoin {
 
-// Finds the current bodies and blocks; names are those of the first time, as the history has its columns by then.
+// Finds the bodies or blocks of each restraint. Restraints themselves are found once, as they are columns of the
+// history.
 void find_restraints(Simulation::Impl& s);
 void find_restrained_blocks(Simulation::Impl& s);
-// Viscous forces of contacts included.
+// Force and moment of the joints on these blocks, viscous forces included.
 std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, const std::vector<int>& blocks);
 void measure_reactions(const Simulation::Impl& s, HistoryRow& row);
 

@@ -33,25 +33,25 @@ using Eigen::VectorXd;
 using geometry::Vector;
 using Triplet = Eigen::Triplet<double>;
 
-// Iterations at most, and the unbalanced ratio that ends them: a hundredth of the stage's, which its steps check.
+// Most iterations, and the unbalanced ratio that ends them over that of the stage, which its steps check.
 constexpr int kMostIterations = 100;
 constexpr double kOfWanted = 1e-2;
-// Of the stiffness of a closed point, what an open one and a sliding one keep. It is enough to find a factor, too
-// little to carry anything.
+// Least stiffness of open and of sliding points, over that of closed ones: enough for a regular matrix, too little to
+// carry load.
 constexpr double kOpen = 1e-6, kSlides = 1e-3;
-// What they keep in the first iterations: all of it. A correction that has moved forces closer to balance keeps a third
-// of the last one's, one that has not ten times as much. Too stiff a system only moves too little, too soft a one
-// flies.
+// In the first iteration these points keep all of their stiffness. An iteration that has lowered the unbalanced ratio
+// multiplies the share by kSofter, any other by kStiffer. Too stiff a system moves blocks too little; too soft a one
+// moves them without bound.
 constexpr double kSofter = 1.0 / 3.0, kStiffer = 10.0;
-// Stiffness of what nothing else holds, over the largest entry of the stiffness.
+// Stiffness added to every unknown, over the largest entry of the matrix: it keeps the factor regular.
 constexpr double kHeld = 1e-12;
-// Share of the size of the model: a block that one iteration moves by more is held by nothing.
+// Displacement in an iteration, over the diagonal of the model, beyond which a block has no support.
 constexpr double kFlies = 0.1;
 
 class Search {
  public:
   explicit Search(Simulation::Impl& impl) : s_(impl) {
-    apply_controls(s_);  // supports, and all of the loads: a stage of rest has no ramp
+    apply_controls(s_);  // supports and full loads: a stage of rest has no ramp
     unknowns_.emplace(impl);
   }
 
@@ -59,7 +59,7 @@ class Search {
     VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(unknowns_->count()));
     move(none);
     std::unique_ptr<SparseCholesky> factor;
-    std::vector<std::uint8_t> factored;  // states of points
+    std::vector<std::uint8_t> factored;  // states of the points in `factor`
     double last = std::numeric_limits<double>::infinity(), best = last, factored_with = 0.0, kept = 1.0;
     for (int i = 0; i < kMostIterations; ++i) {
       const std::vector<ContactPoint> points = contact_points(s_);
@@ -83,12 +83,11 @@ class Search {
   }
 
  private:
-  // Ratio over the best one so far from which iterations only lead away; steps of the stage go on from there.
+  // Ratio over the best one so far beyond which iterations diverge: steps of the stage continue from there.
   static constexpr double kDiverges = 1e3;
   enum State : std::uint8_t { closed, slides, open };
 
-  // ---- Forces
-  // --------------------------------------------------------------------------------------------------------
+  // ---- Forces ----------------------------------------------------------------------------------------------------
 
   static void add_to(VectorXd* sum, const std::array<int, 3>& unknown, const Vector& force) {
     for (int c = 0; c < 3; ++c)
@@ -120,7 +119,7 @@ class Search {
         continue;
       }
       const blocks::ModelBlock& block = m.blocks[b];
-      double inertia = 0.0;  // mass by which its gridpoints share weight and forces, kg
+      double inertia = 0.0;  // mass over which weight and forces are distributed to its gridpoints, kg
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n) inertia += m.nodes.mass[at(block.first_node) + n];
       const Vector per_mass = (m.blocks[b].mass * g + applied[at(b)]) / inertia;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
@@ -159,7 +158,7 @@ class Search {
     }
   }
 
-  // Weight, loads, and forces of zones.
+  // Adds weight, loads, and forces of zones.
   void add_lattice_loads(VectorXd* sum) const {
     const Vector g = geometry::vector(s_.data.gravity);
     for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
@@ -201,7 +200,7 @@ class Search {
     }
   }
 
-  // As the steps of the stage measure it: largest force on a gridpoint or body, of the mean contact force.
+  // Unbalanced ratio as in steps of the stage: largest force on a gridpoint or body over the mean contact force.
   double ratio_of(const VectorXd& rest, const std::vector<ContactPoint>& points) const {
     double mean = 0.0, largest = 0.0;
     for (const ContactPoint& p : points)
@@ -216,7 +215,7 @@ class Search {
       if (u.rigid) force_at(u.body[0], u.body[1], u.body[2]);
       for (const auto& of_point : u.gridpoint) force_at(of_point[0], of_point[1], of_point[2]);
     }
-    // Moments of rigid blocks, over the size of the model.
+    // Moments of rigid blocks, over the diagonal of the model.
     for (const Unknowns::OfBlock& u : unknowns_->blocks()) {
       for (std::size_t c = 3; c < 6 && u.rigid; ++c)
         if (u.body[c] >= 0) largest = std::max(largest, std::abs(rest(u.body[c])) / s_.small_motion.extent);
@@ -224,8 +223,7 @@ class Search {
     return largest == 0.0 ? 0.0 : largest / std::max(mean, 1e-300);
   }
 
-  // ---- Stiffness
-  // -----------------------------------------------------------------------------------------------------
+  // ---- Stiffness -------------------------------------------------------------------------------------------------
 
   static std::vector<std::uint8_t> states_of(const std::vector<ContactPoint>& points) {
     std::vector<std::uint8_t> states;
@@ -260,8 +258,7 @@ class Search {
     return stiffness;
   }
 
-  // ---- Motion
-  // --------------------------------------------------------------------------------------------------------
+  // ---- Motion ----------------------------------------------------------------------------------------------------
 
   void require_held(const Eigen::MatrixXd& moved) const {
     for (std::size_t g = 0; g < unknowns_->groups().place.size(); ++g) {
@@ -284,10 +281,11 @@ class Search {
     return v;
   }
 
-  // Moves all blocks, lets the laws follow, and leaves all at rest.
+  // Moves all blocks, evaluates the laws, and sets all velocities to zero.
   void move(const VectorXd& moved) {
     if (s_.large_motion) return move_large_motion(moved);
-    // Laws get sliding as velocity times the step. Once more at rest, since some settle in two answers.
+    // Slip increments are velocities times the time step. The second call is without motion, as some laws settle in two
+    // calls.
     for (const bool moving : {true, false}) {
       for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b)
         unknowns_->blocks()[at(b)].rigid ? move_body(b, moved, moving) : move_gridpoints(b, moved, moving);
@@ -326,7 +324,7 @@ class Search {
       displacement[c] = lanes.displacement[c][lane], rotation[c] = lanes.rotation[c][lane];
       if (!moving) lanes.velocity[c][lane] = lanes.spin[c][lane] = 0.0;
     }
-    // Its gridpoints have what their points read: displacement along the normal, velocity across.
+    // Gridpoints of the body hold what its joints read: displacement along the normal, velocity across it.
     for (std::size_t k = 0; k < body.slave.size(); ++k) {
       const Vector arm = geometry::vector(body.arm[k]);
       const Vector place = displacement + cross(rotation, arm), speed = by + cross(turn, arm);
@@ -387,7 +385,7 @@ void find_rest(Simulation::Impl& impl) {
   };
   const double before = impl.progress.step > 0 ? out_of_books() : 0.0;
   Search(impl).run(stage.equilibrium_ratio.value_or(1e-4));
-  // Loads are booked to have done what blocks and joints have taken up, as loads that grow slowly do.
+  // The work of loads is the energy that blocks and joints have taken up, as for loads that grow slowly.
   step_once(impl, true, true);
   const double taken_up = out_of_books() - before;
   impl.energy.external += taken_up;

@@ -1,15 +1,16 @@
-// The state under constant loads, found directly: at the start of a stage of kind rest.
+// The state of rest under constant loads, computed directly at the start of a stage of kind rest.
 //
-// Newton's method: out-of-balance forces of now, divided by the stiffness of what is closed and does not slide, move
-// the blocks. Laws follow each move as they follow a step. Steps of the stage settle what is left.
+// Newton's method: an iteration moves blocks by the out-of-balance forces over the stiffness of zones and of closed
+// points that do not slide. Laws are evaluated after each move as in a step. Steps of the stage remove the remaining
+// imbalance.
 #pragma once
 
 #include "step/simulation.h"
 
 namespace quoin {
 
-// Between two steps, at the start of the current stage. Throws Error(bad_input) where ranks share the model or the
-// program has no sparse solver; Error(numerical): a block that nothing holds, by its name.
+// To be called between two steps, at the start of the current stage. Throws Error(bad_input) where ranks share the
+// model or the program has no sparse solver. Throws Error(numerical) with the name of a block that has no support.
 void find_rest(Simulation::Impl& impl);
 
 }  // namespace quoin

@@ -1,5 +1,4 @@
-// A simulation from the bytes that save() has made. What comes from another model, or was changed, is
-// refused.
+// Restores a simulation from the bytes of save(). Throws where they are of another model, or were changed.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -26,7 +25,7 @@ namespace {
 
 Error of_another_model() { return {Exit::bad_input, "checkpoint: of another model"}; }
 
-// The material that a joint family has in a stage: the scene's, or that of the last law swapped in until then.
+// Material of a joint family in a stage: that of the scene, or of the last law swap up to the stage.
 std::shared_ptr<const Material> material_in_stage(const Simulation::Impl& s, std::size_t family, int of_stage) {
   std::shared_ptr<const Material> material = s.laws.first[family];
   for (int i = 0; i <= of_stage; ++i) {
@@ -37,8 +36,8 @@ std::shared_ptr<const Material> material_in_stage(const Simulation::Impl& s, std
   return material;
 }
 
-// A checkpoint names no file that would be loaded as code, unless it was in use already. It may be of a run that had
-// the first stages alone; later ones keep theirs.
+// Reads the law swaps of stages. Laws are loaded as code: a checkpoint may name only files that are in use already. It
+// may hold fewer stages than the scene; later ones keep their swaps.
 void read_law_swaps(ArchiveReader& reader, std::vector<Stage>& stages) {
   std::set<std::string> known;
   for (const Stage& stage : stages) {
@@ -66,7 +65,7 @@ void read_law_swaps(ArchiveReader& reader, std::vector<Stage>& stages) {
   }
 }
 
-// Takes of arrays by gridpoint and contact point what this rank holds.
+// Reads the rows that this rank holds of arrays by gridpoint and contact point.
 struct PartsReader : ArchiveReader {
   Simulation::Impl& s;
   const RowsElsewhere elsewhere;
@@ -83,7 +82,7 @@ struct PartsReader : ArchiveReader {
   }
 };
 
-// The law that a joint family has in the stage that the checkpoint is of.
+// Sets the law of a joint family in the stage of the checkpoint.
 void take_law_of(std::size_t f, Simulation::Impl& s, ArchiveReader& reader) {
   ContactFamily& family = s.model.families[f];
   family.material = material_in_stage(s, f, s.progress.stage);
@@ -101,7 +100,7 @@ void take_law_of(std::size_t f, Simulation::Impl& s, ArchiveReader& reader) {
                           family.name, law, schema, api.id, api.state_schema));
 }
 
-// Counters beyond those of any run come from a changed file, and would be counted up for ever.
+// Whether counters are in the range of any run: larger ones are of a changed file, and no run reaches them.
 bool counts_are_sound(const Simulation::Impl& s) {
   constexpr long kMost = 1L << 53;
   const auto is_count = [](long value, long least) { return value >= least && value <= kMost; };
@@ -123,7 +122,7 @@ void require_sound_controls(const Simulation::Impl& s) {
   if (!on_ground || (in_cycles && (s.progress.stage < 0 || !current_stage(s).cycles))) throw of_another_model();
 }
 
-// On the lattice or in large motion, as the run was.
+// Changes to the kind of motion of the saved run: lattice or large motion.
 void take_kind_of_motion(Simulation::Impl& s, ArchiveReader& reader) {
   bool promoted = false;
   reader.value(promoted);
@@ -150,7 +149,7 @@ void require_same_time_step(const Simulation::Impl& s, ArchiveReader& reader) {
                             dt, here));
 }
 
-// Sizes that follow from the model alone.
+// Sizes that depend on the model alone.
 std::vector<std::size_t> sizes_of(const Simulation::Impl& s) {
   std::vector<std::size_t> sizes{s.controls.ramps.size(), s.controls.load_ramps.size()};
   each_lattice_field(s.lattice, [&](const Field& field, const auto& array, int) {
@@ -189,7 +188,7 @@ void take_large_motion(Simulation::Impl& s, ArchiveReader& reader) {
   partition_work(s);
 }
 
-// What follows from the state.
+// Binds data that follow from the state.
 void bind_restored(Simulation::Impl& s) {
   if (!s.large_motion && s.progress.stage >= 0)
     find_monitor(s, current_stage(s));
@@ -206,7 +205,7 @@ void bind_restored(Simulation::Impl& s) {
   if (s.ranks) partition_work(s);
 }
 
-// Throws half way.
+// An Error leaves the simulation restored in part.
 void restore_state(Simulation::Impl& s, ByteSource& source) {
   char mark[sizeof kCheckpointMark] = {};
   if (source.left() >= sizeof mark) source.take(mark, sizeof mark);
@@ -231,7 +230,7 @@ void Simulation::restore(ByteSource& source) { restore_state(*impl_, source); }
 
 void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
   BytesInMemory source(bytes);
-  if (impl_->parts.divided) return restore_state(*impl_, source);  // a run that cannot ends
+  if (impl_->parts.divided) return restore_state(*impl_, source);  // ranks that hold parts cannot undo
   const std::vector<std::uint8_t> undo = save();
   const std::vector<Stage> stages = impl_->scene.stages;
   try {

@@ -1,4 +1,4 @@
-// What can be read from a simulation between steps. Cold.
+// Results of a simulation between steps. Not for inner loops.
 #include "step/results.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace quoin {
 
 namespace {
 
-// x fastest, then y, z.
+// Corners of a brick: x fastest, then y, z.
 std::array<Vec3, 8> corners_of(const Brick& brick) {
   std::array<Vec3, 8> corners;
   for (std::size_t k = 0; k < corners.size(); ++k) {

@@ -9,7 +9,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// Equation 1 for one degree of freedom, against a ground of this velocity. Returns the damping force.
+// Advances one degree of freedom with eq. 1, relative to a ground of this velocity. Returns the damping force.
 double advance_component(double force, double inertia, const StepData& step, double ground, double* velocity) {
   double damping = 0.0;
   if (step.eq1 != Eq1::nothing) {
@@ -61,7 +61,7 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
     const double spin_before = state->spin[c][0];
     double& spin_after = state->spin[c][0];
     if (state->prescribed[3 + c][0] != 0.0) {
-      // Held: the support does no work unless the body was turning before it was caught.
+      // The body is held: a support does work only if the body was turning before.
       work.external_before -= moment[c] * spin_before * half_dt;
       spin_after = 0.0;
     } else if (!body.held[3 + c]) {

@@ -1,4 +1,4 @@
-// Rigid bodies of small rotations, alone or eight of a group side by side.
+// Rigid bodies in small rotations: lone ones, and groups of up to eight, one a lane.
 #pragma once
 
 #include "model/model.h"
@@ -7,21 +7,21 @@
 
 namespace quoin {
 
-// Rigid bodies in motion, one a lane: those of a group, or a lone one in lane 0. Rotations are small: a vector.
+// State of rigid bodies, one a lane: those of a group, or a lone one in lane 0. Rotations are small: a vector.
 struct BodyLanes {
   using Quantity = double[3][kLanes];
   alignas(64) Quantity displacement = {}, rotation = {};  // m, rad
-  Quantity velocity = {}, spin = {};                      // m/s, rad/s; of half a step ago
+  Quantity velocity = {}, spin = {};                      // at t - dt/2, m/s, rad/s
 
-  // What controls impose in this step.
+  // Controls of this step.
   Quantity applied_force = {};        // N
   Quantity prescribed_velocity = {};  // m/s
-  double prescribed[6][kLanes] = {};  // 1: translations have this velocity, rotations are held; else 0
+  double prescribed[6][kLanes] = {};  // 1: prescribed velocity of a translation, or held rotation; else 0
   bool any_prescribed = false;
-  bool at_rest = false;  // whether it is at rest and held: a step changes nothing
+  bool at_rest = false;  // whether all are held at rest: a step changes nothing
 };
 
-// What does not change about the bodies of a group, by lane.
+// Constants of the bodies of a group, by lane.
 struct BodyGroupInertia {
   alignas(64) double weighing_mass[kLanes];       // kg, without scaling
   alignas(64) double inertia[6][kLanes];          // kg, kg m2
@@ -29,11 +29,12 @@ struct BodyGroupInertia {
 };
 BodyGroupInertia inertia_of(const BodyGroup& group, const Model& model, const Inertia& inertia, double time_step);
 
-// Moves the body of lane 0 by a step: sums, control or free motion, gridpoints. Fixed order throughout.
+// Advances the body of lane 0 by a step: sums of contact forces, prescribed or free motion, then its gridpoints. All
+// sums have a fixed order.
 void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyLanes* state,
                   Measured* measured);
-// The same for the bodies of a group, side by side. Of the gridpoints it writes what the joints of their faces need:
-// displacement along the normal, velocity across.
+// Advances the bodies of a group, one a lane. Of gridpoints it writes only what the joints of their faces read:
+// displacement along the normal, velocity across it.
 void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia, const StepData& step,
                     BodyLanes* state, Measured* measured);
 

@@ -52,7 +52,7 @@ HWY_INLINE void store(const Row& row, double* to) {
   for (int p = 0; p < kFourParts; ++p) hn::StoreU(row.part[p], Four(), to + p * kPart);
 }
 
-// The axes of the plane in space; of each, col in b's body frame, then base.
+// Computes the axes of the plane in space, and of each axis col in b's body frame, then base.
 HWY_INLINE void pose_of(RigidPair& pair, const Body* bodies, double (&pose)[3][kFour]) {
   const Body &a = bodies[pair.a], &b = bodies[pair.b];
   const Row columns_of_a[3] = {row_of(&a.transposed_r.row[0].x), row_of(&a.transposed_r.row[1].x),
@@ -150,11 +150,11 @@ void RigidForces(std::span<RigidPair> pairs, const Body* bodies, const RigidColu
 // ---- Bodies --------------------------------------------------------------------------------------------------------
 
 static_assert(kBodies == kLanes);
-// The order that advance_vector reads and writes.
+// The order of members that advance_vector loads and stores.
 static_assert(offsetof(Body, torque) == 19 * sizeof(double) && offsetof(Body, inertia) == 24 * sizeof(double) &&
               offsetof(Body, transposed_r) == offsetof(Body, r) + 9 * sizeof(double));
 
-constexpr double kRounding = 0x1p-56;  // relative; an eighth of the last bit, so that errors of steps do not add up
+constexpr double kRounding = 0x1p-56;  // relative; an eighth of the last bit, so that errors of steps do not accumulate
 
 struct Lanes4 {
   V w;
@@ -180,7 +180,7 @@ HWY_INLINE Lanes33 matrix_of(const Lanes4& q) {
            {less(x, z, y), more(y, z, x), diagonal(x, y)}}};
 }
 
-// geometry::rotation, lane by lane: the series where the angle is small, as in a step it is.
+// geometry::rotation by lane, with a series for small angles, as those of steps are.
 HWY_INLINE Lanes4 rotation_of(const Lanes3& angle) {
   const D d;
   const V one = hn::Set(d, 1.0), half = hn::Set(d, 0.5);
@@ -203,9 +203,9 @@ HWY_INLINE Lanes4 rotation_of(const Lanes3& angle) {
   return {cosine, scaled(half_sinc, angle)};
 }
 
-// The bodies of a vector: four members that follow each other, of all of them at a time.
+// The bodies of a vector. Four consecutive members of all of them are loaded or stored at a time.
 struct Members {
-  Body* lane[kLanes];  // the last one again where there are fewer
+  Body* lane[kLanes];  // lanes beyond `count` repeat the last body
   int count;           // number of lanes that are written
 
   HWY_INLINE void load(std::size_t offset, V (&member)[kFour]) const {
@@ -227,14 +227,14 @@ struct Members {
   }
 };
 
-// What a step adds up, a column a lane.
+// Sums of a step, by lane.
 struct SumLanes {
   alignas(64) double unbalanced[kLanes], net[3][kLanes], positions[kLanes];
   alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes], beyond[kLanes];
 };
 
-// Positive where some part of a body may deviate from the motion of the last check by more than goes unnoticed. (a +
-// b)^2 is at most 2 (a^2 + b^2), which needs no roots.
+// Positive where some point of a body may deviate from its motion at the last check by more than the tolerance.
+// (a + b)^2 is at most 2 (a^2 + b^2), which needs no roots.
 HWY_INLINE V beyond_seen(const SeenMotion* const (&seen)[kLanes], const Lanes3& v, const Lanes3& omega) {
   V linear[kFour], angular[kFour];
   load_rows([&](int l) { return &seen[l]->v.x; }, linear);
@@ -246,7 +246,7 @@ HWY_INLINE V beyond_seen(const SeenMotion* const (&seen)[kLanes], const Lanes3& 
   return hn::NegMulAdd(unnoticed, unnoticed, twice(squares));
 }
 
-// Which translations and rotations of the bodies of a vector are held.
+// Held translations and rotations of the bodies of a vector.
 struct HeldLanes {
   const double (&held)[6][kLanes];
   int first;
@@ -257,20 +257,20 @@ struct HeldLanes {
   }
 };
 
-// Damping by eq. 1; nothing on what is at rest.
+// Damping force of eq. 1; 0 at zero velocity.
 HWY_INLINE V against(V gamma, V force, V velocity) {
   const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force)), velocity);
   return hn::IfThenZeroElse(hn::Eq(velocity, hn::Zero(D())), hn::Neg(amount));
 }
 
-// Viscous damping: v' = -alpha v, as the mean of both velocities.
+// Viscous damping: v' = -alpha v, with the mean of both velocities.
 HWY_INLINE double half_alpha_dt(const BodyStep& step) { return 0.5 * step.alpha * step.time_step; }
 
 struct EnergyLanes {
   V damping, external, kinetic;
 };
 
-// Velocities of the next half step. Stores the forces that are not balanced.
+// Velocities of the next half step. Also stores the unbalanced forces.
 HWY_INLINE Lanes3 accelerate(const HeldLanes& is_held, int first, const BodyStep& step, const Lanes3& v,
                              const Lanes3& held_v, const Lanes3& force, V weight_mass, V mass, SumLanes* sums,
                              EnergyLanes* energies) {
@@ -305,8 +305,8 @@ HWY_INLINE Lanes3 accelerate(const HeldLanes& is_held, int first, const BodyStep
   return next;
 }
 
-// Implicit midpoint for the orientation at constant angular momentum L: omega = R_mid I^-1 R_mid^T L. One iteration
-// more is nearer by dt |L| (1/I_least - 1/I_largest) at least, so it is known how many it takes to rounding.
+// Implicit midpoint for the orientation at constant angular momentum L: omega = R_mid I^-1 R_mid^T L. An iteration
+// multiplies the error by dt |L| (1/I_least - 1/I_largest) at most, which gives the number of iterations to rounding.
 HWY_INLINE Lanes3 spin_at_midpoint(const Lanes4& q, const Lanes33& r, const Lanes3& momentum, const Lanes3& inertia,
                                    hn::Mask<D> all_held, V dt) {
   const D d;
@@ -331,7 +331,7 @@ HWY_INLINE Lanes3 spin_at_midpoint(const Lanes4& q, const Lanes33& r, const Lane
   return omega;
 }
 
-// By the spin of a step; what is at rest keeps its bits.
+// Turns by the spin of a step; at zero spin the bits stay.
 HWY_INLINE void turn(const Lanes3& omega, V dt, Lanes4* q, Lanes33* r) {
   const D d;
   const auto at_rest = hn::Eq(dot_of(omega, omega), hn::Zero(d));
@@ -345,7 +345,7 @@ HWY_INLINE void turn(const Lanes3& omega, V dt, Lanes4* q, Lanes33* r) {
   }
 }
 
-// Row by row, then column by column; the last row is beside what follows.
+// Stores R by rows, then by columns. The last store overlaps the one before, as members of another kind follow.
 HWY_INLINE void store_turned(const Members& of, const Lanes33& r) {
   const auto& m = r.row;
   const V turned_to[5][kFour] = {{m[0].x, m[0].y, m[0].z, m[1].x},
@@ -385,7 +385,7 @@ HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen
   const Lanes3 next = accelerate(is_held, first, step, v, held_v, force, weight_mass, mass, sums, &energies);
   const Lanes3 x = sum_of(place, scaled(dt, next));
 
-  // Rotation: the angular momentum is the unknown.
+  // Rotation: the unknown is the angular momentum.
   Lanes33 r = matrix_of(q);
   const auto all_held = hn::And(is_held(3), hn::And(is_held(4), is_held(5)));
   const auto some_held = hn::Or(is_held(3), hn::Or(is_held(4), is_held(5)));

@@ -1,9 +1,10 @@
-// Rigid blocks in large motion, vector by vector: contact points of a pair side by side, bodies side by side. Compiled
-// for every instruction set of Highway and chosen at run time.
+// Rigid blocks in large motion: contact points of a pair, and bodies, in SIMD groups. Compiled for every instruction
+// set of Highway and chosen at run time.
 //
 // Once a pair, with R_a, R_b the orientations, x_a, x_b the centres and e_n, e_s, e_t the plane's axes in a's frame:
-//   place of a point along axis k = base_k + col_k . arm,  base_k = e_k . R_a^T (x_b - x_a),  col_k = R_b^T R_a e_k,
-// So a point costs nine multiplications. Its force, in the same axes at the same place, adds to one wrench a pair.
+//   position of a point along axis k = base_k + col_k . arm,  base_k = e_k . R_a^T (x_b - x_a),  col_k = R_b^T R_a e_k.
+// So a point costs nine multiplications. Its force, in the same axes at the same position, is added to the wrench of
+// the pair.
 #pragma once
 
 #include <cstdint>
@@ -17,31 +18,31 @@
 
 namespace quoin::blocks {
 
-// Columns of a family, from its first point on.
+// Columns of a family, beginning at its first point.
 struct RigidColumns {
-  const double *arm[3], *offset, *area;
-  const double *traction[3], *viscous[3];  // Pa; viscous[0] null: none
-  double *slid[2], *normal_jump, *slip[2];
+  const double *arm[3], *offset, *area;     // m, m, m2
+  const double *traction[3], *viscous[3];   // Pa; viscous[0] null: none
+  double *slid[2], *normal_jump, *slip[2];  // position along s, t; opening; slip increment, m
 };
 
-// Openings, slips of the step, places along s and t for the next one.
+// Computes openings and slip increments of the step, and positions along s and t for the next one.
 void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns);
 
-// Forces and moments of each pair, from the tractions at the jumps of rigid_jumps.
+// Computes forces and moments of each pair from the tractions, at the positions of rigid_jumps.
 void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns);
 
-// How bodies are moved on in a step.
+// Parameters of the motion of bodies in a step.
 struct BodyStep {
   double time_step;  // s
   double gamma;      // coefficient of eq. 1
   double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
   Vector ground;     // velocity of the ground, against which damping acts, m/s
   Vector gravity;    // m/s2
-  bool energies;     // work and kinetic energy are requested
+  bool energies;     // whether work and kinetic energy are summed
 };
 
-// Central differences for bodies[index[0 .. count - 1]], kBodies at most, from force and torque in them. sums: of each,
-// beside it, all set. seen: beside the bodies; null: there was no check yet.
+// Advances bodies[index[0 .. count - 1]], at most kBodies, by central differences from their force and torque. sums:
+// one for each of these, all written. seen: motion at the last check, parallel to bodies; null: no check so far.
 void advance_rigid(Body* bodies, const SeenMotion* seen, const std::int32_t* index, int count, const BodyStep& step,
                    BlockSums* const* sums);
 

@@ -34,7 +34,7 @@ struct Sums {
   ByLane held[3];
 };
 
-// Sums of mass, momentum and moments in one pass, about the first gridpoint; then moved to the centre of mass.
+// Sums of mass, momentum and moments in one pass about the first gridpoint, then shifted to the mass centre.
 HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
   const D d;
   const Lanes3 origin = load_line(c.x + first);
@@ -79,7 +79,7 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
 
 // ---- Inertia -------------------------------------------------------------------------------------------------------
 
-// Rigid of model/block_inertia.h.
+// Rigid of model/block_inertia.h, by lane.
 struct Motion {
   Lanes3 linear, angular;
 };
@@ -97,12 +97,12 @@ HWY_INLINE void store_motion(const Motion& a, ByLane (&to)[2][3], int lane) {
   store3(a.linear, to[0], lane), store3(a.angular, to[1], lane);
 }
 
-// RigidInertia of model/block_inertia.h.
+// RigidInertia of model/block_inertia.h, by lane.
 struct Inertia {
   Lanes3 centre;
   V mass;
   Lanes33 tensor, inverse;
-  bool some_held;  // else nothing is
+  bool some_held;  // false: no component is held
   M held[3];
 };
 
@@ -122,7 +122,7 @@ HWY_INLINE void invert(Inertia& a) {
   }
 }
 
-// Adds |arm|^2 1 - arm arm^T, times the mass.
+// Adds mass (|arm|^2 1 - arm arm^T).
 HWY_INLINE void add_at_arm(V mass, const Lanes3& arm, Lanes33& tensor) {
   const V square = dot_of(arm, arm);
   for (int i = 0; i < 3; ++i) {
@@ -177,10 +177,10 @@ HWY_INLINE Lanes3 gyration(const Inertia& a, const Lanes3& spin) {
   return times(a.inverse, cross_of(spin, times(a.tensor, spin)));
 }
 
-// UnitInertia: kCount blocks that move together.
+// UnitInertia of kCount blocks, by lane.
 template <int kCount>
 struct Unit {
-  Inertia block[kCount], whole;  // the last of two alone
+  Inertia block[kCount], whole;  // whole: for two blocks alone
 };
 template <int kCount>
 HWY_INLINE Motion motion_of(const Unit<kCount>& unit, const Motion (&force)[kCount]) {
@@ -254,7 +254,7 @@ HWY_INLINE void step_of(const Sums* sums, bool some_held, int lane, const RigidM
     velocity[b] = acceleration(unit.block[b], momentum[b]);
     driven[b] = acceleration(unit.block[b], force[b]);  // without damping
   }
-  Lanes3 unit_spin[2];  // before and after
+  Lanes3 unit_spin[2];  // before and after the step
   if constexpr (kCount == 1) {
     damping[0] = damped(s.gamma, force[0], relative_to(s.ground, velocity[0]));
     change[0] = scaled(time_step, difference_of(driven[0], acceleration(unit.block[0], damping[0])));
@@ -270,7 +270,7 @@ HWY_INLINE void step_of(const Sums* sums, bool some_held, int lane, const RigidM
       const Motion beside = force_of(unit.block[b], difference_of(driven[b], at_block(unit, b, whole)));
       beside_damping[b] = damped(s.gamma, beside, difference_of(velocity[b], at_block(unit, b, of_unit)));
     }
-    // What halves do beside the unit must not brake the unit.
+    // Damping of the relative motion of halves must have no resultant on the unit.
     const Motion leak = motion_of(unit, beside_damping);
     for (int b = 0; b < 2; ++b) {
       const Inertia& block = unit.block[b];

@@ -1,5 +1,5 @@
-// Rigid motion of deformable blocks as they stand, apart from their deformation, eight a vector: the equations of
-// model/block_inertia.h. Compiled for every instruction set of Highway and chosen at run time.
+// Rigid motion of deformable blocks in their current positions, separate from their deformation, eight in a SIMD group:
+// the equations of model/block_inertia.h. Compiled for every instruction set of Highway and chosen at run time.
 #pragma once
 
 #include <span>
@@ -11,20 +11,22 @@ namespace quoin::blocks {
 
 struct LaneColumns;
 
+// One number a lane.
 struct alignas(64) ByLane {
   double of[kLanes];
 };
 
-// Adds to the motion of gridpoints: linear + turning r, r from the centre of their block; m, m/s, 1/s.
+// Velocity added to gridpoints in a step: linear + turning r, r from the centre of their block; m, m/s, 1/s.
 struct RigidGains {
   ByLane centre[3], linear[3], turning[3][3];
 };
 
 // Motion of each block about its mass centre, for energies.
 struct RigidLanes {
-  ByLane mass, second[3][3];                           // kg; sum m r r^T, kg m2
-  ByLane velocity[2][3], change[2][3], damping[2][3];  // linear and angular: before the step, in it; N, N m
-  ByLane held[3];                                      // not 0: some gridpoint is, along that axis
+  ByLane mass, second[3][3];  // kg; sum m r r^T, kg m2
+  // Linear and angular: before the step; change in it; damping force and moment, N, N m.
+  ByLane velocity[2][3], change[2][3], damping[2][3];
+  ByLane held[3];  // not 0: some gridpoint is held along this axis
 };
 
 struct RigidMotionStep {
@@ -34,8 +36,8 @@ struct RigidMotionStep {
   double time_step;  // s
 };
 
-// What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. Two groups: lane by lane the halves of a unit;
-// one: blocks that stand alone. gains, lanes: of each group; lanes may be null.
+// Computes the velocity that a step adds to dt f/(s_b m), m/s, for the first `count` lanes. Two groups: the halves of
+// units, lane by lane; one group: blocks that stand alone. gains, lanes: one a group; lanes may be null.
 void split_motion(std::span<const LaneColumns> groups, int count, const RigidMotionStep& step, RigidGains* gains,
                   RigidLanes* lanes);
 

@@ -46,7 +46,7 @@ void check_points(Simulation::Impl& s) {
   s.watch.crushed_out = std::max(s.watch.crushed_out, crushed_out);
 }
 
-// The time step follows from upper bounds that the laws state of themselves.
+// Compares tangents with the stiffness bounds of the laws, from which the time step follows.
 void check_stiffness(Simulation::Impl& s) {
   LaneVector<double> normal(contact_point_count(s), 0.0), shear[2]{normal, normal};
   ask_at_rest(s, QUOIN_CAN_TANGENT, whole_range(s), [&](quoin_batch& batch, std::size_t first) {
@@ -55,7 +55,7 @@ void check_stiffness(Simulation::Impl& s) {
     batch.tangent[8] = {shear[1].data() + first, 1};
   });
   std::size_t point = 0;
-  // family_normal, family_shear: of the largest properties where they scatter.
+  // family_normal, family_shear: bounds for the largest properties of a family, where they scatter.
   const auto hold = [&](const Material& material, double family_normal, double family_shear, std::size_t count) {
     quoin_stiffness_bounds bounds = material.stiffness_bounds();
     bounds.normal = std::max(bounds.normal, family_normal), bounds.shear = std::max(bounds.shear, family_shear);
@@ -78,8 +78,8 @@ void check_stiffness(Simulation::Impl& s) {
   }
 }
 
-// A block that is as fast as after a fall of some of its least extent, and whose forces are not balanced, moves by
-// inertia. It falls, slides or topples.
+// Warning of a block that falls, slides or topples under damping; empty: none. Such a block is as fast as after a fall
+// of kFall of its least extent, and its forces are not balanced.
 std::string damped_motion(const Simulation::Impl& s) {
   constexpr double kFall = 0.05, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);
@@ -151,7 +151,7 @@ void check_energies(Simulation::Impl& s, const Energies& now, double dissipated,
     double moved = std::abs(work) + std::abs(dissipated);
     for (std::size_t k = 0; k < 3; ++k) moved += std::abs(kinds[k] - s.watch.kinds[k]);
     s.watch.energy_missing += stored - s.watch.stored + dissipated - work;
-    s.watch.energy_moved += 0.5 * moved;  // each is counted where it comes from and where it goes
+    s.watch.energy_moved += 0.5 * moved;  // each conversion is counted at its source and at its target
     s.watch.pending = false;
     return;
   }
@@ -223,7 +223,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
       if (!s.large_motion) receive_whole_borders(s);
       check_stiffness(s);
       s.watch.stiffness_ratio = largest_of_ranks(s, s.watch.stiffness_ratio);
-      if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // so that all find the same first one
+      if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // then all ranks report the same point
     } else {
       gather(s, Part::all);
       check_stiffness(s);
@@ -264,7 +264,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
         "compressive_strength_residual > 0",
         s.watch.crushed_out);
   });
-  // The balance swings about 0 while little has moved yet.
+  // The balance oscillates about 0 while little energy has been converted.
   const bool known =
       s.energy.wanted ? s.progress.step >= Watch::kOutputSteps : s.progress.step >= 10 * Watch::kOutputSteps;
   warn(known && !(std::abs(s.watch.energy_missing) <= Watch::kAllowedMissing * s.watch.energy_moved), "energy_balance",

@@ -1,4 +1,4 @@
-// Looks at what a run assumes, and what it says when the run is past that.
+// Checks of a run's assumptions, and warnings where they are violated.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,16 @@
 
 namespace quoin {
 
-// Whether the energies of this step, before a row, are to be compared with those of the next.
+// Whether this step, before a row, is the first of two whose energies are compared.
 bool begins_check(const Simulation::Impl& s);
-// Between a step that was checked and the next, another one has come, or both are done.
+// Ends a comparison of two steps: it is complete, or the second step was not measured.
 void end_check(Simulation::Impl& s);
-// The balance of a step: what it stores more, less what came in, is nothing. Steps that were checked stand for all.
+// Adds a step to the comparison: stored energy must change by work less dissipation. The steps that are compared stand
+// for all.
 void check_energies(Simulation::Impl& s, const Energies& now, double dissipated, double work_before, double work_after);
-std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s);  // wrong answer among the last ones of the laws
-// When a row is written, after its step. Returns new warnings, which outcome has too.
+// First wrong answer of a law in its last call; none: all are right.
+std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s);
+// Checks all assumptions when a row is written, after its step. Returns the new warnings, which Outcome has too.
 std::vector<Warning> new_warnings(Simulation::Impl& s);
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// Everything of a simulation that changes during a run, as bytes.
+// Checkpoint of a simulation: all data that change during a run, as bytes.
 #include <string>
 
 #include "base/archive.h"
@@ -10,7 +10,7 @@ namespace quoin {
 
 namespace {
 
-// Laws that the stages swap in, the scene's and those of a controller, from joint family to law.
+// Law swaps by stage, those of the scene and of a controller: joint family, law.
 void write_law_swaps(ArchiveWriter& writer, const std::vector<Stage>& stages) {
   writer.value(std::uint64_t{stages.size()});
   for (const Stage& stage : stages) {
@@ -37,13 +37,13 @@ void write_state(Writer& writer, const Simulation::Impl& s) {
     writer.array(std::string(family.material->api().id));
     writer.value(family.material->api().state_schema);
   }
-  // The step of blocks of any shape follows their contacts: it is part of what they save.
+  // The time step of blocks in large motion follows their contacts, and is saved with these.
   writer.value(s.large_motion ? 0.0 : s.data.time_step);
   transfer_state(writer, s);
   if (s.large_motion) save_blocks(writer, *s.large_motion);
 }
 
-// Counts what arrays by gridpoint and contact point would add.
+// Counts the bytes of arrays by gridpoint and contact point without writing them.
 struct CountingWriter : ArchiveWriter {
   std::size_t& more;
   using ArchiveWriter::array;
@@ -54,7 +54,7 @@ struct CountingWriter : ArchiveWriter {
   void give(const void*, std::size_t size) { more += size; }
 };
 
-// Hands everything on as it comes, arrays by gridpoint and contact point from all ranks.
+// Passes bytes to `take` as they come. Arrays by gridpoint and contact point are collected from all ranks.
 struct PartsWriter : ArchiveWriter {
   Simulation::Impl& s;
   const Simulation::TakeBytes& take;

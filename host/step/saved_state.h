@@ -1,5 +1,5 @@
-// What a checkpoint has beside the arrays of blocks in large motion: the table of fields, and single numbers in their
-// order. Saving and restoring both go over it.
+// Contents of a checkpoint beside the arrays of blocks in large motion: the fields of the lattice, then single numbers
+// in order. Saving and restoring both use these functions.
 #pragma once
 
 #include "base/archive.h"

@@ -23,7 +23,7 @@ namespace quoin {
 
 namespace {
 
-// Impact damping of contact points that are laid out. It begins without a rate, as there was no step yet.
+// Begins impact damping at the contact points that this rank holds. Before the first step there is no rate.
 void begin_damping(Simulation::Impl& s) {
   const std::size_t points = s.time_step.impacts.viscosity.empty() ? 0 : static_cast<std::size_t>(s.model.point_count);
   for (auto& column : s.lattice.viscous) column.assign(points, 0.0);
@@ -39,7 +39,7 @@ void begin_damping(Simulation::Impl& s) {
         shares(std::vector<double>(static_cast<std::size_t>(s.contacts.implicit.pieces()), 1.0), s.pool.thread_count());
 }
 
-// States of the points that are laid out.
+// Sets the initial states of the contact points that this rank holds.
 void begin_states(Simulation::Impl& s) {
   std::vector<std::vector<double>> initial;  // by family and column
   for (std::size_t f = 0; f < s.model.families.size(); ++f) {
@@ -74,7 +74,7 @@ void set_up(Simulation::Impl& s, Assembly assembly, std::vector<std::shared_ptr<
   for (const ContactFamily& family : s.model.families) s.laws.first.push_back(family.material);
   if (shapes) build_large_motion(s, *shapes, std::move(materials));
   if (!shapes) require_moving_ground(s), find_base_of_lattice(s);
-  // Every name of every stage is looked up before anything runs.
+  // All names of all stages are checked before the run.
   for (std::size_t i = 0; !shapes && i < s.scene.stages.size(); ++i) support_groups(s, s.scene.stages[i]);
   find_restraints(s);
   take_damage(s);
@@ -86,7 +86,7 @@ void set_up(Simulation::Impl& s, Assembly assembly, std::vector<std::shared_ptr<
   const double took = largest_of_ranks(s, seconds_since(before));
   if (!s.rank_load.costly_blocks) s.rank_load.balance.costs(took);
 #ifdef __GLIBC__
-  malloc_trim(0);  // what building has left free: several ranks may share a machine
+  malloc_trim(0);  // returns free memory of set-up to the system: several ranks may share a machine
 #endif
 }
 
@@ -158,8 +158,8 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   begin_damping(s);
 }
 
-// Takes the time step of a stage. It holds from the time of the displacements on; velocities are still half a step
-// older.
+// Changes to the time step of a stage. It holds from the time of the displacements on; velocities are those of half an
+// old step before.
 void follow_solver(Simulation::Impl& s) {
   s.progress.clock_start = time_now(s), s.progress.clock_start_step = s.progress.step;
   std::unique_ptr<SharedModel> shared;

@@ -19,7 +19,7 @@ namespace quoin {
 
 namespace {
 
-constexpr double kTogether = 5.0;  // s, within which ranks that fail together have all failed
+constexpr double kTogether = 5.0;  // s; time within which ranks that fail together have all failed
 
 }  // namespace
 
@@ -64,7 +64,7 @@ void Simulation::run(Observer& observer) {
   } catch (const Error& error) {
     if (impl_->ranks) impl_->agreed.together = impl_->ranks->all_here(kTogether);
     if (impl_->agreed.together) {
-      // All ranks share what they have found. A rank that only got a signal has nothing to share.
+      // All ranks have ended: after a failure rank 0 gathers the state, after a stop the results of an end suffice.
       if (any_rank(*impl_, error.exit_code != Exit::interrupted))
         gather(*impl_, Part::all, Who::first);
       else

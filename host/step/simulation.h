@@ -33,68 +33,70 @@ namespace quoin {
 class ByteSource;
 
 // Energies of the model as computed (not multiplied by the symmetry factor), J. Closure:
-// kinetic + strain + contact_stored + dissipated + damping = external (+ what they were at the start).
+//   kinetic + strain + contact_stored + members_stored
+//     + dissipated + members_dissipated + damping + detection = external + energy at the start
 struct Energies {
   double kinetic = 0.0;
-  double strain = 0.0;                 // zones
-  double contact_stored = 0.0;         // joints, recoverable
-  std::array<double, 4> dissipated{};  // joints since the start: tension, cohesion, friction, crushing
+  double strain = 0.0;                 // elastic energy of zones
+  double contact_stored = 0.0;         // elastic energy of joints
+  std::array<double, 4> dissipated{};  // dissipated in joints since the start: tension, cohesion, friction, crushing
   double external = 0.0;               // work of weight, forces and prescribed velocities since the start
   double damping = 0.0;                // work taken by damping since the start
-  double detection = 0.0;              // stored energy lost (> 0) or gained where contact points were placed again
-  double members_stored = 0.0, members_dissipated = 0.0;  // ties
+  double detection = 0.0;              // stored energy lost (> 0) or gained when contact detection places points again
+  double members_stored = 0.0, members_dissipated = 0.0;  // energies of members (host/members)
   double balance_error() const {
     return kinetic + strain + contact_stored + members_stored + dissipated[0] + dissipated[1] + dissipated[2] +
            dissipated[3] + members_dissipated + damping + detection - external;
   }
 };
 
-// What a support, or what drives a block, gives to the joints of what it holds; 0 along what is free. Its own weight is
-// not in it.
+// Reaction of a support or of a prescribed motion: what it exerts on the joints of the blocks that it holds. Free
+// components are 0. The weight of these blocks is not included.
 struct Reaction {
   Vec3 force{};         // N
-  Vec3 moment{};        // about the centre at the start, N m; of the sum of all about the origin
+  Vec3 moment{};        // moment about the centre at the start, N m; of reaction_sum about the origin
   Vec3 displacement{};  // displacement since the start, m
 };
-constexpr std::size_t kMostRestraints = 12;  // columns of a history, one each
+constexpr std::size_t kMostRestraints = 12;  // most restraints with columns in a history
 
-// The numbers that every line of the history has. Forces include the symmetry factor: they are those of the whole wall.
+// Numbers of every row of the history. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryNumbers {
   int stage = 0;
   long step = 0;                  // number of steps since the start of the simulation
-  double time = 0.0;              // s, since the start of the simulation
+  double time = 0.0;              // time since the start of the simulation, s
   double displacement = 0.0;      // displacement of the monitor along Stage::direction since the start of the stage, m
   double resistance = 0.0;        // minus the force of the joints on the monitor along Stage::direction, N: positive
                                   // when the wall resists a movement in the positive direction
   double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
-  Vec3 monitor_displacement{};    // displacement since the start of the simulation, m
+  Vec3 monitor_displacement{};    // displacement of the monitor since the start of the simulation, m
   Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
-  double dynamic_force = 0.0;     // along Stage::direction: what supports and loads give in all, N; 0 at rest
+  double dynamic_force = 0.0;     // sum of reactions and loads along Stage::direction, N; 0 at rest
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
-  double kinetic_energy = 0.0;    // J, of the model as computed
+  double kinetic_energy = 0.0;    // kinetic energy of the model as computed, J
   double multiplier = 0.0;        // multiplier of the body force in a collapse stage
-  // Blocks in large motion only:
-  Vec3 ground_displacement{};  // displacement since the start, m
+  // Blocks in large motion, and bricks on the lattice where some stage goes beyond it (beyond_lattice):
+  Vec3 ground_displacement{};  // displacement of the ground since the start, m
   Vec3 monitor_relative{};     // displacement of the monitor less that of the ground, m
-  Vec3 base_force{};           // force on the fixed blocks by what stands on them, N
-  // Moment of these about the centre of the base, which moves with the ground, N m; not a number where ranks share
-  // points.
+  Vec3 base_force{};           // force of the structure on fixed blocks and on springs to the ground, N
+  // Moment of contact forces on fixed blocks about the centre of the base, which moves with the ground, N m. NaN in
+  // large motion where ranks hold parts of the model.
   Vec3 overturning_moment{NAN, NAN, NAN};
-  double largest_displacement = 0.0;  // largest displacement of a block since the start, m; blocks of any shape alone
-  std::optional<Energies> energies;   // energies, with Scene::output.energy
-  std::array<Reaction, kMostRestraints> reactions;  // values for Simulation::restraints
-  Reaction reaction_sum;                            // sum over these and all other supports
+  // largest displacement of a block since the start, m; in large motion of free ones
+  double largest_displacement = 0.0;
+  std::optional<Energies> energies;                 // energies, with Scene::output.energy
+  std::array<Reaction, kMostRestraints> reactions;  // reactions in the order of restraints_of (findings.h)
+  Reaction reaction_sum;                            // sum over all supports
 };
 
-// A support, or what drives blocks: by name, in the order in which stages name them, then fixed blocks that have one.
+// A support or a prescribed motion, by the name of its blocks. Order: as stages name them, then named fixed blocks.
 struct Restraint {
   std::string name;
-  bool driven = false;  // by some stage
+  bool driven = false;  // moved by some stage
 };
 
-// One line of the history.
+// One row of the history.
 struct HistoryRow : HistoryNumbers {
-  std::vector<double> added;  // by added_columns (step/columns)
+  std::vector<double> added;  // values of added_columns (step/columns)
 };
 
 struct Progress {
@@ -107,111 +109,112 @@ struct Progress {
   double unbalanced_ratio = 0.0;
 };
 
-// From small displacements to large motion in mid-run, with the traction and state of every contact point kept.
+// The change from small displacements to large motion in mid-run. Every contact point keeps its traction and state.
 struct Promotion {
-  std::string why;  // bound that was passed, and where
+  std::string why;  // motion bound that is exceeded, and where
   int stage = 0;
   long step = 0;
-  double time = 0.0;           // s
-  double strain_energy = 0.0;  // strain energy of the zones before, J, as computed
-  double energy_jump = 0.0;    // after less before, J
+  double time = 0.0;           // time of the change, s
+  double strain_energy = 0.0;  // strain energy of the zones before the change, J, as computed
+  double energy_jump = 0.0;    // strain energy after less before, J
 };
 
 // Why a stage of cycles ended early.
 struct StopAtForceLoss {
   int stage = 0, half_cycle = 0;      // indices from 0
-  double force = 0.0, largest = 0.0;  // largest forces then, and in an earlier half cycle to the same side, N
+  double force = 0.0, largest = 0.0;  // largest force of this half cycle, and of an earlier one to the same side, N
 };
 
-// What stages found out.
+// Findings of the stages of a run.
 struct Outcome {
   std::optional<Promotion> promotion;
-  std::vector<Warning> warnings;  // assumptions that were left, each once
+  std::vector<Warning> warnings;  // violated assumptions, each once
   std::vector<StopAtForceLoss> force_losses;
   std::optional<double> collapse_multiplier;
-  std::optional<double> base_slip_at_uplift;  // m: of blocks on fixed ones, when a bed joint first opens by 0.1 mm
+  std::optional<double> base_slip_at_uplift;  // slip on fixed blocks, m, when a bed joint first opens by 0.1 mm
 };
 
 class Simulation;
 struct Motion;
 
-// A law that has replaced another one with the traction of every point kept.
+// A law swap: another law replaces that of a joint family, and every point keeps its traction.
 struct LawSwap {
   std::string family, from, to;
   long points;
-  long limited;          // points whose history the new law can hold only in part (status CLAMPED)
-  double stored_before;  // elastic energy of the joints, J, for the modelled part
+  long limited;          // number of points whose history the new law can hold only in part (status CLAMPED)
+  double stored_before;  // elastic energy of the joints before, J, as computed
   double energy_jump;    // stored after less before, J
 };
 
-// What one of several processes has sent and waited for, in the steps of a run.
+// Communication and costs of one rank over the steps of a run.
 struct RankTraffic {
-  double steps = 0.0, step_seconds = 0.0;  // s: all of run(), files included
+  double steps = 0.0, step_seconds = 0.0;  // wall time of all of run(), files included, s
   double halo_bytes = 0.0, halo_messages = 0.0;
   double own_seconds = 0.0;                    // processor time of contacts and motion, without waiting
-  double waiting_seconds = 0.0;                // time for the halo of others, and to agree
+  double waiting_seconds = 0.0;                // waiting for halos, and for what all ranks agree on
   double gathers = 0.0, gathered_bytes = 0.0;  // gathers on all ranks: rows, detection, checkpoints
   double gathering_seconds = 0.0;
-  double blocks = 0.0;                       // blocks that it advances
-  double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
-  double peak_memory = 0.0;                  // bytes: most of its process until the end of run(), set-up included
-  double repartitions = 0.0;                 // times, because the ranks' own work was uneven
-  double uneven_before = 0.0, uneven = 0.0;  // most / mean of it: before the first of them, in the last window; 0: none
+  double blocks = 0.0;                       // blocks that this rank advances
+  double points = 0.0, shared_points = 0.0;  // contact points evaluated here; those that other ranks evaluate too
+  double peak_memory = 0.0;   // largest memory of the process until the end of run(), set-up included, bytes
+  double repartitions = 0.0;  // repartitions because the work of the ranks was uneven
+  double uneven_before = 0.0, uneven = 0.0;  // largest / mean work: before the first repartition, in the last window
 };
 
-// What the caller requests. All calls come from the thread that runs the simulation, between steps.
+// Callbacks of a run. They are called between steps, from the thread that runs the simulation.
 struct Observer {
   virtual ~Observer() = default;
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
   virtual void on_law_swap(const LawSwap&) {}
-  virtual void on_warning(const Warning&) {}       // once for each assumption that the run leaves, when it goes on
-  virtual void on_promotion(const Simulation&) {}  // Simulation::outcome has more
+  virtual void on_warning(const Warning&) {}       // once for each violated assumption, where the run continues
+  virtual void on_promotion(const Simulation&) {}  // details are in Simulation::outcome
   virtual void on_row(const HistoryRow&) {}
-  // Whether on_pause will take the state: with ranks it is called on all of them, and all of them must save.
+  // Whether on_pause saves the state. Where one rank's observer does, on_pause is called on all ranks, and all must
+  // save.
   virtual bool wants_pause(bool /*last*/) { return true; }
-  // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
+  // A pause at which save() gives a checkpoint: all rows and frames before it are reported. last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
-  // Scene::frames_in of each stage, numbered in it. With ranks and OutputSettings::pieces a rank then has its own
-  // blocks alone, and the joints that touch them.
+  // A frame of the stage; Scene::frames_in is their number. With ranks and OutputSettings::pieces a rank then holds its
+  // own blocks alone, and the joints that touch them.
   virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {}
   virtual void on_stage_end(const Simulation&, int /*stage*/, const HistoryRow& /*last*/) {}
 };
 
 class Simulation {
  public:
-  // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
-  // ranks: this is one of several processes that advance the model together, each made from the same scene. The bits
-  // are those of one process. run() then calls observers of all ranks at the same steps. Each rank has what it holds;
-  // results of all are gathered on rank 0 (collect_at_first). It has all after gather_at_first(), after a failure that
-  // all ranks have found, and in large motion. Only run() may be used to step. Throws Error(bad_input): the ranks have
-  // different models. Ranks must outlive the simulation; null: one process.
+  // Builds the model of a scene. threads 0: as many as the machine has. Laws are loaded by name.
+  // ranks: several processes that advance one model, each built from the same scene; null: one process. They must
+  // outlive the simulation. Results are bitwise identical with those of one process. run() calls the observers of all
+  // ranks at the same steps. Only run() may be used to step.
+  // Each rank holds its part of the model. collect_at_first sends results to rank 0. Rank 0 holds all of them after
+  // gather_at_first(), and after a failure that all ranks have found. Throws Error(bad_input): the ranks have different
+  // models.
   explicit Simulation(Scene scene, int threads = 1, Ranks* ranks = nullptr);
-  // An assembly of conforming bricks; or pass materials, one a joint family.
+  // Builds the model of conforming bricks. materials: one a joint family, in place of laws loaded by name.
   Simulation(Scene scene, Assembly assembly, int threads = 1);
   Simulation(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
   ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // All stages, or the rest of them. Throws Error(numerical) with place and values, or Error(interrupted) after
-  // request_stop; results can still be read then.
+  // Runs all stages, or the rest of them. Throws Error(numerical) with place and values, or Error(interrupted) after
+  // request_stop. Results can be read after either.
   void run(Observer& observer);
-  // The current stage, or the next one: to its end, or for so many steps if it lasts longer. A later call goes on where
-  // this one left, and begins by reporting the stage and its law swaps again. False: all stages are over. Throws as
-  // run.
+  // Runs the current stage, or the next one, to its end, but at most most_steps. A later call continues the stage, and
+  // first reports it and its law swaps again. Returns false when all stages are over. Throws as run().
   bool run_stage(Observer& observer, long most_steps = std::numeric_limits<long>::max());
   // Async-signal-safe: the step in progress is finished first.
   void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
   bool stop_requested() const noexcept { return stop_requested_.load(std::memory_order_relaxed); }
 
-  // n steps under the controls of the current stage (stage 0 before run); for tests and benchmarks. With measure_last,
-  // the last of them records what measure() and the flags of contact points report.
+  // Advances by `steps` under the controls of the current stage (stage 0 before run); for tests and benchmarks. With
+  // measure_last, the last step records the numbers of measure() and the flags of contact points.
   void advance(long steps, bool measure_last = true);
   const Scene& scene() const;
   const Assembly& assembly() const;
   const Model& model() const;
-  const blocks::Model* large_motion() const;  // blocks of any shape; null: none
+  const blocks::Model* large_motion() const;  // blocks of any shape in large motion; null: none
   const Outcome& outcome() const;
   long block_count() const;
   long zone_count() const;
@@ -222,20 +225,20 @@ class Simulation {
   int thread_count() const;
   std::uint64_t hash() const;  // hash of gridpoints, bodies, tractions and states: equal hashes, equal bits
   HistoryRow measure() const;  // row of the current state
-  // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come
-  // from another model. Bits after a restore are those of an uninterrupted run.
+  // A checkpoint: all data that change during a run, as bytes. restore throws Error(bad_input) when the bytes are of
+  // another model. A restored run is bitwise identical with an uninterrupted one.
   std::vector<std::uint8_t> save() const;
-  // The same piece by piece, which take gets in order. All ranks must call it at the same moment, in on_pause; rank 0
-  // takes, and none has more than some megabytes of what others hold.
+  // Saves the same bytes in pieces: rank 0 calls `take` for each, in order. All ranks must call it at the same step, in
+  // on_pause. No rank then holds more than some megabytes of the data of others.
   using TakeBytes = std::function<void(std::span<const std::uint8_t>)>;
   void save(const TakeBytes& take) const;
   std::size_t saved_bytes() const;
   void restore(const std::vector<std::uint8_t>& bytes);
-  // The same from where the bytes are, of which a rank takes what it holds. All ranks call it. After an Error the
-  // simulation is of no use.
+  // Restores from a source of bytes, of which a rank reads its own part. All ranks call it. After an Error the
+  // simulation is unusable.
   void restore(ByteSource& source);
 
-  // All that it has, for the functions on it: results.h, collect.h, findings.h, steer.h.
+  // Data of the simulation, for the functions of results.h, collect.h, findings.h and steer.h.
   struct Impl;  // state.h
   operator const Impl&() const { return *impl_; }
   operator Impl&() { return *impl_; }

@@ -20,8 +20,8 @@ namespace quoin {
 
 namespace {
 
-// By the rules of the scene, where its blocks were given as such; of walls and buildings joints without mortar have
-// none.
+// Whether two blocks that meet across this axis have contact. Scenes of blocks have rules; in walls and buildings
+// joints without mortar have no contact.
 bool have_contact(Simulation::Impl& s, int a, int b, int axis) {
   if (!s.small_motion.meeting_family) {
     if (s.scene.blocks)
@@ -39,14 +39,14 @@ bool have_contact(Simulation::Impl& s, int a, int b, int axis) {
 
 constexpr long kMostSteps = 1000;  // between two checks of how far blocks have moved
 
-// And when to do so again: no output has a say in that.
+// Checks the motion of blocks, and plans the next check. Neither depends on outputs.
 void check_motion(Simulation::Impl& s) {
-  if (has_all(s)) {  // else gathered: each rank computes those of its own blocks
+  if (has_all(s)) {  // else they are gathered: each rank computes those of its own blocks
     s.small_motion.whole_motions.resize(s.model.assembly.bricks.size());
     for (std::size_t i = 0; i < s.small_motion.whole_motions.size(); ++i)
       s.small_motion.whole_motions[i] = whole_motion_of(s, i);
   }
-  // Against the ground: what moves along with it has not moved.
+  // Relative to the ground: blocks that move with it have not moved.
   std::vector<WholeMotion> motions = s.small_motion.whole_motions;
   if (const int ground = s.controls.ground_body(); ground >= 0) {
     const Vec3 moved = s.small_motion.whole_motions[at(s.model.bodies[at(ground)].block)].translation;
@@ -61,8 +61,8 @@ void check_motion(Simulation::Impl& s) {
   const double until_near = s.small_motion.unjoined.look(
       motions, bound.sliding, [&s](int a, int b, int axis) { return have_contact(s, a, b, axis); },
       &s.small_motion.seen);
-  // Half of what is left of the way to a bound, even if two blocks go against each other. It is a sixteenth of all of
-  // it at least.
+  // Half of the remaining way to a bound, even if two blocks approach each other, but at least a sixteenth of the whole
+  // way.
   double least = std::numeric_limits<double>::infinity(), fastest = 0.0;
   for (const Brick& brick : s.model.assembly.bricks)
     least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
@@ -79,7 +79,7 @@ void check_motion(Simulation::Impl& s) {
 
 std::string past_motion_bound(const Simulation::Impl& s) {
   if (!s.large_motion) return past_bound(s.small_motion.seen, s.scene.solver.motion_bound, s.model.assembly);
-  // Blocks of any shape leave small displacements by themselves.
+  // A model of blocks in large motion leaves small displacements by itself, without a promotion.
   if (s.scene.solver.large_motion != LargeMotion::never || s.large_motion->is_small) return "";
   return "blocks have moved further than small displacements allow (contact.small_displacement)";
 }

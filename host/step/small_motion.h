@@ -1,4 +1,4 @@
-// Whether a run may go on in small displacements: when that is checked, and what follows.
+// Checks whether small displacements still describe a run. If not, it promotes the run, warns, or throws.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace quoin {
 
-// After a step: goes over to large motion where blocks have moved too far, or warns, or throws Error(numerical).
-// Whether it has gone over.
+// Checks the motion of blocks after a step, where due. Beyond a bound it promotes the run to large motion, warns, or
+// throws Error(numerical). Returns whether it has promoted.
 bool follow_motion(Simulation::Impl& s, bool stage_ends, std::vector<Warning>* warnings);
 bool was_warned(const Simulation::Impl& s, const char* about);
-// about: as in Warning.
+// Adds a warning, unless there is one about the same assumption. about: as in Warning.
 void warn_once(Simulation::Impl& s, const char* about, const std::string& text, std::vector<Warning>* warnings);
 
 }  // namespace quoin

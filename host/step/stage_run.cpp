@@ -23,7 +23,7 @@ namespace quoin {
 namespace {
 
 constexpr long kCollapseInterval = 10;    // steps between two checks of how far blocks have moved
-constexpr long kPauseInterval = 16;       // steps between two moments at which a checkpoint may be taken
+constexpr long kPauseInterval = 16;       // steps between two possible checkpoints
 constexpr long kClockInterval = 64;       // steps between two checks of the clock
 constexpr double kProgressPeriod = 0.25;  // s
 
@@ -55,9 +55,9 @@ void StageRun::begin(bool was_in_stage) {
 bool StageRun::advance() {
   const Due due = look_ahead();
   const bool done = has_ended(due);
-  if (done) step_once(s_, true, true);  // so that the last row and what follows it are complete
+  if (done) step_once(s_, true, true);  // all measurements, for the last row and the results after it
   gone_over_ = false, frame_due_ = due.frame;
-  // Before a row that only the stop requests: a resumed run has a history without it.
+  // Pauses before a row that only the stop requests: the history of a resumed run has none there.
   const bool stop_between_rows = due.stop && !due.planned && !done;
   if (stop_between_rows) follow_motion(done), show_frame(), pause(true);
   if ((due.row && !gone_over_) || done) write_row(done);
@@ -123,7 +123,8 @@ void StageRun::write_row(bool done) {
   write([&] { observer_.on_row(row); });
   const auto watched = Clock::now();
   if (s_.large_motion) check_rotations(s_);
-  if (done) s_.watch.next_stiffness = std::min(s_.watch.next_stiffness, s_.progress.step);  // what ends a stage is seen
+  // Checked at the end of each stage.
+  if (done) s_.watch.next_stiffness = std::min(s_.watch.next_stiffness, s_.progress.step);
   const std::vector<Warning> of_watch = new_warnings(s_);
   warnings_.insert(warnings_.end(), of_watch.begin(), of_watch.end());
   s_.timing.phases[Phase::watch] += seconds_since(watched);
@@ -183,7 +184,7 @@ void StageRun::report_progress() {
 
 void StageRun::end() {
   if (!s_.parts.divided) gather(s_, Part::all);
-  // Frames that the end overtook: the last one shows the end.
+  // The last frame shows the end, in place of frames that are still due.
   frame_due_ = frames_ > 0 && s_.progress.next_frame <= frames_;
   show_frame();
   gather(s_, Part::row);

@@ -1,4 +1,4 @@
-// One stage as it runs: steps until its end, and between them rows, frames, warnings, checkpoints and progress.
+// The run of one stage: steps until its end, and between them rows, frames, warnings, checkpoints and progress.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// Goes on in the stage that the simulation is in, or begins the next one. Called by all ranks together.
+// Continues the stage that the simulation is in, or begins the next one. All ranks call it together.
 class StageRun {
  public:
   StageRun(Simulation& simulation, Simulation::Impl& impl, Observer& observer, int stage);
@@ -17,10 +17,10 @@ class StageRun {
   void end();
 
  private:
-  // What the next step has to measure.
+  // Outputs and checks that are due at the next step.
   struct Due {
     bool stop = false, check = false;   // check: of equilibrium
-    bool planned = false, row = false;  // planned: a row by the interval of the stage; a stop has one, too
+    bool planned = false, row = false;  // planned: by the interval of the stage; row: that, or at a stop
     bool frame = false;
   };
 
@@ -50,9 +50,9 @@ class StageRun {
   const Stage& settings_;
   int frames_;
   std::vector<Warning> warnings_;  // found, not yet reported
-  bool gone_over_ = false;         // whether the run has gone over to large motion in this step
+  bool gone_over_ = false;         // whether the run was promoted to large motion in this step
   bool frame_due_ = false;
-  // As of the last report of progress.
+  // At the last report of progress:
   Clock::time_point reported_at_;
   long reported_steps_ = 0;
   double reported_fraction_ = 0.0;

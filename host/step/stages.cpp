@@ -27,7 +27,8 @@ namespace quoin {
 
 namespace {
 
-constexpr int kCalmChecks = 5;        // checks in a row that must pass: one may meet a vibration at its turning point
+// Checks in a row that must pass: at one of them a vibration may be at its turning point.
+constexpr int kCalmChecks = 5;
 constexpr long kDefaultRows = 1000;   // rows of a stage with record_interval 0
 constexpr long kHalfCycleRows = 200;  // rows of a half cycle with record_interval 0
 constexpr long kUnknownLength = 200;  // steps between rows of a stage whose length cannot be foreseen
@@ -116,22 +117,22 @@ void begin_stage(Simulation::Impl& s, int index) {
   bind_whiffletree(s);
   choose_damping(s);
   if (!s.controls.whiffletree.empty()) {
-    // The tree starts without force: from the mean displacement of the floors.
+    // The whiffletree starts without force: from the mean displacement of the floors.
     s.monitor.start = {};
     for (std::size_t f = 0; f < s.controls.whiffletree.size(); ++f)
       s.monitor.start[0] += floor_displacement(s, f) / static_cast<double>(s.controls.whiffletree.size());
   }
   s.progress.calm_checks = 0;
-  // The end of the stage before shows how this one begins.
+  // The last frame of the stage before shows the beginning of this one.
   s.progress.next_frame = index > 0 && s.scene.frames_in(static_cast<std::size_t>(index) - 1) > 0 ? 1 : 0;
   s.progress.next_row = 0;
-  s.small_motion.next_check = s.progress.step;  // what drives blocks is new
+  s.small_motion.next_check = s.progress.step;  // controls of blocks are new
   s.progress.force_loss = {};
-  s.watch.pending = false;  // what a stage changes at once is in no balance of steps
+  s.watch.pending = false;  // sudden changes by a stage are no part of the energy balance of two steps
   s.laws.swaps.clear();
   s.progress.row_interval = chosen_record_interval(s);
   for (const auto& [family, law] : settings.law_swaps) swap_law(s, family, law);
-  if (s.ranks) partition_work(s);  // others are watched now
+  if (s.ranks) partition_work(s);  // monitored blocks have changed
 }
 
 void choose_damping(Simulation::Impl& s) {
@@ -160,7 +161,8 @@ double stage_fraction(const Simulation::Impl& s) {
   double fraction = 0.0;
   if (settings.duration) fraction = stage_time(s) / *settings.duration;
   if (settings.collapse) {
-    // Where it will end is not known; the limit ends it for certain, and frames and progress go by it.
+    // The multiplier at collapse is not known: frames and progress count to the limit, which ends the stage in any
+    // case.
     const Collapse& c = *settings.collapse;
     fraction = std::max(fraction, std::min(1.0 - 1e-9, (s.actions.multiplier - *c.start) / (*c.limit - *c.start)));
   }

@@ -1,5 +1,5 @@
-// All that a run has: the model, its state, and what follows from them, one struct a role (step/state). Private to this
-// folder; functions on it are in the header of their concept.
+// Data of a run: the model, its state and quantities derived from them, one struct a role (step/state). Private to
+// host/step; functions on these data are in the headers of their concepts.
 #pragma once
 
 #include <memory>
@@ -30,12 +30,12 @@ namespace quoin {
 
 // Laws of a run that stages may swap.
 struct LawsOfRun {
-  std::vector<std::shared_ptr<const Material>> first;  // by joint family, before any law is swapped
+  std::vector<std::shared_ptr<const Material>> first;  // by joint family, before any law swap
   std::vector<LawSwap> swaps;                          // swaps of the current stage
 };
 
 struct Simulation::Impl {
-  Impl(Scene scene, int threads, Ranks* ranks);  // without a model: set_up.h
+  Impl(Scene scene, int threads, Ranks* ranks);  // builds no model: see set_up.h
 
   Scene scene;
   ThreadPool pool;
@@ -43,18 +43,18 @@ struct Simulation::Impl {
   TimeStepReport time_step;
   LawsOfRun laws;
 
-  // Bricks on the lattice; the model has the joint families of large motion, too.
+  // Bricks on the lattice. In large motion the model holds joint families alone.
   Model model;
   LatticeState lattice;
   LatticeInertia inertia;
   LatticeContacts contacts;
   StepData data;
-  std::optional<Assembly> left;  // by a promotion
+  std::optional<Assembly> left;  // bricks of the lattice while the run is in large motion
 
-  // Blocks of any shape in large motion; null: none.
+  // Model of blocks of any shape in large motion; null: the run is on the lattice.
   std::unique_ptr<blocks::Model> large_motion;
 
-  // The loading, and what is seen of it.
+  // Loading, and quantities observed under it.
   RunProgress progress;
   Controls controls;
   Actions actions;
@@ -65,7 +65,7 @@ struct Simulation::Impl {
   Watch watch;
   Outcome outcome;
 
-  // Who does what, in which time.
+  // Division of work among threads and ranks, and its costs.
   WorkDivision division;
   StepTiming timing;
   RankParts parts;

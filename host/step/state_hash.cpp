@@ -29,7 +29,7 @@ void add_to_hash(const std::vector<BodyLanes>& bodies, FnvHash* hash) {
   }
 }
 
-// at_rest: all but states of laws is zero.
+// at_rest: all arrays but states of laws are zero.
 std::uint64_t hash_by_parts(Simulation::Impl& s, bool at_rest) {
   const auto give = [&](const void* first, std::size_t bytes, const Simulation::TakeBytes& take) {
     give_array(s, first, bytes, take);
@@ -48,7 +48,7 @@ std::uint64_t hash_by_parts(Simulation::Impl& s, bool at_rest) {
 
 }  // namespace
 
-// What results are made of that rank 0 writes afterwards; all of it only where it is not in parts.
+// Gathers the results that rank 0 writes afterwards, or all of the state where it is not held in parts.
 void end_run(Simulation::Impl& s) {
   if (!s.parts.divided) return gather(s, Part::all);
   if (s.large_motion)
@@ -75,7 +75,7 @@ std::uint64_t Simulation::hash() const {
   each_lattice_field(impl_->lattice, [&](const Field& field, const auto& array, int f) {
     if (field.hashed == 0) return;
     if (f < 0 || impl_->parts.holds_all) return add_to_hash(array, &hash);
-    // Before the first step: as they begin, for this rank has those of its own points alone.
+    // Before the first step: initial states of all points, as this rank holds those of its own points alone.
     const ContactFamily& family = impl_->model.families[at(f)];
     for (const double value : family.material->initial_state(impl_->model.assembly.families[at(f)].initial_state))
       add_to_hash(std::vector<double>(at(family.point_count), value), &hash);

@@ -1,11 +1,11 @@
-// The hash of a state, also of one of which no rank has all, and what else the end of a run keeps of it.
+// Hash of a state, also where no rank holds all of it, and other results at the end of a run.
 #pragma once
 
 #include "step/state.h"
 
 namespace quoin {
 
-void end_run(Simulation::Impl& s);     // results that rank 0 needs
-void note_start(Simulation::Impl& s);  // the hash, where no rank can compute it alone
+void end_run(Simulation::Impl& s);     // gathers the results that rank 0 writes
+void note_start(Simulation::Impl& s);  // stores the hash of the start, where no rank can compute it alone
 
 }  // namespace quoin

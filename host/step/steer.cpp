@@ -1,4 +1,4 @@
-// What a controller outside does between two steps: it reads arrays where they lie, and moves, loads and exchanges.
+// Control of a simulation from outside, between two steps.
 #include "step/steer.h"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ Error refusal(const char* what, const std::string& body, std::size_t component, 
                                        what, reason, body, kAxis[component])};
 }
 
-// Steered components must be of the kind: prescribed ones take velocities, free ones forces.
+// Throws unless prescribed components are given velocities, and free ones forces; NaN components pass.
 void require_kind(const char* what, const std::string& body, const Vec3& value, bool of_prescribed,
                   const std::array<bool, 3>& prescribed) {
   for (std::size_t c = 0; c < 3; ++c) {
@@ -39,7 +39,7 @@ void require_kind(const char* what, const std::string& body, const Vec3& value, 
   }
 }
 
-// Sets velocities (else forces) of bodies, or blocks, that have this name: those components that are numbers.
+// Sets velocities, or forces, of these bodies; NaN components keep theirs.
 void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name, const std::vector<int>& bodies,
                   const Vec3& value, bool velocities) {
   for (const int body : bodies) {
@@ -103,7 +103,7 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
     }
     if (!velocities) s.large_motion->apply_force(block, drive->force_to);
   }
-  s.controls.settled = false;  // drives reach their blocks with the next step
+  s.controls.settled = false;  // the next step applies the drives
 }
 
 Error no_such_body(const std::string& body, const std::vector<std::string>& names) {
@@ -120,7 +120,7 @@ std::vector<std::string> names_of(const Model& model) {
   return names;
 }
 
-// Three doubles side by side, as vectors of blocks of any shape have them.
+// Three consecutive doubles a row, as in vectors of blocks in large motion.
 ArrayView view_of(Vector* first, std::size_t rows) { return {&first->x, rows, 3, 3, 1}; }
 
 }  // namespace
@@ -159,7 +159,7 @@ LawSwap exchange_law(Simulation::Impl& s, const std::string& family, const std::
   }
   if (s.progress.stage < 0) begin_stage(s, 0);
   swap_law(s, family, law);
-  s.scene.stages[s.progress.at_stage()].law_swaps[family] = law;  // as a checkpoint of from now on finds it
+  s.scene.stages[s.progress.at_stage()].law_swaps[family] = law;  // for later checkpoints
   return s.laws.swaps.back();
 }
 

@@ -24,10 +24,10 @@ namespace quoin {
 
 namespace {
 
-// All chunks of contact points; then all items, which move blocks. clock: of the thread, started; null: not timed.
+// Work on a chunk of contact points, or on an item. clock: of the thread, started; null: not timed.
 using Work = std::function<void(int thread, int index, PhaseClock* clock)>;
 
-// What acts from outside, and what the step has to measure.
+// Applies actions, and chooses the measurements of the step.
 void begin_step(Simulation::Impl& s, bool measure_step) {
   apply_controls(s);
   if (s.watch.pending && !s.energy.sampled) end_check(s);
@@ -62,7 +62,7 @@ void damp_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump) {
       c, {}, static_cast<std::size_t>(chunk.point_count), normal / s.data.time_step, along / s.data.time_step);
 }
 
-// Jumps, law, forces.
+// Jumps, law, forces of a chunk.
 void advance_contacts(Simulation::Impl& s, int thread, int index, bool measure_step, bool report, PhaseClock* clock) {
   ChunkJumps* const jump = s.division.jumps[static_cast<std::size_t>(thread)].get();
   const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
@@ -99,7 +99,7 @@ void end_step(Simulation::Impl& s, bool measure_step, bool report) {
   ++s.progress.stage_step;
 }
 
-// Time of this thread, s: what others take of the core is no cost of a block.
+// Processor time of this thread, s: it excludes other programs on the core.
 double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -117,7 +117,7 @@ void each_chunk(Simulation::Impl& s, const Work& work) {
   if (s.timing.timed_steps > 0.0) s.timing.book(seconds_since(before));
 }
 
-// With ranks those on borders first: what others wait for is on its way while the rest moves.
+// With ranks items at borders are first: their motion is sent while the others move.
 void each_item(Simulation::Impl& s, bool measure_step, const Work& work) {
   const auto before = s.timing.now_if_timed();
   auto on_border = [&](int thread, int k) {
@@ -162,7 +162,7 @@ void advance_item(Simulation::Impl& s, int thread, int item, bool measure_step) 
 }  // namespace
 
 // One step of central differences. Displacements are those of the time t; velocities those of t - dt/2, then t + dt/2.
-// Both phases go over independent pieces, so the bits do not depend on which thread does which.
+// Pieces of both phases are independent, so results are bitwise identical for any distribution over threads.
 void step_once(Simulation::Impl& s, bool measure_step, bool report) {
   begin_step(s, measure_step);
   each_chunk(s, [&](int thread, int chunk, PhaseClock* clock) {
@@ -236,7 +236,7 @@ void report_failed_points(Simulation::Impl& s) {
                   fmt::format("law '{}' of joint family '{}' refused a batch with status {} at step {}", law,
                               family.name, call.status, s.progress.step));
     }
-    // Failed points keep their old state, so asking again, this time with the status by point, names the same ones.
+    // Failed points keep their old state: a second call, now with the status by point, fails at the same ones.
     ChunkJumps jump;
     contact_jumps(s.model, chunk, s.data, &jump);
     std::vector<std::uint32_t> point_status(kChunk, QUOIN_POINT_OK);

@@ -1,13 +1,13 @@
-// The step of central differences, and what it says when a law fails.
+// The step of central differences, and the report of a failed law.
 #pragma once
 
 #include "step/state.h"
 
 namespace quoin {
 
-// By what every step measures; blocks in large motion add theirs up themselves.
+// Whether the sums of every step are needed for energies. Blocks in large motion sum their own.
 inline bool books_energy(const Simulation::Impl& s) { return s.energy.wanted && !s.large_motion; }
-// measure: sums for unbalanced force and energies; report: flags by contact point too.
+// measure_step: sums for the unbalanced force and energies; report: also flags by contact point.
 void step_once(Simulation::Impl& s, bool measure_step, bool report);
 void evaluate_law(Simulation::Impl& s, int chunk_index, const ChunkJumps& jump, bool measure_step, bool report);
 [[noreturn]] void report_failed_points(Simulation::Impl& s);

@@ -26,7 +26,7 @@ std::uint8_t imposed_by(const BodyControl& control) {
   return static_cast<std::uint8_t>(bits);
 }
 
-// By block; bits 0..2: x, y, z are imposed.
+// Held components by block; bits 0..2: x, y, z.
 std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settings) {
   std::vector<std::uint8_t> held;
   if (!s.large_motion) {
@@ -34,7 +34,7 @@ std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settin
       const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
         return brick.rigid && !c.body.empty() && c.body == brick.body;
       });
-      // What becomes the ground where the stage goes over to large motion.
+      // Fixed bricks are the ground where the stage has actions beyond the lattice.
       const bool ground = brick.fixed && !beyond_lattice(settings).empty();
       held.push_back(control != settings.controls.end() ? imposed_by(*control)
                      : ground                           ? std::uint8_t{7}
@@ -49,7 +49,7 @@ std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settin
   return held;
 }
 
-// By block: the first one of its group.
+// First block of the group of joined blocks, by block.
 std::vector<int> groups_of_joined_blocks(const Simulation::Impl& s) {
   std::vector<int> first(s.large_motion ? at(s.large_motion->block_count()) : s.model.assembly.bricks.size());
   std::iota(first.begin(), first.end(), 0);
@@ -89,12 +89,12 @@ std::vector<int> loose_blocks(const Simulation::Impl& s, const Stage& settings) 
   return loose;
 }
 
-// Only rest, of which there is none in free fall, or so many steps end the stage.
+// Whether only equilibrium, or the limit of steps, can end the stage; in free fall there is no equilibrium.
 bool ends_at_rest_alone(const Stage& stage) {
   return stage.equilibrium_ratio && !stage.duration && !stage.displacement && !stage.collapse;
 }
 
-constexpr std::size_t kNamed = 5;  // blocks that a message names, of many
+constexpr std::size_t kNamed = 5;  // most blocks that a message names
 
 }  // namespace
 
@@ -115,7 +115,8 @@ void require_moving_ground(const Simulation::Impl& s) {
   }
 }
 
-// That only some blocks are loose is no fault: they may fall onto others. `quoin check` names them.
+// Warns where all blocks are loose. Single loose blocks are no error: they may fall onto others. `quoin check` names
+// them.
 void warn_of_loose_blocks(Simulation::Impl& s, std::vector<Warning>* warnings) {
   const Stage& settings = current_stage(s);
   s.small_motion.held_blocks = held_in(s, settings);
@@ -128,7 +129,7 @@ void warn_of_loose_blocks(Simulation::Impl& s, std::vector<Warning>* warnings) {
       warnings);
 }
 
-// What has moved further than the model is large, and than any support, has left everything that could hold it.
+// A block has left all supports where it has moved farther than any of them by more than the diagonal of the model.
 void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
   const Stage& settings = current_stage(s);
   if (s.small_motion.held_blocks.empty()) s.small_motion.held_blocks = held_in(s, settings);
@@ -168,7 +169,7 @@ std::string block_label(const Simulation::Impl& s, int block) {
 Supports supports_in(const Simulation::Impl& s, int stage) {
   const Stage& settings = s.scene.stages[at(stage)];
   Supports supports;
-  std::map<unsigned, std::vector<std::string>> names;  // by what is held
+  std::map<unsigned, std::vector<std::string>> names;  // by held components
   const std::vector<std::uint8_t> held = held_in(s, settings);
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (held[i] == 0) continue;

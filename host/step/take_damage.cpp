@@ -42,7 +42,7 @@ void damage_lattice(Simulation::Impl& s, std::size_t f, const std::vector<Cracke
     for (std::int32_t i = 0; at(chunk.family) == f && i < chunk.point_count; ++i) own.push_back(chunk.first_point + i);
   }
   const std::vector<PlacedPoint> points = placed_points(s.model, own);
-  // A crack depends on the place of a whole joint, parts of which neighbouring ranks may have.
+  // A crack depends on the place of a whole joint, of which neighbouring ranks may hold parts.
   std::vector<PlacedPoint> of_joints;
   if (follows_cracks(s.scene.damage) && own.size() < at(family.point_count))
     of_joints = placed_points(s.model, points_of_same_joints(s.model, family, own));
@@ -72,7 +72,7 @@ void take_damage(Simulation::Impl& s) {
     blocks.push_back({{b.origin[0] + b.size[0] / 2, b.origin[1] + b.size[1] / 2, b.origin[2] + b.size[2] / 2}, b.unit});
   for (int b = 0; s.large_motion && b < s.large_motion->block_count(); ++b)
     blocks.push_back({geometry::array(position_of(*s.large_motion, b)), s.large_motion->assembly.blocks[at(b)].unit});
-  std::vector<double> hit(s.scene.damage.size(), 0.0);  // contact points, by entry
+  std::vector<double> hit(s.scene.damage.size(), 0.0);  // contact points by entry of Scene::damage
   std::optional<Error> fault;
   for (std::size_t f = 0; f < s.model.families.size(); ++f) {
     try {

@@ -20,17 +20,17 @@ namespace {
 using Eigen::MatrixXd;
 using geometry::Vector;
 
-// Change of the traction by which points are tried: far below any strength, far above the rounding of tractions.
+// Change of traction by the probing motion: far below any strength, far above the rounding of tractions.
 constexpr double kProbe = 1.0;  // Pa
 
 struct PointStiffness {
   std::vector<double> normal, shear;  // Pa/m, by contact point
 };
 
-// Any capability at all.
+// Mask of all capabilities.
 constexpr std::uint64_t kAny = ~std::uint64_t{0};
 
-// Traction along n, s or t after a small motion along it; not a number where a law has no capabilities.
+// Traction along n, s or t after a small motion along it, Pa; NaN where a law has no capabilities.
 std::vector<double> traction_after(const Simulation::Impl& s, const PointRange& all, std::size_t along,
                                    const std::vector<double>& motion) {
   const std::size_t count = at(all.end);
@@ -66,7 +66,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
     for (std::size_t i = 0; i < count; ++i) {
       const double way = along == 0 ? closing[i] : forth[i];
       if (way == 0.0) continue;
-      // Stiffness of the direction, of both, in which the point does not slide on.
+      // The larger stiffness of both directions: in one of them the point may slide.
       const double stiffness =
           std::isnan(still[i])
               ? still[i]
@@ -74,7 +74,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
       along == 0 ? k.normal[i] = stiffness : k.shear[i] += 0.5 * stiffness;
     }
   }
-  for (const ContactPoint& p : points) {  // points without a stiffness so far: bounds of their laws
+  for (const ContactPoint& p : points) {  // points whose law gives no stiffness: its bounds
     if (!std::isnan(k.normal[at(p.index)]) && !std::isnan(k.shear[at(p.index)])) continue;
     const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
     const bool carries = p.traction[0] != 0.0 || p.jump[0] <= 0.0;
@@ -83,7 +83,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
   return k;
 }
 
-// Inertia of rigid blocks about the global axes.
+// Inertia of a rigid block about the global axes, kg m2.
 MatrixXd inertia_of(const Simulation::Impl& s, int b) {
   MatrixXd inertia = MatrixXd::Zero(3, 3);
   if (!s.large_motion) {
@@ -123,8 +123,8 @@ void add_gridpoints(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u
   }
 }
 
-// Rotations that are free: about the principal axes of their inertia, so that mass is diagonal. Adds to `turned`, whose
-// columns are the new unknowns.
+// Adds a rigid body. Free rotations are about the principal axes of their inertia, so the mass matrix is diagonal. Adds
+// to `turned`, whose columns are the new unknowns.
 void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tangent* tangent,
               Unknowns::Entries* turned) {
   const double mass =
@@ -171,7 +171,7 @@ std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
   const Damping damping = damping_of(solver_in_use(s));
   if (damping.impacts) return Dashpots{s.time_step.impacts.viscosity, s.time_step.impacts.of_zones, 0.0};
   if (damping.alpha == 0.0 && damping.beta == 0.0) return std::nullopt;
-  const double of_joints = s.large_motion ? damping.beta : 0.0;  // on the lattice they are not damped
+  const double of_joints = s.large_motion ? damping.beta : 0.0;  // on the lattice beta acts on zones alone
   return Dashpots{std::vector<std::array<double, 2>>(s.model.families.size(), {of_joints, of_joints}), damping.beta,
                   damping.alpha};
 }

@@ -1,8 +1,8 @@
-// Small vibrations about the present state of a simulation: stiffness and mass of all that can move.
+// Small vibrations about the current state of a simulation: stiffness and mass of all free unknowns.
 //
-// Contact points have the stiffness with which their laws answer a small motion of now. Joints that are open carry
-// nothing, damaged ones unload as their law has it, sliding ones stick when the motion turns back. Zones are linearly
-// elastic. Stresses of zones and forces on the arms of rigid blocks add to stiffness as they turn (P-delta).
+// The stiffness of a contact point is that of its law's response to a small motion. Open joints have none, damaged ones
+// that of unloading, sliding ones that of sticking, as motion reverses. Zones are linearly elastic. Stresses of zones
+// and forces on the arms of rigid blocks add geometric stiffness (P-delta).
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -21,17 +21,17 @@ struct Tangent {
     geometry::Vector centre{};               // m
   };
   Eigen::SparseMatrix<double> stiffness;  // lower triangle, N/m, N m
-  // The same of the viscosity of impact and viscous damping, N s/m, N m s. It is that of contacts that are closed, of
-  // zones and of masses. Empty: the damping of the stage is of another kind, or none.
+  // Damping matrix of impact and viscous damping, lower triangle, N s/m, N m s: of closed contacts, zones and masses.
+  // Empty: the stage has another kind of damping, or none.
   Eigen::SparseMatrix<double> viscosity;
-  std::vector<double> mass;  // diagonal, kg, kg m2; without scaling
+  std::vector<double> mass;  // diagonal of the mass matrix, kg, kg m2; without mass scaling
   std::vector<Unknown> unknown;
   UnknownGroups groups;
-  long points = 0, open = 0;  // contact points, and of them those that carry nothing
+  long points = 0, open = 0;  // contact points, and those of them that are open
   double symmetry_factor = 1.0;
 };
 
-// With what the current stage holds, in one process.
+// Under the supports of the current stage; in one process.
 Tangent tangent_of(const Simulation::Impl& s);
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// How long a block takes for a way, as checks of motion reckon.
+// Travel time of a block, for checks of motion.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// Until a way, m, is gone at this speed, m/s, if it grows by UnjoinedBlocks::kAcceleration meanwhile, s.
+// Time, s, in which a block moves by `way`, m, from this speed, m/s, at the acceleration UnjoinedBlocks::kAcceleration.
 inline double time_for(double way, double speed) {
   const double a = UnjoinedBlocks::kAcceleration;
   return 2.0 * way / (speed + std::sqrt(speed * speed + 2.0 * a * way));

@@ -57,7 +57,7 @@ void UnjoinedBlocks::find_pairs(const std::vector<WholeMotion>& motion) {
   std::erase_if(pairs_, [&](const Pair& pair) { return std::binary_search(joined_.begin(), joined_.end(), pair); });
 }
 
-// By the displacements of both at the middle of what lies between them, or of what they share along an axis.
+// Uses the displacements of both blocks at the middle of the gap between them, or of their overlap along each axis.
 UnjoinedBlocks::Near UnjoinedBlocks::nearness(const Pair& pair, const std::vector<WholeMotion>& motion,
                                               double sliding_bound) const {
   const Brick &a = assembly_->bricks[at(pair.a)], &b = assembly_->bricks[at(pair.b)];
@@ -84,7 +84,7 @@ UnjoinedBlocks::Near UnjoinedBlocks::nearness(const Pair& pair, const std::vecto
     near.least_gap = -sliding_bound * least;
     return near;
   }
-  // Corners of faces opposite each other come nearer than their middle where the blocks turn.
+  // Corners of opposite faces come nearer than the middles of these where blocks rotate.
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (static_cast<int>(c) != near.axis && to[c] > from[c]) squares += (to[c] - from[c]) * (to[c] - from[c]);
@@ -99,7 +99,7 @@ double UnjoinedBlocks::look(const std::vector<WholeMotion>& motion, double slidi
   if (has_moved(motion)) find_pairs(motion);
   double fastest = 0.0;
   for (const WholeMotion& m : motion) fastest = std::max(fastest, m.speed);
-  double time = time_for(0.25 * reach_, 2.0 * fastest);  // time for pairs that are not near yet
+  double time = time_for(0.25 * reach_, 2.0 * fastest);  // for pairs that are not near yet
   for (const Pair& pair : pairs_) {
     const Near near = nearness(pair, motion, sliding_bound);
     if (near.gap <= near.least_gap && !have_contact(pair.a, pair.b, near.axis)) continue;

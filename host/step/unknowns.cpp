@@ -11,7 +11,7 @@ namespace {
 
 using geometry::Vector;
 
-// Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
+// Adds V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I) for nodes i and j, g the gradients of shape functions.
 void add_zone(const std::array<std::array<int, 3>, 4>& unknown, const std::array<Vector, 4>& gradient, double volume,
               double lambda, double mu, Unknowns::Entries* entries) {
   for (std::size_t i = 0; i < 4; ++i) {
@@ -84,7 +84,7 @@ void Unknowns::number_large_motion(int b) {
     u.rigid = true, u.centre = body.x;
     unsigned held_body = body.held;
     for (const Drive& drive : s_.actions.drives)
-      held_body = drive.block == b ? drive.held : held_body;  // a step ahead of it
+      held_body = drive.block == b ? drive.held : held_body;  // the body takes these with the next step
     for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((held_body | body.support) >> c & 1u) != 0);
     return close_group(b, u.centre);
   }
@@ -158,7 +158,7 @@ void Unknowns::add_side(const ContactPoint& p, int b, double sign, std::vector<U
   }
 }
 
-// Corners of the triangle of its surface that the place is closest to, and their weights there.
+// Corners of the surface triangle that is closest to a position, and their weights there.
 std::pair<std::array<int, 3>, std::array<double, 3>> Unknowns::on_surface(int b, const Vector& place) const {
   const auto& x = s_.large_motion->nodes.x;
   std::pair<std::array<int, 3>, std::array<double, 3>> best{};
@@ -179,7 +179,7 @@ std::pair<std::array<int, 3>, std::array<double, 3>> Unknowns::on_surface(int b,
   return best;
 }
 
-// On the lattice points lie at gridpoints of both blocks.
+// On the lattice contact points lie at gridpoints of both blocks.
 int Unknowns::gridpoint_at(int b, const Vector& place) const {
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -227,7 +227,7 @@ void Unknowns::for_each_stressed_zone(int b, const Visit& visit) const {
   }
 }
 
-// Of a zone V (g_i . stress g_j) I. A force F on the arm r turns by theta. Its work of second order is F . theta x
+// For a zone V (g_i . stress g_j) I. A force F on the arm r turns by theta. Its work of second order is F . theta x
 // (theta x r)/2, whose stiffness is (F . r) I - (F r^T + r F^T)/2.
 void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {

@@ -1,5 +1,5 @@
-// What can move of the blocks of a simulation, numbered: gridpoints, and rigid blocks by translations and spins. Its
-// stiffness, put together from contact points and zones.
+// Unknowns of a simulation, numbered: components of gridpoints, and translations and spins of rigid blocks. Their
+// stiffness, assembled from contact points and zones.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -12,13 +12,13 @@
 
 namespace quoin {
 
-// One side of a contact point: unknowns, and what a unit of each moves the point by.
+// An unknown of a contact point, and the point's relative motion, side b less side a, by a unit of it.
 struct UnknownShare {
   int unknown;
   geometry::Vector moves;
 };
 
-// Stress of a zone on the lattice, by the displacements of the gridpoints of its block.
+// Stress of a zone on the lattice, Pa, from the displacements of its block's gridpoints, m.
 geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<geometry::Vector>& moved);
 
 class Unknowns {
@@ -31,7 +31,7 @@ class Unknowns {
     bool rigid = false;
   };
 
-  // With what the controls of the current stage hold. The simulation must outlive this.
+  // Components that the controls of the current stage hold are left out. The simulation must outlive this.
   explicit Unknowns(const Simulation::Impl& s);
 
   int count() const { return count_; }
@@ -43,8 +43,7 @@ class Unknowns {
   void shares_of(const ContactPoint& point, std::vector<UnknownShare>* shares) const;
   void add_point(const ContactPoint& point, double normal, double shear, Entries* entries) const;  // N/m
   void add_zones(Entries* entries) const;
-  // What forces of now add as they turn with the blocks: stresses of zones, and forces of contact points on the arms of
-  // rigid blocks.
+  // Adds the geometric stiffness of current forces: stresses of zones, and contact forces on the arms of rigid blocks.
   void add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const;
 
  private:

@@ -15,13 +15,13 @@ namespace quoin {
 
 namespace {
 
-// All ranks find the same.
+// Position of a block, equal on all ranks.
 Vec3 place_in_large_motion(const Simulation::Impl& s, int block) {
   return geometry::array(s.parts.divided ? s.large_motion->part.rough_place[at(block)]
                                          : position_of(*s.large_motion, block));
 }
 
-// What follows from the shares.
+// Binds halo, scratch and the threads' shares to the share of this rank.
 void bind_work(Simulation::Impl& s) {
   bind_halo(s);
   const auto ends = [&](std::span<const int> pieces, const std::vector<double>& cost) {
@@ -42,15 +42,15 @@ void bind_work(Simulation::Impl& s) {
   }
 }
 
-// Cost of one side of a contact point, evaluation and memory traffic, in units of the costs of blocks
-// (partition_work). Load balancing divides by their sum.
+// Cost of one side of a contact point, evaluation and memory traffic, in units of the costs of blocks (divide_work).
+// Load balancing divides by their sum.
 constexpr double kLatticeSide = 60.0, kSideInLargeMotion = 4.0;
 
 // Scales of the axes that bisection tries: all equal, one shortened, one nearly removed (slices).
 constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
                             {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
 
-// Items that the contact points of chunks touch, each once: first the first one of the chunk.
+// Items that the contact points of each chunk touch, each once, in the order of the points.
 class ChunkItems {
  public:
   void add(int item) {
@@ -70,7 +70,7 @@ class ChunkItems {
   std::vector<std::size_t> end_;
 };
 
-// How many contact points are evaluated once more than by one process, in chunks that more than one rank evaluates.
+// Number of contact points that ranks evaluate in addition to one process, in chunks at borders.
 long points_between(const std::vector<int>& rank_of_item, const ChunkItems& touched,
                     const std::vector<double>& chunk_points) {
   long again = 0;
@@ -152,9 +152,9 @@ RankShare share_of_this_rank(const Simulation::Impl& s) {
     for (const int b : blocks) sum += s.rank_load.measured_over_estimated[at(b)];
     cost[at(i)] *= sum / static_cast<double>(blocks.size());
   }
-  // The blocks of an item on the lattice lie in eight places of the assembly. Their mean or the first may stand better
-  // for all. Chunks of contact points are long along courses, so it may be better to cut as if one side were shorter.
-  // What leaves the fewest points on borders is taken, by all ranks in the same way.
+  // An item on the lattice has blocks at eight places of the assembly: their mean, or the first, represents it. Chunks
+  // are long along courses, so a bisection with one axis shortened may be better. The candidate with the fewest points
+  // at borders is used, the same on all ranks.
   std::vector<Vec3> mean, first;
   for (int i = 0; i < items; ++i) {
     mean.emplace_back();
@@ -201,8 +201,8 @@ RankShare share_of_this_rank(const Simulation::Impl& s) {
   return of_rank;
 }
 
-// On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that and
-// velocities across.
+// On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that axis and
+// velocities across it.
 void each_side(const Simulation::Impl& s, int chunk, const std::function<void(int, std::int64_t)>& visit) {
   if (s.large_motion) {
     s.large_motion->each_side(chunk,
@@ -245,7 +245,7 @@ void divide_work(Simulation::Impl& s) {
   for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c)
     s.division.chunk_cost.push_back(s.large_motion->chunks.all[at(c)].count);
 
-  // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
+  // In coefficients of a group's stiffness: a contact point of a lone body costs about 20, eight of a body group 12.
   constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
   s.division.largest_group = 0;
   for (const UnitGroup& unit : s.model.unit_groups) {

@@ -1,5 +1,5 @@
-// What acts on blocks from outside in stages: one file each of this folder, and its name in actions.cpp. Their keys are
-// read in scene/actions.
+// Actions of a stage on blocks: one file each in this folder, with its name in actions.cpp. Their keys are read in
+// scene/actions.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace quoin {
 
-// State of an action in checkpoints.
+// Functions that save and restore the state of an action in checkpoints; null: it has no state.
 struct SavedState {
   void (*save)(ArchiveWriter& to, const Actions& state) = nullptr;
   void (*restore)(ArchiveReader& from, Actions& state) = nullptr;
@@ -24,7 +24,7 @@ void transfer_member(Archive& archive, Member& member) {
     archive.value(member);
 }
 
-// Of members of Actions.
+// SavedState of these members of Actions.
 template <auto... kMembers>
 inline constexpr SavedState kSaved{
     [](ArchiveWriter& to, const Actions& state) { (transfer_member(to, state.*kMembers), ...); },
@@ -32,13 +32,14 @@ inline constexpr SavedState kSaved{
 
 using VisitName = std::function<void(const std::string& block)>;
 
-// An action on blocks in large motion. Functions that it does not have are null.
+// An action on blocks in large motion. A function that the action does not need is null.
 struct Action {
-  // Blocks that a stage names: looked up before anything runs, and known to all ranks when the stage begins.
+  // Visits the names of blocks in a stage. They are checked before the run, and all ranks receive their motion when the
+  // stage begins.
   void (*names)(const Stage& stage, const VisitName& visit) = nullptr;
-  // When a stage begins. previous: null: it is the first.
+  // Binds the action when a stage begins. previous: the stage before; null: there is none.
   void (*bind)(Simulation::Impl& s, const Stage& stage, const Stage* previous) = nullptr;
-  // Before a step. ramp: how far that of the stage has come, 0 to 1.
+  // Applies the action before a step. ramp: share of the stage's ramp that is done, 0 to 1.
   void (*apply)(Simulation::Impl& s, const Stage& stage, double ramp) = nullptr;
   SavedState saved{};
 };

@@ -12,7 +12,7 @@
 
 namespace quoin {
 
-// In the order in which they act.
+// In the order of their application.
 QUOIN_REGISTRY(Action, kActions, kDrive, kGround, kForce, kPressure, kGravity, kMembers, kCollapse, kWhiffletree);
 
 std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& settings) {

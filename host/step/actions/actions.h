@@ -1,4 +1,4 @@
-// The actions of a stage on blocks in large motion, and what goes over all of them.
+// The actions of a stage on blocks in large motion, and loops over all of them.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& settings);  // by its actions
+std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& settings);  // by any action of the stage
 void bind_actions(Simulation::Impl& s, const Stage& settings, const Stage* previous);
 void apply_actions(Simulation::Impl& s, double ramp);
 void save_actions(ArchiveWriter& to, const Simulation::Impl& s);

@@ -24,12 +24,12 @@ namespace quoin {
 
 namespace {
 
-constexpr double kBed = 0.7;      // cosine of the normal to the vertical from which on a joint is a bed joint
+constexpr double kBed = 0.7;      // least |cosine| between the normal of a bed joint and the vertical
 constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as uplift
-// Growth of the largest displacement in a window of time that counts as none, of what counts as collapse. A load that
-// is too large by 0.1 % of the weight moves a block by more, even with nine tenths of its acceleration lost to damping.
+// Largest growth of the largest displacement in a window at rest, over the displacement of collapse. A load too large
+// by 0.1 % of the weight moves a block by more, even with nine tenths of its acceleration lost to damping.
 constexpr double kAtRest = 1e-3;
-constexpr double kMostSeen = 0.01;  // m; larger displacements of collapse leave the criterion for rest as it is
+constexpr double kMostSeen = 0.01;  // m; largest displacement of collapse in the criterion for rest
 
 void watch_uplift(Simulation::Impl& s) {
   if (s.outcome.base_slip_at_uplift) return;
@@ -54,14 +54,16 @@ void watch_uplift(Simulation::Impl& s) {
   s.outcome.base_slip_at_uplift = s.parts.divided ? largest_of_ranks(s, slip) : slip;
 }
 
-// s: four times as long as a fall by what is seen.
+// Length of a window, s: four times that of a free fall by the displacement in the criterion for rest.
 double window_of(const Collapse& c, const Vec3& gravity) {
   return 4.0 * std::sqrt(2.0 * std::min(c.displacement, kMostSeen) / norm(geometry::vector(gravity)));
 }
 
-// Next load of a stage that waits. seen, while the load grows: since < 0, lowest is when that began, s. highest is how
-// many loads have been reached. While it stands still: the window since which it is watched, and the largest
-// displacements of the last window and of this one.
+// Next load of a stage that waits for rest under each load.
+// - While the load grows, since < 0. lowest is the time at which this began, s, highest the number of loads that are
+//   reached.
+// - While it is constant, since is the beginning of the window, s. Largest displacements, m: lowest of the last window,
+//   highest of this one.
 double waiting_load(FirstLoad* seen, const Stage& stage, double time, double multiplier, double moved) {
   const Collapse& c = *stage.collapse;
   const double window = window_of(c, stage.gravity);
@@ -92,7 +94,7 @@ void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {
   s.actions.first_load = {};
 }
 
-// On top of the weight.
+// Adds the body force to the weight.
 void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
   if (!settings.collapse) return;
   if (!waits(*settings.collapse))
@@ -106,7 +108,7 @@ void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
 
 }  // namespace
 
-// Blocks on their own side of the border alone: watch_uplift takes those of each rank.
+// Each rank uses the pairs of blocks that it owns; on_base is gathered, base_centre is not.
 void find_blocks_on_base(Simulation::Impl& s) {
   const auto& blocks = s.large_motion->assembly.blocks;
   s.reactions.on_base.assign(blocks.size(), 0);

@@ -16,8 +16,8 @@ using geometry::Vector;
 
 namespace {
 
-// Drives of the stage, and what was driven before and is now free. Velocities grow from the current ones, forces of
-// released components from what their support has carried. previous: null: there was no stage.
+// Binds the drives of the stage, and those of blocks that it releases. Velocities change from the current ones, forces
+// of released components from the reactions of their supports. previous: the stage before; null: there is none.
 void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   blocks::Model& m = *s.large_motion;
   std::vector<Drive> before = std::move(s.actions.drives);

@@ -1,11 +1,11 @@
-// Blocks that a stage moves, or loads at their centres; supports are such, and what is released.
+// Blocks with prescribed velocities, or with forces at their centres: supports, driven blocks and released ones.
 #pragma once
 
 #include "step/state.h"
 
 namespace quoin {
 
-// Along x, in place of what else is applied there.
+// Sets the force along x, N, in place of that of the stage.
 void pull_block(Simulation::Impl& s, int block, double pull);
 
 }  // namespace quoin

@@ -1,5 +1,5 @@
-// Forces at points of blocks: those of the stage before fade while those of this one grow. A moving load is one at each
-// of its positions, which share it by the lever.
+// Forces at points of blocks: those of the stage before fade while those of this one grow. A moving load is a force at
+// each of its positions: neighbouring positions share it by linear interpolation.
 #include <algorithm>
 #include <cmath>
 
@@ -30,7 +30,7 @@ void add_forces(Simulation::Impl& s, const Stage& settings) {
   }
 }
 
-// Share of a load that the position k of n has when it has come so far along its line, 0 to 1.
+// Share of a moving load at position k of n. way: share of its line that it has moved, 0 to 1.
 double share_at(std::size_t k, std::size_t n, double way) {
   if (n == 1) return 1.0;
   return std::max(0.0, 1.0 - std::abs(way * static_cast<double>(n - 1) - static_cast<double>(k)));
@@ -45,7 +45,7 @@ void bind_forces(Simulation::Impl& s, const Stage& settings, const Stage* previo
 void scale_forces(Simulation::Impl& s, const Stage& settings, double ramp) {
   auto& loads = s.large_motion->actions.loads;
   for (std::size_t i = 0; i < loads.size(); ++i) loads[i].scale = i < s.actions.fading_loads ? 1.0 - ramp : ramp;
-  // Positions are the last of each stage's.
+  // The positions of a moving load are the last loads of its stage.
   const auto spread = [&](const MovingLoad& moving, std::size_t end, double way) {
     const auto n = static_cast<std::size_t>(moving.positions);
     for (std::size_t k = 0; k < n; ++k) loads[end - n + k].scale *= share_at(k, n, way);

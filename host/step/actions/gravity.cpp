@@ -1,4 +1,4 @@
-// Weight, which follows the ramp of a stage.
+// Weight. It follows the ramp of a stage.
 #include "step/actions/action.h"
 #include "step/state.h"
 

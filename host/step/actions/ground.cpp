@@ -54,7 +54,7 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
 Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double time, std::int32_t motion) {
   if (!of_stage.ground) return {};
   const GroundMotion& ground = *of_stage.ground;
-  if (motion > static_cast<std::int32_t>(ground.supports.size())) return {};  // the motion is one of a stage before
+  if (motion > static_cast<std::int32_t>(ground.supports.size())) return {};  // a group of supports of an earlier stage
   const GroundMotion& moving = motion > 0 ? ground.supports[static_cast<std::size_t>(motion) - 1] : ground;
   Vector of_record;
   for (const GroundMotion::Component& c : moving.components)
@@ -63,7 +63,7 @@ Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double 
   return of_record;
 }
 
-// Velocities of what moves are those of half a step ago; that of a record is known for now, and may be back at rest.
+// Velocities of blocks are those of half a step before; those of records are current, and may be back at rest.
 Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, std::int32_t motion) {
   if (!of_stage) return {};
   const double half = 0.5 * (s.large_motion ? s.large_motion->stepping.dt : s.data.time_step);
@@ -123,8 +123,8 @@ const Drive* Actions::ground_drive() const {
 
 namespace {
 
-// The ground is all fixed blocks that no table of the stage drives. What earlier records have left of its velocity goes
-// on, or fades over the ramp of the stage if it has one.
+// The ground consists of all fixed blocks that no table of the stage drives. Velocity that earlier records have left
+// continues, or fades over the ramp of the stage.
 void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
   const auto old =
       std::find_if(s.actions.drives.begin(), s.actions.drives.end(), [](const Drive& d) { return d.of_ground != 0; });
@@ -150,8 +150,8 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
       s.actions.drives.push_back(drive);
     }
     Drive& drive = s.actions.drives[static_cast<std::size_t>(index)];
-    if (!settings.ground && !drive.of_ground) continue;  // has been driven by itself, and comes to rest
-    // What has moved with the ground before goes on as it did, group by group.
+    if (!settings.ground && !drive.of_ground) continue;  // was driven by a table before, and comes to rest
+    // Blocks that moved with the ground before continue, group by group.
     const Vector goes_on = drive.of_ground ? drive.velocity_from : left_over;
     drive.of_ground = 7;
     if (settings.ground) drive.motion = groups[static_cast<std::size_t>(block)];
@@ -159,7 +159,7 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
   }
 }
 
-// What damping brakes against. It moves as its first block does.
+// Sets the velocity of the ground, from which damping takes velocities: that of its first block.
 void follow_ground(Simulation::Impl& s, const Stage& settings, double ramp) {
   const Drive* const ground = s.actions.ground_drive();
   const bool on_springs =
@@ -188,11 +188,11 @@ void follow_ground_of_lattice(Simulation::Impl& s, double ramp) {
                                 record[static_cast<int>(c)];
 }
 
-// What stands on fixed blocks does to them.
+// Measures force and moment of the structure on fixed blocks.
 void measure_base(const Simulation::Impl& s, HistoryRow& row) {
   if (!s.large_motion) return measure_base_on_lattice(s, row);
   const Drive* const ground = s.actions.ground_drive();
-  Vec3 moved{};  // by now, as the contact points
+  Vec3 moved{};  // current displacement, as positions of contact points are
   if (ground) {
     moved = block_translation(s, ground->block);
     row.ground_displacement = block_translation_at_forces(s, {ground->block});

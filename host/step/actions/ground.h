@@ -1,20 +1,21 @@
-// Ground motion: all fixed blocks that no table of a stage drives, and what stands on them does to them.
+// Ground motion of all fixed blocks that no table of a stage controls, and the forces of the structure on them.
 #pragma once
 
 #include "step/state.h"
 
 namespace quoin {
 
-constexpr double kGroundAtRest = 1e-12;  // m/s, rounding of a record that ends at rest
+constexpr double kGroundAtRest = 1e-12;  // m/s; rounding of a record that ends at rest
 
-// Velocity of the ground motion of a stage, m/s. motion: as in Drive.
+// Velocity of a stage's ground motion at `time`, m/s. motion: as in Drive.
 geometry::Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double time,
                                  std::int32_t motion = 0);
-geometry::Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage,
-                                        std::int32_t motion);  // m/s; null: none
-// On the lattice: velocity now of a body that moves with the ground, as the stage before has left it, m/s.
+// Change of that velocity over the last half step, m/s. of_stage: null: no ground motion.
+geometry::Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, std::int32_t motion);
+// Velocity of a body that moves with the ground, at the end of the previous stage, m/s. Lattice.
 Vec3 left_over_velocity(const Simulation::Impl& s, const Stage* previous, int body);
-// By block, its group of supports as Drive::motion has it; 0: of none.
+// Index of the group of supports by block, as in Drive::motion; 0: none. Throws Error(bad_input): a block of a group is
+// not fixed, or is in two groups.
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings);
 void follow_ground_of_lattice(Simulation::Impl& s, double ramp);
 void measure_base(const Simulation::Impl& s, HistoryRow& row);

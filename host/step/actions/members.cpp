@@ -13,7 +13,7 @@ using geometry::Vector;
 
 namespace {
 
-// Places and turns of nodes, of the ranks that advance their blocks.
+// Exchanges positions and rotations of nodes, from the ranks that advance their blocks.
 void exchange_nodes(const Simulation::Impl& s, std::vector<members::Node>& nodes) {
   struct Place {
     Vector x;

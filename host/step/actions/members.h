@@ -1,4 +1,4 @@
-// Members: their pretension grows over the ramp of the first stage.
+// Members. Their pretension grows over the ramp of the first stage.
 #pragma once
 
 #include "step/state.h"

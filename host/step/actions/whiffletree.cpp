@@ -71,7 +71,7 @@ void pull_whiffletree(Simulation::Impl& s) {
   const Whiffletree& tree = *settings.whiffletree;
   const double moved = s.controls.cycles ? s.controls.cycles->position(stage_time(s))
                                          : tree.velocity * smooth_way(stage_time(s), settings.ramp_time);
-  // Current displacements, as for the joints: a spring with those of a step ago would add energy in every step.
+  // Current displacements, as for joints: a spring with those of a step before would add energy in every step.
   double mean = 0.0;
   for (std::size_t f = 0; f < s.controls.whiffletree.size(); ++f)
     mean += floor_displacement_now(s, f) / static_cast<double>(s.controls.whiffletree.size());
@@ -89,7 +89,7 @@ void pull_whiffletree(Simulation::Impl& s) {
   }
 }
 
-// Its pull is that of both kinds of motion: pull_whiffletree.
+// Forces are applied by pull_whiffletree, for both kinds of motion.
 extern const Action kWhiffletree{.names = [](const Stage& stage, const VisitName& visit) {
   if (!stage.whiffletree) return;
   for (const auto& floor : stage.whiffletree->floors) std::for_each(floor.begin(), floor.end(), visit);

@@ -1,4 +1,4 @@
-// Columns that a scene adds to the history beside HistoryNumbers. A group of them is one file of this folder, and its
+// Columns that a scene adds to the history beside HistoryNumbers. A group of them is a file of this folder, with its
 // name in columns.cpp.
 #pragma once
 
@@ -10,13 +10,13 @@
 namespace quoin {
 
 struct ColumnGroup {
-  // As history.csv has them, with their units; empty: the scene has none.
+  // Names in history.csv, with units; empty: the scene has none of the group.
   std::vector<std::string> (*names)(const Scene& scene);
-  // As many numbers, when a row is taken after a step, at the time of the forces of that step. Without a value: NaN.
+  // One number a name, for a row after a step, at the time of the forces of that step. NaN: no value.
   std::vector<double> (*values)(const Simulation::Impl& run);
 };
 
-// Columns of all groups, in the order of the file.
+// Columns of all groups, in the order of history.csv.
 std::vector<std::string> added_columns(const Scene& scene);
 std::vector<double> added_values(const Simulation::Impl& run);
 

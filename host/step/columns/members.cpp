@@ -1,4 +1,4 @@
-// Forces, moments and states of what holds blocks beside their joints (host/members).
+// Forces, moments and states of members (host/members).
 #include "members/members.h"
 
 #include "step/columns/columns.h"

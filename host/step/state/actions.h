@@ -1,5 +1,5 @@
-// What acts on blocks in large motion through a stage. Actions (step/actions) bind it when a stage begins and go on
-// with it before each step; all of it is saved.
+// Actions of the current stage on blocks in large motion. Actions (step/actions) bind these data when a stage begins
+// and update them before each step. All of them are saved.
 #pragma once
 
 #include <cstddef>
@@ -15,33 +15,36 @@ namespace quoin {
 struct Drive {
   int block = -1;
   std::uint8_t held = 0;       // bits 0..2: velocity along x, y, z prescribed; 3..5: rotation
-  std::uint8_t in_cycles = 0;  // bits 0..2: this component follows the cycles of the stage
-  // bits 0..2: this component is of the ground, which adds its record to the velocities below: what is left of earlier
-  // records.
+  std::uint8_t in_cycles = 0;  // bits 0..2: the velocity component follows the cycles of the stage
+  // Bits 0..2: the velocity component is that of the ground. The stage's record is added to the velocities below, which
+  // are what earlier records have left.
   std::uint8_t of_ground = 0;
-  std::int32_t motion = 0;  // index of the motion: 0: that of the ground; from 1 on: of a group of supports
+  std::int32_t motion = 0;  // index of the motion: 0: that of the ground; k: of the k-th group of supports
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
-  geometry::Vector force_from, force_to, force_now;                   // N, along free components
+  geometry::Vector force_from, force_to, force_now;  // N, along free components; force_now: in this step
 };
 
-// Whether the first multiplier of a collapse stage is carried. After its ramp the blocks then have stood for as long as
-// the multiplier takes to grow by a hundredth. They have stood four times as long as a fall by what counts as collapse,
-// too. Else what moves them later may be what the ramp has set in motion.
+// Whether a structure stands under the first multiplier of a collapse stage. After the ramp its blocks must stay at
+// rest for the longer of two times. One is that in which the multiplier grows by a hundredth. The other is four times
+// that of a free fall by the displacement of collapse. Else motion that the ramp has caused could be taken for
+// collapse.
 struct FirstLoad {
-  double since = -1.0;                 // s, in the stage; < 0: not checked yet
-  double lowest = 0.0, highest = 0.0;  // largest displacement of a block since then, m
+  double since = -1.0;                 // beginning of the time at rest in the stage, s; < 0: not checked yet
+  double lowest = 0.0, highest = 0.0;  // displacements of the block that has moved farthest, since then, m
   bool carried = false;
-  void look(double time, double moved, double allowed, double needed);   // s, m, m, s
-  static double time_of(const Collapse& collapse, const Vec3& gravity);  // s
+  // Adds a check. time: s, in the stage; moved: largest displacement of a block, m; allowed: its largest change at
+  // rest, m; needed: time at rest, s.
+  void look(double time, double moved, double allowed, double needed);
+  static double time_of(const Collapse& collapse, const Vec3& gravity);  // time at rest that is needed, s
 };
 
 struct Actions {
   std::vector<Drive> drives;
-  std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
+  std::size_t fading_loads = 0, fading_pressures = 0;  // number of loads of the stage before, which fade
   double multiplier = 0.0;                             // multiplier of the body force in a collapse stage
-  FirstLoad first_load;
+  FirstLoad first_load;                                // for collapse stages
 
-  const Drive* ground_drive() const;  // a block that moves as the ground does; null: none
+  const Drive* ground_drive() const;  // drive of a block that moves with the ground; null: none
 };
 
 }  // namespace quoin

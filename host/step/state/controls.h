@@ -1,5 +1,5 @@
-// What acts on bodies and blocks in a stage, over its ramp from what was to what shall be. A stage sets it when it
-// begins, a controller between steps; ramps and gravity are saved, the rest follows from them and the stage.
+// Controls of bodies and blocks in a stage: velocities and forces that change over its ramp. A stage sets them when it
+// begins, a controller between steps. Ramps and gravity are saved; the rest follows from them and from the stage.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,22 @@
 
 namespace quoin {
 
-// Control of a body through a stage: over the ramp from the velocity and force before it to those of the stage.
+// Control of a body through a stage: from the velocity and force before the stage to those of the stage.
 struct BodyRamp {
   Vec3 velocity_from{}, velocity_to{};  // m/s
   Vec3 force_from{}, force_to{};        // N
   Vec3 in_cycles{};                     // 1: this component follows the cycles of the stage; else 0
-  std::uint64_t of_ground = 0;          // as in Drive
+  std::uint64_t of_ground = 0;          // as in Drive (state/actions.h)
   std::int64_t motion = 0;              // as in Drive
 };
 
-// A deformable block that controls can load.
+// A named deformable block on the lattice: controls can load it.
 struct LoadedBlock {
   int block = -1;
-  double mass = 0.0;  // kg, without scaling
+  double mass = 0.0;  // mass without scaling, kg
 };
 
-// Force on it through a stage: from what was to what shall be, over the ramp.
+// Force on a loaded block through a stage: before the stage, at the end of the ramp, in this step.
 struct LoadRamp {
   Vec3 from{}, to{}, now{};  // N
 };
@@ -34,7 +34,7 @@ struct LoadRamp {
 // A floor of a whiffletree.
 struct WhiffletreeFloor {
   std::vector<int> bodies, loaded;  // loaded: indices into Controls::loaded_blocks
-  std::vector<int> large_motion;    // blocks in large motion, in place of both
+  std::vector<int> large_motion;    // blocks of the floor in large motion; bodies and loaded are then empty
   double count() const { return static_cast<double>(bodies.size() + loaded.size() + large_motion.size()); }
 };
 
@@ -53,7 +53,7 @@ struct Controls {
   bool rest_known = true;                     // BodyLanes::at_rest is up to date
 
   void find_loaded_blocks(const Model& model);
-  void apply_load(const Model& model, std::size_t loaded);  // current value of load_ramps, to the block's group
+  void apply_load(const Model& model, std::size_t loaded);  // writes the current value of load_ramps into `load`
   int ground_body() const;                                  // a body that moves as the ground does; -1: none
 };
 

@@ -1,4 +1,4 @@
-// Energies since the start, J. Measured steps add to them; sums and kinetic are saved.
+// Energies since the start, J. Measured steps add to them. Sums and the kinetic energy are saved.
 #pragma once
 
 #include <array>
@@ -9,13 +9,13 @@
 namespace quoin {
 
 struct EnergyBook {
-  bool wanted = false;                   // by the scene: in every step
-  bool sampled = false;                  // whether this step alone has energies, for the watch
-  std::array<double, 4> dissipated{};    // joints on the lattice, by mode
-  double damping = 0.0, external = 0.0;  // energies of the lattice up to the last half step
-  double lost_inertia = 0.0;             // kinetic, of added inertia where stages take less of it
+  bool wanted = false;                   // output.energy: energies are measured in every step
+  bool sampled = false;                  // whether the energies of this step are measured for Watch
+  std::array<double, 4> dissipated{};    // energy dissipated in joints of the lattice, by mode
+  double damping = 0.0, external = 0.0;  // work on the lattice up to the last half step
+  double lost_inertia = 0.0;             // kinetic energy of added inertia, lost where a stage takes less of it
   double kinetic = 0.0;                  // kinetic energy of the last measured step
-  std::optional<Energies> now;
+  std::optional<Energies> now;           // energies of the last measured step
 };
 
 }  // namespace quoin

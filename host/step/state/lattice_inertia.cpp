@@ -9,7 +9,7 @@ void LatticeInertia::bind_body_groups(const Model& model, double time_step) {
   for (const BodyGroup& group : model.body_groups) of_body_group.push_back(inertia_of(group, model, in_use, time_step));
 }
 
-// Tables of the gridpoints that are laid out.
+// Tables of the gridpoints that this rank holds.
 void LatticeInertia::share(const Model& model, double time_step) {
   const std::size_t doubles = model.node_free.size();
   dt_over_mass = LaneVector<double>(doubles);

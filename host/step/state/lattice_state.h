@@ -1,5 +1,5 @@
-// What steps change of bricks on the lattice: the arrays of step/lattice_fields.h, by which they are saved. In large
-// motion they are empty.
+// State of bricks on the lattice, which steps change: the arrays of step/lattice_fields.h, by which they are saved. In
+// large motion they are empty.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,23 @@
 namespace quoin {
 
 struct LatticeState {
-  LaneVector<double> displacement, velocity;  // by gridpoint, m, m/s: of now, of half a step ago
+  LaneVector<double> displacement, velocity;  // by gridpoint: m at t, m/s at t - dt/2
   LaneVector<double> traction[3];             // by contact point, Pa
-  std::vector<LaneVector<double>> law_state;  // per family: state_count columns of its points one after the other
-  LaneVector<double> normal_shift;            // by contact point, m: added to the opening (laws swapped in); else empty
-  // Where impacts are damped, else empty: tractions of damping, Pa; opening of the last step, m, not a number: unknown.
+  std::vector<LaneVector<double>> law_state;  // per family: one column a state, column after column
+  LaneVector<double> normal_shift;            // by contact point, m: added to the opening after law swaps; else empty
+  // With impact damping, else empty: tractions of damping, Pa; opening of the last step, m, NaN where there was none.
   LaneVector<double> viscous[3], old_jump;
   std::vector<BodyLanes> bodies;           // body groups, then lone bodies
-  std::vector<std::pair<int, int>> place;  // by body: index into bodies, lane; follows from the model
+  std::vector<std::pair<int, int>> place;  // by body: index into bodies, lane; from the model
   LaneVector<std::uint32_t> flags;         // by contact point; not saved
-  long flags_step = -1;                    // step that computed them
+  long flags_step = -1;                    // step of `flags`; -1: none
 
   bool damps_impacts() const { return !old_jump.empty(); }
   BodyLanes& lanes_of(int body) {
     return bodies[static_cast<std::size_t>(place[static_cast<std::size_t>(body)].first)];
   }
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
-  Vec3 mean_of(const std::vector<int>& some, BodyLanes::Quantity BodyLanes::*quantity) const;  // over bodies
+  Vec3 mean_of(const std::vector<int>& some, BodyLanes::Quantity BodyLanes::*quantity) const;  // mean over bodies
 };
 
 }  // namespace quoin

@@ -1,5 +1,5 @@
-// The body or blocks whose displacement and force a row of the history shows. A stage finds them when it begins; start,
-// and the blocks in large motion, are saved.
+// The monitor: body or blocks whose displacement and force are in rows of the history. A stage finds them when it
+// begins. `start`, and the blocks in large motion, are saved.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@ namespace quoin {
 struct StageMonitor {
   struct Point {
     std::int32_t point;
-    double sign;  // 1: side a
+    double sign;  // of the force on the monitor: 1: the monitor is side a; -1: side b
   };
 
-  Vec3 start{};               // displacement when the stage began, m
+  Vec3 start{};               // displacement at the beginning of the stage, m
   std::vector<int> bodies;    // bodies on the lattice
-  std::vector<int> loaded;    // deformable blocks on the lattice, indices into Controls::loaded_blocks
-  std::vector<Point> points;  // points of these blocks, in order
+  std::vector<int> loaded;    // deformable blocks on the lattice: indices into Controls::loaded_blocks
+  std::vector<Point> points;  // contact points of `loaded`, in ascending order
   std::vector<int> blocks;    // blocks in large motion
-  bool stands_below = false;  // whether these blocks lie below what they touch, at the start of the stage
+  bool stands_below = false;  // whether blocks lie below their neighbours at the beginning of the stage
 };
 
 }  // namespace quoin

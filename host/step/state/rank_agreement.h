@@ -1,5 +1,5 @@
-// What is the same on all ranks: whether they go on, and the end of a run of which no rank has all. Written where ranks
-// agree, in each step and at the end.
+// Data on which all ranks agree: whether they continue, and the results at the end of a run that no rank holds
+// whole. They are written in each step and at the end.
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@
 namespace quoin {
 
 struct RankAgreement {
-  bool failed = false;       // one of them in this step
-  bool stop_wanted = false;  // here
+  bool failed = false;       // whether a rank has failed in this step
+  bool stop_wanted = false;  // whether this rank is to stop
   bool stop = false;         // whether any rank is to stop
-  bool together = true;      // all ranks end in the same way
-  // End conditions of a run in parts, for rank 0.
+  bool together = true;      // false: run() has failed on some ranks and not on others
+  // Number of contact points in each condition at the end of a run in parts.
   std::optional<std::array<long, kConditionCount>> end_conditions;
-  std::uint64_t end_hash = 0;
-  std::optional<std::uint64_t> start_hash;  // hash where states differ from rank to rank at the start
+  std::uint64_t end_hash = 0;               // hash of the state at the end of a run in parts
+  std::optional<std::uint64_t> start_hash;  // hash of the state at the start, where it differs from rank to rank
 };
 
 }  // namespace quoin

@@ -1,5 +1,4 @@
-// How much each rank works and waits, and when blocks are divided again because of it. Written in each step, and at the
-// end of a run.
+// Work and waiting times of ranks, for load balancing. Written in each step and at the end of a run.
 #pragma once
 
 #include <optional>
@@ -11,15 +10,15 @@
 
 namespace quoin {
 
-// Steps of this rank since the last check of how even the ranks are.
+// Steps of this rank since load balancing was last checked.
 struct RankWindow {
   long steps = 0;
-  double seconds_before = 0.0;    // RankTraffic::own_seconds when it began
-  std::vector<double> estimated;  // by rank, the costs of its steps
+  double seconds_before = 0.0;    // RankTraffic::own_seconds at its beginning
+  std::vector<double> estimated;  // estimated cost of these steps by rank, any unit
 };
 
-// Tests cannot wait for costs that differ. QUOIN_DEAR_BLOCKS=20x4: clocks say that each of the first 20 blocks costs
-// four times as much as it is estimated to, and that dividing is free.
+// Costs for tests, which cannot wait for real ones to differ. QUOIN_DEAR_BLOCKS=20x4: each of the first 20 blocks costs
+// four times its estimate, and a repartition costs nothing.
 struct CostlyBlocks {
   int count = 0;
   double times = 1.0;
@@ -31,8 +30,8 @@ struct RankLoad {
   std::vector<RankTraffic> traffic_of_all;
   RankBalance balance;
   RankWindow window;
-  std::vector<double> measured_over_estimated;  // cost by block; empty: nothing is known yet
-  std::optional<CostlyBlocks> costly_blocks;    // costs for tests
+  std::vector<double> measured_over_estimated;  // by block; empty: not measured yet
+  std::optional<CostlyBlocks> costly_blocks;    // for tests
 };
 
 }  // namespace quoin

@@ -1,5 +1,5 @@
-// Whose joints are summed for what supports and drives give. Found from the model and all stages before the first; the
-// sums are written before a row by the rank that has the block.
+// Supports and prescribed motions whose reactions are in the history. They are found once, from the model and all
+// stages. Each rank sums the forces of its own blocks before a row.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace quoin {
 
-// Force and moment of the joints of a rigid body, or a block, for a row of the history.
+// Force and moment of the joints on a rigid body, or on a block, for a row of the history.
 struct JointWrench {
   Vec3 force{};             // N
-  Vec3 moment{}, centre{};  // about its centre at the start, N m; where that is, m
+  Vec3 moment{}, centre{};  // moment about the centre at the start, N m; that centre, m
   Vec3 displacement{};      // displacement since the start, m
 };
 
@@ -22,12 +22,12 @@ struct Reactions {
   std::vector<Restraint> restraints;
   bool restraints_found = false;
   std::vector<int> restraint_of;                     // by body, or by block: index into restraints; -1: none
-  std::vector<int> restrained_blocks;                // blocks in large motion that are fixed, or held by some stage
-  std::vector<std::vector<int>> restrained_of_item;  // the same by item, with ranks
-  std::vector<JointWrench> body_wrench;              // by body, of the last row; with ranks
-  std::vector<JointWrench> block_wrench;  // wrenches of restrained_blocks in the last row, by block; with ranks
-  std::vector<std::uint8_t> on_base;      // by block: a free one that rests on fixed ones at the start
-  geometry::Vector base_centre;           // centre of the area between these at the start, m
+  std::vector<int> restrained_blocks;                // blocks in large motion that are fixed, or held in some stage
+  std::vector<std::vector<int>> restrained_of_item;  // restrained blocks by item, with ranks
+  std::vector<JointWrench> body_wrench;              // by body, in the last row; with ranks
+  std::vector<JointWrench> block_wrench;             // by block, of restrained_blocks in the last row; with ranks
+  std::vector<std::uint8_t> on_base;                 // by block: 1: it rests on a fixed block at the start
+  geometry::Vector base_centre;                      // area centre of the bed joints on fixed blocks at the start, m
 };
 
 }  // namespace quoin

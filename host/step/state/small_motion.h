@@ -1,5 +1,5 @@
-// How far blocks have moved, and what follows from it: the bounds of small displacements, and blocks that fall.
-// Looks between steps write it; seen and next_check are saved.
+// How far blocks have moved, against the bounds of small displacements, and blocks that fall. Checks between steps
+// write it; seen and next_check are saved.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,14 @@ namespace quoin {
 
 struct SmallMotion {
   MotionSeen seen;
-  long next_check = 0;  // step
+  long next_check = 0;  // step of the next check
   JointSliding joint_sliding;
   UnjoinedBlocks unjoined;
-  std::function<int(const blocks::Meeting&)> meeting_family;  // family of two blocks that meet; empty: not needed yet
-  std::vector<WholeMotion> whole_motions;                     // by brick, of the last check
-  double extent = 0.0;                                        // diagonal of the model at the start, m
-  std::vector<std::uint8_t> held_blocks;                      // held_in of the stage
+  // Joint family of two blocks that meet; empty: not needed yet.
+  std::function<int(const blocks::Meeting&)> meeting_family;
+  std::vector<WholeMotion> whole_motions;  // by brick, at the last check
+  double extent = 0.0;                     // diagonal of the model at the start, m
+  std::vector<std::uint8_t> held_blocks;   // by block: bits of held components in the stage (supports.cpp)
 };
 
 }  // namespace quoin

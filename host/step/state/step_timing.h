@@ -1,4 +1,4 @@
-// What the steps of a run take, phase by phase. Steps write it, and what goes on between them.
+// Times of the phases of a run. Steps, and the functions between them, add to these.
 #pragma once
 
 #include <chrono>
@@ -8,8 +8,8 @@
 
 namespace quoin {
 
-// One step in so many is timed phase by phase: a percent of a step, and no more. A prime: what comes at round
-// intervals, such as checks of motion, falls on timed steps as often as on others.
+// One step in kTimedSteps is timed phase by phase, which costs less than one percent. A prime: phases at round
+// intervals, such as checks of motion, fall on timed steps as often as on others.
 constexpr long kTimedSteps = 31;
 
 using Clock = std::chrono::steady_clock;
@@ -19,7 +19,7 @@ inline double seconds_since(Clock::time_point start) {
 
 struct StepTiming {
   bool every_step = false;
-  double timed_steps = 0.0;  // number of steps that the time of this one stands for; 0: not timed
+  double timed_steps = 0.0;  // number of steps for which this one's time stands; 0: not timed
   PhaseTimes phases;
   std::vector<PhaseClock> clocks;  // by thread
 
@@ -28,7 +28,7 @@ struct StepTiming {
   }
   Clock::time_point now_if_timed() const { return timed_steps > 0.0 ? Clock::now() : Clock::time_point(); }
   PhaseClock* started_clock(int thread);  // null: this step is not timed
-  void book(double wall);                 // s, of all threads, by what their clocks say; they begin again
+  void book(double wall);  // divides the wall time of a phase of work, s, by the threads' clocks, and resets these
 };
 
 }  // namespace quoin

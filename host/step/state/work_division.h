@@ -1,5 +1,5 @@
-// Who advances which items and evaluates which chunks: the share of this rank, and in it those of the threads. Written
-// when work is divided. Items are unit groups, body groups and lone bodies; or pieces of blocks of any shape.
+// Division of work: items and chunks of this rank, and each thread's share of them. Written when work is divided. Items
+// are unit groups, body groups and lone bodies; or pieces of blocks of any shape.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@
 namespace quoin {
 
 struct WorkDivision {
-  std::vector<double> item_cost, chunk_cost;  // costs of all, in any unit; item_cost is without contact points
+  std::vector<double> item_cost, chunk_cost;  // of all ranks, any unit; item_cost excludes contact points
   RankShare share;
-  std::vector<int> chunk_end, border_end, item_end;  // per thread, into those lists
-  std::vector<int> unit_of_group;                    // by block group: its item
-  std::vector<int> item_by_block;                    // items in large motion
+  std::vector<int> chunk_end, border_end, item_end;  // end of each thread's share in `share`
+  std::vector<int> unit_of_group;                    // item of each block group
+  std::vector<int> item_by_block;                    // item of each block in large motion; -1: none
 
-  // What threads work in.
-  std::size_t largest_group = 0;            // size of the largest group of deformable blocks, doubles
-  std::vector<LaneVector<double>> scratch;  // per thread
-  std::vector<std::unique_ptr<ChunkJumps>> jumps;
-  std::vector<Measured> measured;  // by item, of the last measured step
+  // Memory of threads.
+  std::size_t largest_group = 0;                   // size of the largest group of deformable blocks, in doubles
+  std::vector<LaneVector<double>> scratch;         // per thread
+  std::vector<std::unique_ptr<ChunkJumps>> jumps;  // by thread
+  std::vector<Measured> measured;                  // by item, in the last measured step
 };
 
 }  // namespace quoin
