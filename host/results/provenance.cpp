@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Where this code is: the executable, or the module that another program has loaded.
+// File of this code: the executable, or the Python module.
 std::string program_file() {
   Dl_info here{};
   const bool is_module = dladdr(reinterpret_cast<const void*>(&program_file), &here) != 0 &&
@@ -138,7 +138,7 @@ Json to_json(const Provenance& p) {
           {"machine", {{"processor", p.processor}, {"system", p.system}, {"memory_bytes", p.memory}}},
           {"instruction_set", p.instruction_set},
           {"threads", p.threads},
-          {"seed", nullptr},  // nothing in a run is left to chance
+          {"seed", nullptr},  // random samples follow from the scene alone
           {"results", {{"state", p.state}, {"history_sha256", p.history_sha256}}}};
 }
 

@@ -94,9 +94,9 @@ enum class InternalForces { automatic, assembled, zones };
 // sqrt(m/k) with the diagonal stiffness of a gridpoint; unstable for blocks of several zones.
 enum class CriticalTimeStep { assembled, nodal };
 
-// Choice between small displacements and large motion. automatic: walls and buildings have small displacements, with a
-// warning beyond the bound. Blocks of any shape are promoted when they move. never: small displacements, and a stop
-// beyond the bound. always: large motion from the start.
+// Choice between small displacements and large motion. automatic: on the lattice, small displacements and promotion to
+// large motion beyond the bound; large motion of other blocks. never: small displacements, and beyond the bound a stop
+// or a warning. always: large motion from the start.
 enum class LargeMotion { automatic, never, always };
 
 // Choice of the kernels that move blocks. lattice: vectorised ones, for conforming bricks in small displacements.

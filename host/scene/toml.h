@@ -16,7 +16,7 @@
 namespace quoin {
 
 // Number of a node, or nothing. An integer without an exact double is rounded to the nearest one, as digits with a
-// decimal point are. toml++ itself, in value<double>(), has no value for it.
+// decimal point are. The function value<double>() of toml++ returns nothing for it.
 inline std::optional<double> number_of(const toml::node& node) {
   if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
   if (const auto* decimal = node.as_floating_point()) return decimal->get();
