@@ -56,8 +56,8 @@ class Follower : public Observer {
 
 void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   if (!options.resume.empty()) {
-    options.resume =
-        fs::absolute(options.resume).string();  // read_run_record changes to the working directory of the run
+    // read_run_record changes the working directory
+    options.resume = fs::absolute(options.resume).string();
     if (is_done(options.resume)) return;
     options.scene = read_run_record(options.resume);
   }

@@ -54,8 +54,7 @@ using quoin::notice;
 void fill_closed_descriptors() {
   for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(number, F_GETFD) < 0 && errno == EBADF) {
-      const int null =
-          open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest free descriptor
+      const int null = open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest free one
       if (null != number && null >= 0) close(null);
     }
   }

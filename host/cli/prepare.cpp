@@ -82,8 +82,8 @@ std::string value_text(const PropertySetting& p) {
 
 // Refuses a scene that is too large, before the model is made.
 void refuse_what_does_not_fit(const Scene& scene, const SceneOptions& options) {
-  constexpr double kMost = 2e9,
-                   kLarge = 1e8;  // largest number that an index has; B above which the user gets a message first
+  // Largest number of an index; bytes from which the user gets a message first.
+  constexpr double kMost = 2e9, kLarge = 1e8;
   const SceneSize size = size_of(scene);
   const std::string words = fmt::format("{}: about {:.3g} blocks, {:.3g} zones and {:.3g} contact points", scene.file,
                                         size.blocks, size.zones, size.points);

@@ -18,8 +18,7 @@ namespace {
 constexpr double kLineInterval = 5.0;  // s between lines without a terminal
 
 std::string time_left(double seconds) {
-  if (!(seconds >= 0 && seconds < 100 * 3600))
-    return "--:--";  // not known, or extrapolated from the first steps of a ramp
+  if (!(seconds >= 0 && seconds < 100 * 3600)) return "--:--";  // not known, or a guess from a ramp
   const long s = std::lround(seconds);
   return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);

@@ -269,8 +269,7 @@ class Pool {
   const pid_t parent_;
   const StopHandler handler_;
   std::vector<std::uint64_t> left_;
-  std::map<std::uint64_t, Clock::time_point>
-      held_until_;  // times until which other processes are assumed to hold samples
+  std::map<std::uint64_t, Clock::time_point> held_until_;  // of samples of other processes
   std::map<std::uint64_t, int> killed_;
   std::map<pid_t, UnderWay> running_;
   std::uint64_t total_ = 0, done_before_ = 0, computed_ = 0;

@@ -33,12 +33,11 @@ struct RecordSuite {
   enum class Method { none, incremental, stripes, cloud } method = Method::none;
   std::string stage;  // stage with ground motion
   IntensityMeasure measure = IntensityMeasure::pga;
-  double period = 0.0;  // period of sa, s; 0: no sa
-  double first = 1.0, growth = 2.0, largest = 100.0,
-         tolerance = 0.05;     // incremental analysis: levels of the measure, ratios
-  std::vector<double> levels;  // levels of stripes
-  double free_time = 2.0;      // s of simulation after the end of a record
-  double displacement = 0.0;   // displacement of a block against the ground that counts as collapse, m
+  double period = 0.0;                                                  // period of sa, s; 0: no sa
+  double first = 1.0, growth = 2.0, largest = 100.0, tolerance = 0.05;  // levels of incremental analysis
+  std::vector<double> levels;                                           // levels of stripes
+  double free_time = 2.0;                                               // s of simulation after the end of a record
+  double displacement = 0.0;  // displacement of a block against the ground that counts as collapse, m
   std::vector<SuiteRecord> records;
   std::vector<std::string> files;  // files of the records
 

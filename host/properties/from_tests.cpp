@@ -35,14 +35,12 @@ constexpr double kMeanOverCharacteristic = 1.2;     // EN 1052-1: fk = f/1.2
 constexpr double kShearOfCharacteristic = 0.8;      // EN 1052-3: characteristic = 0.8 of the mean
 constexpr double kModulusOverStrength = 550.0;      // modulus over strength of masonry, Kaushik, Rai and Jain (2007)
 constexpr double kUnitModulusOverStrength = 300.0;  // modulus over strength of units, Kaushik, Rai and Jain (2007)
-constexpr double kLeastStiffer =
-    2.0;  // least ratio of unit modulus over masonry modulus, so that the joint has a share [assumed]
+constexpr double kLeastStiffer = 2.0;  // unit over masonry modulus, so that the joint has a share [assumed]
 constexpr double kStiffestBed = 1e12;  // Pa/m; a stiffer joint does not change the stiffness of a block [assumed]
 constexpr double kFriction = 0.7;      // van der Pluijm (1999): sliding friction of clay masonry 0.7 to 0.8
-constexpr double kBondOverCohesion = 2.0 / 3.0;  // Table 1 and Table 3 of the paper
-constexpr double kTensionLength = 0.075 * kMm;   // G1/ft: 15 J/m2 at 0.2 MPa, Table 1
-constexpr double kLeastTension = 5.0,
-                 kMostTension = 20.0;           // J/m2, van der Pluijm (1999); kLeastTension is that of Table 3
+constexpr double kBondOverCohesion = 2.0 / 3.0;             // Table 1 and Table 3 of the paper
+constexpr double kTensionLength = 0.075 * kMm;              // G1/ft: 15 J/m2 at 0.2 MPa, Table 1
+constexpr double kLeastTension = 5.0, kMostTension = 20.0;  // J/m2, van der Pluijm (1999); least: Table 3
 constexpr double kShearLength = 0.2 * kMm;      // G2/c: between 0.1 mm (Angelillo et al. 2014) and 0.42 mm (Table 1)
 constexpr double kCrushingLength = 1.6 * kMm;   // Gc/fc below 12 MPa, Angelillo et al. (2014)
 constexpr double kUnitTension = 0.05;           // tensile over compressive strength of units, Angelillo et al. (2014)

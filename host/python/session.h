@@ -32,8 +32,8 @@ namespace py = pybind11;
 struct Frame {
   double time = 0.0;               // s
   std::vector<Vec3> displacement;  // displacement of the gridpoints of all blocks, block by block, m
-  std::shared_ptr<const std::vector<Vec3>>
-      place;  // places of these gridpoints at the start, m; a promotion changes their order
+  // Places of these gridpoints at the start, m; a promotion changes their order.
+  std::shared_ptr<const std::vector<Vec3>> place;
   std::vector<JointPoint> joints;
 };
 

@@ -16,9 +16,8 @@ namespace bm = boost::math;
 
 namespace {
 
-constexpr double kLargest = 1e100,
-                 kSmallest = 1e-100;  // bounds of all numbers, so that squares and products are finite
-constexpr double kFinest = 1e-9;      // least scatter over mean: a smaller one is lost in the digits of a value
+constexpr double kLargest = 1e100, kSmallest = 1e-100;  // bounds of numbers: squares and products are finite
+constexpr double kFinest = 1e-9;  // least scatter over mean: a smaller one is lost in the digits of a value
 // Bounds of scatter over mean. For Weibull its shape is then 0.1 to 130. For lognormal the logarithm has a scatter of 3
 // at most.
 constexpr double kLeastVariation = 0.01, kMostVariation = 10.0, kMostOfLognormal = 100.0;

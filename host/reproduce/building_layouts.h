@@ -15,8 +15,7 @@ inline constexpr Count kTableD{996, 1020}, kTableABC{2506, 2542};
 
 // Two doors and two windows in wall D, 30 half units long and 40 courses high.
 struct DoorLayout {
-  int door_width, door_courses, window_width,
-      window_courses;  // half units, courses; lintels have a bearing of one half unit on each side
+  int door_width, door_courses, window_width, window_courses;  // half units, courses; bearing of lintels: one half unit
   bool operator==(const DoorLayout&) const = default;
   Count count() const;
   std::string name() const;

@@ -73,8 +73,7 @@ struct StudyReport {
   std::vector<Picture> pictures;
   std::vector<Table> tables;
   std::vector<std::string> agrees, differs, notes;
-  std::vector<std::string>
-      seen;  // observations in pictures and curves of runs of standard quality, which are not computed
+  std::vector<std::string> seen;     // observations in pictures and curves of standard quality, not computed
   std::vector<std::string> notices;  // pictures that could not be drawn, failed runs
 };
 

@@ -11,8 +11,7 @@
 
 namespace quoin {
 
-inline constexpr int kMostBlocks =
-    3000;  // largest number of blocks: each further thousand polygons takes gnuplot seconds
+inline constexpr int kMostBlocks = 3000;  // more would take gnuplot seconds per thousand polygons
 
 // Draw fewer than kMostBlocks blocks, all of which this rank must have, at the time of the last row. Return a one-line
 // notice when there is no picture, otherwise an empty text. label: of warnings.h, or empty.

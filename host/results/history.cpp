@@ -216,8 +216,7 @@ History::History(const std::filesystem::path& path, const Simulation& simulation
       columns_(history_columns(scene_, restraints_of(simulation))),
       stream_(begin_file(path), std::ios::trunc) {
   for (const HistoryColumn& column : columns_) {
-    const bool plain =
-        column.name.find_first_of(",\"\r\n") == std::string::npos;  // names of blocks may contain separators
+    const bool plain = column.name.find_first_of(",\"\r\n") == std::string::npos;  // names may have separators
     stream_ << (&column == columns_.data() ? "" : ",") << (plain ? column.name : csv_text(column.name));
   }
   stream_ << '\n';

@@ -163,8 +163,7 @@ Surface surface_of(const VtuFile& blocks) {
     number[p] = static_cast<std::int32_t>(s.vertex.size());
     s.vertex.push_back(static_cast<std::uint32_t>(p));
   }
-  std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Eigen::Vector3f>>
-      edges;  // normals of the triangles at each edge
+  std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Eigen::Vector3f>> edges;  // normals of both sides
   for (Triangle& t : s.triangle) {
     const auto corner = [&](int k) {
       return Eigen::Vector3f(at(points, static_cast<std::size_t>(t[static_cast<std::size_t>(k)])).data());

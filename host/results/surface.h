@@ -26,8 +26,8 @@ struct JointPoint {
       damage_shear;  // lost share of tensile strength and of cohesion; 0.5: begun, by flags alone
   double closure;    // plastic closure by crushing, m
   Crack crack;
-  Vec3
-      gap{};  // vector from its place on block a to that on block b where blocks have parted in large motion, m; else 0
+  // Vector from its place on block a to that on block b where blocks have parted in large motion, m; else 0.
+  Vec3 gap{};
 };
 
 // Results of a law at a contact point; NaN: the law has none.

@@ -391,8 +391,7 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
   const std::vector<Run> runs = runs_of_points(simulation);
   if (target.piece) {
     // Points of joints that begin at blocks of this rank, in their order.
-    LaneVector<std::int32_t> place(
-        static_cast<std::size_t>(simulation.point_count()));  // from 1; 0: in the piece of another rank
+    LaneVector<std::int32_t> place(static_cast<std::size_t>(simulation.point_count()));  // from 1; 0: of another rank
     std::int32_t next = 0;
     each_own_point(simulation, [&](std::int32_t point) { place[static_cast<std::size_t>(point)] = ++next; });
     std::vector<Surfaces::Quad> own;

@@ -38,8 +38,7 @@ struct Joint {
   int family;  // index into Assembly::families
 };
 
-inline constexpr int kNoFamily =
-    -1;  // index of family for pairs of blocks without contact, which pass through each other
+inline constexpr int kNoFamily = -1;  // family of pairs without contact, which pass through each other
 
 struct Assembly {
   std::vector<BlockMaterial> materials;

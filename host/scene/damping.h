@@ -30,8 +30,7 @@ struct DampingSettings {
   double impact_damping = 0.7;
   // impact: damping ratio of vibrations between two frequencies by Maxwell elements parallel to the joints; 0: none.
   double maxwell_damping = 0.0;
-  bool implicit_contacts =
-      false;  // impact: implicit mean of a step in joints, on the lattice (step/implicit_contacts.h)
+  bool implicit_contacts = false;  // impact: implicit mean of a step, on the lattice (step/implicit_contacts.h)
   std::array<double, 2> maxwell_band{0.5, 25.0};
 };
 

@@ -130,8 +130,7 @@ void add_units(const WallSpec& wall, const std::map<std::string, BlockMaterial>&
       if (!grid.solid(course, column)) continue;
       const bool same_unit = column > 0 && grid.unit(course, column - 1) == grid.unit(course, column);
       const auto* const lintel = grid.lintel(course, column);
-      if (same_unit &&
-          (lintel || !wall.mid_unit_joints)) {  // second half of a whole unit, or more of a lintel: lengthen its block
+      if (same_unit && (lintel || !wall.mid_unit_joints)) {  // lengthen the block of the unit or lintel
         const int block = grid.block(course, column - 1);
         grid.block(course, column) = block;
         Brick& brick = assembly.bricks[static_cast<size_t>(block)];

@@ -117,8 +117,7 @@ void read_floor(Table& t, FloorSpec& floor) {
   const geometry::Vector a = geometry::vector(floor.along), b = geometry::vector(floor.across);
   if (std::abs(dot(a, b)) > kSquare * norm(a) * norm(b)) t.refuse("across", "a vector square to along");
   t.number("spacing", floor.spacing, kPositive, "m", true);
-  constexpr double kMostNodes =
-      200;  // largest number of nodes of an edge: a floor with more costs as much as its walls
+  constexpr double kMostNodes = 200;  // most nodes of an edge: a floor with more costs as much as its walls
   const double longest = std::max(norm(a), norm(b));
   if (floor.spacing > 0.0 && longest > kMostNodes * floor.spacing)
     t.refuse("spacing",

@@ -12,11 +12,10 @@
 namespace quoin {
 
 struct Monitor {
-  std::string name;   // name of its columns
-  std::string block;  // name of a block, of a body, or of a floor
-  std::optional<Vec3>
-      point;          // m; the monitor is at the corner or gridpoint closest to it at the start; none: mean of all
-  std::string below;  // monitor against which its drift is measured; empty: none
+  std::string name;           // name of its columns
+  std::string block;          // name of a block, of a body, or of a floor
+  std::optional<Vec3> point;  // m; nearest corner or gridpoint at the start; none: mean of all
+  std::string below;          // monitor against which its drift is measured; empty: none
   Source source;
 };
 

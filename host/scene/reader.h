@@ -391,8 +391,7 @@ class Table {
 
 // Tables of every kind of scene. quality: its settings are the defaults; null: blocks of any shape without a quality.
 void read_damping_kind(Table& t, DampingSettings& s);
-void read_damping(Table& t,
-                  DampingSettings& s);  // keys of the scene's kind of damping; those of other kinds are faults
+void read_damping(Table& t, DampingSettings& s);  // keys of the scene's kind; those of other kinds are faults
 SolverSettings read_solver(Table t, const Quality* quality);
 // before: settings of the stage before, which are the defaults.
 SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground);

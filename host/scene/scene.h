@@ -207,9 +207,8 @@ struct Stage {
   std::optional<double> equilibrium_ratio;
   // displacement: largest |component| of the `monitor` since the start of the stage, m
   std::optional<double> displacement;
-  std::optional<double> duration;  // s; for cycles: their duration
-  long max_steps =
-      std::numeric_limits<long>::max();  // a stage that reaches this without equilibrium is a numerical failure
+  std::optional<double> duration;                     // s; for cycles: their duration
+  long max_steps = std::numeric_limits<long>::max();  // without equilibrium by then: numerical failure
 
   // History rows of this stage: mean displacement and sum of forces of the bodies named `monitor`, along direction 0,
   // 1, 2.
@@ -280,8 +279,7 @@ struct WallSpec {
   // stiff frame. None: the middle of the beam.
   std::optional<double> load_height;
   bool bottom_beam = true, top_beam = true;
-  std::vector<int>
-      bottom_beam_cuts;  // half units from the left, growing, at which the bottom beam is cut into independent parts
+  std::vector<int> bottom_beam_cuts;  // half units from the left, growing: cuts into independent parts
   // Bodies "bottom_beam", or "bottom_beam_1", "bottom_beam_2", ... of its parts.
   std::vector<std::string> bottom_beams() const;
   bool half_thickness = false;  // model z >= mid-plane only, u_z = 0 there; forces reported for the whole wall

@@ -20,8 +20,7 @@ constexpr double kAlone = 8.0;  // factor on gridpoints of a block without congr
 // Bytes per block and per point of the whole lattice, which every rank stores.
 constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;
 constexpr double kOutlineInMotion = 0.25;  // share of memory in large motion that every rank stores of the whole model
-constexpr double kOnBorders =
-    1.13;  // factor on a rank's equal share of the rest, for the blocks at borders that it stores too
+constexpr double kOnBorders = 1.13;        // factor on a rank's equal share of the rest, for the blocks at its borders
 
 using Counts = std::array<double, 3>;
 

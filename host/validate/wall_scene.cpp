@@ -111,8 +111,8 @@ std::string wall_table(const Layout& l, const WallRow& row, double load_height, 
 
 std::string stages(const WallRow& row, const TestScene& scene, bool turns, bool cyclic) {
   const double beam_weight = kBeamDensity * kBeamHeight * scene.bed_area * kGravity;
-  const double force = std::max(
-      0.0, row.axial_stress * 1e6 * scene.bed_area - beam_weight);  // N, with the weight of the beam subtracted
+  // Without the beam's own weight, N.
+  const double force = std::max(0.0, row.axial_stress * 1e6 * scene.bed_area - beam_weight);
   std::string text = fmt::format(
       "\n[[stage]]\nname = \"precompression\"\nkind = \"pressure\"\npressure = {:.6g}  # Pa, beside the beam's weight\n"
       "gravity = [0, -{}, 0]\n\n[[stage]]\nname = \"shear\"\n",
