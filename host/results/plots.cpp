@@ -59,7 +59,8 @@ namespace {
 
 using Run = ResultRun;
 
-constexpr long kMostBricks = 100'000;  // largest number: gnuplot takes 10 kB for each, and smaller ones are not visible
+constexpr long kMostBricks =
+    100'000;  // largest number: gnuplot takes 10 kB for each, and more would be too small to see
 
 // Magnified displacements of the wall: the largest one is at most 7.5 % of its height.
 struct Magnified {

@@ -30,7 +30,8 @@ inline int last_stop(double start, double multiplier) {
 }
 inline double load_at(double start, int stop) { return start * std::pow(1.0 + kCollapseGrowth, stop); }
 
-// Largest excess of the multiplier at collapse over the one that blocks carry for good. None: the load has a rate.
+// Largest excess of the multiplier at collapse over the one that blocks carry for good. None: the load has a rate, or
+// the multiplier is unknown.
 inline std::optional<double> collapse_lag(const Scene& scene, const std::optional<double>& multiplier) {
   for (auto stage = scene.stages.rbegin(); multiplier && stage != scene.stages.rend(); ++stage) {
     if (!stage->collapse || !waits(*stage->collapse) || !stage->collapse->start) continue;
