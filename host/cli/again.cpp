@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// "row 12, time_s: 0.25, there 0.5"; empty: no part of the histories differs, or one is not there.
+// First difference of two histories: "row 12, time_s: 0.25, there 0.5"; empty: none, or a file is missing.
 std::string first_difference(const fs::path& here, const fs::path& there) {
   std::ifstream a(here), b(there);
   std::string header, line_a, line_b;
@@ -55,7 +55,7 @@ SceneOptions options_of(const Provenance& there) {
 
 fs::path folder_again(const fs::path& folder) {
   fs::path whole = fs::absolute(folder).lexically_normal();
-  if (!whole.has_filename()) whole = whole.parent_path();  // a slash at the end
+  if (!whole.has_filename()) whole = whole.parent_path();  // a trailing slash
   return whole += "-again";
 }
 

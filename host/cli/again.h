@@ -1,4 +1,4 @@
-// Runs that are repeated: from what their summary says of them, compared with what came out then.
+// Repetition of a run by its summary, and comparison of both results.
 #pragma once
 
 #include <filesystem>
@@ -8,19 +8,18 @@
 
 namespace quoin {
 
-// The request of the run in FOLDER, with its scene as it was read then. The working directory is changed to where
-// it was started.
+// Options of a run by its provenance, with the stored text of its scene. Changes the working directory to that of the
+// run.
 SceneOptions options_of(const Provenance& there);
 
-// Where results go when nothing else is said: FOLDER-again, beside it.
+// Default folder of the results: FOLDER-again, next to FOLDER.
 std::filesystem::path folder_again(const std::filesystem::path& folder);
 
-// Before the work: refuses other files that have changed since, and says on the terminal what else is not the same.
-// Throws Error(bad_input).
+// Throws Error(bad_input) before the run when other files have changed since. Prints other differences on the terminal.
 void hold_against(const Provenance& here, const Provenance& there);
 
-// After it: says on the standard output whether the bits are the same, and where they part. FOLDERS hold history.csv.
-// Returns whether they are.
+// After the run, prints on standard output whether the bits are equal, and the first difference. The folders hold
+// history.csv. Returns whether they are equal.
 bool say_whether_same(const Provenance& here, const std::filesystem::path& folder_here, const Provenance& there,
                       const std::filesystem::path& folder_there);
 

@@ -44,7 +44,7 @@ void print_memory(const SceneSize& size) {
              memory_here() / 1e6);
 }
 
-// How blocks move: which kernel, and how well its lanes are filled.
+// Prints the kernels that move blocks, and the share of SIMD lanes in use.
 void print_motion(const Model& model) {
   long lattice = 0, in_lanes = 0;
   for (const BlockGroup& group : model.groups) lattice += group.block_count;
@@ -59,10 +59,10 @@ void print_motion(const Model& model) {
   fmt::print("  motion in small displacement: {}\n", text);
 }
 
-// Under damping of impacts the step depends on the blocks and their joints, as it always does on their inertia. It is
-// that of a model that begins in the stage.
+// Time step of a stage. With impact damping it depends on blocks and joints, and always on inertia. It is that of a
+// model that begins with the stage.
 struct StageStep {
-  double time_step = 0.0, critical = 0.0, in_use = 0.0;  // s; 2/omega_max, s; of critical damping
+  double time_step = 0.0, critical = 0.0, in_use = 0.0;  // s; 2/omega_max, s; damping ratio in use
 };
 StageStep step_of_own_model(const Scene& scene, std::size_t stage) {
   Scene alone = scene;
@@ -74,7 +74,7 @@ StageStep step_of_own_model(const Scene& scene, std::size_t stage) {
   return {report.time_step, report.critical.value, report.impacts.in_use};
 }
 
-// What ends each stage, and how many steps that takes where it is known. Returns the steps of these stages.
+// Prints the end of each stage, and its number of steps if that is known. Returns the sum of the known numbers.
 double print_stages(const Scene& scene, const TimeStepReport& report) {
   double steps = 0.0;
   fmt::print("stages\n");
@@ -116,7 +116,7 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
   return steps;
 }
 
-// What stages hold, and what none of it ties down; stages with the same supports share a line.
+// Prints supports of stages, and blocks that no support reaches. Stages with equal supports share a line.
 void print_supports(const Simulation& simulation) {
   constexpr std::size_t kNamed = 5;
   std::vector<std::pair<std::string, std::string>> lines;  // text, stages
@@ -141,7 +141,7 @@ void print_supports(const Simulation& simulation) {
   for (const auto& [text, stages] : lines) fmt::print("  {:<16} {}\n", stages, text);
 }
 
-// Blocks of the lowest course that stand on no support while others do: a ground that is too short, likely.
+// Warns of blocks in the lowest course without a support while others have one: probably the ground is too short.
 void print_overhang(const Simulation& simulation) {
   constexpr std::size_t kNamed = 5;
   const int count = static_cast<int>(simulation.block_count());
@@ -181,13 +181,13 @@ void print_overhang(const Simulation& simulation) {
       hanging.size(), names, hanging.size() > kNamed ? ", ..." : "");
 }
 
-// What the stages take, by some steps of this model on this machine. Throws Error(bad_input) where that is longer than
-// anybody would wait.
+// Prints the time of all steps, estimated by some steps of this model on this machine. Throws Error(bad_input) above
+// kLongest.
 void print_time(Simulation& simulation, double steps, bool force) {
-  constexpr double kLook = 0.1, kLongest = 30.0 * 86400.0;  // s
+  constexpr double kLook = 0.1, kLongest = 30.0 * 86400.0;  // s; longest measurement, longest run
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); };
-  simulation.advance(1, false);  // memory is touched for the first time
+  simulation.advance(1, false);  // the first step touches memory for the first time
   long taken = 0;
   const auto begin = Clock::now();
   while (taken == 0 || (since(begin) < kLook && taken < 1000)) simulation.advance(1, false), ++taken;
@@ -204,7 +204,7 @@ void print_time(Simulation& simulation, double steps, bool force) {
                   simulation.scene().file, steps, per_step * 1e3, duration_text(all), duration_text(kLongest)));
 }
 
-// What of a family scatters, and what the sample has drawn.
+// Prints random properties of a family, and their range in the sample.
 void print_scatter(const JointFamily& family, const std::vector<PropertyColumn>& columns) {
   const RandomSample& random = family.random;
   if (!family.scatters() && family.missing_mortar == 0.0) return;
@@ -228,7 +228,7 @@ void print_scatter(const JointFamily& family, const std::vector<PropertyColumn>&
     fmt::print("    {:.1f} % of the joints without mortar, at random\n", 100 * family.missing_mortar);
 }
 
-// One family of joints: its law, and what of it scatters. Stiffness: upper bounds, Pa/m.
+// Prints a family of joints: its law and its random properties. Stiffness: upper bounds, Pa/m.
 void print_family(const JointFamily& family, const Material& material, long points, double normal_stiffness,
                   double shear_stiffness, const std::vector<PropertyColumn>& columns) {
   fmt::print("  joints.{:<10} law {} {}, {} contact points, stiffness at most {:.4g} and {:.4g} Pa/m\n", family.name,
@@ -237,9 +237,9 @@ void print_family(const JointFamily& family, const Material& material, long poin
   print_scatter(family, columns);
 }
 
-// Joints between rigid blocks. Points at their corners alone have the second moment A h^2/4 of a joint, whose faces
-// have A h^2/12. Dry joints turn about their edges, where corners are right. spaced: contact.point_spacing says where
-// points are.
+// Warns about joints between rigid blocks with contact points at corners alone. Their second moment is A h^2/4, that of
+// the joint's face A h^2/12. Dry joints turn about their edges, where corners are right. spaced: contact.point_spacing
+// sets the points.
 void print_rigid_joints(const JointFamily& family, const Material& material, long joints, bool spaced) {
   if (joints == 0 || spaced) return;
   if (family.rigid_points != RigidPoints::corners)

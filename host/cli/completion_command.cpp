@@ -20,7 +20,7 @@ namespace {
 using CLI::App;
 using CLI::Option;
 
-// What follows an option, or stands for a positional argument.
+// Kind of word after an option, or as a positional argument.
 enum class Kind { nothing, free_text, choices, folder, law, file };
 struct Values {
   Kind kind;
@@ -65,7 +65,7 @@ std::vector<std::string> command_names(const App& app) {
   return names;
 }
 
-// text with a backslash before each of these characters.
+// Text with a backslash before each of the given characters.
 std::string escaped(std::string_view text, std::string_view characters) {
   std::string result;
   for (const char c : text) {
@@ -74,14 +74,14 @@ std::string escaped(std::string_view text, std::string_view characters) {
   }
   return result;
 }
-// Between single quotes of a POSIX shell.
+// Text in single quotes of a POSIX shell.
 std::string single_quoted(std::string_view text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return result + "'";
 }
 
-// Laws that are installed, one a line, in any shell.
+// command of any shell that lists installed laws, one a line
 constexpr const char* kLaws = "quoin models 2>/dev/null | cut -d ' ' -f 1";
 
 std::string bash_values(const Values& values) {
@@ -99,7 +99,8 @@ std::string bash_values(const Values& values) {
   }
 }
 
-// One function: the words that may stand at the cursor, by compgen. COMP_WORDBREAKS has '=', so --out=x is three words.
+// One function that completes the word at the cursor by compgen. COMP_WORDBREAKS contains '=', so that --out=x is three
+// words.
 std::string bash_completion(const App& app) {
   std::string text =
       "# Completion of quoin for bash, as `quoin completion bash` prints it.\n"
@@ -128,7 +129,7 @@ std::string bash_completion(const App& app) {
     const auto arguments = options_of(*command, true);
     const std::string values =
         arguments.empty() ? bash_values({Kind::free_text}) : bash_values(values_of(*arguments[0]));
-    const bool first_only = arguments.size() > 1;  // the first argument is of another kind than those that follow
+    const bool first_only = arguments.size() > 1;  // whether the first argument is of another kind than the later ones
     if (first_only) {
       text += fmt::format("        {}' '*) if ((COMP_CWORD == 2)); then how=({}); else how=({}); fi ;;\n",
                           single_quoted(command->get_name()), values, bash_values(values_of(*arguments[1])));
@@ -198,7 +199,7 @@ std::string zsh_completion(const App& app) {
   return text + "  esac\n}\n_quoin \"$@\"\n";
 }
 
-// The end of a line of fish: what may follow.
+// End of a line of fish: the words that may follow.
 std::string fish_values(const Values& values) {
   switch (values.kind) {
     case Kind::nothing:
@@ -238,7 +239,7 @@ std::string fish_completion(const App& app) {
   return text;
 }
 
-// Text of a manual page: no macro at the beginning of a line, minus signs as they are typed, lists that break.
+// Text of a manual page: no macro at the start of a line, minus signs for copying, lists with line breaks.
 std::string roff(std::string_view text) {
   std::string result;
   bool line_begins = true;
@@ -256,7 +257,7 @@ std::string roff(std::string_view text) {
   }
   return result;
 }
-// Lines as they stand, as examples need them.
+// Lines without filling, as examples require.
 std::string roff_lines(std::string_view text) {
   while (text.starts_with('\n')) text.remove_prefix(1);
   return text.empty() ? "" : fmt::format(".PP\n.nf\n{}\n.fi\n", roff(text));
@@ -277,14 +278,14 @@ class RoffOptions : public CLI::Formatter {
   }
 };
 
-// When the program was built.
+// Date of the program file.
 std::string day_of_program() {
   struct stat status {};
   const bool known = stat("/proc/self/exe", &status) == 0;
   return fmt::format("{:%Y-%m-%d}", fmt::gmtime(known ? status.st_mtime : 0));
 }
 
-// share: where scenes and pages are installed; empty: beside the program, or in the source tree.
+// share: folder of installed scenes and pages; empty: next to the program, or in the source tree.
 std::string manual_page(const App& app, const std::string& share) {
   const RoffOptions options;
   const std::string description = app.get_description();

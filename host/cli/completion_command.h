@@ -6,7 +6,7 @@ class App;
 
 namespace quoin {
 
-// `quoin completion bash|zsh|fish|man`: made of the commands that the program has when it runs, as --help is.
+// Adds `quoin completion bash|zsh|fish|man`, whose texts follow from the registered commands, as --help does.
 void add_completion_command(CLI::App& app);
 
 }  // namespace quoin

@@ -33,8 +33,8 @@ using namespace ensemble;
 
 struct EnsembleOptions {
   std::string study, out;
-  std::uint64_t samples = 0;  // 0: those of the study
-  std::uint64_t rows = 0;     // rows of Sobol's indices; 0: none
+  std::uint64_t samples = 0;  // 0: number of the study
+  std::uint64_t rows = 0;     // rows of Sobol's indices; 0: not requested
   int jobs = 0, tasks = 32;
   bool slurm = false, detach = false, gather = false, worker = false, no_pictures = false;
   std::vector<std::string> overrides;
@@ -49,7 +49,7 @@ Scene scene_with(const Study& study, const std::vector<std::string>& overrides) 
 }
 Scene scene_of(const Study& study, std::uint64_t sample) { return scene_with(study, study.overrides_of(sample)); }
 
-// With everything at its mean, and the first record.
+// Scene with all quantities at their means, and the first record.
 Scene scene_of_means(const Study& study) {
   std::vector<std::string> overrides = study.overrides_of(0);
   if (study.suite.any()) {
@@ -59,16 +59,16 @@ Scene scene_of_means(const Study& study) {
   return scene_with(study, overrides);
 }
 
-// A study with all its input, read once: files that change later do not affect its samples.
+// A study with all its input, read once, so that later changes of files do not affect its samples.
 struct ReadStudy {
   StudyRequest request;
   fs::path folder;  // folder of its results
   Study study;
-  Scene scene;            // all quantities at their means: a trial that finds faults common to all samples
-  std::vector<Law> laws;  // loaded, for the samples, too
+  Scene scene;            // all quantities at their means: finds faults common to all samples
+  std::vector<Law> laws;  // laws of the samples, loaded
 };
 
-// suffix: of the folder where results go unless --out says otherwise.
+// suffix: of the default folder of results.
 ReadStudy read(const EnsembleOptions& options, Trials trials = Trials::drawn, const std::string& suffix = "") {
   ReadStudy all;
   all.request = {options.study, options.overrides};
@@ -111,7 +111,7 @@ void report(const Gathered& gathered, const StudyFolder& folder, std::uint64_t s
   fmt::print("; results in {}\n", (folder.path() / "index.html").string());
 }
 
-// Writes results and prints their places. Returns how many samples they are of.
+// Writes results and prints their places. Returns the number of samples in them.
 std::uint64_t gather_and_report(const StudyFolder& folder, const Study& study, bool pictures) {
   if (!study.suite.any()) {
     const Gathered gathered = gather(folder, study, study.samples, pictures);
@@ -124,7 +124,7 @@ std::uint64_t gather_and_report(const StudyFolder& folder, const Study& study, b
   return results.finished;
 }
 
-// Waits for the tasks of a job; Ctrl-C leaves them alone.
+// Waits for the tasks of a job. Ctrl-C ends the wait, not the tasks.
 void wait_for(const std::string& job, const StudyFolder& folder, const Study& study) {
   const std::uint64_t all = study.tasks() + 1 - study.first_task();
   std::uint64_t reported = 0;
@@ -141,7 +141,7 @@ void wait_for(const std::string& job, const StudyFolder& folder, const Study& st
 
 void compute_by_slurm(const EnsembleOptions& options, const StudyFolder& folder, const Study& study) {
   const std::uint64_t samples = study.samples;
-  // The folder in place of the study: tasks may begin long after its files have been edited.
+  // The folder replaces the study: tasks may begin long after its files have been edited.
   const std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(),
                                        "ensemble",
                                        fs::absolute(folder.path()).string(),
@@ -178,7 +178,7 @@ void compute_here(const EnsembleOptions& options, const StudyFolder& folder, con
       });
 }
 
-// Results of failures alone are none.
+// Throws if all samples have failed.
 void require_results(const StudyFolder& folder, std::uint64_t samples) {
   std::uint64_t failed = 0;
   std::string reason;
@@ -245,7 +245,7 @@ void run_sensitivity(const EnsembleOptions& options) {
   require_results(folder, study.samples);
 }
 
-// What both commands take. Returns the option --jobs.
+// Adds the options of both commands. Returns the option --jobs.
 CLI::Option* add_study_options(CLI::App* command, EnsembleOptions* options, const std::string& suffix) {
   command->add_option("study", options->study, "Study file; host/ensemble/README.md lists its keys")
       ->required()

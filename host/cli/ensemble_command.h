@@ -6,10 +6,10 @@ class App;
 
 namespace quoin {
 
-// `quoin ensemble`: see its help text. Errors are thrown; exit_code is set otherwise.
+// Adds `quoin ensemble`; its help describes it. Throws errors; otherwise sets exit_code.
 void add_ensemble_command(CLI::App& app, int& exit_code);
 
-// `quoin sensitivity`: the same study, every input tried by itself.
+// Adds `quoin sensitivity`: a study that varies one input at a time.
 void add_sensitivity_command(CLI::App& app, int& exit_code);
 
 }  // namespace quoin

@@ -25,21 +25,21 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// All that the ranks beside rank 0 do, which alone speaks and writes: all but their pieces of frames.
+// Observer on ranks other than 0, which alone prints and writes; these write their pieces of frames.
 class Follower : public Observer {
  public:
   Follower(const SharedFolder& folder, bool compressed, Pieces pieces) {
     if (pieces.count > 1) frames_.emplace(folder.path, surfaces_, folder.frame_times, compressed, pieces);
   }
   bool wants_pause(bool) override { return false; }
-  void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 requests
+  void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // rank 0 writes a checkpoint
   void on_promotion(const Simulation&) override { surfaces_ = Surfaces(); }
   void on_frame(const Simulation& simulation, int, int) override {
     if (!frames_) return collect_frame(simulation, surfaces_);
     if (fault_) return;
     try {
       frames_->add_piece(simulation);
-    } catch (const Error& error) {  // the run goes on without
+    } catch (const Error& error) {  // the run continues without frames
       fault_ = error;
     }
   }
@@ -56,7 +56,8 @@ class Follower : public Observer {
 
 void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   if (!options.resume.empty()) {
-    options.resume = fs::absolute(options.resume).string();  // read_run_record goes to where the run was started
+    // read_run_record changes the working directory
+    options.resume = fs::absolute(options.resume).string();
     if (is_done(options.resume)) return;
     options.scene = read_run_record(options.resume);
   }

@@ -1,4 +1,4 @@
-// What the ranks beside rank 0 do in a run.
+// A run on ranks other than 0.
 #pragma once
 
 #include "base/ranks.h"

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The notice of a picture: it is no reason to lose a run.
+// Notice of a picture. An error in a picture must not end a run.
 template <class Draw>
 std::string notice_of(const Draw& draw) {
   try {
@@ -37,21 +37,21 @@ std::string notice_of(const Draw& draw) {
   }
 }
 
-// Pictures of blocks, not of bricks.
+// Whether pictures show blocks of any shape, not bricks.
 bool shows_blocks(const Simulation& simulation) { return simulation.large_motion() || simulation.scene().blocks; }
 
-// So that rank 0 has what its pictures show, where that is little. By all ranks.
+// Gathers the blocks of pictures on rank 0, unless they are too many. Collective.
 void gather_for_pictures(Simulation& simulation) {
   if (simulation.scene().output.plots && shows_blocks(simulation) && simulation.block_count() <= kMostBlocks)
     gather_at_first(simulation);
 }
 
-// curve.png, cracks.png, mechanism.png, histories.png; what is missing is reported.
+// Draws curve.png, cracks.png, mechanism.png, histories.png. Prints a notice for each missing one.
 void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info,
           const RunOptions& options, Recorder& recorder) {
   const auto& rows = recorder.history().rows();
   const std::string label = warning_label(info.warnings), law = law_names(simulation.assembly());
-  // Each waits for a gnuplot of its own.
+  // Each runs gnuplot in a process of its own.
   auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
     return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
   });
@@ -90,7 +90,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   };
   const OutputSettings& output = simulation.scene().output;
   const auto& rows = recorder.history().rows();
-  const bool has_all = !failure || ranks_together(simulation);  // else of this rank alone
+  const bool has_all = !failure || ranks_together(simulation);  // otherwise rank 0 has only its own blocks
   info.law_answers = laws_answer(simulation);
   if (failure) {
     info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";
@@ -122,7 +122,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
     if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
   });
   std::error_code ignored;
-  if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // a finished run needs none
+  if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // not needed after the end of a run
 }
 
 void collect_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {

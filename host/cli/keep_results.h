@@ -1,4 +1,4 @@
-// What a run leaves in its folder when it has ended, in whatever way.
+// Results of a run that has ended, for any reason.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,17 @@
 
 namespace quoin {
 
-// What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is
-// reported, and costs nothing else but the exit code.
+// Writes all that was computed; the summary has the reason of the end. A file that cannot be written is reported and
+// changes the exit code.
 void keep_results(const std::filesystem::path& folder, Simulation& simulation, const Surfaces& surfaces,
                   const RunOptions& options, const std::optional<Error>& failure, Recorder& recorder, RunInfo& info,
                   int& exit_code);
 
-// What keep_results of rank 0 waits for.
+// Sends what keep_results of rank 0 collects.
 void collect_results(Simulation& simulation, const Surfaces& surfaces, bool failed);
 
-// From the thread that watches, while another one never returns from the law. What was computed is kept, as far as the
-// law is not called for it.
+// Ends the program from the watching thread while another thread never returns from the law. Writes what was computed,
+// as far as it requires no call of the law.
 [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds,
                                const std::filesystem::path& folder, const Simulation& simulation, Recorder& recorder,
                                RunInfo info);

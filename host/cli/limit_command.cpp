@@ -76,7 +76,7 @@ void write_forces(const std::filesystem::path& file, const SceneLimit& limit) {
   write_file(file, forces);
 }
 
-// The multiplier by position: empty where no multiple moves anything.
+// Writes the multiplier by position. It is empty where no multiple causes collapse.
 void write_moving(const std::filesystem::path& file, const SceneLimit& limit) {
   std::string table = "position,x_m,y_m,z_m,block,at_x_m,at_y_m,at_z_m,multiplier\n";
   for (std::size_t k = 0; k < limit.moving.size(); ++k) {
@@ -88,7 +88,7 @@ void write_moving(const std::filesystem::path& file, const SceneLimit& limit) {
   write_file(file, table);
 }
 
-// Where three.js is installed; else ParaView shows the mechanism.
+// Writes the page if three.js is installed; else ParaView shows the mechanism.
 void write_page(const std::filesystem::path& mechanism, const Scene& scene, double multiplier) {
   try {
     const std::string of = scene.title.empty() ? scene.file : scene.title;

@@ -1,4 +1,4 @@
-// `quoin limit`: the multiplier of a horizontal load at which an assembly of rigid blocks falls, without a run.
+// `quoin limit`: limit analysis of an assembly of rigid blocks under a horizontal load, without a run.
 #pragma once
 
 #include <CLI/CLI.hpp>

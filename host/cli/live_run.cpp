@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Columns of the history by name, as a page has them.
+// Columns of the history by name, in the format of the page.
 std::string history_text(const std::vector<HistoryColumn>& columns, const std::vector<HistoryRow>& rows,
                          const Scene& scene) {
   Json history = Json::object();
@@ -91,7 +91,7 @@ PageAnswer LiveRun::state() {
   return {"application/json", state.dump()};
 }
 
-// The run goes on while the files of its frames are read.
+// Reads files of frames without the lock, so that the run continues meanwhile.
 PageAnswer LiveRun::run() {
   std::unique_lock lock(mutex_);
   if (times_.empty()) throw Error(Exit::bad_input, "no frame yet");

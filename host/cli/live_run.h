@@ -1,4 +1,4 @@
-// A run that goes on, in a browser: `quoin run --serve`.
+// Page of a running simulation in a browser: `quoin run --serve`.
 #pragma once
 
 #include <filesystem>
@@ -16,27 +16,27 @@ namespace quoin {
 
 class LiveRun {
  public:
-  // before: rows and times of frames of the run that this one goes on with. Throws as PageServer and
+  // before: rows of the run that this one continues. frame_times: of its frames, s. Throws as PageServer and
   // require_report_library.
   LiveRun(int port, const std::filesystem::path& folder, const Simulation& simulation,
           const std::vector<HistoryRow>& before, std::vector<double> frame_times);
   std::string address() const;
-  // By the thread that runs.
+  // Called by the thread of the run:
   void add_row(const HistoryRow& row);
-  void add_frame(const Simulation& simulation, const std::vector<HistoryRow>& rows);  // whose files are there
+  void add_frame(const Simulation& simulation, const std::vector<HistoryRow>& rows);  // after its files are written
   void show(const Progress& progress, const RunSoFar& so_far);
 
  private:
   PageAnswer state();
   PageAnswer run();
 
-  std::mutex mutex_;  // guards all that follows, but for what the server alone has
+  std::mutex mutex_;  // guards all members below, except those of the server's thread
   const Scene& scene_;
   std::vector<HistoryColumn> columns_;
   std::vector<HistoryRow> rows_;
   std::vector<double> times_;
   std::string summary_, state_;
-  GrowingRun growing_;  // run as the server has sent it so far
+  GrowingRun growing_;  // run as far as the server has sent it
   std::unique_ptr<PageServer> server_;
 };
 

@@ -1,4 +1,4 @@
-// The program `quoin`: one file a command, registered here. Exit codes are those of base/error.h.
+// The program `quoin`: one file per command, each registered here. Exit codes are those of base/error.h.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -49,18 +49,18 @@ namespace {
 using quoin::Exit;
 using quoin::notice;
 
-// A descriptor that is closed would be given to the next file that is opened, and our words would go into it. In its
-// place comes one that fails as a closed one does.
+// Fills closed standard descriptors, which the next opened file would get, together with the program's output. The
+// replacement fails as a closed descriptor does.
 void fill_closed_descriptors() {
   for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(number, F_GETFD) < 0 && errno == EBADF) {
-      const int null = open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // the lowest that is free
+      const int null = open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest free one
       if (null != number && null >= 0) close(null);
     }
   }
 }
 
-// Where nobody can catch it, as in a destructor, memory that is missing still ends the program with words.
+// Ends the program with a message when memory is short in a place that cannot throw, as a destructor.
 [[noreturn]] void end_without_handler() {
   try {
     if (std::current_exception()) throw;
@@ -68,12 +68,12 @@ void fill_closed_descriptors() {
     static const char kWords[] = "quoin: out of memory; make the scene smaller\n";
     if (write(STDERR_FILENO, kWords, sizeof kWords - 1) < 0) _exit(static_cast<int>(Exit::numerical));
     _exit(static_cast<int>(Exit::numerical));
-  } catch (...) {  // a law's, perhaps: the handler of SIGABRT names it
+  } catch (...) {  // of a law, perhaps: the handler of SIGABRT names it
   }
   std::abort();
 }
 
-// Before objects of static storage are made, which take memory too.
+// Before the construction of static objects, which allocate memory too.
 [[gnu::constructor(101)]] void end_with_words() { std::set_terminate(end_without_handler); }
 
 class Help : public CLI::Formatter {
@@ -83,7 +83,7 @@ class Help : public CLI::Formatter {
   }
 };
 
-// The command or option that was meant where one is unknown; nothing where all are known.
+// Prints a similar command or option for each unknown one.
 void suggest(const CLI::App& app, const std::vector<std::string>& words) {
   std::vector<std::string> commands, options;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
@@ -173,7 +173,7 @@ int run_command(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   fill_closed_descriptors();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full, with a message
+  std::signal(SIGXFSZ, SIG_IGN);  // the size limit of a file becomes an error of the file, with a message
   quoin::watch_laws();
   const int exit_code = run_command(argc, argv);
   quoin::end_of_watch();

@@ -81,7 +81,7 @@ void print_law(const Law& law) {
   fmt::print("capabilities: {}\n", can.empty() ? "none" : fmt::format("{}", fmt::join(can, ", ")));
 }
 
-// What the list says of a law: a broken library must not hide the others.
+// Line of a law in the list. A broken library must not hide the others.
 std::string line_of(const std::string& id) {
   try {
     const Law law = Law::find(id);

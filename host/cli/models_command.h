@@ -6,7 +6,7 @@ class App;
 
 namespace quoin {
 
-// `quoin models`: see its help text. Errors are thrown; exit_code is set otherwise.
+// Adds `quoin models`; its help describes it. Throws errors; otherwise sets exit_code.
 void add_models_command(CLI::App& app, int& exit_code);
 
 }  // namespace quoin

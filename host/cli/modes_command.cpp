@@ -80,7 +80,7 @@ void write_shapes(const std::filesystem::path& file, const Vibrating& v, const M
   write_motions(file, blocks, motions);
 }
 
-// Where three.js is installed; else ParaView shows the shapes.
+// Writes the page if three.js is installed; else ParaView shows the shapes.
 void write_page(const std::filesystem::path& shapes, const Scene& scene, const Modes& modes) {
   std::vector<ShownMotion> motions;
   for (std::size_t m = 0; m < modes.mode.size(); ++m) {

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Beginning {
-  std::string_view kind, text, ending, next;  // ending: of the file's name; next: the line printed at the end
+  std::string_view kind, text, ending, next;  // ending: extension of the file name; next: last line printed
 };
 constexpr Beginning kBeginnings[] = {
     {"wall", kNewWall, ".toml", "quoin run {}"},

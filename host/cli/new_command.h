@@ -1,4 +1,4 @@
-// `quoin new`: commented beginnings of scenes and laws.
+// `quoin new`: commented templates of scenes and laws.
 #pragma once
 
 namespace CLI {

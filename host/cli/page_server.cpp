@@ -20,13 +20,13 @@ namespace quoin {
 
 namespace {
 
-constexpr int kLook = 100;                      // ms between two checks of whether the server ends
+constexpr int kLook = 100;                      // ms between two checks for the end of the server
 constexpr std::size_t kLongestRequest = 16384;  // bytes
-constexpr std::chrono::seconds kPatience{5};    // for a request to come, or an answer to go
+constexpr std::chrono::seconds kPatience{5};    // longest wait for a request to arrive, or an answer to be sent
 
 using Clock = std::chrono::steady_clock;
 
-// Whether something may be read, or written, before then.
+// Waits until the connection is ready to read or write, up to a time. Returns whether it is.
 bool wait_for(int connection, short what, Clock::time_point until, const std::atomic<bool>& ends) {
   while (!ends && Clock::now() < until) {
     pollfd one{connection, what, 0};
@@ -35,7 +35,7 @@ bool wait_for(int connection, short what, Clock::time_point until, const std::at
   return false;
 }
 
-// Its head; empty: it did not come, or was too long.
+// Head of the request; empty: it did not arrive, or was too long.
 std::string read_request(int connection, const std::atomic<bool>& ends) {
   std::string request;
   const auto until = Clock::now() + kPatience;
@@ -58,7 +58,7 @@ void send_all(int connection, const std::string& text, const std::atomic<bool>& 
   }
 }
 
-// Another page of the browser must not read this one by a name of its own for this machine.
+// Whether the request names this machine. Otherwise a page of another site could read this one by a name of its own.
 bool names_this_machine(const std::string& request, int port) {
   for (const char* host : {"127.0.0.1", "localhost"}) {
     if (request.find(fmt::format("\r\nHost: {}:{}\r\n", host, port)) != std::string::npos) return true;
@@ -92,7 +92,7 @@ PageServer::PageServer(int port, Answers answers) : answers_(std::move(answers))
                                              port, std::strerror(why)));
   }
   port_ = ntohs(place.sin_port);
-  // Signals are for the thread that runs.
+  // Signals go to the thread of the run.
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -114,7 +114,7 @@ void PageServer::serve() {
     if (connection < 0) continue;
     try {
       answer(connection);
-    } catch (const std::exception&) {  // without memory for it: the browser asks again
+    } catch (const std::exception&) {  // too little memory: the browser repeats the request
     }
     close(connection);
   }

@@ -15,11 +15,11 @@ struct PageAnswer {
 
 class PageServer {
  public:
-  // By path, "/" first of all. They are called by a thread of the server; what they throw is answered by 503.
+  // Answers by path; "/" is the page. The server's thread calls them, and answers 503 if they throw.
   using Answers = std::map<std::string, std::function<PageAnswer()>>;
-  // port 0: any that is free. Throws Error(bad_input): the port is taken, or not allowed.
+  // port 0: any free one. Throws Error(bad_input) when the port is in use, or not allowed.
   PageServer(int port, Answers answers);
-  ~PageServer();  // ends the request that is being answered
+  ~PageServer();  // ends a request in progress
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;
   int port() const { return port_; }

@@ -28,7 +28,7 @@ struct Options {
   bool verbose = false, force = false;
 };
 
-// Jumps from a table: one increment a row, from zero.
+// Evaluates jumps from a table: one increment per row, from zero.
 void run_jumps(const Options& options) {
   const Law law = Law::find(options.law);
   std::vector<PropertySetting> settings;
@@ -70,7 +70,7 @@ void run_jumps(const Options& options) {
   write_named_file(options.out, output);
 }
 
-// Path tests: true when every expectation held.
+// Runs path tests. Returns whether all expectations hold.
 bool run_files(const Options& options) {
   std::size_t failed = 0;
   for (const std::string& file : options.files) {
@@ -80,7 +80,7 @@ bool run_files(const Options& options) {
     failed += passed ? 0 : 1;
     fmt::print("{}  {}: {} ({} checks, {} steps, largest error {:.2g} of its tolerance)\n", passed ? "pass" : "FAIL",
                file, path.title, outcome.checks, outcome.rows.size() - 1, outcome.worst);
-    // A broken law fails every step of a curve: the first few say enough.
+    // A broken law fails at every step of a curve: the first few failures suffice.
     const std::size_t shown =
         options.verbose ? outcome.failures.size() : std::min<std::size_t>(outcome.failures.size(), 5);
     for (std::size_t i = 0; i < shown; ++i) fmt::print("      {}\n", outcome.failures[i]);

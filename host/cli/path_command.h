@@ -5,7 +5,7 @@
 
 namespace quoin {
 
-// Registers the command. Its callback sets exit_code (5 when an expectation of a path file failed) or throws Error.
+// Registers the command. Its callback sets exit_code (5 when an expectation of a path file fails) or throws Error.
 void add_path_command(CLI::App& app, int& exit_code);
 
 }  // namespace quoin

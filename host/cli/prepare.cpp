@@ -53,7 +53,7 @@ bool is_along_x(const Scene& scene) {
                                       [](const DryWallSpec& w) { return w.direction == 0.0; });
 }
 
-// What scatters is given point by point, which the law must take.
+// Fault of a random property, whose values per point the law must accept.
 std::string fault_of_scatter(const Scene& scene, const JointFamily& family, const Law& law) {
   for (const PropertySetting& p : family.properties) {
     if (!p.scatter) continue;
@@ -80,9 +80,10 @@ std::string value_text(const PropertySetting& p) {
   return p.numbers.empty() ? p.text : fmt::format("{}", fmt::join(p.numbers, ", "));
 }
 
-// Before anything of that size is made.
+// Refuses a scene that is too large, before the model is made.
 void refuse_what_does_not_fit(const Scene& scene, const SceneOptions& options) {
-  constexpr double kMost = 2e9, kLarge = 1e8;  // what can be numbered; B from which on a user waits for the first word
+  // Largest number of an index; bytes from which the user gets a message first.
+  constexpr double kMost = 2e9, kLarge = 1e8;
   const SceneSize size = size_of(scene);
   const std::string words = fmt::format("{}: about {:.3g} blocks, {:.3g} zones and {:.3g} contact points", scene.file,
                                         size.blocks, size.zones, size.points);
@@ -99,19 +100,19 @@ void refuse_what_does_not_fit(const Scene& scene, const SceneOptions& options) {
     notice(fmt::format("{}, about {:.2g} GB; to make them takes a while", words, size.bytes / 1e9));
 }
 
-// Stiffnesses beyond are slips, and time steps follow from them.
+// Fault of stiffnesses that are typing errors. Time steps follow from stiffnesses.
 std::string fault_of_stiffness(const JointFamily& family, const Law& law) {
   constexpr double kMost = 1e20;  // Pa/m; steel of 2 nm
   const Material material(law, family.properties);
   const quoin_stiffness_bounds& bounds = material.stiffness_bounds();
-  if (bounds.normal <= kMost && bounds.shear <= kMost) return "";  // not a number: refused too
+  if (bounds.normal <= kMost && bounds.shear <= kMost) return "";  // false for NaN, which is a fault too
   return fmt::format(
       "{}: law {} is up to {:g} and {:g} Pa/m stiff (across and along the joint) with these "
       "properties; allowed: {:g} Pa/m at most, as time steps follow from it; lower the stiffness",
       family.source.text, law.law->id, bounds.normal, bounds.shear, kMost);
 }
 
-// Faults that laws find, one a line. The exit code is that of a wrong scene when there is any.
+// Faults that laws report, one a line. If there are any, the exit code is that of a faulty scene.
 class LawFaults {
  public:
   void add(const std::string& fault, Exit code = Exit::bad_input) {
@@ -128,7 +129,7 @@ class LawFaults {
   Exit exit_code_ = Exit::done;
 };
 
-// Whether the law has all keys of the family.
+// Whether the law has all property keys of the family.
 bool check_names(const Scene& scene, const JointFamily& family, const Law& law, LawFaults& faults) {
   std::vector<std::string> ids;
   for (uint64_t i = 0; i < law.law->property_count; ++i) ids.push_back(law.law->properties[i]->id);
@@ -153,7 +154,7 @@ bool check_names(const Scene& scene, const JointFamily& family, const Law& law, 
   return known;
 }
 
-// Asks the laws of all joints, those of later stages too: one that is missed after hours is missed too late.
+// Checks the laws of all joints, those of later stages too, before hours of computation.
 LawFaults faults_of_laws(Scene& scene, const SceneOptions& options) {
   LawFaults faults;
   for (auto& [name, family] : scene.joints) {
@@ -189,7 +190,7 @@ Scene read_with_laws(const SceneOptions& options, const std::function<Scene()>& 
     LawFaults faults;
     faults.add(error.what());
     Scene scene = *error.scene;
-    scene.stages.clear();  // which joints they name is part of what is at fault
+    scene.stages.clear();  // names of joints in stages are part of the faults
     try {
       faults_of_laws(scene, options).throw_any();
     } catch (const Error& of_laws) {

@@ -1,4 +1,4 @@
-// What every command that takes a scene does first.
+// Preparation of a scene, common to all commands with a scene.
 #pragma once
 
 #include <functional>
@@ -12,25 +12,24 @@ namespace quoin {
 
 struct SceneOptions {
   std::string scene;
-  std::optional<std::string> text;  // in place of what that file holds now
-  std::string text_sha256;          // hash of the scene that a resumed run began with
-  std::string law;                  // replaces the law of every joint family; empty: as in the scene
+  std::optional<std::string> text;  // text in place of the present contents of the file
+  std::string text_sha256;          // hash of the scene's text at the start of a resumed run
+  std::string law;                  // law in place of that of every joint family; empty: none
   std::vector<std::string> overrides;
-  bool runs = false;       // the scene is run: where collapse stages start is found by limit analysis
-  bool force = false;      // models that seem too large for the machine, too
-  int processes = 1;       // that compute the model together
+  bool runs = false;       // whether the scene is run: limit analysis then finds the start of collapse stages
+  bool force = false;      // whether models may exceed the memory of the machine
+  int processes = 1;       // number of processes that compute the model together
   int processes_here = 1;  // number of these processes on this machine
 };
 
-// What read() returns. Where it throws SceneFaults, its laws are asked about the joints, and all faults are thrown as
-// one.
+// Calls read(). If it throws SceneFaults, its laws check the joints too, and all faults are thrown together.
 Scene read_with_laws(const SceneOptions& options, const std::function<Scene()>& read);
 
-// Reads the scene. Refuses another text than was requested, and one that the memory of the machine cannot hold.
-// Replaces its laws when asked to; properties that the new law does not have are left out, with a word on stderr.
-// Refuses properties that no law has or takes, each with its place and a suggestion. All faults are thrown as one.
+// Reads the scene. Refuses a text other than the requested one, and a model that exceeds the machine's memory. Replaces
+// its laws if requested; properties that the new law does not have are left out, with a message on stderr. Refuses
+// properties that no law has or accepts, with place and suggestion. Throws all faults together.
 Scene prepare_scene(const SceneOptions& options);
-Scene prepare_scene(Scene read, const SceneOptions& options);  // the same, of a scene that has been read
+Scene prepare_scene(Scene read, const SceneOptions& options);  // prepares a scene that is already read
 
 std::string end_of(const Stage& stage);  // "displacement 4 mm or 2 s"
 

@@ -17,7 +17,7 @@ namespace quoin {
 
 namespace {
 
-// What processes of their own have cost the laws.
+// Prints the cost of laws in separate processes.
 void print_isolation(const Simulation& simulation) {
   for (const ContactFamily& family : simulation.model().families) {
     const LawProcess* const process = family.material->process();
@@ -32,7 +32,8 @@ void print_isolation(const Simulation& simulation) {
   }
 }
 
-// The peak is that of the monitor, whose displacement has the ground's in it: of an earthquake this counts.
+// Prints the response relative to the ground. The peak is of the monitor, whose displacement includes that of the
+// ground.
 void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
   const HistoryRow *farthest = nullptr, *sheared = nullptr;
   std::size_t along = 0;

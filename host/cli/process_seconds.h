@@ -2,7 +2,7 @@
 
 namespace quoin {
 
-// Since the start of the process, loading of libraries included, s. The first call starts the clock.
+// Time since the start of the process, loading of libraries included, s. The first call starts the clock.
 double process_seconds();
 
 }  // namespace quoin

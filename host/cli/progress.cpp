@@ -15,19 +15,19 @@ namespace quoin {
 
 namespace {
 
-constexpr double kLineInterval = 5.0;  // s between lines where there is no terminal for a bar
+constexpr double kLineInterval = 5.0;  // s between lines without a terminal
 
 std::string time_left(double seconds) {
-  if (!(seconds >= 0 && seconds < 100 * 3600)) return "--:--";  // not known, or guessed from the first steps of a ramp
+  if (!(seconds >= 0 && seconds < 100 * 3600)) return "--:--";  // not known, or a guess from a ramp
   const long s = std::lround(seconds);
   return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-// What would be printed as -0.00 is nothing.
+// 0 for values that would be printed as -0.00.
 double without_sign_of_zero(double value, double last_digit) { return std::abs(value) < last_digit / 2 ? 0.0 : value; }
 
-// Eighths of a character cell, so that the bar moves smoothly.
+// Bar with a resolution of eighths of a character.
 std::string bar(double fraction, int width) {
   static const char* const kEighths[] = {" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
   const int eighths = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * width * 8);
@@ -71,7 +71,7 @@ void ProgressLine::show(const Progress& p, const RunSoFar& so_far) {
     std::string line = stage + " ";
     if (room >= 6) line += "│" + bar(p.fraction, std::min(room, 40)) + "│ ";
     line += numbers;
-    if (room < -4) line.resize(static_cast<size_t>(std::max(0, columns - 1)));  // too narrow: no bar, cut
+    if (room < -4) line.resize(static_cast<size_t>(std::max(0, columns - 1)));  // too narrow for a bar: cut
     std::fputs(("\r\033[K" + line).c_str(), stderr);
     std::fflush(stderr);
     drawn_ = true;
@@ -91,7 +91,7 @@ std::string phases_text(const PhaseTimes& times, double whole) {
                                       "other ranks",
                                       "members"};
   std::string text = "time:";
-  // Phases are timed in one step in 32: on a machine with other work their sum can exceed the run.
+  // Phases are timed in one of 32 steps: on a loaded machine their sum can exceed the time of the run.
   whole = std::max(whole, std::accumulate(times.seconds.begin(), times.seconds.end(), 0.0));
   double rest = whole;
   for (std::size_t k = 0; k < kPhases; ++k) {

@@ -1,4 +1,4 @@
-// Progress on stderr: a bar that is redrawn on a terminal, a line now and then otherwise.
+// Progress on stderr: a bar on a terminal, otherwise a line every few seconds.
 #pragma once
 
 #include <chrono>
@@ -8,11 +8,11 @@
 
 namespace quoin {
 
-// What a run has come to.
+// Present state of a run.
 struct RunSoFar {
   double displacement = 0.0, force = 0.0;         // m, N
   double peak = 0.0, displacement_at_peak = 0.0;  // N, m
-  double cracked = 0.0;                           // share of contact points that are no longer elastic
+  double cracked = 0.0;                           // share of contact points that are not elastic any more
   double kinetic_energy = 0.0;                    // J
 };
 
@@ -30,11 +30,11 @@ class ProgressLine {
   int last_stage_ = -1;
 };
 
-// "time: law 31 %, ..., set-up and the rest 4 %": where `whole` seconds of a run have gone. Phases below half a percent
-// are left out.
+// "time: law 31 %, ..., set-up and the rest 4 %": shares of the phases in `whole` seconds of a run. Phases below half a
+// percent are left out.
 std::string phases_text(const PhaseTimes& times, double whole);
 
-// "ranks: 2; a rank and step 13.2 kB in 1 message; waiting 4.1 %, ...": what running on several processes has cost.
+// "ranks: 2; a rank and step 13.2 kB in 1 message; waiting 4.1 %, ...": costs of several processes.
 std::string ranks_text(const std::vector<RankTraffic>& ranks);
 
 }  // namespace quoin

@@ -103,7 +103,7 @@ void Recorder::on_pause(const Simulation& simulation, bool) {
   if (monitors_) monitors_->flush();
   try {
     write_checkpoint(checkpoint_, identity_, history_.rows(), frames_.times(), simulation);
-  } catch (const Error& error) {  // the run itself goes on, and what it has kept so far stays
+  } catch (const Error& error) {  // the run continues, and earlier results remain
     std::error_code unknown;
     if (const fs::path folder = checkpoint_.parent_path(); !fs::exists(folder, unknown) && !unknown)
       throw Error(Exit::bad_input,
@@ -128,7 +128,7 @@ void Recorder::on_frame(const Simulation& simulation, int, int) {
   try {
     frames_.add_piece(simulation);
     if (live_) live_->add_frame(simulation, history_.rows());
-  } catch (const Error& error) {  // the run goes on without
+  } catch (const Error& error) {  // the run continues without frames
     frames_fault_ = error;
     progress_.message(fmt::format("quoin: warning: no more frames for ParaView: {}", error.what()));
   }

@@ -1,4 +1,4 @@
-// What a run reports goes to its files, to the terminal and to the page of a run that goes on.
+// Output of a run: files, terminal, and the page of a running simulation.
 #pragma once
 
 #include <filesystem>
@@ -20,10 +20,10 @@
 
 namespace quoin {
 
-// Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal; and checkpoints.
+// Observer that writes rows to the history, frames to VTK, progress to the terminal, and checkpoints.
 class Recorder : public Observer {
  public:
-  // before: what the run that goes on has recorded.
+  // before: records of the run that this one continues.
   Recorder(const std::filesystem::path& folder, const Simulation& simulation, Surfaces& surfaces, Identity identity,
            double checkpoint_every, const Checkpoint& before, bool compressed, Pieces pieces);
 
@@ -32,7 +32,7 @@ class Recorder : public Observer {
   void on_warning(const Warning& warning) override;
   void on_promotion(const Simulation& simulation) override;
   void on_row(const HistoryRow& row) override;
-  // Shows the run while it goes on: what it has come to so far, and from now on.
+  // Serves a page with the state of the run, from its start on.
   void serve(int port, const std::filesystem::path& folder, const Simulation& simulation);
   void follow(const std::filesystem::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
               const std::vector<std::vector<double>>& before);
@@ -43,7 +43,7 @@ class Recorder : public Observer {
   void on_frame(const Simulation& simulation, int, int) override;
   void on_stage_end(const Simulation& simulation, int stage, const HistoryRow& last) override;
 
-  // By this process, or by the one that it goes on from.
+  // Whether this process, or the one that it continues, has reported the warning.
   bool was_reported(const Warning& warning) const { return reported_.contains(warning.about); }
   History& history() { return history_; }
   VtkSeries& frames() { return frames_; }
@@ -53,7 +53,7 @@ class Recorder : public Observer {
 
  private:
   void take(const HistoryRow& row);
-  // Share of contact points that are not in their first state, elastic or dry.
+  // Share of contact points that are no longer in their initial state, elastic or dry.
   static double cracked_share(const Simulation& simulation);
 
   const Scene& scene_;
@@ -66,10 +66,10 @@ class Recorder : public Observer {
   Identity identity_;
   CheckpointClock clock_;
   RunSoFar so_far_;
-  const Simulation* simulation_ = nullptr;  // that is served
+  const Simulation* simulation_ = nullptr;  // the simulation on the live page
   std::unique_ptr<LiveRun> live_;           // null: no live page
   std::set<std::string> reported_;
-  std::vector<StageModes> modes_;  // modes of stages that move the ground
+  std::vector<StageModes> modes_;  // modes of stages with ground motion
   std::optional<Error> frames_fault_;
 };
 

@@ -13,7 +13,7 @@ namespace quoin {
 
 namespace {
 
-// Frames of large models take seconds each.
+// Progress over frames, of which large models take seconds each.
 class FrameProgress {
  public:
   void operator()(const std::filesystem::path& folder, std::size_t frame, std::size_t frames) {

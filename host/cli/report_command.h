@@ -1,4 +1,4 @@
-// quoin report: a page of a run.
+// `quoin report`: the page of a run.
 #pragma once
 
 namespace CLI {

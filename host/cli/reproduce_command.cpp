@@ -57,7 +57,7 @@ void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
   settings.again = options.again;
   RunCache cache(settings);
 
-  // All runs of all studies first: shared ones once, and the cores are busy to the end.
+  // All runs of all studies together: shared ones run once, and cores are in use to the end.
   std::vector<RunSpec> specs;
   for (const Study* study : chosen) {
     for (RunSpec& spec : study->runs(quality)) specs.push_back(std::move(spec));

@@ -29,7 +29,7 @@ void write_run_record(const fs::path& folder, const SceneOptions& options, const
                      {"law", options.law},
                      {"set", options.overrides},
                      {"working_directory", fs::current_path().string()}};
-  // A name that is no UTF-8 does not keep the run from starting; it only cannot be found again by --resume.
+  // A name that is not UTF-8 does not prevent the run; --resume just does not find it.
   write_file(folder / kRecord, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

@@ -1,4 +1,4 @@
-// Runs that go on after they were stopped: what DIR/run.json says of a run, and the checkpoints that it leaves.
+// Continuation of runs that were stopped: their request in DIR/run.json, and their checkpoints.
 #pragma once
 
 #include <chrono>
@@ -11,18 +11,18 @@
 
 namespace quoin {
 
-// Writes to FOLDER/run.json the request of a run, the hash of the text of its scene, and its working folder. Its
-// paths count from there.
+// Writes to FOLDER/run.json the options of a run, the hash of its scene's text, and its working directory, to which
+// paths are relative.
 void write_run_record(const std::filesystem::path& folder, const SceneOptions& options, const std::string& scene_text);
 
-// The same read, and the working directory changed to where the run was started. Throws Error(bad_input): no run was
-// begun in FOLDER, or its working directory is gone.
+// Reads FOLDER/run.json, and changes to the working directory of the run. Throws Error(bad_input) if FOLDER has no run,
+// or the working directory does not exist.
 SceneOptions read_run_record(const std::filesystem::path& folder);
 
-// Whether the run in FOLDER has come to its end: summary.json says so.
+// Whether the run in FOLDER is complete, by its summary.json.
 bool is_done(const std::filesystem::path& folder);
 
-// Whether a resumed run with so many frames keeps this result of FOLDER.
+// Whether a run resumed after `frames` frames keeps this result of FOLDER.
 bool is_kept(const std::string& name, std::size_t frames);
 
 // Decides when a checkpoint is due.
@@ -32,7 +32,7 @@ class CheckpointClock {
   explicit CheckpointClock(double every) : every_(every) {}
   bool on() const { return every_ > 0.0; }
   bool due() const { return on() && std::chrono::duration<double>(Clock::now() - last_).count() >= every_; }
-  void taken() { last_ = Clock::now(); }  // from its end on, so that slow disks do not get all of the time
+  void taken() { last_ = Clock::now(); }  // counts from its end, so that a slow disk does not take all of the time
 
  private:
   using Clock = std::chrono::steady_clock;

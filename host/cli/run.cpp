@@ -37,22 +37,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kTogether = 5.0;  // s, within which ranks that fail together have all failed
+constexpr double kTogether = 5.0;  // s within which ranks that fail together have all failed
 
-// Locks the folder of the run that is resumed and reads its request. Null: it is done, and nothing was touched.
+// Locks the folder of a run to be resumed, and reads its options. Null: the run is complete, and nothing was changed.
 std::shared_ptr<FolderLock> take_folder(const fs::path& folder, SceneOptions* scene) {
   if (!fs::is_directory(folder))
     throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", folder.string()));
   if (is_done(folder)) return nullptr;
   auto lock = std::make_shared<FolderLock>(folder);
-  if (is_done(folder)) return nullptr;  // by now: another process has just finished it
+  if (is_done(folder)) return nullptr;  // another process has completed it in the meantime
   const bool force = scene->force;
   *scene = read_run_record(folder);
   scene->force = force;
   return lock;
 }
 
-// Before the first step. resumed: by --resume, goes_on: from a checkpoint.
+// Prints the settings of the run before its first step. resumed: by --resume; goes_on: from a checkpoint.
 void say_what_begins(const RunOptions& options, const Simulation& simulation, const Ranks* ranks, int wanted_threads,
                      bool resumed, bool goes_on, Recorder& recorder) {
   const auto say = [&](const std::string& text) { recorder.progress().message(text); };
@@ -89,7 +89,7 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
   }
 }
 
-// Before the work, as far as it can be known: a full disk is found out about too late otherwise.
+// Checks free space before the run, as far as the size of results can be estimated.
 void require_room(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces) {
   const Scene& scene = simulation.scene();
   double frames = 2.0;
@@ -98,15 +98,15 @@ void require_room(const fs::path& folder, const Simulation& simulation, const Su
                 fmt::format("the results with output.frames = {}", scene.output.frames));
 }
 
-// The folder of results, and what is there of an earlier run.
+// The folder of results, and the earlier run in it.
 struct RunFolder {
   fs::path folder;
-  std::shared_ptr<FolderLock> lock;  // lock of the run that is resumed; null: a new run
-  std::optional<Provenance> there;   // provenance of the run that is repeated
+  std::shared_ptr<FolderLock> lock;  // lock of a resumed run; null: a new run
+  std::optional<Provenance> there;   // provenance of a repeated run
 };
 
-// Options get the request of a run that is resumed or repeated. Nothing: it is done, and nothing was
-// touched.
+// Opens the folder, and sets options to those of a resumed or repeated run. Nothing: that run is complete, and nothing
+// was changed.
 std::optional<RunFolder> run_folder(RunOptions* options) {
   RunFolder run;
   run.folder = options->out.empty() ? fs::path("out") / fs::path(options->scene.scene).stem() : fs::path(options->out);
@@ -126,7 +126,7 @@ std::optional<RunFolder> run_folder(RunOptions* options) {
   return run;
 }
 
-// The checkpoint that the run goes on from, which all ranks then know of. Throws Error where it is refused, on all.
+// Reads the checkpoint of a continued run and shares it with all ranks. If it is refused, throws Error on all ranks.
 Checkpoint checkpoint_of(const fs::path& folder, bool goes_on, const Identity& identity, Ranks* ranks) {
   Checkpoint before;
   std::optional<Error> refused;
@@ -141,17 +141,17 @@ Checkpoint checkpoint_of(const fs::path& folder, bool goes_on, const Identity& i
   return before;
 }
 
-// Runs the simulation to its end, keeps what it has come to, and says so.
+// Runs the simulation to its end, writes and prints its results.
 void run_and_keep(const fs::path& folder, Simulation& simulation, const Surfaces& surfaces, const RunOptions& options,
                   Recorder& recorder, RunInfo& info, int& exit_code) {
   std::optional<Error> failure;
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
     end_with_law(material, batch, options.law_seconds, folder, simulation, recorder, info);
   });
-  const StopOnSignal guard(simulation);  // to the end: what stops a run shall not stop what keeps its results
+  const StopOnSignal guard(simulation);  // to the end of the block: a signal must not stop the writing of results
   try {
     simulation.run(recorder);
-  } catch (const std::exception& error) {  // by a law, perhaps
+  } catch (const std::exception& error) {  // of a law, perhaps
     failure = any_error(error, "make the scene smaller", "the scene and the law");
   }
   keep_results(folder, simulation, surfaces, options, failure, recorder, info, exit_code);
@@ -194,7 +194,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
       monitors_of(simulation.scene().text, simulation.scene().file, options.scene.overrides);
   const auto of_monitors = goes_on && !before.rows.empty() ? read_monitor_rows(folder, before.rows.back().step)
                                                            : std::vector<std::vector<double>>{};
-  // What an earlier run left goes, so that a failed run cannot be taken for that one.
+  // Removes results of an earlier run, so that those of a failed run are not mistaken for them.
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
     return resumed && is_kept(name, before.frame_times.size());
   });

@@ -5,8 +5,8 @@
 
 namespace quoin {
 
-// Where mpirun has started several of us: rank 0 runs as one process does, the others help. What stops one rank ends
-// all: those that fail together are spoken for by rank 0, and one that fails alone says so.
+// Runs as one of several processes that mpirun has started. Rank 0 prints and writes as a single process does. An error
+// on one rank ends all. Rank 0 reports errors of all ranks together; a rank that fails alone reports its own.
 void run_on_ranks(const RunOptions& options, int& exit_code);
 
 }  // namespace quoin

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Sends bytes of rank 0 to all others. Bytes: a vector of them, or text.
+// Sends bytes of rank 0 to all other ranks: a vector, or a text.
 template <class Bytes>
 void share_bytes(Ranks& ranks, Bytes& bytes) {
   std::uint64_t size = bytes.size();

@@ -1,4 +1,4 @@
-// How a run begins, on one process and on each of several ranks.
+// Start of a run, on one process or on several ranks.
 #pragma once
 
 #include <filesystem>
@@ -15,13 +15,13 @@ namespace quoin {
 
 Scene scene_of(RunOptions* options, const Ranks* ranks);
 int threads_of(const RunOptions& options, const Ranks* ranks);
-// Pieces of frames; one process alone writes all of them.
+// Pieces of frames by rank; one process alone writes whole frames.
 Pieces pieces_of(const Scene& scene, const Ranks* ranks);
-// Where the run in this folder was kept, or where its scene starts.
+// Sets the state of the checkpoint `kept` in this folder, or the initial state of the scene.
 void begin(Simulation* simulation, const std::filesystem::path& folder, const StoredState& kept);
 
-// What the others need to write files of their own into the folder of results: where it is, and the token of its
-// manifest. The frames that are there.
+// Data for files of other ranks in the folder of results: its path, the token of its manifest, and the times of its
+// frames.
 struct SharedFolder {
   std::string path, token;
   std::vector<double> frame_times;

@@ -1,4 +1,4 @@
-// The request of a run on the command line.
+// Options of a run on the command line.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@ namespace quoin {
 struct RunOptions {
   SceneOptions scene;
   std::string out;
-  std::string resume;  // folder of the run that goes on; empty: a new one
-  std::string again;   // folder of the run that is repeated; empty: none
+  std::string resume;  // folder of the run to be continued; empty: a new one
+  std::string again;   // folder of the run to be repeated; empty: none
   double checkpoint_every = 60.0;
   int threads = 0;
   bool report = false, svg = false, histories = false, compressed = false;
   bool isolate_law = false;
-  double law_seconds = kLawSeconds;  // for one batch; 0: any time
-  int serve = -1;                    // port of a page of the run while it goes on; 0: any, < 0: none
+  double law_seconds = kLawSeconds;  // time limit of one batch, s; 0: none
+  int serve = -1;                    // port of the page of the running simulation; 0: any, < 0: no page
 };
 
 }  // namespace quoin

@@ -7,9 +7,9 @@
 
 namespace quoin {
 
-// A text that names them by their places in the source tree, with those of an installed program.
-// PREFIX/share/quoin/scenes/arch.toml stands for host/scenes/arch.toml; CMakeLists.txt beside this file installs them.
-// share is that folder; where it is empty, it is found from the place of the program.
+// Replaces places in the source tree by those of an installed program: PREFIX/share/quoin/scenes/arch.toml for
+// host/scenes/arch.toml. CMakeLists.txt in this folder installs them. share: that folder; empty: found from the place
+// of the program.
 inline std::string with_shipped_places(std::string text, std::filesystem::path share = {}) {
   if (share.empty()) {
     std::error_code fault;

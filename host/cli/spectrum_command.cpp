@@ -93,8 +93,8 @@ nlohmann::ordered_json json_of(const GroundRecord& record, const std::vector<Com
   return json;
 }
 
-// Left: acceleration over time, a row a component. Right: pseudo-acceleration over period. Thin and thick lines stay
-// apart where two pens have the same grey.
+// Script with acceleration over time on the left, a row per component, and pseudo-acceleration over period on the
+// right. Line widths distinguish two pens of equal grey.
 std::string script_of(const GroundRecord& record, const std::vector<ComponentSpectrum>& spectra,
                       const std::vector<double>& dampings) {
   std::string script = fmt::format("set terminal pngcairo size 1400,{} font 'Sans,11' noenhanced\nset grid\n",

@@ -19,7 +19,7 @@ StopOnSignal::StopOnSignal(Simulation& simulation) {
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     sigaction(kSignals[i], nullptr, &before_[i]);
     const bool of_terminal = kSignals[i] == SIGHUP || kSignals[i] == SIGPIPE;
-    if (of_terminal && before_[i].sa_handler == SIG_IGN) continue;  // nohup
+    if (of_terminal && before_[i].sa_handler == SIG_IGN) continue;  // set by nohup
     struct sigaction action {};
     action.sa_handler = stop_running;
     action.sa_flags = SA_RESTART | (kSignals[i] == SIGPIPE ? 0 : static_cast<int>(SA_RESETHAND));

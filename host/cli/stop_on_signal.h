@@ -8,12 +8,12 @@
 
 namespace quoin {
 
-// Ctrl-C asks the simulation to stop. A terminal that closes, a closed pipe of our output, and SIGUSR1 do so, too.
-// SIGUSR1 is handed on by mpirun, which follows SIGTERM by SIGKILL within a second. A second time ends the program at
-// once; but a reader that is gone will be written to again.
+// Stops the simulation at Ctrl-C, at the closing of the terminal or of the output pipe, and at SIGUSR1. The program
+// mpirun forwards SIGUSR1, while it follows SIGTERM by SIGKILL within a second. A second signal ends the program at
+// once, except that of a closed pipe, which later output repeats.
 class StopOnSignal {
  public:
-  explicit StopOnSignal(Simulation& simulation);  // which must outlive this
+  explicit StopOnSignal(Simulation& simulation);  // must outlive this object
   ~StopOnSignal();
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;

@@ -1,4 +1,4 @@
-// `quoin validate`: walls that were tested, predicted and compared with what was measured.
+// `quoin validate`: predictions of tested walls, compared with the measurements.
 #pragma once
 
 namespace CLI {

@@ -23,7 +23,7 @@ constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max();
 
 fs::path list_of(const fs::path& folder) { return folder / "inputs" / "inputs.json"; }
 
-// Written only where it differs: others may be reading what is there.
+// Writes a file only where its bytes differ, as other processes may be reading it.
 void write_if_new(const fs::path& file, const std::string& bytes) {
   std::error_code unknown;
   if (fs::exists(file, unknown) && read_input_file(file.string(), kAnySize) == bytes) return;
@@ -39,7 +39,7 @@ void keep_study(const fs::path& folder, const StudyRequest& request) {
             {"working_directory", fs::current_path().string()},
             {"files", Json::array()}};
   for (const auto& [file, bytes] : kept_inputs().files()) {
-    // Named by their bytes, so that no list ever names what another one has written.
+    // Names contain the hash of the bytes, so that a list never refers to another version of a file.
     const std::string hash = sha256_of(bytes);
     const std::string name = fmt::format("{:.12}_{}", hash, fs::path(file).filename().string());
     write_if_new(folder / "inputs" / name, bytes);

@@ -1,5 +1,5 @@
-// What a study was read from, kept in its folder. Any process on any machine goes on with it, whatever has become of
-// the files.
+// Copies of all input of a study in its folder. Any process on any machine can continue the study from them, even after
+// the original files have changed.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,17 @@ namespace quoin::ensemble {
 
 struct StudyRequest {
   std::string study;                   // file
-  std::vector<std::string> overrides;  // overrides of the command line
+  std::vector<std::string> overrides;  // --set of the command line
 };
 
-// Writes kept_inputs() and the request to FOLDER/inputs; what is there already is left or replaced, file by file. One
-// process at a time. Throws Error(bad_input).
+// Writes kept_inputs() and the request to FOLDER/inputs; equal files stay. One process at a time. Throws
+// Error(bad_input).
 void keep_study(const std::filesystem::path& folder, const StudyRequest& request);
 
-// Whether FOLDER is one of a study, and not the file of one.
+// Whether FOLDER is the folder of a study.
 bool is_kept_study(const std::filesystem::path& folder);
-// Gives kept_inputs() what is kept there and goes to the working folder of then, from which paths count. Throws
-// Error(bad_input): it is not whole.
+// Sets kept_inputs() from FOLDER/inputs and changes to the working directory of the study, to which paths are relative.
+// Throws Error(bad_input) if the copy is damaged.
 StudyRequest take_kept_study(const std::filesystem::path& folder);
 
 }  // namespace quoin::ensemble

@@ -1,4 +1,4 @@
-// A number that a study may not have: NaN in memory, null in JSON.
+// A missing number of a study: NaN in memory, null in JSON.
 #pragma once
 
 #include <cmath>

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kGrid = 200;  // places of the bands along the displacement
+constexpr int kGrid = 200;  // number of places of the bands along the displacement
 constexpr std::array kBands{0.05, 0.16, 0.5, 0.84, 0.95};
 
 Json pair(const Interval& i) { return Json::array({number_or_null(i.low), number_or_null(i.high)}); }
@@ -42,7 +42,7 @@ struct Results {
   Numbered samples;
   std::optional<Sample> of_means;
   std::vector<std::string> inputs;
-  std::map<std::string, std::vector<double>> column;  // inputs and outputs of the samples that did not fail
+  std::map<std::string, std::vector<double>> column;  // inputs and outputs of all samples without failure
   std::vector<Curve> curves;
   Curve curve_of_means;
 };
@@ -54,7 +54,7 @@ double value_of(const Values& values, const std::string& name) {
   return kNone;
 }
 
-// The n-th cell of a row from there on.
+// The n-th cell of a CSV row, counted from `at`.
 std::string_view cell(std::string_view row, std::size_t at, int n) {
   for (; n > 0; --n) {
     at = row.find(',', at);
@@ -63,7 +63,7 @@ std::string_view cell(std::string_view row, std::size_t at, int n) {
   return row.substr(at, row.find(',', at) - at);
 }
 
-// Curve of the last stage: largest displacement so far, and the force there.
+// Curve of the last stage: largest displacement so far, and the force at it.
 Curve read_curve(const fs::path& file) {
   std::ifstream stream(file);
   std::string line;
@@ -128,7 +128,7 @@ Json output_json(const Results& r, const std::string& name) {
                                                {"interval_95", pair(quantile_interval(values, p))}};
   }
   json["of_means"] = r.of_means ? number_or_null(value_of(r.of_means->outputs, name)) : Json(nullptr);
-  // How the estimate settles as samples are added.
+  // Convergence of the estimate with the number of samples.
   for (std::size_t n = 5; n <= values.size(); n = n < values.size() ? std::min(values.size(), n * 2) : n + 1) {
     const Moments then = moments_of({values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n)});
     json["convergence"].push_back(

@@ -33,14 +33,14 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kClaimedByOthers = 120;  // what a process that found its sample taken says
-constexpr int kKilledTooOften = 3;     // times, after which a sample counts as failed
-constexpr long kPoll = 50;             // ms between two checks of what others compute
+constexpr int kClaimedByOthers = 120;  // exit code of a process whose sample another one has claimed
+constexpr int kKilledTooOften = 3;     // number of kills after which a sample counts as failed
+constexpr long kPoll = 50;             // ms between two checks for samples of other processes
 
 std::atomic<bool> stop_asked{false};
 extern "C" void stop_the_pool(int) { stop_asked = true; }
 
-// While samples are under way: signals are noted.
+// Records signals while samples are computed.
 class StopHandler {
  public:
   StopHandler() {
@@ -60,13 +60,13 @@ class StopHandler {
   std::array<struct sigaction, 3> before_{};
 };
 
-// A sample that a process of its own computes, and the pipe by which that process says why it cannot.
+// A sample in a process of its own, and the pipe for that process's error message.
 struct UnderWay {
   std::uint64_t sample;
   int reasons;  // end to read from
 };
 
-// What was said there until now; the pipe is closed.
+// Message in the pipe, which is closed.
 std::string reason_in(int pipe) {
   std::array<char, 4096> text{};
   const ssize_t count = read(pipe, text.data(), text.size());
@@ -128,7 +128,7 @@ class Pool {
         continue;
       }
       left_.erase(left_.begin());
-      if (is_finished(folder_.sample(sample))) continue;  // by another process
+      if (is_finished(folder_.sample(sample))) continue;  // computed by another process
       if (!start(sample)) {
         left_.insert(left_.begin(), sample);
         if (running_.empty()) throw Error(Exit::numerical, "no process can be started; close other programs");
@@ -144,7 +144,7 @@ class Pool {
     const pid_t child = fork();
     if (child == 0) {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
-      if (getppid() != parent_) _exit(127);  // died before
+      if (getppid() != parent_) _exit(127);  // the parent died before prctl
       handler_.restore();
       _exit(compute(sample, ends[1]));
     }
@@ -156,7 +156,7 @@ class Pool {
     return child > 0;
   }
 
-  // In the process of the sample: its exit code.
+  // Computes a sample in its own process. Returns the exit code.
   int compute(std::uint64_t sample, int reasons) {
     const fs::path place = folder_.sample(sample);
     int code = 0;
@@ -165,7 +165,7 @@ class Pool {
       if (!claim || is_finished(place)) return kClaimedByOthers;
       claim->sign();
       make_folder(place);
-      // What the sample says is in its folder; and so is what a law said before it crashed.
+      // Output of the sample goes to its folder, and thus that of a law before a crash.
       const int log = open((place / "log.txt").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
       if (log >= 0) dup2(log, STDOUT_FILENO), dup2(log, STDERR_FILENO);
       compute_(sample, place);
@@ -173,7 +173,7 @@ class Pool {
       const Error error = any_error(thrown);
       notice(fmt::format("quoin: {}", error.what()));
       code = static_cast<int>(error.exit_code);
-      // By a pipe too: the disk of the log may be full. Where that fails, the reason is missing and nothing else.
+      // Also by a pipe, as the disk of the log may be full. If the pipe fails too, only the message is missing.
       [[maybe_unused]] const ssize_t count = write(reasons, error.what(), std::strlen(error.what()));
     }
     std::fflush(nullptr);
@@ -188,7 +188,7 @@ class Pool {
         for (const auto& [process, under_way] : running_) kill(process, SIGKILL);
         reported_ = true;
       }
-      // Signals end the nap.
+      // Signals end the sleep.
       const timespec nap{0, kPoll * 1000000 / (running_.empty() ? 1 : 10)};
       nanosleep(&nap, nullptr);
       return;
@@ -207,7 +207,7 @@ class Pool {
     judge(sample, status, said);
   }
 
-  // A sample that is not finished, and the process that should have.
+  // Handles a process that has ended without finishing its sample.
   void judge(std::uint64_t sample, int status, const std::string& said) {
     const fs::path place = folder_.sample(sample);
     if (WIFEXITED(status) && WEXITSTATUS(status) == kClaimedByOthers) {
@@ -242,7 +242,7 @@ class Pool {
     print_progress();
   }
 
-  // A line now and then: on a terminal it is overwritten.
+  // Prints progress every few seconds; on a terminal it replaces the line.
   void print_progress() {
     const auto now = Clock::now();
     std::uint64_t done = 0;
@@ -269,7 +269,7 @@ class Pool {
   const pid_t parent_;
   const StopHandler handler_;
   std::vector<std::uint64_t> left_;
-  std::map<std::uint64_t, Clock::time_point> held_until_;  // by other processes, as far as known
+  std::map<std::uint64_t, Clock::time_point> held_until_;  // of samples of other processes
   std::map<std::uint64_t, int> killed_;
   std::map<pid_t, UnderWay> running_;
   std::uint64_t total_ = 0, done_before_ = 0, computed_ = 0;

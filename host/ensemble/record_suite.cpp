@@ -18,14 +18,15 @@ using namespace reader;
 
 namespace {
 
-constexpr double kDamping = 0.05;  // share of critical, for sa
+constexpr double kDamping = 0.05;  // damping ratio of sa
 
-// With the paths of files made whole: they count from the folder of the study, and in a scene from that of the scene.
+// Table with absolute paths of files. Paths are relative to the folder of the study here, to that of the scene in a
+// scene.
 toml::table with_whole_paths(const toml::table& given, const std::string& folder) {
   toml::table whole = given;
   const bool by_axes = !given.contains("file");
   for (const char* key : {"file", "x", "y", "z"}) {
-    if (!by_axes && std::string_view(key) != "file") continue;  // names of columns
+    if (!by_axes && std::string_view(key) != "file") continue;  // keys are names of columns
     const auto path = given[key].value<std::string>();
     if (!path || path->starts_with('/')) continue;
     whole.insert_or_assign(key, std::filesystem::absolute(folder + *path).lexically_normal().string());
@@ -33,7 +34,7 @@ toml::table with_whole_paths(const toml::table& given, const std::string& folder
   return whole;
 }
 
-// One table is one record or, with count or files, several.
+// Records of one table: one, or several with count or files.
 std::vector<std::pair<std::string, toml::table>> expanded(Table& t, int index) {
   std::string name;
   int count = 1;
@@ -64,7 +65,7 @@ std::vector<std::pair<std::string, toml::table>> expanded(Table& t, int index) {
   return all;
 }
 
-// files: takes the names of files that it was read from.
+// Reads a record. files: context that collects the names of its files.
 GroundMotion ground_of(const SuiteRecord& record, Context* files = nullptr) {
   Context context;
   context.file = record.name;
@@ -88,7 +89,7 @@ void read_records(Table& study, const std::string& folder, RecordSuite& suite) {
                           ? "only scale in a cloud; remove it"
                           : "only in a cloud, where records are not scaled otherwise; remove it");
     }
-    // Its keys, with their lines; synthetic records of one table differ by their number alone.
+    // Checks all keys, with their lines; synthetic records of one table differ by their number alone.
     for (const char* key : {"name", "count", "files"}) t.accept(key);
     if (!t.has("files")) {
       read_ground(t, folder);

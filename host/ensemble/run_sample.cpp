@@ -34,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kLoss = 0.8;  // share of the peak
+constexpr double kLoss = 0.8;  // share of the peak force
 
 Json json_of(const Values& values) {
   Json json = Json::object();
@@ -55,7 +55,7 @@ void write_sample(const fs::path& folder, const Sample& sample) {
                                       {"outputs", json_of(sample.outputs)}});
 }
 
-// Values of the study's quantities; what is drawn for joints comes after them.
+// Values of the study's quantities. Random properties of joints follow them.
 Values inputs_of(const Study& study, std::uint64_t number) {
   Values inputs;
   const std::vector<double> drawn = study.values(number);
@@ -74,7 +74,7 @@ class Recorder : public Observer {
   History history_;
 };
 
-// Mean by area and least value of what was drawn.
+// Adds mean by area and least value of each random property of joints.
 void add_drawn(const Simulation& simulation, Values& inputs) {
   const auto add = [&](const std::string& family, const PropertyColumn& column, const auto& area_of) {
     double sum = 0.0, area = 0.0, least = HUGE_VAL;
@@ -102,7 +102,7 @@ void add_drawn(const Simulation& simulation, Values& inputs) {
   }
 }
 
-// Outputs of the last stage, the one that drives.
+// Outputs of the last stage, which drives the wall.
 Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const Scene& scene = simulation.scene();
   const Peak peak = find_peak(rows, scene);
@@ -138,7 +138,7 @@ Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& r
   return outputs;
 }
 
-// The widest opening of every joint, with its ends in the plane of the wall.
+// Writes the largest opening of every joint, with the joint's ends in the plane of the wall.
 void write_joints(const Simulation& simulation, const fs::path& file) {
   std::map<std::pair<int, int>, OpenedJoint> joints;
   const auto add = [&](int block_a, int block_b, const Vec3& place, double opening) {
@@ -160,7 +160,7 @@ void write_joints(const Simulation& simulation, const fs::path& file) {
   write_file(file, text);
 }
 
-// The end of another run is too large to be kept, and may have been replaced.
+// The end state of another run is not copied, as it is large, and may have been replaced.
 void require_start(const Study& study) {
   if (study.start.empty() || sha256_of_file(study.start) == study.start_sha256) return;
   throw Error(Exit::bad_input,
@@ -169,7 +169,7 @@ void require_start(const Study& study) {
                           study.scene, study.start));
 }
 
-// Messages name the scene by its path, which differs from machine to machine.
+// Message with the scene's file name in place of its path, which differs between machines.
 std::string without_path(std::string reason, const std::string& path) {
   const std::string name = fs::path(path).filename().string();
   for (std::size_t at = reason.find(path); !path.empty() && at != std::string::npos; at = reason.find(path, at + 1))
@@ -203,7 +203,7 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
     sample.status = "failed";
     sample.reason = without_path(why, study.scene);
   };
-  // A disk that is full is no property of the sample: what cannot be written is thrown.
+  // A full disk is no property of the sample: errors of writing are thrown.
   const auto attempt = [&](const auto& what) {
     try {
       what();
@@ -219,7 +219,7 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
     try {
       simulation.emplace(make_scene(), 1);
       take_start(&*simulation);
-    } catch (const Error& error) {  // the scene as drawn is wrong
+    } catch (const Error& error) {  // the scene of this sample is at fault
       simulation.reset();
       fail(error.what());
     }

@@ -32,7 +32,7 @@ struct Trial {
   double half() const { return 0.5 * (high - low); }
   // Relative change of the output over that of the input.
   double elasticity() const { return (high - low) / mean * x_mean / (x_high - x_low); }
-  // How far the mean lies from the straight line between low and high, over their distance; 0: straight.
+  // Distance of the mean from the straight line between low and high, over their difference; 0: straight.
   double bend() const {
     const double share = (x_mean - x_low) / (x_high - x_low);
     return std::abs(mean - (low + share * (high - low))) / std::abs(high - low);

@@ -1,5 +1,4 @@
-// What matters, without sampling: every input tried by itself, at its 16 % and 84 % quantile, the others at their
-// means.
+// Sensitivity without sampling: each input alone at its 16 % and 84 % quantile, the others at their means.
 #pragma once
 
 #include <string>
@@ -8,11 +7,11 @@
 
 namespace quoin::ensemble {
 
-// sensitivity.csv and sensitivity.png in the folder of a study with Trials::one_at_a_time whose samples are finished. A
-// row an input and output: low, high, of the means, elasticity, share of the variance and bend. The share is for
-// independent inputs and a straight response; the bend is how far it is from that. Returns a table in words, of the
-// peak force (of the collapse multiplier where there is no peak), what matters most first. Throws Error(bad_input)
-// where something cannot be written.
+// Writes sensitivity.csv and sensitivity.png in the folder of a finished study with Trials::one_at_a_time. Each row has
+// an input and an output: low, high, that of the means, elasticity, share of the variance and bend. The share holds for
+// independent inputs and a straight response; the bend measures the deviation from that. Returns a table as text for
+// the peak force, or for the collapse multiplier without one. The largest effects come first. Throws Error(bad_input)
+// when a file cannot be written.
 std::string write_sensitivity(const StudyFolder& folder, const Study& study, bool pictures);
 
 }  // namespace quoin::ensemble

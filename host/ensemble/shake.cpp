@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kLeastOfFirst = 1e-3;  // share of the first level below which no collapse is sought
-constexpr double kSunk = 0.5;           // share of its height: a block that is so much lower has lost its support
+constexpr double kSunk = 0.5;           // share of its height by which a block sinks that has lost its support
 
 double number_in(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_number() ? json[key].get<double>() : kNone;
@@ -66,7 +66,7 @@ ShakenRun read_run(const fs::path& file) {
   return run;
 }
 
-// Looks at every row how far blocks have moved against the ground, and ends the run when one has collapsed.
+// Observer that measures, at every row, how far blocks have moved against the ground. It ends the run at collapse.
 class CollapseWatch : public Observer {
  public:
   CollapseWatch(const fs::path& folder, Simulation* simulation, const RecordSuite& suite)
@@ -104,7 +104,7 @@ class CollapseWatch : public Observer {
   ShakenRun run;
 
  private:
-  // A step ago, as the ground in a row.
+  // One step ago, as the ground's displacement in a row.
   Vec3 translation_of(const blocks::Model& model, int block) const {
     const double step = simulation_->time_step_report().time_step;
     return geometry::array(position_of(model, block) - step * velocity_of(model, block) -
@@ -157,7 +157,7 @@ void write_run_summary(const fs::path& folder, const Simulation& simulation, Col
   write_summary(folder / "summary.json", simulation, rows, info);
 }
 
-// One run; what the scene or the law makes impossible is its failure.
+// Computes one run. Errors of the scene or of the law make it a failed run.
 ShakenRun shake(const Study& study, const std::function<Scene(const std::vector<std::string>&)>& make_scene,
                 const std::vector<std::string>& overrides, const fs::path& folder) {
   make_folder(folder);
@@ -224,7 +224,7 @@ std::optional<double> next_level(const RecordSuite& suite, const std::vector<Sha
   if (runs.empty()) return suite.first;
   const Bracket b = bracket_of(runs, suite.measure, 0.0);
   if (!std::isfinite(b.high)) {
-    // The level of a run is a product: what is largest comes back with rounding.
+    // The level of a run is a product, so that the largest one has rounding.
     if (b.low >= suite.largest * (1.0 - 1e-9)) return std::nullopt;
     return std::min(b.low * suite.growth, suite.largest);
   }

@@ -82,12 +82,12 @@ std::string submit(const fs::path& folder, const std::vector<std::string>& words
   const std::string job = answer.text.substr(answer.text.rfind('\n') + 1);
   if (answer.code != 0 || job.empty() || std::isdigit(static_cast<unsigned char>(job[0])) == 0)
     throw Error(Exit::bad_input, fmt::format("sbatch refused the job: {}", answer.text));
-  return job.substr(0, job.find(';'));  // and the name of the cluster
+  return job.substr(0, job.find(';'));  // the name of the cluster follows
 }
 
 bool is_queued(const std::string& job) {
   const Answer answer = ask({"squeue", "--noheader", "--jobs=" + job, "--format=%i"});
-  // A job that is long gone is not known any more.
+  // Slurm soon deletes jobs that have ended.
   if (answer.code != 0) return answer.text.find("Invalid job id") == std::string::npos;
   return !answer.text.empty();
 }

@@ -18,7 +18,7 @@ struct Indices {
   SobolIndex index;
 };
 
-// Indices of one output, by the place of samples in their row.
+// Indices of one output. Samples have their places in rows.
 std::vector<Indices> indices_of(const Study& study, const std::vector<Values>& outputs, std::size_t output) {
   const std::vector<StudyQuantity> inputs = study.inputs();
   const std::size_t length = inputs.size() + 2;
@@ -41,7 +41,7 @@ std::vector<Indices> indices_of(const Study& study, const std::vector<Values>& o
 }  // namespace
 
 std::string write_sobol_table(const StudyFolder& folder, const Study& study, std::uint64_t rows) {
-  std::vector<Values> outputs;  // outputs of each sample; empty: none
+  std::vector<Values> outputs;  // outputs of each sample; empty: not finished
   for (std::uint64_t i = 1; i <= rows * (study.inputs().size() + 2); ++i) {
     outputs.emplace_back();
     if (!is_finished(folder.sample(i))) continue;

@@ -1,4 +1,4 @@
-// What matters where inputs act together: Sobol's indices of a study with Trials::exchanged.
+// Sensitivity with interactions of inputs: Sobol's indices of a study with Trials::exchanged.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace quoin::ensemble {
 
-// sobol.csv in the folder, of what is finished of so many rows. It has a row an input and output, with first and total
-// index and their intervals. Returns a table in words, of the peak force (of the collapse multiplier where there is no
-// peak), what matters most first. Throws Error(bad_input) where it cannot be written.
+// Writes sobol.csv in the folder, for the finished ones among `rows` rows. It has a row per input and output, with
+// first and total index and their intervals. Returns a table as text for the peak force, or for the collapse multiplier
+// without one. The largest effects come first. Throws Error(bad_input) when the file cannot be written.
 std::string write_sobol_table(const StudyFolder& folder, const Study& study, std::uint64_t rows);
 
 }  // namespace quoin::ensemble

@@ -19,7 +19,7 @@ namespace bm = boost::math;
 
 namespace {
 
-constexpr double kTail = 0.025;  // on either side of an interval
+constexpr double kTail = 0.025;  // probability on either side of an interval
 
 std::vector<double> finite(const std::vector<double>& values) {
   std::vector<double> result;
@@ -29,7 +29,7 @@ std::vector<double> finite(const std::vector<double>& values) {
   return result;
 }
 
-// From 0; ties share the mean of their ranks.
+// Ranks from 0; equal values have the mean of their ranks.
 std::vector<double> ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -103,7 +103,7 @@ double quantile_of(std::vector<double> values, double probability) {
   return v[below] + (place - static_cast<double>(below)) * (v[above] - v[below]);
 }
 
-// The number of samples below the quantile is binomial.
+// The number of samples below the quantile has a binomial distribution.
 Interval quantile_interval(std::vector<double> values, double probability) {
   std::vector<double> v = finite(values);
   if (v.empty()) return {kNone, kNone};
@@ -111,7 +111,7 @@ Interval quantile_interval(std::vector<double> values, double probability) {
   const bm::binomial count(static_cast<double>(v.size()), probability);
   const double low = std::floor(bm::quantile(count, kTail)),
                high = std::ceil(bm::quantile(bm::complement(count, kTail)));
-  // Fewer samples than it takes: no bound on that side.
+  // Too few samples: no bound on that side.
   return {low >= 1 ? v[static_cast<std::size_t>(low) - 1] : kNone,
           high < static_cast<double>(v.size()) ? v[static_cast<std::size_t>(high)] : kNone};
 }
@@ -135,7 +135,7 @@ struct Row {
   double a, b, mixed;
 };
 
-// first and total, of the rows that row(0), row(1), ... gives.
+// First and total index of rows row(0), row(1), ...
 template <class RowAt>
 std::array<double, 2> sobol_indices(std::size_t rows, const RowAt& row) {
   const auto n = static_cast<double>(rows);
@@ -192,7 +192,7 @@ Fragility fragility_of(const std::vector<double>& values) {
     f.fit = "moments";
     return f;
   }
-  // The others come later: a straight line through the logarithms over the normal quantiles of their ranks.
+  // Censored values lie above all others: a straight line fits the logarithms over the normal quantiles of their ranks.
   std::sort(logs.begin(), logs.end());
   double sz = 0.0, sx = 0.0, szz = 0.0, szx = 0.0;
   const auto n = static_cast<double>(logs.size());
@@ -208,7 +208,7 @@ Fragility fragility_of(const std::vector<double>& values) {
 
 namespace {
 
-constexpr double kLeastSpread = 0.01;  // where capacities do not overlap, any smaller one is as likely
+constexpr double kLeastSpread = 0.01;  // where capacities do not overlap, all smaller ones are equally likely
 
 double density(double z) { return std::exp(-0.5 * z * z) / std::sqrt(2.0 * M_PI); }
 // Probability of a normal variable between two bounds, without cancellation in its tails.
@@ -217,9 +217,10 @@ double between(double low, double high) {
   return std::max(1e-300, low > 0.0 ? above(low) - above(high) : above(-high) - above(-low));
 }
 
-// In a = 1/spread and b = -ln(median)/spread the logarithm of the likelihood is concave: Newton, halved where it falls.
+// Logarithm of the likelihood. In a = 1/spread and b = -ln(median)/spread it is concave. Newton's method finds its
+// maximum, with halved steps where it decreases.
 struct Likelihood {
-  double value = 0.0, a = 0.0, b = 0.0, aa = 0.0, ab = 0.0, bb = 0.0;  // and its derivatives
+  double value = 0.0, a = 0.0, b = 0.0, aa = 0.0, ab = 0.0, bb = 0.0;  // value, and derivatives by a and b
 };
 Likelihood likelihood_of(const std::vector<Capacity>& capacities, double a, double b) {
   Likelihood l;
@@ -238,7 +239,7 @@ Likelihood likelihood_of(const std::vector<Capacity>& capacities, double a, doub
   return l;
 }
 
-// median, spread.
+// Median and spread of the greatest likelihood.
 std::optional<std::array<double, 2>> most_likely(const std::vector<Capacity>& capacities) {
   double middle = 0.0;
   std::size_t reached = 0, not_reached = 0;

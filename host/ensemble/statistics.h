@@ -1,4 +1,4 @@
-// What samples add up to. Values that are not a number count as not reached.
+// Statistics of samples. NaN counts as a limit not reached.
 #pragma once
 
 #include <array>
@@ -13,61 +13,61 @@ struct Interval {
   double low, high;
 };
 
-// Of independent samples. Intervals hold with 95 %: of the mean by Student's t, of the scatter by chi squared (for a
-// normal distribution), of quantiles by order statistics.
+// Moments of independent samples. Intervals hold with 95 %: of the mean by Student's t, of the scatter by chi squared
+// (for a normal distribution), of quantiles by order statistics.
 struct Moments {
   std::size_t count = 0;
   double mean = 0.0, scatter = 0.0;
   Interval of_mean{}, of_scatter{};
 };
-Moments moments_of(const std::vector<double>& values);  // finite ones; at least 2, else intervals are not a number
+Moments moments_of(const std::vector<double>& values);  // of finite values; with fewer than 2, intervals are NaN
 
-// By linear interpolation between order statistics (Hazen).
+// Quantile by linear interpolation between order statistics (Hazen).
 double quantile_of(std::vector<double> values, double probability);
 Interval quantile_interval(std::vector<double> values, double probability);
 
-// How an output follows an input.
+// Dependence of an output on an input.
 struct Dependence {
   double pearson, spearman;  // correlations of the values, and of their ranks
-  // Share of the variance of the output that the input explains by itself: its first-order index of Sobol where inputs
-  // are independent. By strata of equal count, with the bias of their number taken out.
+  // Share of the output's variance explained by the input alone: Sobol's first-order index if inputs are independent.
+  // It is computed by strata of equal count, and corrected for the bias of their number.
   double correlation_ratio;
 };
 std::optional<Dependence> dependence_of(const std::vector<double>& input, const std::vector<double>& output);
 
-// Shares of the variance of an output by one input alone (first) and with its interactions (total): Sobol's indices, of
-// independent inputs. Intervals hold with 95 %, by drawing the rows again.
+// Sobol's indices: shares of the variance of an output due to one input alone (first) and with its interactions
+// (total). Inputs are independent. Intervals hold with 95 %, by resampling of rows.
 struct SobolIndex {
-  std::size_t rows = 0;  // that were used
+  std::size_t rows = 0;  // number of rows in use
   double first = 0.0, total = 0.0;
   Interval of_first{}, of_total{};
 };
-// Rows by rows: the output of independent draws a and b of all inputs, and of a with this input taken from b. The first
-// index is as Saltelli et al. (2010) estimate it, total as Jansen (1999). Rows in which one of the three is missing are
-// left out; nothing where fewer than 8 are left, or where the output does not vary.
+// Index of an input by rows: outputs of two independent draws a and b of all inputs, and of a with this input from b.
+// The first index is the estimate of Saltelli et al. (2010), total that of Jansen (1999). Rows with a missing output
+// are left out. Nothing if fewer than 8 rows are left, or if the output does not vary.
 std::optional<SobolIndex> sobol_index_of(const std::vector<double>& a, const std::vector<double>& b,
                                          const std::vector<double>& mixed);
 
-// P(reached at x) = Phi(ln(x/median)/spread).
+// Fragility: P(limit reached at x) = Phi(ln(x/median)/spread).
 struct Fragility {
   std::size_t samples = 0, reached = 0;
   double median = 0.0, spread = 0.0;
-  Interval of_median{};  // 95 %; not a number where some have not reached it
-  std::string fit;       // moments; order statistics, where some have not reached it; none
+  Interval of_median{};  // 95 %; NaN where some samples have not reached the limit
+  std::string fit;       // moments; order statistics, where some have not reached the limit; none
 };
 Fragility fragility_of(const std::vector<double>& values);
 
-// Bounds from one run, or several, of the intensity at which a wall reaches a limit. It lies above low, and not above
-// high. low 0: it may be anything up to high; high infinite: it was not reached at low.
+// Bounds, from one run or several, of the intensity at which a wall reaches a limit: above low, at most high. A low of
+// 0 is no bound. A high of infinity: the limit was not reached at low.
 struct Capacity {
   double low, high;
   std::size_t record;  // record of the run; runs of one record depend on each other
 };
-// The lognormal distribution of greatest likelihood. Intervals of 95 % by drawing records again (bootstrap); not a
-// number with fewer than 3 records.
+// Lognormal distribution of maximum likelihood. Intervals of 95 % by bootstrap of records; NaN with fewer than 3
+// records.
 class FittedFragility {
  public:
-  // Nothing where no limit was reached, or where none was not. seed: of the draws.
+  // Nothing if the limit was reached always, or never. seed: of the resampling.
   static std::optional<FittedFragility> of(const std::vector<Capacity>& capacities, std::uint64_t seed);
   double median = 0.0, spread = 0.0;
   Interval of_median{}, of_spread{};
@@ -82,7 +82,7 @@ class FittedFragility {
 struct Curve {
   std::vector<double> displacement, force;  // m, growing; N
 };
-// Force where the displacement is first reached; not a number beyond the end.
+// Force at the first point with this displacement; NaN beyond the end of the curve.
 double force_at(const Curve& curve, double displacement);
 
 }  // namespace quoin::ensemble

@@ -18,7 +18,7 @@ using namespace reader;
 
 namespace {
 
-// Every leaf of the tables below [set] as one --set.
+// Adds each value in the tables below [set] as an override.
 void add_overrides(Context& context, const toml::table& table, const std::string& path, Study& study) {
   for (auto&& [key, node] : table) {
     const std::string name = path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
@@ -70,7 +70,7 @@ void read_quantity_correlation(Table& t, Study& study) {
     t.refuse("correlation", "correlations that can be together: those given are not positive definite");
 }
 
-// Limit of a study with records: collapse, or a displacement.
+// Reads a limit of a study with records: collapse, or a displacement.
 void read_limit_of_records(Table& f, LimitState& limit) {
   f.number("displacement", limit.displacement, kPositive, "m, against the ground");
   limit.name = limit.displacement > 0.0 ? fmt::format("{:g} m", limit.displacement) : "collapse";
@@ -134,7 +134,7 @@ Study read_study(const std::string& file) {
 
 namespace {
 
-// Columns of samples.csv: inputs, and outputs of every sample.
+// Columns of samples.csv: inputs and outputs of every sample.
 std::vector<std::string> columns_of(const Study& study, const Scene& scene) {
   std::vector<std::string> columns = output_names();
   for (const StudyQuantity& quantity : study.quantities) columns.push_back(quantity.name);
@@ -254,7 +254,7 @@ std::vector<std::string> Study::overrides_of(std::uint64_t sample) const {
   const std::vector<StudyQuantity> of = inputs();
   const std::vector<double> drawn = values(sample);
   for (std::size_t i = 0; i < drawn.size(); ++i) {
-    // A property that scatters stays a distribution, without scatter: what is said of it beside still holds.
+    // A random property stays a distribution, with scatter 0, so that other keys about it remain valid.
     const bool scatters = i >= quantities.size();
     const std::string value = fmt::format("{:.17g}", drawn[i]);
     all.push_back(of[i].key + "=" + (scatters ? "{distribution=\"normal\",sd=0,mean=" + value + "}" : value));

@@ -45,7 +45,7 @@ std::string word_of(Trials trials) {
 
 Json json_of(const StudyQuantity& quantity) {
   const random::Distribution& d = quantity.distribution;
-  // JSON has no infinite number.
+  // JSON has no infinity.
   const auto bound = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
   return {{"name", quantity.name},  {"key", quantity.key},  {"distribution", random::shape_name(d.shape)},
           {"mean", d.mean},         {"scatter", d.scatter}, {"lower", bound(d.lower)},
@@ -72,7 +72,7 @@ Json json_of(const RecordSuite& suite) {
   return json;
 }
 
-// Whatever a sample depends on, and nothing else: what only the results say, as titles and fragilities, may change.
+// All that samples depend on. Titles and fragilities, on which only results depend, may change.
 Json identity_of(const Study& study, const Scene& scene) {
   Json json;
   json["version of quoin"] = QUOIN_VERSION;
@@ -84,7 +84,7 @@ Json identity_of(const Study& study, const Scene& scene) {
   json["seed"] = study.seed;
   json["keys set"] = study.overrides;
   json["trials"] = word_of(study.trials);
-  // Places of a Latin hypercube depend on how many there are.
+  // Samples of a Latin hypercube depend on their number.
   if (study.method == random::Method::latin_hypercube) json["samples"] = study.samples;
   if (study.suite.any()) json["records"] = json_of(study.suite);
   json["text of the scene"] = sha256_of(scene.text);
@@ -144,7 +144,7 @@ StudyFolder::StudyFolder(fs::path path, const Study& study, const Scene& scene, 
   make_folder(path_ / "claims");
   const fs::path file = path_ / "study.json";
   const Json own = identity_of(study, scene);
-  // Whoever comes first: the others wait, and find whole files.
+  // The first process writes the files. Others wait, and read complete ones.
   const std::unique_ptr<Claim> entering = Claim::wait_for(path_ / "claims" / "study");
   std::error_code unknown;
   if (!fs::exists(file, unknown)) {
@@ -174,7 +174,7 @@ fs::path StudyFolder::claim(std::uint64_t number) const { return path_ / "claims
 
 std::string table_text(const std::vector<std::pair<std::uint64_t, Sample>>& samples,
                        const std::vector<std::string>& outputs) {
-  // A sample that failed early has none of what is drawn for joints: the columns are those of one that has most.
+  // A sample that failed early has no random properties of joints: columns are those of the sample with the most.
   const Values* inputs = nullptr;
   for (const auto& [number, sample] : samples) {
     if (!inputs || sample.inputs.size() > inputs->size()) inputs = &sample.inputs;

@@ -1,8 +1,8 @@
-// The folder of a study, on which any number of processes and machines work at once:
-//   study.json           what the study is; another one is refused
-//   inputs/              the files that it is computed from, as they were read at the start
-//   samples/000123/      one run, of a sample from 1 on, or of the means (0); sample.json says that it is finished
-//   claims/000123        held by the process that computes it: a lock of the kernel, which ends with its process
+// The folder of a study, in which any number of processes and machines work at once:
+//   study.json           identity of the study; another study is refused
+//   inputs/              copies of its input files
+//   samples/000123/      a sample from 1, or the means (0); sample.json marks it as finished
+//   claims/000123        a kernel lock of the process that computes the sample; it ends with the process
 //   samples.csv, summary.json, index.html, ...   the results, written by the last process
 #pragma once
 
@@ -17,15 +17,15 @@
 
 namespace quoin::ensemble {
 
-// A lock on a file, for as long as this lives. Children that begin another program do not keep it.
+// A lock on a file during the life of this object. Child processes that exec another program do not keep it.
 class Claim {
  public:
-  // Null: another process has it. Throws Error(bad_input) where the file cannot be made or the file system has no
-  // locks.
+  // Null: another process has the lock. Throws Error(bad_input) when the file cannot be created or the file system has
+  // no locks.
   static std::unique_ptr<Claim> take(const std::filesystem::path& file);
   static std::unique_ptr<Claim> wait_for(const std::filesystem::path& file);
   ~Claim();
-  // Adds a line that says who works on it, for people; what cannot be written is left out.
+  // Appends a line that identifies the process, for users. Errors are ignored.
   void sign() const;
   Claim(const Claim&) = delete;
   Claim& operator=(const Claim&) = delete;
@@ -37,9 +37,9 @@ class Claim {
 
 class StudyFolder {
  public:
-  // Makes the folder, or enters one of the same study. The same are quantities and keys set, the text of the scene, the
-  // files and laws that it names, byte by byte. So is the build of quoin. Keeps in the folder what `request` reads
-  // (kept_study.h). Throws Error(bad_input), naming what differs.
+  // Creates the folder, or opens one of the same study. Such a study has equal quantities and keys, text of the scene,
+  // files, laws and build of quoin, byte by byte. Copies the input of `request` into the folder (kept_study.h). Throws
+  // Error(bad_input) with the first difference.
   StudyFolder(std::filesystem::path path, const Study& study, const Scene& scene, const StudyRequest& request);
 
   const std::filesystem::path& path() const { return path_; }
@@ -51,8 +51,8 @@ class StudyFolder {
   std::filesystem::path path_;
 };
 
-// samples.csv: one row a finished sample from 1 to the last one, in order. Numbers in the shortest decimals that read
-// back to the same double, nothing where there is none.
+// samples.csv: one row per finished sample from 1 to the last one. Numbers are the shortest decimals that read back to
+// the same double; a missing one is empty.
 std::string table_text(const std::vector<std::pair<std::uint64_t, Sample>>& samples,
                        const std::vector<std::string>& outputs);
 

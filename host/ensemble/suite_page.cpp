@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int kCurvePoints = 60;
-constexpr double kCurveEnds = 2.5;  // spreads on either side of the median
+constexpr double kCurveEnds = 2.5;  // ends of a curve, in spreads on either side of the median
 
 struct ShakenWall {
   std::uint64_t task;
@@ -62,7 +62,7 @@ std::vector<ShakenWall> read_walls(const StudyFolder& folder, const Study& study
   return walls;
 }
 
-// Incremental: one capacity a wall and record. Else every run bounds its capacity from one side.
+// Capacities. Incremental: one for each wall and record. Otherwise each run is a bound on one side.
 std::vector<Capacity> capacities_of(const Study& study, const std::vector<ShakenWall>& walls, double displacement,
                                     IntensityMeasure measure) {
   const auto m = static_cast<std::size_t>(measure);
@@ -133,7 +133,7 @@ std::string fragility_text(const std::vector<SuiteFragility>& all) {
   return text;
 }
 
-// Intensities over which a fitted curve is drawn.
+// Intensities of the points of a fitted curve.
 std::vector<double> grid_of(const FittedFragility& fit) {
   std::vector<double> grid;
   for (int k = 0; k <= kCurvePoints; ++k)
@@ -154,7 +154,7 @@ std::string curve_text(const std::vector<SuiteFragility>& all) {
   return text;
 }
 
-// Walls and records by their intensity of collapse, or runs as they ended.
+// Draws walls and records by their intensity at collapse, or runs by their end.
 void draw_runs(const Study& study, const std::vector<ShakenWall>& walls, Pictures& pictures) {
   const auto m = static_cast<std::size_t>(study.suite.measure);
   std::string lines, collapses;

@@ -1,4 +1,4 @@
-// What a study with records adds up to: tables of samples and runs, fragilities, pictures, a page.
+// Results of a study with records: tables of samples and runs, fragilities, pictures, page.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 namespace quoin::ensemble {
 
-// Files of a study, from what is finished of it. One process at a time. Throws Error(bad_input).
+// Results in the files of a study, from its finished tasks. One process at a time. Throws Error(bad_input).
 struct SuiteResults {
   std::uint64_t finished = 0, failed = 0, runs = 0;
-  std::string text;  // fragilities, for the screen, one line each
+  std::string text;  // fragilities, one line each
 };
 SuiteResults gather_suite(const StudyFolder& folder, const Study& study, bool pictures);
 

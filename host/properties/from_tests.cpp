@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMPa = 1e6, kMm = 1e-3;
 
-// Defaults of a kind of unit, where nothing is measured.
+// Defaults of a kind of unit, for missing tests.
 struct KindOfUnit {
   UnitKind kind;
   double strength;          // Pa, of the unit
@@ -30,17 +30,17 @@ constexpr KindOfUnit kKinds[] = {{UnitKind::clay, 20 * kMPa, 0.55, 0.75, 0.85, 1
                                  {UnitKind::stone, 60 * kMPa, 0.45, 0.75, 0.85, 2500}};
 
 constexpr double kPoisson = 0.2;
-constexpr double kMortarStrength = 5 * kMPa;        // M5, where nothing is known
+constexpr double kMortarStrength = 5 * kMPa;        // M5, without a test
 constexpr double kMeanOverCharacteristic = 1.2;     // EN 1052-1: fk = f/1.2
 constexpr double kShearOfCharacteristic = 0.8;      // EN 1052-3: characteristic = 0.8 of the mean
 constexpr double kModulusOverStrength = 550.0;      // modulus over strength of masonry, Kaushik, Rai and Jain (2007)
-constexpr double kUnitModulusOverStrength = 300.0;  // modulus over strength of units, the same
-constexpr double kLeastStiffer = 2.0;            // unit over masonry modulus, at least: a joint must be left [assumed]
-constexpr double kStiffestBed = 1e12;            // Pa/m: beyond it a joint adds nothing to a block [assumed]
-constexpr double kFriction = 0.7;                // van der Pluijm (1999): sliding friction of clay masonry 0.7 to 0.8
-constexpr double kBondOverCohesion = 2.0 / 3.0;  // Table 1 and Table 3 of the paper
-constexpr double kTensionLength = 0.075 * kMm;   // G1/ft: 15 J/m2 at 0.2 MPa, Table 1
-constexpr double kLeastTension = 5.0, kMostTension = 20.0;  // J/m2, van der Pluijm (1999); the least is Table 3's
+constexpr double kUnitModulusOverStrength = 300.0;  // modulus over strength of units, Kaushik, Rai and Jain (2007)
+constexpr double kLeastStiffer = 2.0;  // unit over masonry modulus, so that the joint has a share [assumed]
+constexpr double kStiffestBed = 1e12;  // Pa/m; a stiffer joint does not change the stiffness of a block [assumed]
+constexpr double kFriction = 0.7;      // van der Pluijm (1999): sliding friction of clay masonry 0.7 to 0.8
+constexpr double kBondOverCohesion = 2.0 / 3.0;             // Table 1 and Table 3 of the paper
+constexpr double kTensionLength = 0.075 * kMm;              // G1/ft: 15 J/m2 at 0.2 MPa, Table 1
+constexpr double kLeastTension = 5.0, kMostTension = 20.0;  // J/m2, van der Pluijm (1999); least: Table 3
 constexpr double kShearLength = 0.2 * kMm;      // G2/c: between 0.1 mm (Angelillo et al. 2014) and 0.42 mm (Table 1)
 constexpr double kCrushingLength = 1.6 * kMm;   // Gc/fc below 12 MPa, Angelillo et al. (2014)
 constexpr double kUnitTension = 0.05;           // tensile over compressive strength of units, Angelillo et al. (2014)
@@ -48,8 +48,9 @@ constexpr double kUnitFriction = 35.0;          // deg, Table 1 and Table 3
 constexpr double kUnitShearLength = 0.1 * kMm;  // G2/c, Angelillo et al. (2014)
 constexpr double kUnitStiffness = 6.0;          // stiffness of joints inside units over that of bed joints, Table 3
 constexpr double kUnfilledStiffness = 0.1;      // stiffness of unfilled head joints over that of filled ones [assumed]
-// Stiffness of dry joints at 0.5 MPa, Pa/m. Elsewhere it follows the root of the pressure, as pressure grows with the
-// square of the closure of rough faces. Both are from six dry walls taken together (host/validate/dry_walls.csv).
+// Stiffness of dry joints at 0.5 MPa, Pa/m. It is proportional to the square root of pressure, as the pressure on rough
+// faces grows with the square of their closure. Both are fitted to six dry walls together
+// (host/validate/dry_walls.csv).
 constexpr double kDryStiffness = 8e9, kDryPressure = 0.5 * kMPa;
 constexpr double kLeastDryPressure = 0.05 * kMPa;
 
@@ -57,14 +58,15 @@ const KindOfUnit& kind_of(UnitKind kind) {
   return *std::find_if(std::begin(kKinds), std::end(kKinds), [&](const KindOfUnit& k) { return k.kind == kind; });
 }
 
-// J/m2; fc in Pa. Angelillo et al. (2014), after the Model Code 1990, which ends at 80 MPa.
+// Fracture energy of compression, J/m2; fc in Pa. Angelillo et al. (2014), after the Model Code 1990, which ends at 80
+// MPa.
 double crushing_energy(double fc) {
   const double mpa = std::min(fc / kMPa, 80.0);
   return mpa < 12.0 ? kCrushingLength * fc : 1e3 * (15.0 + 0.43 * mpa - 0.0036 * mpa * mpa);
 }
 double degrees(double tangent) { return std::atan(tangent) * 180.0 / std::numbers::pi; }
 
-// EN 1996-1-1, table 3.4, characteristic, Pa.
+// Characteristic cohesion of EN 1996-1-1, table 3.4, Pa.
 double code_cohesion(UnitKind unit, JointKind joint, double mortar) {
   const bool clay = unit == UnitKind::clay || unit == UnitKind::hollow_clay;
   if (joint == JointKind::thin) return (clay ? 0.30 : unit == UnitKind::calcium_silicate ? 0.40 : 0.30) * kMPa;
@@ -143,7 +145,7 @@ class Rule {
                 "unit and joint in series: 1/(h (1/E masonry - 1/E unit))", 0.3);
   }
 
-  // Energies are at least twice what is stored at the strength, so that no joint snaps back.
+  // Fracture energies are at least twice the elastic energy at the strength, so that no joint snaps back.
   void bed() {
     JointNumbers& j = n_.bed;
     j.normal_stiffness = bed_stiffness();
@@ -155,7 +157,7 @@ class Rule {
     j.friction_angle = degrees(mu);
     if (t_.bed == JointKind::dry) {
       note("bed joint: cohesion", 0.0, "Pa", "dry", 0.0);
-      return;  // nothing there that softens or crushes before the units do
+      return;  // the joint neither softens nor crushes before the units
     }
     j.cohesion = t_.cohesion
                      ? note("bed joint: cohesion", *t_.cohesion, "Pa", "initial shear strength, given", 0.25)
@@ -198,7 +200,7 @@ class Rule {
 
   void inside_units() {
     JointNumbers& j = n_.inside_units;
-    // Next to soft dry joints the unit's own modulus sets the scale.
+    // With soft dry joints the scale is the modulus of the unit.
     const double scale = t_.bed == JointKind::dry ? n_.young_modulus / t_.block_height : n_.bed.normal_stiffness;
     j.normal_stiffness = note("inside units: normal stiffness", kUnitStiffness * scale, "Pa/m",
                               "6 times that of bed joints (Table 3); dry: 6 E/h", 0.0);

@@ -60,7 +60,7 @@ py::object object_of(const toml::node& node) {
   if (const auto* number = node.as_floating_point()) return py::float_(number->get());
   if (const auto* flag = node.as_boolean()) return py::bool_(flag->get());
   if (const auto* text = node.as_string()) return py::str(text->get());
-  std::ostringstream date;  // which no key of a scene allows: its reader will say so
+  std::ostringstream date;  // not allowed for any key: the reader of scenes reports it
   node.visit([&](const auto& value) { date << value; });
   return py::str(date.str());
 }

@@ -1,4 +1,4 @@
-// Scenes as Python has them, dictionaries and lists with the names of the TOML keys, and as the reader of scenes does.
+// Conversion of scenes between Python (dictionaries and lists with the names of TOML keys) and TOML tables.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -9,9 +9,9 @@
 
 namespace quoin::python {
 
-// Numbers, words, true and false, lists and dictionaries. TypeError with the dotted key for anything else.
+// Table of numbers, texts, booleans, lists and dictionaries. Throws TypeError, with the dotted key, for other values.
 toml::table table_of(const pybind11::dict& document);
 pybind11::dict document_of(const toml::table& table);
-std::string text_of(const toml::table& table);  // TOML that reads back to the same table
+std::string text_of(const toml::table& table);  // TOML that parses to the same table
 
 }  // namespace quoin::python

@@ -1,4 +1,4 @@
-// The compiled part of the package `quoin`: what the Python files beside it are written on. Not for users.
+// Compiled part of the package `quoin`, on which the Python files are based. It is not for users.
 #include <fmt/format.h>
 #include <pybind11/functional.h>
 #include <pybind11/pybind11.h>
@@ -49,15 +49,15 @@ using quoin::python::Session;
 
 using Hashes = std::map<std::string, std::string>;  // SHA-256 by file
 
-// Hashes of the files that the scene takes in.
+// Hashes of the files that the scene reads.
 Hashes hashes_of(const quoin::Scene& scene) {
   Hashes hashes;
   for (const std::string& file : scene.inputs) hashes[file] = quoin::sha256_of_file(file);
   return hashes;
 }
 
-// As `quoin run` prepares a scene: of a document, or of the text of the file of that name, so that messages have its
-// lines. files: those of hashes_of when the scene was loaded.
+// Prepares a scene as `quoin run` does: from a document, or from the text of the file `path`, so that messages have its
+// lines. files: hashes_of the scene when it was loaded.
 quoin::Scene scene_of(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
                       bool runs = false) {
   quoin::SceneOptions options;
@@ -89,7 +89,7 @@ py::dict dict_of(const quoin::LawSwap& swap) {
   return d;
 }
 
-// Blocks of a mesh file: name, corners (a row of three each, m), faces, and whether it is a support.
+// Blocks of a mesh file: name, corners (rows of x, y, z, m), faces, and whether it is fixed.
 py::list mesh_of(const std::string& path, double scale, const std::function<bool(const std::string&)>& fixed) {
   py::list blocks;
   for (const quoin::geometry::NamedShape& s : quoin::geometry::read_mesh_file(path, scale, fixed)) {
@@ -100,7 +100,7 @@ py::list mesh_of(const std::string& path, double scale, const std::function<bool
   return blocks;
 }
 
-// tests: the keys of a table [tests].
+// Properties from tests. tests: keys of a table [tests].
 py::dict properties_of(const py::dict& tests) {
   const toml::table table = quoin::python::table_of(tests);
   quoin::reader::Context context;
@@ -130,7 +130,7 @@ py::dict properties_of(const py::dict& tests) {
 }
 
 #ifdef QUOIN_LIMIT
-// Text of limit.json; velocity and spin of each block; by point its blocks, place, and force along n, s, t.
+// Text of limit.json; velocity and spin of each block; blocks, place, and force along n, s, t of each point.
 py::tuple limit(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
                 const std::vector<double>& direction, double given, int facets, bool associated, bool moving) {
   const quoin::Scene scene = scene_of(source, path, files);
@@ -150,7 +150,7 @@ py::tuple limit(const std::variant<py::dict, std::string>& source, const std::st
   if (found.limit) {
     for (const auto& [v, w] : found.limit->velocity) velocity.push_back({v.x, v.y, v.z, w.x, w.y, w.z});
     force = found.limit->force;
-    velocity.resize(found.block_count), force.resize(found.point_count);  // nodes of floors and beams follow
+    velocity.resize(found.block_count), force.resize(found.point_count);  // nodes of floors and beams come after these
   }
   for (std::size_t i = 0; i < found.point_count; ++i) {
     const quoin::LimitPoint& p = found.problem.points[i];

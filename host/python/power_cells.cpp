@@ -9,7 +9,7 @@ namespace quoin::python {
 using geometry::Vector;
 
 std::optional<std::vector<Cell>> PowerDiagram::cells() const {
-  constexpr double kSeedsOfGridBox = 5.0;  // Voro++ is fastest with about so many
+  constexpr double kSeedsOfGridBox = 5.0;  // seeds per box of the grid for which Voro++ is fastest
   const auto count = static_cast<int>(seeds.size());
   const double spacing = std::cbrt(size.x * size.y * size.z * kSeedsOfGridBox / count);
   const auto boxes = [&](double length) { return static_cast<int>(std::clamp(length / spacing, 1.0, 1000.0)); };

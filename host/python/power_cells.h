@@ -1,4 +1,4 @@
-// Cells of a power diagram of seeds in a box (Voro++).
+// Cells of a power diagram of seeds in a box, by Voro++.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace quoin::python {
 
-// Faces go round their corners; neighbours of faces are cells, or walls of the box: -1 low x, -2 high x, -3 low y ...
+// Faces are loops of corners. Neighbours of faces are cells, or walls of the box: -1 low x, -2 high x, -3 low y ...
 struct Cell {
   std::vector<geometry::Vector> corners;  // m
   std::vector<std::vector<int>> faces;
@@ -16,13 +16,14 @@ struct Cell {
   geometry::Vector centroid;
 };
 
-// Where |x - p|^2 - w is less for a seed p of weight w than for any other one. All weights 0: Voronoi's.
+// Cells of points x where |x - p|^2 - w is smaller for a seed p of weight w than for all others. With weights 0 they
+// are Voronoi cells.
 struct PowerDiagram {
   std::vector<geometry::Vector> seeds;  // m
   std::vector<double> weights;          // m2
   geometry::Vector size;                // size of the box from the origin, m
 
-  // By seeds. None where one has no cell.
+  // Cells in the order of seeds. None if a seed has no cell.
   std::optional<std::vector<Cell>> cells() const;
 };
 

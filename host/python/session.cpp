@@ -31,13 +31,13 @@ namespace quoin::python {
 
 namespace {
 
-constexpr double kLookPeriod = 0.05;  // s between two checks of whether the user has pressed Ctrl-C
+constexpr double kLookPeriod = 0.05;  // s between two checks for Ctrl-C
 
 double seconds_since(std::chrono::steady_clock::time_point then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
 }
 
-// rows x columns, filled by value(row, column).
+// Array of rows x columns with the values value(row, column).
 template <class T, class Value>
 py::array_t<T> table_of(std::size_t rows, std::size_t columns, const Value& value) {
   const std::vector<py::ssize_t> shape =
@@ -78,7 +78,7 @@ py::dict joints_of(const std::vector<JointPoint>& joints) {
   return d;
 }
 
-// Laws that this thread loads while it lives.
+// Laws that this thread loads during the life of this object run in processes of their own.
 class Isolated {
  public:
   explicit Isolated(const LawIsolation& wanted) : before_(isolate_laws(wanted)) {}
@@ -99,9 +99,9 @@ std::vector<Vec3> gridpoints_of(const Simulation& simulation) {
   return places;
 }
 
-// By gridpoint of the mesh of now: its number among these places, which are the same block by block.
+// Index among `places` of each gridpoint in the current mesh. Places are the same, block by block.
 std::vector<std::size_t> numbers_among(const std::vector<Vec3>& places, const Simulation& simulation) {
-  const auto key = [](const Vec3& x) {  // cells of 0.1 um, whose borders lie where no gridpoint does
+  const auto key = [](const Vec3& x) {  // cells of 0.1 um, whose boundaries avoid gridpoints
     std::array<long long, 3> cell{};
     for (std::size_t c = 0; c < 3; ++c) cell[c] = std::llround(x[c] * 1e7 + 0.3183);
     return cell;
@@ -155,7 +155,7 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   });
 }
 
-// From the thread that watches, while another one is inside the law for ever, without the interpreter's lock.
+// Called by the watching thread, without the interpreter's lock, while another thread never returns from the law.
 void Session::end_with_law(const Material& material, const quoin_batch& batch, double seconds) {
   RunInfo info;
   info.status = "failed";
@@ -186,7 +186,7 @@ bool Session::step(long count, bool stop_at_stage_end) {
   stepping_ = true;
   struct Done {
     bool& stepping;
-    ~Done() { stepping = false; }  // with the interpreter's lock, which is taken again before
+    ~Done() { stepping = false; }  // with the interpreter's lock, which has been taken again
   } const done{stepping_};
   bool more = true;
   {
@@ -402,7 +402,7 @@ py::array Session::array_of(const ArrayView& view, bool writeable) const {
   std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(view.rows)}, strides{view.row_stride * kSize};
   if (view.columns > 1)
     shape.push_back(static_cast<py::ssize_t>(view.columns)), strides.push_back(view.column_stride * kSize);
-  // The base only keeps NumPy from copying: the package lets no such array out of a call (view.py).
+  // A base object keeps NumPy from copying. The package returns no such array from a call (view.py).
   py::array_t<double> array(shape, strides, view.data, py::capsule(this, [](void*) {}));
   if (!writeable) array.attr("flags").attr("writeable") = false;
   return array;
@@ -428,7 +428,7 @@ int Session::block_named(const py::object& block) const {
   const auto count = static_cast<int>(simulation.block_count());
   if (py::isinstance<py::str>(block)) {
     const auto name = block.cast<std::string>();
-    // On the lattice only what stages move has kept its name.
+    // On the lattice, only bodies of stages have their names.
     std::optional<blocks::Assembly> as_read;
     if (!simulation.large_motion() && simulation.scene().blocks) as_read = blocks::assemble(simulation.scene());
     std::vector<std::string> names;
@@ -476,7 +476,7 @@ void Session::restore(const py::bytes& bytes) {
   const std::string_view view = bytes;
   const Isolated isolated(isolation_);
   use().restore({view.begin(), view.end()});
-  // Rows of after are gone; those of before stay.
+  // Later rows are removed, earlier rows stay.
   std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
   if (surfaces_) *surfaces_ = Surfaces();
 }

@@ -1,4 +1,4 @@
-// A simulation as Python holds it: stepped without the lock of the interpreter, with what it has reported so far.
+// A simulation for Python. Its steps run without the interpreter's lock. It keeps all that it has reported.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -31,29 +31,30 @@ namespace py = pybind11;
 
 struct Frame {
   double time = 0.0;               // s
-  std::vector<Vec3> displacement;  // displacement of the gridpoints of all blocks, one block after the other, m
-  std::shared_ptr<const std::vector<Vec3>> place;  // places of these at the start, m; a promotion numbers them again
+  std::vector<Vec3> displacement;  // displacement of the gridpoints of all blocks, block by block, m
+  // Places of these gridpoints at the start, m; a promotion changes their order.
+  std::shared_ptr<const std::vector<Vec3>> place;
   std::vector<JointPoint> joints;
 };
 
 // Every method throws quoin::Error, and std::runtime_error while another thread steps the simulation.
 class Session : private Observer {
  public:
-  // threads 0: as many as the machine has. folder: where the results go as files too; empty: nowhere. Where laws are
-  // isolated, a law that has not returned from a batch after law_seconds (0: any time) is ended with its process, an
-  // Error(numerical). Elsewhere it ends the program as the command line does.
+  // threads: 0: all of the machine. folder: of files of the results; empty: no files. A law in processes of its own
+  // that does not return from a batch within law_seconds (0: no limit) is ended, with Error(numerical). Otherwise it
+  // ends the program, as on the command line.
   Session(Scene scene, int threads, bool keep_frames, const std::string& folder, bool isolate_law, double law_seconds);
 
-  // So many steps, or fewer when the last stage ends or, with stop_at_stage_end, any. True: there are more to come.
-  // KeyboardInterrupt between two steps, which leaves everything as it is then.
+  // Computes `count` steps, or fewer if the last stage ends or, with stop_at_stage_end, any stage. Returns whether more
+  // steps remain. KeyboardInterrupt between two steps leaves the state as it is.
   bool step(long count, bool stop_at_stage_end);
-  // Called with (stage from 0, stages, name, fraction) about four times a second; none: never.
+  // Sets a function of (stage from 0, stages, name, fraction), called about four times a second; None: no function.
   void set_progress(py::object progress) { progress_ = std::move(progress); }
 
-  // Columns of the history until now, {name: array}; texts are lists.
+  // Columns of the history so far, {name: array}; texts are lists.
   py::dict history() const;
-  py::dict measure() const;  // a row of it, as it stands
-  // What summary.json of a run says, and the files of the folder when there is one.
+  py::dict measure() const;  // the current row of the history
+  // Text of summary.json of the run; writes the files of the folder, if there is one.
   std::string finish(const std::string& status, const std::string& message);
   py::list frames() const;
   py::dict mesh() const;
@@ -65,7 +66,7 @@ class Session : private Observer {
   py::array state(int family, const std::string& id);
   LawSwap swap_law(const std::string& joint, const std::string& law);
   void velocities_changed() { quoin::velocities_changed(use()); }
-  int block_named(const py::object& block) const;  // a number or a name; IndexError, KeyError
+  int block_named(const py::object& block) const;  // number or name; throws IndexError, KeyError
   int family_named(const std::string& name) const;
 
   py::bytes save() const;
@@ -73,7 +74,7 @@ class Session : private Observer {
   void checkpoint(const std::string& path, const std::string& scene_hash) const;
   void resume(const std::string& path, const std::string& scene_hash);
 
-  Simulation& use() const;  // for a call that the interpreter's lock covers
+  Simulation& use() const;  // simulation for a call that holds the interpreter's lock
   int stage() const { return stage_; }
 
  private:
@@ -87,7 +88,7 @@ class Session : private Observer {
   [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds);
   py::array array_of(const ArrayView& view, bool writeable) const;
   Identity identity_of(const std::string& scene_hash) const;
-  std::pair<std::size_t, std::size_t> points_of(int family) const;  // the first, and one past the last
+  std::pair<std::size_t, std::size_t> points_of(int family) const;  // index of the first point, and one past the last
 
   LawIsolation isolation_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), looked_ = start_;
@@ -105,11 +106,11 @@ class Session : private Observer {
   py::object progress_ = py::none();
   bool stepping_ = false, finished_ = false;
   int stage_ = -1;
-  std::vector<StageModes> modes_;      // modes of stages that move the ground
-  std::vector<std::string> warnings_;  // that Python has not been given yet
+  std::vector<StageModes> modes_;      // modes of stages with ground motion
+  std::vector<std::string> warnings_;  // warnings not yet returned to Python
   std::optional<LawWatchdog> watchdog_;
-  std::vector<HashedFile> files_;         // that the scene takes in and its laws, as they were at the start
-  std::optional<Provenance> provenance_;  // provenance of a run that keeps its end
+  std::vector<HashedFile> files_;         // files of the scene and of its laws, with their hashes at the start
+  std::optional<Provenance> provenance_;  // provenance of a run that writes its end state
 };
 
 }  // namespace quoin::python

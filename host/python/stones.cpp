@@ -16,12 +16,12 @@ using geometry::Vector;
 
 namespace {
 
-constexpr double kOnePlace = 1e-6;  // m for stones of 1 m: corners nearer than this are one
+constexpr double kOnePlace = 1e-6;  // m for stones of 1 m; closer corners are merged
 
-// Cells or walls a, b, c along an edge, d and e at its ends. The edge is gone when all five meet in a point.
+// Cells or walls a, b, c along an edge, d and e at its ends. The edge has length 0 when all five meet in a point.
 using Edge = std::array<int, 5>;
 
-// The side of b on which a point lies, seen from a: 0 on the plane between them.
+// Position of a point relative to the plane between cells a and b: 0 on it, > 0 on the side of a.
 struct Side {
   double value;
   Vector gradient;
@@ -38,7 +38,7 @@ Side side_of(const PowerDiagram& d, int a, int b, const Vector& x) {
   return {dot(v, v) - d.weights[of(b)] - dot(u, u) + d.weights[of(a)], 2.0 * (d.seeds[of(a)] - d.seeds[of(b)])};
 }
 
-// Length of an edge, signed, and its derivatives by seeds and weights.
+// Signed length of an edge, and its derivatives by seeds and weights.
 struct Length {
   double value = 0.0;
   struct Term {
@@ -49,9 +49,9 @@ struct Length {
   std::vector<Term> terms;
 };
 
-// At the point x where the planes of b, c and d meet, by the plane of e with n_e = sum l_i n_i. There the plane's value
-// is r_e - sum l_i r_i at any x. Its derivative by p_b is that of r_b, -2 (x - p_b), times -l_b, and so on. None: three
-// planes that meet in no point.
+// Signed length of an edge, along it from the point x of the planes of b, c and d to the plane of e. With n_e = sum l_i
+// n_i the value of e's plane at x is r_e - sum l_i r_i. Its derivative by p_b is that of r_b, -2 (x - p_b), times -l_b,
+// and so on. None: the three planes do not meet in a point.
 std::optional<Length> length_of(const PowerDiagram& diagram, const Edge& edge) {
   const auto [a, b, c, d, e] = edge;
   Vector x = diagram.seeds[static_cast<std::size_t>(a)];
@@ -79,10 +79,11 @@ std::optional<Length> length_of(const PowerDiagram& diagram, const Edge& edge) {
   return length;
 }
 
-// Edges shorter than `bound` that are no points, with the cells at their ends; and the shortest of all edges.
+// Edges shorter than `bound` whose ends are different corners, with the cells at their ends; and the shortest of all
+// edges.
 struct ShortEdges {
   std::vector<Edge> edges;
-  long left = 0;  // that are no points
+  long left = 0;  // number of these edges
   double shortest = 1e300;
 };
 ShortEdges short_edges(const std::vector<Cell>& cells, double bound) {
@@ -119,7 +120,7 @@ ShortEdges short_edges(const std::vector<Cell>& cells, double bound) {
   return found;
 }
 
-// The smallest x with sum over terms of each length = -length, by conjugate gradients on the least squares (CGLS).
+// Least-squares solution of smallest norm of sum of terms = -length for each length, by conjugate gradients (CGLS).
 std::vector<double> smallest_motion(const std::vector<Length>& lengths, std::size_t unknowns) {
   constexpr double kDamping = 1e-4;
   constexpr int kIterations = 2000;
@@ -162,8 +163,8 @@ std::vector<double> smallest_motion(const std::vector<Length>& lengths, std::siz
   return x;
 }
 
-// One step of Newton's method: the smallest motion of seeds and weights that makes the lengths 0. Edges that have no
-// length, or a large one, are left out. Returns the largest length before it, m.
+// One step of Newton's method: the smallest change of seeds and weights for which the lengths become 0. Edges without a
+// length, or with a large one, are left out. Returns the largest length before the step, m.
 double shorten(PowerDiagram& diagram, std::map<Edge, Edge>& edges, double bound) {
   constexpr double kLargestStep = 0.1, kInside = 1e-3;  // m for stones of 1 m
   std::vector<Length> lengths;
@@ -175,7 +176,7 @@ double shorten(PowerDiagram& diagram, std::map<Edge, Edge>& edges, double bound)
       continue;
     }
     largest = std::max(largest, std::abs(length->value));
-    double square = 0.0;  // rows of one length, for conjugate gradients to converge
+    double square = 0.0;  // scales rows to unit length, so that conjugate gradients converge
     for (const auto& t : length->terms) square += dot(t.by_place, t.by_place) + t.by_weight * t.by_weight;
     const double scale = 1.0 / std::sqrt(square);
     lengths.push_back(*length), ++it;
@@ -196,7 +197,7 @@ double shorten(PowerDiagram& diagram, std::map<Edge, Edge>& edges, double bound)
   return largest;
 }
 
-// Corners that are one place once.
+// Corners without duplicates.
 std::vector<Vector> different(const std::vector<Vector>& corners) {
   std::vector<Vector> kept;
   for (const Vector& p : corners) {
@@ -215,7 +216,7 @@ Stones stones(std::vector<Vector> seeds, const Vector& size, double shortest) {
   diagram.weights.assign(diagram.seeds.size(), 0.0);
   std::optional<std::vector<Cell>> cells = diagram.cells();
   if (!cells) throw Error(Exit::bad_input, "some seeds have no cell: are two of them at the same place?");
-  std::map<Edge, Edge> gone;  // by their cells in order
+  std::map<Edge, Edge> gone;  // by their cells, sorted
   Stones best;
   long fewest = 0;
   const auto keep = [&](const ShortEdges& found) {
@@ -235,7 +236,7 @@ Stones stones(std::vector<Vector> seeds, const Vector& size, double shortest) {
       gone.try_emplace(key, edge);
     }
     for (int k = 0; k < kNewton && shorten(diagram, gone, shortest) > 1e-11; ++k) continue;
-    // What does not vanish with the others follows from the current cells.
+    // Edges that do not vanish with the others follow from the current cells.
     std::erase_if(gone, [&](const auto& entry) {
       const std::optional<Length> length = length_of(diagram, entry.second);
       return !length || std::abs(length->value) > 0.1 * shortest;

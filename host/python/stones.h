@@ -14,10 +14,10 @@ struct Stones {
   double shortest_edge = 0.0;
 };
 
-// The cells of seeds in a box from the origin, as by voronoi.h, whose edges shorter than `shortest` are gone. Their
-// ends are one corner. Cells are those of a power diagram, |x - p|^2 - w, with seeds p and weights w, 0 at first. These
-// are moved as little as possible, until the cells at both ends of such an edge meet in one point. So faces stay planes
-// that neighbours share, stones stay convex, and none is lost. Where that does not succeed, short edges are left
+// Cells of seeds in a box from the origin, as in voronoi.h, without edges shorter than `shortest`, whose ends become
+// one corner. Cells are those of a power diagram, |x - p|^2 - w, with seeds p and weights w, initially 0. The smallest
+// change of these is found for which the cells at both ends of such an edge meet in one point. So faces are planes
+// shared by neighbours, stones are convex, and none is lost. Where there is no solution, short edges remain
 // (shortest_edge). Throws Error(bad_input) for seeds without a cell.
 Stones stones(std::vector<geometry::Vector> seeds, const geometry::Vector& size, double shortest);
 

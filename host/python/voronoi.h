@@ -1,4 +1,4 @@
-// Cells of a box around seeds, for stones of irregular shape.
+// Voronoi cells in a box, for stones of irregular shape.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -9,9 +9,8 @@
 
 namespace quoin::python {
 
-// The part of a box from the origin that is nearer to a seed than to any other one. For each seed (a row of three, m)
-// the corners of its convex cell, a row of three each; and the centroids of all. Throws Error(bad_input): seeds that
-// are not inside the box, or two at the same place.
+// Voronoi cells of seeds (rows of x, y, z, m) in a box from the origin. Returns the corners of each convex cell, as
+// rows, and the centroids of all cells. Throws Error(bad_input) for seeds outside of the box, or two at one place.
 std::pair<std::vector<pybind11::array_t<double>>, pybind11::array_t<double>> voronoi(
     const pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>& seeds,
     const std::array<double, 3>& size);

@@ -1,7 +1,7 @@
-"""Builds the wheel of quoin for pip (pyproject.toml): CMake compiles, and a wheel is a zip file with three texts. It needs
-no Python package, so that it works in an empty environment without network. $QUOIN_CMAKE_ARGS: more words for CMake;
-$CMAKE_BUILD_PARALLEL_LEVEL: compilers side by side. What is missing is told before anything is compiled: pip asks for the
-metadata first, and gets NumPy before it asks for the wheel."""
+"""Builds the wheel of quoin for pip (pyproject.toml): CMake compiles, and a wheel is a zip file with three texts. It
+requires no Python package, so that it works in an empty environment without network. $QUOIN_CMAKE_ARGS: additional
+arguments of CMake; $CMAKE_BUILD_PARALLEL_LEVEL: number of compilers at the same time. Missing tools are reported before
+any compilation: pip requests the metadata first, and installs NumPy before it requests the wheel."""
 import base64
 import hashlib
 import os
@@ -14,7 +14,8 @@ import sysconfig
 import zipfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# One for every Python: its own module, and the laws. Kept, so that a second `pip install .` compiles what has changed.
+# One folder for each Python version, with its own module, and the laws. It is kept, so that another `pip install .`
+# compiles changes alone.
 BUILD = os.path.join(ROOT, "build", f"pip-{sys.implementation.cache_tag}")
 SUFFIX = sysconfig.get_config_var("EXT_SUFFIX")
 
@@ -25,10 +26,10 @@ def version():
 
 
 def configure():
-    """Finds all that the build needs, or ends with what is missing."""
+    """Finds all tools of the build, or exits with a list of missing ones."""
     if not shutil.which("cmake"):
         raise SystemExit("quoin: not built: cmake is not installed; scripts/setup.sh lists what the build needs")
-    # Under a virtual environment CMake is told the interpreter that pip runs, whose headers its base has.
+    # In a virtual environment CMake needs the interpreter of pip, whose headers are in its base.
     if subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-DCMAKE_BUILD_TYPE=Release", f"-DQUOIN_PYTHON={sys.executable}",
                        "-DQUOIN_PYTHON_REQUIRED=ON", "-DQUOIN_BUILD_TESTS=OFF", "-DQUOIN_BUILD_ADAPTERS=OFF",
                        *shlex.split(os.environ.get("QUOIN_CMAKE_ARGS", ""))]).returncode != 0:
@@ -37,7 +38,7 @@ def configure():
 
 
 def side_by_side():
-    """Compilers at once: one a core that we may use, 1.5 GB of free memory each."""
+    """Number of compilers at the same time: one per available core, with 1.5 GB of free memory each."""
     cores = len(os.sched_getaffinity(0))
     try:
         with open("/proc/meminfo", encoding="utf-8") as file:

@@ -29,7 +29,8 @@ double variance_of_mean(double interval, double length) {
 
 Distribution of_points(const Distribution& of_mean, double length, std::span<const double> x,
                        std::span<const double> weight) {
-  // Variance of the weighted mean over that of a point, as sum of w_i w_j of this function of their correlation.
+  // Variance of the weighted mean over that of a point: the sum of w_i w_j f(r_ij), where r_ij is the correlation of
+  // the points.
   const auto over_pairs = [&](const auto& of_correlation) {
     double sum = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -43,7 +44,7 @@ Distribution of_points(const Distribution& of_mean, double length, std::span<con
     points.scatter = of_mean.scatter / std::sqrt(over_pairs([](double r) { return r; }));
     return points;
   }
-  // Lognormal: Cov = mean^2 (exp(s^2 r) - 1), growing with s; halving of an interval that holds it.
+  // Lognormal: Cov = mean^2 (exp(s^2 r) - 1) increases with s, which bisection finds.
   const double wanted = std::pow(of_mean.scatter / of_mean.mean, 2.0);
   double low = std::log1p(wanted), high = low;
   const auto excess = [&](double s2) { return over_pairs([&](double r) { return std::expm1(s2 * r); }) - wanted; };

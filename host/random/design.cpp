@@ -9,7 +9,7 @@ namespace quoin::random {
 
 namespace {
 
-// The place of `sample` among all samples by a random number each: a permutation, without a list of it.
+// Rank of `sample` among all samples, ordered by a random number each: a permutation without a stored list.
 std::uint64_t rank(std::uint64_t seed, std::uint64_t dimension, std::uint64_t sample, std::uint64_t samples) {
   const auto number = [&](std::uint64_t i) { return uniform({seed, i, name_of("latin hypercube")}, dimension); };
   const double own = number(sample);

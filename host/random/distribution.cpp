@@ -16,10 +16,10 @@ namespace bm = boost::math;
 
 namespace {
 
-constexpr double kLargest = 1e100, kSmallest = 1e-100;  // bounds of any number: squares and products stay finite
-constexpr double kFinest = 1e-9;  // least scatter over mean: less is lost among the digits of a draw
-// Bounds for Weibull, whose shape is then 0.1 to 130, and for a lognormal one, whose logarithm then scatters by 3 at
-// most.
+constexpr double kLargest = 1e100, kSmallest = 1e-100;  // bounds of numbers: squares and products are finite
+constexpr double kFinest = 1e-9;  // least scatter over mean: a smaller one is lost in the digits of a value
+// Bounds of scatter over mean. For Weibull its shape is then 0.1 to 130. For lognormal the logarithm has a scatter of 3
+// at most.
 constexpr double kLeastVariation = 0.01, kMostVariation = 10.0, kMostOfLognormal = 100.0;
 
 // Calls f with a distribution of these parameters.
@@ -51,7 +51,7 @@ double probability_below(const Distribution& d, double a, double b, double x) { 
   return with(d.shape, a, b, [&](const auto& known) { return bm::cdf(known, x); });
 }
 
-// What is wrong with the size of a number that is not 0; empty: nothing.
+// Fault in the size of a number other than 0; empty: none.
 std::string fault_of_size(const char* what, double value) {
   const double size = std::abs(value);
   if (value == 0.0 || (size >= kSmallest && size <= kLargest)) return "";
@@ -129,7 +129,7 @@ Sampler::Sampler(const Distribution& distribution) : distribution_(distribution)
 }
 
 double Sampler::at_normal(double z) const {
-  // Without the detour by the probability where there is no need of it.
+  // Directly, without the probability, where the shape permits.
   const Shape shape = distribution_.shape;
   if (!distribution_.truncated() && distribution_.scatter > 0.0) {
     if (shape == Shape::normal) return a_ + b_ * z;
@@ -145,7 +145,7 @@ double Sampler::value_at(double probability, double rest) const {
   if (d.shape == Shape::uniform) return d.lower + probability * (d.upper - d.lower);
   if (d.scatter == 0.0) return d.mean;
   if (d.truncated()) {
-    // Each from its own end: 1 less the other one is 0 far out, which no draw stands for.
+    // Each from its own tail: the complement would be 0 in the far tail, which is no value of the distribution.
     probability = below_ + probability * (above_ - below_);
     rest = (1.0 - above_) + rest * (above_ - below_);
   }
@@ -160,7 +160,7 @@ double Sampler::mean() const {
   if (d.shape == Shape::uniform) return 0.5 * (d.lower + d.upper);
   if (!d.truncated()) return d.mean;
   bm::quadrature::tanh_sinh<double> rule;
-  // to_end: how far it is to the nearer end, with all its digits.
+  // to_end: distance to the nearer end, in full precision.
   const auto value = [&](double p, double to_end) {
     const double far = std::fmax(std::abs(to_end), std::numeric_limits<double>::min());
     return p < 0.5 ? value_at(far, 1.0 - far) : value_at(1.0 - far, far);

@@ -15,16 +15,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// How many processes were started together, as far as the variables of mpirun and srun say.
+// Number of processes started together, by the variables of mpirun and srun.
 int started_together() {
   if (const char* count = std::getenv("OMPI_COMM_WORLD_SIZE")) return std::atoi(count);
-  // srun --mpi=pmix; without it each task is a process alone.
+  // With srun --mpi=pmix; otherwise each task is a separate process.
   if (std::getenv("PMIX_RANK") == nullptr) return 1;
   const char* tasks = std::getenv("SLURM_STEP_NUM_TASKS");
   return tasks ? std::atoi(tasks) : 1;
 }
 
-// Beside the program where it was built, below lib where it is installed.
+// Places of the MPI library: next to the program in a build, below lib in an installation.
 std::vector<fs::path> places() {
   std::error_code fault;
   const fs::path program = fs::read_symlink("/proc/self/exe", fault).parent_path();
@@ -42,7 +42,7 @@ std::unique_ptr<Ranks> join_ranks() {
       faults += fmt::format("\n  {}: not there", place.string());
       continue;
     }
-    // Global, since Open MPI loads parts of its own that look for it.
+    // Global, as parts that Open MPI loads use its symbols.
     void* const library = dlopen(place.c_str(), RTLD_NOW | RTLD_GLOBAL);
     if (library == nullptr) {
       faults += fmt::format("\n  {}", dlerror());

@@ -1,4 +1,4 @@
-// The ranks that mpirun or srun has started this process with.
+// Start of MPI where mpirun or srun has started this process.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace quoin {
 
-// Null: this process was started alone, and no library of MPI has been touched. Throws Error(bad_input): it was started
-// with others, but this program was built without MPI, or the library does not load.
+// Ranks of this run. Null: the process was started alone; no MPI library is loaded. Throws Error(bad_input) for a
+// process started with others by a program without MPI, or with an MPI library that does not load.
 std::unique_ptr<Ranks> join_ranks();
 
 }  // namespace quoin

@@ -1,5 +1,4 @@
-// Ranks by MPI. A library of its own, which join.cpp loads where mpirun has started the program. Without mpirun it is
-// neither needed nor waited for.
+// Ranks by MPI, in a library of its own. join.cpp loads it only where mpirun has started the program.
 #include <mpi.h>
 #include <unistd.h>
 
@@ -15,9 +14,9 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kMost = std::size_t{1} << 30;  // bytes of one call: MPI counts in int
+constexpr std::size_t kMost = std::size_t{1} << 30;  // largest number of bytes of one call: MPI counts in int
 
-constexpr std::chrono::microseconds kSpin{100};  // more than ranks with cores of their own wait for each other
+constexpr std::chrono::microseconds kSpin{100};  // longer than waits between ranks with cores of their own
 constexpr useconds_t kNap = 20;                  // us
 
 class MpiRanks : public Ranks {
@@ -101,8 +100,7 @@ class MpiRanks : public Ranks {
   }
 
  private:
-  // Not by MPI_Wait, which never leaves the core: where ranks and others share cores, who is waited for would get no
-  // turn.
+  // MPI_Wait keeps its core busy. Where ranks share cores, the rank it waits for would then get no time.
   static void wait(std::span<MPI_Request> requests) {
     const auto patience = std::chrono::steady_clock::now() + kSpin;
     for (int done = 0;;) {
@@ -123,12 +121,12 @@ class MpiRanks : public Ranks {
   }
 
   int rank_ = 0, count_ = 1, count_here_ = 1;
-  MPI_Comm meeting_ = MPI_COMM_NULL;  // ranks that call all_here, while others may be in other calls
+  MPI_Comm meeting_ = MPI_COMM_NULL;  // for ranks in all_here, while others may be in other calls
   std::vector<MPI_Request> requests_;
 };
 
 }  // namespace
 }  // namespace quoin
 
-// Made by new; who has it deletes it.
+// Created by new; the caller owns it.
 extern "C" quoin::Ranks* quoin_join_ranks() { return new quoin::MpiRanks; }

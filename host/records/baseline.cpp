@@ -47,7 +47,7 @@ struct Section {
   }
 };
 
-// Butterworth by the bilinear transform, its corner kept exactly.
+// Butterworth by the bilinear transform, with an exact corner frequency.
 std::vector<Section> high_pass_sections(int order, double corner_times_step) {
   const double k = std::tan(std::numbers::pi * corner_times_step);
   std::vector<Section> sections;

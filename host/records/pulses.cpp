@@ -11,7 +11,7 @@ namespace quoin {
 namespace {
 
 constexpr double kMostSamples = 1e6;
-constexpr double kRise = 1e-3;  // duration of a jump, as share of the pulse
+constexpr double kRise = 1e-3;  // duration of a jump over that of the pulse
 
 using std::numbers::pi;
 
@@ -23,7 +23,7 @@ void require_positive(const char* what, double value) {
   require(value > 0.0 && std::isfinite(value), what, value, "more than 0, finite");
 }
 
-// f over [0, length] at equal steps that end there.
+// Samples f over [0, length] with equal steps.
 template <class Function>
 TimeSeries sampled(double length, double step, const Function& f) {
   require_positive("duration", length), require_positive("step", step);
@@ -42,7 +42,7 @@ TimeSeries sampled(double length, double step, const Function& f) {
 TimeSeries rectangular_pulse(double amplitude, double duration) {
   require(std::isfinite(amplitude), "amplitude", amplitude, "a finite number");
   require_positive("duration", duration);
-  const double rise = kRise * duration;  // ramps centred at 0 and at the end, moved so that time begins at 0
+  const double rise = kRise * duration;  // ramps centred at 0 and at the end, shifted so that time begins at 0
   return {{0.0, rise, duration, duration + rise}, {0.0, amplitude, amplitude, 0.0}};
 }
 

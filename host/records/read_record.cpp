@@ -51,7 +51,7 @@ const Unit* unit_named(const std::string& name) {
   return found == std::end(kUnits) ? nullptr : found;
 }
 
-// The lines of a file and where a fault is.
+// Lines of a file, with the place of faults.
 class Lines {
  public:
   explicit Lines(const std::string& file) : file_(file) {
@@ -78,7 +78,7 @@ class Lines {
     if (!(value > 0.0)) refuse(i, fmt::format("{} {}; allowed: more than 0", what, value));
     return value;
   }
-  // All numbers from line `first` on, parted by blanks and commas, times `factor`.
+  // All numbers from line `first` on, separated by blanks and commas, times `factor`.
   std::vector<double> numbers_from(std::size_t first, double factor) const {
     std::vector<double> values;
     for (std::size_t i = first; i < size(); ++i) {
@@ -96,7 +96,7 @@ class Lines {
   std::vector<std::string> line_;
 };
 
-// A record of one component at equal steps from 0 s on. stated: how many values the header promises.
+// A record of one component with equal steps from 0 s. stated: number of values by the header.
 GroundRecord even_record(const Lines& lines, std::string name, MotionKind kind, double step, double stated,
                          std::vector<double> values) {
   if (stated != static_cast<double>(values.size()))
@@ -109,8 +109,7 @@ GroundRecord even_record(const Lines& lines, std::string name, MotionKind kind, 
   return record;
 }
 
-// The number beside KEY in a line such as "NPTS=  5366, DT=   .0050 SEC" or, of the older form, " 5366  .0050 NPTS,
-// DT".
+// Number of KEY in a line such as "NPTS=  5366, DT=   .0050 SEC" or, in the older form, " 5366  .0050 NPTS, DT".
 std::optional<std::string> beside(const std::string& line, const std::string& key, std::size_t place_before) {
   const auto at = line.find(key + "=");
   std::string rest = at == std::string::npos ? line : line.substr(at + key.size() + 1);
@@ -194,7 +193,7 @@ char separator_of(const std::string& line) {
   return ' ';
 }
 
-// "x (g)", "x [g]" and "x_g": the name and the unit.
+// Name and unit in "x (g)", "x [g]" and "x_g".
 std::pair<std::string, std::string> name_and_unit(const std::string& cell) {
   const auto open = cell.find_last_of("([");
   if (open != std::string::npos && open > 0) {

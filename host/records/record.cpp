@@ -22,7 +22,7 @@ std::vector<double> derivative(const std::vector<double>& t, const std::vector<d
   return result;
 }
 
-// Second derivative of the same parabola; at the ends that of the neighbour.
+// Second derivative of the parabola through a sample and its two neighbours; at the ends that of the neighbour.
 std::vector<double> second_derivative(const std::vector<double>& t, const std::vector<double>& y) {
   const std::size_t n = y.size();
   std::vector<double> result(n, 0.0);
@@ -40,7 +40,7 @@ double largest_magnitude(const std::vector<double>& values) {
   return largest;
 }
 
-// Time at which an increasing sum over the steps reaches `wanted`, linear within a step.
+// Time at which the increasing values `sum` reach `wanted`, linear within a step.
 double time_of(const std::vector<double>& time, const std::vector<double>& sum, double wanted) {
   for (std::size_t i = 1; i < sum.size(); ++i) {
     if (sum[i] < wanted) continue;
@@ -101,7 +101,7 @@ RecordMeasures measure_record(const TimeSeries& acceleration) {
   for (std::size_t i = 1; i < a.size(); ++i) {
     const double h = time[i] - time[i - 1];
     squares[i] = squares[i - 1] + h * (a[i - 1] * a[i - 1] + a[i - 1] * a[i] + a[i] * a[i]) / 3.0;
-    if (a[i - 1] * a[i] < 0.0) {  // the velocity turns within the step
+    if (a[i - 1] * a[i] < 0.0) {  // the velocity has an extreme within the step
       const double turn = h * a[i - 1] / (a[i - 1] - a[i]);
       m.pgv = std::max(m.pgv, std::abs(motion.velocity[i - 1] + 0.5 * turn * a[i - 1]));
     }

@@ -1,4 +1,4 @@
-// Ground motion over time: what instruments record and what scenes prescribe at supports.
+// Ground motion over time: records of instruments, and motion of supports in scenes.
 #pragma once
 
 #include <string>
@@ -8,25 +8,25 @@
 
 namespace quoin {
 
-inline constexpr double kStandardGravity = 9.80665;  // m/s2: "g" as a unit of records
+inline constexpr double kStandardGravity = 9.80665;  // m/s2: the unit "g" of records
 
-// What the values of a record are.
+// Quantity of the values of a record.
 enum class MotionKind { acceleration, velocity, displacement };  // m/s2, m/s, m
 const char* motion_unit(MotionKind kind);                        // "m/s2", "m/s", "m"
 
-// One direction of a record.
+// One component of a record.
 struct RecordComponent {
-  std::string name;           // as the file has it: "HNE", "x", "acceleration"
-  std::vector<double> value;  // SI, one a time
+  std::string name;           // name in the file: "HNE", "x", "acceleration"
+  std::vector<double> value;  // SI, one per time
 };
 
-// Components over common times. Values are linear in time between samples and 0 before the first one.
+// Components with common times. Values are linear in time between samples and 0 before the first one.
 struct GroundRecord {
   std::string source;  // file or generator
   MotionKind kind = MotionKind::acceleration;
   std::vector<double> time;                 // s, increasing, at least two
   std::vector<RecordComponent> components;  // at least one
-  std::vector<std::string> assumptions;     // each a sentence: units or times that the source does not state
+  std::vector<std::string> assumptions;     // sentences: units or times that the source does not state
 };
 
 // Velocity (m/s) and displacement (m) at the samples, from rest at the first one. They are the exact integrals of an
@@ -36,18 +36,19 @@ struct MotionHistory {
 };
 MotionHistory integrate_acceleration(const TimeSeries& acceleration);
 
-// Acceleration (m/s2) of one component, linear between samples. Of velocities and displacements by differences of
-// second order, one-sided at the ends: error h^2/6 and h^2/12 of the next two derivatives inside.
+// Acceleration (m/s2) of one component, linear between samples. From velocities and displacements it follows by
+// differences of second order, one-sided at the ends. Their errors inside are h^2/6 and h^2/12 times the derivative two
+// orders higher.
 TimeSeries acceleration_of(const GroundRecord& record, std::size_t component);
 
-// Measures of one component.
+// Intensity measures of one component.
 struct RecordMeasures {
   double pga = 0.0, pgv = 0.0, pgd = 0.0;             // largest |a|, |v|, |u|: m/s2, m/s, m
   double end_velocity = 0.0, end_displacement = 0.0;  // m/s, m
   double arias = 0.0;                                 // pi/(2 g) integral of a^2, m/s
   double significant_duration = 0.0;                  // from 5 to 95 % of the Arias intensity, s
 };
-// Extremes of the velocity are those of the integral, between samples too; of the displacement those at samples.
+// Extremes of velocity are exact between samples too; those of displacement are at samples.
 RecordMeasures measure_record(const TimeSeries& acceleration);
 
 }  // namespace quoin

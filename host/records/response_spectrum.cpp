@@ -13,9 +13,9 @@
 namespace quoin {
 namespace {
 
-constexpr double kLooksPerPeriod = 100.0;  // samples of the extremes: (pi/100)^2/2 = 0.05 % of a maximum can be missed
+constexpr double kLooksPerPeriod = 100.0;  // checks for extremes: they miss at most (pi/100)^2/2 = 0.05 % of a maximum
 
-// One oscillator; the state after each step is exact for an acceleration that is linear in it.
+// One oscillator. Its state after each step is exact for an acceleration that is linear in the step.
 class Oscillator {
  public:
   Oscillator(double period, double damping)
@@ -36,7 +36,7 @@ class Oscillator {
         std::max(result_.absolute_acceleration, std::abs(w_ * w_ * u_ + 2.0 * zeta_ * w_ * v_));
   }
 
-  // In equal parts, short enough for the extremes.
+  // Advances in equal parts, short enough for the extremes.
   void advance_in_parts(double step, double from, double to) {
     const double parts = std::max(1.0, std::ceil(step * kLooksPerPeriod / result_.period));
     const double length = step / parts, rise = (to - from) / parts;
@@ -52,7 +52,7 @@ class Oscillator {
   }
 
  private:
-  // The state after a step is linear in that before and in both accelerations.
+  // Factors of the state after a step: it is linear in the state before and in both accelerations.
   struct Gains {
     double of_u = 0.0, of_v = 0.0, of_from = 0.0, of_to = 0.0;
   };
@@ -77,7 +77,7 @@ class Oscillator {
 
   double w_, zeta_, damped_;
   double u_ = 0.0, v_ = 0.0;       // m, m/s
-  double step_ = 0.0;              // s, the last one
+  double step_ = 0.0;              // s, last one
   Gains displacement_, velocity_;  // gains of a step
   SpectralOrdinates result_;
 };
@@ -97,7 +97,7 @@ std::vector<SpectralOrdinates> response_spectrum(const TimeSeries& acceleration,
       throw Error(Exit::bad_input, fmt::format("period {} s of a response spectrum; allowed: more than 0", period));
     oscillators.emplace_back(period, damping);
   }
-  // Sample by sample: what one oscillator waits for, another does not.
+  // Sample by sample for all oscillators, so that their independent operations overlap in the processor.
   for (std::size_t i = 1; i < time.size(); ++i) {
     for (Oscillator& oscillator : oscillators) oscillator.advance_in_parts(time[i] - time[i - 1], a[i - 1], a[i]);
   }

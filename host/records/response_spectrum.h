@@ -19,12 +19,12 @@ struct SpectralOrdinates {
 };
 
 // Exact for an acceleration (m/s2) that is linear between samples (Nigam and Jennings 1969), during the record and one
-// period after it. Extremes are taken at least 100 times a period: 0.05 % low at most. damping: share of critical,
+// period after it. Extremes are checked at least 100 times a period: at most 0.05 % low. damping: share of critical,
 // [0, 1); periods: s, > 0. Throws Error(bad_input).
 std::vector<SpectralOrdinates> response_spectrum(const TimeSeries& acceleration, double damping,
                                                  std::span<const double> periods);
 
-// From 0.02 to 5 s, equal steps of the logarithm.
+// Periods from 0.02 to 5 s, in equal steps of the logarithm.
 std::vector<double> default_periods(std::size_t count = 200);
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// A record scaled to a given intensity.
+// Scale of a record to a given intensity.
 #pragma once
 
 #include "base/time_series.h"
@@ -12,8 +12,8 @@ struct IntensityTarget {
   double damping = 0.05;  // damping of the spectrum, share of critical
 };
 
-// Factor on the acceleration that gives it this intensity: all three measures are proportional to it.
-// Throws Error(bad_input): values out of range, a record that is 0 throughout.
+// Factor on the acceleration for this intensity; all three measures are proportional to it. Throws Error(bad_input) for
+// values out of range, and for a record that is 0 throughout.
 double scale_to(const TimeSeries& acceleration, const IntensityTarget& target);
 
 }  // namespace quoin

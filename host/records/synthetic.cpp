@@ -18,9 +18,9 @@
 namespace quoin {
 namespace {
 
-constexpr double kShortestPeriod = 0.05, kLongestPeriod = 4.0;  // s: where the spectrum is fitted
+constexpr double kShortestPeriod = 0.05, kLongestPeriod = 4.0;  // s; range in which the spectrum is fitted
 constexpr std::size_t kFittedPeriods = 60;
-constexpr int kCorrections = 30;  // corrections of the amplitudes; the misfit stops falling after some 20
+constexpr int kCorrections = 30;  // number of corrections of the amplitudes; the misfit stops falling after about 20
 constexpr double kMostSamples = 1e6;
 constexpr double kRising = 0.1, kStrong = 0.5;  // shares of the duration
 
@@ -41,7 +41,7 @@ double envelope(double share) {
   return std::exp(-4.0 * (share - kRising - kStrong) / (1.0 - kRising - kStrong));
 }
 
-// Less the two envelopes, plain and with a linear factor, that leave velocity and displacement at the end.
+// Subtracts multiples of the envelope, constant and linear in time, so that velocity and displacement end at 0.
 void end_at_rest(TimeSeries& series, const std::vector<double>& shape) {
   TimeSeries plain{series.time, shape}, sloped{series.time, shape};
   for (std::size_t i = 0; i < shape.size(); ++i) sloped.value[i] *= series.time[i] / series.time.back();
@@ -57,7 +57,7 @@ void end_at_rest(TimeSeries& series, const std::vector<double>& shape) {
   for (std::size_t i = 0; i < shape.size(); ++i) series.value[i] -= p * plain.value[i] + q * sloped.value[i];
 }
 
-// Factor of the amplitude at a period from the ratios at the fitted ones, linear in the logarithm of the period.
+// Factor of the amplitude at a period, interpolated between fitted periods, linear in the logarithm of the period.
 double interpolated(const std::vector<double>& periods, const std::vector<double>& ratio, double period) {
   if (period <= periods.front()) return ratio.front();
   if (period >= periods.back()) return ratio.back();
@@ -116,7 +116,8 @@ SyntheticRecord make_record(const DesignSpectrum& target, const SyntheticSetting
     periods[i] = kShortestPeriod * std::pow(kLongestPeriod / kShortestPeriod,
                                             static_cast<double>(i) / static_cast<double>(kFittedPeriods - 1));
 
-  // Half a spectrum of random phases; first guess of the amplitude from the pseudo-velocity, which it follows.
+  // Half a spectrum with random phases. Amplitudes begin at those of the pseudo-velocity, to which they are roughly
+  // proportional.
   const random::Quantity phase_of{settings.seed, settings.number, random::name_of("ground motion phase")};
   std::vector<std::complex<double>> half(size / 2 + 1);
   for (std::size_t k = 1; k < size / 2; ++k) {
@@ -161,7 +162,7 @@ SyntheticRecord make_record(const DesignSpectrum& target, const SyntheticSetting
 
 }  // namespace
 
-// A suite needs each record several times in a row: for its scene, its measures and each of its levels.
+// A suite uses each record several times in a row: for its scene, its measures and each of its levels.
 SyntheticRecord synthetic_record(const DesignSpectrum& target, const SyntheticSettings& settings) {
   require_settings(settings);
   struct Made {

@@ -1,4 +1,4 @@
-// Artificial records whose response spectrum follows that of a code, from a seed.
+// Artificial records that match the response spectrum of a code, from a seed.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct DesignSpectrum {
   char ground_type = 'A';            // A to E, tables 3.2 and 3.3
   int type = 1;                      // 1: magnitudes above 5.5; 2: up to 5.5
   double damping = 0.05;             // share of critical; eta = sqrt(10/(5 + 100 damping)) >= 0.55
-  // S_e(T), m/s2. period: s, >= 0. Throws Error(bad_input): values outside of these ranges.
+  // S_e(T), m/s2. period: s, >= 0. Throws Error(bad_input) for values outside of these ranges.
   double acceleration(double period) const;
   bool operator==(const DesignSpectrum&) const = default;
 };
@@ -26,14 +26,14 @@ struct SyntheticSettings {
   bool operator==(const SyntheticSettings&) const = default;
 };
 
-// Random phases under an envelope, amplitudes corrected until the spectrum fits between 0.05 and 4 s; rests at both
-// ends (velocity and displacement 0 to rounding). The same bits for the same seed and number.
+// Random phases under an envelope, with amplitudes corrected until the spectrum fits between 0.05 and 4 s. It is at
+// rest at both ends (velocity and displacement 0 to rounding). Bitwise identical for equal seed and number.
 struct SyntheticRecord {
   GroundRecord record;       // one component
   double mean_ratio = 0.0;   // pseudo-acceleration over target, mean over 60 periods from 0.05 to 4 s
-  double worst_ratio = 0.0;  // the least of these
+  double worst_ratio = 0.0;  // least of these ratios
 };
-// Throws Error(bad_input): a duration below 5 s, a time step above 0.02 s or 0, more than a million samples.
+// Throws Error(bad_input) for a duration below 5 s, a time step of 0 or above 0.02 s, or more than a million samples.
 SyntheticRecord synthetic_record(const DesignSpectrum& target, const SyntheticSettings& settings);
 
 }  // namespace quoin

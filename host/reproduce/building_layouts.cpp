@@ -15,11 +15,10 @@ constexpr double kHalfUnit = 0.2, kCourse = 0.16, kThickness = 0.25;  // m
 constexpr int kSill = 6, kFloor = 17;                                 // courses of pavia_window.toml
 constexpr int kBeams = 22, kWindowWidth = 5, kBearing = 1;
 
-// Half units that one lintel saves in the number of blocks.
+// Blocks that one lintel saves compared with half units.
 int saved(int opening_width) { return opening_width + 2 * kBearing - 1; }
 
-// Half units of A and C from the back of the wall to 4 m over all, or 4 m beside the corner. The nearer to 0.2 m is
-// taken.
+// Half unit of walls A and C for 4 m from the back of the wall, or 4 m without the corner: the one nearer to 0.2 m.
 double half_unit_a(int columns) {
   const double within = (4.0 - kThickness) / columns, beside = 4.0 / columns;
   return std::abs(within - kHalfUnit) <= std::abs(beside - kHalfUnit) ? within : beside;
@@ -90,7 +89,7 @@ std::string WindowLayout::name() const {
 }
 
 std::vector<std::string> WindowLayout::overrides() const {
-  // Piers as equal as the columns allow, the outer ones equal.
+  // Piers as equal as the columns allow; the outer two are equal.
   const int piers = columns_b - 3 * kWindowWidth, outer = piers / 4, left = piers - 2 * outer;
   const int inner[2] = {left / 2, left - left / 2};
   const int first[3] = {outer, outer + kWindowWidth + inner[0], outer + 2 * kWindowWidth + inner[0] + inner[1]};
@@ -110,7 +109,7 @@ std::vector<std::string> WindowLayout::overrides() const {
     set(fmt::format("wall.{}.half_units", wall).c_str(), columns_a);
     set(fmt::format("wall.{}.half_unit", wall).c_str(), half_unit_a(columns_a));
   }
-  // With an odd number of columns the corners take turns, so that wall B has whole units throughout.
+  // With an odd number of columns the corners alternate, so that wall B has whole units throughout.
   const bool odd = columns_b % 2 != 0;
   set("corner.2.first", odd ? "C" : "B");
   set("corner.2.second", odd ? "B" : "C");

@@ -19,7 +19,7 @@ struct Model {
   double overestimate;             // peak of the paper's model above the test, % [P]
   Count table;                     // Table 2 [P]
   std::vector<double> velocities;  // velocities of the push, m/s, the slowest last
-  double cost;                     // at the first of them
+  double cost;                     // cost of the run at the first velocity, as RunSpec::cost
   std::size_t openings;
 };
 const std::array<Model, 2>& models() {
@@ -29,14 +29,14 @@ const std::array<Model, 2>& models() {
   return all;
 }
 constexpr double kRoof = 5760.0;     // mm above the ground [R]
-constexpr double kPastPeak = 0.018;  // m; all but the first run of a model end there, the first at 0.43 % drift
+constexpr double kPastPeak = 0.018;  // m; end of all runs but the first of each model, which ends at 0.43 % drift
 
-// The first velocity has the model's own name.
+// Name of a run; at the first velocity that of the model.
 std::string run_name(const Model& m, double velocity) {
   return velocity == m.velocities.front() ? m.name : fmt::format("{}, {:g} mm/s", m.name, 1e3 * velocity);
 }
 
-// What is not known, or was changed: each runs at the first velocity of its model.
+// A change of an unknown or altered property, run at the first velocity of its model.
 struct Variant {
   std::string name, what;
   std::vector<std::string> overrides;
@@ -58,7 +58,7 @@ std::vector<std::string> without_lintels(const Model& m) {
   return settings;
 }
 
-// Layouts of the shipped scenes: equal windows in both walls, 6.00 x 4.00 m over all.
+// Layouts of the shipped scenes: equal windows in both walls, 6.00 x 4.00 m in total.
 constexpr DoorLayout kDoors{5, 12, 5, 6};
 constexpr WindowLayout kWindows{28, 19, 6, false};
 
@@ -82,7 +82,7 @@ std::vector<Variant> changes() {
                    {"building.floor.1.rigid_beams=true", "building.floor.2.rigid_beams=true"},
                    i});
     for (const double factor : {3.0, 12.0}) {
-      if (i == 1 && factor != 12.0) continue;  // wall D gives the same answer in a third of the time
+      if (i == 1 && factor != 12.0) continue;  // wall D has the same result in a third of the time
       all.push_back({fmt::format("{}, lintels x {:g}", m.name, factor),
                      fmt::format("lintels {:g} times as stiff as units", factor), lintels_of(m, factor * 2.4e9), i});
     }
@@ -128,7 +128,7 @@ std::vector<RunSpec> building_runs(const Quality& q) {
 
 namespace {
 
-// Puts together what the study says: curves and peaks of both models, their layouts, and one change at a time.
+// Report of the study: curves and peaks of both models, their layouts, and effects of single changes.
 class BuildingReport {
  public:
   explicit BuildingReport(const Findings& findings) : findings_(findings) {}
@@ -156,7 +156,7 @@ class BuildingReport {
     std::vector<double> peaks;  // by velocity, kN
     const std::string by_velocity = chart(m, peaks);
     const std::string slowest = run_name(m, m.velocities.back());
-    // The slowest run is the converged one; the first goes on to the drift of the test.
+    // The slowest run is the converged one; the first one continues to the drift of the test.
     const RunResult& run = findings_.run(slowest);
     const Curve &c = run.curve, &whole = findings_.run(m.name).curve;
     converged_[i] = c.peak();
@@ -188,7 +188,7 @@ class BuildingReport {
                                             100 * whole.last_force() / whole.peak())});
   }
 
-  // Peaks in words: "80 / 79 kN at 20 / 10 mm/s".
+  // Draws the curves of a model, and returns its peaks: "80 / 79 kN at 20 / 10 mm/s".
   std::string chart(const Model& m, std::vector<double>& peaks) {
     Chart chart{m.scene, fmt::format("Pavia building, {}", m.name), "displacement of the roof (mm)", "base shear (kN)"};
     std::string by_velocity;
@@ -219,7 +219,7 @@ class BuildingReport {
     return by_velocity;
   }
 
-  // Geometry and Table 2 choose, never the capacity.
+  // Geometry and Table 2 alone select layouts, not the capacity.
   void layouts() {
     Table table{"Layouts that give the numbers of Table 2 (blocks, half units of 80 zones)",
                 {"layout", "blocks", "half units", "geometry", "peak base shear, 20 mm/s"},
@@ -307,7 +307,7 @@ class BuildingReport {
 
   const Findings& findings_;
   StudyReport report_;
-  std::vector<std::pair<std::string, const Curve*>> curves_;  // columns of curves.csv
+  std::vector<std::pair<std::string, const Curve*>> curves_;  // columns of curves.csv by name
   Table table_{"Models",
                {"model", "blocks (Table 2)", "zones (Table 2)", "contact points", "peak base shear", "at", "test [R]",
                 "difference", "the paper's model [P]", "at 0.43 % drift", "run time"},

@@ -11,7 +11,7 @@ namespace quoin::reproduce {
 
 namespace {
 
-// Okabe and Ito's colours, which stay apart for the colour-blind, and two more.
+// Colours of Okabe and Ito, distinct for the colour-blind, and two more.
 constexpr std::array<const char*, 8> kPalette{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                               "#8c6d1f", "#56b4e9", "#404040", "#e69f00"};
 const char* colour_of(const Series& s) { return kPalette[static_cast<std::size_t>(s.colour) % kPalette.size()]; }
@@ -50,7 +50,7 @@ void draw(const Chart& chart, const Findings& findings, StudyReport& report, con
             "transparent solid 0.18 noborder behind\n",
             s.y[0], s.y[1], colour_of(s));
         item = fmt::format("NaN with lines linewidth 9 linecolor rgb \"#c8{}\" title {}", colour_of(s) + 1, title);
-        // c8 of ff is about as transparent as the rectangle.
+        // the opacity c8 of ff is close to that of the rectangle
         break;
       default: {
         std::string data;

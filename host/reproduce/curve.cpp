@@ -13,7 +13,7 @@ namespace quoin::reproduce {
 
 namespace {
 
-// Fields of a line of CSV; quotes around text are taken off.
+// Cells of a CSV line, without the quotes around texts.
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
   bool quoted = false;
@@ -107,7 +107,7 @@ Curve read_history(const std::filesystem::path& file, int first_stage, const std
   Curve curve;
   std::optional<CyclicMotion> motion;
   if (cycles) motion.emplace(*cycles);
-  double start = -1.0;  // begin of the cycles; their first row is that of their first step
+  double start = -1.0;  // begin of the cycles, in whose first row one step has passed
   while (std::getline(stream, line)) {
     const std::vector<std::string> fields = fields_of(line);
     if (fields.size() < header.size()) continue;
@@ -126,7 +126,7 @@ Curve read_history(const std::filesystem::path& file, int first_stage, const std
     curve.displacement.push_back(1e3 * number(displacement, 0.0));
     curve.force.push_back(1e-3 * number(horizontal, 0.0));
     curve.vertical.push_back(1e-3 * number(vertical, 0.0));
-    const bool loaded = !fields[unbalanced].empty();  // nothing bears anything before the first load
+    const bool loaded = !fields[unbalanced].empty();  // false before the first load
     curve.unbalanced.push_back(loaded ? number(unbalanced, 0.0) : HUGE_VAL);
   }
   return curve;

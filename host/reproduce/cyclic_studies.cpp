@@ -1,4 +1,4 @@
-// Beyond the paper: cycles, with the law of the paper and with the one made for cycles side by side.
+// Beyond the paper: cycles, with the paper's law and with the cyclic law for comparison.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,17 +13,17 @@ namespace quoin::reproduce {
 namespace {
 
 struct Structure {
-  const char *name, *scene, *one_way;  // one_way: scene pushed to one side
+  const char *name, *scene, *one_way;  // one_way: scene pushed in one direction
   double fc;                           // compressive strength of the mortar joints, Pa
-  double height;                       // that drifts refer to, mm
+  double height;                       // height of the structure for drifts, mm
   double velocity, cost;               // m/s at standard quality
   std::vector<std::string> overrides;
 };
 
 const char* const kLaws[] = {"fracture_energy", "cyclic_joint"};
 
-// What cyclic_joint needs besides the numbers of the scene. Residual opening, start of crushing: its page's values
-// to start from [assumed]; closure at fc: 0.09 mm [recalled: Lourenco, Rots]; units keep the neutral ones.
+// Properties of cyclic_joint beyond those of the scene. Residual opening, start of crushing: starting values of its
+// page [assumed]. Closure at fc: 0.09 mm [recalled: Lourenco, Rots]. Units have the default values.
 std::vector<std::string> mortar_of_cycles(double fc) {
   return {"joints.mortar.residual_opening=0.3", fmt::format("joints.mortar.compressive_yield={}", fc / 3),
           "joints.mortar.compressive_peak_closure=9e-5"};
@@ -58,7 +58,7 @@ double largest_of(const std::vector<Loop>& loops) {
   return largest;
 }
 
-// Loops, envelopes, energies: everything that a cyclic test is read for, of one structure under both laws.
+// Adds loops, envelopes and energies of one structure under both laws.
 void add_loops(const Structure& s, const Findings& findings, StudyReport& report, Table& table) {
   const Curve& one_way = findings.run(one_way_name(s)).curve;
   const auto axes = [](Chart& chart) {
@@ -117,7 +117,7 @@ Table loop_table() {
           {}};
 }
 
-// What the numbers of one run must show whatever the test: claims that could fail.
+// Claims that any cyclic run must fulfil.
 void judge_loops(const Structure& s, const Findings& findings, StudyReport& report) {
   const double one_way = findings.run(one_way_name(s)).curve.peak();
   for (const std::string law : kLaws) {
@@ -141,7 +141,7 @@ void judge_loops(const Structure& s, const Findings& findings, StudyReport& repo
        fmt::format("{:.2f} and {:.2f} mm after the last amplitude", b.residual(), a.residual())});
 }
 
-// Fall of the largest force from the first to the last of equal cycles, %, by amplitude.
+// Loss of the largest force from the first to the last of equal cycles, %, by amplitude.
 std::string losses(const std::vector<Loop>& loops) {
   std::string text;
   for (std::size_t i = 0; i < loops.size();) {
@@ -304,7 +304,7 @@ double largest_thrust(const Curve& c) { return *std::max_element(c.vertical.begi
 
 }  // namespace
 
-// ISP1 between beams that are held apart: joints that ride up are pressed.
+// Runs of ISP1 between beams held at constant distance, so that dilation compresses the joints.
 std::vector<RunSpec> restrained_runs(const Quality& q) {
   std::vector<RunSpec> runs;
   for (const Restrained& r : kRestrained) {

@@ -1,4 +1,4 @@
-// Figure 3: the law alone, one contact point, through the library that the walls load too.
+// Figure 3: the law at one contact point, from the library that walls use.
 #include <fmt/format.h>
 
 #include <array>
@@ -14,7 +14,7 @@ namespace quoin::reproduce {
 
 namespace {
 
-// Table 1, joints between units, in the order of the law's ids.
+// Table 1: properties of joints between units, in the order of the law's ids.
 std::vector<PropertySetting> table_1() {
   std::vector<PropertySetting> settings;
   for (const auto& [id, value] : {std::pair{"normal_stiffness", 82e9},
@@ -43,10 +43,10 @@ double area_above(const Path& path, double level) {  // J/m2
   return area;
 }
 
-// Each path starts a new point.
+// Each path begins with a new point.
 constexpr int kSteps = 4000;
 
-// sign: makes compression positive in plots.
+// sign: -1 makes compression positive in plots.
 Path normal_path(const std::shared_ptr<const Material>& material, double to, double sign) {
   MaterialPoint point(material, "bonded");
   Path path;
@@ -110,7 +110,7 @@ StudyReport report_law(const Findings& findings) {
                      colour);
     const double residual = mu * pressure / 1e6, peak = 0.3 + residual;
     judge(fmt::format("peak in shear at {:.2f} MPa (c + mu sigma)", pressure / 1e6), path.peak, peak, "MPa");
-    // What remains when the residual friction on the slip and the elastic energy still stored are taken off.
+    // Fracture energy: the area without that of residual friction and without the elastic energy that remains.
     const double tau = residual * 1e6, slip = path.jump.back() * 1e-3 - tau / 36e9;
     const double above = area_above(path, 0.0) - tau * slip - tau * tau / (2 * 36e9);
     judge(fmt::format("work above friction at {:.2f} MPa", pressure / 1e6), above, 125.0, "J/m2");

@@ -25,7 +25,7 @@ std::vector<Rows> half_cycles(const Curve& c) {
   return rows;
 }
 
-// Row with the farthest displacement towards a side.
+// Row of the farthest displacement on a side.
 std::size_t farthest(const Curve& c, Rows rows, double side) {
   std::size_t best = rows.first;
   for (std::size_t i = rows.first; i < rows.end; ++i)
@@ -33,7 +33,7 @@ std::size_t farthest(const Curve& c, Rows rows, double side) {
   return best;
 }
 
-// Displacement at which the force passes 0 after its row `from`; that of the last row if it never does.
+// Displacement at which the force passes 0 after row `from`; that of the last row if it does not.
 double where_force_ends(const Curve& c, std::size_t from, std::size_t end) {
   for (std::size_t i = from + 1; i < end; ++i) {
     if (c.force[i - 1] == 0.0 || (c.force[i] > 0.0) == (c.force[i - 1] > 0.0)) continue;
@@ -61,7 +61,7 @@ std::vector<Loop> loops_of(const Curve& c, const Cycles& cycles) {
     for (int k = 0; k < cycles.counts[a]; ++k, h += 2) {
       if (h + 2 >= half.size()) return loops;
       const std::size_t out = farthest(c, half[h], side), back = farthest(c, half[h + 1], -side);
-      // From where the half cycle towards the first end passes 0 to where the next one does.
+      // From the zero crossing of the first half cycle to that of the next one.
       const auto passes = [&](Rows rows) {
         std::size_t i = rows.first;
         while (i + 1 < rows.end && side * c.displacement[i] < 0.0) ++i;
@@ -99,7 +99,7 @@ Curve envelope_of(const Curve& c, const Cycles& cycles) {
     envelope.displacement.push_back(c.displacement[best]);
     envelope.force.push_back(c.force[best]);
   };
-  std::vector<std::size_t> firsts;  // half cycles that reach an amplitude first
+  std::vector<std::size_t> firsts;  // half cycles that are the first with an amplitude
   std::size_t h = 0;
   for (std::size_t a = 0; a < cycles.amplitudes.size(); h += 2 * static_cast<std::size_t>(cycles.counts[a++]))
     firsts.push_back(h);

@@ -1,4 +1,4 @@
-// What engineers read from the loops of a cyclic test.
+// Loops of a cyclic test, with their characteristic values.
 #pragma once
 
 #include <string>
@@ -9,25 +9,25 @@
 
 namespace quoin::reproduce {
 
-// One cycle, from the passage of zero that begins it to the one that ends it. mm, kN, J, kN/mm.
+// One cycle between two zero crossings in the same direction. mm, kN, J, kN/mm.
 struct Loop {
   double amplitude = 0.0;                          // amplitude of the driven displacement
   int repetition = 0;                              // number of the cycle at this amplitude, from 0
   double largest = 0.0, lowest = 0.0;              // force
-  double farthest = 0.0, back = 0.0;               // displacements at the two ends
+  double farthest = 0.0, back = 0.0;               // displacements at both ends
   double dissipated = 0.0;                         // area of the loop
-  double stiffness = 0.0;                          // secant between the two ends
-  double residual_out = 0.0, residual_back = 0.0;  // displacement where the force passes 0 after either end
-  // E/(2 pi F d), F and d the means of both sides' largest forces and displacements.
+  double stiffness = 0.0;                          // secant between both ends
+  double residual_out = 0.0, residual_back = 0.0;  // displacements at which the force passes 0 after either end
+  // E/(2 pi F d). F, d: means over both sides of the largest forces and displacements.
   double damping() const;
   double residual() const { return (residual_out - residual_back) / 2; }
 };
 
-// Those that were not finished are left out.
+// Loops of the complete cycles.
 std::vector<Loop> loops_of(const Curve& curve, const Cycles& cycles);
 
-// Largest force of the first cycle at each amplitude, against the displacement where it is: first the negative
-// side, then the positive one.
+// Largest force of the first cycle at each amplitude, over its displacement: first the negative side, then the positive
+// one.
 Curve envelope_of(const Curve& curve, const Cycles& cycles);
 
 }  // namespace quoin::reproduce

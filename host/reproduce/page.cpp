@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A relative address: bytes that could mean anything else in it are written as their number.
+// A relative address in which special bytes are escaped.
 std::string link(const fs::path& file) {
   std::string result;
   for (const char c : file.generic_string()) {

@@ -1,5 +1,5 @@
-// The report as a page of HTML that is read from top to bottom, DIR/index.html. One section a study is in
-// DIR/STUDY/section.html, so that studies that were not run this time keep their place.
+// The report as an HTML page, DIR/index.html. The section of each study is in DIR/STUDY/section.html, so that the page
+// has earlier studies too.
 #pragma once
 
 #include <filesystem>

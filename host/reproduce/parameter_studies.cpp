@@ -66,7 +66,8 @@ StudyReport report_contact_points(const Findings& findings) {
 
 namespace {
 constexpr std::array<int, 6> kRatios{1, 2, 3, 4, 6, 10};
-// Of these, as the paper's equations read; and the last with another time step, for what a curve owes to chance.
+// Ratios run as the paper's equations read. The last also has another time step, which shows the random part of a
+// curve.
 constexpr std::array<int, 3> kPrintedRatios{4, 6, 10};
 constexpr const char* kOtherStep = "10, as printed, step 0.59";
 
@@ -96,7 +97,7 @@ namespace {
 
 // Distances of curves of ratio 4 and more from that of ratio 10, % of the peak.
 struct Distances {
-  double all = 0.0, before = 0.0, after = 0.0;  // all of them; up to 2 mm; from 2.3 mm on
+  double all = 0.0, before = 0.0, after = 0.0;  // over the whole curve; up to 2 mm; from 2.3 mm
 };
 
 Distances distances_as_printed(const Findings& findings) {
@@ -257,8 +258,8 @@ StudyReport report_block_size(const Findings& findings) {
   const double spread = percent(*high, *low);
   report.verdicts.push_back({"peaks within 6 %", spread, 6.0, "%", Kind::printed, spread <= 6,
                              fmt::format("from {:.1f} to {:.1f} kN: {:.1f} %", *low, *high, spread)});
-  // Two peaks that are as close as their own errors show neither rise nor fall. Those of 2 m walls are at most 0.7 %
-  // (benchmarks/README.md), less than what holds for any wall.
+  // Peaks closer than their errors show neither rise nor fall. Errors of 2 m walls are at most 0.7 %
+  // (benchmarks/README.md), less than for other walls.
   const double error = std::min(0.01, quoin::quality_named(findings.quality().name).peak_error);
   const bool falls = std::adjacent_find(peaks.begin(), peaks.end(), [&](double coarse, double fine) {
                        return fine > (1.0 + error) * coarse;
@@ -326,7 +327,7 @@ StudyReport report_energy(const Findings& findings) {
     curves.emplace_back(name, &c);
     const double off = percent(c.peak(), base), fall = c.displacement_after_peak(0.8);
     if (std::abs(off) > std::abs(worst)) worst = off, worst_factor = f;
-    // A wall that never falls so far is ductile to the end of the run at least.
+    // A wall whose force never drops so far is ductile at least to the end of the run.
     ends.push_back(fall < 0 ? c.displacement.back() : fall);
     table.rows.push_back({fmt::format("{}", f), fmt::format("{:.1f} kN", c.peak()), fmt::format("{:+.1f} %", off),
                           fmt::format("{:.2f} mm", c.peak_displacement()),

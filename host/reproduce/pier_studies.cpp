@@ -1,4 +1,4 @@
-// What the paper does not have: two piers predicted blindly, and loads that turn round.
+// Beyond the paper: blind predictions of two piers, and cyclic loads.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -73,7 +73,7 @@ struct Cyclic {
 constexpr Cyclic kCyclic[] = {{"solid wall", "cyclic_wall_121", "solid wall, one way", 6, 8.0},
                               {"pier ISP1", "cyclic_isp1", "pier ISP1, one way", 6, 2.0}};
 
-// Work lost in each half cycle over the rectangle of its largest force and its path: 0 for elastic, 1 for
+// Dissipated work of each half cycle over the rectangle of its largest force and its path: 0 for elastic, 1 for
 // rigid-plastic.
 double fullness(const Curve& c, int half_cycle) {
   double work = 0.0, path = 0.0, largest = 0.0;
@@ -93,7 +93,7 @@ std::vector<RunSpec> cyclic_runs(const Quality& q) {
   std::vector<RunSpec> runs;
   for (const Cyclic& c : kCyclic) {
     RunSpec spec{c.name, c.scene, {q.setting()}, "", c.cost};
-    // The scenes go at 10 mm/s.
+    // The scenes have 10 mm/s.
     const double velocity = q.name == "reference" ? 0.005 : q.name == "fast" ? 0.02 : 0.01;
     if (velocity != 0.01) spec.overrides.push_back(fmt::format("stage.cycles.velocity={}", velocity));
     runs.push_back(spec);

@@ -41,15 +41,15 @@ std::string read_text(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// A short name for what a run depends on.
+// Hash of all that a run depends on, as its name.
 std::uint64_t hash_of(const std::string& text, std::uint64_t start = kOtherHashStart) {
   FnvHash hash(start);
   hash.add(text);
   return hash.value();
 }
 
-// As in the paper: small displacements to the end, with a warning where they are no longer small. What that does to the
-// curves is in benchmarks/README.md.
+// Small displacements to the end, as in the paper, with a warning beyond their bound. Their effect on curves is in
+// benchmarks/README.md.
 constexpr const char* kLargeMotion = "solver.large_motion";
 
 bool named(const std::vector<std::string>& overrides, const std::string& key) {
@@ -66,7 +66,7 @@ pid_t start(const std::vector<std::string>& words, const fs::path& log) {
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child != 0) return child;
-  // A run does not outlive the program that requested it: it ends as after Ctrl-C, with what it has.
+  // A run ends with the program that has requested it: as after Ctrl-C, with its results so far.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(127);
   const int out = open(log_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -85,7 +85,7 @@ std::string last_line(const fs::path& log) {
   return at == std::string::npos ? text : text.substr(at + 1);
 }
 
-// While runs are under way: signals are noted, and handed on.
+// Records signals while runs are in progress, and forwards them.
 class StopHandler {
  public:
   StopHandler() {
@@ -114,7 +114,7 @@ RunCache::RunCache(CacheSettings settings) : settings_(std::move(settings)) {
   for (const std::string& law : installed_laws()) {
     try {
       binaries_ = hash_of(read_text(LawLibrary::load(law)->path()), binaries_);
-    } catch (const Error&) {  // a run that needs this law reports the fault
+    } catch (const Error&) {  // a run with this law reports the fault
     }
   }
 }
@@ -161,7 +161,7 @@ void RunCache::compute(const std::vector<RunSpec>& specs) {
   while (next < queue.size() || !running.empty()) {
     while (!stop_asked && next < queue.size() && threads_used < settings_.jobs) {
       const RunSpec& spec = *queue[next++];
-      // One thread a run is the best use of the cores; the last ones share what is left over.
+      // One thread per run is the best use of cores. The last runs share those that are free.
       const int left = static_cast<int>(queue.size() - next);
       const int threads = std::max(1, (settings_.jobs - threads_used) / (left + 1));
       make_folder(folder(spec));
@@ -242,7 +242,7 @@ RunResult RunCache::result(const RunSpec& spec) const {
                            {}};
     break;
   }
-  // The first stage only presses the wall.
+  // The first stage only applies the vertical load.
   if (result.complete) result.curve = read_history(result.folder / "history.csv", 2, result.cycles, cycles_stage);
   return result;
 }

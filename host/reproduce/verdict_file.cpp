@@ -16,7 +16,7 @@ void write_verdicts(const std::filesystem::path& file, const std::string& study,
   using Json = nlohmann::ordered_json;
   std::ifstream stream(file);
   Json before = Json::parse(stream, nullptr, false);
-  // In the order of the studies, whichever were run when.
+  // In the order of the studies, not of their runs.
   std::map<std::string, std::vector<Json>> by_study;
   if (before.is_array()) {
     for (const Json& entry : before) by_study[entry.value("study", "")].push_back(entry);

@@ -1,5 +1,5 @@
-// DIR/verdict.json and, of studies beyond the paper, DIR/beyond.json: what every study found, one object a claim.
-// Studies that were not run this time keep what they had.
+// DIR/verdict.json and, for studies beyond the paper, DIR/beyond.json: findings of each study, one object per claim.
+// Studies without new runs keep their objects.
 #pragma once
 
 #include <filesystem>

@@ -23,7 +23,7 @@ constexpr std::array<WallReference, 3> kWalls{{{"0.30 MPa", "solid_wall_030", "J
                                                {"1.21 MPa", "solid_wall_121", "J6D", 1.21, 73.3, 1.36, 71.5, 72.5},
                                                {"2.12 MPa", "solid_wall_212", "J7D", 2.12, 94.9, 1.97, 96.5, 97.5}}};
 constexpr double kArea = 0.099;  // m2
-// More than this, and the cause has to be sought.
+// Larger differences require an explanation.
 constexpr double kPeakTolerance = 0.15;
 
 double percent(double number, double reference) { return 100.0 * (number / reference - 1.0); }
@@ -126,16 +126,16 @@ constexpr std::array<Rate, 8> kRates{{{"0.1 mm/s", 1e-4, 100.0, true},
                                       {"80 mm/s", 8e-2, 0.2, false},
                                       {"160 mm/s", 0.16, 0.1, false},
                                       {"320 mm/s", 0.32, 0.1, false}}};
-constexpr double kSmooth = 0.02;  // share of the peak: smaller falls on the rising branch are no oscillation
-// Parts of the peak between which the diagonal gives way at once.
+constexpr double kSmooth = 0.02;  // share of the peak; smaller drops on the rising branch are no oscillation
+// Shares of the peak between which the diagonal crack opens suddenly.
 constexpr double kDropBegins = 0.9, kDropEnds = 0.7;
 constexpr double kRising = 1.2;  // mm, well before the peak of the slow curves
-// Runs as printed: the top beam has its velocity at once.
+// Runs as printed: the top beam has its velocity without a ramp.
 constexpr const char *kAtOnce = "10 mm/s, at once", *kAtOnceTwice = "20 mm/s, at once",
                      *kAtOnceLongStep = "10 mm/s, at once, step 0.8", *kNodalStep = "10 mm/s, at once, step of eq. 3";
 
-// Force on a beam that gets its velocity (m/s) at once, kN: that of a plane shear wave into the wall. Bricks and bed
-// joints in series, Table 1; eq. 1 leaves 1 - gamma of the force to what speeds up.
+// Force on a beam that starts with a velocity (m/s) without a ramp, kN: that of a plane shear wave into the wall.
+// Bricks and bed joints are in series, Table 1. Eq. 1 leaves 1 - gamma of the force to accelerating motion.
 double wave_force(double velocity) {
   const double brick = 16.7e9 / (2 * (1 + 0.15)), joint = 36e9 * 0.0625, rigidity = 1 / (1 / brick + 1 / joint);
   return 1e-3 * kArea * velocity * std::sqrt(1900.0 / (1 - 0.8) * rigidity);
@@ -148,7 +148,8 @@ std::vector<RunSpec> rate_runs(const Quality& q) {
   for (const Rate& r : kRates) {
     if (r.slow && !q.slow_runs) continue;
     if (q.name == "fast" && r.velocity < 5e-3) continue;
-    // The paper's way, eq. 1 and true inertia, at all rates. The ramp is the same distance, short of the first crack.
+    // Settings of the paper, eq. 1 and true inertia, at all rates. The ramp has the same length in mm, before the first
+    // crack.
     runs.push_back(
         {r.name,
          "solid_wall_121",
@@ -221,7 +222,7 @@ Verdict verdict_of_unbalanced(const Findings& findings) {
                       falls ? "falls with every step down" : "does not fall with every step down")};
 }
 
-// What the paper's way of loading does: the velocity there at once.
+// Effect of the paper's loading: a velocity without a ramp.
 std::string text_of_start(const Curve& at_once, const Curve& ramped) {
   return fmt::format(
       "10 mm/s does oscillate when the velocity is there at once, as the paper prescribes it, but less than the {:g} "
@@ -327,7 +328,7 @@ StudyReport report_rate(const Findings& findings) {
 constexpr double kBrittle = 0.02;  // m/s, highest velocity of brittle walls
 
 namespace {
-// As printed, at the lowest pressure: at the paper's velocity, and with a longer step.
+// As printed, at the lowest pressure: with the paper's velocity, and with a longer time step.
 constexpr const char *kSlowSoft = "softening, 0.30 MPa, as printed", *kSlowBrittle = "brittle, 0.30 MPa, as printed",
                      *kLongStepSoft = "softening, 0.30 MPa, as printed, step 0.8",
                      *kLongStepBrittle = "brittle, 0.30 MPa, as printed, step 0.8";
@@ -336,14 +337,15 @@ constexpr const char *kSlowSoft = "softening, 0.30 MPa, as printed", *kSlowBritt
 std::vector<RunSpec> brittle_runs(const Quality& q) {
   std::vector<RunSpec> runs = wall_runs(q);
   for (const WallReference& w : kWalls) {
-    // A brittle joint loses its bond at once, and vibration adds to the force of faster walls. At 2.12 MPa it is 121 kN
-    // at 80 mm/s, 97 kN at 20 mm/s.
+    // A brittle joint loses its bond suddenly, and vibration adds to the force of faster walls. At 2.12 MPa the peak is
+    // 121 kN at 80 mm/s, 97 kN at 20 mm/s.
     RunSpec spec = shear_run(q, std::string("brittle, ") + w.name, w.scene, {}, 2.0);
     if (q.velocity > kBrittle) spec.overrides.push_back(fmt::format("stage.shear.velocity={}", kBrittle));
     spec.law = "coulomb_slip";
     runs.push_back(spec);
   }
-  // Why the brittle wall may be the stronger one: the softening law without crushing, as the brittle law has none.
+  // Shows why the brittle wall may be stronger: the softening law without crushing, which the brittle law does not
+  // have.
   for (const WallReference& w : kWalls)
     runs.push_back(shear_run(q, std::string("no crushing, ") + w.name, w.scene,
                              {"joints.mortar.compressive_strength=inf", "joints.unit.compressive_strength=inf"}));
@@ -365,7 +367,7 @@ double roughness(const Curve& of, const Curve& other) {
   return of.roughness(0.05, 0.1, std::min(of.displacement.back(), other.displacement.back()) - 0.05);
 }
 
-// At the paper's velocity, where inertia hides nothing.
+// Draws curves at the paper's velocity, at which inertia is negligible.
 void draw_slow(const Findings& findings, const Curve& slow_soft, const Curve& slow_brittle, const Curve& brittle,
                StudyReport* report) {
   Chart slow{"slow", "Brittle and softening joints, 0.30 MPa, 1 mm/s by eq. 1 as printed",
@@ -390,7 +392,7 @@ void draw_pair(const Findings& findings, const WallReference& w, const Curve& so
   draw(chart, findings, *report, fmt::format("{}: the same scene, the library of the joints swapped.", w.name));
 }
 
-// Why brittle joints make no weaker wall under a high pressure; empty: they do.
+// Reasons why walls with brittle joints are not weaker at high pressure; empty: they are weaker.
 std::vector<std::string> text_of_high_pressure(const Findings& findings) {
   const Curve &brittle_high = findings.run("brittle, 2.12 MPa").curve, &soft_high = findings.run("2.12 MPa").curve,
               &strong_high = findings.run("no crushing, 2.12 MPa").curve;
@@ -550,7 +552,7 @@ struct Opening {
   bool shown;  // in the chart, to 20 mm
   double cost;
 };
-// The paper prints no size. On the grid of 9 half bricks an odd number can stand in the middle, an even one cannot.
+// The paper prints no size. On the grid of 9 half bricks only openings of odd width can be centred.
 constexpr std::array<Opening, 8> kOpenings{{{"2 half bricks", 4, 2, 5, 6, true, 3.5},
                                             {"2 half bricks, the other way", 3, 2, 5, 6, true, 3.5},
                                             {"3 half bricks", 3, 3, 5, 6, true, 3.0},

@@ -20,7 +20,7 @@ namespace {
 
 using geometry::Vector;
 
-// Where space goes on paper. A plane assembly is seen from the front; others from above to the right.
+// Projection of space onto the picture. A plane assembly is seen from the front; others from above to the right.
 struct View {
   Vector right, up, towards;  // unit vectors; towards the viewer
   double x(const Vector& p) const { return dot(right, p); }
@@ -28,7 +28,7 @@ struct View {
   double depth(const Vector& p) const { return dot(towards, p); }
 };
 
-// A block as it stands.
+// A block in its current place.
 struct Drawn {
   std::vector<std::vector<Vector>> faces;
   Vector displacement;  // mean displacement of its gridpoints, m
@@ -52,7 +52,8 @@ std::vector<Drawn> blocks_of(const Simulation& simulation) {
   return blocks;
 }
 
-// How far the ground has moved, m: as a fixed block that has gone with it. A row is a step older than the blocks.
+// Displacement of the ground, m: that of the fixed block whose displacement is closest to the ground's in the last row.
+// That row is one step older than the blocks.
 Vector ground_of(const std::vector<Drawn>& blocks, const std::vector<HistoryRow>& rows) {
   const Vector before = rows.empty() ? Vector{} : geometry::vector(rows.back().ground_displacement);
   Vector ground = before;
@@ -90,7 +91,7 @@ struct Face {
   double depth, displacement;  // m; against the ground
 };
 
-// ground: how far it has moved, m.
+// Visible faces from back to front. ground: displacement of the ground, m.
 std::vector<Face> visible_faces(const std::vector<Drawn>& blocks, const View& view, const Vector& ground) {
   std::vector<Face> faces;
   for (size_t b = 0; b < blocks.size(); ++b) {
@@ -106,27 +107,28 @@ std::vector<Face> visible_faces(const std::vector<Drawn>& blocks, const View& vi
       for (const Vector& p : corners) face.outline.push_back({view.x(p), view.y(p)});
     }
   }
-  // From back to front; first the ground and other supports, whose middle says nothing of what stands on them.
+  // From back to front. The ground and other supports come first, as the depth of their middle does not sort what
+  // stands on them.
   std::stable_sort(faces.begin(), faces.end(),
                    [](const Face& a, const Face& b) { return a.fixed != b.fixed ? a.fixed : a.depth < b.depth; });
   return faces;
 }
 
-// Where two blocks touch, as a line between the points of the contact that are furthest apart on paper. It has the
-// colour of the worst crack on it.
+// Contact of two blocks, as the line between those of its points that are furthest apart in the picture. It has the
+// colour of the worst crack of the joint.
 struct Line {
   Vector from, to;
   Crack crack = Crack::intact;
 };
 
-// By the points on one joint, or on one side of it.
+// Adds the line through the points of one joint, or of one side of it.
 void add_line(const std::vector<Vector>& places, Crack crack, const View& view, std::vector<Line>& lines) {
   Line line;
   line.crack = crack;
   double longest = 0.0;
   for (const Vector& a : places) {
     for (const Vector& b : places) {
-      // On the side of the viewer, where the joint is seen.
+      // Prefers points on the viewer's side, where the joint is visible.
       const double length =
           std::hypot(view.x(b) - view.x(a), view.y(b) - view.y(a)) + 1e-6 * (view.depth(a) + view.depth(b));
       if (length > longest) longest = length, line.from = a, line.to = b;
@@ -135,13 +137,13 @@ void add_line(const std::vector<Vector>& places, Crack crack, const View& view, 
   if (longest > 0.0) lines.push_back(line);
 }
 
-// The points of a joint: where its blocks touch, and on both sides of where they have come apart.
+// Points of a joint: where its blocks touch, and on both sides where they have parted.
 struct Joint {
   std::vector<Vector> touching, side_a, side_b;
   Crack crack = Crack::intact;
 };
 
-using Joints = std::map<std::pair<int, int>, Joint>;  // by their blocks, the lower number first
+using Joints = std::map<std::pair<int, int>, Joint>;  // by pair of blocks, the lower number first
 
 Joints joints_of(const Simulation& simulation, const Surfaces& surfaces) {
   Joints joints;
@@ -176,10 +178,11 @@ std::vector<Line> crack_lines(const Joints& joints, const View& view) {
   return lines;
 }
 
-// The part of a joint on an edge of a face, as shares of the edge. An empty interval: it has no two points there.
+// Part of an edge of a face that a joint covers, as shares of the edge. An empty interval: fewer than two of its points
+// are there.
 std::pair<double, double> interval_on(const Vector& from, const Vector& to, const std::vector<Vector>& places) {
   const Vector edge = to - from;
-  const double length = norm(edge), near = 0.02 * length;  // blocks overlap by less where they press each other
+  const double length = norm(edge), near = 0.02 * length;  // more than the overlap of blocks under compression
   std::pair<double, double> interval{1.0, 0.0};
   for (const Vector& p : places) {
     const double t = dot(p - from, edge) / (length * length);
@@ -190,7 +193,7 @@ std::pair<double, double> interval_on(const Vector& from, const Vector& to, cons
   return interval;
 }
 
-// Edges for other views: joints that are no longer intact, along the edges of visible faces, by block.
+// Lines of other views: joints that are not intact, along the edges of visible faces, by block.
 class CrackedEdges {
  public:
   CrackedEdges(const Joints& joints, size_t blocks) : sides_(blocks) {
@@ -224,15 +227,15 @@ class CrackedEdges {
 
 std::string point_text(const View& view, const Vector& p) { return fmt::format("{:.6g} {:.6g}", view.x(p), view.y(p)); }
 
-// Fill of faces and their outline, in gnuplot's words. Without a fill it is the displacement, as a place in the colour
-// bar. Pixels are left free below the model and to the right of it.
+// Fill and outline of faces, in gnuplot's syntax. Without a fill, colour shows the displacement. below, right: pixels
+// left free on these sides of the model.
 struct Paint {
   std::string fill, outline;
   double below, right;
-  const CrackedEdges* edges = nullptr;  // drawn with the faces, so that what is nearer hides them
+  const CrackedEdges* edges = nullptr;  // drawn with the faces, so that nearer faces hide them
 };
 
-// Where there are no axes: a length at the lower left, in the margin.
+// A scale in place of axes: a length at the lower left, in the margin.
 std::string scale_bar(double x0, double y0, double margin, double width) {
   double length = std::pow(10.0, std::floor(std::log10(0.3 * width)));
   for (const double digit : {5.0, 2.0}) {
@@ -247,7 +250,7 @@ std::string scale_bar(double x0, double y0, double margin, double width) {
       x, x + length, y, length);
 }
 
-// Extent of what can move, with a margin around it, m.
+// Extent of the blocks that can move, with a margin around it, m.
 struct Frame {
   double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL, margin = 0.0;
 };
@@ -268,11 +271,11 @@ Frame frame_of(const View& view, const std::vector<Drawn>& blocks) {
   return f;
 }
 
-// Every face as a polygon with its outline and its cracks, the nearer over the further. Numbers are the order in which
-// gnuplot draws. It passes all lower ones to set an object, so the highest is set first.
+// Every face as a polygon with its outline and its cracks, from back to front. Numbers give the order of drawing.
+// gnuplot searches all lower numbers to set an object, so the highest is set first.
 std::string polygons_of(const Frame& f, const View& view, const std::vector<Drawn>& blocks,
                         const std::vector<Face>& faces, const Paint& paint) {
-  // Cut here: gnuplot garbles filled polygons that reach beyond the picture.
+  // Clipped here: gnuplot distorts filled polygons that reach beyond the picture.
   const geometry::Polygon paper{{f.x0, f.y0}, {f.x1, f.y0}, {f.x1, f.y1}, {f.x0, f.y1}};
   std::vector<std::string> polygons;
   for (const Face& face : faces) {
@@ -298,7 +301,7 @@ std::string polygons_of(const Frame& f, const View& view, const std::vector<Draw
   return script;
 }
 
-// Script up to the plot command. The picture is as high as the model needs at 1200 pixels of width.
+// Script before the plot command. The height of the picture follows from the model at a width of 1200 pixels.
 std::string scene_of(const Scene& scene, const std::vector<HistoryRow>& rows, const View& view,
                      const std::vector<Drawn>& blocks, const std::vector<Face>& faces, const Paint& paint) {
   const Frame f = frame_of(view, blocks);

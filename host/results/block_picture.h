@@ -1,5 +1,5 @@
-// Pictures of blocks of any shape where they stand: mechanism.png by displacement, cracks.png by the state of joints.
-// Plane assemblies from the front, others in axonometric projection.
+// Pictures of blocks of any shape in their current places: mechanism.png by displacement, cracks.png by the state of
+// joints. Plane assemblies are seen from the front, others in axonometric projection.
 #pragma once
 
 #include <filesystem>
@@ -11,10 +11,10 @@
 
 namespace quoin {
 
-inline constexpr int kMostBlocks = 3000;  // each further thousand polygons takes gnuplot seconds
+inline constexpr int kMostBlocks = 3000;  // more would take gnuplot seconds per thousand polygons
 
-// Of fewer blocks, all of which this process must have, at the moment of the last of the rows. Return a one-line notice
-// when there is no picture, otherwise nothing. label: of warnings.h, or nothing.
+// Draw fewer than kMostBlocks blocks, all of which this rank must have, at the time of the last row. Return a one-line
+// notice when there is no picture, otherwise an empty text. label: of warnings.h, or empty.
 std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation,
                            const std::vector<HistoryRow>& rows, const std::string& label);
 std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,

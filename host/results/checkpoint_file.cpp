@@ -27,7 +27,7 @@ namespace quoin {
 
 namespace {
 
-// The head of the file, in this order. Its first words say on any machine why another one cannot read the rest.
+// Head of the file, in this order. Its first words identify, on any machine, why another machine cannot read the rest.
 struct Head {
   std::array<char, 8> mark{'Q', 'U', 'O', 'I', 'N', 'R', 'U', 'N'};
   std::uint32_t word_order = 0x01020304;
@@ -35,11 +35,11 @@ struct Head {
   std::array<std::uint8_t, 4> word_sizes{sizeof(int), sizeof(long), sizeof(void*), sizeof(double)};
   std::uint32_t unused = 0;
   std::uint64_t bytes = 0;     // size of the rest of the file
-  std::uint64_t checksum = 0;  // checksum of the same
+  std::uint64_t checksum = 0;  // checksum of the rest of the file
 };
 constexpr std::uint32_t kOtherWordOrder = 0x04030201;
 
-// Eight bytes at a time: checkpoints may be large.
+// Checksum of eight bytes at a time, as checkpoints may be large.
 class Checksum {
  public:
   void add(std::span<const std::uint8_t> bytes) {
@@ -61,7 +61,7 @@ class Checksum {
   }
 
  private:
-  // Less than a word, or what it lacks.
+  // Adds less than a word, or the rest of an incomplete one.
   void take(std::span<const std::uint8_t> bytes) {
     std::memcpy(reinterpret_cast<std::uint8_t*>(&word_) + rest_, bytes.data(), bytes.size());
     rest_ += bytes.size();
@@ -75,11 +75,11 @@ class Checksum {
 
   FnvHash hash_;
   std::uint64_t word_ = 0;
-  std::size_t rest_ = 0;  // bytes of a word that is not whole yet
+  std::size_t rest_ = 0;  // bytes of an incomplete word
 };
 
 std::uint64_t checksum_of_rest(ByteSource& source) {
-  constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes: a checkpoint is as large as its model
+  constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes: the whole file may be as large as the model
   Checksum sum;
   std::vector<std::uint8_t> piece;
   while (source.left() > 0) {
@@ -147,7 +147,7 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
 
 namespace {
 
-// give: hands the state on piece by piece; called whatever becomes of the file, as other ranks wait for it.
+// give: passes the state on piece by piece. It is called even if the file fails, as other ranks wait for it.
 void write_stored(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
                   const std::vector<double>& frame_times, std::uint64_t state_bytes,
                   const std::function<void(const Simulation::TakeBytes&)>& give) {
@@ -235,7 +235,7 @@ Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
   return stored;
 }
 
-// Part by part, so that the message names the first that differs.
+// Compares part by part, so that the message names the first difference.
 void refuse_another(const Identity& identity, const Identity& expected, const Fault& fault) {
   for (std::size_t i = 0; i < std::max(identity.parts.size(), expected.parts.size()); ++i) {
     if (i >= identity.parts.size() || i >= expected.parts.size() || identity.parts[i].what != expected.parts[i].what)
@@ -248,7 +248,7 @@ void refuse_another(const Identity& identity, const Identity& expected, const Fa
 
 constexpr const char *kStageCount = "number of first stages", *kEnergy = "output.energy";
 
-// Materials, joints and what is drawn for them. The state itself distinguishes geometry and settings.
+// Hash of materials, masses, joints and their random samples. Geometry and settings have parts of their own.
 std::string masonry_hash(const Scene& scene) {
   Sha256 hash;
   for (const auto& [name, m] : scene.materials)
@@ -266,7 +266,7 @@ std::string masonry_hash(const Scene& scene) {
   return hash.end();
 }
 
-// What a stage does, but for its name and for what is recorded of it.
+// Text of a stage's actions and settings, without its name and its records.
 std::string text_of(const Scene& scene, std::size_t index) {
   const Stage& s = scene.stages[index];
   std::string text = fmt::format(
@@ -322,8 +322,8 @@ std::vector<Identity::Part> parts_of(const SolverSettings& s) {
   return parts;
 }
 
-// Places and sizes of blocks at the start, and what they are. A lattice and the same blocks in large motion differ by
-// rounding alone.
+// Hash of places, sizes and kinds of blocks at the start, to eight digits. A lattice and the same blocks in large
+// motion differ by rounding alone.
 std::string geometry_hash(const Simulation& simulation) {
   Sha256 hash;
   const auto add = [&](const geometry::Vector& lower, const geometry::Vector& upper, bool rigid) {
@@ -347,7 +347,7 @@ std::string geometry_hash(const Simulation& simulation) {
   return hash.end();
 }
 
-// Identity of a run whose end is the start of others: its stages in place of its whole scene.
+// Identity of a run whose end state others start from: its stages in place of its whole scene.
 Identity end_identity(const Simulation& simulation, const Provenance& provenance, std::size_t stages) {
   Identity identity = identity_of(simulation, provenance);
   for (Identity::Part& part : identity.parts) {
@@ -430,7 +430,7 @@ void take_start(Simulation* simulation) {
   if (!std::filesystem::exists(path, unknown)) throw fault("does not exist");
   Stored stored = read_stored(path, fault);
   for (Identity::Part& part : stored.identity.parts) {
-    if (part.what == kEnergy && !scene.output.energy) part.value = "false";  // more than is requested
+    if (part.what == kEnergy && !scene.output.energy) part.value = "false";  // more columns than this scene requests
   }
   const auto& parts = stored.identity.parts;
   const bool known = !parts.empty() && parts.back().what == kStageCount;

@@ -1,4 +1,4 @@
-// checkpoint.bin: what a run needs to go on as if it had never stopped.
+// checkpoint.bin: all that a run needs to continue with the same bits.
 #pragma once
 
 #include <cstdint>
@@ -11,54 +11,56 @@
 
 namespace quoin {
 
-// What a checkpoint belongs to. The run that goes on must have the same, word for word.
+// Identity of the run of a checkpoint. A run that continues it must have an equal one.
 struct Identity {
   struct Part {
-    std::string what;   // as a message calls it: "scene", "library of the law 'elastic'"
+    std::string what;   // its name in messages: "scene", "library of the law 'elastic'"
     std::string value;  // version or hash
   };
   std::vector<Part> parts;
 };
 
-// Of a simulation at its start, before any step. It covers program, scene (text, overrides, series and blocks from
-// other files) and every law of every stage.
+// Identity of a simulation before its first step: program, scene (text, overrides, series and blocks from other files)
+// and every law of every stage.
 Identity identity_of(const Simulation& simulation, const Provenance& provenance);
 
-// Place of the state in a file that was found whole, which other ranks receive.
+// Position of the state in a complete file, which other ranks receive.
 struct StoredState {
   std::uint64_t begin = 0, bytes = 0;
-  std::uint64_t checksum = 0;  // by which files are compared
-  bool is_refused = false;     // for other ranks: there is nothing to go on from
+  std::uint64_t checksum = 0;  // checksum by which ranks compare files
+  bool is_refused = false;     // for other ranks: there is no checkpoint to continue from
 };
 
 struct Checkpoint {
-  std::vector<HistoryRow> rows;     // rows of the history until then
-  std::vector<double> frame_times;  // s, of the VTK frames until then
+  std::vector<HistoryRow> rows;     // rows of the history so far
+  std::vector<double> frame_times;  // s, of the VTK frames so far
   std::vector<std::uint8_t> state;  // bytes of Simulation::save
   StoredState stored{};             // state of a checkpoint that was read
 };
 
-// Complete and on the disk, or not there: written under a name of its own, flushed, renamed. Throws Error(bad_input).
+// Writes a temporary file, flushes and renames it: the checkpoint is complete and on the disk, or absent. Throws
+// Error(bad_input).
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint);
-// Writes the current state, piece by piece: all ranks call simulation.save at this moment.
+// Writes the current state, piece by piece. Collective: all ranks call simulation.save at this moment.
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
                       const std::vector<double>& frame_times, const Simulation& simulation);
 
 // Throws Error(bad_input) with the reason: damaged, of another machine, another version, another scene or law.
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected);
-// The same without the state, which may be as large as the memory.
+// Reads a checkpoint without its state, which may be as large as the memory.
 Checkpoint find_checkpoint(const std::filesystem::path& path, const Identity& expected);
-// By all ranks, of which each reads what it holds. Throws as Simulation::restore, or where another file lies there.
+// Restores the state. Collective: each rank reads its own part. Throws as Simulation::restore, or if the file has
+// changed.
 void restore_from(const std::filesystem::path& path, const StoredState& state, Simulation* simulation);
 
-// FOLDER/end_state.bin: where scenes with start = FOLDER begin. Throws as write_checkpoint.
+// Writes FOLDER/end_state.bin, from which scenes with start = FOLDER begin. Throws as write_checkpoint.
 void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance);
 
-// Puts a simulation that has not moved yet where its scene starts: at rest, or at the end of another run. Its own
-// stages begin with those of that run. Throws Error(bad_input) with the reason, as read_checkpoint.
+// Sets the initial state of a simulation: at rest, or the end state of another run. The first stages of its scene must
+// be those of that run. Throws Error(bad_input) with the reason, as read_checkpoint.
 void take_start(Simulation* simulation);
 
-// Before a run empties the folder of its results: throws Error(bad_input) when its scene starts from what lies there.
+// Throws Error(bad_input) when the scene starts from results in the folder, which the run is about to empty.
 void keep_start(const Scene& scene, const std::filesystem::path& folder);
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// Colours of everything that is drawn of a run: pictures, page and Python have them from here.
+// Colours of all drawings of a run: pictures, page and Python.
 #pragma once
 
 #include <array>
@@ -29,13 +29,13 @@ struct BlockColours {
 };
 inline constexpr BlockColours kBlockColours{"#f1ece0", "#b5aa98", "#dccfb8", "#b9c0c8", "#808890"};
 
-// Colours of quantities: zero, largest, most negative. Both ways they grow darker, so that grey shows the size.
+// Colours of quantities: zero, largest, most negative. Both scales grow darker, so that grey shows the magnitude.
 struct QuantityColours {
   const char *middle, *warm, *cold;
 };
 inline constexpr QuantityColours kQuantityColours{"#e9e2d0", "#a50f15", "#2c4fa3"};
 
-// Colours of curves, one after the other; they differ in lightness, too.
+// Colours of curves in their order; they differ in lightness, too.
 inline constexpr std::array kPens{"#b3321e", "#1d3557", "#5aa9e6", "#e8a33d", "#2a9d8f",
                                   "#8d6a9f", "#777777", "#b08968", "#000000"};
 

@@ -11,7 +11,7 @@ namespace quoin {
 
 CrushedOut find_crushed_out(const Simulation& simulation) {
   CrushedOut found;
-  // Asked first, as it is known.
+  // Counts exist already, while points are expensive.
   if (condition_counts(simulation)[static_cast<size_t>(Condition::crushed_out)] == 0) return found;
   for (const ResultRun& run : runs_of_points(simulation)) {
     if (!brings(simulation, run)) continue;

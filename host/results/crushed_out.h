@@ -1,5 +1,5 @@
-// Contact points that are crushed out. With a residual compressive strength of 0 they carry nothing, and blocks sink
-// into each other there (contact_models/fracture_energy/LAW.md).
+// Contact points that have crushed completely. With a residual compressive strength of 0 they carry no force, and
+// blocks penetrate each other there (contact_models/fracture_energy/LAW.md).
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@ namespace quoin {
 
 struct CrushedOut {
   long points = 0;
-  double overlap = 0.0;         // overlap of the blocks at the deepest of them, m
-  std::string warning() const;  // text of the warning; empty: there is nothing to warn of
+  double overlap = 0.0;         // largest overlap of the blocks at such a point, m
+  std::string warning() const;  // text of the warning; empty: there is none
 };
 
-// By all ranks at the same moment, after run().
+// Collective, after run().
 CrushedOut find_crushed_out(const Simulation& simulation);
 
 }  // namespace quoin

@@ -1,5 +1,5 @@
-// curve.png: the quantities that show a run, as curve_kind of its last stage has it. Force against displacement of what
-// is driven, displacement over time in an earthquake and at rest, the multiplier in a collapse.
+// curve.png: the curve of a run, by curve_kind of its last stage. It is force against displacement of a driven part,
+// displacement over time in an earthquake and at rest, or the multiplier in a collapse.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ struct Curve {
   bool over_time = false;
   bool pressed = false;                       // the third number is drawn, too
   std::vector<std::array<double, 3>> points;  // mm or s; kN, mm or 1; MPa
-  int peak = -1;                              // index of a point; -1: none to show
+  int peak = -1;                              // index of a point; -1: none
 };
 
 // Curve of the rows of all stages. A push in one direction is drawn to the right.
@@ -50,11 +50,11 @@ Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::st
     lowest = std::min(lowest, x), highest = std::max(highest, x);
   }
   const double largest = std::max(highest, -lowest);
-  // Noise about 0 is no reason for another quadrant.
+  // Noise about 0 must not select another quadrant.
   const bool turns = std::min(highest, -lowest) > 0.01 * largest;
   const double sign = !turns && -lowest > highest ? -1.0 : 1.0;
   const Peak peak = find_peak(rows, scene);
-  bool moving = false;  // pressing comes first, and would be a vertical line at 0
+  bool moving = false;  // before it moves, only pressure grows: a vertical line at 0
   for (size_t i = 0; i < rows.size(); ++i) {
     const Shown r = shown(rows[i], scene);
     const bool next_is_still = i + 1 < rows.size() && rows[i + 1].stage == rows[i].stage;
@@ -127,7 +127,7 @@ Curve curve_of(const std::vector<Row>& rows, const Scene& scene, const std::stri
   const std::string_view kind = scene.stages.empty() ? "push" : curve_kind(scene.stages.back());
   if (kind == "earthquake") return earthquake_curve(rows, scene);
   if (kind == "collapse") return collapse_curve(rows, scene);
-  // Without a driven part, forces of walls are still what presses them.
+  // Without a driven part, forces of walls are those that press them.
   if (kind == "rest" && !is_vertical(scene) && scene.blocks) return rest_curve(rows, scene);
   return push_curve(rows, scene, law);
 }
@@ -145,7 +145,7 @@ Range range_of(const Curve& curve, size_t column) {
   return range;
 }
 
-// Beside the peak on the side where there is room, above or below the curve.
+// Label of the peak, on the side with free space, above or below the curve.
 std::string peak_label(const Curve& curve, const Range& x) {
   const auto& at = curve.points[static_cast<size_t>(curve.peak)];
   const double place = (at[0] - x.low) / std::max(x.high - x.low, 1e-300);
@@ -153,7 +153,7 @@ std::string peak_label(const Curve& curve, const Range& x) {
   const std::string text = fmt::format(
       "{}{} at {}{}", curve.y_unit == " kN" ? fmt::format("{:.1f}", at[1]) : fmt::format("{:.4g}", at[1]), curve.y_unit,
       curve.x_unit == " mm" ? fmt::format("{:.2f}", at[0]) : fmt::format("{:.4g}", at[0]), curve.x_unit);
-  // On a ground of its own: other curves may pass there.
+  // Opaque, as other curves may pass behind it.
   return fmt::format(
              "set style textbox opaque noborder fillcolor rgb \"#ffffff\" margins 0.3,0.2\n"
              "set label 1 \"{}\" at {:.6g},{:.6g} {} offset 0,{} font \"Sans,19\" front boxed\n",

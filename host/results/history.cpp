@@ -40,7 +40,7 @@ std::string text_of(const HistoryColumn& column, const HistoryRow& row, const St
   if (column.kind == HistoryColumn::Kind::text) return csv_text(stage.name);
   const double value = column.value(row, stage);
   if (column.kind == HistoryColumn::Kind::integer) return fmt::format("{}", static_cast<long>(value));
-  // Nothing where there is nothing to say: an unbalanced force over contact forces of 0.
+  // Empty for values that do not exist, as an unbalanced force over contact forces of 0.
   return std::isfinite(value) ? fmt::format("{}", value) : "";
 }
 
@@ -48,7 +48,7 @@ std::string text_of(const HistoryColumn& column, const HistoryRow& row, const St
 
 namespace {
 
-// By component: a body is moved along it.
+// Directions along which a stage drives a body.
 std::array<bool, 3> driven_along(const Stage& stage) {
   std::array<bool, 3> driven{};
   for (const BodyControl& control : stage.controls) {
@@ -87,7 +87,7 @@ int axis_of(const Stage& stage) {
 bool is_vertical(const Stage& stage) { return axis_of(stage) == 1; }
 
 Response response(const HistoryRow& row, const Stage& stage) {
-  // A stage monitored along y still has a horizontal response: the one along the wall.
+  // A stage monitored along y has a horizontal response too, along the wall.
   const size_t axis = axis_of(stage) == 2 ? 2 : 0;
   const bool along = static_cast<size_t>(stage.direction) == axis;
   return {row.monitor_displacement[axis], along ? row.resistance : -row.joint_force[axis], row.vertical_force};
@@ -110,7 +110,7 @@ Shown shown(const HistoryRow& row, const Scene& scene) {
 
 namespace {
 
-// What blocks of any shape have.
+// Adds the columns of blocks of any shape.
 void add_block_columns(const Scene& scene, bool on_ground, const std::function<void(const std::string&, Value)>& add) {
   add("multiplier", number<&HistoryRow::multiplier>);
   add("monitor_dx_m", component<&HistoryRow::monitor_displacement, 0>);
@@ -151,7 +151,7 @@ void add_groups(const Scene& scene, const std::function<void(const std::string&,
   add("members_dissipated_J", energy<&Energies::members_dissipated>);
 }
 
-// What supports give: the sum, and each of those that have a name; of those that are driven how far they have come.
+// Adds the columns of reactions: the sum, and that of each support with a name, with its displacement if it is driven.
 void add_reaction_columns(const std::vector<Restraint>& restraints,
                           const std::function<void(const std::string&, Value)>& add) {
   constexpr const char* kAxes[] = {"x", "y", "z"};
@@ -216,14 +216,14 @@ History::History(const std::filesystem::path& path, const Simulation& simulation
       columns_(history_columns(scene_, restraints_of(simulation))),
       stream_(begin_file(path), std::ios::trunc) {
   for (const HistoryColumn& column : columns_) {
-    const bool plain = column.name.find_first_of(",\"\r\n") == std::string::npos;  // blocks have any name
+    const bool plain = column.name.find_first_of(",\"\r\n") == std::string::npos;  // names may have separators
     stream_ << (&column == columns_.data() ? "" : ",") << (plain ? column.name : csv_text(column.name));
   }
   stream_ << '\n';
   for (const HistoryRow& row : before) add(row);
 }
 
-// Numbers in the shortest decimals that read back to the same double.
+// Writes numbers as the shortest decimals that read back to the same double.
 void History::add(const HistoryRow& row) {
   const Stage& stage = scene_.stages[static_cast<size_t>(row.stage)];
   std::string line;
@@ -232,7 +232,7 @@ void History::add(const HistoryRow& row) {
     line += text_of(column, row, stage);
   }
   stream_ << line << '\n';
-  if (!stream_) refuse();  // now, and not after hours
+  if (!stream_) refuse();  // at once, not at the end of a long run
   rows_.push_back(row);
 }
 

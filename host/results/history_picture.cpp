@@ -67,7 +67,7 @@ std::string title_text(const Scene& scene) {
                      is_shaken(scene) ? ", relative to the ground" : "");
 }
 
-// Without lines that stay at 0, and without panels that have none.
+// Panels without lines that stay at 0, and without panels that have no other line.
 std::vector<Panel> panels_of(const std::vector<HistoryRow>& rows, const Scene& scene) {
   std::vector<Panel> panels{displacements(scene),
                             forces(scene),

@@ -21,7 +21,7 @@ struct Points {
     return {vectors[3 * i], vectors[3 * i + 1], vectors[3 * i + 2]};
   }
   bool touches(std::size_t i) const { return gap.empty() || norm(at(gap, i)) == 0.0; }
-  // On block a, N: tension pulls it along the normal, which leads to b.
+  // Force on block a, N. Tension pulls it along the normal, which points to b.
   Vector force(std::size_t i) const {
     const Vector n = at(normal, i), s = at(shear_axis, i), t = cross(n, s), traction_i = at(traction, i);
     return double{area[i]} * (traction_i.x * n + traction_i.y * s + traction_i.z * t);
@@ -32,7 +32,7 @@ Points read_points(const VtuFile& file) {
   constexpr auto kPoint = VtkRows::point;
   Points p;
   p.place = file.grid().position;
-  const auto moved = file.read<float>("displacement_m", kPoint, 3);  // 0 where places are those of now
+  const auto moved = file.read<float>("displacement_m", kPoint, 3);  // 0 where places are the current ones
   for (std::size_t i = 0; i < moved.size(); ++i) p.place[i] += moved[i];
   if (file.has("gap_m")) p.gap = file.read<float>("gap_m", kPoint, 3);
   p.traction = file.read<float>("traction_Pa", kPoint, 3), p.normal = file.read<float>("normal", kPoint, 3);
@@ -46,8 +46,8 @@ Points read_points(const VtuFile& file) {
 
 std::array<double, 3> array_of(const Vector& v) { return {v.x, v.y, v.z}; }
 
-// Of these points of a joint: the centre of compression, and how far it is from that of the joint, over the depth that
-// way.
+// Centre of compression of these points of a joint, and its distance from the joint's centre over the depth in that
+// direction.
 void find_centre(const Points& p, const std::vector<std::size_t>& points, JointSum* sum) {
   Vector middle, pressed;
   double area = 0.0, pressure = 0.0;

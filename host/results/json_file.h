@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// Names of files may hold any bytes, JSON holds UTF-8: bytes that are none become U+FFFD.
+// JSON holds UTF-8 alone, while file names may hold any bytes: invalid ones become U+FFFD.
 inline std::string json_text(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }

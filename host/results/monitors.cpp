@@ -27,12 +27,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kAxes[] = {"x", "y", "z"};
-constexpr std::size_t kHead = 2;                       // step and time
-constexpr std::size_t kOfGround = 9, kOfMonitor = 20;  // columns
+constexpr std::size_t kHead = 2;                       // columns of step and time
+constexpr std::size_t kOfGround = 9, kOfMonitor = 20;  // numbers of columns
 
 fs::path file_in(const fs::path& folder) { return folder / "monitors.csv"; }
 
-// Displacement, velocity, acceleration of one point, by component.
+// Adds the names of displacement, velocity, acceleration of one point, by component.
 void name_motion(const std::string& prefix, std::vector<std::string>& columns) {
   for (const char* axis : kAxes) columns.push_back(fmt::format("{}_d{}_m", prefix, axis));
   for (const char* axis : kAxes) columns.push_back(fmt::format("{}_v{}_m_s", prefix, axis));
@@ -42,7 +42,7 @@ void name_motion(const std::string& prefix, std::vector<std::string>& columns) {
 }  // namespace
 
 std::vector<std::vector<double>> read_monitor_rows(const fs::path& folder, long last_step) {
-  // What a process that was killed has left has its own mark in its name.
+  // The temporary file of a killed process has that process's mark in its name.
   fs::path found = file_in(folder);
   const std::string begins = found.filename().string() + ".";
   std::error_code unknown;
@@ -86,7 +86,7 @@ MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, s
   }
 }
 
-// Once more when a run goes over to large motion, which has gridpoints in an order of its own.
+// Called again after promotion to large motion, whose gridpoints have another order.
 void MonitorFile::find_places() {
   const blocks::Model* const model = simulation_.large_motion();
   found_in_ = model;
@@ -129,13 +129,13 @@ MonitorFile::Motion MonitorFile::motion_of(const Place& place) const {
     add(block_displacement(simulation_, block), point, share, mean.displacement);
     add(block_velocity(simulation_, block), point, share, mean.velocity);
   }
-  // At the time of the forces of a row, a step ago.
+  // Forces of a row belong to the positions one step ago.
   const double step = simulation_.time_step_report().time_step;
   for (std::size_t c = 0; c < 3; ++c) mean.displacement[c] -= step * mean.velocity[c];
   return mean;
 }
 
-// The velocity is that of a fixed block that has moved as the ground has.
+// The velocity is that of a fixed block with the ground's displacement.
 MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
   Motion ground{row.ground_displacement, {}};
   const blocks::Model* const model = simulation_.large_motion();
@@ -157,7 +157,7 @@ void MonitorFile::add(const HistoryRow& row) {
   std::vector<double> values{static_cast<double>(row.step), row.time};
   const std::vector<double>* const before = rows_.empty() ? nullptr : &rows_.back();
   const auto append = [&](const Vec3& of_axes) { values.insert(values.end(), of_axes.begin(), of_axes.end()); };
-  // Acceleration is the change of velocity since the row before over the time between.
+  // Acceleration: change of velocity since the row before, over the time between.
   const auto append_motion = [&](const Motion& motion) {
     append(motion.displacement);
     const std::size_t of_velocity = values.size();

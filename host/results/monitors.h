@@ -1,4 +1,4 @@
-// monitors.csv: what the monitors of a scene do, row by row of the history; monitors.json: the most of it, and its end.
+// monitors.csv: motion of the monitors of a scene, in the rows of the history. monitors.json: its maxima and its end.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 
 namespace quoin {
 
-// Rows that an earlier process has written, up to a step. None: there is no such file.
+// Rows of an earlier process up to a step. Empty: there is no such file.
 std::vector<std::vector<double>> read_monitor_rows(const std::filesystem::path& folder, long last_step);
 
 class MonitorFile {
  public:
-  // before: rows of a run that this one goes on with. Throws Error(bad_input): a block that is not there.
+  // before: rows of the run that this one continues. Throws Error(bad_input) for a block that does not exist.
   MonitorFile(const std::filesystem::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
               const std::vector<std::vector<double>>& before);
   // Throw Error(bad_input) where the files cannot be written.
@@ -26,7 +26,7 @@ class MonitorFile {
 
  private:
   struct Place {
-    std::vector<std::pair<int, int>> gridpoint;  // block, and which of it; -1: the mean of all
+    std::vector<std::pair<int, int>> gridpoint;  // block and gridpoint; -1: mean of all
     Vec3 start{};                                // m
   };
   struct Motion {
@@ -41,7 +41,7 @@ class MonitorFile {
   const Simulation& simulation_;
   std::vector<Monitor> monitors_;
   std::vector<Place> places_;
-  const void* found_in_ = nullptr;  // kind of motion that the places were found in
+  const void* found_in_ = nullptr;  // model in which the places were found
   std::vector<std::string> columns_;
   std::vector<std::vector<double>> rows_;
   std::ofstream stream_;

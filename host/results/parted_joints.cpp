@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-// What the laws say of points as they were when they were last in contact.
+// Damage and flags that the laws return for points in the state of their last contact.
 struct LastSeen {
   std::vector<std::array<double, QUOIN_DAMAGE_COUNT>> damage;
   std::vector<std::uint32_t> flags;

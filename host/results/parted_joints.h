@@ -1,5 +1,5 @@
-// Joints of the start where their blocks have come apart in large motion. No contact point is left there, but the last
-// state of the joint stays.
+// Joints of the start whose blocks have parted in large motion. They have no contact point, but keep the last state of
+// their laws.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@
 namespace quoin {
 
 struct PartedPoint {
-  JointPoint joint;  // as its last contact point, on block a, but for the traction, which is 0, and the opening,
-                     // which is the distance of now between the two sides; contact.index: -1
+  JointPoint joint;  // as the last contact point, at its place on block a. Its traction is 0, its opening is the
+                     // current distance of the two sides, and contact.index is -1
   std::vector<double> state;  // state of its law, in the law's order
 };
 
-// Of joints that begin at blocks [first, end), which this rank must own or have all of. None in small displacements,
-// whose contact points stay.
+// Points of joints that begin at blocks [first, end), of which this rank must own all or have all. Empty in small
+// displacements, where contact points remain.
 std::vector<PartedPoint> parted_points(const Simulation& simulation, int first_block, int end_block);
 std::vector<PartedPoint> parted_points(const Simulation& simulation);
 

@@ -1,4 +1,4 @@
-// What pictures say of a run in words, in gnuplot's grammar.
+// Texts of pictures, in gnuplot's syntax.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace quoin {
 
-// The title of a scene, or the name of its file.
+// Title of a scene, or the name of its file.
 std::string title_of(const Scene& scene);
 
-// "stage 2 shake, 1.25 s" of the last row; empty without rows.
+// Time of the last row: "stage 2 shake, 1.25 s"; empty without rows.
 std::string moment_of(const std::vector<HistoryRow>& rows, const Scene& scene);
 
-// A gnuplot string of a text that is not wider than so many pixels of a PNG in so many points of DejaVu Sans. A longer
-// one is cut, and ends in "...".
+// A gnuplot string of a text, cut with "..." to at most `pixels` of width in a PNG. points: size of the font, DejaVu
+// Sans.
 std::string fitting_text(const std::string& text, double pixels, double points);
 
 }  // namespace quoin

@@ -22,7 +22,7 @@ namespace quoin {
 
 namespace {
 
-// A factor that people like: 1, 2 or 5 times a power of ten, not above x.
+// Largest of 1, 2 or 5 times a power of ten that is not above x.
 double round_down(double x) {
   const double power = std::pow(10.0, std::floor(std::log10(x)));
   for (const double digit : {5.0, 2.0}) {
@@ -59,15 +59,16 @@ namespace {
 
 using Run = ResultRun;
 
-constexpr long kMostBricks = 100'000;  // gnuplot takes 10 kB for each, and more are too small to be seen
+constexpr long kMostBricks =
+    100'000;  // largest number: gnuplot takes 10 kB for each, and more would be too small to see
 
-// The wall moves by millimetres: magnified so that the largest movement is about 6 % of its height.
+// Magnified displacements of the wall: the largest one is at most 7.5 % of its height.
 struct Magnified {
   Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // box around all blocks, m
-  double largest = 0.0;                                                           // displacement, m
+  double largest = 0.0;                                                           // largest displacement, m
   double factor = 1.0;
 
-  // A line of a gnuplot file, mm.
+  // Magnified place as a line of a gnuplot file, mm.
   std::string moved(const Vec3& x, const Vec3& u) const {
     return fmt::format("{:.6g} {:.6g}\n", (x[0] + factor * u[0]) * 1e3, (x[1] + factor * u[1]) * 1e3);
   }
@@ -92,7 +93,7 @@ Magnified magnified(const Simulation& simulation) {
   return view;
 }
 
-// What the picture is made of, files of gnuplot by name.
+// Data files of the picture.
 enum : size_t { kBricks, kBeams, kJointsInUnits, kFirstCrack };
 constexpr size_t kDataFiles = kFirstCrack + kCrackCount;
 using Data = std::array<std::string, kDataFiles>;
@@ -102,7 +103,7 @@ std::string name_of_data(size_t file) {
   return file == kBricks ? "bricks.dat" : file == kBeams ? "beams.dat" : "joints_unit.dat";
 }
 
-// Outlines of the front faces, counter-clockwise, along the gridpoints of their edges.
+// Adds the outline of a brick's front face, counter-clockwise, along the gridpoints of its edges.
 void add_outline(const Simulation& simulation, const Magnified& view, int block, Data& data) {
   const Brick& brick = simulation.assembly().bricks[static_cast<size_t>(block)];
   const auto mesh = block_mesh(simulation, block);
@@ -130,7 +131,7 @@ void add_outline(const Simulation& simulation, const Magnified& view, int block,
   text += "\n";
 }
 
-// The joints that this rank draws.
+// Joints of this rank as quads of the picture.
 class JointQuads {
  public:
   JointQuads(const Simulation& simulation, const Surfaces& surfaces, const Magnified& view)
@@ -145,8 +146,8 @@ class JointQuads {
     }
   }
 
-  // As seen from the front: of the points behind each other the most damaged one counts. Each point colours the line
-  // half-way to its neighbours.
+  // Adds joints as seen from the front. Of points behind each other the most damaged one counts. Each point colours the
+  // line half-way to its neighbours.
   void add(const Run& joints, Data& data) const {
     const auto joint_of = [&](std::int32_t point) { return model_.point_joint[static_cast<size_t>(point)]; };
     auto p = std::partition_point(order_.begin(), order_.end(),
@@ -155,7 +156,7 @@ class JointQuads {
       std::map<long long, Seen> places;  // along the joint
       for (const int joint = joint_of(*p); p != order_.end() && joint_of(*p) == joint; ++p) {
         const int axis = model_.point_axis[static_cast<size_t>(*p)];
-        if (axis == 2) continue;  // joints seen from above
+        if (axis == 2) continue;  // horizontal in the picture plane: not visible from the front
         const size_t along = axis == 0 ? 1 : 0;
         auto [place, fresh] = places.try_emplace(std::llround(position(*p)[along] * 1e6), Seen{*p, *p});
         if (crack(*p) > crack(place->second.worst)) place->second.worst = *p;
@@ -177,8 +178,8 @@ class JointQuads {
   Crack crack(std::int32_t point) const { return crack_[static_cast<size_t>(point)]; }
   const Vec3& position(std::int32_t point) const { return model_.point_position[static_cast<size_t>(point)]; }
 
-  // A half segment is drawn as the quad between its two sides: an open crack is a coloured gap, a closed one a line.
-  // Intact joints inside a unit are drawn so that the unit reads as one brick.
+  // Adds a half segment as the quad between its two sides: an open crack is a coloured gap, a closed one a line. Intact
+  // joints inside a unit have their own colour, so that the unit looks like one brick.
   void add_half(std::int32_t worst, std::int32_t a, std::int32_t b, double from, double to, Data& data) const {
     const auto at_a = displacement_of_sides(simulation_, a), at_b = displacement_of_sides(simulation_, b);
     const auto corner = [&](double t, Vec3 std::pair<Vec3, Vec3>::*side) {
@@ -207,7 +208,7 @@ class JointQuads {
   std::vector<Crack> crack_;         // by point
 };
 
-// Rank 0 takes the data of all, piece by piece: take(Data).
+// Collects the data of all ranks on rank 0, piece by piece: take(Data).
 template <class Take>
 Magnified collect_data(const Simulation& simulation, const Surfaces& surfaces, const Take& take) {
   const Magnified view = magnified(simulation);
@@ -239,7 +240,7 @@ Magnified collect_data(const Simulation& simulation, const Surfaces& surfaces, c
   return view;
 }
 
-// Files that grow; gnuplot draws nothing of what is in none of them.
+// Data files that grow. An empty one has a point NaN, as gnuplot fails on an empty file.
 class DataFiles {
  public:
   explicit DataFiles(const std::filesystem::path& folder) {
@@ -268,7 +269,7 @@ class DataFiles {
   }();
 };
 
-// What plots the joints, and the legend.
+// Plot command of the joints and the legend.
 std::string joints_plot() {
   std::string plot;
   const auto add = [&](size_t file, const char* colour, double width) {
@@ -311,7 +312,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
                         is_vertical(scene) ? "vertical" : "horizontal", std::abs(r.force) / 1e3, law);
   }
   const std::string moment = moment_of(rows, scene);
-  // One scale on both axes; the picture is as high as the wall needs, with room for title and legend.
+  // One scale on both axes. The height of the picture follows from the wall, with space for title and legend.
   const Vec3 &low = view.low, &high = view.high;
   const double width = (high[0] - low[0]) * 1e3, height = (high[1] - low[1]) * 1e3,
                sway = view.largest * view.factor * 1e3;

@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Where this code is: the executable, or the module that another program has loaded.
+// File of this code: the executable, or the Python module.
 std::string program_file() {
   Dl_info here{};
   const bool is_module = dladdr(reinterpret_cast<const void*>(&program_file), &here) != 0 &&

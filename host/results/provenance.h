@@ -1,4 +1,4 @@
-// What a run was made from: enough to run it again, and to see whether the bits are the same.
+// Inputs and program of a run: all that is needed to repeat it and to compare its bits.
 #pragma once
 
 #include <filesystem>
@@ -11,53 +11,52 @@
 
 namespace quoin {
 
-// What a command requested.
+// Options of a command.
 struct Request {
-  std::string law;                     // in place of the scene's; empty: none
+  std::string law;                     // law in place of the scene's; empty: none
   std::vector<std::string> overrides;  // dotted.key=value, in their order
 };
 
-// A file by its bytes. Hashes are SHA-256, as sha256sum prints them.
+// A file with its hash. Hashes are SHA-256, as printed by sha256sum.
 struct HashedFile {
-  std::string name;  // as the scene or the command names it
+  std::string name;  // name in the scene or the command
   std::string path;
   std::string sha256;
 };
 
 // SHA-256 of a file of any size. Throws Error(bad_input): it cannot be read.
 std::string sha256_of_file(const std::string& path);
-// Libraries of the laws of all stages. Throws as sha256_of_file, and Error(law_refused): there is no such law.
+// Libraries of the laws of all stages. Throws as sha256_of_file, and Error(law_refused) for a law that does not exist.
 std::vector<HashedFile> law_files(const Scene& scene);
-// Other files that the scene takes in: meshes, series, the end of the run that it begins from. Throws as
-// sha256_of_file.
+// Other files that the scene reads: meshes, series, the end state of another run. Throws as sha256_of_file.
 std::vector<HashedFile> input_files(const Scene& scene);
 
 struct Provenance {
-  std::string program, program_sha256, compiler;  // version, of the executable, what built it
+  std::string program, program_sha256, compiler;  // version; hash of the executable; compiler that built it
   std::vector<HashedFile> laws;                   // laws of every stage
-  std::string scene, scene_text;                  // file as it was named, and as it was read
-  std::vector<HashedFile> inputs;                 // other files that the scene takes in
+  std::string scene, scene_text;                  // file name as given, and the text as read
+  std::vector<HashedFile> inputs;                 // other files that the scene reads
   std::optional<std::uint64_t> seed;              // seed of properties that scatter; empty: nothing is drawn
   Request request;
-  std::string working_directory;  // where its paths count from
+  std::string working_directory;  // folder of relative paths
   std::string processor, system, instruction_set;
   double memory = 0.0;  // B
-  int threads = 0;      // any number gives the same bits
-  // What came out: the state of the model at the end, and history.csv. Empty: not known yet.
+  int threads = 0;      // the bits do not depend on it
+  // Hashes of the results: the final state of the model, and history.csv. Empty: not computed yet.
   std::string state, history_sha256;
 };
 
-// At the start of a run. Throws Error(bad_input): a file cannot be read.
+// Provenance of a run at its start. Throws Error(bad_input) for a file that cannot be read.
 Provenance provenance_of(const Simulation& simulation, const Request& request);
-// At its end, with history.csv in FOLDER, or without.
+// Adds the hashes of results at the end. Without history.csv in FOLDER its hash stays empty.
 void note_results(const Simulation& simulation, const std::filesystem::path& folder, Provenance* provenance);
 
 nlohmann::ordered_json to_json(const Provenance& provenance);
-// Provenance of FOLDER/summary.json. Throws Error(bad_input): there is none, it is not whole, or the run was
-// interrupted.
+// Provenance in FOLDER/summary.json. Throws Error(bad_input) for a file that is missing or damaged, or that of an
+// interrupted run.
 Provenance read_provenance(const std::filesystem::path& folder);
 
-// What is not the same in two of them and may change the bits: "program 0.1.0 (sha256 12ab...), there 0.1.0 (...)".
+// Differences of two provenances that may change the bits: "program 0.1.0 (sha256 12ab...), there 0.1.0 (...)".
 std::vector<std::string> differences(const Provenance& here, const Provenance& there);
 
 }  // namespace quoin

@@ -8,9 +8,9 @@
 namespace quoin {
 namespace {
 
-constexpr long kLeastRows = 10;  // least rows of a stage: fewer are no sample of forces that oscillate
+constexpr long kLeastRows = 10;  // least rows of a stage: fewer do not sample oscillating forces
 
-// Slowly, as it should be: not the stages that shake.
+// Whether a stage drives bodies slowly; ground motion does not count.
 bool drives(const Stage& stage) {
   if (stage.ground) return false;
   return stage.displacement || stage.whiffletree ||
@@ -38,7 +38,7 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
   QuasiStatic result;
   result.driven = std::any_of(scene.stages.begin(), scene.stages.end(), drives);
   double peak = 0.0, work = 0.0, kinetic = 0.0;
-  // A force may be largest in the ramp; but quiet ramps shall not make up for what follows them.
+  // Two means, as the force may be largest in the ramp, while quiet ramps must not hide what follows them.
   MeanSquare inertia, after_ramps;
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
     for (end = first; end < rows.size() && rows[end].stage == rows[first].stage;) ++end;
@@ -63,7 +63,7 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
     if (stage.displacement)
       result.overshoot_ratio =
           std::max(result.overshoot_ratio, std::abs(last.displacement) / *stage.displacement - 1.0);
-    // The first row of a stage stands at its first step.
+    // The first row of a stage is that of its first step.
     if (last.time - rows[first].time < stage.ramp_time)
       result.not_judged = fmt::format("stage '{}' ended inside its ramp of {:g} s: it never moved at its velocity",
                                       stage.name, stage.ramp_time);
@@ -88,7 +88,7 @@ std::string QuasiStatic::reason() const {
   std::string text;
   const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
   if (!not_judged.empty()) add(not_judged);
-  // Written so that NaN fails too.
+  // The comparison fails for NaN, too.
   if (dynamic_force_ratio && !(*dynamic_force_ratio <= kAllowed))
     add(fmt::format("inertia carries {:.1f} % of the peak force (root of the mean square), allowed {:.0f} %",
                     100 * *dynamic_force_ratio, 100 * kAllowed));

@@ -1,4 +1,4 @@
-// Was the run slow enough to be quasi-static? Judged from its own forces, energies and displacements.
+// Check that a run is quasi-static, by its forces, energies and displacements.
 #pragma once
 
 #include <optional>
@@ -9,22 +9,22 @@
 
 namespace quoin {
 
-// Findings of the stages that drive a body: by a velocity, or until a displacement is reached.
+// Findings about stages that drive a body: by a velocity, or until a displacement is reached.
 struct QuasiStatic {
-  // The sum of supports and loads along the loading direction is force that moves the wall in place of straining it.
-  // Its measure is the root of the mean square, with or without the ramps, whichever is larger, over the peak force.
-  // Empty when nothing was driven.
+  // Root mean square of the dynamic force over the peak force. The dynamic force is the sum of supports and loads along
+  // the loading direction, which accelerates the wall. The larger value counts, with or without the ramps. Empty when
+  // no body is driven.
   std::optional<double> dynamic_force_ratio;
-  // Largest kinetic energy over the work done until the end. Empty when no work was done.
+  // Largest kinetic energy over the total work. Empty when no work was done.
   std::optional<double> kinetic_energy_ratio;
-  // Displacement beyond the one that a stage requests, over it: the largest of the stages that ended by displacement.
+  // Displacement beyond a stage's criterion, over that criterion: the largest of all stages that ended by displacement.
   double overshoot_ratio = 0.0;
-  std::string not_judged;  // why the record is too short to be judged; empty when it is not
+  std::string not_judged;  // reason why there are too few rows for the check; empty when there are enough
 
-  bool driven = false;  // the scene has a stage to be judged
+  bool driven = false;  // whether a stage drives a body
   bool quasi_static() const;
-  std::string reason() const;   // why quasi_static() is false; empty when it is true
-  std::string warning() const;  // the reason and what to do; empty when quasi-static, or when nothing is driven
+  std::string reason() const;   // reason why quasi_static() is false; empty when it is true
+  std::string warning() const;  // the reason and a remedy; empty when quasi-static, or when no body is driven
 
   static constexpr double kAllowed = 0.05, kAllowedOvershoot = 0.01;
 };

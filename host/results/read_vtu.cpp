@@ -24,7 +24,8 @@ std::string attribute(const std::string& element, const std::string& name) {
   return element.substr(from, element.find('"', from) - from);
 }
 
-// How many corners a cell of this type has; none: any number from 3 on, for a polygon; -1: no type of ours.
+// Number of corners of a cell of this type; none: any number from 3 on, for a polygon; -1: a type that Quoin does not
+// write.
 long corners_of(std::uint8_t type) {
   switch (type) {
     case 1:
@@ -118,10 +119,10 @@ std::string VtuFile::bytes_of(const std::string& name, const char* type) const {
   return file_.substr(place, bytes);
 }
 
-// Blocks one after the other, behind a head: their number, the size of each, of the last one (0: the same), and each
-// packed size.
+// Decompresses the blocks of an array. Their head has the number of blocks, the size of each, the size of the last one
+// (0: full size), and each compressed size.
 std::string VtuFile::unpacked(std::size_t place) const {
-  // zlib packs no better than 1032 to 1; what claims more is damaged, and would fill the memory.
+  // zlib compresses by 1032 at most: a larger ratio means a damaged file, which would fill the memory.
   constexpr std::uint64_t kBest = 1100, kLeast = 1024;
   const std::uint64_t blocks = word_at(&place), whole = word_at(&place), last = word_at(&place);
   if (blocks > file_.size() / sizeof blocks) refuse("is damaged");

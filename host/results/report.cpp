@@ -35,9 +35,9 @@ using Json = nlohmann::ordered_json;
 using Triangle = std::array<std::int32_t, 3>;
 
 constexpr std::uint8_t kQuad = 9, kPolygon = 7, kTetrahedron = 10, kHexahedron = 12;
-constexpr double kSharp = 0.94;  // cosine of the angle between two triangles from which on their edge is drawn
+constexpr double kSharp = 0.94;  // cosine of the angle between two triangles; below it, their common edge is drawn
 
-// Arrays one after the other, and where each of them is.
+// Arrays one after the other in one block of bytes, with their places.
 class Blob {
  public:
   template <class T>
@@ -53,11 +53,11 @@ class Blob {
     bytes_.append(data, values.size() * sizeof(T));
   }
   const Json& arrays() const { return arrays_; }
-  // Compressed by zlib, in base64.
+  // The bytes, compressed by zlib, in base64.
   std::string text() const {
     uLongf size = compressBound(bytes_.size());
     std::string packed(size, '\0');
-    // As small as by the best one, which takes five times as long.
+    // The default level: the best one takes five times as long for the same size.
     compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(bytes_.data()),
               bytes_.size(), Z_DEFAULT_COMPRESSION);
     packed.resize(size);
@@ -77,7 +77,7 @@ class Blob {
   Json arrays_ = Json::object();
 };
 
-// Values over all frames in few bits: what is stored times `step`, plus `lower`, is the value.
+// Values of all frames in few bits: value = stored * step + lower.
 struct Quantised {
   double lower = 0.0, upper = 0.0;
   void see(const std::vector<float>& values) {
@@ -107,17 +107,17 @@ std::array<float, 3> at(const std::vector<float>& vectors, std::size_t i) {
   return {vectors[3 * i], vectors[3 * i + 1], vectors[3 * i + 2]};
 }
 
-// The surface of all blocks as triangles of the file's points, of which it keeps those on the surface.
+// The surface of all blocks as triangles, with the points of the file that lie on it.
 struct Surface {
-  std::vector<std::uint32_t> vertex;  // vertex of the file, by vertex of the surface
-  std::vector<Triangle> triangle;     // triangles of vertices of the surface
-  std::vector<std::uint32_t> edge;    // pairs of these: sharp edges
+  std::vector<std::uint32_t> vertex;  // by vertex of the surface: its point in the file
+  std::vector<Triangle> triangle;     // indices of vertices of the surface
+  std::vector<std::uint32_t> edge;    // pairs of vertices: sharp edges
   std::vector<std::int32_t> block;    // by vertex
-  std::set<std::int32_t> beams;       // rigid blocks beside the masonry, on the lattice
+  std::set<std::int32_t> beams;       // rigid beams on the lattice, which are not masonry
 };
 
 std::vector<Triangle> triangles_of(const VtuGrid& grid) {
-  // Faces of tetrahedra, by their sorted corners: count, and corners as given.
+  // Faces of tetrahedra, by their sorted corners: count, and corners in their order.
   std::map<Triangle, std::pair<int, Triangle>> faces;
   std::vector<Triangle> result;
   for (std::size_t c = 0; c < grid.cells(); ++c) {
@@ -163,7 +163,7 @@ Surface surface_of(const VtuFile& blocks) {
     number[p] = static_cast<std::int32_t>(s.vertex.size());
     s.vertex.push_back(static_cast<std::uint32_t>(p));
   }
-  std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Eigen::Vector3f>> edges;  // normals beside them
+  std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Eigen::Vector3f>> edges;  // normals of both sides
   for (Triangle& t : s.triangle) {
     const auto corner = [&](int k) {
       return Eigen::Vector3f(at(points, static_cast<std::size_t>(t[static_cast<std::size_t>(k)])).data());
@@ -177,7 +177,7 @@ Surface surface_of(const VtuFile& blocks) {
     s.edge.push_back(static_cast<std::uint32_t>(ends.first));
     s.edge.push_back(static_cast<std::uint32_t>(ends.second));
   }
-  // Cells say which block they are of, and so which their corners are of.
+  // Cells have the number of their block, from which their corners have it.
   const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());
   std::vector<std::int32_t> of_point(grid.points(), -1);
   for (std::size_t c = 0, i = 0; c < grid.cells(); ++c) {
@@ -189,12 +189,13 @@ Surface surface_of(const VtuFile& blocks) {
   for (std::size_t c = 0; c < grid.cells(); ++c) {
     if (grid.type[c] == kHexahedron && unit[c] < 0) s.beams.insert(block[c]);
   }
-  // Scenes of blocks have no units, and all of them are masonry.
+  // Blocks of any shape have no units, and all of them are masonry.
   if (std::all_of(unit.begin(), unit.end(), [](std::int32_t u) { return u < 0; })) s.beams.clear();
   return s;
 }
 
-// By vertex of the surface: the file's point, where a run has gone over to large motion and numbers them again.
+// Point of the file for each vertex of the surface, found by place. Promotion to large motion changes the order of
+// points.
 std::vector<std::uint32_t> points_of(const VtuFile& blocks, const Surface& surface, const std::vector<float>& start) {
   const VtuGrid& grid = blocks.grid();
   const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());
@@ -217,7 +218,8 @@ struct Solid {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // centre times volume
 };
 
-// Solids of rigid blocks that are free to move, in their current places: joints carry all forces on these.
+// Solids of rigid blocks that are free to move, in their current places. All their loads but weight are forces of
+// joints.
 std::map<std::int32_t, Solid> rigid_solids(const VtuFile& blocks, const std::set<std::int32_t>& held) {
   const VtuGrid& grid = blocks.grid();
   const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());
@@ -248,7 +250,8 @@ std::map<std::int32_t, Solid> rigid_solids(const VtuFile& blocks, const std::set
   return solids;
 }
 
-// xx yy zz xy yz zx of each cell: of rigid blocks, where files have nothing, the mean that their joints give.
+// Stress of each cell, xx yy zz xy yz zx. Files have none for rigid blocks, whose mean stress follows from their
+// joints.
 std::vector<float> stress_of_cells(const VtuFile& blocks, const VtuFile& joints, const std::set<std::int32_t>& held) {
   auto stress = blocks.read<float>("stress_Pa", VtkRows::cell, 6);
   const std::map<std::int32_t, Solid> solids = rigid_solids(blocks, held);
@@ -268,7 +271,7 @@ std::vector<float> stress_of_cells(const VtuFile& blocks, const VtuFile& joints,
   return stress;
 }
 
-// At these points, from cells: the smallest principal stress (compression < 0), the mean of those around.
+// Smallest principal stress (compression < 0) at points: the mean of their cells.
 std::vector<float> stress_of(const VtuFile& blocks, const VtuFile& joints, const std::vector<std::uint32_t>& of_points,
                              const std::set<std::int32_t>& held) {
   const VtuGrid& grid = blocks.grid();
@@ -290,12 +293,12 @@ std::vector<float> stress_of(const VtuFile& blocks, const VtuFile& joints, const
   return result;
 }
 
-// What the joints say at the vertices of their blocks: the largest of the points next to each.
+// Joint quantities at the vertices of blocks: the largest values of the contact points closest to each.
 struct JointValues {
   std::vector<float> damage, opening, slip;
 };
 
-// Vertices of blocks whose colour comes from their joints.
+// Vertices of each block, which have colours of its joints.
 class VerticesOfBlocks {
  public:
   explicit VerticesOfBlocks(const Surface& surface) {
@@ -306,7 +309,7 @@ class VerticesOfBlocks {
       of_block_[b].push_back(v);
     }
   }
-  // Index of the vertex of the block that is closest to the place; none: the block has no surface.
+  // Index of the vertex of the block that is closest to a place; none: the block has no surface.
   std::optional<std::size_t> nearest(std::int32_t block, const std::array<float, 3>& place,
                                      const std::vector<float>& positions) const {
     std::optional<std::size_t> best;
@@ -325,14 +328,14 @@ class VerticesOfBlocks {
   std::vector<std::vector<std::size_t>> of_block_;
 };
 
-// A frame's joints as the page shows them.
+// Joints of a frame, as the page shows them.
 struct Joints {
   std::vector<float> place, displacement, gap, opening, slip, tension, shear;  // by point; gap: empty on the lattice
   std::vector<std::int32_t> block_a, block_b, crack;
-  std::vector<std::uint32_t> rim;  // pairs of points: where joints of the lattice come to the surface
+  std::vector<std::uint32_t> rim;  // pairs of points: edges of joints of the lattice at the surface
 
   std::size_t count() const { return crack.size(); }
-  // Where a point is on block b, a being where `place` is: apart from it where the blocks have come apart.
+  // Place of a point on block a or b. They differ where the blocks have parted.
   std::array<float, 3> place_on(bool on_b, std::size_t i) const {
     std::array<float, 3> x = at(place, i);
     for (std::size_t c = 0; on_b && !gap.empty() && c < 3; ++c) x[c] += gap[3 * i + c];
@@ -368,7 +371,7 @@ std::vector<float> vectors_at(const std::vector<std::uint32_t>& points, const st
   return result;
 }
 
-// Edges that only one quad has: where a joint comes to the surface.
+// Edges of only one quad, where a joint meets the surface.
 std::vector<std::uint32_t> rim_of(const VtuGrid& grid) {
   std::map<std::pair<std::size_t, std::size_t>, int> edges;
   for (std::size_t c = 0; c < grid.cells(); ++c) {
@@ -398,7 +401,7 @@ Joints read_joints(const VtuFile& file) {
   return j;
 }
 
-// history.csv: columns of numbers, by name.
+// Columns of numbers of history.csv, by name.
 Json read_history(const fs::path& path) {
   std::istringstream text(read_input_file(path.string()));
   std::string line;
@@ -449,7 +452,7 @@ fs::path frame_path(const fs::path& folder, const char* kind, std::size_t frame)
   return folder / fmt::format("{}_{:04}.vtu", kind, frame);
 }
 
-// A run as the page reads it: {head: JSON, data: base64}.
+// Data of a run on the page: {head: JSON, data: base64}.
 struct Part {
   Json head;
   std::string data;
@@ -468,7 +471,7 @@ void require_results(const fs::path& folder) {
 }
 
 Json read_summary(const fs::path& path) {
-  constexpr int kDeepest = 100;  // ours go down 5 levels
+  constexpr int kDeepest = 100;  // Quoin's own have 5 levels
   const Json summary = Json::parse(
       read_input_file(path.string()),
       [](int depth, Json::parse_event_t, Json&) {
@@ -481,7 +484,7 @@ Json read_summary(const fs::path& path) {
   return summary;
 }
 
-// Blocks that some stage holds or drives, by the names that the summary gives them.
+// Blocks that some stage holds or drives, by their names in the summary.
 std::set<std::int32_t> held_blocks(const Json& summary) {
   std::set<std::string> bodies;
   const auto each = [](const Json& of, const char* key, const auto& look) {
@@ -500,7 +503,7 @@ std::set<std::int32_t> held_blocks(const Json& summary) {
   std::set<std::int32_t> held;
   const Json names = summary.value("block_names", Json());
   for (const auto& [number, name] : names.items()) {
-    constexpr double kMost = 1e9;  // blocks
+    constexpr double kMost = 1e9;  // largest number of blocks
     double value = 0.0;
     if (name.is_string() && bodies.contains(name.get<std::string>()) && parse_number(number, value) && value >= 0.0 &&
         value < kMost)
@@ -509,23 +512,23 @@ std::set<std::int32_t> held_blocks(const Json& summary) {
   return held;
 }
 
-// What the page shows of a frame.
+// Data of a frame on the page.
 struct Frame {
   std::vector<float> displacement, stress, rim, points, points_moved;
   std::map<BlockPair, JointSum> sums;
   JointValues joints;
   std::vector<std::uint8_t> crack, point_crack;
-  // Members where they stand: corners of bars and of panels of floors, m; N and N/m of each.
+  // Members in their current places: corners of bars and of panels of floors, m; N and N/m of each.
   std::vector<float> member_line, member_panel, member_force, member_shear;
 };
 
-// The surface of the first frame, and where its joints come to it.
+// The surface of the first frame, with the edges of joints at it.
 struct Start {
-  std::vector<float> places;  // places of the points of the file
+  std::vector<float> places;  // places of the file's points, m
   Surface surface;
   VerticesOfBlocks vertices;
-  std::vector<float> position;     // places of vertices
-  std::vector<std::uint32_t> rim;  // points of joints on the lattice; empty until a frame has some
+  std::vector<float> position;     // places of vertices, m
+  std::vector<std::uint32_t> rim;  // points at edges of joints of the lattice; empty before a frame with any
   std::vector<float> rim_position;
   std::set<std::int32_t> held;  // blocks that some stage holds or drives
   Start(const VtuFile& blocks, std::set<std::int32_t> held_ones)
@@ -536,8 +539,8 @@ struct Start {
         held(std::move(held_ones)) {}
 };
 
-// Joints of blocks of any shape are points, each beside a vertex of its block, with which it moves. Where blocks have
-// come apart, beside one of each.
+// Adds joints of blocks of any shape as points, each of which moves with the closest vertex of its block. Where blocks
+// have parted, each block has one.
 void add_points(const Joints& joints, const Start& start, const std::vector<float>& standing, Frame* frame) {
   for (std::size_t i = 0; i < joints.count(); ++i) {
     if (joints.crack[i] == 0) continue;
@@ -587,7 +590,7 @@ Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
                                                               : points_of(blocks, start->surface, start->position);
   frame.displacement = vectors_at(vertex, blocks.read<float>("displacement_m", VtkRows::point, 3));
   frame.stress = stress_of(blocks, joints_file, vertex, start->held);
-  // Joints of blocks of any shape are given where they stand: beside the vertices of now.
+  // Joints of blocks of any shape are given in their current places, next to current vertices.
   std::vector<float> standing = start->position;
   for (std::size_t i = 0; joints.rim.empty() && i < standing.size(); ++i) standing[i] += frame.displacement[i];
   frame.joints = joint_values(joints, start->vertices, standing);
@@ -604,14 +607,14 @@ Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
   return frame;
 }
 
-// Bytes of "#rrggbb", 0 to 255.
+// Components of "#rrggbb", 0 to 255.
 Json bytes_of(const std::string& colour) {
   Json bytes = Json::array();
   for (const std::size_t place : {1, 3, 5}) bytes.push_back(std::stoi(colour.substr(place, 2), nullptr, 16));
   return bytes;
 }
 
-// Colours of everything on the page, cracks by their numbers.
+// Colours of all elements of the page, cracks by their numbers.
 Json colours() {
   Json cracks = Json::array();
   for (const CrackStyle& style : kCrackStyles) cracks.push_back({{"label", style.label}, {"colour", style.colour}});
@@ -622,22 +625,22 @@ Json colours() {
           {"pens", kPens}};
 }
 
-// Three digits are written: bits beyond them would only make the page larger.
+// Drops bits beyond the three digits that the page shows, which would only enlarge it.
 float shortened(double value) {
   const auto exact = static_cast<float>(value);
   std::uint32_t bits = 0;
   std::memcpy(&bits, &exact, sizeof bits);
-  constexpr std::uint32_t kDropped = 0xfffu;  // bits dropped of 23: the rest is good to 1 in 2048
+  constexpr std::uint32_t kDropped = 0xfffu;  // bits dropped of 23: the rest is exact to 1 in 2048
   bits &= ~kDropped;
   float result = 0.0F;
   std::memcpy(&result, &bits, sizeof bits);
   return result;
 }
 
-// Joints times frames whose forces a page draws: more would make it too large to open.
+// Largest product of joints and frames whose forces a page has: more would make it too large to open.
 constexpr std::size_t kMostForces = 1'500'000;
 
-// Joints of all frames, in one order.
+// Adds the joints of all frames, in one order.
 void add_joints(const std::vector<Frame>& frames, Blob* blob) {
   std::set<BlockPair> pairs;
   for (const Frame& frame : frames) {
@@ -682,7 +685,7 @@ void add_joints(const std::vector<Frame>& frames, Blob* blob) {
   }
 }
 
-// The furthest that a vertex has come, m.
+// Largest displacement of a vertex, m.
 double largest_of(const std::vector<Frame>& frames) {
   float squares = 0.0F;
   for (const Frame& frame : frames) {
@@ -694,7 +697,7 @@ double largest_of(const std::vector<Frame>& frames) {
   return std::sqrt(double{squares});
 }
 
-// The surface, and all frames in few bits. head: arrays and ranges go there.
+// Packs the surface and all frames in few bits, and adds arrays and ranges to *head.
 std::string pack_frames(const Start& start, const std::vector<Frame>& frames, Json* head) {
   Quantised moved, rim_moved, stress, opening, slip, damage{0.0, 1.0};
   for (const Frame& frame : frames) {
@@ -760,7 +763,7 @@ Part part_of(const fs::path& folder, const OnFrame& on_frame) {
   return part;
 }
 
-// JSON that no HTML parser takes for anything else.
+// JSON without sequences that an HTML parser interprets.
 std::string json_in_page(const Json& json) {
   std::string text;
   for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
@@ -772,7 +775,7 @@ std::string json_in_page(const Json& json) {
   return text;
 }
 
-// Files of three.js, and of what turns the model by mouse.
+// Files of three.js and of its mouse control.
 std::vector<fs::path> three_js_files() {
   const char* given = std::getenv("QUOIN_THREE_JS");
   const fs::path folder = given ? given : "/usr/share/javascript/three";
@@ -790,7 +793,7 @@ std::vector<fs::path> three_js_files() {
 std::string three_js() {
   std::string text;
   for (const fs::path& file : three_js_files()) {
-    constexpr std::string_view end = "</script";  // in a string of theirs: it would end ours
+    constexpr std::string_view end = "</script";  // in a string of theirs it would end the page's own script element
     const std::string script = read_input_file(file.string());
     std::size_t from = 0;
     for (std::size_t at = 0; (at = script.find(end, from)) != std::string::npos; from = at + 1)
@@ -806,7 +809,7 @@ void require_report_library() { three_js_files(); }
 
 namespace {
 
-// scripts: of the runs that the page shows, or of where they come from.
+// scripts: elements with the runs of the page, or with their source.
 std::string page_text(const std::string& title, const std::string& scripts) {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\n"
@@ -874,7 +877,7 @@ fs::path write_motion_report(const fs::path& vtu, const std::string& title, cons
   for (const ShownMotion& motion : motions) {
     Frame& frame = frames.emplace_back();
     frame.displacement = vectors_at(start.surface.vertex, file.read<float>(motion.array, VtkRows::point, 3));
-    float largest = 0.0F;  // shapes have no scale
+    float largest = 0.0F;  // shapes of modes have no scale
     for (std::size_t i = 0; i < frame.displacement.size(); i += 3) {
       const auto u = at(frame.displacement, i / 3);
       largest = std::max(largest, std::hypot(u[0], u[1], u[2]));

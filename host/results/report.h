@@ -1,5 +1,5 @@
-// DIR/report.html: one page that opens from the disk without network and shows a run, or two side by side. The model
-// in three dimensions, coloured, over time; the curve; energies; settings, warnings and the known error.
+// DIR/report.html: one page without network access that shows a run, or two side by side. It has the model in three
+// dimensions over time, coloured by results, the curve, energies, settings, warnings and the known error.
 #pragma once
 
 #include <filesystem>
@@ -10,32 +10,32 @@
 
 namespace quoin {
 
-// What the page is drawn with is there. Throws Error(bad_input) as write_report.
+// Throws Error(bad_input), as write_report, when three.js is not installed.
 void require_report_library();
 
-// folders: of finished runs, one or two; the page goes to the first. Its path. Throws Error(bad_input): a folder
-// without results or frames, or three.js is not on this machine ($QUOIN_THREE_JS, or Debian's libjs-three).
-// on_frame: called before each frame of a folder is read, from 1 on, and how many there are.
+// Writes the page of one or two finished runs into the first folder, and returns its path. Throws Error(bad_input) for
+// a folder without results or frames, or without three.js ($QUOIN_THREE_JS, or Debian's libjs-three). on_frame: called
+// before each frame of a folder is read, with its number from 1 and their count.
 using OnFrame = std::function<void(const std::filesystem::path& folder, std::size_t frame, std::size_t frames)>;
 std::filesystem::path write_report(const std::vector<std::filesystem::path>& folders, const OnFrame& on_frame = {});
 
-// A motion that no run has made: an array of a file of virtual_motion.h, and what the page says of it.
+// A motion that is not of a run: an array of a file of virtual_motion.h, and its label.
 struct ShownMotion {
   std::string array, label;
 };
-// report.html beside that file: the shapes, swinging; one_way: from rest and back, as mechanisms do. Its path. Throws
-// as write_report.
+// Writes report.html next to that file, with the shapes in oscillation. one_way: from rest to the shape and back, for
+// mechanisms. Returns its path. Throws as write_report.
 std::filesystem::path write_motion_report(const std::filesystem::path& vtu, const std::string& title,
                                           const std::vector<ShownMotion>& motions, bool one_way);
 
-// A run that goes on, for its page: frames are read once, as they come.
+// A running simulation for its page: each frame is read once, when it appears.
 class GrowingRun {
  public:
   explicit GrowingRun(std::filesystem::path folder);
   ~GrowingRun();
   GrowingRun(const GrowingRun&) = delete;
   GrowingRun& operator=(const GrowingRun&) = delete;
-  // JSON {head, data}, as a page holds it. summary, history: as JSON; times: of the frames in the folder, s.
+  // JSON {head, data}, as in a page. summary, history: JSON; times: of the frames in the folder, s.
   std::string part(const std::string& summary, const std::string& history, const std::vector<double>& times);
 
  private:
@@ -43,7 +43,7 @@ class GrowingRun {
   std::filesystem::path folder_;
   std::unique_ptr<Frames> frames_;
 };
-// A page that requests `state` and `run` beside it, until the server ends. Throws as require_report_library.
+// Text of a page that requests `state` and `run` of its server until that ends. Throws as require_report_library.
 std::string live_page_text(const std::string& title);
 
 }  // namespace quoin

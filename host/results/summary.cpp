@@ -44,8 +44,7 @@ Json laws_of(const Simulation& simulation) {
   return laws;
 }
 
-// direction and end_velocity_m_per_s are of the first component.
-// As pictures show it: of each of so many spans the largest sample.
+// Series for pictures: the largest sample of each of kSpans spans.
 Json thinned(const TimeSeries& series) {
   constexpr std::size_t kSpans = 600;
   Json time = Json::array(), value = Json::array();
@@ -227,7 +226,7 @@ Json of_strips(const members::Members& members) {
   return strips;
 }
 
-// What only blocks of any shape have.
+// Keys of blocks of any shape alone.
 Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   const blocks::Model& m = *simulation.large_motion();
@@ -245,7 +244,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   return json;
 }
 
-// Numbers of blocks of any shape, and of bricks on a ground that moves.
+// Keys of blocks of any shape, and of bricks under ground motion.
 Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   Json json;
   json["largest_displacement_m"] = largest_displacement(rows);
@@ -272,9 +271,9 @@ Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows
   return json;
 }
 
-// Names of blocks that have one, by number.
+// Names of blocks, by number.
 Json block_names(const Simulation& simulation) {
-  constexpr std::size_t kMost = 5000;  // more are no use to a reader, and the file would be names alone
+  constexpr std::size_t kMost = 5000;  // largest number: more would dominate the file
   Json names = Json::object();
   const auto add = [&](const auto& blocks, const auto& name) {
     for (std::size_t i = 0; i < blocks.size() && names.size() < kMost; ++i) {
@@ -317,7 +316,7 @@ Json motion_of(const Simulation& simulation) {
           {"promoted", promoted}};
 }
 
-// Findings of the watch at rows of the history. The other assumptions are under motion and quasi_static.
+// Findings of the checks at rows of the history. The other assumptions are under motion and quasi_static.
 Json watch_json(const Simulation& simulation) {
   const Watch& w = watch_of(simulation);
   const bool balanced = w.energy_moved > 0.0;
@@ -406,7 +405,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
 
 namespace {
 
-// Blocks, beams, zones and contact points.
+// Adds numbers of blocks, beams, zones and contact points.
 void add_counts(const Simulation& simulation, bool law_answers, Json* json) {
   const auto count_beams = [](const auto& blocks) {
     return std::count_if(blocks.begin(), blocks.end(), [](const auto& b) { return b.beam; });

@@ -13,16 +13,16 @@ namespace {
 // Reference positions agree to rounding; a micrometre grid separates gridpoints.
 std::int64_t micrometres(double length) { return std::llround(length * 1e6); }
 
-// A dry joint has no strength to lose: what has come of it is what it does now and how far it has slid.
+// Crack of a dry joint, which has no strength to lose: by its current state and its slip.
 Crack classify_dry(const JointPoint& p, bool slip_known) {
-  constexpr double kVisible = 1e-5;  // m: a hair is 5 times as wide, and what stands still creeps less as it settles
+  constexpr double kVisible = 1e-5;  // m; a hair is 5 times as wide, and creep of joints at rest is less
   if ((p.contact.flags & QUOIN_FLAG_OPEN) != 0 && p.opening > kVisible) return Crack::open;
   const bool slipped = slip_known ? p.slip > kVisible : (p.contact.flags & QUOIN_FLAG_SLIPPING) != 0;
   return slipped ? Crack::slipped : Crack::intact;
 }
 
 Crack classify(const JointPoint& p) {
-  constexpr double kVisible = 0.02;  // less damage than this is no crack that one could see
+  constexpr double kVisible = 0.02;  // damage below this is not visible as a crack
   const double damage = std::max(p.damage_tension, p.damage_shear);
   if (damage < kVisible) return Crack::intact;
   const bool opening = p.opening > p.slip;
@@ -88,7 +88,7 @@ std::vector<std::int32_t> points_by_joint(const Simulation& simulation) {
 }
 
 const std::vector<Surfaces::Quad>& Surfaces::quads(const Simulation& simulation) const {
-  // In large motion contact points come and go: they know their place themselves.
+  // Contact points of large motion have no fixed joints and thus no quads.
   const Model& model = simulation.model();
   if (simulation.large_motion() || of_layout_ == model.layouts()) return quads_;
   of_layout_ = model.layouts();
@@ -126,7 +126,7 @@ JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact
   }
   p.opening = std::max(0.0, contact.jump[0]);
   p.slip = std::isfinite(law.slip) ? law.slip : std::hypot(contact.jump[1], contact.jump[2]);
-  // Where the law has no damage, its flags say whether damage has begun and whether it is complete.
+  // Without damage, the flags of a law show whether damage has begun and whether it is complete.
   const auto damage = [&](std::size_t mode, std::uint32_t begun, std::uint32_t complete) {
     if (std::isfinite(law.damage[mode])) return law.damage[mode];
     return (contact.flags & complete) != 0 ? 1.0 : (contact.flags & begun) != 0 ? 0.5 : 0.0;
@@ -134,7 +134,7 @@ JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact
   p.damage_tension = damage(QUOIN_DAMAGE_TENSION, QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE);
   p.damage_shear = damage(QUOIN_DAMAGE_COHESION, QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE);
   p.closure = std::isfinite(law.closure) ? law.closure : 0.0;
-  // Points of blocks in large motion are placed again: how far they have slid only their law has.
+  // Contact points of large motion are placed again, so that only the law has their slip.
   const bool slip_known = std::isfinite(law.slip) || !simulation.large_motion();
   if (contact.condition == Condition::crushed_out || contact.condition == Condition::crushing)
     p.crack = Crack::crushed;

@@ -19,7 +19,7 @@ void add(std::string& bytes, const Vector& v) {
   for (int c = 0; c < 3; ++c) add(bytes, static_cast<float>(v[c]));
 }
 
-// Cells of all blocks, as VTK has them.
+// Cells of all blocks, in VTK's format.
 struct Cells {
   std::string corners, ends, types, blocks;
   std::int64_t count = 0, corner_count = 0;

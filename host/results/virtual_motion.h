@@ -1,4 +1,4 @@
-// Motions that no run has made, for ParaView: shapes of modes, mechanisms.
+// Motions that are not of a run, for ParaView: shapes of modes, mechanisms.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace quoin {
 
-// Where a block is drawn: its zones, or else its faces.
+// A block's zones, or else its faces, at rest.
 struct StillBlock {
   std::vector<geometry::Vector> point;  // m
   std::vector<std::array<int, 4>> zone;
@@ -23,7 +23,7 @@ struct VirtualMotion {
   std::vector<std::vector<geometry::Vector>> displacement;
 };
 
-// One grid with an array a motion: ParaView's filter Warp By Vector moves it. Throws Error(bad_input).
+// Writes one grid with an array per motion: ParaView's filter Warp By Vector shows it. Throws Error(bad_input).
 void write_motions(const std::filesystem::path& file, const std::vector<StillBlock>& blocks,
                    const std::vector<VirtualMotion>& motions);
 

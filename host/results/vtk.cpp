@@ -31,7 +31,7 @@ constexpr const char* kStressComponents =
 constexpr const char* kTractionComponents =
     " ComponentName0=\"sigma\" ComponentName1=\"tau_s\" ComponentName2=\"tau_t\"";
 
-// Arrays that every grid begins with.
+// First arrays of every grid.
 enum : std::size_t { kPosition, kConnectivity, kOffsets, kTypes, kFirstField };
 
 std::vector<VtkArray> arrays_of_grid() {
@@ -41,8 +41,7 @@ std::vector<VtkArray> arrays_of_grid() {
           {"Cells", "types", kVtkType<std::uint8_t>, 1, VtkRows::cell}};
 }
 
-// The next rows of some arrays of a grid, as bytes. Cells name their corners, and offsets theirs, as if these rows were
-// the first.
+// Rows of the arrays of a grid, as bytes. Cells count corners, and offsets, as if these rows were the first ones.
 class Rows {
  public:
   explicit Rows(std::size_t arrays = 0) : bytes_(arrays) {}
@@ -62,7 +61,7 @@ class Rows {
   std::uint64_t corners() const { return bytes_[kConnectivity].size() / sizeof(std::int64_t); }
   std::size_t arrays() const { return bytes_.size(); }
 
-  // In a file that has so many points and corners before them.
+  // Renumbers corners and offsets for a file with points and corners before these rows.
   void move_behind(std::uint64_t points_before, std::uint64_t corners_before) {
     shift(bytes_[kConnectivity], points_before), shift(bytes_[kOffsets], corners_before);
   }
@@ -115,7 +114,7 @@ std::vector<VtkArray> arrays_of_blocks() {
   return arrays;
 }
 
-// Bricks that are rigid are hexahedra, other rigid blocks their faces, deformable ones their zones.
+// Cells of a block: a hexahedron for a rigid brick, faces of other rigid blocks, zones of deformable ones.
 VtkSizes sizes_of_block(const Simulation& simulation, int block) {
   const BlockSize size = block_size(simulation, block);
   if (size.zones > 0) return {size.gridpoints, size.zones, 4 * size.zones};
@@ -167,7 +166,7 @@ enum JointField : std::size_t {
   kFirstState
 };
 
-// And the laws' own states, whatever they are.
+// Names of state variables of all laws.
 std::vector<std::string> state_ids(const Simulation& simulation) {
   std::set<std::string> ids;
   for (const ContactFamily& f : simulation.model().families) {
@@ -193,11 +192,11 @@ std::vector<VtkArray> arrays_of_joints(const Simulation& simulation, const std::
     add(name, kVtkType<float>);
   for (const char* name : {"family", "condition", "crack"}) add(name, kVtkType<std::int32_t>);
   for (const std::string& id : states) arrays.push_back({"PointData", "state_" + id, kVtkType<float>});
-  if (simulation.large_motion()) add("gap_m", kVtkType<float>, 3);  // the last one
+  if (simulation.large_motion()) add("gap_m", kVtkType<float>, 3);  // must be the last array
   return arrays;
 }
 
-// All but the law's states.
+// Adds a point without the law's state variables.
 void add_point(const Simulation& simulation, const JointPoint& p, Rows& rows) {
   const auto number = [&](std::size_t field, double value) { rows.add(field, static_cast<float>(value)); };
   const auto code = [&](std::size_t field, auto value) { rows.add(field, static_cast<std::int32_t>(value)); };
@@ -216,7 +215,7 @@ void add_point(const Simulation& simulation, const JointPoint& p, Rows& rows) {
   if (simulation.large_motion()) rows.add(rows.arrays() - 1, p.gap);
 }
 
-// Their quads come by themselves; where blocks move freely points stand alone.
+// Adds the points of a range. Quads are added separately, and not in large motion.
 void add_points(const Simulation& simulation, const Surfaces& surfaces, const std::vector<std::string>& states,
                 const PointRange& range, bool own_alone, Rows& rows) {
   const std::vector<JointPoint> points = surfaces.joint_points(simulation, range, own_alone);
@@ -228,7 +227,7 @@ void add_points(const Simulation& simulation, const Surfaces& surfaces, const st
   }
 }
 
-// Points of joints that begin at these blocks, where no contact point is left.
+// Adds points of joints that begin at these blocks, whose blocks have parted.
 void add_parted_points(const Simulation& simulation, const std::vector<std::string>& states, const ResultRun& run,
                        Rows& rows) {
   for (const PartedPoint& p : parted_points(simulation, run.first, run.end)) {
@@ -244,7 +243,7 @@ void add_parted_points(const Simulation& simulation, const std::vector<std::stri
 
 // ---- Members -------------------------------------------------------------------------------------------------------
 
-// Ties and strips as lines, floors as quadrilaterals, where they stand.
+// Writes ties and strips as lines, floors as quadrilaterals, in their current places.
 void write_members(const std::filesystem::path& path, const members::Members& members, bool compressed) {
   std::vector<VtkArray> arrays = arrays_of_grid();
   for (const char* name : {"force_N", "plastic_m", "moment_Nm", "shear_N_per_m", "plastic_shear"})
@@ -287,21 +286,21 @@ const members::Members* members_of(const Simulation& simulation) {
 
 // ---- Files ---------------------------------------------------------------------------------------------------------
 
-constexpr std::array kKinds{"blocks", "joints"};  // whose frames may be in pieces
+constexpr std::array kKinds{"blocks", "joints"};  // kinds of file that may be in pieces
 
 std::string piece_name(const char* kind, size_t frame, int rank) {
   return fmt::format("{}_{:04}_r{}.vtu", kind, frame, rank);
 }
 
-// A file that rows go to, as long as it can be written: other ranks send theirs all the same. Without open() rows are
-// let go.
+// A file to which rows are appended until it fails: other ranks send theirs all the same. Rows of a sink that is not
+// open are dropped.
 class Sink {
  public:
   explicit Sink(Attempt& attempt) : attempt_(attempt) {}
   void open(const std::filesystem::path& path, std::vector<VtkArray> arrays, const VtkSizes& sizes, bool compressed) {
     attempt_([&] { file_.emplace(path, std::move(arrays), sizes, compressed); });
   }
-  // first_point: that its cells count from.
+  // first_point: index in the file of the point that cells count from.
   void take(Rows rows, std::optional<std::uint64_t> first_point = {}) {
     if (!file_) return;
     attempt_([&] {
@@ -327,8 +326,8 @@ using Run = ResultRun;
 struct Target {
   std::filesystem::path path;
   bool compressed = false;
-  bool piece = false;    // what this rank has, and no more
-  bool written = false;  // by this rank; else it only sends what rank 0 writes
+  bool piece = false;    // only the blocks of this rank
+  bool written = false;  // whether this rank writes it; else it only sends rows to rank 0
 };
 
 void write_blocks(const Simulation& simulation, const Target& target, Attempt& attempt) {
@@ -368,7 +367,7 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
     add_points(simulation, surfaces, states, {run.first, run.end}, target.piece, rows);
     return rows;
   };
-  // place: of a contact point in the file.
+  // place: index of a contact point in the file.
   const auto quads_of = [&](std::span<const Surfaces::Quad> some, const auto& place) {
     Rows rows(arrays);
     for (const Surfaces::Quad& quad : some) {
@@ -388,11 +387,11 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
     for (const Run& run : of_blocks) count += is_here(run) ? parted_of(run).points() : 0;
     return count;
   };
-  constexpr std::uint64_t kAbsolute = 0;  // corners of quads are points of the file
+  constexpr std::uint64_t kAbsolute = 0;  // corners of quads are indices of points in the file
   const std::vector<Run> runs = runs_of_points(simulation);
   if (target.piece) {
-    // Points of joints that begin at blocks of this rank, one after the other.
-    LaneVector<std::int32_t> place(static_cast<std::size_t>(simulation.point_count()));  // from 1 on; 0: elsewhere
+    // Points of joints that begin at blocks of this rank, in their order.
+    LaneVector<std::int32_t> place(static_cast<std::size_t>(simulation.point_count()));  // from 1; 0: of another rank
     std::int32_t next = 0;
     each_own_point(simulation, [&](std::int32_t point) { place[static_cast<std::size_t>(point)] = ++next; });
     std::vector<Surfaces::Quad> own;
@@ -439,7 +438,7 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
 
 // ---- Forces --------------------------------------------------------------------------------------------------------
 
-// One point a joint, where its compression has its centre.
+// Writes one point per joint, at the centre of its compression.
 void write_forces(const std::filesystem::path& path, const std::map<BlockPair, JointSum>& sums, bool compressed) {
   std::vector<VtkArray> arrays = arrays_of_grid();
   using Value = std::array<double, 3> JointSum::*;
@@ -483,7 +482,7 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
     for (const VtkArray& array : arrays) bytes += static_cast<double>(array.bytes(sizes));
   };
   add(arrays_of_blocks(), of_blocks);
-  // With ranks as if other points had as many quads as those that are here.
+  // With ranks, the number of quads per point is that of this rank's points.
   const auto points = static_cast<std::uint64_t>(simulation.point_count());
   VtkSizes of_joints{points, points, points};
   if (!simulation.large_motion()) {

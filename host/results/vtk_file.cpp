@@ -14,9 +14,9 @@ namespace quoin {
 namespace {
 
 constexpr std::array kSections{"Points", "Cells", "PointData", "CellData"};
-constexpr std::uint64_t kBlock = 1 << 18;  // bytes that are compressed together
+constexpr std::uint64_t kBlock = 1 << 18;  // bytes compressed together
 
-// As the value of an attribute. Bytes that XML or UTF-8 cannot hold become "?".
+// Text as the value of an attribute. Bytes that XML or UTF-8 cannot hold become "?".
 std::string xml_text(std::string text) {
   for (char& c : text) {
     const auto code = static_cast<unsigned char>(c);
@@ -25,7 +25,7 @@ std::string xml_text(std::string text) {
   return escaped(text);
 }
 
-// The attributes that all elements about it have.
+// Attributes of an array that all its elements have.
 std::string attributes_of(const VtkArray& array) {
   return fmt::format("type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"", array.type, xml_text(array.name),
                      array.components);
@@ -83,7 +83,7 @@ void VtkFile::append(std::size_t array, const std::string& bytes) {
   place_[array] += bytes.size();
 }
 
-// Blocks of one size; rest: and what is left.
+// Compresses full blocks; rest: also what remains.
 void VtkFile::pack(std::size_t array, bool rest) {
   std::string &values = open_[array], &packed = packed_[array];
   std::size_t done = 0;
@@ -102,7 +102,7 @@ void VtkFile::pack(std::size_t array, bool rest) {
 
 void VtkFile::finish() {
   if (compressed_) {
-    // Before the blocks their number, their size, the rest, and what each is packed to.
+    // Head of the compressed blocks: their number, their size, the size of the last one, and each compressed size.
     std::uint64_t end = 0;
     std::vector<std::string> heads;
     for (std::size_t i = 0; i < arrays_.size(); ++i) {

@@ -1,4 +1,4 @@
-// Everything that a run warns of: what its stages found out, and what is seen at its end.
+// All warnings of a run: of its stages, and of its final state.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace quoin {
 
-// In the order of their times; each assumption once (Warning::about; quasi_static, too).
+// Warnings in the order of their times, each assumption once (Warning::about; quasi_static, too).
 std::vector<Warning> warnings_of(const Simulation& simulation, const QuasiStatic& check, const CrushedOut& crushed_out);
 
-// The gnuplot command that writes in a picture which assumptions the run has left; empty: none.
+// gnuplot command for a label that lists the assumptions that the run violates; empty: none.
 std::string warning_label(const std::vector<Warning>& warnings);
 
 }  // namespace quoin

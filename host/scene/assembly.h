@@ -1,4 +1,4 @@
-// An assembly: blocks and the joints between them, before discretisation into hot data. Cold, made by generators.
+// An assembly: blocks and the joints between them, as generators make them, before their discretisation (host/model).
 #pragma once
 
 #include <array>
@@ -18,11 +18,11 @@ struct Brick {
   int parity = 0;    // hexahedron (i, j, k) has 5-tetrahedron pattern (i + j + k + parity) % 2
   int material = 0;  // index into Assembly::materials
   bool rigid = false;
-  bool beam = false;                    // a rigid body beside the masonry
-  std::optional<double> load_height{};  // y of the point where loads act on a rigid one, its centre of mass too, m
-  bool fixed = false;                   // a support that was given as a fixed block: pictures show what stands on it
-  std::string body;  // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. What
-                     // is deformable can be loaded and its displacement followed, but not be held
+  bool beam = false;                    // a rigid beam or lintel, which is not masonry
+  std::optional<double> load_height{};  // rigid: y of its centre of mass, where loads act too; none: the middle, m
+  bool fixed = false;                   // a support that follows the ground: from a fixed block, or the base of a wall
+  std::string body;  // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. A
+                     // deformable brick of this name can be loaded and monitored, but not held
   int unit = -1;     // masonry unit this block belongs to (pictures), -1: none
   int course = -1;
 };
@@ -38,14 +38,14 @@ struct Joint {
   int family;  // index into Assembly::families
 };
 
-inline constexpr int kNoFamily = -1;  // family of blocks without contact, which pass through each other
+inline constexpr int kNoFamily = -1;  // family of pairs without contact, which pass through each other
 
 struct Assembly {
   std::vector<BlockMaterial> materials;
   std::vector<JointFamily> families;
   std::vector<Brick> bricks;
   std::vector<Joint> joints;
-  std::vector<std::array<int, 2>> apart{};  // neighbours that touch and have no joint, as their mortar is missing
+  std::vector<std::array<int, 2>> apart{};  // pairs of blocks that touch without a joint, as their mortar is missing
   double symmetry_factor = 1.0;    // 2 when only half of the thickness is modelled: forces are multiplied by it
   bool symmetry_plane_z0 = false;  // u_z = 0 for gridpoints at z = 0
 };

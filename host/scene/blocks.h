@@ -1,4 +1,5 @@
-// Blocks of any convex shape and what acts on them: cold input of the general model. SI units (m, kg, s, Pa).
+// Blocks of any convex shape with their materials and joint families: input of the general model. SI units (m, kg, s,
+// Pa).
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@ using geometry::Matrix;
 using geometry::Quaternion;
 using geometry::Vector;
 
-// Without extent, and firmly on a block, within it or not.
+// A mass without extent, rigidly attached to a block, within it or not.
 struct PointMass {
   Vector at;    // place at the start, m
   double mass;  // kg
@@ -34,33 +35,33 @@ struct Block {
   std::array<int, 3> divisions{0, 0,
                                0};  // deformable bricks: hexahedra of 5 zones along each axis, instead of zone_edge
   int parity = 0;                   // parity of divisions: hexahedron (i, j, k) has pattern (i + j + k + parity) % 2
-  std::shared_ptr<const geometry::Zoning> zoning;  // deformable: zones made elsewhere, of the shape; null: none
+  std::shared_ptr<const geometry::Zoning> zoning;  // deformable: zones of a mesh file, in place of own ones; null: none
   bool fixed = false;          // held in all six degrees of freedom (prescribe() may drive it later)
   int unit = -1, course = -1;  // place in the masonry, for pictures
-  bool beam = false;           // rigid, beside the masonry of a wall or building
-  double spread_mass = 0.0;    // kg, besides that of its volume and spread as that is
+  bool beam = false;           // a rigid beam or lintel, which is not masonry
+  double spread_mass = 0.0;    // kg, additional to that of its volume, with the same distribution
   std::vector<PointMass> masses;
 };
 
-// Where two blocks meet for the first time: what the joint family may depend on.
+// A new contact of two blocks, on which the choice of its joint family may depend.
 struct Meeting {
   int block_a, block_b;
   Vector normal;  // direction from a to b
 };
 
 struct ContactSettings {
-  double skin = 0.0;  // m; pairs closer than this are watched; 0: 5 % of the smallest block's least extent
+  double skin = 0.0;  // m; largest gap of pairs that the broad phase keeps; 0: 5 % of the smallest block's least extent
   double joint_tolerance =
       0.0;  // m; parallel faces closer than this at the start are a joint; 0: 1e-4 of the least extent
   double point_spacing =
       0.0;  // m; contact points inside a joint of rigid blocks no further apart; 0: as the family has it
-  // Contact geometry is frozen until two neighbours have moved against each other by more than this fraction of the
-  // smaller one's least extent. From then on contacts are detected again whenever a pair has moved by that much again.
-  // 0: large displacement at once.
+  // Relative motion of two neighbours up to which contact geometry is frozen, over the smaller one's least extent.
+  // Beyond it, contacts are detected again whenever the pair has moved by as much again. 0: large displacement from the
+  // start.
   double small_displacement = 0.005;
-  // A joint of the start keeps its contact points, which move with their blocks. They end when these have moved against
-  // each other by this fraction of the smaller one's least extent. Points that are placed again inherit their history
-  // from their nearest neighbours; that serves friction and blurs cracks. 0: as other contacts.
+  // Relative motion at which a joint of the start is detected again, over the smaller block's least extent. Up to it,
+  // its contact points move with their blocks. New points then inherit the state of their nearest predecessors. That
+  // serves friction and blurs cracks. 0: as other contacts.
   double joint_motion = 0.0;
 };
 
@@ -75,11 +76,11 @@ struct Assembly {
   std::vector<std::string> notes;  // notes of the reader: how shapes differ from those of mesh files
   bool symmetry_plane_z0 = false;  // what touches z = 0 at the start stays there: u_z = 0, no rotation out of it
 
-  // Adds a block of its own shape; its index.
+  // Adds a block with its shape. Returns its index.
   int add(geometry::ConvexPolyhedron shape, Block block);
 };
 
-// "#3 'lintel'", as messages call a block.
+// "#3 'lintel'", the name of a block in messages.
 std::string label(const Assembly& assembly, int block);
 
 }  // namespace quoin::blocks

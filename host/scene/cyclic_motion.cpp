@@ -45,7 +45,7 @@ int CyclicMotion::half_cycle(double time) const {
 double CyclicMotion::position(double time, double initial_velocity) const {
   const HalfCycle& h = way_[static_cast<std::size_t>(half_cycle(time))];
   const double since = time - h.start, left = h.duration - since;
-  // Towards both ends from the end that is closer, so that each is met to the last bit.
+  // Measured from the closer end, so that both ends are exact to the last bit.
   const double place = left <= 0.0     ? h.to
                        : since <= left ? h.from + h.velocity * smooth_way(since, ramp_time_)
                                        : h.to - h.velocity * smooth_way(left, ramp_time_);

@@ -7,29 +7,29 @@
 
 namespace quoin {
 
-// As a scene gives them. SI units.
+// Cycles as a scene gives them. SI units.
 struct Cycles {
   std::vector<double> amplitudes;  // m, > 0
   std::vector<int> counts;         // cycles of each amplitude
   double velocity = 0.0;           // m/s, not 0; < 0: the first half cycle goes to -amplitude
   double ramp_time = 0.0;          // s, > 0; of every half cycle, at its start and at its end
-  // Fraction of the largest force of a half cycle before, towards the same side. A half cycle of at least that one's
-  // amplitude whose largest force is less ends the stage when the motion turns round.
+  // Fraction of the largest force of an earlier half cycle to the same side. A half cycle of at least that amplitude
+  // with a smaller largest force ends the stage when the motion reverses.
   std::optional<double> stop_at_force_loss;
 };
 std::string text_of(const Cycles& cycles);  // "2 cycles of 1 mm, 3 of 2 mm"
 
-// Every half cycle starts and ends at rest and is never faster than |velocity|. If it is too short for the ramps it
-// reaches less: its way over ramp_time.
+// Motion whose half cycles start and end at rest and are never faster than |velocity|. A half cycle that is too short
+// for its ramps is slower: it takes two of them.
 class CyclicMotion {
  public:
   explicit CyclicMotion(const Cycles& cycles);
 
   double duration() const { return way_.back().start + way_.back().duration; }  // s
-  // m, at any time in s since the start. What still moves when the cycles begin comes back to its place in the first
-  // ramp, so that it reaches the same amplitudes.
+  // Displacement at `time` since the start, s; in m. An initial velocity, m/s, dies out in the first ramp without a
+  // displacement that remains. So the amplitudes are the same with it.
   double position(double time, double initial_velocity = 0.0) const;
-  // From 0; the last one goes back to 0.
+  // Index of the half cycle at `time`, from 0; the last one returns to 0.
   int half_cycle(double time) const;
   int half_cycles() const { return static_cast<int>(way_.size()); }
   double target(int half_cycle) const { return way_[static_cast<std::size_t>(half_cycle)].to; }  // m, where it ends
@@ -44,23 +44,23 @@ class CyclicMotion {
   double ramp_time_;
 };
 
-// Watches the forces of half cycles for a loss. Trivially copyable: part of a checkpoint.
+// Detects loss of force from half cycle to half cycle. Trivially copyable: part of a checkpoint.
 class ForceLoss {
  public:
-  // force in N, > 0 against a motion towards the positive side. half_cycle: of now, with its target in m. True when
-  // the half cycle that has just ended lost force.
+  // Adds a force in N, > 0 against a motion towards the positive side. half_cycle: the current one, with its target in
+  // m. Returns true when the half cycle that has just ended lost force.
   bool see(double force, int half_cycle, double target, double allowed_fraction);
 
-  // Numbers of the half cycle that ended last.
+  // Index of the half cycle that ended last.
   int half_cycle() const { return ended_; }
-  double force() const { return of_ended_; }     // largest force of the half cycle, N
+  double force() const { return of_ended_; }     // its largest force, N
   double largest() const { return reference_; }  // force that it was compared with, N
 
  private:
   int now_ = 0, ended_ = -1;
   double target_ = 0.0, of_now_ = 0.0, of_ended_ = 0.0, reference_ = 0.0;
   struct Side {
-    double force, amplitude;  // N, m; of the half cycle with the largest force so far
+    double force, amplitude;  // N, m; of the half cycle with the largest force
   };
   Side sides_[2] = {};
 };

@@ -39,13 +39,13 @@ const Key kKeys[] = {
      "maxwell_band_Hz"},
 };
 
-// gamma: of the stage. In text and terms.
+// One kind of damping. gamma, of eq. 1, is that of the stage.
 struct Kind {
   std::string name;
   std::vector<std::string> keys;
-  std::string (*text)(const Settings&, double gamma);  // behind the name
+  std::string (*text)(const Settings&, double gamma);  // what follows the name in messages
   Damping (*terms)(const Settings&, double gamma);
-  void (*check)(Table&, const Settings&) = nullptr;  // of keys together
+  void (*check)(Table&, const Settings&) = nullptr;  // checks keys against each other
 };
 
 std::string impact_text(const Settings& s, double) {
@@ -59,7 +59,7 @@ void check_impact(Table& t, const Settings& s) {
   if (t.has("implicit_contacts") && s.implicit_contacts && s.maxwell_damping > 0.0)
     t.refuse("implicit_contacts", "false with maxwell_damping, or that without this");
   if (!t.has("maxwell_band")) return;
-  constexpr double kNarrowest = 10.0, kWidest = 100.0;  // where three elements keep the ratio flat
+  constexpr double kNarrowest = 10.0, kWidest = 100.0;  // limits between which three elements keep the ratio flat
   const double width = s.maxwell_band[1] / s.maxwell_band[0];
   if (!(width >= kNarrowest && width <= kWidest))
     t.refuse("maxwell_band",
@@ -110,7 +110,7 @@ double gamma_of(const Settings& s, bool settling) {
   return settling ? s.settling_damping.value_or(s.local_damping) : s.local_damping;
 }
 
-// Whether the scene asks for something by this key.
+// Reads one key. Returns whether it requests damping.
 bool read_key(Table& t, const Key& key, Settings& s) {
   if (const auto* number = std::get_if<double Settings::*>(&key.member))
     return t.number(key.name, s.**number, key.range, key.unit);

@@ -49,7 +49,6 @@ std::string ground_damping_warning(const Scene& scene, std::size_t stage) {
       scene.stages[stage].name, damping, kDampingForMotion);
 }
 
-// What rounding leaves of a record that ends at rest counts as 0.
 double landing_restitution(double damping_ratio) {
   const double z = damping_ratio;
   if (z <= 0.0) return 1.0;
@@ -62,7 +61,7 @@ double landing_restitution(double damping_ratio) {
 }
 
 double end_velocity(const GroundMotion::Component& component) {
-  constexpr double kRounding = 1e-12;  // m/s
+  constexpr double kRounding = 1e-12;  // m/s; velocity that rounding leaves of a record that ends at rest: counts as 0
   const double end = component.velocity.at(component.acceleration, component.acceleration.time.back());
   return std::abs(end) < kRounding ? 0.0 : end;
 }

@@ -31,7 +31,7 @@ void add_bricks(const quoin::Assembly& bricks, Assembly* assembly) {
     block.unit = brick.unit, block.course = brick.course, block.beam = brick.beam;
     if (!brick.rigid) {
       block.divisions = brick.zones;
-      block.parity = 1 - brick.parity % 2;  // the lattice's pattern 0 is the other one here
+      block.parity = 1 - brick.parity % 2;  // pattern 0 of the lattice is pattern 1 of blocks of any shape
     }
     const auto [shape, is_new] = shape_of_size.try_emplace(brick.size, static_cast<int>(assembly->shapes.size()));
     if (is_new) assembly->shapes.push_back(geometry::box({}, geometry::vector(brick.size)));

@@ -1,4 +1,4 @@
-// Walls and buildings of bricks as blocks of any shape.
+// Walls and buildings of bricks, converted to blocks of any shape.
 #pragma once
 
 #include <map>
@@ -9,8 +9,8 @@
 
 namespace quoin::blocks {
 
-// The joint families that bricks have as blocks: those of their joints. Pairs that the assembly does not join are of
-// the family of its first bed joint.
+// Joint family of a pair of bricks: that of their joint. A pair without a joint has the family of the assembly's first
+// bed joint.
 class FamilyOfBricks {
  public:
   explicit FamilyOfBricks(const quoin::Assembly& bricks);
@@ -21,16 +21,16 @@ class FamilyOfBricks {
   int others_ = 0;
 };
 
-// Adds bricks as blocks in their order, with the same zones: gridpoints and contact points are where the lattice has
-// them. Rigid bricks carry the names of their bodies.
+// Adds bricks as blocks in their order and with the same zones, so that gridpoints and contact points coincide with
+// those of the lattice. Rigid bricks have the names of their bodies.
 void add_bricks(const quoin::Assembly& bricks, Assembly* assembly);
 
-// A wall or building alone, with its materials, families and joints, for large motion. What meets later is without
-// bond.
+// Converts a wall or building alone, with its materials, families and joints, for large motion. New contacts are
+// without bond.
 Assembly from_bricks(const quoin::Assembly& bricks);
 
-// ContactSettings::joint_motion of bricks: below the size of a zone, so that points still face the triangles they
-// belong to.
+// ContactSettings::joint_motion of bricks: less than the size of a zone, so that contact points stay on their
+// triangles.
 inline constexpr double kJointMotion = 0.05;
 
 }  // namespace quoin::blocks

@@ -21,7 +21,7 @@ int index_of(const Map& map, const std::string& name) {
   return static_cast<int>(std::distance(map.begin(), map.find(name)));
 }
 
-// The wall as a grid of half units: which block fills each cell, -1 in openings.
+// The wall as a grid of half units: the unit in each cell, -1 in openings.
 class WallGrid {
  public:
   explicit WallGrid(const WallSpec& wall)
@@ -36,7 +36,7 @@ class WallGrid {
   int unit(int course, int column) const { return unit_[at(course, column)]; }
   int& block(int course, int column) { return block_[at(course, column)]; }
   bool solid(int course, int column) const { return unit(course, column) >= 0 && !missing(course, column); }
-  // What the scene says of the unit; null: nothing.
+  // Change of a unit by the scene; null: none.
   const WallSpec::Changed* changed(int course, int column) const {
     for (const WallSpec::Changed& c : wall_.changed)
       if (c.course == course && unit(c.course, c.half_unit) == unit(course, column)) return &c;
@@ -53,7 +53,7 @@ class WallGrid {
     return static_cast<size_t>(course) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
   }
 
-  // Units as they are laid; a unit cut by an opening or a lintel keeps the half that is left.
+  // Numbers the units. A unit cut by an opening or a lintel keeps its half that is left.
   void number_units() {
     int next = 0;
     for (int course = 0; course < wall_.courses; ++course) {
@@ -75,7 +75,7 @@ class WallGrid {
   std::vector<int> unit_, block_;
 };
 
-// Joints that have no mortar in the sample of the scene.
+// Removes joints that have no mortar in the random sample of the scene.
 void leave_mortar_out(Assembly* assembly) {
   const auto placed = [&](int block) {
     const Brick& brick = assembly->bricks[static_cast<std::size_t>(block)];
@@ -115,11 +115,11 @@ double bed_area(const Scene& scene) {
 
 namespace {
 
-// That is modelled, m.
+// Modelled thickness, m.
 double thickness_of(const WallSpec& wall) { return wall.half_thickness ? wall.unit[2] / 2 : wall.unit[2]; }
 
-// Over the whole wall the hexahedra form one grid. Patterns of 5 tetrahedra alternate in it like a chessboard, so that
-// their diagonals coincide at every joint, for odd numbers of layers too.
+// Adds the units. Over the whole wall the hexahedra form one grid, in which patterns of 5 tetrahedra alternate like the
+// fields of a chessboard. So their diagonals coincide at every joint, for odd numbers of layers too.
 void add_units(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials, WallGrid& grid,
                Assembly& assembly) {
   const double half = wall.unit[0] / 2, height = wall.unit[1], thickness = thickness_of(wall);
@@ -130,7 +130,7 @@ void add_units(const WallSpec& wall, const std::map<std::string, BlockMaterial>&
       if (!grid.solid(course, column)) continue;
       const bool same_unit = column > 0 && grid.unit(course, column - 1) == grid.unit(course, column);
       const auto* const lintel = grid.lintel(course, column);
-      if (same_unit && (lintel || !wall.mid_unit_joints)) {  // more of a whole unit or a lintel: lengthen its block
+      if (same_unit && (lintel || !wall.mid_unit_joints)) {  // lengthen the block of the unit or lintel
         const int block = grid.block(course, column - 1);
         grid.block(course, column) = block;
         Brick& brick = assembly.bricks[static_cast<size_t>(block)];
@@ -159,7 +159,7 @@ void add_units(const WallSpec& wall, const std::map<std::string, BlockMaterial>&
   }
 }
 
-// Returns its block. first, end: columns.
+// Adds the beam over columns `first` to `end` (exclusive). Returns its block.
 int add_beam(const WallSpec& wall, const std::string& name, int first, int end, double y, Assembly& assembly) {
   const double half = wall.unit[0] / 2;
   Brick beam;
@@ -195,7 +195,7 @@ Beams add_beams(const WallSpec& wall, const WallGrid& grid, Assembly& assembly) 
   return beams;
 }
 
-// Within a course (head joints, and unit joints in the middle of a unit), then beds from the bottom up.
+// Adds joints within each course (head joints, and unit joints in the middle of a unit), then beds from the bottom up.
 void add_joints(const WallSpec& wall, const std::map<std::string, JointFamily>& joints, const Beams& beams,
                 WallGrid& grid, Assembly& assembly) {
   for (int course = 0; course < wall.courses; ++course) {

@@ -1,4 +1,4 @@
-// Generators: what a scene describes in a few numbers, block by block and joint by joint.
+// Generators: from the few numbers of a scene to blocks and joints.
 #pragma once
 
 #include <map>
@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-// The order of blocks: courses from the bottom, each from the left; then the rigid beams.
+// Blocks in the order of courses from the bottom, each from the left; then the rigid beams.
 Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
                        const std::map<std::string, JointFamily>& joints);
 
@@ -21,9 +21,9 @@ Assembly assemble(const Scene& scene);
 
 // Gross area of a bed joint, m2, over the whole thickness.
 double bed_area(const WallSpec& wall);
-// The same of all walls of a building and their corners.
+// Gross area of the bed joint of all walls and corners of a building, m2.
 double bed_area(const BuildingSpec& building);
-// The same of a scene that is a wall or building alone; 0 of any other.
+// Gross area of the bed joint of a scene that is a wall or building alone, m2; 0 for other scenes.
 double bed_area(const Scene& scene);
 
 }  // namespace quoin

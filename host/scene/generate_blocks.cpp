@@ -23,7 +23,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-// How the blocks of a mesh differ from what its file has.
+// Adds notes on blocks of a mesh that differ from their objects in the file.
 void note_mesh(const BlockSpec& spec, const std::vector<NamedShape>& shapes, Assembly& assembly) {
   std::string warped, plates;
   double worst = 0.0;
@@ -44,7 +44,7 @@ void note_mesh(const BlockSpec& spec, const std::vector<NamedShape>& shapes, Ass
         fmt::format("{}: supports drawn as a flat face, now fixed plates behind it: {}", spec.mesh, plates));
 }
 
-// Every block of a mesh file: `like` the table says, with a name and a support of its own.
+// Adds every block of a mesh file: a copy of `like`, which the table describes, with its own name and fixity.
 void add_mesh(const BlockSpec& spec, Block like, Assembly& assembly) {
   const auto name_of = [&](const std::string& own) {
     return printable(spec.name.empty() ? own : spec.name + "/" + own);
@@ -111,7 +111,7 @@ void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly
   }
 }
 
-// One course of a dry wall: where units are cut, and where none lie. Places along the wall, m.
+// One course of a dry wall: its cuts between units, and its gaps. Places are along the wall, m.
 class Course {
  public:
   Course(const DryWallSpec& w, int index) : w_(w), length_(w.unit[0]), tiny_(1e-9 * w.unit[0]) {
@@ -122,7 +122,7 @@ class Course {
     cut(index * w.unit[1]);
   }
 
-  // Pieces go from each of them to the next.
+  // Ends of the pieces of the course.
   std::vector<double> ends() const {
     std::vector<double> kept;
     for (double x : cuts_) {
@@ -144,7 +144,7 @@ class Course {
 
   bool is_gap(double x) const { return is_in(gaps_, x); }
   bool is_lintel(double x) const { return is_in(lintels_, x); }
-  // Middle of the whole unit that the piece is cut from; the end of the piece when both sides would not be worth a
+  // Middle of the whole unit that the piece is cut from. The end of the piece when either part would be too small for a
   // block.
   double middle_of_unit(double from, double to) const {
     const double unit = std::floor((0.5 * (from + to)) / length_ + shift_), x = (unit - shift_ + 0.5) * length_;
@@ -175,7 +175,7 @@ class Course {
     std::sort(cuts_.begin(), cuts_.end());
   }
 
-  // An end of the course, of a gap or of a lintel.
+  // Whether x is an end of the course, of a gap or of a lintel.
   bool needed(double x) const {
     const auto here = [&](double place) { return std::abs(x - place) < tiny_; };
     const auto ends_here = [&](const auto& part) { return here(part.first) || here(part.second); };
@@ -185,12 +185,12 @@ class Course {
 
   const DryWallSpec& w_;
   double length_, tiny_;
-  double start_ = 0.0, end_ = 0.0, shift_ = 0.0;  // shift: of a unit
+  double start_ = 0.0, end_ = 0.0, shift_ = 0.0;  // shift: offset of the bond, in units
   std::vector<double> cuts_;
   Parts gaps_, lintels_;
 };
 
-// Courses of units; pieces where they meet openings and trimmed ends. Pieces shorter than a tenth of a unit join their
+// Adds courses of units, cut at openings and trimmed ends. Pieces shorter than a tenth of a unit are merged with their
 // neighbour. next_unit: number of the next masonry unit.
 void add_wall(const DryWallSpec& w, int material, int* next_unit, Assembly& assembly) {
   const double length = w.unit[0], height = w.unit[1], thickness = w.unit[2];
@@ -247,8 +247,8 @@ void add_arch(const ArchSpec& a, int material, Assembly& assembly) {
   }
 }
 
-// Zones of boxes that stand in one grid alternate like the squares of a chessboard, from the lowest of all corners on.
-// The diagonals of faces that meet then coincide, whatever the number of zones.
+// Alternates zones of boxes on one grid like the fields of a chessboard, from the lowest corner of all on. So the
+// diagonals of faces in contact coincide, whatever the number of zones.
 void match_diagonals(int first_block, Assembly& assembly) {
   std::map<int, Brick> boxes;
   Vector lowest{1e300, 1e300, 1e300};
@@ -267,7 +267,7 @@ void match_diagonals(int first_block, Assembly& assembly) {
   }
 }
 
-// The scene's wall or building, as blocks beside others: every one has a name, and the lower beam is fixed.
+// Adds the scene's wall or building as blocks beside others. Every one has a name, and the lower beam is fixed.
 void add_bricks_of(const Scene& scene, const quoin::Assembly& bricks, Assembly* assembly) {
   if (bricks.symmetry_plane_z0)
     throw Error(Exit::bad_input, scene.file +
@@ -283,7 +283,8 @@ void add_bricks_of(const Scene& scene, const quoin::Assembly& bricks, Assembly* 
   assembly->materials = bricks.materials;
 }
 
-// The family of two blocks that meet: by the wall's joints inside the wall, otherwise by the first rule that fits.
+// Returns the function that chooses the family of two blocks in contact. Inside the wall it is that of the wall's
+// joints, otherwise that of the first rule that fits.
 std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembly& assembly,
                                                const quoin::Assembly* bricks) {
   std::map<std::string, int> family{{"none", kNoFamily}};

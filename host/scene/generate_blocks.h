@@ -1,4 +1,4 @@
-// Generators of the general path: from a scene to blocks.
+// Generators of scenes of blocks of any shape.
 #pragma once
 
 #include "scene/blocks.h"
@@ -6,11 +6,11 @@
 
 namespace quoin::blocks {
 
-// Throws Error(bad_input) for shapes that are not convex blocks, with the place in the scene file.
+// Blocks of a scene. Throws Error(bad_input), with the place in the scene file, for shapes that are not convex.
 Assembly assemble(const Scene& scene);
 
-// Indices of the blocks of that name: one, unless names are shared. Error(bad_input) with a suggestion when there is
-// none.
+// Indices of the blocks with a name: one, unless names are shared. Throws Error(bad_input) with a suggestion when there
+// is none.
 std::vector<int> find_blocks(const Assembly& assembly, const std::string& name, const std::string& where);
 
 }  // namespace quoin::blocks

@@ -20,7 +20,7 @@ int index_of(const Map& map, const std::string& name) {
   return static_cast<int>(std::distance(map.begin(), map.find(name)));
 }
 
-// Coordinates as numbers that can be compared: to a micrometre.
+// Coordinate in whole micrometres, as a key of sets and maps.
 long micrometres(double x) { return std::lround(x * 1e6); }
 
 using Wall = BuildingSpec::Wall;
@@ -32,13 +32,13 @@ struct Builder {
   Assembly& assembly;
   int material, head, unit_family, bed, beam_family;
   int next_unit = 0;
-  // By course: blocks of each wall's columns, and of the corners; -1 in openings.
+  // Blocks by course, of each wall's columns and of the corners; -1 in openings.
   std::vector<std::vector<std::vector<int>>> column_block;  // [wall][course][column]
   std::vector<std::vector<int>> corner_block;               // [corner][course]
 
   double length(const Wall& wall) const { return wall.half_units * wall.half_unit; }
 
-  // Which end of the wall stands at the corner: -1 its start, +1 its end, 0 neither.
+  // End of the wall at the corner: -1 its start, +1 its end, 0 neither.
   int end_at(const Wall& wall, const Corner& corner) const {
     const size_t along = wall.axis == 0 ? 0 : 1, across = 1 - along;
     if (micrometres(wall.start[across]) != micrometres(corner.at[across])) return 0;
@@ -47,7 +47,7 @@ struct Builder {
     return 0;
   }
 
-  // The wall to whose unit the corner belongs in this course.
+  // Index of the wall whose unit includes the corner in this course.
   int owner(const Corner& corner, int course) const { return course % 2 == 0 ? corner.first : corner.second; }
 
   int add(const Vec3& origin, const Vec3& size, const std::array<int, 3>& zones, int unit, int course) {
@@ -69,7 +69,7 @@ struct Builder {
       const bool x = wall.axis == 0;
       for (int course = 0; course < spec.courses; ++course) {
         auto& row = blocks.emplace_back(static_cast<size_t>(wall.half_units), -1);
-        // A corner that belongs to this wall takes the first half unit as its second half.
+        // The unit at the end of this wall consists of the corner and the half unit beside it.
         bool corner_at_start = false, corner_here = false;
         for (const Corner& corner : spec.corners) {
           if ((corner.first != static_cast<int>(w) && corner.second != static_cast<int>(w)) ||
@@ -130,8 +130,9 @@ struct Builder {
     return lintel_at(w.openings, course, end_at(w, corner) < 0 ? 0 : w.half_units - 1) != nullptr;
   }
 
-  // Taken over the whole building the hexahedra form one grid; colouring it like a chessboard makes the diagonals of
-  // facing 5-tetrahedron patterns coincide. A hexahedron's place is the rank of its coordinates among all there are.
+  // Sets the patterns of 5 tetrahedra. Over the whole building the hexahedra form one grid. Patterns alternate in it
+  // like the fields of a chessboard, so that diagonals coincide at every joint. A hexahedron's place is the rank of its
+  // coordinates among all.
   void colour() {
     std::array<std::set<long>, 3> planes;
     for (const Brick& b : assembly.bricks) {
@@ -166,7 +167,7 @@ struct Builder {
         brick.body = names[i];
         if (!floor.rigid) continue;
         brick.rigid = brick.beam = true;
-        brick.unit = next_unit++;  // bedded in mortar beside what is left of the unit, not grown together with it
+        brick.unit = next_unit++;  // a unit of its own: it lies in mortar beside the rest of the masonry unit
       }
     }
   }
@@ -215,7 +216,8 @@ struct Builder {
         }
       }
     }
-    // Beds from the bottom up: columns stand on each other; a lintel lies on and under several, each pair once.
+    // Beds from the bottom up: columns stand on each other. A lintel may lie on or under several columns; each pair has
+    // one joint.
     std::set<std::pair<int, int>> done;
     auto bed_of = [&](const auto& block_at) {
       for (int course = 0; course < spec.courses; ++course) {

@@ -31,7 +31,7 @@ std::string inline_toml(const toml::node& node) {
     return text;
   }
   std::ostringstream out;
-  out << toml::toml_formatter(node, toml::format_flags::allow_literal_strings);  // no text of several lines
+  out << toml::toml_formatter(node, toml::format_flags::allow_literal_strings);  // no literals of several lines
   return out.str();
 }
 

@@ -1,5 +1,5 @@
-// TOML on one line, read back to the same node. The formatter of toml++ breaks lines by a width that it computes as no
-// number for values between -0.1 and 0.1.
+// TOML on one line that parses to the same node. The formatter of toml++ breaks lines by an estimated width, which is
+// not a number for values between -0.1 and 0.1.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace quoin {
 
-// A node as the right side of key = ...; tables inline.
+// Text of a node for the right side of "key = ". Tables are inline.
 std::string inline_toml(const toml::node& node);
-// A document: a line for each key.
+// Text of a document: a line for each key.
 std::string toml_lines(const toml::table& table);
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// Which stages bricks on the lattice do not have.
+// Stages in which bricks cannot stay on the lattice.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// What a run leaves the lattice for when this stage begins, in the words of messages; empty: nothing.
+// Reason for which a run leaves the lattice at the begin of a stage, as messages have it; empty: none.
 std::string leaves_lattice(const Scene& scene, std::size_t stage);
 
 }  // namespace quoin

@@ -15,7 +15,7 @@ using geometry::Vector;
 
 constexpr double kNever = 1e300;
 
-// Way along a ray, m, to where it enters a block; 0 from inside, kNever where it misses it.
+// Distance along a ray to its entry into a block, m; 0 from inside, kNever where the ray misses it.
 double way_to(const Assembly& assembly, const Block& block, const Vector& from, const Vector& direction) {
   const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
   const geometry::Matrix turned = matrix(block.orientation);

@@ -1,4 +1,4 @@
-// Where loads that come from outside meet blocks.
+// Places where external loads act on blocks.
 #pragma once
 
 #include <vector>
@@ -10,11 +10,12 @@ namespace quoin::blocks {
 
 struct LoadPlace {
   int block = -1;
-  geometry::Vector position, at;  // places on the line of the load, and on the block at the start, m
+  geometry::Vector position, at;  // position on the line of the load, and place on the block, at the start, m
 };
 
-// By position: the first face that the line of action of the force meets from there on, or the block that has the
-// position. Throws Error(bad_input) with places for a position from which it meets none.
+// Place for each position of the load: on the first face on the force's line of action, or in the block that contains
+// the position. Throws Error(bad_input), with the place in the scene, for a position without a block on its line of
+// action.
 std::vector<LoadPlace> places_of(const MovingLoad& load, const Assembly& assembly, const std::string& where);
 
 }  // namespace quoin::blocks

@@ -30,7 +30,7 @@ constexpr Range kInUnits[] = {{"normal_stiffness", 120e9, 1000e9},
                               {"fracture_energy_shear", 125, 550},
                               {"fracture_energy_compression", 19e3, 21e3}};
 
-// Empty within. The ends of ranges are values of scenes, read from the same digits or from products of them.
+// Empty within the range, else its text. Ends have a tolerance, as values of scenes may be rounded products.
 std::string outside(const Range& range, double value, const std::string& where) {
   if (value >= range.low * (1 - 1e-9) && value <= range.high * (1 + 1e-9)) return {};
   return fmt::format("{}{} = {:g}, measured from {:g} to {:g}", where, range.key, value, range.low, range.high);

@@ -1,5 +1,5 @@
-// Ranges of a scene's keys on which the errors of the qualities were measured. They are those of the walls of
-// benchmarks/error_against_cost (host/scenes/README.md lists them). Outside nothing is known of them.
+// Ranges of a scene's keys for which the errors of the qualities were measured. They are those of the walls of
+// benchmarks/error_against_cost, listed in host/scenes/README.md. Outside of them errors are not measured.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// The first way in which a scene leaves what was measured, with key, value and range; empty when it stays within.
+// First key outside of its measured range, with value and range; empty when all are within.
 std::string outside_measured(const Scene& scene);
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// Which cells of a wall of half units its openings and lintels take.
+// Cells of a wall of half units that are in openings and lintels.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ inline bool in_opening(const std::vector<WallSpec::Opening>& openings, int cours
                      [&](const WallSpec::Opening& o) { return o.covers(course, half_unit); });
 }
 
-// The opening whose lintel lies there, or null.
+// Opening whose lintel covers the cell, or null.
 inline const WallSpec::Opening* lintel_at(const std::vector<WallSpec::Opening>& openings, int course, int half_unit) {
   const auto found = std::find_if(openings.begin(), openings.end(),
                                   [&](const WallSpec::Opening& o) { return o.lintel_covers(course, half_unit); });

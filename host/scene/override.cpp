@@ -1,4 +1,4 @@
-// What --set lays over the tables of a scene.
+// Settings of --set, applied to the tables of a scene.
 #include <sstream>
 
 #include "base/toml_text.h"
@@ -8,7 +8,7 @@ namespace quoin::reader {
 
 namespace {
 
-// What an element of a list answers to: its name; a stage without one has that of its kind, others that of their list.
+// Name of an element of a list: its `name`. A stage without one has that of its kind, others that of their list.
 std::string called(const toml::node& element, const std::string& list) {
   const toml::table* table = element.as_table();
   if (!table) return "";
@@ -82,7 +82,7 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
       if (parsed.size() != 1) throw Error(Exit::bad_input, "");
       parsed.get("value")->visit([&](auto& v) { table->insert_or_assign(keys[i], std::move(v)); });
     } catch (const std::exception&) {
-      table->insert_or_assign(keys[i], value);  // not TOML: a plain word
+      table->insert_or_assign(keys[i], value);  // not TOML: a text without quotes
     }
     context.overridden.insert(resolved);
   }

@@ -5,11 +5,11 @@
 namespace quoin {
 namespace {
 
-// Damping by block, and inertia that slows what vibrates inside units: time steps of a unit on its joints, five times
-// those of zones. Little damping, because local damping multiplies the inertia of what speeds up by 1/(1 - gamma). A
-// wall whose cracks run late takes another path after its drops (benchmarks/README.md). And a step at which no motion
-// has a period of 4 steps or less. Eq. 1 would drive such motion in what drifts, as the units of a rocking pier do.
-// With damping ratio d at omega_max the step is 0.86 (sqrt(1 + d^2) - d) = 0.705 of 2/omega_max, below 1/sqrt(2).
+// Damping by block, and added inertia against vibrations inside units. So time steps are those of a unit on its joints,
+// five times those of zones. Damping is low, because local damping multiplies the inertia of accelerating motion by
+// 1/(1 - gamma). A wall with delayed cracks follows another path after its drops (benchmarks/README.md). No motion has
+// a period of 4 steps or less. Eq. 1 would amplify such motion in drifting blocks, as the units of a rocking pier. With
+// damping ratio d at omega_max the step is 0.86 (sqrt(1 + d^2) - d) = 0.705 of 2/omega_max, below 1/sqrt(2).
 SolverSettings by_block() {
   SolverSettings s;
   s.damping = DampingKind::block;
@@ -22,7 +22,7 @@ SolverSettings by_block() {
   return s;
 }
 
-// The paper's way: eq. 1 everywhere, true inertia, small steps.
+// Settings of the paper: eq. 1 everywhere, true inertia, small steps.
 SolverSettings as_printed() {
   SolverSettings s;
   s.time_step_fraction = 0.4;

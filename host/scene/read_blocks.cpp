@@ -14,7 +14,7 @@ namespace {
 
 const Range kLength = above_to(0, kPlace.upper), kTurn = between(-360, 360);
 
-// A list of lists of vertex numbers; `which` says of what and in which order.
+// Reads a list of lists of vertex numbers. `which`: their meaning and order, for messages.
 std::vector<std::vector<int>> read_corners(Table& t, const std::string& key, size_t vertex_count, const char* which) {
   std::vector<std::vector<int>> faces;
   const std::string allowed =
@@ -53,7 +53,7 @@ void read_kind(Table& t, const Scene& scene, std::string& material, bool& rigid,
   if (t.number("zone_edge", zone_edge, kLength, "m") && rigid) t.refuse("zone_edge", "only with rigid = false");
 }
 
-// fixed: true, or which blocks of a mesh.
+// Reads `fixed`: true, false, or names of blocks of a mesh.
 void read_fixed(Table& t, BlockSpec& b) {
   const std::string allowed = "true or false, or of a mesh a list of names of blocks";
   const toml::node* node = t.find("fixed", allowed, false);

@@ -1,4 +1,4 @@
-// The part of a scene file that describes a building (BuildingSpec); used by read_scene.cpp alone.
+// Tables of a building (BuildingSpec) and of its stages.
 #pragma once
 
 #include "scene/reader.h"
@@ -6,14 +6,14 @@
 namespace quoin {
 
 BuildingSpec read_building(reader::Table& t, const Scene& scene);
-// Stages of a building. weight: dead load and floors, to equilibrium; push: the floors' whiffletree.
+// Keys of stages of a building. weight: dead load and floors, to equilibrium; push: the floors' whiffletree.
 void read_weight(reader::Table& t, Stage& stage, const BuildingSpec& building);
 void read_push(reader::Table& t, Stage& stage, const BuildingSpec& building);
-// The floors' whiffletree, and what else such a stage controls; its motion is the caller's to set.
+// Reads the floors' whiffletree and adds the controls of such a stage. The caller sets its motion.
 void read_whiffletree(reader::Table& t, Stage& stage, const BuildingSpec& building);
-// The bottom beam held, every floor beam free under its share of the load.
+// Adds controls: the bottom beam is held, every floor beam is free under its share of the load.
 void add_floor_controls(Stage& stage, const BuildingSpec& building);
-// Every floor beam under its share of the load, as far as the stage leaves it free to go down.
+// Adds loads: every floor beam has its share of the load, where the stage leaves it free to move down.
 void add_floor_loads(Stage& stage, const BuildingSpec& building);
 
 }  // namespace quoin

@@ -24,7 +24,7 @@ void read_counts(Table& t, Cycles& cycles) {
     t.refuse("cycles", fmt::format("integers, 1 to {}", kMostCycles));
     return;
   }
-  if (cycles.amplitudes.empty()) return;  // at fault themselves
+  if (cycles.amplitudes.empty()) return;  // the faults of the amplitudes are reported already
   if (counts.size() != cycles.amplitudes.size())
     t.refuse("cycles", fmt::format("an integer for all amplitudes, or one for each of the {}; the list has {}",
                                    cycles.amplitudes.size(), counts.size()));
@@ -58,7 +58,7 @@ void read_cycles(Table& t, Stage& stage, const char* velocity) {
                "stop_at_force_loss");
   }
   cycles.ramp_time = stage.ramp_time;
-  stage.duration = 1.0;  // any value for faulty cycles, which are never run
+  stage.duration = 1.0;  // a placeholder: faulty cycles are never run
   if (reached && moves) {
     stage.duration = CyclicMotion(cycles).duration();
     if (!std::isfinite(*stage.duration)) t.refuse(velocity, "one that reaches the amplitudes in finite time");

@@ -25,7 +25,7 @@ Vec3 along(std::size_t axis) {
   return direction;
 }
 
-// A record of a file, in m/s2; nothing when there is none, which is a fault.
+// Reads a record of a file, in m/s2. Nothing, with a fault, when the file has none.
 std::optional<GroundRecord> record_of(Table& t, const std::string& key, const std::string& file,
                                       const std::string& folder, GroundMotion& ground) {
   t.context().inputs.push_back(file.starts_with('/') ? file : folder + file);
@@ -39,8 +39,8 @@ std::optional<GroundRecord> record_of(Table& t, const std::string& key, const st
   }
 }
 
-// Displacements as the accelerations of the spline through them that begins and ends at rest. Between samples these are
-// straight, so that the samples are met exactly.
+// Accelerations of the spline through displacements that begins and ends at rest. They are linear between samples, so
+// that the displacement is exact at each sample.
 TimeSeries accelerations_of_spline(const TimeSeries& displacement) {
   const std::vector<double>&t = displacement.time, &u = displacement.value;
   const std::size_t n = t.size();
@@ -86,7 +86,7 @@ TimeSeries read_pairs(Table& t) {
   return moved ? accelerations_of_spline(s) : s;
 }
 
-// The component of a record that a key names, or its only one.
+// Adds the component of a record that a key names, or its only one.
 void add_component(Table& t, const std::string& key, const GroundRecord& record, const std::string& name,
                    const Vec3& direction, GroundMotion& ground) {
   std::vector<std::string> names;
@@ -103,7 +103,7 @@ void add_component(Table& t, const std::string& key, const GroundRecord& record,
        {}});
 }
 
-// file = "...", with direction and perhaps column, or with columns of it along x, y, z.
+// Reads file = "...", with direction and perhaps column, or with columns along x, y, z.
 void read_file(Table& t, const std::string& folder, bool directed, const Vec3& direction, GroundMotion& ground) {
   std::string file, column;
   t.text("file", file, "a record: PEER, ESM, or CSV of time and components");
@@ -119,7 +119,7 @@ void read_file(Table& t, const std::string& folder, bool directed, const Vec3& d
   }
   if (!record) return;
   if (directed) return add_component(t, "file", *record, column, direction, ground);
-  // Columns that are called so go along these axes.
+  // Columns of these names are along these axes.
   for (std::size_t c = 0; c < 3 && !any; ++c) {
     const auto named = [&](const RecordComponent& of_record) { return of_record.name == kAxes[c]; };
     if (std::any_of(record->components.begin(), record->components.end(), named)) columns[c] = kAxes[c];
@@ -131,7 +131,7 @@ void read_file(Table& t, const std::string& folder, bool directed, const Vec3& d
     t.refuse("file", "with `direction`, or with the names of its columns along `x`, `y`, `z`");
 }
 
-// x = "...", y = "...", z = "...": a file each.
+// Reads x = "...", y = "...", z = "...": a file each.
 void read_files(Table& t, const std::string& folder, GroundMotion& ground) {
   for (std::size_t c = 0; c < 3; ++c) {
     std::string file;
@@ -141,7 +141,7 @@ void read_files(Table& t, const std::string& folder, GroundMotion& ground) {
   }
 }
 
-// pulse = { shape, ... }: in closed form.
+// Reads pulse = { shape, ... }: a pulse in closed form.
 TimeSeries read_pulse(Table t) {
   constexpr double kSamples = 200;  // samples of a period
   std::string shape = "sine";
@@ -163,7 +163,7 @@ TimeSeries read_pulse(Table t) {
   return mavroeidis_pulse(amplitude, 1.0 / period, gamma, phase * std::numbers::pi / 180.0, step);
 }
 
-// synthetic = { seed, number, ... }: follows a spectrum of EN 1998-1.
+// Reads synthetic = { seed, number, ... }: a record that matches a spectrum of EN 1998-1.
 TimeSeries read_synthetic(Table t, GroundMotion& ground) {
   SyntheticSettings settings;
   DesignSpectrum target;
@@ -183,7 +183,7 @@ TimeSeries read_synthetic(Table t, GroundMotion& ground) {
   return acceleration_of(made.record, 0);
 }
 
-// The part from `start` to `until`, which begins with the stage.
+// Part of a record from `start` to `until`; its time begins at 0.
 TimeSeries part_of(const TimeSeries& series, double start, double until) {
   TimeSeries part;
   const auto add = [&](double time, double value) { part.time.push_back(time - start), part.value.push_back(value); };
@@ -227,11 +227,11 @@ void correct(Table& t, GroundMotion& ground) {
   ground.notes.push_back("baseline corrected: " + kind);
 }
 
-// pga, pgv or sa of the component that has most of it; `scale` comes on top.
+// Scales to the pga, pgv or sa of the largest component, then by `scale`.
 void scale(Table& t, bool states_unit, GroundMotion& ground) {
   double factor = 1.0;
   t.number("scale", factor, kAny, "(on the record)");
-  // Files that state their unit are read in it: who converts g once more has ten times the earthquake.
+  // Files with a unit are converted by it: a factor of g on top of that gives ten times the earthquake.
   constexpr double kSame = 0.003;
   if (states_unit && std::abs(factor / kStandardGravity - 1.0) < kSame)
     t.refuse("scale", fmt::format("another factor: the file states its unit and is read in m/s2, so that {:g} would "
@@ -269,7 +269,7 @@ void scale(Table& t, bool states_unit, GroundMotion& ground) {
   }
 }
 
-// What the record leaves of velocity goes within rest_time, under a triangle of acceleration.
+// Appends a triangle of acceleration over rest_time that cancels the velocity at the end of the record.
 void come_to_rest(Table& t, GroundMotion& ground) {
   std::string after = "goes_on";
   double duration = 0.5;
@@ -317,7 +317,7 @@ void read_direction(Table& t, const std::string& key, Vec3& direction, const cha
 
 namespace {
 
-// What one group of supports follows, or the ground.
+// Reads the motion of the ground or of one group of supports.
 void read_motion(Table& t, const std::string& folder, GroundMotion& ground) {
   Vec3 direction{};
   const bool by_axes = !t.has("direction") && (t.has("x") || t.has("y") || t.has("z"));
@@ -335,7 +335,7 @@ void read_motion(Table& t, const std::string& folder, GroundMotion& ground) {
   } else if (TimeSeries given = read_pairs(t); !given.time.empty()) {
     ground.components.push_back({direction, std::move(given), {}});
   }
-  // Until here notes are what files leave to assumptions.
+  // So far notes are assumptions about the files alone.
   const bool of_file = t.has("file") || by_axes, states_unit = of_file && ground.notes.empty();
   try {
     correct(t, ground);
@@ -347,7 +347,7 @@ void read_motion(Table& t, const std::string& folder, GroundMotion& ground) {
   }
 }
 
-// Blocks that have a motion of their own. factor: of the whole ground motion.
+// Reads a group of blocks with a motion of its own. factor: scale of the whole ground motion.
 GroundMotion read_support(Table& t, const std::string& folder, double factor) {
   GroundMotion support{};
   t.texts("blocks", support.blocks, "a list of names of fixed blocks", true);

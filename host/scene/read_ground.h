@@ -1,4 +1,4 @@
-// Ground motion of a stage: records, how they are scaled and corrected.
+// Ground motion of a stage: its records, their scale and correction.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace quoin {
 
-// folder: where files named by the scene are sought, with its slash.
+// folder: that of files named by the scene, with its slash.
 GroundMotion read_ground(reader::Table t, const std::string& folder);
 
-// A vector that has a direction.
+// Reads a vector that is not 0.
 void read_direction(reader::Table& t, const std::string& key, Vec3& direction, const char* what, bool required);
 
 }  // namespace quoin

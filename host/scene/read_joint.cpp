@@ -15,7 +15,7 @@ BlockMaterial read_material(const std::string& name, Table& t, bool rigid) {
   return m;
 }
 
-// Everything but the host's own keys is a property of the law, which alone can judge it.
+// Every key that is not the host's own is a property of the law. The law alone checks its value.
 JointFamily read_joint(const std::string& name, Table& t) {
   JointFamily family;
   family.name = name;
@@ -31,7 +31,7 @@ JointFamily read_joint(const std::string& name, Table& t) {
     t.accept(p.id);
     p.source = {t.where(p.id)};
     const char* allowed = "a number (not nan), a list of numbers, a word, or a distribution";
-    // What is allowed is for the law to say; not a number is allowed nowhere.
+    // Allowed values depend on the law; nan is never allowed.
     const auto add = [&](const toml::node& number) {
       const std::optional<double> value = number_of(number);
       if (!value)

@@ -35,7 +35,7 @@ std::vector<AddedMass> masses_of_floors(const BuildingSpec& building) {
 
 namespace {
 
-// How far a point is outside of a block, m; < 0: inside.
+// Distance of a point from a block, m; < 0: inside.
 double outside_by(const blocks::Assembly& assembly, const blocks::Block& block, const Vector& point) {
   const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
   const Vector own = transposed_times(matrix(block.orientation), point - block.position);

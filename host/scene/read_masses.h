@@ -1,4 +1,4 @@
-// Mass that blocks have besides that of their volume.
+// Mass of blocks in addition to that of their volume.
 #pragma once
 
 #include "scene/blocks.h"
@@ -8,11 +8,11 @@ namespace quoin {
 
 std::vector<AddedMass> read_masses(reader::Table& scene);
 
-// Those of floors, shared by their beams.
+// Masses of floors, distributed over their beams.
 std::vector<AddedMass> masses_of_floors(const BuildingSpec& building);
 
-// Gives the masses of the scene to blocks. Error(bad_input): names that no block has, points outside of blocks that
-// deform, points for several blocks.
+// Adds the masses of the scene to its blocks. Throws Error(bad_input) for names without a block, points outside of
+// deformable blocks, and points of several blocks.
 void add_masses(const Scene& scene, blocks::Assembly* assembly);
 
 }  // namespace quoin

@@ -28,7 +28,7 @@ void read_end(Table& t, const std::string& key, MemberEnd& end) {
   t.within(key, "a table { block = NAME, point = [x, y, z] }", read, true);
 }
 
-// Names go into columns of files.
+// Reads a name, which becomes part of columns of files.
 void read_name(Table& t, const std::string& fallback, std::set<std::string>& taken, std::string& name) {
   constexpr const char* allowed = "letters, digits, '_' and '-'";
   name = fallback;
@@ -117,7 +117,7 @@ void read_floor(Table& t, FloorSpec& floor) {
   const geometry::Vector a = geometry::vector(floor.along), b = geometry::vector(floor.across);
   if (std::abs(dot(a, b)) > kSquare * norm(a) * norm(b)) t.refuse("across", "a vector square to along");
   t.number("spacing", floor.spacing, kPositive, "m", true);
-  constexpr double kMostNodes = 200;  // most nodes of an edge: a floor of more costs as much as its walls
+  constexpr double kMostNodes = 200;  // most nodes of an edge: a floor with more costs as much as its walls
   const double longest = std::max(norm(a), norm(b));
   if (floor.spacing > 0.0 && longest > kMostNodes * floor.spacing)
     t.refuse("spacing",
@@ -179,7 +179,7 @@ void read_dowel(Table& t, DowelSpec& dowel) {
   t.number("yield_shear", dowel.yield_shear, kPositive, "N, across it", true);
 }
 
-// Coefficients after Rankine and Jaky, unless they are given.
+// Reads the coefficients of horizontal pressure. Defaults are those of Rankine and Jaky.
 void read_pressure(Table& t, FillSpec& fill) {
   if (!t.number("friction_angle", fill.friction_angle, between(0.0, 89.0), "deg", true)) return;
   const double sine = std::sin(fill.friction_angle * std::numbers::pi / 180.0);
@@ -207,7 +207,7 @@ void read_fill(Table& t, FillSpec& fill) {
   t.integer("divisions", fill.divisions, 1, 50);
 }
 
-// Members of a kind, whose names are their own. read(table, member).
+// Reads the members of one kind, each with a unique name, by read(table, member).
 template <class Spec, class Read>
 void read_kind(Table& scene, const char* kind, std::vector<Spec>& members, const Read& read) {
   std::set<std::string> taken;

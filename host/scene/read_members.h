@@ -1,4 +1,4 @@
-// Members of a scene: ties, springs to the ground.
+// Members of a scene: ties, springs, strips, floors, beams, dowels and fills.
 #pragma once
 
 #include "scene/members.h"
@@ -6,7 +6,7 @@
 
 namespace quoin {
 
-// Null: the scene has none.
+// Members; null: the scene has none.
 std::shared_ptr<const MemberSpecs> read_members(reader::Table& t, const Scene& scene);
 
 }  // namespace quoin

@@ -1,4 +1,5 @@
-// What a run follows beside its first monitor: [[monitor]] of a scene. Of the results alone, so no part of Scene.
+// Monitors of a run, [[monitor]] of a scene, in addition to those of its stages. They serve results alone, so that
+// Scene does not have them.
 #pragma once
 
 #include <optional>
@@ -12,14 +13,14 @@ namespace quoin {
 
 struct Monitor {
   std::string name;           // name of its columns
-  std::string block;          // a block, or a body or floor of several
-  std::optional<Vec3> point;  // m: the corner or gridpoint that is closest to it at the start; else the mean of all
-  std::string below;          // another monitor, from which its drift counts; empty: none
+  std::string block;          // name of a block, of a body, or of a floor
+  std::optional<Vec3> point;  // m; nearest corner or gridpoint at the start; none: mean of all
+  std::string below;          // monitor against which its drift is measured; empty: none
   Source source;
 };
 
 std::vector<Monitor> read_monitors(reader::Table& scene);
-// Monitors in the text of a scene that has been read, and in the changes laid over it.
+// Monitors in the text of a scene, with its overrides.
 std::vector<Monitor> monitors_of(const std::string& text, const std::string& path,
                                  const std::vector<std::string>& overrides);
 

@@ -10,8 +10,8 @@ namespace {
 
 using Opening = WallSpec::Opening;
 
-constexpr int kManyHalfUnits = 20000, kManyCourses = 10000;  // where the wall's own are not known
-constexpr double kBearingTolerance = 1e-3;  // share of a half unit: bearings are written with few digits
+constexpr int kManyHalfUnits = 20000, kManyCourses = 10000;  // limits where those of the wall are at fault
+constexpr double kBearingTolerance = 1e-3;                   // over a half unit: bearings are written with few digits
 
 void read_bearing(Table& o, Opening& opening, const Lattice& lattice,
                   const std::map<std::string, BlockMaterial>& materials) {
@@ -36,7 +36,7 @@ void read_bearing(Table& o, Opening& opening, const Lattice& lattice,
   if (bearing == 0.0) o.refuse("lintel_material", "only with a lintel; give bearing > 0 too, or remove it");
 }
 
-// Faults of the lintel of opening i among all.
+// Adds faults of the lintel of opening i.
 void check_lintel(Table& o, const std::vector<Opening>& openings, std::size_t i, const Lattice& lattice) {
   const Opening& opening = openings[i];
   const int course = opening.lintel_course(), first = opening.lintel_first();
@@ -95,7 +95,7 @@ std::vector<Opening> read_openings(Table& wall, const Lattice& lattice,
   bool placed = lattice.half_units > 0 && lattice.courses > 0 && lattice.half_unit > 0.0;
   wall.each("opening", [&](Table& o) {
     Opening& opening = openings.emplace_back();
-    // Both keys are read before either is judged, so that one report has the faults of both.
+    // Both keys are read before the check, so that one report has the faults of both.
     const bool has_column = o.integer("first_half_unit", opening.first_half_unit, 0, half_units - 1, true);
     const bool has_course = o.integer("first_course", opening.first_course, 0, courses - 1, true);
     if (has_column && has_course) {

@@ -9,17 +9,17 @@
 
 namespace quoin {
 
-// The wall that they are in; 0: not known, as its own keys are at fault.
+// Size of the wall of the openings; 0: its own keys are at fault.
 struct Lattice {
   int half_units = 0, courses = 0;
   double half_unit = 0.0;  // m
 };
 
-// All tables `opening` of a wall; what does not fit becomes faults of the context.
+// Reads all tables `opening` of a wall. Openings that do not fit are faults of the context.
 std::vector<WallSpec::Opening> read_openings(reader::Table& wall, const Lattice& lattice,
                                              const std::map<std::string, BlockMaterial>& materials);
 
-// All tables `changed` of a wall: units that are missing or of another material.
+// Reads all tables `changed` of a wall: units that are missing or of another material.
 std::vector<WallSpec::Changed> read_changed(reader::Table& wall, const Lattice& lattice,
                                             const std::vector<WallSpec::Opening>& openings,
                                             const std::map<std::string, BlockMaterial>& materials);

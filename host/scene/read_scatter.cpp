@@ -127,7 +127,7 @@ void read_correlation(Table& t, JointFamily& family) {
 }
 
 RandomSample read_random(Table& t) {
-  constexpr long kMost = 1L << 53;  // whole as a double
+  constexpr long kMost = 1L << 53;  // largest integer that a double has exactly
   RandomSample random;
   t.integer("seed", random.seed, 0, kMost);
   t.integer("sample", random.sample, 0, kMost);

@@ -1,16 +1,16 @@
-// Properties of joint families that scatter, and the sample that a scene stands for.
+// Properties of joint families with a random distribution, and the number of the scene's random sample.
 #pragma once
 
 #include "scene/reader.h"
 
 namespace quoin::reader {
 
-// The keys of a distribution; faults go to the context.
+// Reads the keys of a distribution; faults go to the context.
 random::Distribution read_distribution(Table& t);
-// { distribution = "lognormal", mean = 0.2e6, cov = 0.3, level = "joint" } as the value of a property.
+// Reads { distribution = "lognormal", mean = 0.2e6, cov = 0.3, level = "joint" } as the value of a property.
 Scatter read_scatter(Table t);
-// correlation = [["tensile_strength", "cohesion", 0.8]], of properties that scatter and have been read.
+// Reads correlation = [["tensile_strength", "cohesion", 0.8]]. The properties must have been read, with a distribution.
 void read_correlation(Table& t, JointFamily& family);
-RandomSample read_random(Table& t);  // [random]
+RandomSample read_random(Table& t);  // reads [random]
 
 }  // namespace quoin::reader

@@ -47,7 +47,7 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
 
 namespace {
 
-// Names under the keys material, unit_material and lintel_material of a table and what it holds, as deep as scenes go.
+// Adds the names under the keys material, unit_material and lintel_material of a table and of all tables in it.
 void add_materials(const toml::node& node, std::set<std::string>& names, int depth = 0) {
   constexpr int kDeepest = 6;
   if (depth > kDeepest) return;
@@ -63,7 +63,7 @@ void add_materials(const toml::node& node, std::set<std::string>& names, int dep
   }
 }
 
-// Materials of deformable blocks: rigid ones need no stiffness.
+// Materials of deformable blocks. Materials of rigid blocks alone need no stiffness.
 std::set<std::string> zoned_materials(const toml::table& root) {
   std::set<std::string> names;
   if (const toml::node* building = root.get("building")) add_materials(*building, names);
@@ -79,7 +79,7 @@ std::set<std::string> zoned_materials(const toml::table& root) {
   return names;
 }
 
-// After the scene's blocks and its wall.
+// Reads [contact], after the scene's blocks and its wall.
 void read_contact_table(Table& c, Scene* scene) {
   if (bool cubic = false; c.boolean("cubic_points", cubic)) scene->cubic_points = cubic;
   if (scene->cubic_points && !scene->blocks && !(scene->wall && scene->wall->rigid_units))
@@ -87,7 +87,7 @@ void read_contact_table(Table& c, Scene* scene) {
   if (scene->blocks) read_contact(c, scene->solver, &scene->blocks->contact);
 }
 
-// Returns the quality that the table names, or the given one; null: none, of blocks.
+// Returns the quality named in the table, or the given one; null: none, for blocks of any shape.
 const Quality* read_solver_table(Table solver, const Quality* quality, bool of_blocks, Scene* scene) {
   if (!of_blocks || solver.has("quality")) {
     std::vector<std::string> names;
@@ -96,7 +96,7 @@ const Quality* read_solver_table(Table solver, const Quality* quality, bool of_b
     solver.choice("quality", name, names);
     quality = &quality_named(name);
   }
-  // What a run does past the bound of small displacements changes no number before it.
+  // Settings for motion beyond the bound of small displacements do not change results before it.
   const toml::table& keys = solver.toml();
   scene->quality_as_is = std::all_of(keys.begin(), keys.end(), [](const auto& entry) {
     const std::string_view key = entry.first.str();
@@ -104,7 +104,7 @@ const Quality* read_solver_table(Table solver, const Quality* quality, bool of_b
            key == "sliding_bound";
   });
   scene->solver = read_solver(std::move(solver), quality);
-  // Its errors were measured with small displacements.
+  // The errors of the quality were measured with small displacements.
   if (scene->solver.large_motion == LargeMotion::always) scene->quality_as_is = false;
   return quality;
 }
@@ -123,7 +123,7 @@ void read_output(Table& o, bool of_blocks, OutputSettings* output) {
   if (of_blocks) o.text("monitor", output->monitor, "the name of a block");
 }
 
-// Each table [kind.NAME], with its name.
+// Visits each table [kind.NAME], with its name.
 template <class Read>
 void each_named(Table& t, const char* kind, const Read& read) {
   t.within(
@@ -146,7 +146,7 @@ void read_settings(Table& t, bool of_blocks, Scene* scene) {
     t.context().solver = table;
     quality = read_solver_table({t.context(), *table, "solver"}, quality, of_blocks, scene);
   }
-  if (of_blocks) scene->quality_as_is = false;  // its errors were measured on walls
+  if (of_blocks) scene->quality_as_is = false;  // its errors were measured for walls
   if (quality) scene->quality = quality->name;
 }
 
@@ -160,10 +160,10 @@ void read_materials_and_joints(Table& t, Scene* scene) {
   for (auto& [name, family] : scene->joints) family.random = scene->random;
 }
 
-// A building, a wall, or blocks of any shape.
+// Reads a building, a wall, or blocks of any shape.
 void read_masonry(Table& t, bool of_blocks, const std::string& folder, Scene* scene) {
   t.within("building", "a table [building]", [&](Table& b) { scene->building = read_building(b, *scene); });
-  if (scene->building) scene->quality_as_is = false;  // its errors were measured on walls
+  if (scene->building) scene->quality_as_is = false;  // its errors were measured for walls
   if (of_blocks) scene->blocks = read_blocks(t, *scene, folder);
   t.within(
       "wall", "a table [wall]", [&](Table& w) { scene->wall = read_wall(w, *scene); },
@@ -174,7 +174,7 @@ void read_masonry(Table& t, bool of_blocks, const std::string& folder, Scene* sc
   if (scene->wall && scene->building) t.refuse("wall", "one of [wall] and [building]; remove the other");
 }
 
-// What masonry has at the start: masses, members, damage, the state of another run.
+// Reads the initial state of masonry: masses, members, damage, end state of another run.
 void read_start(Table& t, const std::string& folder, Scene* scene) {
   scene->masses = read_masses(t);
   if (scene->building) {

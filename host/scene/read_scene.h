@@ -12,7 +12,7 @@
 
 namespace quoin {
 
-// Every fault of a scene, one a line, in the order of its lines. scene: what could be read all the same.
+// All faults of a scene, one a line, in the order of its lines. scene: all that could be read.
 class SceneFaults : public Error {
  public:
   SceneFaults(const std::string& faults, Scene read)
@@ -20,11 +20,11 @@ class SceneFaults : public Error {
   std::shared_ptr<const Scene> scene;
 };
 
-// overrides: "dotted.key=value", laid over the file before anything is checked. The value is TOML (1e5, true, [1, 2])
-// and a plain word otherwise. An element of a list is named by its number from 1, or by its `name`: stage.2.velocity,
+// overrides: "dotted.key=value", which replace values of the file before any check. The value is TOML (1e5, true, [1,
+// 2]), or a text without quotes. An element of a list has its number from 1, or its `name`: stage.2.velocity,
 // stage.shear.velocity. Throws SceneFaults.
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides = {});
-// The same of a text in place of what the file holds; other files are sought beside PATH all the same.
+// Reads a scene from a text. Other files are searched relative to the folder of `path`.
 Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides = {});
 
 }  // namespace quoin

@@ -1,4 +1,4 @@
-// The solver's table, of the whole scene and of stages.
+// The solver tables of the scene and of its stages.
 #include <algorithm>
 #include <initializer_list>
 #include <map>
@@ -34,7 +34,7 @@ void read_kernels(Table& t, SolverSettings* s) {
     t.refuse("kernels", "\"automatic\" or \"general\" with large_motion = \"always\", which the lattice does not have");
 }
 
-// What a stage may change: damping and the fraction of the time step.
+// Reads what a stage may change: damping and the fraction of the time step.
 void read_damping_and_fraction(Table& t, SolverSettings& s) {
   read_damping(t, s);
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
@@ -66,7 +66,8 @@ SolverSettings read_solver(Table t, const Quality* quality) {
   const DampingKind usual = quality ? quality->solver.damping : s.damping;
   s.damping = usual;
   read_damping_kind(t, s);
-  // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
+  // The errors of a quality hold for all its settings together. With another damping or mass scaling, defaults are
+  // plain ones.
   if (quality && s.damping == usual && !t.has("selective_time_step")) s = quality->solver;
   read_damping_and_fraction(t, s);
   read_inertia(t, s);
@@ -118,8 +119,8 @@ SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool 
 
 namespace {
 
-// What a stage that moves the ground has for what it does not say: damping of impacts, true inertia. What [solver]
-// writes against that is refused unless the stage repeats it.
+// Defaults of a stage with ground motion: impact damping and true inertia. Settings of [solver] that differ from these
+// are refused, unless the stage repeats them.
 SolverSettings settings_on_ground(Table& t, const toml::table* own, const SolverSettings& before) {
   SolverSettings s = before;
   const auto written = [&](const char* key) {

@@ -22,7 +22,7 @@ const std::map<std::string, JointKind> kHeads{{"mortar", JointKind::mortar},
                                               {"dry", JointKind::dry},
                                               {"unfilled", JointKind::unfilled}};
 
-// True where the table requests numbers from tests; the word itself goes.
+// Whether the table requests properties from tests. Removes that key.
 bool asks(toml::table& table, const std::string& path, Context& context) {
   const toml::node* node = table.get(kKey);
   if (!node) return false;
@@ -37,7 +37,7 @@ void set_missing(toml::table& table, const char* key, double value) {
   if (!table.contains(key)) table.insert(key, value);
 }
 
-// What the first pressure stage puts on the wall, Pa.
+// Pressure of the first pressure stage, Pa.
 double first_pressure(const toml::table& root) {
   const toml::array* stages = root["stage"].as_array();
   for (std::size_t i = 0; stages && i < stages->size(); ++i) {
@@ -93,7 +93,8 @@ std::vector<std::pair<const char*, double>> joint_properties(const MasonryNumber
   return properties;
 }
 
-// Those of some masonry where the tests are at fault, so that the rest of the scene is read, too.
+// Properties from tests. If the tests are at fault, those of an arbitrary masonry, so that the rest of the scene is
+// checked too.
 MasonryNumbers numbers_of(const TestedMasonry& tested, Context& context) {
   if (!context.has_faults()) {
     try {

@@ -1,11 +1,11 @@
-// The part of a scene file that describes a wall (WallSpec); used by read_scene.cpp alone.
+// The table of a wall (WallSpec).
 #pragma once
 
 #include "scene/reader.h"
 
 namespace quoin {
 
-// After materials, joints and solver.
+// Requires that materials, joints and solver have been read.
 WallSpec read_wall(reader::Table& t, const Scene& scene);
 
 }  // namespace quoin

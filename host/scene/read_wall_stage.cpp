@@ -14,7 +14,7 @@ using namespace reader;
 
 namespace {
 
-// Deformable blocks that can be loaded.
+// Names of deformable blocks that loads may have.
 std::vector<std::string> loaded_names(const Scene& scene) {
   std::vector<std::string> names;
   if (!scene.building) return names;
@@ -25,7 +25,7 @@ std::vector<std::string> loaded_names(const Scene& scene) {
   return names;
 }
 
-// What the wall offers to be moved.
+// Names of bodies that controls may have.
 std::vector<std::string> body_names(const Scene& scene) {
   std::vector<std::string> names;
   if (scene.building) {
@@ -67,7 +67,7 @@ void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodie
   t.each("control", [&](Table& c) { stage.controls.push_back(read_control(c, bodies, loaded_names(scene))); });
 }
 
-// The controls that the short kinds of stage stand for: bottom beam held, top beam pressed or moved.
+// Adds the controls of the short kinds of stage: the bottom beam held, the top beam pressed or moved.
 void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, double top_force, bool top_free,
                        double top_velocity) {
   for (const std::string& body : bodies) {
@@ -86,9 +86,9 @@ void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, dou
   stage.controls.push_back(top);
 }
 
-// What holds and loads the bodies of a stage with forces, pressures, ground motion or collapse that no table of it
-// controls. The lower beam is the ground, the upper one is free under the pressure of the stages before, floors have
-// their loads.
+// Adds the supports and loads of bodies without a control in a stage with forces, pressures, ground motion or collapse.
+// The lower beam is the ground. The upper one is free under the pressure of the last pressure stage. Floors have their
+// loads.
 void add_loads_of_before(Stage& stage, const Scene& scene, const std::vector<std::string>& bodies, double top_force) {
   const auto controlled = [&](const std::string& body) {
     return std::any_of(stage.controls.begin(), stage.controls.end(),
@@ -105,7 +105,7 @@ void add_loads_of_before(Stage& stage, const Scene& scene, const std::vector<std
   if (scene.building) add_floor_loads(stage, *scene.building);
 }
 
-// A custom stage: controls and actions.
+// Reads a custom stage: controls and actions.
 void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::string> bodies, double top_force,
                  const std::string& folder) {
   read_controls(t, stage, bodies, scene);
@@ -198,7 +198,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
 
   if (stage.cycles) scene.quality_as_is = scene.quality_as_is && std::abs(stage.cycles->velocity) == quality.velocity;
   read_law_swaps(t, scene, stage);
-  if (!kind_known) return stage;  // which keys are allowed depends on the kind
+  if (!kind_known) return stage;  // the allowed keys depend on the kind
   t.finish();
   return stage;
 }

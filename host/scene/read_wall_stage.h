@@ -1,4 +1,4 @@
-// Stages of walls and buildings: the short kinds, and custom ones of controls and actions.
+// Stages of walls and buildings: the short kinds, and custom ones with controls and actions.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace quoin {
 
-// previous: null: it is the first. pressure: of the last pressure stage, which a shear stage may keep, Pa. folder: of
-// the files that the scene names, with its slash.
+// previous: the stage before; null: this is the first. pressure: that of the last pressure stage, which later stages
+// may keep, Pa. folder: that of files named by the scene, with its slash.
 Stage read_stage(reader::Table t, Scene& scene, const Stage* previous, double& pressure, const std::string& folder);
 
 }  // namespace quoin

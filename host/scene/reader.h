@@ -1,4 +1,4 @@
-// Reading TOML tables with located faults: what all scene readers share.
+// TOML tables with the line of each fault: shared by all scene readers.
 #pragma once
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ namespace quoin::reader {
 
 inline std::string join(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
 
-// Keys of what is listed by name.
+// Keys of a map.
 template <class Listed>
 std::vector<std::string> names_of(const Listed& listed) {
   std::vector<std::string> names;
@@ -35,7 +35,7 @@ std::vector<std::string> names_of(const Listed& listed) {
   return names;
 }
 
-// Allowed values of a number, and how they read in a message.
+// Allowed values of a number, with their text in messages.
 struct Range {
   double lower = -HUGE_VAL, upper = HUGE_VAL;
   bool lower_open = false;
@@ -52,7 +52,7 @@ struct Range {
 inline constexpr Range kAny{}, kPositive{0.0, HUGE_VAL, true}, kNotNegative{0.0, HUGE_VAL};
 inline Range between(double lower, double upper) { return {lower, upper, false}; }
 inline Range above_to(double lower, double upper) { return {lower, upper, true}; }
-// Of a coordinate, m: beyond, positions in double precision are coarser than a joint.
+// Of a coordinate, m. Beyond it, positions in double precision are coarser than the opening of a joint.
 inline constexpr Range kPlace{-1e6, 1e6};
 
 inline std::string text_of(const toml::node& node) { return node.is_table() ? "a table" : inline_toml(node); }
@@ -76,12 +76,12 @@ inline const char* type_name(const toml::node& node) {
   }
 }
 
-// What all tables of one scene share: where values come from, and the faults found so far.
+// Shared by all tables of a scene: sources of values, and the faults so far.
 class Context {
  public:
   std::string file;
   std::set<std::string> overridden;     // dotted paths given by --set
-  std::vector<std::string> inputs;      // other files that the scene takes in
+  std::vector<std::string> inputs;      // other files that the scene reads
   const toml::table* solver = nullptr;  // table [solver]; null: there is none
 
   std::string where(const toml::node* node, const std::string& path) const {
@@ -97,7 +97,7 @@ class Context {
   void throw_faults() const {
     if (has_faults()) throw Error(Exit::bad_input, faults());
   }
-  // In the order of the file's lines, behind what has no line, as settings by --set.
+  // Faults in the order of the file's lines. Those without a line, as of --set, come first.
   std::string faults() const {
     std::vector<std::string> sorted = faults_;
     std::ranges::stable_sort(sorted, {}, [this](const std::string& fault) { return line_of(fault); });
@@ -112,7 +112,7 @@ class Context {
   std::vector<std::string> faults_;
 };
 
-// One table being read. Each accessor takes a key; finish() reports the keys that were not read.
+// A table with a method for each type of key. finish() reports keys that were not read.
 class Table {
  public:
   Table(Context& context, const toml::table& table, std::string path)
@@ -123,7 +123,7 @@ class Table {
   std::string where() const { return context_.where(&table_, path_); }
   bool has(const std::string& key) const { return table_.contains(key); }
 
-  // A fault of a value: where, what it is, what is allowed and what to do.
+  // Adds a fault of a value: its place, its value, what is allowed and what to do.
   void refuse(const std::string& key, const std::string& allowed) {
     const toml::node* node = table_.get(key);
     context_.fault(fmt::format("{} = {}: allowed: {}", where(key), node ? text_of(*node) : "?", allowed));
@@ -162,7 +162,7 @@ class Table {
     const std::string allowed = fmt::format("an integer, {} to {}", lower, upper);
     const toml::node* node = find(key, allowed, required);
     if (!node) return false;
-    // 1e6 is a floating point number for TOML; whole ones are welcome as integers.
+    // 1e6 is a floating point number in TOML; whole ones are accepted as integers.
     const std::optional<double> number = number_of(*node);
     if (!number || *number != std::floor(*number)) return wrong_type(key, allowed), false;
     if (*number < static_cast<double>(lower) || *number > static_cast<double>(upper))
@@ -197,7 +197,7 @@ class Table {
     return true;
   }
 
-  // The name of a table [kind.NAME] among these.
+  // Reads the name of a table [kind.NAME].
   template <class Listed>
   void name_of(const std::string& key, std::string& value, const Listed& listed, const char* kind, bool required) {
     const std::vector<std::string> names = names_of(listed);
@@ -215,7 +215,7 @@ class Table {
     return node && elements(key, *node, value, range, allowed);
   }
 
-  // A list of any length.
+  // Reads a list of any length.
   bool numbers(const std::string& key, std::vector<double>& value, const Range& range, const char* unit,
                bool required = false) {
     const std::string allowed = fmt::format("a list of numbers, each {}, {}", range.text(), unit);
@@ -230,7 +230,7 @@ class Table {
     return true;
   }
 
-  // A list of points, [[x, y, z], ...].
+  // Reads a list of points, [[x, y, z], ...].
   template <size_t N>
   bool points(const std::string& key, std::vector<std::array<double, N>>& value, const Range& range,
               const std::string& allowed, bool required = false) {
@@ -243,7 +243,7 @@ class Table {
     value = std::move(read);
     return true;
   }
-  // Its corners: two at least, no two in a row the same.
+  // Reads the corners of a line: at least two, each different from the one before.
   template <size_t N>
   bool line(const std::string& key, std::vector<std::array<double, N>>& value, const Range& range,
             const std::string& allowed, bool required = false) {
@@ -253,7 +253,7 @@ class Table {
     return is_line;
   }
 
-  // A list of one text or more.
+  // Reads a list of at least one text.
   bool texts(const std::string& key, std::vector<std::string>& value, const std::string& allowed,
              bool required = false) {
     const toml::array* given = list(key, allowed, required);
@@ -268,7 +268,7 @@ class Table {
     return true;
   }
 
-  // velocity: three components of a control, each a number in m/s or "free".
+  // Reads the velocity of a control: three components, each a number in m/s or "free".
   bool velocity(BodyControl& control, bool required) {
     const std::string key = "velocity", allowed = "a list of 3: a finite number in m/s, or \"free\", for x, y, z";
     const toml::array* given = list(key, allowed, required);
@@ -285,14 +285,14 @@ class Table {
     return true;
   }
 
-  // A list, or null.
+  // The list of a key, or null.
   const toml::array* list(const std::string& key, const std::string& allowed, bool required = false) {
     const toml::node* node = find(key, allowed, required);
     if (node && !node->is_array()) wrong_type(key, allowed);
     return node ? node->as_array() : nullptr;
   }
 
-  // A sub-table, or null. Its absence is a fault when it is required.
+  // The sub-table of a key, or null. If it is required, its absence is a fault.
   const toml::table* table(const std::string& key, const std::string& what, bool required = false) {
     const toml::node* node = find(key, what, required);
     if (!node) return nullptr;
@@ -315,7 +315,7 @@ class Table {
     return result;
   }
 
-  // Reads a sub-table, or each table of a list [[key]]: visit(table) asks for the keys that it may have.
+  // Reads a sub-table, or each table of a list [[key]], by visit(table).
   template <class Visit>
   bool within(const std::string& key, const std::string& what, const Visit& visit, bool required = false) {
     const toml::table* given = table(key, what, required);
@@ -350,7 +350,7 @@ class Table {
   }
 
  private:
-  // As files write it: without the numbers of tables.
+  // The path as in the file: without the numbers of tables in lists.
   std::string header(const std::string& key) const {
     std::string text;
     std::istringstream words(path(key));
@@ -367,7 +367,7 @@ class Table {
     value = *number;
     return true;
   }
-  // So many as there is room for.
+  // Reads the first N elements.
   template <typename Element, size_t N>
   bool elements(const std::string& key, const toml::node& node, std::array<Element, N>& value, const Range& range,
                 const std::string& allowed) {
@@ -389,31 +389,30 @@ class Table {
   std::vector<std::string> known_;
 };
 
-// Tables that every kind of scene has.
-// quality: whose settings are the defaults; null: a scene with blocks of any shape that names none.
+// Tables of every kind of scene. quality: its settings are the defaults; null: blocks of any shape without a quality.
 void read_damping_kind(Table& t, DampingSettings& s);
-void read_damping(Table& t, DampingSettings& s);  // keys of any kind; those of other kinds than its own are refused
+void read_damping(Table& t, DampingSettings& s);  // keys of the scene's kind; those of other kinds are faults
 SolverSettings read_solver(Table t, const Quality* quality);
-// before: of the stage before, whose settings stay where the table gives no other.
+// before: settings of the stage before, which are the defaults.
 SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground);
-// The solver table of a stage whose actions are read; what a stage that moves the ground has without one.
+// Reads the solver table of a stage, after its actions. Without one, a stage with ground motion has other defaults.
 void read_stage_solver(Table& t, Stage& stage, const Scene& scene);
 BlockMaterial read_material(const std::string& name, Table& t, bool rigid = false);  // rigid: density is enough
 JointFamily read_joint(const std::string& name, Table& t);
 
-// Keys that stages of every kind of scene have: name, gravity, ramp, ends, rows.
+// Reads keys of stages of every kind of scene: name, gravity, ramp, ends, rows.
 void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
 void read_rest(Table& t, Stage& stage);  // keys of kind rest, after read_stage_basics
-// Keys of what ends a stage by motion: displacement (m), and the monitor and direction that it is measured on.
+// Reads the end of a stage by displacement (m), and the monitor and direction of that displacement.
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
 void read_law_swaps(Table& t, const Scene& scene, Stage& stage);
 
-// path: what messages call the text. Throws Error(bad_input): it is not TOML.
+// path: name of the text in messages. Throws Error(bad_input) for a text that is not TOML.
 toml::table parse(const std::string& text, const std::string& path);
-// The scene that these tables are. path: their name in messages, whose folder is that of the files that they name.
-// scene.text is left to the caller.
+// Scene of these tables. path: their name in messages, whose folder is searched for other files. The caller sets
+// scene.text.
 Scene read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides = {});
-// Lays one --set over the table. The path is made of keys, list numbers from 1, or names of list elements.
+// Applies one --set to the table. The path consists of keys, numbers of list elements from 1, or their names.
 void apply_override(toml::table& root, const std::string& setting, Context& context);
 
 }  // namespace quoin::reader

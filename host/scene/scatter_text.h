@@ -1,4 +1,4 @@
-// Scatter in words, for messages and pages.
+// Random distributions in words, for messages and pages.
 #pragma once
 
 #include <string>

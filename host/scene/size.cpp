@@ -10,34 +10,35 @@ namespace quoin {
 
 namespace {
 
-// Bytes, fitted to the most memory that runs took (benchmarks/RANKS.md, "Memory"). Of congruent blocks, of which eight
-// share their lines.
+// Memory in bytes, fitted to the peak memory of runs (benchmarks/RANKS.md, "Memory"), for congruent blocks in full SIMD
+// groups of eight.
 struct Costs {
   double gridpoint, point, rigid_block;
 };
 constexpr Costs kLattice{147.0, 207.0, 0.0}, kLargeMotion{572.0, 872.0, 1900.0};
-constexpr double kAlone = 8.0;  // times a gridpoint of a block that is like no other: it has one lane of eight
-// Bytes a block and a point that every rank has of the whole lattice.
+constexpr double kAlone = 8.0;  // factor on gridpoints of a block without congruent ones, which uses one of eight lanes
+// Bytes per block and per point of the whole lattice, which every rank stores.
 constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;
-constexpr double kOutlineInMotion = 0.25;  // share of memory in large motion that every rank has of all
-constexpr double kOnBorders = 1.13;  // times an equal share, of what a rank has beside: it has what lies on borders too
+constexpr double kOutlineInMotion = 0.25;  // share of memory in large motion that every rank stores of the whole model
+constexpr double kOnBorders = 1.13;        // factor on a rank's equal share of the rest, for the blocks at its borders
 
 using Counts = std::array<double, 3>;
 
 double gridpoints_of(const Counts& n) { return (n[0] + 1) * (n[1] + 1) * (n[2] + 1); }
 
-// At the gridpoints of one face in each direction: of blocks that may have neighbours everywhere.
+// Contact points of blocks that may have neighbours on all sides: the gridpoints of one face in each direction.
 double points_all_round(const Counts& n) {
   return (n[0] + 1) * (n[1] + 1) + (n[1] + 1) * (n[2] + 1) + (n[2] + 1) * (n[0] + 1);
 }
 
-// Points of a head joint and of the bed joints to the next course: half units lie on one block, whole ones across two.
+// Contact points of a head joint and of the bed joints to the next course. A half unit lies on one block, a whole one
+// on two.
 double points_in_a_wall(const Counts& n, bool halves) {
   const double bed = halves ? n[0] + 1 : 2 * (std::ceil(n[0] / 2) + 1);
   return (n[1] + 1) * (n[2] + 1) + bed * (n[2] + 1);
 }
 
-// `count` blocks of hexahedra of 5 zones.
+// Adds `count` blocks of hexahedra of 5 zones.
 void add_zoned(double count, const Counts& n, double points, const Costs& costs, double alone, SceneSize* size) {
   size->blocks += count;
   size->zones += 5 * n[0] * n[1] * n[2] * count;
@@ -45,7 +46,7 @@ void add_zoned(double count, const Counts& n, double points, const Costs& costs,
   size->bytes += count * (alone * costs.gridpoint * gridpoints_of(n) + costs.point * points);
 }
 
-// A contact point of a rigid block has a gridpoint to itself on either side where gridpoints are the lattice's.
+// Adds rigid blocks. Where they have no memory of their own, each contact point has a gridpoint on either side.
 void add_rigid(double count, double points, const Costs& costs, SceneSize* size) {
   const double gridpoints = costs.rigid_block > 0.0 ? 0.0 : 2.0 * points;
   size->blocks += count;
@@ -53,12 +54,13 @@ void add_rigid(double count, double points, const Costs& costs, SceneSize* size)
   size->bytes += count * (costs.rigid_block + costs.gridpoint * gridpoints + costs.point * points);
 }
 
-// Points of a rigid block at the corners of each face. Where `spacing`, m, is more than 0, no further apart than that.
-// Or `times` as many as corners.
+// Contact points of a rigid block: at the corners of each face, or `times` as many. If `spacing` (m) is more than 0,
+// they are at most that far apart.
 struct OfRigid {
   double spacing = 0.0, times = 1.0;
 };
-// Where joints that carry tension have cubic_points: 17 on a rectangle. Which do is for their laws to say.
+// Contact points of the scene's rigid blocks. Joints with tension have cubic points, 17 on a rectangle. Any initial
+// state other than dry counts as one with tension.
 OfRigid points_of_rigid(const Scene& scene) {
   constexpr double kCubic = 17.0 / 4.0;
   const double spacing = scene.blocks ? scene.blocks->contact.point_spacing : 0.0;
@@ -68,7 +70,7 @@ OfRigid points_of_rigid(const Scene& scene) {
 }
 
 Counts parts_of_rigid(const Vec3& extent, double spacing) {
-  constexpr double kMostParts = 100.0;  // most parts of a side: geometry/overlap.cpp
+  constexpr double kMostParts = 100.0;  // largest number along a side, as in geometry/overlap.cpp
   Counts n{1, 1, 1};
   for (std::size_t k = 0; k < 3 && spacing > 0.0; ++k)
     n[k] = std::clamp(std::ceil(extent[k] / spacing), 1.0, kMostParts);
@@ -166,7 +168,7 @@ SceneSize size_of(const Scene& scene) {
     for (const DryWallSpec& wall : scene.blocks->walls) add_dry_wall(wall, rigid, &size);
     for (const ArchSpec& arch : scene.blocks->arches) add_arch(arch, rigid, &size);
   }
-  const bool all_rigid = size.zones == 0.0;  // rigid blocks are part of the outline
+  const bool all_rigid = size.zones == 0.0;  // rigid blocks need only what every rank stores
   if (on_lattice && !all_rigid)
     size.bytes_shared = std::max(0.0, size.bytes - kOutlineOfBlock * size.blocks - kOutlineOfPoint * size.points);
   const bool scatters =

@@ -19,10 +19,11 @@ using namespace geometry;
 
 namespace {
 
-// Tolerances over a length: boxes are straight, and faces touch. The lattice requires the second.
+// Relative tolerances, over a length: of edges that are straight, and of faces that touch. The lattice requires the
+// second.
 constexpr double kStraight = 1e-9, kTouching = 1e-6;
 
-// Why the lattice is not for this scene. Caught where it is asked.
+// Reason why the lattice cannot have this scene. to_bricks() catches it.
 struct Unfit {
   std::string why;
 };
@@ -36,7 +37,7 @@ double upper(const Brick& brick, size_t axis) { return brick.origin[axis] + bric
 
 // ---- Blocks --------------------------------------------------------------------------------------------------------
 
-// Right angles to the digits that a table of numbers in degrees loses.
+// Restores right angles that the digits of a rotation in degrees have lost.
 Matrix without_rounding(Matrix turned) {
   for (Vector& row : turned.row) {
     for (int c = 0; c < 3; ++c) {
@@ -63,7 +64,7 @@ std::vector<Brick> bricks_of(const Assembly& assembly) {
 
 // ---- Joints --------------------------------------------------------------------------------------------------------
 
-// Gridlines of a deformable brick along an axis: is there one at x?
+// Whether a gridline of a deformable brick is at x along an axis.
 bool on_gridline(const Brick& brick, size_t axis, double x, double tolerance) {
   const double spacing = brick.size[axis] / brick.zones[axis];
   const double lines = (x - brick.origin[axis]) / spacing;
@@ -231,7 +232,7 @@ class StageWriter {
     return brick;
   }
 
-  // Control of a block that nothing holds: free to move and to turn.
+  // Control of a block, by default free to move and to turn.
   static BodyControl& control_of(const std::string& body, Stage* stage) {
     for (BodyControl& control : stage->controls) {
       if (control.body == body) return control;
@@ -243,7 +244,7 @@ class StageWriter {
     return control;
   }
 
-  // What acts along a component that is held is carried by the support.
+  // Adds a force. The support carries its components along directions that are held.
   static void add(const Vector& force, BodyControl* control) {
     for (size_t c = 0; c < 3; ++c) {
       if (control->kind[c] == DofKind::free) control->force[c] += force[int(c)];
@@ -255,7 +256,7 @@ class StageWriter {
   std::string watched_;
 };
 
-// Bodies are known by the names of their blocks at first, fixed ones without a name of their own by their label.
+// Names bodies after their blocks; a fixed block without a name has its label.
 void name_bodies(const Assembly& assembly, std::vector<Brick>* bricks) {
   std::map<std::string, int> count;
   for (const Block& block : assembly.blocks) ++count[block.name];
@@ -275,8 +276,8 @@ std::string text_of(const BodyControl& control) {
   return text;
 }
 
-// Bodies that all stages control in the same way share a name, and so the lanes of a group. Those that nothing controls
-// or watches have none.
+// Gives one name to bodies with equal controls in all stages, so that they share SIMD groups. Bodies without control or
+// monitor have no name.
 void share_names(std::vector<Stage>* stages, std::vector<Brick>* bricks) {
   std::map<std::string, std::string> controls;  // by body, of all stages
   for (size_t i = 0; i < stages->size(); ++i) {
@@ -345,7 +346,7 @@ std::optional<Brick> as_brick(const Assembly& assembly, int index) {
   Brick brick;
   std::array<int, 3> divisions{1, 1, 1};
   if (!block.rigid) divisions = block.divisions[0] > 0 ? block.divisions : brick_divisions(shape, block.zone_edge);
-  int lowest = 0, turned_zones = 0;  // bits of the lowest corner, and its index in the block's own count of gridpoints
+  int lowest = 0, turned_zones = 0;  // bits of the lowest corner, and its index among the block's gridpoints
   std::array<bool, 3> taken{};
   for (int k = 0; k < 3; ++k) {
     const Vector edge = along(1 << k);
@@ -378,7 +379,8 @@ std::optional<Brick> as_brick(const Assembly& assembly, int index) {
   brick.material = block.material;
   brick.rigid = block.rigid;
   brick.unit = block.unit, brick.course = block.course;
-  // Gridpoints with an even sum of indices are corners of the middle zones of pattern 0 here, of pattern 1 there.
+  // Gridpoints with an even sum of indices are corners of the middle zones of pattern 0 on the lattice, of pattern 1 in
+  // blocks of any shape.
   if (!block.rigid) brick.parity = (turned_zones + 1 + block.parity) % 2;
   return brick;
 }

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/index.h"
 
-// LAPACK's, as OpenBLAS has it.
+// Cholesky factor of LAPACK, in OpenBLAS.
 extern "C" void dpotrf_(const char* triangle, const int* n, double* a, const int* lda, int* info);
 
 namespace quoin {
@@ -20,11 +20,11 @@ using Eigen::MatrixXd;
 using geometry::Vector;
 using Matrix = Eigen::SparseMatrix<double>;
 
-// Unknowns from which on a part of the masonry is cut no further. A front of that size is quick, and a small one is
+// Largest number of unknowns of a part that is not divided further. A front of that size is fast, and smaller ones are
 // mostly overhead.
 constexpr int kLeaf = 200;
 
-// Groups that share an entry of the matrix, row by row.
+// Graph of groups that share an entry of the matrix, in rows.
 struct Graph {
   std::vector<int> begin, neighbour;
 };
@@ -62,7 +62,8 @@ Graph graph_of(const Matrix& lower, const UnknownGroups& groups) {
 
 }  // namespace
 
-// Cuts the masonry in two, again and again, and numbers the unknowns of each part before those of the cut.
+// Nested dissection: divides the masonry in two recursively, and numbers the unknowns of each part before those of the
+// separator.
 class SparseCholesky::Dissection {
  public:
   Dissection(const Matrix& lower, const UnknownGroups& groups)
@@ -76,7 +77,7 @@ class SparseCholesky::Dissection {
   std::vector<Front> fronts;
 
  private:
-  // Returns the fronts that nothing below has as children yet.
+  // Returns the fronts of the part that have no parent yet.
   std::vector<int> cut(std::vector<int> part) {
     std::vector<int> low, high;
     int unknowns = 0;
@@ -93,7 +94,7 @@ class SparseCholesky::Dissection {
     return border.empty() ? children : std::vector<int>{add(border, std::move(children))};
   }
 
-  // Along the longest axis, where places leave a gap that is nearest to the middle of the list.
+  // Divides the part along its longest axis, at the gap between places that is nearest to the middle of the list.
   bool halve(std::vector<int>& part, std::vector<int>& low, std::vector<int>& high) const {
     Vector least = groups_.place[at(part[0])], most = least;
     for (const int g : part) least = min(least, groups_.place[at(g)]), most = max(most, groups_.place[at(g)]);
@@ -113,7 +114,8 @@ class SparseCholesky::Dissection {
     return false;
   }
 
-  // Takes out of one side what touches the other: of that side where it has fewer unknowns.
+  // Separator: groups of one side that touch the other, on the side where they have fewer unknowns. Removes them from
+  // that side.
   std::vector<int> take_border(std::vector<int>& low, std::vector<int>& high) {
     for (const int g : low) part_of_[at(g)] = 2 * cuts_;
     for (const int g : high) part_of_[at(g)] = 2 * cuts_ + 1;
@@ -188,8 +190,8 @@ void SparseCholesky::find_borders(const Matrix& permuted) {
 }
 
 void SparseCholesky::factorize(const Matrix& permuted) {
-  std::vector<MatrixXd> update(fronts_.size());  // what a front leaves to its parent, lower triangle
-  std::vector<int> place(new_of_old_.size());    // places of unknowns in the current front
+  std::vector<MatrixXd> update(fronts_.size());  // update of a front to its parent, lower triangle
+  std::vector<int> place(new_of_old_.size());    // index of unknowns in the current front
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
     Front& front = fronts_[k];
     const int size = front.own + static_cast<int>(front.border.size());

@@ -19,8 +19,8 @@ std::string csv_cell(const std::string& text) {
   return text.find_first_of(",\"\n") == std::string::npos ? text : csv_text(text);
 }
 
-// Of brick_walls.csv a wall that cracks diagonally, one of thick mortar, a slender one; of another table the first
-// ones.
+// Walls with random samples. Of brick_walls.csv: one with diagonal cracks, one of thick mortar, a slender one. Of other
+// tables: the first ones.
 std::vector<const WallRow*> banded_walls(const std::vector<Prediction>& walls) {
   constexpr std::size_t kWalls = 3;
   std::vector<const WallRow*> banded;

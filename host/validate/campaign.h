@@ -1,4 +1,4 @@
-// A campaign: all walls of a table, predicted and compared with what was measured.
+// A campaign: predictions of all walls of a table, compared with the measurements.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ struct CampaignSettings {
   std::filesystem::path out;
   bool cyclic = false;
   int jobs = 1;
-  int samples = 0;                     // samples of each banded wall, with properties that scatter
-  std::vector<std::string> overrides;  // laid over every scene; for trials
+  int samples = 0;                     // number of samples of each banded wall, with random properties
+  std::vector<std::string> overrides;  // overrides of every scene, for trials
 };
 
 struct Prediction {
@@ -24,21 +24,21 @@ struct Prediction {
   double ratio() const { return outcome.peak / row.peak(); }
   bool mode_known() const { return !row.failure_mode.empty(); }
   bool mode_met() const { return leading_mode(outcome.mode) == leading_mode(row.failure_mode); }
-  // Measured over what a rigid wall without tension can carry: more than 15 % above it and no model without tension or
-  // another boundary meets the test.
+  // Measured peak over that of a rigid wall without tension. Above 1.15 no model without tension or another boundary
+  // condition reaches the measured peak.
   double beyond_equilibrium() const { return row.peak() / rocking_force_with_weight(row); }
   bool within_equilibrium() const { return beyond_equilibrium() <= 1.15; }
 };
 
-// Peaks of a wall whose properties scatter by what the rule says of each.
+// Peaks of a wall with random properties, whose scatter follows from the rule of each.
 struct Band {
   WallRow row;
   std::vector<double> peaks;  // kN, ascending
-  // With this part of the peaks below it, between those that are there; of one peak at least.
+  // Quantile at probability `part`, interpolated between peaks; requires at least one peak.
   double quantile(double part) const;
 };
 
-// Lognormal, of mean 1, by wall, sample and name.
+// Lognormal factor of mean 1, a function of wall, sample and name.
 ScatterFactor lognormal_factor(const WallRow& row, int sample);
 
 struct Statistics {
@@ -51,10 +51,10 @@ Statistics statistics_of(const std::vector<double>& ratios);
 struct Campaign {
   std::vector<Prediction> done;
   std::vector<Band> bands;
-  std::vector<std::string> faults;  // rows left out, and runs that did not end
+  std::vector<std::string> faults;  // rows left out, and runs that failed
 };
 
-// Scenes go to OUT/scenes, runs to OUT/runs. What is done is not computed again.
+// Computes all walls. Scenes are in OUT/scenes, runs in OUT/runs. Finished runs are not repeated.
 Campaign run_campaign(const WallTable& table, const CampaignSettings& settings);
 
 std::string validation_csv(const Campaign& campaign);

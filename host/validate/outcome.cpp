@@ -15,11 +15,11 @@ namespace {
 namespace fs = std::filesystem;
 using reproduce::Curve;
 
-// Shares of the displacement of the top by one mechanism. Below kSeen it is not named in the failure mode, above
-// kLeading it is named first [assumed; the same for all walls].
+// Shares of the displacement of the top due to one mechanism. Below kSeen the failure mode does not have it, above
+// kLeading it is the leading one [assumed; equal for all walls].
 constexpr double kSeen = 0.08, kLeading = 0.25, kSlides = 0.5;
 constexpr double kSeenSliding = 0.2;
-constexpr double kKept = 0.8;  // share of the peak: the loss that ends a wall's capacity by convention
+constexpr double kKept = 0.8;  // share of the peak: a conventional limit of a wall's capacity
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -28,7 +28,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Points of joints that lie in one bed, or in one course, by height in units of 0.1 mm.
+// Key of contact points in one bed or one course: height in units of 0.1 mm.
 long level_of(float y) { return std::lround(y * 1e4); }
 
 double secant(const Curve& curve, double force) {
@@ -38,7 +38,7 @@ double secant(const Curve& curve, double force) {
   return 0.0;
 }
 
-// Force of the envelope at a displacement of that sign, kN, positive; nothing where it does not reach so far.
+// Force of the envelope at a displacement with sign, kN, positive; nothing beyond its end.
 std::optional<double> measured_at(const std::vector<std::array<double, 2>>& envelope, double displacement) {
   for (std::size_t i = 1; i < envelope.size(); ++i) {
     const auto &a = envelope[i - 1], &b = envelope[i];
@@ -49,7 +49,7 @@ std::optional<double> measured_at(const std::vector<std::array<double, 2>>& enve
   return {};
 }
 
-// Both sides have the same weight where both were measured.
+// Least and largest ratio of predicted over measured force. Both sides have equal weight if both were measured.
 std::optional<std::array<double, 2>> along_envelope(const WallRow& row, const Curve& curve) {
   constexpr int kFarthest = 10;  // mm
   std::optional<std::array<double, 2>> range;
@@ -63,7 +63,7 @@ std::optional<std::array<double, 2>> along_envelope(const WallRow& row, const Cu
   return range;
 }
 
-// Points of a bed joint along its length, and what they say of it.
+// Contact points of a bed joint: sums over its length, and least slip.
 struct Bed {
   double area = 0.0, crushed = 0.0, least_slip = std::numeric_limits<double>::infinity();
 };
@@ -75,7 +75,7 @@ std::string mode_of(const Motion& m) {
   const double spread = m.spread / m.top, sliding = m.sliding / m.top;
   const std::string with_sliding = sliding > kSeenSliding ? "SL" : "";
   if (sliding > kSlides) return spread > kLeading ? "H-SLS" : "SL";
-  // What spreads and still carries the load rocks with gaping joints.
+  // Diagonal cracks without loss of force are rocking with open joints.
   if (spread > kLeading && m.kept < kKept) return with_sliding.empty() ? "S" : "H-SSL";
   if (spread > kSeen) return "H-FS" + with_sliding;
   return with_sliding.empty() ? "F" : "H-FSL";
@@ -90,7 +90,7 @@ std::string leading_mode(const std::string& code) {
 Motion read_motion(const fs::path& run_folder, double top_displacement) {
   Motion motion;
   motion.top = top_displacement;
-  // The last frame of two: as the run begins, as it ends.
+  // The second of two frames: those at the begin and at the end of the run.
   const VtuFile file(run_folder / "joints_0001.vtu");
   const std::size_t points = file.grid().points();
   const auto normal = file.read<float>("normal", VtkRows::point, 3);
@@ -164,7 +164,7 @@ Outcome outcome_of(const WallRow& row, const TestScene& scene, reproduce::RunRes
   o.motion = read_motion(run.folder, 1e-3 * farthest);
   double last = curve.last_force();
   if (run.cycles) {
-    const Curve envelope = reproduce::envelope_of(curve, *run.cycles);  // from the farthest negative side on
+    const Curve envelope = reproduce::envelope_of(curve, *run.cycles);  // begins at the farthest negative displacement
     if (!envelope.empty()) last = (std::abs(envelope.force.front()) + std::abs(envelope.force.back())) / 2;
   }
   o.motion.kept = o.peak > 0.0 ? last / o.peak : 1.0;

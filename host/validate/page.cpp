@@ -107,7 +107,7 @@ std::string loops_table(const Prediction& p) {
   return out + "</table>\n";
 }
 
-// Round numbers between two, four to eight of them.
+// Four to eight round numbers between two values.
 std::vector<double> ticks(double from, double to) {
   const double rough = (to - from) / 4, power = std::pow(10.0, std::floor(std::log10(rough)));
   const double step = rough >= 5 * power ? 5 * power : rough >= 2 * power ? 2 * power : power;
@@ -116,7 +116,7 @@ std::vector<double> ticks(double from, double to) {
   return values;
 }
 
-// The curve with the measured peaks and the rigid wall's force as lines.
+// Curve with the measured peaks and the force of the rigid wall as lines.
 std::string curve_svg(const Prediction& p) {
   constexpr double kWidth = 520, kHeight = 360, kLeft = 60, kBottom = 45, kTop = 12, kRight = 12;
   const reproduce::Curve& c = p.outcome.run.curve;
@@ -125,7 +125,7 @@ std::string curve_svg(const Prediction& p) {
     right = std::max(right, c.displacement[i]), left = std::min(left, c.displacement[i]);
     top = std::max(top, c.force[i]), bottom = std::min(bottom, c.force[i]);
   }
-  // Rounding aside, a wall that is pushed one way has no negative side.
+  // A wall that is pushed one way has negative forces from rounding alone.
   bottom = bottom < -0.1 * top ? std::min(bottom, -p.row.peak()) : 0.0;
   top *= 1.08, bottom *= 1.08;
   const auto x = [&](double v) { return kLeft + (v - left) / (right - left) * (kWidth - kLeft - kRight); };

@@ -1,4 +1,4 @@
-// The campaign as a page: OUT/index.html.
+// Page of a campaign: OUT/index.html.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@ namespace quoin::validate {
 
 std::string page_of(const Campaign& campaign, const CampaignSettings& settings);
 
-// "mean 1.02, median 1.00, coefficient of variation 0.17 (15 walls)", for screens too.
+// "mean 1.02, median 1.00, coefficient of variation 0.17 (15 walls)".
 std::string statistics_text(const Statistics& statistics);
 std::vector<double> ratios_of(const Campaign& campaign, bool within_equilibrium_only);
-// Walls whose leading mode is met, and those whose mode was measured.
+// Number of walls whose leading mode is predicted, and of those with a measured mode.
 std::pair<int, int> modes_met(const Campaign& campaign);
 
 }  // namespace quoin::validate

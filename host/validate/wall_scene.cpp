@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kGravity = 9.81;                        // m/s2
 constexpr double kMortarJoint = 10.0, kThinJoint = 2.0;  // mm
-// Largest number of half units; walls of more get blocks that stand for several courses. 0.3 to 1 s each.
+// Largest number of half units, 0.3 to 1 s of computation each. Blocks of larger walls stand for several courses.
 constexpr int kMostHalfUnits = 700;
-constexpr double kBondedThickness = 1.5;  // limit in unit widths: in thicker walls headers tie leaves
-constexpr double kDrift = 0.01;           // share of the height by which a wall is pushed
+constexpr double kBondedThickness = 1.5;  // limit in unit widths: thicker walls have headers across their leaves
+constexpr double kDrift = 0.01;           // final displacement of the top over the height
 constexpr double kCyclicDrifts[] = {0.001, 0.002, 0.003, 0.005, 0.008};
 constexpr double kCyclicVelocity = 0.01;                    // m/s
 constexpr double kBeamHeight = 0.1, kBeamDensity = 7850.0;  // m, kg/m3
-// H0/H of a wall whose top is held from rotation, and of rows that give none.
+// H0/H of a wall whose top cannot rotate, also the default of rows without it.
 constexpr double kHeldSpan = 0.5;
 
 std::string upper(std::string text) {
@@ -49,16 +49,16 @@ JointKind joint_of(const std::string& code, JointKind otherwise) {
 
 struct Layout {
   int courses = 0;
-  double units = 0.0;                           // in a course, in halves
+  double units = 0.0;                           // per course, multiples of one half
   double unit_length = 0.0, unit_height = 0.0;  // m, expanded
   int half_units() const { return static_cast<int>(std::lround(2 * units)) * courses; }
 };
 
-// Blocks k courses high and k half units long where the wall has too many.
+// Layout with blocks k courses high and k half units long where the wall has too many units.
 Layout layout_of(const WallRow& row) {
   const JointKind bed = joint_of(row.bed_joints, JointKind::mortar);
   const double joint = bed == JointKind::dry ? 0.0 : bed == JointKind::thin ? kThinJoint : kMortarJoint;
-  // Bonded over the thickness: courses of stretchers and of headers in turn, whose mean length makes the steps of
+  // Bonded over the thickness: alternate courses of stretchers and headers, whose mean length is that of the steps of
   // cracks.
   const double stretcher = row.unit_length.value_or(250.0),
                header = std::min(row.unit_width.value_or(stretcher), stretcher);
@@ -89,7 +89,7 @@ std::string family(const char* name, const JointNumbers& j, bool cyclic, bool mo
   if (j.compressive_strength)
     text += fmt::format("compressive_strength = {:.6g}\nfracture_energy_compression = {:.6g}\n",
                         *j.compressive_strength, j.compression_energy);
-  // The values that cyclic_joint's page says to start from.
+  // Starting values of the page of cyclic_joint.
   if (cyclic && mortar && j.tensile_strength > 0.0) text += "residual_opening = 0.3\n";
   if (cyclic && mortar && j.compressive_strength)
     text += fmt::format("compressive_yield = {:.6g}\ncompressive_peak_closure = 9e-5\n", *j.compressive_strength / 3);
@@ -111,7 +111,8 @@ std::string wall_table(const Layout& l, const WallRow& row, double load_height, 
 
 std::string stages(const WallRow& row, const TestScene& scene, bool turns, bool cyclic) {
   const double beam_weight = kBeamDensity * kBeamHeight * scene.bed_area * kGravity;
-  const double force = std::max(0.0, row.axial_stress * 1e6 * scene.bed_area - beam_weight);  // with the beam's weight
+  // Without the beam's own weight, N.
+  const double force = std::max(0.0, row.axial_stress * 1e6 * scene.bed_area - beam_weight);
   std::string text = fmt::format(
       "\n[[stage]]\nname = \"precompression\"\nkind = \"pressure\"\npressure = {:.6g}  # Pa, beside the beam's weight\n"
       "gravity = [0, -{}, 0]\n\n[[stage]]\nname = \"shear\"\n",
@@ -128,7 +129,7 @@ std::string stages(const WallRow& row, const TestScene& scene, bool turns, bool 
     if (!cyclic) text += fmt::format("kind = \"shear\"\ndisplacement = {:.6g}\n", driven);
     return text + "vertical = \"pressure\"\n";
   }
-  // Half of the wall is computed: half of the force.
+  // The model has half of the wall, and half of the force.
   const double velocity = cyclic ? 0.0 : 0.02;
   if (cyclic)
     text += "body = \"top_beam\"\n";
@@ -174,7 +175,7 @@ double rocking_force(const WallRow& row) {
 double rocking_force_with_weight(const WallRow& row) {
   const double density = properties_of(tested_masonry(row)).density;
   const double weight = 1e-3 * density * kGravity * row.length * row.thickness * row.height;
-  // Held at the top, both toes carry the wall: V H = N L + W L/2.
+  // With the top held against rotation, both toes carry the wall: V H = N L + W L/2.
   const double span = row.shear_span.value_or(kHeldSpan), lever = span == kHeldSpan ? 1.0 : span;
   return rocking_force(row) + weight * row.length / (2 * lever * row.height);
 }

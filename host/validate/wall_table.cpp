@@ -28,7 +28,7 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-// Quoted cells may hold commas and doubled quotes.
+// Cells of a line. Quoted cells may contain commas and doubled quotes.
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
@@ -48,7 +48,7 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-// Letters, digits and '-' as they are, '_' for what stands between them.
+// Text of letters, digits and '-' alone, with '_' for other characters.
 std::string plain(const std::string& text) {
   std::string name;
   for (const char c : text.substr(0, 40)) {
@@ -138,7 +138,7 @@ class Reader {
       throw Error(Exit::bad_input, file + ":1: a column stands there twice; give each one name");
   }
 
-  // Nothing where the row is at fault.
+  // A row; nothing if it has faults.
   std::optional<WallRow> row(int line, const std::vector<std::string>& cells, std::vector<std::string>* faults) {
     line_ = line, cells_ = &cells, faults_ = faults, sound_ = true;
     if (cells.size() != header_.size()) {

@@ -25,8 +25,8 @@ def arch(thickness):
 
 
 def stands(thickness):
-    with quoin.Simulation(arch(thickness), threads=1) as sim:  # small models gain nothing by more
-        # It falls once anything has moved by a hundredth of the radius, and with rising speed.
+    with quoin.Simulation(arch(thickness), threads=1) as sim:  # small models do not gain by more
+        # Collapse: once anything has moved by a hundredth of the radius, the motion accelerates.
         sim.run(until=lambda s: s.time > 0 and s.measure()["largest_displacement_m"] > 0.01 * RADIUS, every=500)
         return sim.measure()["largest_displacement_m"] <= 0.01 * RADIUS
 

@@ -1,4 +1,4 @@
-"""What a scene answers without a run."""
+"""Analyses of a scene without a run."""
 import json
 import os
 
@@ -21,10 +21,12 @@ def pair(name, values):
 
 
 class Limit:
-    """Limit loads. multiplier: associated; multiplier_without_dilation (None: not settled); gap; stands, margin,
-    friction_scale and friction_scale_without_dilation: the smallest with which given loads are carried (None: none is).
-    velocity: rows of blocks, x y z and spin; point_blocks, point, force: by contact point its blocks a and b, place in
-    m, and force on block a along n, s, t in N, tension positive. Empty where nothing was found. summary: as limit.json."""
+    """Limit loads. multiplier: that of associated flow. multiplier_without_dilation: None: not found. gap: upper less
+    lower bound over max(1, |multiplier|). stands, margin: of given loads. friction_scale and
+    friction_scale_without_dilation: the smallest scale of friction that carries the given loads (None: no scale does).
+    velocity: rows of blocks, x y z and spin. point_blocks, point, force: by contact point its blocks a and b, place in m,
+    and force on block a along n, s, t in N, tension positive. Empty where no mechanism was found. summary: contents of
+    limit.json."""
 
     def __init__(self, text, velocity, blocks, point, force):
         self.summary = json.loads(text)
@@ -46,11 +48,11 @@ class Limit:
 
 
 def limit(scene, *, direction=None, given=0.0, facets=0, associated=False, moving=False):
-    """What `quoin limit` finds of a scene, or of the file of one, without a run. direction: x, y, z of the load that is
-    multiplied, a share of the weight; else that of the first collapse stage. given: multiple of it that acts beside the
-    weight. facets: of pyramids within the friction cones; 0: whole cones. associated: no search for answers without
-    dilation. moving: the moving load of the first stage that has one is multiplied instead, at each position;
-    summary["moving"] has them. A scene that does not stand is an answer, not an error."""
+    """Limit analysis of a scene, or of a scene file, as by `quoin limit`. direction: x, y, z of the variable load, a
+    share of the weight; default: that of the first collapse stage. given: multiple of this load that acts with the
+    weight. facets: number of facets of pyramids within the friction cones; 0: exact cones. associated: no search for
+    solutions without dilation. moving: the variable load is the moving load of the first stage with one, at each of its
+    positions; summary["moving"] has the results. A scene that does not stand is a result, not an error."""
     if not hasattr(_quoin, "limit"):
         raise BadInput("limit: this installation has no limit analysis; build it with coinor-libclp-dev")
     way = [] if direction is None else [float(v) for v in direction]
@@ -62,8 +64,8 @@ def limit(scene, *, direction=None, given=0.0, facets=0, associated=False, movin
 
 class Modes:
     """Natural frequencies. frequencies, Hz; effective_mass, kg, and participation: arrays by mode and direction; alpha
-    (1/s) and beta (s) of Rayleigh's damping; shapes[mode][block]: displacement of its corners or gridpoints, largest 1;
-    summary: as modes.json."""
+    (1/s) and beta (s) of Rayleigh damping; shapes[mode][block]: displacement of its corners or gridpoints, largest 1;
+    summary: contents of modes.json."""
 
     def __init__(self, text, shapes):
         self.summary = json.loads(text)
@@ -79,10 +81,10 @@ class Modes:
 
 
 def modes(scene, *, count=10, stage="", state="undamaged", ratios=(0.05, 0.05), at=(0.0, 0.0)):
-    """The lowest modes of a scene, or of the file of one, as `quoin modes` finds them. stage: whose supports hold the
-    blocks; else the first. state: "undamaged", as it is at the start; "weight": at rest under the loads of the stage; or
-    the folder of a run of this scene from Python with output.end_state = true, at whose end open joints are open. ratios:
-    of critical damping at the frequencies `at`, Hz; 0: those of the first and the last mode."""
+    """The lowest natural modes of a scene, or of a scene file, as by `quoin modes`. stage: the stage whose supports hold
+    the blocks; default: the first. state: "undamaged", the state at the start; "weight": at rest under the loads of the
+    stage; or the folder of a run of this scene from Python with output.end_state = true, in whose end state open joints
+    are open. ratios: damping ratios at the frequencies `at`, Hz; 0: those of the first and the last mode."""
     if not hasattr(_quoin, "modes"):
         raise BadInput("modes: this installation has no natural frequencies; build it with libopenblas-serial-dev")
     return Modes(*_quoin.modes(*scene_of(scene)._source(), whole("count", count, 1, 10000), str(stage),
@@ -90,8 +92,8 @@ def modes(scene, *, count=10, stage="", state="undamaged", ratios=(0.05, 0.05), 
 
 
 def properties_of(**tests):
-    """Properties of units and joints from what tests gave, by the rule of host/validate/README.md. tests: keys of a table
-    [tests] in SI units, as unit="clay", unit_strength=20e6, cohesion=0.2e6, friction=0.6, block_height=0.065. Returns a
-    dict: unit (a material), bed, head and inside (joints of fracture_energy), derivation (a line a number: name, value,
-    unit, from, spread as a coefficient of variation)."""
+    """Properties of units and joints from tests, by the rule of host/validate/README.md. tests: keys of a table [tests]
+    in SI units, as unit="clay", unit_strength=20e6, cohesion=0.2e6, friction=0.6, block_height=0.065. Returns a dict:
+    unit (a material), bed, head and inside (joints of fracture_energy), derivation (a line per number: name, value, unit,
+    from, spread as a coefficient of variation)."""
     return _quoin.properties_of(tests)

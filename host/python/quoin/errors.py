@@ -1,28 +1,28 @@
-"""What goes wrong, with the message that the command line prints."""
+"""Errors, with the messages of the command line."""
 
 
 class Error(Exception):
-    """Any of these. exit_code: of the command line."""
+    """Base class of errors. exit_code: that of the command line."""
     exit_code = 1
 
 
 class BadInput(Error, ValueError):
-    """A scene, or what was given to a call, is wrong."""
+    """A fault in a scene, or in the arguments of a call."""
     exit_code = 3
 
 
 class LawRefused(Error, ValueError):
-    """A law could not be loaded, or refused its properties."""
+    """A law that does not load, or refuses its properties."""
     exit_code = 4
 
 
 class NumericalFailure(Error, ArithmeticError):
-    """Not a number, or no equilibrium. What was computed until then can be read."""
+    """A value that is not a number, or no equilibrium. Results up to then can be read."""
     exit_code = 5
 
 
 class Gone(Error, ReferenceError):
-    """The simulation that this belonged to is closed or deleted."""
+    """Access to a simulation that is closed or deleted."""
 
 
 def from_exit_code(code, message):

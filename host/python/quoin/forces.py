@@ -2,13 +2,13 @@
 import numpy as np
 
 BED = 0.7     # least |y| of the normal of a bed joint
-ROUNDED = 1e-6  # displacements of blocks that are held, over the largest
+ROUNDED = 1e-6  # largest displacement of blocks that are held, over that of all blocks
 LEVEL = 0.3   # gap between two levels of bed joints, over the height of a block
-APART = 0.3   # gap between supports that belong together, over the size of a block
+APART = 0.3   # gap between supports of one group, over the size of a block
 
 
 def pressed(moment, least=0.01):
-    """Joints in compression whose force is above a share of the largest: rows of moment.forces, as a dict of arrays."""
+    """Joints in compression with a force above a share of the largest: rows of moment.forces, as a dict of arrays."""
     forces = moment.forces
     size = np.linalg.norm(forces["force_N"].astype(float), axis=1)
     chosen = (forces["normal_force_N"] < 0) & (size > least * max(size.max(initial=0.0), 1e-300))
@@ -29,9 +29,10 @@ def boxes(moment):
 
 
 def thrust_lines(moment):
-    """Pieces of the line of thrust, (from, to) each, m: from joint to joint of blocks with two of them, as in arches and columns;
-    between two abutments, as in vaults, through the resultants of joints at the same number of blocks from one of them; else, as in
-    walls, piers and buttresses, of bed joints of one level. Of these joints those go together that share blocks."""
+    """Pieces of the line of thrust, (from, to) each, m. In arches and columns they connect the two joints of each block.
+    Between two abutments, as in vaults, they pass through the resultants of joints at an equal number of blocks from one
+    abutment. Otherwise, as in walls, piers and buttresses, they pass through those of bed joints at one level. Joints
+    that share blocks have one resultant."""
     joints, box = pressed(moment), boxes(moment)
     pairs, places = np.stack([joints["block_a"], joints["block_b"]], axis=1).tolist(), joints["position"].astype(float)
     of = {}
@@ -61,7 +62,7 @@ def thrust_lines(moment):
 
 
 def _supports(pressed_blocks, box):
-    """Blocks that hold others and do not move themselves: in groups of those that are next to each other."""
+    """Blocks that hold others and do not move: groups of adjacent ones."""
     size = np.median([max(high - low) for low, high, _ in box.values()])
     groups = []
     for b in sorted(b for b in pressed_blocks if not box[b][2]):
@@ -76,7 +77,7 @@ def _through_rings(pairs, places, push, abutment):
     for a, b in pairs:
         beside.setdefault(a, []).append(b)
         beside.setdefault(b, []).append(a)
-    for b in row:  # grows as it is gone through
+    for b in row:  # grows during the loop
         for other in beside.get(b, []):
             if other not in away:
                 away[other] = away[b] + 1
@@ -92,7 +93,7 @@ def _joined(cuts):
 
 
 def _resultants(joints, pairs, places, push, height):
-    """Of joints that share blocks: (place, blocks above, blocks below)."""
+    """Resultants of groups of joints that share blocks: (place, blocks above, blocks below)."""
     groups = []
     for j in joints:
         touching = [g for g in groups if g[0] & set(pairs[j])]

@@ -1,5 +1,5 @@
-"""Blocks from meshes of other programs: OBJ, OFF, STL and assemblies of COMPAS as a scene reads them, and by meshio gmsh's
-.msh of versions 2 and 4, PLY, VTK, Abaqus, MED and others."""
+"""Blocks from mesh files: OBJ, OFF, STL and assemblies of COMPAS by the reader of scenes, and by meshio gmsh's .msh of
+versions 2 and 4, PLY, VTK, Abaqus, MED and others."""
 import contextlib
 import difflib
 import importlib.util
@@ -18,7 +18,7 @@ SURFACES = ("triangle", "quad", "polygon")
 
 
 def _components(cells, nodes):
-    """Numbers of cells that hang together by their nodes, by component."""
+    """Indices of the cells of each connected component."""
     parent = np.arange(nodes)
 
     def root(n):
@@ -37,7 +37,7 @@ def _components(cells, nodes):
 
 
 def _tags(mesh, index, count):
-    """Of the cells of a section: the volume that gmsh counts them to, or its physical group, or none."""
+    """Tags of the cells of a section: gmsh's volume, or else the physical group, or 0."""
     for name in ("gmsh:geometrical", "gmsh:physical"):
         if name in mesh.cell_data:
             return np.asarray(mesh.cell_data[name][index])
@@ -45,7 +45,7 @@ def _tags(mesh, index, count):
 
 
 def _corners(cell, section, points):
-    """Numbers of points of a cell, each one of those that there are."""
+    """Indices of the points of a cell; ValueError for one that does not exist."""
     corners = [int(n) for n in cell]
     if len(corners) < 3 or (section.type == "tetra" and len(corners) != 4):
         raise ValueError(f"a {section.type} has {len(corners)} corners")
@@ -56,7 +56,7 @@ def _corners(cell, section, points):
 
 
 def _groups(mesh, kinds):
-    """(tag, cells) of every body: cells of these kinds, parted by their tags and where they do not hang together."""
+    """(tag, cells) of every body: connected cells of these kinds with equal tags."""
     by_tag = {}
     for index, section in enumerate(mesh.cells):
         if section.type in kinds:
@@ -68,17 +68,17 @@ def _groups(mesh, kinds):
 
 
 def _upright(zones, points):
-    """The same tetrahedra with positive volumes."""
+    """The tetrahedra, numbered for positive volumes."""
     zones = np.array(zones)
     edges = points[zones[:, 1:]] - points[zones[:, :1]]
-    with np.errstate(over="ignore", invalid="ignore"):  # of coordinates like 1e308, which the scene refuses
+    with np.errstate(over="ignore", invalid="ignore"):  # overflow of coordinates like 1e308, which the scene refuses
         turned = np.linalg.det(edges) < 0
     zones[turned, 2], zones[turned, 3] = zones[turned, 3].copy(), zones[turned, 2].copy()
     return zones.tolist()
 
 
 def _boundary(zones):
-    """Triangles that only one of the tetrahedra has, counter-clockwise seen from outside."""
+    """Triangles of only one tetrahedron, counter-clockwise seen from outside."""
     found = {}
     for a, b, c, d in zones:
         for face in ((a, c, b), (a, b, d), (b, c, d), (a, d, c)):
@@ -88,8 +88,8 @@ def _boundary(zones):
 
 @contextlib.contextmanager
 def _little_memory(path):
-    """Missing memory is an exception of the reader, and not the end of the machine: a few bytes can say that points go by
-    numbers up to 2^31. Allowed are 200 bytes for each of the file and 500 MB."""
+    """Limits memory to 200 bytes per byte of the file and 500 MB, so that a lack of memory is an exception. A few bytes
+    of a file can claim indices of points up to 2^31."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     with open("/proc/self/statm", encoding="ascii") as file:
         used = int(file.read().split()[0]) * resource.getpagesize()
@@ -103,7 +103,7 @@ def _little_memory(path):
 
 
 def _check_ply(path):
-    """What meshio would wait for: the end of a header that has none, and elements that the file is too short for."""
+    """Refuses files in which meshio would loop: headers without an end, and elements beyond the end of the file."""
     size = os.path.getsize(path)
     with open(path, "rb") as file:
         if file.read(3) != b"ply":
@@ -118,10 +118,10 @@ def _check_ply(path):
 
 
 def _read(path):
-    """What meshio makes of a file."""
+    """The mesh of a file, as meshio reads it."""
     import meshio
     _check_ply(path)
-    said = io.StringIO()  # it prints what is wrong, and ends the program
+    said = io.StringIO()  # meshio prints faults and exits
     try:
         with _little_memory(path), contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             return meshio.read(path)
@@ -131,16 +131,16 @@ def _read(path):
         raise ValueError(" ".join(said.getvalue().split()) or "no reason is given") from None
 
 
-OWN_KINDS = (".obj", ".off", ".stl", ".json")  # that a scene reads by itself
+OWN_KINDS = (".obj", ".off", ".stl", ".json")  # file types that a scene reads itself
 
 
 def _is_own(path):
-    """Of COMPAS is what is no mesh of meshio's, which has no .json."""
+    """Whether a scene reads the file itself. Of COMPAS this is each .json file, which meshio does not read."""
     return os.path.splitext(path)[1] in OWN_KINDS
 
 
 def _fixed_names(fixed):
-    """True or False for all, or a list of names."""
+    """True or False for all blocks, or a list of names."""
     if isinstance(fixed, (bool, np.bool_)):
         return bool(fixed), []
     names = [fixed] if isinstance(fixed, str) else list(fixed)
@@ -150,7 +150,7 @@ def _fixed_names(fixed):
 
 
 def _chosen(path, names, all_fixed, wanted, own_support):
-    """Which of the blocks of these names are fixed. BadInput for a wanted name that none has."""
+    """Which of the blocks of these names are fixed. BadInput for a name without a block."""
     for name in wanted:
         if name not in names:
             near = difflib.get_close_matches(name, names, 1)
@@ -160,7 +160,7 @@ def _chosen(path, names, all_fixed, wanted, own_support):
 
 
 def _own_blocks(path, material, scale, name, fixed, keys):
-    """Of a file that a scene reads by itself: with the file's names, after `name` if that is given."""
+    """Blocks of a file that a scene reads itself, with the file's names, and `name` as prefix if it is given."""
     if not keys.get("rigid", True) and "zone_edge" not in keys and "divisions" not in keys:
         raise BadInput(f"{path}: has no tetrahedra that could be the zones of deformable blocks; give zone_edge")
     all_fixed, wanted = _fixed_names(fixed)
@@ -183,12 +183,12 @@ def _own_blocks(path, material, scale, name, fixed, keys):
 
 
 def read_blocks(path, *, material, scale=1.0, name=None, fixed=False, **keys):
-    """The bodies of a mesh file as a list of blocks for scene.block, lengths times scale; each must be convex. OBJ, OFF, STL
-    and assemblies of COMPAS (.json) are read as a scene's key `mesh` reads them, with the names and supports of the file,
-    after `name` if it is given. Of other files: the surfaces of their tetrahedra, or, where there are none, closed
-    surfaces, parted by gmsh's volumes and where they do not hang together, and called by `name` (or the file) and a number.
-    fixed: True, or the names of blocks that do not move. With rigid=False the tetrahedra of the file are the zones of
-    deformable blocks; with zone_edge besides, blocks are zoned anew."""
+    """The bodies of a mesh file as a list of blocks for scene.block, lengths times scale; each must be convex. OBJ, OFF,
+    STL and assemblies of COMPAS (.json) are read as by a scene's key `mesh`, with the names and supports of the file, and
+    `name` as prefix if it is given. Other files give the surfaces of their tetrahedra, or else their closed surfaces.
+    Bodies are separated by gmsh's volumes and by connectivity. Their names are `name` (or that of the file) and a number.
+    fixed: True, or the names of fixed blocks. With rigid=False the tetrahedra of the file are the zones of deformable
+    blocks; with zone_edge, blocks have zones of their own."""
     path = os.fspath(path)
     if _is_own(path):
         return _own_blocks(path, material, scale, name, fixed, keys)
@@ -209,7 +209,7 @@ def read_blocks(path, *, material, scale=1.0, name=None, fixed=False, **keys):
         bodies, zoned = list(_groups(mesh, ("tetra",))), True
         if not bodies:
             bodies, zoned = list(_groups(mesh, SURFACES)), False
-    except (ValueError, OverflowError) as fault:  # of numbers that are none
+    except (ValueError, OverflowError) as fault:  # a value that is no number
         raise BadInput(f"{path}: {fault}") from None
     if not bodies:
         raise BadInput(f"{path}: has neither tetrahedra nor a surface; it has {', '.join(c.type for c in mesh.cells)}")

@@ -1,4 +1,4 @@
-"""Still pictures of a run, by matplotlib where it is installed. Colours are those of cracks.png and of the page."""
+"""Pictures of a run by matplotlib, if it is installed. Colours are those of cracks.png and of the page."""
 import re
 
 import numpy as np
@@ -10,8 +10,8 @@ from .forces import pressed, thrust_lines
 ENERGIES = {"kinetic_energy_J": "kinetic", "strain_energy_J": "strain", "contact_energy_J": "joints",
             "dissipated_tension_J": "tension", "dissipated_cohesion_J": "cohesion", "dissipated_friction_J": "friction",
             "dissipated_crushing_J": "crushing", "damping_work_J": "damping", "external_work_J": "external work"}
-DASHES = ("-", "--", ":", "-.")  # lines stay apart in grey
-SEEN_FROM = np.array([0.55, 0.45, 1.0])  # assemblies that are not plane
+DASHES = ("-", "--", ":", "-.")  # lines also differ in grey
+SEEN_FROM = np.array([0.55, 0.45, 1.0])  # direction to the viewer of assemblies that are not plane
 WIDEST = 7.5  # inches of a picture
 
 
@@ -31,7 +31,7 @@ def _finished(figure, file):
 
 
 def _curve(stage, history):
-    """What a stage is looked at by: (column, factor, label) of both axes."""
+    """Axes of the curve of a stage: (column, factor, label) of both."""
     of = stage.get("curve") or {"kind": "push", "along": "x"}
     upright, whose = of["along"] == "y", f" of {of['of']}" if of.get("of") else ""
     way = {"y": "vertical", "z": "out-of-plane"}.get(of["along"], "horizontal")
@@ -50,13 +50,14 @@ def _curve(stage, history):
 
 
 def _round_down(x):
-    """1, 2 or 5 times a power of ten, not above x."""
+    """Largest of 1, 2 or 5 times a power of ten that is not above x."""
     power = 10.0 ** np.floor(np.log10(x))
     return next(d * power for d in (5, 2, 1) if d * power <= x * (1 + 1e-9))
 
 
 class _Paper:
-    """Where space goes on paper: from the front where all that moves shares its middle plane, else obliquely."""
+    """Projection of space onto the picture: from the front where all moving blocks share their middle plane, else
+    oblique."""
 
     def __init__(self, moment):
         blocks = moment.blocks
@@ -77,7 +78,7 @@ class _Paper:
         self.corners = np.array([low, high])
 
     def magnification(self, summary):
-        """At which the model is seen to move; large motion is drawn as it is."""
+        """Magnification of displacements that makes them visible; 1 in large motion."""
         largest = np.linalg.norm(self.moved, axis=1).max()
         if largest == 0.0 or (summary.get("motion") or {}).get("small_displacements") is False:
             return 1.0
@@ -87,7 +88,7 @@ class _Paper:
         return np.column_stack([places @ self.right, places @ self.up])
 
     def visible(self, magnified):
-        """Faces towards the viewer, the nearer after the further: (index, outline)."""
+        """Faces towards the viewer, from back to front: (index, outline)."""
         places = self.start + magnified * self.moved
         seen = []
         for k, (corners, _) in enumerate(self.faces):
@@ -99,7 +100,7 @@ class _Paper:
 
 
     def sharp(self, wanted):
-        """Edges of some faces, where a block has a corner."""
+        """Edges of some faces at which a block has a corner."""
         normals = {}
         for k, (corners, _) in enumerate(self.faces):
             p = self.start[corners[:3]]
@@ -112,8 +113,8 @@ class _Paper:
 
 
 class Pictures:
-    """What runs with history, summary, frames and title can be drawn by. Each returns a figure, and writes it where a file is
-    named: .png, .svg or .pdf."""
+    """Pictures of runs with history, summary, frames and title. Each method returns a figure, and writes it to `file` if
+    that is given: .png, .svg or .pdf."""
 
     def _stages(self):
         return (self.summary.get("settings") or {}).get("stages") or [{}]
@@ -130,7 +131,7 @@ class Pictures:
         return f"stage {moment.stage} {stage.get('name', '')}{come}, {moment.time:.3g} s"
 
     def plot(self, stage=-1, file=None):
-        """The curve that goes with a stage (the last one): force against displacement, multiplier, or displacement over time."""
+        """The curve of a stage (the last one): force over displacement, multiplier, or displacement over time."""
         figure, axes = _pyplot().subplots(figsize=(WIDEST, 4.6), constrained_layout=True)
         history, settings = self.history, self._stages()[stage]
         alike = [k + 1 for k, s in enumerate(self._stages()) if s.get("curve") == settings.get("curve")]
@@ -163,7 +164,7 @@ class Pictures:
         crack, places = joints["crack"], joints["position"] + magnified * joints["displacement_m"].astype(float)
         handles = []
         for kind, (label, colour) in list(enumerate(styles))[1:]:
-            width = 2.0 + 0.3 * kind  # in grey the worse is the wider
+            width = 2.0 + 0.3 * kind  # worse cracks are wider, also in grey
             if len(joints["connectivity"]) > len(joints["position"]):  # quads of the lattice
                 lines = [paper.flat(places[list(ends)]) for ends in self._rim(joints["connectivity"])
                          if min(crack[list(ends)]) > 0 and max(crack[list(ends)]) == kind]
@@ -176,8 +177,8 @@ class Pictures:
         return _finished(figure, file)
 
     def plot_field(self, quantity="displacement", frame=-1, magnified=None, limits=None, file=None):
-        """The model at a frame, coloured by "displacement" (mm) or "stress" (the smallest principal one of zones, MPa). limits:
-        of the colours; by default what 98 % of the faces keep to."""
+        """The model at a frame, coloured by "displacement" (mm) or "stress" (the smallest principal stress of zones,
+        MPa). limits: of the colour scale; by default a range with 98 % of the faces."""
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import LinearSegmentedColormap, Normalize
         if quantity not in ("displacement", "stress"):
@@ -203,8 +204,8 @@ class Pictures:
         return _finished(figure, file)
 
     def plot_forces(self, kind="joints", frame=-1, file=None):
-        """The model as it stands at a frame, and "joints": the resultant of each pressed joint, as wide as it is large; or "thrust":
-        the line of thrust of arches, walls and buttresses. True to scale."""
+        """The model in its place at a frame, without magnification. "joints": the resultant of each joint in compression,
+        with a width in proportion. "thrust": the line of thrust of arches, walls and buttresses."""
         from matplotlib.collections import LineCollection
         if kind not in ("joints", "thrust"):
             raise ValueError(f"kind = {kind!r}: joints or thrust")
@@ -290,7 +291,7 @@ class Pictures:
     def _draw_faces(axes, paper, magnified, colours):
         from matplotlib.collections import LineCollection, PolyCollection
         seen = paper.visible(magnified)
-        # In a plane view only edges of blocks, and not those of their zones; else nearer faces hide further edges.
+        # A plane view has edges of blocks, not of their zones. In other views nearer faces hide farther edges.
         outline = _quoin.colours()["edge"]
         edges = "face" if paper.plane else outline
         axes.add_collection(PolyCollection([face for _, face in seen], facecolors=[colours[k] for k, _ in seen],
@@ -302,7 +303,7 @@ class Pictures:
 
     @staticmethod
     def _rim(corners):
-        """Edges of one quad alone: where joints come to the surface."""
+        """Edges of only one quad, where joints meet the surface."""
         quads = corners.reshape(-1, 4)
         ends = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
         edges, count = np.unique(ends, axis=0, return_counts=True)
@@ -310,12 +311,12 @@ class Pictures:
 
     @staticmethod
     def _on_blocks(joints, wanted, paper, magnified):
-        """Points of joints as they are drawn: beside their blocks, and on both where these have come apart."""
+        """Places of joints' points in the picture: on their blocks, and on both blocks where these have parted."""
         at = joints["position"][wanted].astype(float)
         if "gap_m" in joints:
             apart = at + joints["gap_m"][wanted]
             at = np.vstack([at, apart[np.any(joints["gap_m"][wanted] != 0, axis=1)]])
-        if magnified != 1 and len(at):  # they are given where they stand: with the vertex next to them
+        if magnified != 1 and len(at):  # current places: moved with the nearest vertex
             now = paper.start + paper.moved
             nearest = [int(np.argmin(((now - p) ** 2).sum(axis=1))) for p in at]
             at = at + (magnified - 1) * paper.moved[nearest]
@@ -323,7 +324,7 @@ class Pictures:
 
     @staticmethod
     def _values(quantity, moment, paper):
-        """By face of the surface."""
+        """Values by face of the surface."""
         if quantity == "displacement":
             size = 1e3 * np.linalg.norm(paper.moved, axis=1)
             return np.array([size[corners].mean() for corners, _ in paper.faces])

@@ -1,15 +1,15 @@
-"""What a run has come to, while it goes on: on a terminal, and in a notebook as one line that is renewed."""
+"""Progress of a run: on a terminal, and in a notebook as one line that is updated."""
 import sys
 import time
 
 import numpy as np
 
 PERIOD = 0.5  # s between two lines
-FIRST = 50    # steps until the first
+FIRST = 50    # steps before the first line
 
 
 def _in_notebook():
-    """What shows and renews HTML, where IPython runs a kernel of a notebook; else None."""
+    """Function that shows and updates HTML, if IPython runs the kernel of a notebook; else None."""
     kernel = sys.modules.get("IPython") and sys.modules["IPython"].get_ipython()
     if kernel is None or not hasattr(kernel, "kernel"):
         return None
@@ -41,7 +41,7 @@ def state_of(simulation, stage, stages, name, fraction):
 
 
 def run_and_tell(simulation):
-    """To the end, with a line every half second. The steps are those of a run that tells nothing."""
+    """Runs to the end, with a line every half second. The steps are those of a run without progress."""
     come = [0, len(simulation.scene.stage), "", 0.0]
     session, show = simulation._session, _in_notebook() or _on_terminal
     session.set_progress(lambda *now: come.__setitem__(slice(None), now))
@@ -51,7 +51,7 @@ def run_and_tell(simulation):
             began = time.monotonic()
             more = session.step(steps, False)
             steps = max(1, min(10 * steps, int(steps * PERIOD / max(time.monotonic() - began, 1e-6))))
-            if not more:  # progress is told now and then only
+            if not more:  # the progress function is called only from time to time
                 come = [come[1] - 1, come[1], session.stage_names[-1], 1.0]
             show(state_of(simulation, *come))
     finally:

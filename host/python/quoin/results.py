@@ -1,4 +1,4 @@
-"""The results of a run, from its folder."""
+"""Results of a run, read from its folder."""
 import csv
 import json
 import os
@@ -20,12 +20,12 @@ CELLS = {7: None, 9: None, 10: ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
 
 
 def unit(name):
-    """Of a column or array, by the end of its name: unit("horizontal_force_N") is "N"; "" where it has none."""
+    """Unit of a column or array, from the end of its name: unit("horizontal_force_N") is "N"; "" without a unit."""
     return "N/m" if name.endswith("_N_per_m") else UNITS.get(name.rsplit("_", 1)[-1], "")
 
 
 class _Grid:
-    """Arrays of a VTU file of ours by name, rows by components."""
+    """Arrays of a VTU file of Quoin by name, rows by components."""
 
     def __init__(self, path):
         try:
@@ -67,13 +67,14 @@ class _Grid:
 
 
 class Moment:
-    """A frame of a run, read when it is asked for. time, s; stage, from 1 on; row, of the history. blocks and joints: arrays by
-    name, as the files for ParaView have them, units at the end of their names: position, displacement_m, stress_Pa (xx yy
-    zz xy yz zx), block ...; position, displacement_m, traction_Pa (normal, two shears, tension positive), opening_m, slip_m,
-    damage_tension, area_m2, block_a, block_b ... forces: one row for each two blocks that touch or were joined: position (of the
-    centre of compression, as it stands), force_N (on block_a), normal (from block_a to block_b), normal_force_N (tension
-    positive), shear_force_N, eccentricity (over the depth of the joint; 0.5 is an edge), area_m2 (in contact), opening_m,
-    slip_m, damage, crack. Where half of the thickness is computed, forces are those of the half."""
+    """A frame of a run, read on first access. time, s; stage, from 1; row, of the history. blocks and joints: arrays by
+    name, as in the files for ParaView, with units at the end of their names: position, displacement_m, stress_Pa (xx yy
+    zz xy yz zx), block ...; position, displacement_m, traction_Pa (normal, two shears, tension positive), opening_m,
+    slip_m, damage_tension, area_m2, block_a, block_b ... forces: one row per pair of blocks with a present or former
+    joint: position (centre of compression, in its current place), force_N (on block_a), normal (from block_a to block_b),
+    normal_force_N (tension positive), shear_force_N, eccentricity (over the depth of the joint; 0.5 is an edge), area_m2
+    (in contact), opening_m, slip_m, damage, crack. Where half of the thickness is modelled, forces are those of the
+    half."""
 
     def __init__(self, folder, number, time, stage, row):
         self.number, self.time, self.stage, self.row = number, time, stage, row
@@ -108,17 +109,18 @@ class Moment:
         return result + list(once.values())
 
     def joint_forces(self):
-        """By contact point, N, on block_a; block_b has the opposite one."""
+        """Forces by contact point, N, on block_a; those on block_b are opposite."""
         grid = self._grid("joints")
         n, s, traction = (grid[name].astype(float) for name in ("normal", "shear_axis", "traction_Pa"))
         force = traction[:, :1] * n + traction[:, 1:2] * s + traction[:, 2:3] * np.cross(n, s)
         force *= grid["area_m2"].astype(float)[:, None]
         if "gap_m" in grid.arrays:
-            force[np.any(grid["gap_m"] != 0, axis=1)] = 0.0  # apart
+            force[np.any(grid["gap_m"] != 0, axis=1)] = 0.0  # parted
         return force
 
     def force_on(self, block):
-        """Sum of the forces of its joints, N: at rest a support gives the opposite, less its own weight."""
+        """Sum of the forces of joints on a block, N. At rest the reaction of a support is its opposite, less the
+        support's own weight."""
         grid, force = self._grid("joints"), self.joint_forces()
         return force[grid["block_a"] == block].sum(axis=0) - force[grid["block_b"] == block].sum(axis=0)
 
@@ -127,7 +129,7 @@ class Moment:
 
 
 def _history(path):
-    """history.csv as a structured array; empty cells are not a number."""
+    """history.csv as a structured array; empty cells are NaN."""
     with open(path, encoding="utf-8", newline="") as file:
         rows = list(csv.reader(file))
     if not rows:
@@ -150,8 +152,8 @@ def _history(path):
 
 
 class Results(Pictures):
-    """A run that has been written. history: a structured array with the names and units of history.csv; summary: as
-    summary.json; frames: its moments."""
+    """Results of a run in a folder. history: a structured array with the names and units of history.csv; summary:
+    contents of summary.json; frames: its moments."""
 
     def __init__(self, folder):
         self.folder = os.fspath(folder)
@@ -179,8 +181,8 @@ class Results(Pictures):
     save_xdmf = save_xdmf
 
     def joint_histories(self, name="opening_m"):
-        """An array of `forces` along the run: (pairs of blocks, times in s, values by frame and pair); not a number where a pair
-        does not touch and never did. joint_histories() gives the widths of cracks."""
+        """An array of `forces` along the run: (pairs of blocks, times in s, values by frame and pair); NaN where a pair
+        has not been in contact so far. joint_histories() returns crack widths."""
         tables = []
         for moment in self.frames:
             forces = moment.forces
@@ -195,7 +197,7 @@ class Results(Pictures):
 
     @property
     def peak(self):
-        """Largest force, N, and the displacement there, m."""
+        """Largest force, N, and its displacement, m."""
         upright = self.summary["peak_vertical_force_N"]
         return self.summary["peak_horizontal_force_N"] if upright is None else upright, self.summary["displacement_at_peak_m"]
 
@@ -204,5 +206,5 @@ class Results(Pictures):
 
 
 def open_results(folder):
-    """The results in a folder that `quoin run --out` or quoin.run(out=...) has written."""
+    """Results in a folder written by `quoin run --out` or quoin.run(out=...)."""
     return Results(folder)

@@ -11,10 +11,10 @@ from .simulation import Simulation, table
 
 
 class Frame:
-    """A moment of the run. time, s; displacement of the gridpoints of all blocks, m; joints: a structured array by
-    contact point, position, displacement, traction, opening, slip, damage_tension, damage_shear, crack, block_a, block_b,
-    joint, gap: in large motion, where the blocks of a joint of the start have come apart, it stays with its last damage, and
-    gap (m) leads from its place on block_a to that on block_b; opening is the length of it."""
+    """A frame of the run. time, s; displacement of the gridpoints of all blocks, m; joints: a structured array by contact
+    point, position, displacement, traction, opening, slip, damage_tension, damage_shear, crack, block_a, block_b, joint,
+    gap. Where blocks of a joint of the start have parted in large motion, its points keep their last damage. gap (m) is
+    then the vector from the place on block_a to that on block_b, and opening is its length."""
 
     def __init__(self, of_session):
         self.time, self.displacement = of_session["time"], of_session["displacement"]
@@ -25,8 +25,9 @@ class Frame:
 
 
 class Run(Pictures):
-    """What a run has found. Pictures of the model need the folder `out`. history: a structured array with the names and numbers of history.csv; summary: as
-    summary.json; frames, and the mesh that they belong to; out: the folder of its files, or None."""
+    """Results of a run. Pictures of the model need the folder `out`. history: a structured array with the names and
+    numbers of history.csv; summary: contents of summary.json; frames, and their mesh; out: the folder of its files, or
+    None."""
 
     def __init__(self, simulation, status="done", message="", out=None):
         session = simulation._session
@@ -56,13 +57,13 @@ class Run(Pictures):
 
     @property
     def dataframe(self):
-        """The history for pandas, where that is installed."""
+        """The history as a DataFrame of pandas, if that is installed."""
         import pandas
         return pandas.DataFrame({name: self.history[name] for name in self.history.dtype.names})
 
     @property
     def peak(self):
-        """Largest horizontal force, or vertical one where the last stage is driven upright, N, and the displacement there, m."""
+        """Largest horizontal force, N, and its displacement, m; vertical ones if the last stage is driven vertically."""
         upright = self.summary["peak_vertical_force_N"]
         return self.summary["peak_horizontal_force_N"] if upright is None else upright, self.summary["displacement_at_peak_m"]
 
@@ -72,17 +73,16 @@ class Run(Pictures):
 
 
 def run(scene, *, threads=0, progress=False, frames=True, out=None, report=False, isolate_law=False, law_seconds=None):
-    """Runs a scene, or the file of one, to its end. progress: a line of what it has come to (peak so far, damaged
-    joints, energy) on stderr, or in the cell of a notebook. out: a folder for
-    history.csv, summary.json and the files for ParaView, as `quoin run --out` writes them. report: its page too, as
-    `quoin report` writes it. isolate_law, law_seconds: as of Simulation. What goes wrong is raised, and Ctrl-C too, with
-    what was computed until then as attribute `run` of the exception."""
+    """Runs a scene, or a scene file, to its end. progress: a line with the state (peak so far, damaged joints, energy) on
+    stderr, or in the cell of a notebook. out: a folder for history.csv, summary.json and the files for ParaView, as of
+    `quoin run --out`. report: also its page, as of `quoin report`. isolate_law, law_seconds: as of Simulation. Errors are
+    raised, as is KeyboardInterrupt, with the results so far as attribute `run` of the exception."""
     if report and out is None:
         raise BadInput("report: the page is made from the files of a run; give the folder for them, out=...")
     simulation = Simulation(scene, threads=threads, frames=frames, out=out, isolate_law=isolate_law,
                             law_seconds=law_seconds)
     if report:
-        simulation._session.require_report()  # now, and not after hours
+        simulation._session.require_report()  # at the start, not at the end of a long run
     try:
         run_and_tell(simulation) if progress else simulation.run()
     except (Error, KeyboardInterrupt) as stopped:

@@ -1,5 +1,5 @@
-"""Scenes: loaded from TOML files, built in code, written. Objects with the names of the TOML keys and nothing else:
-what the keys are, mean and allow is in host/scenes/README.md and host/scenes/BLOCKS.md, and the reader of files judges these too."""
+"""Scenes: loaded from TOML files, built in code, written. Objects have the names of the TOML keys. host/scenes/README.md
+and host/scenes/BLOCKS.md describe the keys. The reader of scene files checks these objects too."""
 import copy
 import os
 
@@ -7,13 +7,13 @@ import numpy as np
 
 from . import _quoin
 
-# Keys that are lists of tables: they need not be there before something is appended.
+# Keys that are lists of tables. An append creates the list.
 LISTS = ("block", "dry_wall", "arch", "joint_rule", "tie", "spring", "strip", "floor", "beam", "dowel", "fill", "mass", "monitor", "damage", "stage")
 TABLES = ("materials", "joints", "solver", "output", "contact")
 
 
 class Table:
-    """Keys as attributes and as items: table.cohesion is table["cohesion"]. A key that is set to None is left out."""
+    """Keys as attributes and as items: table.cohesion is table["cohesion"]. A key with the value None is left out."""
 
     def __init__(self, *args, **keys):
         object.__setattr__(self, "_keys", {})
@@ -32,7 +32,7 @@ class Table:
         del self._keys[key]
 
     def __getattr__(self, key):
-        if key.startswith("__") or "_keys" not in self.__dict__:  # of copies being made
+        if key.startswith("__") or "_keys" not in self.__dict__:  # during a copy
             raise AttributeError(key)
         try:
             return self._keys[key]
@@ -89,7 +89,7 @@ class Block(Table):
 
 
 class DryWall(Table):
-    """[[dry_wall]]: a wall of blocks that may move as they like."""
+    """[[dry_wall]]: a wall of separate blocks of any motion."""
 
 
 class Arch(Table):
@@ -109,19 +109,19 @@ class Strip(Table):
 
 
 class Floor(Table):
-    """[[floor]]: a membrane between walls, joined to them by connectors."""
+    """[[floor]]: a membrane between walls, with connectors to them."""
 
 
 class Beam(Table):
-    """[[beam]]: a bar that bends, or a cable, held by blocks."""
+    """[[beam]]: a bar that bends, or a cable, supported by blocks."""
 
 
 class Dowel(Table):
-    """[[dowel]]: a bar across a joint, elastic and then plastic along itself and in shear."""
+    """[[dowel]]: a bar across a joint, elastic and then plastic in its axis and in shear."""
 
 
 class Fill(Table):
-    """[[fill]]: soil on faces, its weight and its pressure between active and passive."""
+    """[[fill]]: soil on faces, with its weight and its pressure between active and passive."""
 
 
 class Mass(Table):
@@ -129,7 +129,7 @@ class Mass(Table):
 
 
 class Monitor(Table):
-    """[[monitor]]: a block or point whose motion monitors.csv has."""
+    """[[monitor]]: a block or point whose motion is in monitors.csv."""
 
 
 class JointRule(Table):
@@ -137,11 +137,11 @@ class JointRule(Table):
 
 
 class Damage(Table):
-    """[[damage]]: what has happened to joints before the first stage."""
+    """[[damage]]: damage of joints before the first stage."""
 
 
 class Wall(Table):
-    """[wall]: of the lattice."""
+    """[wall]: a wall of the lattice."""
 
 
 class Joint(Table):
@@ -165,7 +165,8 @@ def wrapped(value):
 
 
 def plain(value, key="scene"):
-    """The same in dictionaries, lists, numbers and words. TypeError with the dotted key for what a scene cannot hold."""
+    """The value as dictionaries, lists, numbers and texts. TypeError, with the dotted key, for values that a scene cannot
+    hold."""
     if isinstance(value, (bool, int, float, str)) and not isinstance(value, np.generic):
         return value
     if isinstance(value, (Table, dict)):
@@ -182,18 +183,18 @@ def plain(value, key="scene"):
 
 class Scene(Table):
     """A scene: materials, joints, a wall, building, blocks, and stages. Scene.load reads one; scene.wall.courses,
-    scene.joints.mortar.cohesion, scene.stage[0].pressure are its values; scene.check() says what is wrong with it."""
+    scene.joints.mortar.cohesion, scene.stage[0].pressure are its values; scene.check() raises its faults."""
 
     def __init__(self, *args, **keys):
-        object.__setattr__(self, "_file", None)     # where it was loaded from
-        object.__setattr__(self, "_loaded", None)   # what was there, as a document
-        object.__setattr__(self, "_text", None)     # and as text
-        object.__setattr__(self, "_hashes", {})     # of the files that it names
+        object.__setattr__(self, "_file", None)     # file that it was loaded from
+        object.__setattr__(self, "_loaded", None)   # contents of the file, as a document
+        object.__setattr__(self, "_text", None)     # contents of the file, as text
+        object.__setattr__(self, "_hashes", {})     # hashes of the files that it names
         super().__init__(*args, **keys)
 
     @classmethod
     def load(cls, path):
-        """A scene file. BadInput with file and line of what is no TOML; values are judged by check and by simulations."""
+        """Loads a scene file. BadInput, with file and line, for invalid TOML; check and simulations check the values."""
         path = os.fspath(path)
         document, text = _quoin.parse(path)
         scene = cls(document)
@@ -212,31 +213,31 @@ class Scene(Table):
         return {k: v for k, v in plain(self).items() if not (k in LISTS + TABLES and not v)}
 
     def _place(self):
-        """Of messages, and from whose folder the files that the scene names count."""
+        """Name in messages, whose folder is the base of the paths in the scene."""
         return self._file or "scene"
 
     def _source(self):
-        """As the reader takes it: what was loaded and has not been changed as its text, so that messages have its lines."""
+        """Input of the reader. An unchanged file is its text, so that messages have its lines."""
         document = self._document()
         return self._text if self._file and document == self._loaded else document, self._place(), self._hashes
 
     def check(self):
-        """BadInput with every fault, or LawRefused."""
+        """Raises BadInput with all faults, or LawRefused."""
         _quoin.check(*self._source())
 
     def text(self):
-        """As TOML."""
+        """The scene as TOML."""
         return _quoin.text(self._document())
 
     def write(self, path):
-        """As a TOML file that loads as the same scene: files that it names are found from there too."""
+        """Writes a TOML file that loads as the same scene. Relative paths of other files are adapted."""
         path = os.path.abspath(os.fspath(path))
         with open(path + ".part", "w", encoding="utf-8") as file:
             file.write(_quoin.text(self._with_files_from(os.path.dirname(path))))
         os.replace(path + ".part", path)
 
     def _with_files_from(self, folder):
-        """The document, with the files that it names as paths from that folder; None: absolute."""
+        """The document, with paths of files relative to that folder; None: absolute paths."""
         here = os.path.dirname(self._file) if self._file else os.getcwd()
         document = copy.deepcopy(self._document())
 
@@ -275,7 +276,7 @@ class Scene(Table):
 
 
 def scene_of(scene):
-    """A scene, or the path of one."""
+    """A scene, or that of a file."""
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, (str, os.PathLike)):

@@ -1,10 +1,10 @@
 """Masonry as lists of blocks: bonds, two leaves, rubble, curved walls, vaults, domes, bridges, and the beams and ties in
-them. Lengths in m, y up; the blocks of a list touch and never overlap. Keys that every block gets (material="stone",
-rigid=False, zone_edge=0.1) are passed on:
+them. Lengths in m, y up. Blocks of a list are in contact without overlap. Other keys (material="stone", rigid=False,
+zone_edge=0.1) apply to every block:
 
     scene.block += quoin.shapes.dome(radius=5.0, thickness=0.5, courses=8, pieces=24, material="stone")
 
-host/python/SHAPES.md shows a picture of each.
+host/python/SHAPES.md has a picture of each.
 """
 import math
 import warnings
@@ -56,14 +56,14 @@ def _of(block, key, default=None):
 
 
 def _support(keys):
-    """Of what holds the rest: it does not move and needs no zones."""
+    """Keys of a support: fixed, and rigid without zones."""
     return {k: v for k, v in dict(keys, fixed=True, rigid=True).items() if k not in ("zone_edge", "divisions")}
 
 
 # --- walls ----------------------------------------------------------------------------------------------------------------
 
 def _pieces(start, end, width, shift):
-    """(from, to) of units of a width in a row from start to end, joints at shift + whole widths; no slivers."""
+    """(from, to) of units of a width in a row from start to end, with joints at shift + whole widths, without slivers."""
     cuts = [start]
     for k in range(math.ceil((start - shift) / width - 1e-9), math.floor((end - shift) / width + 1e-9) + 1):
         x = shift + k * width
@@ -78,14 +78,14 @@ def _course(bond, course, length, unit):
     if bond in ("running", "third", "stack"):
         shift = {"running": 0.5 * (course % 2), "third": (course % 3) / 3, "stack": 0.0}[bond] * long
         return [(a, b, 0.0, wide) for a, b in _pieces(0.0, length, long, shift)]
-    deep = 2 * wide  # of a wall that is one unit thick
+    deep = 2 * wide  # thickness of a wall of two widths
     headers = [(a, b, 0.0, deep) for a, b in _pieces(0.0, length, wide, 0.5 * wide * (course % 2))]
     if bond == "header":
         return headers
     leaves = ((0.0, wide), (wide, deep))
     if bond == "english":
         return headers if course % 2 else [(a, b, *leaf) for leaf in leaves for a, b in _pieces(0.0, length, long, 0.0)]
-    # Flemish: stretcher, header, stretcher; the next course has its headers over the middle of the stretchers.
+    # Flemish: stretcher, header, stretcher. The next course has its headers over the middle of the stretchers.
     units, period = [], long + wide
     for k in range(-1, math.ceil(length / period) + 1):
         x = k * period + (course % 2) * (period / 2)
@@ -100,8 +100,8 @@ BONDS = ("running", "third", "stack", "header", "english", "flemish")
 
 
 def wall(bond, courses, length, unit, name="wall", origin=(0.0, 0.0, 0.0), **keys):
-    """A straight wall along x. unit: length, height, width; header, English and Flemish bond are two widths thick, with
-    stretchers in both leaves, the others one."""
+    """A straight wall along x. unit: length, height, width. Header, English and Flemish bond are two widths thick, with
+    stretchers in both leaves; other bonds are one width thick."""
     if bond not in BONDS:
         raise ValueError(f"bond = {bond!r}: allowed: {', '.join(BONDS)}")
     courses, length = _count("courses", courses, 1), _length("length", length)
@@ -120,8 +120,8 @@ def _laid(courses, height, name, origin, keys):
 
 
 def two_leaf_wall(courses, length, unit, gap=0.0, tie_every=3, tie_spacing=2, name="wall", origin=(0.0, 0.0, 0.0), **keys):
-    """Two leaves of running bond, each a unit's width thick, with a gap between them (0: they touch). Headers tie them: in
-    every tie_every-th course, in the middle of every tie_spacing-th unit, with closers beside them."""
+    """Two leaves of running bond, each a unit's width thick, with a gap between them (0: in contact). Headers tie them:
+    in every tie_every-th course, in the middle of every tie_spacing-th unit, with closers beside them."""
     courses, length, unit = _count("courses", courses, 1), _length("length", length), _lengths("unit", unit)
     tie_every, tie_spacing = _count("tie_every", tie_every, 1), _count("tie_spacing", tie_spacing, 1)
     gap = 0.0 if gap == 0 else _length("gap", gap)
@@ -142,7 +142,8 @@ def two_leaf_wall(courses, length, unit, gap=0.0, tie_every=3, tie_spacing=2, na
 
 
 def _without_short_edges(cells, seeds, room, shortest_edge):
-    """Cells of seeds moved a little, as much of shortest_edge as can be had; cells where none can."""
+    """Cells of slightly moved seeds without edges shorter than shortest_edge, or than the largest feasible part of it;
+    otherwise the given cells."""
     for wanted in (shortest_edge, 0.7 * shortest_edge, 0.4 * shortest_edge, 0.2 * shortest_edge):
         stones, left = _quoin.stones(seeds.tolist(), room.tolist(), wanted)
         if left >= wanted:
@@ -155,11 +156,11 @@ def _without_short_edges(cells, seeds, room, shortest_edge):
 
 
 def rubble(size, stone, seed=1, relax=2, shortest_edge=0.15, name="rubble", origin=(0.0, 0.0, 0.0), **keys):
-    """A box of irregular stones without gaps: the cells of seeds drawn at random (Voro++), as many as stones of that mean
-    length, height and width have room. relax: how often seeds move to the middle of their cells; 0: as they were drawn,
-    with splinters; 10: nearly of one size. shortest_edge: edges shorter than this part of a mean stone are taken out, as
-    they would set the time step of zones; faces stay planes that neighbours share; 0: edges as they come. The same seed
-    gives the same stones. Numbered from the lowest up."""
+    """A box of irregular stones without gaps: the cells of random seeds (Voro++). The mean length, height and width of
+    stones set their number. relax: number of moves of seeds to the middle of their cells; 0: random seeds, with
+    splinters; 10: nearly equal sizes. shortest_edge: edges shorter than this part of a mean stone are removed, as they
+    would set the time step of zones; faces remain planes shared by neighbours; 0: edges as they are. The stones depend on
+    the seed alone. They are numbered from the lowest up."""
     if not hasattr(_quoin, "voronoi"):
         raise ImportError("rubble: this installation was built without Voro++ (voro++-dev)")
     size, stone, relax = _lengths("size", size), _lengths("stone", stone), _count("relax", relax, 0, 1000)
@@ -167,7 +168,7 @@ def rubble(size, stone, seed=1, relax=2, shortest_edge=0.15, name="rubble", orig
     count = max(1, round(math.prod(size) / math.prod(stone)))
     if count > 100000:
         raise ValueError(f"stone = {stone}: {count} stones; allowed: 100000 at most; take larger ones")
-    room = np.array(size) / stone  # in which stones are as high as they are long
+    room = np.array(size) / stone  # scaled so that stones are as high as they are long
     seeds = room * np.random.RandomState(_count("seed", seed, 0, 2**32 - 1)).random_sample((count, 3))
     for turn in range(relax + 1):
         cells, centroids = _quoin.voronoi(seeds, room.tolist())
@@ -181,8 +182,8 @@ def rubble(size, stone, seed=1, relax=2, shortest_edge=0.15, name="rubble", orig
 
 
 def curved_wall(radius, thickness, height, courses, pieces, angle=360.0, name="wall", **keys):
-    """A wall on a circle about the y axis, mean radius; each course in so many pieces of equal angle (deg), straight
-    between their ends. The joints of courses are above each other for a polygon's faces to match."""
+    """A wall on a circle about the y axis, of mean radius; each course has `pieces` of equal angle (deg), straight
+    between their ends. Joints of all courses are above each other, so that the faces of a polygon match."""
     radius, courses, pieces = _length("radius", radius), _count("courses", courses, 1), _count("pieces", pieces, 3)
     thickness, height = _length("thickness", thickness, upper=2 * radius), _length("height", height)
     angle, rise = math.radians(_length("angle", angle, upper=360.0)), height / courses
@@ -206,8 +207,8 @@ def _voussoir(radius, thickness, angles, along, centre=(0.0, 0.0, 0.0)):
 
 
 def barrel_vault(radius, thickness, length, voussoirs, rows, angles=(0.0, 180.0), name="vault", **keys):
-    """A vault along z of so many voussoirs from springing to springing (deg from x), cut along its length into so many
-    rows; every other ring of voussoirs is shifted by half a row. The rings at the springings are fixed."""
+    """A vault along z of `voussoirs` from springing to springing (deg from x), divided along its length into `rows`;
+    every other ring of voussoirs is shifted by half a row. The rings at the springings are fixed."""
     radius, length = _length("radius", radius), _length("length", length)
     thickness = _length("thickness", thickness, upper=2 * radius)
     voussoirs, rows = _count("voussoirs", voussoirs, 2), _count("rows", rows, 1)
@@ -225,9 +226,9 @@ def barrel_vault(radius, thickness, length, voussoirs, rows, angles=(0.0, 180.0)
 
 
 def cross_vault(span, thickness, courses, springing=20.0, name="vault", **keys):
-    """A groin vault over a square bay: two half barrels of a mean diameter of span that meet in the diagonals, above the
-    middle of the bay. Each of the four webs has so many courses (an odd number, with one along the crown), from the
-    springing (deg above the horizon) up, mitred along the groins. The stones below the springing are fixed."""
+    """A groin vault over a square bay: two half barrels of mean diameter `span` that meet in the diagonals, above the
+    middle of the bay. Each of the four webs has `courses` (an odd number, with one along the crown), from the springing
+    (deg above the horizontal) up, mitred along the groins. The stones below the springing are fixed."""
     span, thickness = _length("span", span), _length("thickness", thickness, upper=span)
     courses, low = _count("courses", courses, 3), math.radians(_length("springing", springing, upper=80.0))
     step = (math.pi - 2 * low) / courses
@@ -246,15 +247,15 @@ def cross_vault(span, thickness, courses, springing=20.0, name="vault", **keys):
                     x, y = r * math.cos(a), r * math.sin(a)
                     points += [(x, y, abs(x)), (x, y, outer)]
                 if course == courses // 2:
-                    points.append((0.0, points[-1][1], 0.0))  # where the four crowns meet
+                    points.append((0.0, points[-1][1], 0.0))  # meeting point of the four crowns
             turned = [(turn[0] * x - turn[1] * z, y, turn[1] * x + turn[0] * z) for x, y, z in points]
             blocks.append(_hull(f"{name}/{web}/{course}", turned, keys if 0 <= course < courses else _support(keys)))
     return blocks
 
 
 def dome(radius, thickness, courses, pieces, springing=0.0, oculus=80.0, name="dome", **keys):
-    """A dome of mean radius about the y axis: courses of so many pieces, from the springing to the oculus (deg above the
-    horizon; 90: closed by a keystone as wide as a course is high). A ring below the first course is fixed."""
+    """A dome of mean radius about the y axis: courses of `pieces`, from the springing to the oculus (deg above the
+    horizontal; 90: closed by a keystone as wide as a course is high). A ring below the first course is fixed."""
     radius, courses, pieces = _length("radius", radius), _count("courses", courses, 1), _count("pieces", pieces, 4)
     thickness = _length("thickness", thickness, upper=2 * radius)
     low, high = math.radians(springing), math.radians(_length("oculus", oculus, springing, 90.0))
@@ -278,8 +279,8 @@ def dome(radius, thickness, courses, pieces, springing=0.0, oculus=80.0, name="d
 
 def arch_bridge(spans, span, rise, thickness, width, voussoirs, pier_width, pier_height, pier_courses=4, name="bridge",
                 **keys):
-    """Segmental arches of the same clear span and rise on piers, between two fixed abutments; along x, width along z. The
-    skewbacks are blocks of their own on the piers."""
+    """Segmental arches of equal clear span and rise on piers, between two fixed abutments; along x, width along z. The
+    skewbacks are separate blocks on the piers."""
     spans, voussoirs = _count("spans", spans, 1), _count("voussoirs", voussoirs, 3)
     span, width, thickness = _length("span", span), _length("width", width), _length("thickness", thickness)
     rise, pier_width = _length("rise", rise, upper=span / 2), _length("pier_width", pier_width)
@@ -319,7 +320,7 @@ def arch_bridge(spans, span, rise, thickness, width, voussoirs, pier_width, pier
 
 
 def _outline(block):
-    """Corners in the plane x, y, and from where to where along z."""
+    """Corners in the plane x, y, and the extent along z."""
     points = np.array([np.add(block.box.lower, np.multiply(block.box.size, corner)) for corner in np.ndindex(2, 2, 2)]
                       if "box" in block else plain(block.vertices))
     if "rotation" in block or "mesh" in block:
@@ -332,7 +333,7 @@ def _outline(block):
 
 
 def _top(corners, x):
-    """Height of the upper side of their hull at x; None: it does not reach there."""
+    """Height of the upper side of the corners' hull at x; None: outside of the hull."""
     left, right = corners[corners[:, 0] <= x], corners[corners[:, 0] >= x]
     if not len(left) or not len(right):
         return None
@@ -342,10 +343,10 @@ def _top(corners, x):
 
 
 def fill_load(blocks, top, unit_weight):
-    """The weight of a fill (N/m3) between the upper sides of blocks, boxes and prisms along z such as arch bridges and
-    barrel vaults have, and the level top: forces for stage.force, on each block that can move and that the sky would see.
-    They act down, where the fill's column above the block has its middle; the fill's stiffness and its thrust on what stands
-    beside it are left out."""
+    """Weight of a fill (N/m3) between the upper sides of blocks and its level top. The blocks are boxes and prisms along
+    z, as of arch bridges and barrel vaults. Returns forces for stage.force, on each movable block below open sky. They
+    act down, at the centre of the fill's column above the block. The fill's stiffness and its thrust on adjacent blocks
+    are neglected."""
     unit_weight = _length("unit_weight", unit_weight, upper=1e9)
     seen = [(block, *_outline(block)) for block in blocks]
     levels = sorted({round(z, 9) for _, _, ends in seen for z in ends})
@@ -361,13 +362,13 @@ def fill_load(blocks, top, unit_weight):
                     highest = height, block, corners
             if highest is None or _of(highest[1], "fixed"):
                 continue
-            inset = 1e-6 * (b - a)  # of the sides of blocks, where heights jump
+            inset = 1e-6 * (b - a)  # inside the sides of blocks, where heights jump
             depths = [top - _top(highest[2], x) for x in (a + inset, b - inset)]
             if min(depths) < -1e-9 * abs(b - a):
                 raise BadInput(f"top = {top}: block {highest[1].name!r} reaches {-min(depths):.3g} m above it")
             weight = unit_weight * (back - front) * (b - a) * sum(depths) / 2
             if weight > 0:
-                arm = (b - a) * (depths[0] + 2 * depths[1]) / (3 * sum(depths))  # of a trapezoid
+                arm = (b - a) * (depths[0] + 2 * depths[1]) / (3 * sum(depths))  # centroid of a trapezoid
                 total = loads.setdefault(highest[1].name, np.zeros(4))
                 total += np.array([1.0, a + arm, (front + back) / 2, highest[0]]) * weight
     return [Table(block=name, point=[x / f, y / f, z / f], force=[0.0, -f, 0.0]) for name, (f, x, z, y) in loads.items()]
@@ -376,8 +377,8 @@ def fill_load(blocks, top, unit_weight):
 # --- beams and ties -------------------------------------------------------------------------------------------------------
 
 def cut(blocks, lower, size, needed=True):
-    """The blocks without what lies in a box: boxes are divided around it, parts called NAME/a, NAME/b ... of one unit (key
-    `unit`), which a joint rule with inside_units can bond again. Only boxes that are not turned or moved can be cut."""
+    """The blocks without the parts in a box. Boxes are divided around it into parts NAME/a, NAME/b ... of one unit (key
+    `unit`), which a joint rule with inside_units can bond. Rotated or displaced boxes cannot be cut."""
     lower = _place("lower", lower)
     upper, left, met = lower + _lengths("size", size), [], False
     for block in blocks:
@@ -394,7 +395,7 @@ def cut(blocks, lower, size, needed=True):
             left.append(block)
             continue
         met, parts = True, []
-        for axis in range(3):  # what is before the hole, and beyond it; then the rest, along the next axis
+        for axis in range(3):  # parts before and after the hole along an axis; then the rest, along the next axis
             for end, at in ((0, lower[axis]), (1, upper[axis])):
                 if low[axis] + tiny < at < high[axis] - tiny:
                     a, b = low.copy(), high.copy()
@@ -412,20 +413,21 @@ def cut(blocks, lower, size, needed=True):
 
 
 def _hull_of(block):
-    """Corners of a block that is given by them and stands where they say; None: of another one."""
+    """Corners of a block that has vertices, without position or rotation; None: of other blocks."""
     return np.array(plain(block.vertices)) if "vertices" in block and not block.keys() & {"rotation", "position"} else None
 
 
 def beam(lower, size, name="beam", zone_edge=None, **keys):
-    """An elastic beam, a box along the axes, with zones of edges like the smallest side of its section (or zone_edge)."""
+    """An elastic beam, a box along the axes. Edges of its zones are as long as the smallest side of its section (or
+    zone_edge)."""
     lower, size = _place("lower", lower), _lengths("size", size)
     return _box(name, lower, lower + size, dict(keys, rigid=False, zone_edge=zone_edge or sorted(size)[0]))
 
 
 def opening(blocks, start, end, sill, head, bearing=0.0, lintel_height=0.0, lintel_material=None, name="lintel", **keys):
-    """A wall of boxes along x with an opening through its thickness, from start to end along x and from sill to head (m, as
-    the blocks stand). bearing > 0: an elastic lintel over it, that reaches so far into the wall at both sides, takes the
-    place of what was there. Best at the levels of courses."""
+    """A wall of boxes along x with an opening through its thickness, from start to end along x and from sill to head (m,
+    in the coordinates of the blocks). bearing > 0: an elastic lintel above it with this bearing in the wall on both
+    sides, in place of the blocks there. Levels of courses suit best."""
     boxes = [b.box for b in blocks if "box" in b and not _of(b, "fixed")]
     if not boxes:
         raise ValueError("blocks: there is no box among them that could be cut")
@@ -442,8 +444,8 @@ def opening(blocks, start, end, sill, head, bearing=0.0, lintel_height=0.0, lint
 
 def ring_beam(lower, length, width, section, name="ring", **keys):
     """A rectangular ring of elastic beams, length along x and width along z outside; section: its height and breadth. The
-    two along x have the corners. They are monolithic with a rule such as JointRule(family="cast", between=["ring/",
-    "ring/"]) of an elastic family."""
+    two beams along x include the corners. The ring is monolithic with a rule such as JointRule(family="cast",
+    between=["ring/", "ring/"]) of an elastic family."""
     (x, y, z), (height, breadth) = _place("lower", lower), _lengths("section", section, 2)
     length, width = _length("length", length, 2 * breadth), _length("width", width, 2 * breadth)
     inside = width - 2 * breadth
@@ -454,10 +456,10 @@ def ring_beam(lower, length, width, section, name="ring", **keys):
 
 
 def tie(blocks, start, end, bar, plate, clearance=0.01, name="tie", **keys):
-    """The blocks with an elastic tie along x or z, from start to end, the outer faces of the masonry: a square bar (its side
-    is bar), in a hole wider by the clearance at every side, and anchor plates (plate: side, thickness) that bear on the
-    masonry from outside. A rule such as JointRule(family="steel", between=["tie/", "tie/"]) of an elastic family joins bar
-    and plates."""
+    """The blocks with an elastic tie along x or z, from start to end, the outer faces of the masonry. bar: side of its
+    square section; its hole is wider by the clearance on every side. plate: (side, thickness) of anchor plates that bear
+    on the masonry from outside. A rule such as JointRule(family="steel", between=["tie/", "tie/"]) of an elastic family
+    bonds bar and plates."""
     start, end, bar = _place("start", start), _place("end", end), _length("bar", bar)
     side, thick = _lengths("plate", plate, 2)
     clearance = 0.0 if clearance == 0 else _length("clearance", clearance)

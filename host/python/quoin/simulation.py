@@ -1,4 +1,4 @@
-"""A simulation that is stepped from Python."""
+"""Step-by-step simulation from Python."""
 import hashlib
 import math
 import numbers
@@ -29,7 +29,7 @@ def word(name, value):
 
 
 def vector(name, value):
-    """Three numbers; None stays as it is and becomes not a number."""
+    """Three numbers. None stands for no change and becomes NaN."""
     try:
         values = [math.nan if v is None else float(v) for v in value]
     except (TypeError, ValueError):
@@ -55,12 +55,13 @@ def table(columns):
 
 
 class Simulation:
-    """A scene in motion. step and run move it on, through its stages; between two calls everything can be read, and
-    bodies be moved and loaded. threads 0: as many as the machine has; the bits do not depend on them.
+    """A simulation of a scene. step and run advance it through its stages. Between two calls all its state can be read,
+    and bodies can be moved and loaded. threads 0: all of the machine; the bits do not depend on it.
 
-    isolate_law: laws are evaluated in processes of their own; one that crashes, exits or takes more than law_seconds (60)
-    for a batch raises NumericalFailure. Without it, law_seconds ends the program, as the command line does, with words and
-    exit code 5 when a law does not return (None: nobody watches): a law that hangs cannot be taken out of a process."""
+    isolate_law: laws are evaluated in processes of their own. A law that crashes, exits or takes more than law_seconds
+    (60) for a batch raises NumericalFailure. Without it, a law that does not return within law_seconds ends the program
+    with a message and exit code 5, as on the command line (None: no limit), because a law cannot be removed from a
+    running process."""
 
     def __init__(self, scene, *, threads=0, frames=False, out=None, isolate_law=False, law_seconds=None):
         scene = scene_of(scene)
@@ -80,7 +81,7 @@ class Simulation:
     # --- time -----------------------------------------------------------------------------------------------------
 
     def step(self, n=1):
-        """n steps, or fewer when the last stage ends. True as long as there are more to come."""
+        """Computes n steps, or fewer if the last stage ends. Returns whether more steps remain."""
         if n.__class__ is not int or n < 1:
             n = whole("n", n, 1, MOST_STEPS)
         session = self._session
@@ -89,8 +90,8 @@ class Simulation:
         return session.step(n, False)
 
     def run(self, until=None, *, every=100):
-        """Goes on to the end of the last stage (until None), to a time in s, to the end of the stage of that name, or
-        until until(simulation) is true, which is asked every so many steps. True as long as there is more to come."""
+        """Runs to the end of the last stage (until None), to a time in s, to the end of the stage of that name, or until
+        until(simulation) is true, which is called after every `every` steps. Returns whether more steps remain."""
         session = self._session_of("run")
         if until is None:
             return session.step(MOST_STEPS, False)
@@ -145,11 +146,11 @@ class Simulation:
 
     @property
     def history(self):
-        """Rows until now, with the names and the numbers of history.csv."""
+        """Rows so far, with the names and numbers of history.csv."""
         return table(self._session_of("history").history())
 
     def measure(self):
-        """A row of the history, as it stands: a dictionary."""
+        """The current row of the history, as a dictionary."""
         return self._session_of("measure").measure()
 
     def mesh(self):
@@ -159,15 +160,17 @@ class Simulation:
     # --- arrays -----------------------------------------------------------------------------------------------------
 
     def _view(self, what, fetch, writeable=False):
-        fetch(self._session_of(what))  # what is not there is told at once
+        fetch(self._session_of(what))  # raises errors at once
         return View(self, what, fetch, writeable)
 
     def displacement(self, block):
-        """Of the gridpoints of a block, m; of a rigid one on the lattice, of its centre. In large motion computed."""
+        """Displacement of the gridpoints of a block, m; of a rigid block on the lattice, of its centre. A copy in large
+        motion."""
         return self._view("displacement", lambda s: s.displacement(block))
 
     def velocity(self, block):
-        """The same, m/s, of half a step ago; can be written. Of a rigid block, of its centre."""
+        """Velocity of the gridpoints of a block, m/s, half a step ago; of a rigid block, of its centre. It can be
+        written."""
         return self._view("velocity", lambda s: s.velocity(block), True)
 
     def sigma(self, joint):
@@ -181,45 +184,47 @@ class Simulation:
         return self._view("tau_t", lambda s: s.tau_t(word("joint", joint)))
 
     def area(self, joint):
-        """m2"""
+        """Areas of the contact points of a joint family, m2."""
         return self._view("area", lambda s: s.area(word("joint", joint)))
 
     def position(self, joint):
-        """m; in small displacements of the start."""
+        """Places of the contact points of a joint family, m; in small displacements those at the start."""
         return self._view("position", lambda s: s.position(word("joint", joint)))
 
     def state(self, joint, id):
-        """A state of the law, as `quoin models` lists them."""
+        """A state variable of the law by its name in `quoin models`."""
         return self._view("state", lambda s: s.state(word("joint", joint), word("id", id)))
 
     def damage(self, joint):
-        """Shares lost of tensile strength, cohesion and compressive strength: three arrays, computed by the law; not a
-        number where it does not tell."""
+        """Lost shares of tensile strength, cohesion and compressive strength: three arrays, computed by the law; NaN if
+        the law has none."""
         return self._session_of("damage").damage(word("joint", joint))
 
     def contacts(self, joint):
         """Contact points of a joint family as a structured array: position, normal, s, t, area, jump (along n, s, t),
-        block_a, block_b, condition. Computed."""
+        block_a, block_b, condition. A copy."""
         return table(self._session_of("contacts").contacts(word("joint", joint)))
 
     # --- steering ---------------------------------------------------------------------------------------------------
 
     def set_velocity(self, body, velocity):
-        """Of bodies that the stage holds or moves, m/s, from now to the end of the stage. None: stays as it is."""
+        """Sets the velocity of bodies that the stage holds or moves, m/s, from now to the end of the stage. None: no
+        change."""
         self._session_of("set_velocity").set_velocity(word("body", body), vector("velocity", velocity))
 
     def set_force(self, body, force):
-        """On bodies that are free, N, from now to the end of the stage. None: stays as it is."""
+        """Sets the force on free bodies, N, from now to the end of the stage. None: no change."""
         self._session_of("set_force").set_force(word("body", body), vector("force", force))
 
     def swap_law(self, joint, law):
-        """Another law for a joint family, with every traction kept: what it took over."""
+        """Replaces the law of a joint family; tractions stay. Returns numbers of points, and the change of
+        elastic energy."""
         return self._session_of("swap_law").swap_law(word("joint", joint), word("law", law))
 
     # --- checkpoints ------------------------------------------------------------------------------------------------
 
     def save(self):
-        """Everything that changes, as bytes. restore goes back to it; the bits from there on are the same."""
+        """The complete state, as bytes. After restore of these, all further bits are the same."""
         state = self._session_of("save").save()
         return hashlib.blake2b(state).digest() + state
 
@@ -236,12 +241,12 @@ class Simulation:
         return hashlib.sha256(self.scene.text().encode()).hexdigest()
 
     def checkpoint(self, path):
-        """The same in a file, with the history until now."""
+        """Writes the state and the history so far to a file."""
         self._session_of("checkpoint").checkpoint(os.fspath(path), self._scene_hash())
 
     @classmethod
     def resume(cls, scene, path, **options):
-        """A simulation of the same scene that goes on where checkpoint left it."""
+        """A simulation of the scene that continues from a file of checkpoint."""
         simulation = cls(scene, **options)
         simulation._session.resume(os.fspath(path), simulation._scene_hash())
         return simulation
@@ -256,9 +261,9 @@ class Simulation:
     closed = property(lambda self: self._session is None)
 
     def close(self):
-        """Gives its memory back. Views of it raise quoin.Gone from now on."""
+        """Frees its memory. Views of it then raise quoin.Gone."""
         if self._session is not None:
-            self._session.steps  # not while it is being stepped
+            self._session.steps  # raises an error while another thread steps it
         self._session = None
 
     def __enter__(self):

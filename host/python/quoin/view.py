@@ -1,4 +1,4 @@
-"""Arrays of a simulation where they lie."""
+"""Arrays of a simulation without copies."""
 import numbers
 import weakref
 
@@ -10,9 +10,9 @@ READING = ("__call__", "reduce", "accumulate", "reduceat", "outer")  # methods o
 
 
 class View(np.lib.mixins.NDArrayOperatorsMixin):
-    """An array of a simulation, read where it lies: view.max(), view[3:5], np.sum(view), 2 * view copy nothing but their
-    results; np.array(view) is a copy. It shows the present: after a step, the values of then. Once the simulation is
-    closed or deleted it raises quoin.Gone. Velocities can be written, view[...] = values."""
+    """An array of a simulation, read in place: view.max(), view[3:5], np.sum(view), 2 * view copy nothing but their
+    results; np.array(view) is a copy. After a step it has the new values. When the simulation is closed or deleted it
+    raises quoin.Gone. Velocities can be written, view[...] = values."""
 
     def __init__(self, simulation, what, fetch, writeable=False):
         self._simulation, self._what, self._fetch = weakref.ref(simulation), what, fetch
@@ -26,7 +26,7 @@ class View(np.lib.mixins.NDArrayOperatorsMixin):
 
     @staticmethod
     def _own(result, array):
-        """A result that no longer looks into the simulation."""
+        """A result without reference to the simulation's memory."""
         if isinstance(result, (tuple, list)):
             return type(result)(View._own(r, array) for r in result)
         if isinstance(result, np.ndarray) and np.may_share_memory(result, array):
@@ -53,13 +53,13 @@ class View(np.lib.mixins.NDArrayOperatorsMixin):
         return np.array(self._array(), dtype=dtype)
 
     def __array_ufunc__(self, ufunc, method, *inputs, out=None, **named):
-        # ufunc.at writes into its first argument, and NumPy does not look whether that can be written.
+        # ufunc.at writes into its first argument, and NumPy does not check that it is writeable.
         if out is not None or method not in READING and isinstance(inputs[0], View):
             raise TypeError(f"{self._what}: no output of {ufunc.__name__}; assign to velocity(block)[...]")
         if not all(isinstance(x, (View, np.ndarray, numbers.Number, np.generic, list, tuple, slice))
                    for x in inputs):
             return NotImplemented
-        # Only NumPy's own code gets an array that looks into the simulation: subclasses of ndarray take part in the call.
+        # Only NumPy's own code has access to the simulation's memory: subclasses of ndarray get copies.
         plain = not any(isinstance(x, np.ndarray) and type(x) is not np.ndarray for x in inputs)
         arrays = [(x._array() if plain else x.copy()) if isinstance(x, View) else x for x in inputs]
         named = {k: v.copy() if isinstance(v, View) else v for k, v in named.items()}

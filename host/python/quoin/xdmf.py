@@ -1,4 +1,4 @@
-"""A run in one pair of files that other programs read: XDMF, which names arrays, and HDF5, which has them."""
+"""A run in a pair of files for other programs: XDMF, with the names of arrays, and HDF5, with their values."""
 import os
 from xml.sax.saxutils import quoteattr
 
@@ -11,7 +11,7 @@ GRID = ("position", "connectivity", "offsets", "types")
 
 
 def _topology(grid):
-    """Cells as XDMF's Mixed has them: kind, number of corners where it is free, corners."""
+    """Cells in XDMF's format Mixed: kind, number of corners where it varies, corners."""
     corners, ends, types = grid["connectivity"], grid["offsets"], grid["types"]
     begins = np.r_[0, ends[:-1]]
     if len(types) and np.all(types == types[0]):
@@ -57,8 +57,8 @@ def _grid(data, moment, arrays):
 
 
 def save_xdmf(run, path, kinds=("blocks", "joints", "forces")):
-    """All frames of a run to PATH (.xdmf) and the file of its arrays beside it (.h5), for ParaView, VisIt and whatever reads
-    HDF5. Needs h5py."""
+    """Writes all frames of a run to PATH (.xdmf) and their arrays to a file .h5 next to it, for ParaView, VisIt and other
+    readers of HDF5. Requires h5py."""
     try:
         import h5py
     except ImportError:

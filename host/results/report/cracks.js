@@ -1,7 +1,7 @@
-// Cracks of a frame: bars where joints of the lattice come to the surface, elsewhere dots. Both have a light border, so that
-// they stay apart from what is coloured alike below them.
+// Cracks of a frame: bars where joints of the lattice meet the surface, dots elsewhere. Both have a light border that
+// sets them off from a surface of similar colour.
 
-const CRACK = {share: 0.07, narrowest: 1.5, widest: 4, border: 1.2};  // of a block; pixels; of each side
+const CRACK = {share: 0.07, narrowest: 1.5, widest: 4, border: 1.2};  // over the size of a block; pixels; pixels on each side
 const BAR_SHADER = `attribute vec3 start, end, paint; uniform vec2 room; uniform float width, lift; varying vec3 tint;
 void main() {
   vec4 a = projectionMatrix * modelViewMatrix * vec4(start, 1.0), b = projectionMatrix * modelViewMatrix * vec4(end, 1.0);
@@ -39,7 +39,7 @@ class Cracks {
     }
     for (const {bars, dots} of this.layers) model.scene.add(bars, dots);
   }
-  // Intact places are not drawn. at, paint: of bars, both ends; points, tints: of dots.
+  // Intact joints are not drawn. at, paint: both ends of bars; points, tints: dots.
   show(frame, magnified, wanted) {
     const {limit, head} = this.model, left = (all, i) => limit && all[i + limit.axis] > limit.at;
     const rim = this.array('rim'), moved = this.array('rim_moved' + frame), kind = this.array('crack' + frame);
@@ -52,7 +52,7 @@ class Cracks {
       this.paint.push(...colour, ...colour);
     }
     const points = this.array('points' + frame), points_moved = this.array('points_moved' + frame), kinds = this.array('point_crack' + frame);
-    for (let worse = 1; wanted && worse < colours.length; ++worse)  // what is worse is drawn over what is less so
+    for (let worse = 1; wanted && worse < colours.length; ++worse)  // worse cracks are drawn over others
       for (let p = 0; p < kinds.length; ++p) {
         if (kinds[p] !== worse || left(points, 3 * p)) continue;
         for (let i = 3 * p; i < 3 * p + 3; ++i) this.points.push(points[i] + magnified * points_moved[i]);
@@ -72,7 +72,7 @@ class Cracks {
     for (const {bars, dots} of this.layers) { bars.visible = this.at.length > 0; dots.visible = this.points.length > 0; bars.frustumCulled = dots.frustumCulled = false; }
   }
   get count() { return this.at.length / 6 + this.points.length / 3; }
-  // As wide as the size of blocks in the picture asks for; lifted off the surface by as much.
+  // Width in proportion to the size of blocks in the picture. Cracks are lifted off the surface by this width.
   scale(pixelsPerMetre) {
     const {model} = this, ratio = window.devicePixelRatio || 1;
     const width = Math.max(CRACK.narrowest, Math.min(CRACK.widest, CRACK.share * pixelsPerMetre * model.block));

@@ -1,8 +1,8 @@
-// Curves of a history, with a dot at the moment shown.
+// Curves of a history, with a dot at the current moment.
 
 const ROUNDED = 1e-8;  // times of frames have 9 digits
 
-// The last row of a history at or before a time, but for rounding; else the first.
+// Index of the first row of a history at or after a time, except for rounding; else of the last row.
 function rowAt(history, time) {
   const times = history.time_s;
   const row = times.findIndex(t => t >= time * (1 - ROUNDED));
@@ -14,7 +14,7 @@ const ENERGIES = [['kinetic_energy_J', 'kinetic'], ['strain_energy_J', 'strain']
   ['dissipated_crushing_J', 'crushing'], ['damping_work_J', 'damping'], ['external_work_J', 'external work']];
 const CHART = {narrowest: 260, widest: 700, gap: 8, height: 235, left: 62, right: 14, bottom: 42};  // pixels
 
-// What a stage is looked at by: columns of the history, their factors, and what axes say.
+// Axes of the curve of a stage: columns of the history, factors and labels.
 function axesOf(stage, history) {
   const curve = (stage && stage.curve) || {kind: 'push', along: 'x'};
   const along = curve.along, of = curve.of ? ` of ${curve.of}` : '';
@@ -28,7 +28,7 @@ function axesOf(stage, history) {
     return [[{key: 'largest_displacement_m', factor: 1e3, label: 'largest displacement [mm]'},
       {key: 'multiplier', factor: 1, label: 'multiplier of the horizontal load'}]];
   if (curve.kind === 'earthquake') {
-    // Along the first record, where the history tells of both: relative to the ground, and what it carries.
+    // Along the first record, relative displacement and base shear, if the history has both.
     const d = ((stage.ground_motion || {}).direction || [1, 0, 0]).map(Math.abs), way = d[2] > d[0] ? 'z' : 'x';
     const relative = `monitor_relative_d${way}_m`, shear = `base_shear_${way}_N`;
     if (!history[relative] || !history[shear]) return [[time, displacement], [time, force]];
@@ -39,7 +39,7 @@ function axesOf(stage, history) {
   return [[displacement, force]];
 }
 
-// Rows of all stages that are looked at in the same way.
+// Rows of all stages with equal axes.
 function rowsLike(stage, stages, history) {
   const like = s => JSON.stringify(s && s.curve) === JSON.stringify(stage && stage.curve);
   const rows = [];
@@ -47,7 +47,7 @@ function rowsLike(stage, stages, history) {
   return rows;
 }
 
-// Lines over a common x. lines: {name, values}; a dot on each at `rows[k]` of the history.
+// Lines over a common x. lines: {name, values}; each with a dot at `rows[k]` of the history.
 class Curve {
   constructor(parent, width, rows, xs, lines, xLabel, yLabel, pens) {
     this.svg = drawing(parent); this.width = width;
@@ -66,7 +66,7 @@ class Curve {
     return [CHART.left + (x - left) / (right - left) * (this.width - CHART.left - CHART.right),
       CHART.height - CHART.bottom - (y - low) / (high - low) * (CHART.height - CHART.bottom - this.top)];
   }
-  // Names of lines, from the left, as many to a row as fit; how far down they come.
+  // Names of lines, from the left, in rows as long as they fit; the height of all rows.
   name() {
     let x = CHART.left, y = 32;
     const named = this.lines.map((line, n) => [line, n]).filter(([line]) => line.name);
@@ -108,7 +108,7 @@ class Curve {
       this.dots.push(mark(this.svg, 'circle', {r: 4.5, fill: this.pens[n % this.pens.length], stroke: '#fff'}));
     });
   }
-  // The dots where the history had come to row; none where it says nothing of when.
+  // Moves the dots to a row of the history; without rows there are none.
   at(row) {
     if (!this.rows) { for (const dot of this.dots) dot.setAttribute('r', 0); return; }
     let k = this.rows.findIndex(r => r >= row);
@@ -120,7 +120,7 @@ class Curve {
   }
 }
 
-// Of an earthquake: the record along that axis, and its spectrum. Empty: the summary has none.
+// Record of an earthquake along an axis, with its spectrum; undefined if the summary has none.
 function recordOf(stage, way) {
   const along = c => c.direction.every((d, k) => (Math.abs(d) > 0.5) === ('xyz'[k] === way));
   return (((stage || {}).ground_motion || {}).components || []).find(c => c.record && along(c));

@@ -1,8 +1,8 @@
-// Which triangles of a large model are drawn: faces that a neighbour covers are not seen, and most of the faces of a wall are such.
+// Visible triangles of a large model. Most faces of a wall are covered by neighbours and are left out.
 
-const COVER = {share: 0.97, gap: 0.05, along: 0.98, aslant: 0.2};  // of the face's area; of a block, as drawn; cosine between a joint's and a face's normal; sine of the angle between them
+const COVER = {share: 0.97, gap: 0.05, along: 0.98, aslant: 0.2};  // over the face's area; over the size of a block, as drawn; cosine between normals of joint and face; sine of the angle to the view
 
-const WAYS = [null, [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];  // of normals; null: none of the axes
+const WAYS = [null, [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];  // directions of normals; null: along no axis
 
 class Faces {
   constructor(model) {
@@ -34,7 +34,7 @@ class Faces {
     }
     return -1;
   }
-  // The two faces of each joint; -1: it is none of a face.
+  // Indices of the two faces of each joint; -1: no face fits.
   ofJoints(first) {
     const {array} = this.model, sides = [array('joint_a'), array('joint_b')], axis = array('joint_axis0'), place = array('joint_place0');
     this.sides = sides.map(side => Int32Array.from(side, (b, j) => {
@@ -43,7 +43,7 @@ class Faces {
       return this.find(first.get(b) || [], normal, level, COVER.gap * this.model.block);
     }));
   }
-  // Corners of the triangles that can be seen in a frame.
+  // Corners of the triangles that are visible in a frame.
   seen(frame, magnified) {
     const {model} = this, {array} = model, covered = new Float32Array(this.area.length);
     const [area, opening, slip] = ['area', 'opening', 'slip'].map(what => array(`joint_${what}${frame}`)), a = array('joint_a'), b = array('joint_b');
@@ -65,7 +65,7 @@ class Faces {
     });
     return to;
   }
-  // Axis along which a triangle looks as it is drawn, as index of WAYS.
+  // Index into WAYS of the axis along the normal of a triangle as drawn.
   wayOf(t) {
     const p = this.model.position.array, triangle = this.model.array('triangle');
     const a = 3 * triangle[3 * t], b = 3 * triangle[3 * t + 1], c = 3 * triangle[3 * t + 2];
@@ -73,7 +73,7 @@ class Faces {
     const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx, size = COVER.along * Math.sqrt(x * x + y * y + z * z);
     return x > size ? 1 : -x > size ? 2 : y > size ? 3 : -y > size ? 4 : z > size ? 5 : -z > size ? 6 : 0;
   }
-  // Of them those that look at the viewer; along an axis is what is within 11 degrees of it.
+  // Draws only groups that face the viewer. Normals of a group along an axis are within 11 degrees of it.
   facing(geometry, towards) {
     geometry.clearGroups();
     for (const {start, count, way} of this.groups)

@@ -1,7 +1,7 @@
-// Forces between blocks: a spindle in each pressed joint, and the line of thrust.
+// Forces between blocks: a spindle in each joint in compression, and the line of thrust.
 
-const SPINDLE = {length: 0.45, width: 0.13, least: 0.01};  // over the distance of the blocks' centres; of the largest force
-const LOAD = {length: 0.7, width: 0.03, pen: 4};  // over the size of a block; a colour that no other forces have
+const SPINDLE = {length: 0.45, width: 0.13, least: 0.01};  // over the distance of the blocks' centres; over the largest force
+const LOAD = {length: 0.7, width: 0.03, pen: 4};  // over the size of a block; index of a colour that other forces do not have
 // Width and gap between supports over the size of a block; least |y| of a bed's normal; gap of levels over a height.
 const THRUST = {width: 0.02, apart: 0.3, bed: 0.7, level: 0.3};
 
@@ -18,7 +18,7 @@ class Forces {
   }
   get loadColour() { return this.model.head.colours.pens[LOAD.pen]; }
   get colour() { return this.model.head.colours.pens[this.kind === 'thrust' ? 0 : 1]; }
-  // What 98 % of the forces of the run keep to, N, as computed.
+  // Force above which 2 % of all forces of the run lie, N, for the modelled thickness.
   robust() {
     const all = [];
     const every = Math.max(1, Math.floor(this.a.length * this.model.head.times.length / 4e5));
@@ -31,7 +31,7 @@ class Forces {
     }
     return all.length ? Float64Array.from(all).sort()[Math.floor(0.98 * (all.length - 1))] : 0;
   }
-  // By block: how far its vertices have come on average.
+  // Mean displacement of the vertices of each block.
   moved(frame) {
     const moved = this.array('moved' + frame), block = this.array('block'), step = this.model.head.range.moved / 32767;
     const sum = [], count = [];
@@ -42,11 +42,11 @@ class Forces {
     }
     return sum.map((s, b) => s && s.map(x => x / count[b]));
   }
-  // Pressed joints of a frame, where they are drawn. F: on block a, N.
+  // Joints of a frame in compression, in their places in the picture. F: on block a, N.
   pressed(frame, magnified) {
     const force = this.array('joint_force' + frame), place = this.array('joint_place' + frame), normal = this.array('joint_normal' + frame);
     const axis = this.array('joint_axis' + frame), moved = this.moved(frame), all = [];
-    let most = 0;  // of this frame: impacts of another one hide nothing here
+    let most = 0;  // of this frame: impacts in other frames must not hide its forces
     for (let i = 0; i < force.length; i += 3) most = Math.max(most, Math.hypot(force[i], force[i + 1], force[i + 2]));
     for (let j = 0; j < this.a.length; ++j) {
       const F = [0, 1, 2].map(k => force[3 * j + k]), size = Math.hypot(...F), a = this.a[j], b = this.b[j];
@@ -65,12 +65,12 @@ class Forces {
     if (this.kind === 'thrust') for (const [from, to] of this.thrust(this.pressed(frame, magnified))) this.addBar(from, to);
     this.fill();
   }
-  // Both ends of the arrow of a load whose tip is at a place.
+  // Point on the arrow of a load, by share of its length from the tip.
   arrow(at, F) {
     const size = Math.hypot(...F) || 1, length = LOAD.length * this.model.block;
     return share => at.map((x, k) => x - share * length * F[k] / size);
   }
-  // A load of the stage, with its tip where it acts: it goes with the vertex that is nearest to it at the start.
+  // Adds the arrow of a load, with its tip at its place. It moves with the vertex nearest to it at the start.
   addArrow({point_m: point, force_N: F}, frame, magnified) {
     const width = LOAD.width * this.model.block, start = this.array('position'), moved = this.array('moved' + frame);
     if (!Math.hypot(...F)) return;
@@ -89,7 +89,7 @@ class Forces {
     this.addBar(...[-1, 1].map(s => at.map((x, k) => x + s * SPINDLE.length * apart * F[k] / size)),
       SPINDLE.width * apart * Math.min(1.3, size / this.largest), 0.5, this.colour, true);
   }
-  // A bar with a square across; pointed: as wide at a share of its length only, a cone where that is 0.
+  // Adds a bar of square section. widest: share of its length at which a pointed bar is widest; 0: a cone.
   addBar(from, to, width = THRUST.width * this.model.block, widest = 0.5, colour = this.colour, pointed = widest === 0) {
     this.parts.push({from, to, width, widest, colour, pointed});
   }
@@ -118,7 +118,7 @@ class Forces {
     geometry.setIndex(new THREE.BufferAttribute(Uint32Array.from(index), 1));
   }
 
-  // ---- The line of thrust, as pieces from place to place ----
+  // ---- The line of thrust, as pieces between two places ----
   thrust(joints) {
     const of = new Map();
     for (const joint of joints) for (const b of [joint.a, joint.b]) if (this.boxes[b].moves) of.set(b, [...(of.get(b) || []), joint]);
@@ -127,7 +127,7 @@ class Forces {
     const abutments = this.supports(joints);
     return abutments.length === 2 ? this.throughRings(joints, abutments[0]) : this.throughCourses(joints);
   }
-  // Blocks that hold others and do not move themselves, those together that are next to each other.
+  // Groups of adjacent blocks that hold others and do not move.
   supports(joints) {
     const held = [...new Set(joints.flatMap(j => [j.a, j.b]).filter(b => !this.boxes[b].moves))], groups = [];
     const near = (p, q) => [0, 1, 2].every(k => Math.min(this.boxes[p].high[k], this.boxes[q].high[k]) -
@@ -140,11 +140,12 @@ class Forces {
     }
     return groups;
   }
-  // Vaults and bridges between two abutments: through the joints at the same number of blocks from one of them.
+  // Vaults and bridges between two abutments: through resultants of joints at an equal number of blocks from one
+  // abutment.
   throughRings(joints, abutment) {
     const of = new Map(), away = new Map(abutment.map(b => [b, 0])), cuts = [];
     for (const j of joints) for (const b of [j.a, j.b]) of.set(b, [...(of.get(b) || []), j]);
-    for (const b of away.keys())  // in the order of their coming, new ones included
+    for (const b of away.keys())  // in the order of insertion, including those added in the loop
       for (const j of of.get(b) || []) for (const next of [j.a, j.b]) if (!away.has(next)) away.set(next, away.get(b) + 1);
     for (const j of joints) {
       const from = Math.min(away.get(j.a), away.get(j.b));
@@ -163,7 +164,7 @@ class Forces {
   alongChains(of) {
     return [...of.values()].filter(list => list.length === 2).map(([one, other]) => [one.at, other.at]);
   }
-  // Walls, piers, buttresses: through the resultants of bed joints of one level that share blocks.
+  // Walls, piers, buttresses: through resultants of groups of bed joints at one level that share blocks.
   throughCourses(joints) {
     const beds = joints.filter(j => j.bed > THRUST.bed).sort((x, y) => x.level - y.level);
     const heights = this.boxes.filter(b => b && b.moves).map(b => b.high[1] - b.low[1]).sort((x, y) => x - y);
@@ -174,7 +175,8 @@ class Forces {
     }
     return this.joined(levels.map(level => this.clusters(level, j => this.centre[j.a][1] > this.centre[j.b][1], j => Math.abs(j.F[1]))));
   }
-  // Joints that share blocks, with the place of their resultant. up: block a is the upper one; push: what a joint counts by.
+  // Groups of joints that share blocks, with the place of their resultant. up: whether block a is the upper one; push:
+  // weight of a joint.
   clusters(level, up, push) {
     const groups = [];
     for (const j of level) {

@@ -1,5 +1,5 @@
 'use strict';
-// Words, numbers and marks that model and curves share.
+// Texts, numbers and SVG elements shared by model and curves.
 
 const QUANTITIES = {
   damage: {name: 'damage of joints', unit: '', factor: 1},
@@ -8,7 +8,7 @@ const QUANTITIES = {
   stress: {name: 'smallest principal stress', unit: 'MPa', factor: 1e-6},
   displacement: {name: 'displacement', unit: 'mm', factor: 1e3}
 };
-const SHAPE = {name: 'displacement, scaled', unit: '', factor: 1};  // of motions that no run has made
+const SHAPE = {name: 'displacement, scaled', unit: '', factor: 1};  // for motions that are not of a run
 const byId = id => document.getElementById(id);
 
 function element(parent, tag, properties = {}) {
@@ -29,7 +29,7 @@ function drawing(parent) {
   return mark(parent, 'svg', {'font-family': 'sans-serif', 'font-size': 12, fill: '#222', xmlns: 'http://www.w3.org/2000/svg'});
 }
 
-// Three digits that mean something.
+// A number with three significant digits.
 function short(value, digits = 3) {
   if (value === null || value === undefined || !isFinite(value)) return '\u2013';
   const size = Math.abs(value);
@@ -38,13 +38,13 @@ function short(value, digits = 3) {
   return String(size >= 10 ** digits ? Math.round(value) : rounded);
 }
 
-// 1, 2 or 5 times a power of ten: the largest that is not above x.
+// Largest of 1, 2 or 5 times a power of ten that is not above x.
 function roundDown(x) {
   const power = 10 ** Math.floor(Math.log10(x) + 1e-9);
   return [5, 2, 1].find(d => d * power <= x * (1 + 1e-9)) * power;
 }
 
-// Numbers along an axis: so many at most.
+// Round numbers along an axis, about `most` of them.
 function ticksOf(low, high, most) {
   const least = (high - low) / most, power = 10 ** Math.floor(Math.log10(least) + 1e-9);
   const step = [1, 2, 5, 10].map(d => d * power).find(s => s >= least * (1 - 1e-9));
@@ -53,7 +53,7 @@ function ticksOf(low, high, most) {
   return ticks;
 }
 
-// The same, fewer where their texts would cross: room is that of the axis, in pixels.
+// Numbers along an axis without overlap of their texts. room: length of the axis, pixels.
 function ticksThatFit(low, high, most, room) {
   for (let n = most; n > 1; --n) {
     const ticks = ticksOf(low, high, n), widest = Math.max(...ticks.map(t => widthOf(short(t)))) + 8;
@@ -62,13 +62,13 @@ function ticksThatFit(low, high, most, room) {
   return ticksOf(low, high, 1).slice(0, 2);
 }
 
-// Without whose it is, where there is no room for that.
+// Label, shortened by its "of ..." if there is not enough room.
 const fitted = (label, room) => widthOf(label) <= room ? label : label.replace(/ of [^[]+\[/, ' [');
 
-// So wide is a text of 12 pixels, about; no less than it is.
+// Upper estimate of the width of a text of 12 pixels.
 const widthOf = text => 7.4 * text.length;
 
-// From -1 to 1, to red, green, blue in 0..1: nothing is the middle, and what is less than nothing cold.
+// Colour of a value from -1 to 1, as red, green, blue in 0..1. 0 has the middle colour, negative values are cold.
 function colourAt(t, {cold, middle, warm}) {
   const to = t < 0 ? cold : warm;
   return middle.map((c, k) => (c + Math.min(1, Math.abs(t)) * (to[k] - c)) / 255);

@@ -1,4 +1,5 @@
-// Ties, dowels, strips and beams as bars, floors as panels, where they stand; in the colours of pull and push.
+// Ties, dowels, strips and beams as bars, floors as panels, in their current places. Colours show tension and
+// compression.
 
 const BAR = 0.15;  // width of a bar over the thinnest side of a block
 const PULL = '#b3331f', PUSH = '#1c4f8a';
@@ -20,12 +21,12 @@ class Members {
           if (what === 'force') this.pull = Math.max(this.pull, value), this.push = Math.max(this.push, -value);
         }
   }
-  // Of the start and of a frame: where a corner is drawn.
+  // Places of corners in the picture, between those at the start and those of a frame.
   placed(what, frame, magnified) {
     const start = this.array(`member_${what}0`), now = this.array(`member_${what}${frame}`);
     return start.map((x, i) => x + magnified * (now[i] - x));
   }
-  // Grey without force; towards red where it pulls, blue where it pushes.
+  // Grey without force, towards red in tension, towards blue in compression.
   tint(value, most) {
     const share = most > 0 ? Math.max(-1, Math.min(1, value / most)) : 0, end = share > 0 ? [0.70, 0.20, 0.12] : [0.11, 0.31, 0.54];
     return [0.45, 0.45, 0.43].map((grey, k) => grey + Math.sqrt(Math.abs(share)) * (end[k] - grey));
@@ -54,7 +55,7 @@ class Members {
     this.mesh.geometry.setAttribute('position', new THREE.Float32BufferAttribute(position, 3));
     this.mesh.geometry.setAttribute('color', new THREE.Float32BufferAttribute(colour, 3));
   }
-  // Lines of the legend, largest values of the run: text and colour.
+  // Lines of the legend with the largest values of the run: text and colour.
   get labels() {
     if (!this.known) return [];
     const all = [], strips = this.model.head.summary.strips || [];

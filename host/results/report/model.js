@@ -1,11 +1,11 @@
-// The model of a run in three dimensions: its surface, cracks, view, marks over it, and what lies under the pointer.
+// The model of a run in three dimensions: its surface, cracks, view, labels, and the values under the pointer.
 
 const VIEWS = {front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0], iso: [0.55, 0.45, 1]};
 const EDGE = {legend: 240, below: 62, around: 14};  // pixels of the picture that the model leaves free
-const LOWEST = 280, ROOM = 70;  // pixels: of the picture, and of title, borders and gaps around it
+const LOWEST = 280, ROOM = 70;  // pixels: height of the picture; height of title, borders and gaps around it
 const LARGE = 1e5;  // vertices, of some 12,000 blocks
-const TINY = 6;  // pixels of a block: below, its edges would be all that is seen
-// Light from where the viewer stands: what faces him has the colours of the legend.
+const TINY = 6;  // pixels of a block; of smaller ones the edges would hide the faces
+// Light from the viewer: faces towards the viewer have the colours of the legend.
 const FACE_SHADER = `varying vec3 tint, place;
 void main() {
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
@@ -17,7 +17,7 @@ void main() {
   vec3 across = cross(dFdx(place), dFdy(place));
   gl_FragColor = vec4(tint * (0.55 + 0.45 * abs(across.z) / max(length(across), 1e-30)), opacity);
 }`;
-const PICKED = 4;  // pixels across that are looked at for a block
+const PICKED = 4;  // pixels on each side of a square that is searched for a block
 
 class Model {
   constructor(parent, head, array) {
@@ -32,7 +32,7 @@ class Model {
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
     box.getCenter(this.controls.target);
     const sizes = this.boxes(array('position')).filter(b => b).map(b => Math.max(...b.high.map((h, k) => h - b.low[k])));
-    this.block = sizes.sort((a, b) => a - b)[Math.floor(sizes.length / 2)];  // size of an ordinary one, m
+    this.block = sizes.sort((a, b) => a - b)[Math.floor(sizes.length / 2)];  // median size of blocks, m
     this.scene = new THREE.Scene();
     this.build();
     this.forces = new Forces(this);
@@ -42,7 +42,7 @@ class Model {
     this.overlay = drawing(parent);
     this.resize();
     this.controls.addEventListener('change', () => this.paintSoon());
-    // What makes large models slow to turn is left out until they stand still.
+    // Details that slow down large models are hidden while the model turns.
     this.controls.addEventListener('start', () => { this.turning = this.vertices > LARGE; });
     this.controls.addEventListener('end', () => { this.turning = false; this.paintSoon(); });
   }
@@ -67,7 +67,7 @@ class Model {
     for (const thing of this.scene.children) thing.frustumCulled = false;
     this.buildPicking();
   }
-  // Blocks whose centre lies beyond a share of the model along an axis (0, 1, 2) are left out; null: none are.
+  // Hides blocks whose centre is beyond a share of the model along an axis (0, 1, 2); null: hides none.
   cut(axis, share) {
     const key = axis === null ? '' : `${axis} ${share}`;
     if (key === (this.cutKey || '')) return;
@@ -86,7 +86,7 @@ class Model {
     this.edges.geometry.setIndex(kept(this.array('edge'), 2));
     this.limit = axis === null ? null : {axis, at: low + share * (high - low)};
   }
-  // Of large models without what is covered, where joints are known.
+  // Large models are drawn without covered faces, if joints are known.
   get large() { return this.vertices > LARGE && this.array('joint_area0').length > 0; }
   showFaces(index) { this.surface.geometry.setIndex(index); this.picking.children[0].geometry.setIndex(index); }
   showSeen(frame, magnified) {
@@ -97,7 +97,7 @@ class Model {
     this.showFaces(new THREE.BufferAttribute(this.faces.seen(frame, magnified), 1));
   }
   hidden(block) { return Boolean(this.left && this.left[block]); }
-  // The same surface, each block in a colour of its own that is its number.
+  // The surface for picking: each block has a colour that encodes its number.
   buildPicking() {
     const block = this.array('block'), ids = new Uint8Array(3 * this.vertices), surface = new THREE.BufferGeometry();
     for (let v = 0; v < this.vertices; ++v)
@@ -112,7 +112,7 @@ class Model {
     this.picking.add(mesh);
     this.target = new THREE.WebGLRenderTarget(PICKED, PICKED);
   }
-  // Model and curves fill the window.
+  // Sizes the model so that it fills the window together with the curves.
   resize() {
     const others = byId('bar').offsetHeight + CHART.height + ROOM;
     this.holder.style.height = `${Math.max(LOWEST, window.innerHeight - others)}px`;
@@ -124,7 +124,7 @@ class Model {
   }
 
   // ---- Views ----
-  // Seen from the front where all blocks that move share their middle plane; but for shapes that leave it.
+  // View from the front if all moving blocks share their middle plane, except for shapes that leave the plane.
   get natural() {
     if (this.head.labels && this.head.times.some((_, f) => this.leavesPlane(f))) return 'iso';
     const box = this.boxes(this.array('position'));
@@ -141,7 +141,7 @@ class Model {
     for (let v = 0; v < this.vertices; ++v) if (Math.abs(moved[3 * v + 2]) > 0.5 * 32767) return true;
     return false;
   }
-  // By block: the box of its vertices, and whether it ever moves.
+  // By block: the box of its vertices, and whether it has moved in the last frame.
   boxes(position) {
     const block = this.array('block'), all = [];
     for (let v = 0; v < this.vertices; ++v) {
@@ -156,18 +156,18 @@ class Model {
     if (!all.some(b => b && b.moves)) all.forEach(b => { b.moves = true; });
     return all;
   }
-  // Looks along a direction, and lets the model fill the view.
+  // Turns the view to a direction and fits the model into it.
   look(name) {
     this.viewed = name;
     const direction = new THREE.Vector3(...VIEWS[name]).normalize();
-    if (name === 'top') direction.z = 1e-4;  // up on paper is away from the viewer, -z
+    if (name === 'top') direction.z = 1e-4;  // up in the picture is away from the viewer, -z
     this.camera.position.copy(this.controls.target).addScaledVector(direction, this.size);
     this.camera.zoom = 1;
     this.camera.lookAt(this.controls.target);
     this.camera.updateMatrixWorld();
     this.fit();
   }
-  // The view of another model of the same blocks.
+  // Takes the view of another model of equal blocks.
   seenAs(other) {
     this.viewed = other.viewed;
     for (const key of ['left', 'right', 'top', 'bottom', 'zoom']) this.camera[key] = other.camera[key];
@@ -176,7 +176,7 @@ class Model {
     this.camera.updateProjectionMatrix();
     this.controls.update();
   }
-  // Extents on paper of what moves, at the start and now; of supports only what is near.
+  // Fits the picture to moving blocks, at the start and now, and to the parts of supports near them.
   fit() {
     const x = new THREE.Vector3(), y = new THREE.Vector3(), z = new THREE.Vector3();
     this.camera.matrixWorld.extractBasis(x, y, z);
@@ -198,7 +198,7 @@ class Model {
     const moving = boxes.filter(b => b && b.moves);
     const reach = Math.max(...[0, 1, 2].map(k => Math.max(...moving.map(b => b.high[k])) - Math.min(...moving.map(b => b.low[k]))));
     include(start, true, Infinity); include(now, true, 0.4);
-    // Small supports are shown as they are; of a ground a strip.
+    // Small supports are shown as a whole, large ones as a strip.
     for (const b of boxes) if (b) b.small = Math.max(...b.high.map((h, k) => h - b.low[k])) < 0.5 * reach;
     include(start, false, Infinity); include(start, false, 0.3);
     for (const {point_m, force_N} of ((this.head.summary.settings || {}).stages || []).flatMap(s => s.forces || [])) {
@@ -221,15 +221,16 @@ class Model {
   get cracked() { return this.cracks.count; }
   get pixelsPerMetre() { return this.width / (this.camera.right - this.camera.left) * this.camera.zoom; }
 
-  // ---- A moment ----
-  // The magnification at which the model is seen to move; large motion is drawn as it is.
+  // ---- A frame ----
+  // Magnification at which displacements are visible; 1 in large motion.
   get magnification() {
     const moved = this.head.range.moved, {motion} = this.head.summary;
     if (this.head.labels) return Number((0.06 * this.size / (moved || 1)).toPrecision(2));
     if (motion && motion.small_displacements === false || moved === 0) return 1;
     return Math.max(1, roundDown(0.05 * this.size / moved));
   }
-  // A vertex that goes with the ground, where that moves: of the lowest block. -1: displacements are counted from where it was.
+  // Index of a vertex of the lowest block, if the ground moves; displacements are relative to it. -1: displacements are
+  // absolute.
   get grounded() {
     if (this.groundVertex !== undefined) return this.groundVertex;
     const p = this.array('position'), shaken = this.head.history && this.head.history.ground_dx_m;
@@ -274,12 +275,12 @@ class Model {
     this.cracks.show(frame, what.magnified, what.cracks);
     this.paint();
   }
-  // From a value to its colour. 0 has the middle one, where the range holds it.
+  // Function from a value to its colour. 0 has the middle colour, if it is in the range.
   scaleOf({low, high}) {
     const zero = Math.min(Math.max(0, low), high), most = Math.max(zero - low, high - zero) || 1;
     return value => colourAt((value - zero) / most, this.head.colours);
   }
-  // Once before the browser shows the page anew, however often the pointer moves until then.
+  // Paints once before the browser's next frame, regardless of the number of pointer events until then.
   paintSoon() {
     if (!this.awaited) requestAnimationFrame(() => { if (this.awaited) this.paint(); });
     this.awaited = true;
@@ -294,7 +295,7 @@ class Model {
     this.drawMarks();
   }
 
-  // ---- Marks over the picture ----
+  // ---- Labels over the picture ----
   drawMarks() {
     while (this.overlay.firstChild) this.overlay.removeChild(this.overlay.firstChild);
     this.drawLegend();
@@ -383,7 +384,7 @@ class Model {
     const triangle = this.array('triangle'), p = this.position.array;
     return [0, 1, 2].map(k => new THREE.Vector3().fromArray(p, 3 * triangle[t + k]));
   }
-  // Where the line of sight meets a block, and the vertex next to that.
+  // Point of a block under the pointer, and the vertex nearest to it.
   hit(block, x, y) {
     const to = {x: 2 * x / this.width - 1, y: 1 - 2 * y / this.height}, caster = new THREE.Raycaster();
     caster.setFromCamera(to, this.camera);
@@ -400,7 +401,7 @@ class Model {
     }
     return found;
   }
-  // The joint of a block that is closest to a place on it; null: it touches none.
+  // Joint of a block nearest to a place on it; null: it has none.
   jointNear(block, place) {
     const a = this.array('joint_a'), b = this.array('joint_b'), at = new THREE.Vector3();
     const area = this.array('joint_area' + this.frame);
@@ -414,7 +415,7 @@ class Model {
     }
     return found;
   }
-  // What is told of a place of the picture, line by line; empty: nothing is there.
+  // Lines of text about a place of the picture; empty: there is no block.
   tell(x, y) {
     const block = this.blockAt(x, y), hit = block < 0 ? null : this.hit(block, x, y);
     if (!hit) return [];

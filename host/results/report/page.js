@@ -1,4 +1,4 @@
-// The page: runs, what the bar asks for, and pictures of them.
+// The page: runs, settings of the bar, and pictures.
 
 async function unpack(text) {
   const letters = atob(text), packed = new Uint8Array(letters.length);
@@ -8,7 +8,7 @@ async function unpack(text) {
 }
 
 class Run {
-  // beside: whether there are other runs on the page, from which the name of the folder then sets this one apart.
+  // beside: whether the page has other runs; the heading then includes the name of the folder.
   constructor(head, buffer, beside = false) {
     const {title} = head.summary;
     this.head = head;
@@ -32,7 +32,7 @@ class Run {
   get stages() { return (this.head.summary.settings || {}).stages || []; }
   rowOf(frame) { return rowAt(this.head.history, this.head.times[frame]); }
   stageOf(frame) { return this.head.history.stage[this.rowOf(frame)] - 1; }
-  // Stage, and how far it has come: a displacement, a multiplier, a time.
+  // Text with the stage and its progress: a displacement, a multiplier, a time.
   momentOf(frame) {
     if (this.head.labels) return this.head.labels[frame];
     const h = this.head.history, row = this.rowOf(frame), s = this.stageOf(frame), stage = this.stages[s];
@@ -130,7 +130,7 @@ class Run {
   }
 }
 
-// Of a quantity in all runs of the page, which are coloured alike.
+// Ranges of a quantity over all runs of the page, which share their colours.
 class Ranges {
   constructor(runs) { this.runs = runs; this.known = {}; }
   whole(quantity) {
@@ -143,31 +143,30 @@ class Ranges {
     for (let f = 0; f < run.frames; ++f) for (const value of run.model.values(f, 'displacement')) most = Math.max(most, value);
     return most;
   }
-  // What 98 % of the values of each moment that are not nothing keep to, so that single ones do not set the colours of all.
+  // Range of 98 % of the values other than 0 in each moment, so that single values do not set the colours.
   robust(quantity) {
     if (quantity === 'damage') return [0, 1];
     if (!this.known[quantity]) this.known[quantity] = this.tidy(quantity, this.within(quantity, r => [...Array(r.frames).keys()]));
     return this.known[quantity];
   }
   moment(quantity) { return this.tidy(quantity, this.within(quantity, r => [r.model.frame || 0])); }
-  // Of the run and the moment that have the most: another run with more blocks does not set it, nor do moments at which all is
-  // still next to nothing.
+  // Largest range of any run and moment. So neither runs with more blocks nor moments with small values set it.
   within(quantity, framesOf) {
     const most = [0, 0];
     for (const run of this.runs)
       for (const f of framesOf(run)) this.sidesOf(run, quantity, f).forEach((side, k) => { most[k] = Math.max(most[k], side); });
     return most;
   }
-  // How far below and above nothing in a frame.
+  // Largest values below and above 0 in a frame, for 98 % of values.
   sidesOf(run, quantity, frame) {
     const sides = [[], []], values = run.model.values(frame, quantity);
     const every = Math.max(1, Math.floor(values.length * run.frames / 4e5));
     for (let v = 0; v < values.length; v += every) if (values[v] !== 0) sides[values[v] < 0 ? 0 : 1].push(Math.abs(values[v]));
     const total = sides[0].length + sides[1].length;
-    // A side with next to no values has no colours of its own.
+    // A side with few values has no colours of its own.
     return sides.map(side => side.length < 0.01 * total || !total ? 0 : Float64Array.from(side).sort()[Math.floor(0.98 * (side.length - 1))]);
   }
-  // Two digits that hold it.
+  // The range, rounded up to two digits.
   tidy(quantity, [below, above]) {
     const up = x => { if (!x) return 0; const power = 10 ** Math.floor(Math.log10(x) - 1); return Math.ceil(x / power - 1e-9) * power; };
     const range = [-up(below), up(above)];
@@ -175,8 +174,8 @@ class Ranges {
   }
 }
 
-// The frame of another run at the moment of frame `of` of the first: in the same stage, where what is driven has come as far,
-// or as late in the stage; ends go together.
+// Frame of another run that corresponds to frame `of` of the first: in the same stage, at the same displacement of the
+// driven part, or at the same time in the stage. First and last frames correspond.
 function frameLike(first, of, other) {
   if (of === 0) return 0;
   if (of === first.frames - 1) return other.frames - 1;
@@ -191,11 +190,11 @@ function frameLike(first, of, other) {
   return frames.reduce((a, b) => away(b) < away(a) ? b : a);
 }
 
-// Models and curves of the page in one picture, as it is now, on a canvas.
+// Draws models and curves of the page in one picture on a canvas.
 async function paintPicture(runs, canvas, scale) {
   const gap = 10, width = runs.reduce((w, r) => w + r.model.width + gap, gap);
   const tallest = Math.max(...runs.map(r => r.model.height)), curve = 260, height = tallest + 40 + curve;
-  const even = x => 2 * Math.round(x / 2);  // films have even sides
+  const even = x => 2 * Math.round(x / 2);  // video needs even sides
   if (canvas.width !== even(scale * width)) canvas.width = even(scale * width);
   if (canvas.height !== even(scale * height)) canvas.height = even(scale * height);
   const images = new Map(), drawings = runs.flatMap(r => [[r.model.overlay, r.model.width, r.model.height],
@@ -229,14 +228,14 @@ class Bar {
     this.take(runs);
     byId('time').value = this.longest.frames - 1;
     byId('magnification').value = Math.min(...runs.map(r => r.model.magnification));
-    // Where most joints are dry from the start, damage says nothing.
+    // Damage has no meaning where most joints are dry from the start.
     const dry = run => run.model.array('damage0').reduce((sum, d) => sum + d, 0) > 0.3 * 255 * run.model.vertices;
     if (runs.some(dry)) byId('colour').value = 'displacement';
     for (const id of ['time', 'colour', 'range', 'magnification', 'cracks', 'forces', 'cut', 'cutat']) byId(id).addEventListener('input', () => this.show());
     for (const id of ['lowest', 'highest']) byId(id).addEventListener('input', () => { byId('range').value = 'given'; this.show(); });
     byId('play').addEventListener('click', () => this.play());
     byId('save').addEventListener('click', () => this.save());
-    const still = runs.some(r => r.head.labels);  // motions that no run has made: they swing from the first
+    const still = runs.some(r => r.head.labels);  // motions that are not of a run oscillate from the start
     if (still) {
       byId('colour').value = 'displacement'; byId('time').value = 0;
       for (const id of ['colour', 'range', 'lowest', 'highest', 'cracks']) byId(id).disabled = true;
@@ -255,7 +254,7 @@ class Bar {
     this.longest = runs.reduce((a, b) => b.frames > a.frames ? b : a);
     byId('time').max = this.longest.frames - 1;
   }
-  // More of the same runs: who looks at the end goes on to look at that.
+  // New frames of the same runs. A slider at the last frame moves to the new last frame.
   renew(runs) {
     const slider = byId('time'), atEnd = Number(slider.value) >= this.longest.frames - 1;
     this.take(runs);
@@ -297,7 +296,7 @@ class Bar {
       this.show();
     }, 250);
   }
-  // A mode to and fro, a mechanism away and back.
+  // Oscillates: a mode to both sides, a mechanism to one side.
   swing() {
     const phase = 2 * Math.PI * performance.now() / 2000;
     this.swung = this.longest.head.summary.one_way ? (1 - Math.cos(phase)) / 2 : Math.sin(phase);
@@ -311,7 +310,7 @@ class Bar {
     link.download = this.runs.map(r => r.head.name).join('_') + '.png';
     link.click();
   }
-  // All frames, one after the other, as WebM.
+  // Records all frames one after the other, as WebM.
   async film(pause = 200) {
     const canvas = document.createElement('canvas'), link = document.createElement('a'), pieces = [], slider = byId('time'), at = slider.value;
     await paintPicture(this.runs, canvas, 1);
@@ -338,7 +337,7 @@ class Bar {
   }
 }
 
-// A run that goes on: what it has come to every second, and the model anew whenever a frame has come.
+// A running simulation: requests its state every second, and the model after each new frame.
 async function follow() {
   const told = element(document.body, 'div', {id: 'live', textContent: 'the run begins'});
   document.body.insertBefore(told, byId('runs'));
@@ -366,7 +365,7 @@ function liveText(state) {
     `${short(1e3 * state.displacement_at_peak_m)} mm; ${short(100 * state.cracked)} % of contact points no longer elastic; ` +
     `kinetic energy ${short(state.kinetic_energy_J)} J`;
 }
-// In place of the run that was shown, seen as that one was.
+// Replaces the run on the page by its newer state, with the same view.
 function renew(run) {
   const old = window.quoinRuns && window.quoinRuns[0], bar = window.quoinBar;
   window.quoinRuns = [run];
@@ -381,11 +380,11 @@ function renew(run) {
 }
 
 async function open() {
-  if (location.hash === '#picture') document.body.className = 'picture';  // the model alone, in the whole window
+  if (location.hash === '#picture') document.body.className = 'picture';  // only the model, in the whole window
   if (document.querySelectorAll('script.live').length) return follow();
   const heads = [...document.querySelectorAll('script.head')], data = [...document.querySelectorAll('script.data')], runs = [];
   for (let i = 0; i < heads.length; ++i) runs.push(new Run(JSON.parse(heads[i].textContent), await unpack(data[i].textContent), heads.length > 1));
-  window.quoinRuns = runs;  // for who looks into the page, as its test does
+  window.quoinRuns = runs;  // for access from outside, as by tests
   window.quoinBar = new Bar(runs);
   document.body.dataset.ready = 'yes';
 }

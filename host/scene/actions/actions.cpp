@@ -4,7 +4,7 @@
 
 namespace quoin {
 
-// `pressure` with a number is that of a stage of that kind.
+// `pressure` as a number is the key of a stage of kind pressure.
 bool has_actions(const reader::Table& t) {
   return std::ranges::any_of(kStageActions, [&](const StageAction& action) {
     const toml::node* node = t.toml().get(action.key);

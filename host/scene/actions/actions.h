@@ -1,4 +1,4 @@
-// What acts on blocks from outside in a stage of any scene: forces, pressures, ground motion, collapse.
+// Actions on blocks in a stage of any scene: forces, pressures, ground motion, collapse.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace quoin {
 
-// Whether the table of a stage has any of them.
+// Whether the table of a stage has any action.
 bool has_actions(const reader::Table& t);
 
-// folder: of the files that the scene names, with its slash. names: of the blocks that can be named; empty: names are
-// resolved later.
+// Reads the actions of a stage. folder: that of files named by the scene, with its slash. names: allowed names of
+// blocks; empty: names are checked later.
 void read_actions(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names);
 
 }  // namespace quoin
