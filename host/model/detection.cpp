@@ -36,11 +36,11 @@ struct Detection {
   bool changed = false;       // whether points of any contact have changed
 };
 
-// Broad phase: all pairs within the skin. They are found again when a block has moved by its share of the skin.
+// Broad phase: all pairs within the skin. They are found again when a block has used most of its share.
 std::vector<Pair> close_pairs(World& w, bool everything) {
   bool stale = everything;
   for (size_t i = 0; i < w.blocks.size() && !stale; ++i)
-    stale = w.part.owns(int(i)) && motion_since_broad_phase(w, int(i)) > 0.2 * w.detection.skin;
+    stale = w.part.owns(int(i)) && motion_since_broad_phase(w, int(i)) > kRipe * kOfSkin * w.detection.skin;
   std::vector<Pair> pairs;
   if (!w.part.any(stale)) {
     for (const Contact& c : w.contacts.list) pairs.push_back(c.pair);

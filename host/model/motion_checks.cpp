@@ -65,10 +65,6 @@ constexpr long kMostSteps = 1000;  // largest interval between two checks of a b
 // up between checks. A larger acceleration or a smaller share means more checks.
 constexpr double kAcceleration = 100.0;  // m/s2, 10 g
 constexpr double kOfWay = 0.25;
-// Share of its allowed motion from which on a pair takes part in a narrow phase that others have caused.
-constexpr double kRipe = 0.8;
-// Share of the skin by which a block may move before the broad phase is due.
-constexpr double kOfSkin = 0.25;
 // Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
 constexpr double kSmallRotation = 1e-3;
 

@@ -15,6 +15,11 @@ struct World;
 
 using geometry::Vector;
 
+// Share of the skin by which a block may move before detection is due.
+inline constexpr double kOfSkin = 0.25;
+// Share of their allowed motion from which on pairs and blocks take part in a detection that others have caused.
+inline constexpr double kRipe = 0.8;
+
 // Motion of a rigid block at its last check. Until the next check the block is assumed to move on so, with a deviation
 // of at most `unnoticed` at any of its parts. Members are in the order in which kernels read them.
 struct SeenMotion {
