@@ -1,9 +1,11 @@
 // Threads that run the same function in parallel, many thousand times a second.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <system_error>
 #include <thread>
@@ -142,6 +144,30 @@ inline std::vector<int> shares(const std::vector<double>& weight, int thread_cou
     end.push_back(static_cast<int>(i));
   }
   return end;
+}
+
+// Calls visit(begin, end) for each part of [0, count), on the threads of the pool; null: on the caller alone. Parts
+// have `size` items whatever the number of threads. Throws what the first of them has thrown.
+template <class Visit>
+void each_part(ThreadPool* pool, std::size_t count, std::size_t size, const Visit& visit) {
+  const std::size_t parts = (count + size - 1) / size;
+  const auto visit_part = [&](std::size_t part) { visit(part * size, std::min(count, (part + 1) * size)); };
+  if (!pool || pool->thread_count() == 1 || parts < 2) {
+    for (std::size_t part = 0; part < parts; ++part) visit_part(part);
+    return;
+  }
+  std::vector<std::exception_ptr> thrown(parts);
+  auto run = [&](int, int part) {
+    try {
+      visit_part(static_cast<std::size_t>(part));
+    } catch (...) {
+      thrown[static_cast<std::size_t>(part)] = std::current_exception();
+    }
+  };
+  pool->for_each(shares(std::vector<double>(parts, 1.0), pool->thread_count()), run);
+  for (const std::exception_ptr& exception : thrown) {
+    if (exception) std::rethrow_exception(exception);
+  }
 }
 
 }  // namespace quoin

@@ -37,7 +37,7 @@ void number_chunks(World& w) {
   }
 }
 
-void put_on_gridpoints(World& w, const Point& p, uint32_t i, Chunk& chunk) {
+void put_on_gridpoints(const World& w, const Point& p, uint32_t i, Chunk& chunk) {
   const auto put = [&](std::vector<int32_t>& nodes, int32_t facet) {
     nodes.resize(chunk.count + size_t(kLanes) - 1);  // kernels read whole vectors
     nodes[i - chunk.first] = w.contacts.facets[size_t(facet)].node[0];
@@ -49,13 +49,13 @@ void put_on_gridpoints(World& w, const Point& p, uint32_t i, Chunk& chunk) {
   if (goes_on) {
     ++last->count;
   } else {
-    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, uint32_t(w.chunks.rows.size()), {p.n, p.s, p.t}, {}});
+    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, chunk.row_count, {p.n, p.s, p.t}, {}});
     if (w.is_small) {  // axes are constant
       const Matrix r = start_of_frame(w, p.a);
       chunk.pair_axes.push_back(pair_axes(r * p.n, r * p.s, r * p.t));
     }
   }
-  w.chunks.rows.resize(w.chunks.rows.size() + 1);
+  ++chunk.row_count;
 }
 
 // Gradients in small displacements, where frames are constant. In large motion each step computes them.
@@ -63,12 +63,12 @@ ShapeGradients gradients_at_rest(const World& w, const Facet& facet) {
   return w.is_small ? triangle_frame(w.nodes.reference, facet).gradient : ShapeGradients{};
 }
 
-void put_in_lanes(World& w, const Point& p, uint32_t i, Chunk& chunk) {
+void put_in_lanes(const World& w, const Point& p, uint32_t i, Chunk& chunk) {
   constexpr int kCount = FacetLanes::kCount;
   std::vector<FacetLanes>& all = chunk.facets;
   if (all.empty() || all.back().count == kCount || all.back().first + all.back().count != i) {
     all.emplace_back().first = i;
-    all.back().row = uint32_t(w.chunks.rows.size());
+    all.back().row = chunk.row_count;
     all.back().on_gridpoints = true;
     if (w.is_small) chunk.frames.emplace_back();
   }
@@ -90,10 +90,11 @@ void put_in_lanes(World& w, const Point& p, uint32_t i, Chunk& chunk) {
     }
   }
   ++lanes.count;
-  w.chunks.rows.resize(w.chunks.rows.size() + FacetRow::kCount);
+  chunk.row_count += FacetRow::kCount;
 }
 
-void bind_points(World& w, Chunk& chunk) {
+// Rows are numbered from the first of the chunk.
+void bind_points(const World& w, Chunk& chunk) {
   const Family& f = w.contacts.families[size_t(chunk.family)];
   for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
@@ -122,6 +123,25 @@ void bind_points(World& w, Chunk& chunk) {
   }
 }
 
+void unbind(Chunk& chunk) {
+  chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
+  chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
+  chunk.row_count = 0, chunk.batch = {};
+}
+
+// Rows of own chunks follow each other.
+void number_rows(World& w) {
+  uint32_t first = 0;
+  for (const int c : w.chunks.own) {
+    Chunk& chunk = w.chunks.all[size_t(c)];
+    for (GridpointPair& pair : chunk.gridpoint_pairs) pair.row += first;
+    for (FacetLanes& lanes : chunk.facets) lanes.row += first;
+    first += chunk.row_count;
+  }
+  w.chunks.rows.clear();
+  w.chunks.rows.resize(first);
+}
+
 }  // namespace
 
 void divide_work(World& w) {
@@ -145,25 +165,26 @@ void pack(World& w, const Chunk& chunk) {
 
 // Binds the data that steps read: of the chunks that touch own blocks, and of own blocks.
 void bind_work(World& w) {
-  w.chunks.own.clear(), w.chunks.rows.clear();
+  w.chunks.own.clear();
   for (int c = 0; c < w.chunk_count(); ++c) {
-    Chunk& chunk = w.chunks.all[size_t(c)];
-    chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
-    chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
     bool own = !w.part.ranks;
     if (w.part.ranks) each_block_of_chunk(w, c, [&](int block) { own |= w.part.owns(block); });
-    if (!own) {
-      chunk.batch = {};
-      continue;
-    }
-    w.chunks.own.push_back(c);
+    if (own)
+      w.chunks.own.push_back(c);
+    else
+      unbind(w.chunks.all[size_t(c)]);
+  }
+  each_part(w.pool, w.chunks.own.size(), 1, [&](size_t begin, size_t) {
+    Chunk& chunk = w.chunks.all[size_t(w.chunks.own[begin])];
+    unbind(chunk);
     Family& f = w.contacts.families[size_t(chunk.family)];
     for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
       if (f.point[i].on_gridpoints && !w.pieces.in_frame[size_t(f.point[i].a)]) leave_gridpoints(w, f, i);
     }
     pack(w, chunk);
     bind_points(w, chunk);
-  }
+  });
+  number_rows(w);
   bind_columns(w);
   divide_sides(w);
   bind_pieces(w);

@@ -100,6 +100,7 @@ struct Chunk {
   std::vector<FacetLanes> facets;                 // points on triangles
   std::vector<FacetFrames> frames;                // frames of their triangles; constant in small displacements
   std::vector<OtherPoint> others;                 // points with one deformable side
+  uint32_t row_count = 0;                         // number of rows of its points in Chunks::rows
   // Results of the last step:
   quoin_status status = QUOIN_OK;
   bool failed = false;

@@ -86,7 +86,8 @@ void name_family(const World& w, Contact& c, const Vector& normal, std::span<con
 }
 
 // Narrow phase of one pair: separation of its blocks, and new contact points.
-void detect_pair(World& w, Contact& c, PairPlace& place, Finding& finding, Detection& found) {
+void detect_pair(const World& w, Contact& c, PairPlace& place, Finding& finding, bool at_start,
+                 std::vector<NewPoint>& points) {
   finding.examined = true;
   const Pair pair = c.pair;
   const Placed a = placed(w, pair.a), b = placed(w, pair.b);
@@ -96,7 +97,7 @@ void detect_pair(World& w, Contact& c, PairPlace& place, Finding& finding, Detec
   const Pose of_a = pose(w, pair.a), of_b = pose(w, pair.b);
   place.relative_x = transposed_times(of_a.r, of_b.x - of_a.x);
   place.relative_r = transposed(of_a.r) * of_b.r;
-  if (found.at_start && distance < -w.detection.joint_tolerance) {
+  if (at_start && distance < -w.detection.joint_tolerance) {
     throw Error(
         Exit::bad_input,
         fmt::format(
@@ -105,17 +106,17 @@ void detect_pair(World& w, Contact& c, PairPlace& place, Finding& finding, Detec
             label(w.assembly, pair.a), label(w.assembly, pair.b), -distance,
             geometry::place(0.5 * (a.centre + b.centre)), w.detection.joint_tolerance));
   }
-  finding.begin = found.points.size();
+  finding.begin = points.size();
   if (distance <= w.detection.reach) {
-    make_points(w, c, place.separation, found.at_start, found.points);
+    make_points(w, c, place.separation, at_start, points);
     finding.fresh = true;
-    c.beside_joint |= found.at_start && found.points.size() == finding.begin && distance <= w.detection.joint_tolerance;
+    c.beside_joint |= at_start && points.size() == finding.begin && distance <= w.detection.joint_tolerance;
   } else {
     // Beyond reach the points are removed, unless one carries traction: a joint that stretches further than the skin.
     c.beside_joint = false;
     finding.fresh = !carries(w, c);
   }
-  const auto fresh = std::span(found.points).subspan(finding.begin);
+  const auto fresh = std::span(points).subspan(finding.begin);
   if (!fresh.empty() && c.family < 0) name_family(w, c, place.separation.normal, fresh);
   finding.fresh_count = c.family < 0 ? 0 : uint32_t(fresh.size());  // 0: declared to pass through each other
 }
@@ -149,13 +150,24 @@ void keep_contacts(World& w, const std::vector<Pair>& pairs, Detection& found) {
 
 // Narrow phase of own pairs that are new or have moved enough; others keep their points.
 void narrow_phase(World& w, bool everything, Detection& found) {
-  for (size_t i = 0; i < found.contacts.size(); ++i) {
-    Contact& c = found.contacts[i];
-    Finding& finding = found.findings[i];
-    PairCheck& check = w.checks.pair[i];
-    if (!w.part.owns(c.pair) || (finding.known && !everything && !check.ripe)) continue;
-    detect_pair(w, c, w.contacts.place[i], finding, found);
-    check_pair_motion(w, c, w.contacts.place[i], checked_motion(w, c.pair.a), checked_motion(w, c.pair.b), check);
+  constexpr size_t kPairsAPart = 256;  // of the work of one thread at a time
+  std::vector<std::vector<NewPoint>> points((found.contacts.size() + kPairsAPart - 1) / kPairsAPart);
+  each_part(w.pool, found.contacts.size(), kPairsAPart, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Contact& c = found.contacts[i];
+      Finding& finding = found.findings[i];
+      PairCheck& check = w.checks.pair[i];
+      if (!w.part.owns(c.pair) || (finding.known && !everything && !check.ripe)) continue;
+      PairPlace& place = w.contacts.place[i];
+      detect_pair(w, c, place, finding, found.at_start, points[begin / kPairsAPart]);
+      check_pair_motion(w, c, place, checked_motion(w, c.pair.a), checked_motion(w, c.pair.b), check);
+    }
+  });
+  for (size_t part = 0; part < points.size(); ++part) {
+    const size_t begin = part * kPairsAPart, end = std::min(begin + kPairsAPart, found.findings.size());
+    for (size_t i = begin; i < end; ++i) found.findings[i].begin += found.points.size();
+    found.points.insert(found.points.end(), points[part].begin(), points[part].end());
+    points[part] = {};
   }
 }
 

@@ -9,6 +9,8 @@
 #include "model/motion_checks.h"
 
 #include <algorithm>
+#include <atomic>
+#include <numeric>
 
 #include "model/block_layout.h"
 #include "model/world.h"
@@ -122,6 +124,67 @@ bool check_block_motion(const World& w, int i, long& step) {
   return moved > way || turned > kSmallRotation;
 }
 
+// Result of checks: whether a motion was past its bound, and the step of the next check.
+struct NextCheck {
+  bool moved = false;
+  long step;
+  NextCheck& operator+=(const NextCheck& other) {
+    moved |= other.moved, step = std::min(step, other.step);
+    return *this;
+  }
+};
+
+constexpr size_t kChecksAPart = 512;  // of the work of one thread at a time
+
+// check(i, result) for each of `count` blocks or pairs.
+template <class Check>
+NextCheck check_all(const World& w, size_t count, const Check& check) {
+  const NextCheck none{false, w.stepping.count + kMostSteps};
+  std::vector<NextCheck> of_part(count / kChecksAPart + 1, none);
+  each_part(w.pool, count, kChecksAPart, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) check(i, of_part[begin / kChecksAPart]);
+  });
+  return std::accumulate(of_part.begin(), of_part.end(), none,
+                         [](NextCheck sum, const NextCheck& x) { return sum += x; });
+}
+
+// Motion of a deformable block costs more than the rest of a check, and each block is in several pairs.
+NextCheck check_pairs(World& w) {
+  const auto is_due = [&](size_t i) {
+    const PairCheck& check = w.checks.pair[i];
+    return w.part.owns(w.contacts.list[i].pair) &&
+           (w.checks.due[size_t(check.a)] || w.checks.due[size_t(check.b)] || check.step <= w.stepping.count);
+  };
+  thread_local std::vector<uint8_t> kept_wanted;
+  thread_local LaneVector<CheckedMotion> kept_motion;
+  std::vector<uint8_t>& wanted = kept_wanted;  // as other threads have vectors of their own
+  LaneVector<CheckedMotion>& motion = kept_motion;
+  wanted.assign(w.blocks.size(), 0), motion.resize(w.blocks.size());
+  each_part(w.pool, w.contacts.list.size(), kChecksAPart, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (!is_due(i)) continue;
+      const Pair& pair = w.contacts.list[i].pair;
+      for (const int block : {pair.a, pair.b})
+        std::atomic_ref(wanted[size_t(block)]).store(1, std::memory_order_relaxed);
+    }
+  });
+  each_part(w.pool, w.blocks.size(), kChecksAPart, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (wanted[i]) motion[i] = checked_motion(w, int(i));
+    }
+  });
+  return check_all(w, w.contacts.list.size(), [&](size_t i, NextCheck& next) {
+    const Contact& c = w.contacts.list[i];
+    if (!w.part.owns(c.pair)) return;
+    PairCheck& check = w.checks.pair[i];
+    if (is_due(i)) {
+      next.moved |=
+          check_pair_motion(w, c, w.contacts.place[i], motion[size_t(c.pair.a)], motion[size_t(c.pair.b)], check);
+    }
+    next.step = std::min(next.step, check.step);
+  });
+}
+
 }  // namespace
 
 bool moved_enough(World& w) {
@@ -138,32 +201,16 @@ bool moved_enough(World& w) {
   }
   w.checks.any_deviates = false;
 
-  bool moved = false;
-  w.checks.next = w.stepping.count + kMostSteps;
   w.checks.block.resize(w.blocks.size(), 0);
-  for (size_t i = 0; i < w.blocks.size(); ++i) {
-    if (!w.part.owns(int(i))) continue;
+  NextCheck found = check_all(w, w.blocks.size(), [&](size_t i, NextCheck& next) {
+    if (!w.part.owns(int(i))) return;
     long& step = w.checks.block[i];
-    if (w.checks.due[i] || step <= w.stepping.count) moved |= check_block_motion(w, int(i), step);
-    w.checks.next = std::min(w.checks.next, step);
-  }
-  // Motion of a deformable block costs more than the rest of a check, and each block is in several pairs.
-  thread_local LaneVector<CheckedMotion> motions;
-  thread_local std::vector<uint8_t> known;
-  motions.resize(w.blocks.size()), known.assign(w.blocks.size(), 0);
-  const auto motion_now = [&](int block) -> const CheckedMotion& {
-    if (!known[size_t(block)]) motions[size_t(block)] = checked_motion(w, block), known[size_t(block)] = 1;
-    return motions[size_t(block)];
-  };
-  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
-    if (!w.part.owns(w.contacts.list[i].pair)) continue;
-    PairCheck& check = w.checks.pair[i];
-    if (w.checks.due[size_t(check.a)] || w.checks.due[size_t(check.b)] || check.step <= w.stepping.count) {
-      const Contact& c = w.contacts.list[i];
-      moved |= check_pair_motion(w, c, w.contacts.place[i], motion_now(c.pair.a), motion_now(c.pair.b), check);
-    }
-    w.checks.next = std::min(w.checks.next, check.step);
-  }
+    if (w.checks.due[i] || step <= w.stepping.count) next.moved |= check_block_motion(w, int(i), step);
+    next.step = std::min(next.step, step);
+  });
+  found += check_pairs(w);
+  bool moved = found.moved;
+  w.checks.next = found.step;
   if (w.part.ranks) {
     double of_all[] = {moved ? 1.0 : 0.0, double(-w.checks.next)};
     w.part.ranks->largest(of_all);

@@ -19,6 +19,7 @@ struct Stepping {
   long count = 0;                      // number of steps
   double dt = 0.0, critical_dt = 0.0;  // s; critical: 2/omega_max of the assembled system, undamped
   double stiffness_bound = 0.0;        // local bound of contacts, when omega_max was computed, 1/s2
+  double omega = 0.0;                  // highest frequency of blocks and joints at that time, rad/s
   double springs = 0.0;                // eigenvalue of external springs, 1/s2
 };
 

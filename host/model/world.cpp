@@ -44,8 +44,8 @@ void check(const Assembly& assembly, const SolverSettings& solver) {
 }  // namespace
 
 World::World(const Assembly& scene, const SolverSettings& settings,
-             std::vector<std::shared_ptr<const Material>> materials, Ranks* ranks)
-    : assembly(scene) {
+             std::vector<std::shared_ptr<const Material>> materials, Ranks* ranks, ThreadPool* threads)
+    : assembly(scene), pool(threads) {
   part.ranks = ranks;
   set_solver(settings);
   check(assembly, solver);

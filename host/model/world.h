@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/rank_rows.h"
+#include "base/thread_pool.h"
 #include "law/law_library.h"
 #include "model/block_frames.h"
 #include "model/block_inertia.h"
@@ -48,7 +49,8 @@ struct World {
   // names. Throws Error(bad_input) for blocks that overlap at the start (names, place, depth), bad shapes, materials or
   // settings. ranks: those that share the model; then items are only numbered, and begin() lays them out.
   World(const Assembly& scene, const SolverSettings& settings,
-        std::vector<std::shared_ptr<const Material>> materials = {}, Ranks* ranks = nullptr);
+        std::vector<std::shared_ptr<const Material>> materials = {}, Ranks* ranks = nullptr,
+        ThreadPool* pool = nullptr);
 
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -106,6 +108,7 @@ struct World {
   Assembly assembly;
   SolverSettings solver;
   ModelPart part;
+  ThreadPool* pool = nullptr;  // threads of detection and of the time step; null: the caller alone
 
   // Blocks.
   std::vector<ModelBlock> blocks;

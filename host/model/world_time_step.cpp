@@ -330,10 +330,16 @@ struct Vibration {
 
   // y = M^-1/2 K M^-1/2 x; returns x . y over all ranks.
   double product(const LaneVector<double>& x, LaneVector<double>* y) {
+    constexpr size_t kBlocksAPart = 64;  // of the work of one thread at a time
+    const auto each_part_of_blocks = [&](const auto& visit) {
+      each_part(world.pool, blocks.size(), kBlocksAPart,
+                [&](size_t begin, size_t end) { visit(std::span(blocks).subspan(begin, end - begin)); });
+    };
+    const bool splits = splits_motion(world);
     scatter(x);
-    if (splits_motion(world)) scale_motion(world, blocks, inertia, nv, false);
+    if (splits) each_part_of_blocks([&](auto part) { scale_motion(world, part, inertia, nv, false); });
     halo.exchange(ranks);
-    if (stiffness.of_zones != 0.0) add_zone_forces(world, blocks, nv, nf);
+    if (stiffness.of_zones != 0.0) each_part_of_blocks([&](auto part) { add_zone_forces(world, part, nv, nf); });
     if (stiffness.of_zones != 1.0) each_node([&](size_t i, size_t) { nf[i] = stiffness.of_zones * nf[i]; });
     for (const auto& [family, point, at, normal, area] : springs) {
       const auto& [kn, ks] = stiffness.of_family[size_t(family - world.contacts.families.data())];
@@ -343,7 +349,7 @@ struct Vibration {
       add_force(point->b, point->facet_b, at, 1.0, force);
     }
     if (world.held_by.members && stiffness.of_members != 0.0) add_member_springs(world, alone, {v, w, nv}, {f, m, nf});
-    if (splits_motion(world)) scale_motion(world, blocks, inertia, nf, true);
+    if (splits) each_part_of_blocks([&](auto part) { scale_motion(world, part, inertia, nf, true); });
     return gather(x, y);
   }
 
@@ -441,12 +447,6 @@ StepLimit what_sets_time_step(const World& w) {
   return limit;
 }
 
-void World::hold_by_springs(double eigenvalue) {
-  if (eigenvalue == stepping.springs) return;
-  stepping.springs = eigenvalue;
-  find_time_step(*this);
-}
-
 namespace {
 
 double step_under_impact_damping(World& w) {
@@ -459,18 +459,9 @@ double step_under_impact_damping(World& w) {
   return left;
 }
 
-}  // namespace
-
-double step_over_critical(const SolverSettings& solver, double critical) {
-  const Damping damping = damping_of(solver);
-  return solver.time_step_fraction * step_left(damping.zone_ratio + damping.beta / critical);  // beta omega / 2
-}
-
-void find_time_step(World& w, bool may_grow) {
-  const double omega = highest_frequency(w);
-  if (!std::isfinite(omega))
-    throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
-  w.stepping.stiffness_bound = local_stiffness_bound(w, [](int) { return true; });
+// Critical step and step for the frequency and the springs in w.stepping.
+void choose_time_step(World& w, bool may_grow) {
+  const double omega = w.stepping.omega;
   if (omega == 0) {
     // Nothing is in contact yet: the stiffness of a corner contact, times 4 for safety.
     double highest = w.stepping.springs;
@@ -509,6 +500,27 @@ void find_time_step(World& w, bool may_grow) {
                                              dt));
   }
   w.stepping.dt = w.stepping.dt > 0 && w.stepping.count > 0 && !may_grow ? std::min(w.stepping.dt, dt) : dt;
+}
+
+}  // namespace
+
+double step_over_critical(const SolverSettings& solver, double critical) {
+  const Damping damping = damping_of(solver);
+  return solver.time_step_fraction * step_left(damping.zone_ratio + damping.beta / critical);  // beta omega / 2
+}
+
+void find_time_step(World& w, bool may_grow) {
+  w.stepping.omega = highest_frequency(w);
+  if (!std::isfinite(w.stepping.omega))
+    throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
+  w.stepping.stiffness_bound = local_stiffness_bound(w, [](int) { return true; });
+  choose_time_step(w, may_grow);
+}
+
+void World::hold_by_springs(double eigenvalue) {
+  if (eigenvalue == stepping.springs) return;
+  stepping.springs = eigenvalue;
+  choose_time_step(*this, false);
 }
 
 }  // namespace quoin::blocks

@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "base/phase_clock.h"
-#include "base/thread_pool.h"
 #include "law/answers.h"
 #include "model/impact_damping.h"
 #include "model/world.h"
@@ -75,9 +74,8 @@ struct Model : World {
   void numbers_of(std::int64_t key, std::vector<double*>& numbers);
   void motion_of(int block, std::vector<double*>& numbers);  // the same for position and velocity of a whole block
 
-  bool measured = false;          // whether this step measures energies
-  double measured_kinetic = 0.0;  // kinetic energy at the time of the forces of the last measured step, J
-  ThreadPool* pool = nullptr;
+  bool measured = false;                  // whether this step measures energies
+  double measured_kinetic = 0.0;          // kinetic energy at the time of the forces of the last measured step, J
   std::vector<int> chunk_end, piece_end;  // end of each thread's share
   long shared_division = -1;              // division of the chunks for which they are computed
 };

@@ -64,7 +64,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
                         std::vector<std::shared_ptr<const Material>> materials) {
   s.parts.divided = may_ride_in_parts(s, shapes);
   s.large_motion = std::make_unique<blocks::Model>(shapes, s.scene.solver, std::move(materials),
-                                                   s.parts.divided ? s.ranks : nullptr);
+                                                   s.parts.divided ? s.ranks : nullptr, &s.pool);
   find_restrained_blocks(s);
   if (s.parts.divided) {
     agree_on_model(s);
