@@ -1,6 +1,6 @@
-// The cyclic joint law, in the order of LAW.md: parameters, derived quantities, opening, slip of an open joint, slip of
-// a closed joint, cap, order of the update, energies, tangent. One vector lane is one contact point. Symbols as in
-// LAW.md; SI units; sigma > 0 is tension, d_n > 0 opens.
+// The cyclic joint law, in the order of LAW.md: parameters, opening, slip of an open and of a closed joint, cap,
+// update, energies, tangent. One vector lane is one contact point. Symbols as in LAW.md; SI units; sigma > 0 is
+// tension, d_n > 0 opens.
 #if defined(QUOIN_CYCLIC_JOINT_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_CYCLIC_JOINT_EQUATIONS_H
 #undef QUOIN_CYCLIC_JOINT_EQUATIONS_H
@@ -367,9 +367,10 @@ struct Equations {
           slope = hn::Neg(hn::MulAdd(line.S_drop * line.rate, f.slope(xi), p.ks));
         });
   }
-  // Slip under exponential softening: with x = rate gamma, D = S_drop f and k = ks/rate it solves
-  // k x - D (1 - exp(-x)) = c, c the excess of |tau*|. Series in q = c/(k - D) up to the fourth power. It is exact to
-  // rounding for the short steps of an explicit analysis, and a first guess for longer ones and for tables.
+  // Slip under exponential softening: with x = rate gamma, D = S_drop f, k = ks/rate and c the excess of |tau*|,
+  //   k x - D (1 - exp(-x)) = c.
+  // Series in q = c/(k - D) up to the fourth power. It is exact to rounding for the short steps of an explicit
+  // analysis, and a first guess for longer ones and for tables.
   HWY_INLINE V short_slip(const Line& line, V factor, V t) const {
     const V D = line.S_drop * factor * line.rate;
     const V inv_b = splat(1.0) / (p.ks - D);
@@ -649,8 +650,8 @@ struct Equations {
     return m;
   }
 
-  // Step 4 for the lanes outside the cap after slip gamma_A: crushes without slip, or with the slip at which the shear
-  // strength and the cap meet.
+  // Step 4 for lanes outside the cap after slip gamma_A: crushes without slip, or with the slip at which shear strength
+  // and cap meet.
   HWY_INLINE Cap cap(M capped, const Step& s, const Course& c, V p_start, V factor_no_slip, V& gamma) const {
     const Cap no_slip = crush(capped, s, p_start, s.t);
     const M may_slip = hn::And(capped, gamma > zero());

@@ -362,7 +362,7 @@ struct Equations {
           slope = hn::Neg(hn::Add(p.ks, end.S_slip));
         });
   }
-  // Slip under exponential softening and constant sigma: with x = slip/su and D = S_drop f it solves
+  // Slip under exponential softening and constant sigma: with x = slip/su, D = S_drop f and c the excess of |tau*|,
   // ks su x - D (1 - exp(-x)) = c, c the excess of |tau*|. Series in q = c/b, b = ks su - D > 0, up to the fourth
   // power. It is exact to rounding for the short steps of an explicit analysis, and a first guess for longer ones.
   HWY_INLINE V short_slip(V trial, const AtSlip& start) const {
@@ -518,8 +518,8 @@ struct Equations {
     const V normal = hn::Mul(half, select(r.open, hn::Mul(r.sigma, r.e), hn::Mul(p.kn, hn::Mul(r.e, r.e))));
     E.stored = hn::Add(normal, hn::Div(hn::Mul(half, hn::Mul(tau, tau)), p.ks));
 
-    // Opening: area under the envelope less the change of the stored energy, f kappa ft/2 on the envelope:
-    // ft/2 (2 lt area - f1 kappa1 + f0 kappa0), with f0 kappa0 - f1 kappa1 = kappa0 (f0 - f1) - f1 lt (xi1 - xi0).
+    // Opening: area under the envelope less the change of the stored energy, which is f kappa ft/2 on the envelope:
+    //   ft/2 (2 lt area - f1 kappa1 + f0 kappa0), f0 kappa0 - f1 kappa1 = kappa0 (f0 - f1) - f1 lt (xi1 - xi0)
     const V passed = hn::Mul(splat(2.0), hn::Mul(p.lt, f.area(old.xi_t, step.xi_t)));
     const V freed = hn::Sub(hn::Mul(kappa(old.xi_t), f.drop(old.xi_t, step.xi_t)),
                             hn::Mul(hn::Mul(f.factor(step.xi_t), p.lt), hn::Sub(step.xi_t, old.xi_t)));

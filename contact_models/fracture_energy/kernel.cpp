@@ -285,8 +285,8 @@ void run_one(const Material& material, const Columns& c, std::size_t count, Summ
   run_one(law, c, count, summary);
 }
 
-// The full kernel always has the general branches: with the parameters of a branch that is switched off its results
-// are bitwise identical, and the code is a quarter of the size.
+// The full kernel always has the general branches. With parameters that switch a branch off its results are bitwise
+// identical to those without the branch. One kernel is a quarter of the code.
 template <class Softening, bool kShared>
 void choose_branches(Material& m) {
   if (m.parameters.dilation) {

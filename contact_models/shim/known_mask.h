@@ -1,6 +1,6 @@
-// Masks that are constant at compile time. A template over the mask types Nowhere, Everywhere and M compiles to three
-// versions: no lane takes a branch, every lane does, or some lanes may. The first two omit the code of the branch that
-// is not taken. A lane's numbers are the same in all three.
+// Masks that are constant at compile time. A template over Nowhere, Everywhere and M compiles to three versions, in
+// which no lane, every lane or any lane takes a branch. The first two omit the code of the branch that is not taken. A
+// lane's numbers are the same in all three.
 #if defined(QUOIN_SHIM_KNOWN_MASK_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_SHIM_KNOWN_MASK_H
 #undef QUOIN_SHIM_KNOWN_MASK_H

@@ -1,5 +1,5 @@
-// The C ABI around a law written in C++. Of a law's files only its plugin.cpp includes this header; it instantiates
-// Plugin<L>, where L provides
+// The C ABI around a law written in C++. Of a law's files only its plugin.cpp includes this header. It instantiates
+// Plugin<L>, for a type L with these members:
 //   struct Material;                                             immutable, made from validated properties
 //   static constexpr ... properties, states, initial_states;     spans of metadata; per-point properties first
 //   static Material make(const PropertyValues&, Report&);        adds its own faults and warnings
