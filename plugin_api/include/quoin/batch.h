@@ -35,7 +35,8 @@ typedef struct quoin_property_column {
 } quoin_property_column;
 
 /* Per-point status. FAILED: an input that the law uses (old traction and state included) is not finite, or a per-point
- * property is refused. Traction and state are then copies of the old ones, and all other outputs of the point are 0. */
+ * property is refused. Traction and state are then copies of the old ones; energies, tangent, flags and damage are 0.
+ */
 #define QUOIN_POINT_OK 0u
 #define QUOIN_POINT_CLAMPED 1u /* an input was outside the law's range and was limited; outputs are valid */
 #define QUOIN_POINT_FAILED 2u
