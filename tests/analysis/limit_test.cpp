@@ -326,7 +326,7 @@ TEST(Limit, FlatArchThinnerThanItsLeastThicknessFalls) {
 }
 
 // Out of plane: a parapet overturns at t/h. A wall of two halves has a fixed top with a force N at
-// its middle: 4 (t/h) (1 + 1.5 N/W), by virtual work of its two halves.
+// its middle. Its multiplier is 4 (t/h) (1 + 1.5 N/W), by virtual work of its two halves.
 TEST(Limit, WallsOutOfPlane) {
   constexpr double t = 0.2, h = 2.4;
   Boxes parapet;

@@ -61,7 +61,7 @@ double peak_of(const std::vector<HistoryRow>& rows) {
   return peak;
 }
 
-// Columns of a constant value are equal to the material with that value, to rounding (C6.9): on the lattice, in the
+// Columns of a constant value are equal to the material with that value, to rounding (C6.9). On the lattice, in the
 // general kernels, and through a promotion in mid-run.
 TEST(Columns, OfOneValueComputeWhatTheMaterialDoes) {
   const std::vector<std::pair<const char*, Settings>> ways{

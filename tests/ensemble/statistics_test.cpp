@@ -72,8 +72,8 @@ TEST(Statistics, CorrelationRatiosAreTheFirstIndices) {
   EXPECT_FALSE(dependence_of(a, std::vector<double>(a.size(), 1.0)));
 }
 
-// Returns values of a function of n independent inputs, uniform in (0, 1): for inputs a, for b, and for a with each
-// input replaced by that of b.
+// Returns values of a function of n independent inputs, uniform in (0, 1). The inputs are a, b, and a with one input of
+// b at a time.
 template <class Function>
 std::vector<std::vector<double>> exchanged(std::size_t rows, std::size_t n, const Function& function) {
   const random::Design design{random::Method::sobol, 1, 0, 2 * n};
