@@ -1,5 +1,5 @@
-// Order of convergence with the starting values of LAW.md on mixed cyclic paths, and the reason why some points do not
-// converge at first: contact_models/cyclic_joint/LAW.md, "Convergence".
+// Order of convergence on mixed cyclic paths, and the reason why some points do not converge at first:
+// contact_models/cyclic_joint/LAW.md, "Convergence". Joints have the starting values of that page.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// contact_models/cyclic_joint/LAW.md, "What must hold" and "Refused": a test for each statement, by closed forms or by
-// the inequalities of LAW.md, with the loaded library. Numbers in comments are those of the statements.
+// contact_models/cyclic_joint/LAW.md, "What must hold" and "Refused": a test for each statement, with the loaded
+// library. By closed forms or by the inequalities of LAW.md. Numbers in comments are those of the statements.
 #include <gtest/gtest.h>
 
 #include <algorithm>
