@@ -92,7 +92,7 @@ TEST(FreeMotion, WorkOfLoadsOnGridpointsIsItsEnergy) {
   const double lead = m->step_sums.energies.balance_error(0.0);
   for (int i = 0; i < 400; ++i) m->step();
   const Energies& e = m->step_sums.energies;
-  // Under sudden loads the strain vibrates about its mean; leapfrog conserves energy to (omega dt)^2 of that part.
+  // Strain oscillates about its mean under loads that come at once; leapfrog keeps energy to (omega dt)^2 of that part.
   check_error("loads on gridpoints: work less energy", std::abs(e.balance_error(lead)), 0.2 * e.strain, "J");
   check_error("loads on gridpoints: strain energy beside kinetic", e.strain, 0.01 * e.kinetic, "J");
 }
