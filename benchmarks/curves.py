@@ -11,7 +11,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 
 
-# Walls of no scene of their own: a scene and what is laid over it.
+# Walls as variations of a scene: name, scene, options that change it.
 VARIED = {
     "cantilever": ("solid_wall_121", ["--set", "stage.shear.vertical=pressure"]),
     "weak_joints": ("solid_wall_030", ["--set", "joints.mortar.tensile_strength=0.1e6",
@@ -31,14 +31,14 @@ VARIED = {
     "tall_wall": ("solid_wall_121", ["--set", "wall.courses=32"]),
     "coulomb_slip": ("solid_wall_121", ["--law", "coulomb_slip"]),
 }
-# Not used to choose settings of the qualities, but that ispra_isp3 showed a fault of the time step: their errors tell what
-# to expect of walls that nobody has run slowly.
+# Walls that were not used to choose the settings of the qualities: their errors are those to expect of other walls. An
+# exception is ispra_isp3, which showed a fault of the time step.
 HELD_BACK = ["ispra_isp1", "ispra_isp3", "wall_2m_144", *VARIED]
 
 
 def run(program, wall, settings, threads=2):
-    """One run of a scene or a varied wall without pictures. Returns (summary, curve), the curve as rows of mm and kN of
-    the last stage."""
+    """Runs a scene or a varied wall without pictures. Returns (summary, curve): the curve has rows (mm, kN) of the last
+    stage."""
     scene, words = VARIED.get(wall, (wall, []))
     folder = tempfile.mkdtemp(prefix="quoin-")
     try:
@@ -68,7 +68,7 @@ def read_reference(name):
 
 
 def at(curve, x):
-    """Force at a displacement, between rows in a straight line."""
+    """Returns the force at a displacement, linearly interpolated between rows."""
     low, high = 0, len(curve) - 1
     while high - low > 1:
         middle = (low + high) // 2
@@ -81,8 +81,8 @@ def at(curve, x):
 
 
 def errors(curve, reference, points=2000):
-    """Relative errors: peak; curve, root mean square of the difference over that of the force; work up to the end,
-    which is what is dissipated but for the little that a broken wall still stores."""
+    """Returns relative errors. peak: of the largest force. curve: root mean square of the difference over that of the
+    force. work: of the work up to the end, nearly equal to the dissipated energy, since a broken wall stores little."""
     end = min(curve[-1][0], reference[-1][0])
     xs = [end * (i + 0.5) / points for i in range(points)]
     a, b = [at(curve, x) for x in xs], [at(reference, x) for x in xs]

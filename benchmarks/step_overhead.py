@@ -1,5 +1,6 @@
-"""What a loop of sim.step() costs over sim.step(n), us a step. Usage: PYTHONPATH=build/release/python step_overhead.py
-[SCENE]; the least of many rounds of both in turn, as other work on the machine only adds."""
+"""Measures the extra cost of a loop of sim.step() over sim.step(n), us for each step. Usage:
+PYTHONPATH=build/release/python step_overhead.py [SCENE]. Both alternate for many rounds; the result is the shortest
+round, since other programs only add time."""
 import os
 import sys
 import time
@@ -7,7 +8,7 @@ import time
 import quoin
 
 scene = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(__file__), "../tests/cli/small_wall.toml")
-N, ROUNDS = 200, 300  # a round is a millisecond: some of them the machine leaves alone
+N, ROUNDS = 200, 300  # a round takes a millisecond, so that some rounds are not disturbed
 
 
 def one_by_one(sim):

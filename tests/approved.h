@@ -1,6 +1,6 @@
-// Texts that people have read and approved, in files beside the tests. They are what a program says as a whole, where
-// tests of single numbers would miss a word, a unit, a label or a colour. QUOIN_APPROVE=1 writes the files: read the
-// difference (git diff) before it is committed.
+// Approved texts: complete outputs of programs that people have read, in files beside the tests. Tests of single
+// numbers would miss a wrong word, unit, label or colour. QUOIN_APPROVE=1 writes the files: read the difference (git
+// diff) before a commit.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,14 +18,14 @@ namespace quoin_test {
 
 struct Approved {
   std::filesystem::path file;
-  double tolerance = 1e-9;  // of numbers with a decimal point or an exponent, relative; and a unit of their last digit
-  double noise = 0.0;       // numbers below this are rounding, whatever they are
+  double tolerance = 1e-9;  // relative, for numbers with a decimal point or exponent; plus a unit of the last digit
+  double noise = 0.0;       // numbers below this are rounding and may have any value
 };
 
-// Whether two numbers as they are printed are the same but for rounding. Whole numbers are counts: the same or not.
+// True if two printed numbers are equal but for rounding. Integers are counts, which must be equal.
 inline bool same_number(const std::string& a, const std::string& b, const Approved& within) {
   if (a == b) return true;
-  // Noise may be printed as 0, and has any sign.
+  // Noise may be printed as 0 and with any sign.
   if (within.noise > 0.0 && std::max(std::abs(std::stod(a)), std::abs(std::stod(b))) < within.noise) return true;
   const std::size_t point = a.find('.'), exponent = a.find_first_of("eE");
   if (point == std::string::npos && exponent == std::string::npos) return false;
@@ -37,7 +37,7 @@ inline bool same_number(const std::string& a, const std::string& b, const Approv
   return std::abs(x - y) <= within.tolerance * larger + 1.01 * last;
 }
 
-// Where two texts differ: nothing when they are the same but for rounding.
+// Returns the first difference of two texts; empty if they are equal but for rounding.
 inline std::string first_difference(const std::string& approved, const std::string& now, const Approved& within) {
   static const std::regex number(R"(-?[0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?)");
   std::istringstream then(approved), today(now);

@@ -1,5 +1,5 @@
 // Cyclic paths of opening, sliding in two directions and pressure, a different one for every point, for joints of
-// mortar.h. Tests and benchmarks of convergence drive them.
+// mortar.h. For tests and benchmarks of convergence.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ struct Jump {
   double n, s, t;  // m
 };
 
-// Six numbers of its own for every point, in [0, 1).
+// Returns six random numbers of a point, in [0, 1).
 inline const std::array<double, 6>& numbers(std::size_t point) {
   static const std::vector<std::array<double, 6>> all = [] {
     std::mt19937_64 random(20261121);
@@ -30,8 +30,9 @@ inline const std::array<double, 6>& numbers(std::size_t point) {
   return all[point];
 }
 
-// Pressure, then opening to a third of the ultimate 150 um and back, growing from cycle to cycle. Sliding goes to and
-// fro in both directions, to half of the ultimate 830 um. x from 0 to 1; openings larger by the share `wider`.
+// Returns the jumps at x, 0 to 1: pressure, then opening to a third of the ultimate 150 um and closing, growing from
+// cycle to cycle. Sliding is cyclic along both axes, to half of the ultimate 830 um. wider: share by which openings are
+// larger.
 inline Jump path(std::size_t point, double x, double wider = 0.0) {
   const auto& r = numbers(point);
   const double turn = 2.0 * std::numbers::pi * x;
@@ -40,7 +41,7 @@ inline Jump path(std::size_t point, double x, double wider = 0.0) {
   return {-1.5e-5 * r[0] * std::min(1.0, 20.0 * x) + opening, sliding * std::sin((2.0 + 3.0 * r[4]) * turn),
           0.5 * sliding * std::sin((1.0 + 3.0 * r[5]) * turn)};
 }
-// The same, and between the openings pressed together to beyond the peak at 90 um.
+// Returns the jumps of `path`, with closures beyond the peak at 90 um between the openings.
 inline Jump crushing_path(std::size_t point, double x) {
   const auto& r = numbers(point);
   const double turn = 2.0 * std::numbers::pi * x;

@@ -13,7 +13,7 @@ inline Vector linear_momentum(const World& w) {
 }
 
 inline Vector angular_momentum(const World& w, const Vector& about = {}) {
-  // Velocities live half a step before positions; x - v dt/2 takes both to the same time (cross(v, v) = 0).
+  // Velocities are half a step before positions; x - v dt/2 is the position at that time (cross(v, v) = 0).
   Vector l;
   for (const Body& b : w.bodies) l += b.momentum + b.mass * cross(b.x - about, b.v);
   for (size_t i = 0; i < w.nodes.x.size(); ++i) l += w.nodes.mass[i] * cross(w.nodes.x[i] - about, w.nodes.v[i]);

@@ -11,7 +11,7 @@ inline constexpr double ft = 0.2e6, c0 = 0.3e6, fc = 5e6;    // Pa
 inline constexpr double phi = 35.0;                          // deg
 inline constexpr double G1 = 15.0, G2 = 125.0, Gc = 8000.0;  // J/m2
 
-// By id; each law takes those that it has.
+// Properties by id; each law uses those that it has.
 inline const std::vector<std::pair<const char*, double>> properties = {{"normal_stiffness", kn},
                                                                        {"shear_stiffness", ks},
                                                                        {"tensile_strength", ft},

@@ -1,5 +1,5 @@
 // Nanoseconds per contact point of the fracture-energy law, through the C ABI: by population of states, batch size and
-// instruction set. Beside it, in the same run, the same equations compiled as scalar code, and the cyclic joint law.
+// instruction set. For comparison in the same run: the equations compiled as scalar code, and the cyclic joint law.
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -21,9 +21,9 @@ using quoin::benchmarks::mortar_joint;
 using quoin::benchmarks::Points;
 using quoin::benchmarks::Population;
 
-// What the equations ask for a point, counted by hand in equations.h and kernel.cpp. The case is linear softening,
-// shared, with crushing, without dilation; outputs apart from inputs. An addition, multiplication, minimum, maximum,
-// comparison, division or root is one operation, a multiply-add two; selections and masks are none.
+// Operations and bytes of a point, counted by hand in equations.h and kernel.cpp. The case is linear softening, shared,
+// with crushing, without dilation; outputs are not in place. An addition, multiplication, minimum, maximum, comparison,
+// division or root is one operation, a multiply-add two; selections and masks do not count.
 //   elastic     e 2, sigma 1, trial 4, f 2, mu 2, S 3, squares 5, F 5, limits 6
 //   softening   the elastic test 30, and the step: sliding 73, opening 67, half of the points each
 // Bytes: 8 columns in, then 1 more in and 7 out; softening reads its columns a second time.
@@ -47,7 +47,7 @@ void measure(benchmark::State& state, const Material& loaded, Population populat
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   if (std::string_view(loaded.law().id) != "fracture_energy") return;
   if (population != Population::elastic && population != Population::softening) return;
-  // Fractions of what the machine can do, measured in this run.
+  // Fractions of the machine's limits, which are measured in this run.
   const Work work = population == Population::elastic ? kElasticWork : kSofteningWork;
   const double done = static_cast<double>(state.iterations()) * static_cast<double>(state.range(0));
   state.counters["of_peak"] = benchmark::Counter(done * work.operations / limits.flops, benchmark::Counter::kIsRate);
@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
   std::fflush(stdout);
   const std::string shipped = quoin::test::law_file("fracture_energy");
   const Material scalar = mortar_joint(QUOIN_SCALAR_LAW);
-  std::deque<Material> laws;  // measured by reference
+  std::deque<Material> laws;  // a deque, since benchmarks have references to its elements
   const std::pair<const char*, Population> populations[] = {
       {"elastic", Population::elastic}, {"softening", Population::softening}, {"crushing", Population::crushing},
       {"corner", Population::corner},   {"damaged", Population::damaged},     {"mixed", Population::mixed},
@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
     }
   };
   add("scalar -O2", scalar, false);
-  // A material keeps the kernels of the instruction set that is the best one when it is made.
+  // A material has the kernels of the best instruction set at its creation.
   const std::int64_t supported = hwy::SupportedTargets();
   for (const std::int64_t target : {std::int64_t{HWY_SSE4}, std::int64_t{HWY_AVX2}, std::int64_t{HWY_AVX3}}) {
     if ((supported & target) == 0) {
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
     add(std::string(hwy::TargetName(target)) + " cyclic_joint", laws.back(), all_sizes);
   }
   hwy::SetSupportedTargetsForTest(0);
-  // Another build of the law, in the same run: law_benchmark --beside=FILE.so
+  // A second build of the law for comparison in the same run: law_benchmark --beside=FILE.so
   const std::string_view beside = "--beside=";
   for (int k = 1; k < argc; ++k) {
     if (!std::string_view(argv[k]).starts_with(beside)) continue;

@@ -1,8 +1,8 @@
-// Nanoseconds of a call through the C ABI, few points and many, by law, shape of softening and state of the points. No
-// optional output. cyclic_joint beside fracture_energy, each pair in turn, states in place as in a host and apart. With
-// another build of the laws beside it, both in turn: law_calls [--beside=FOLDER] [--only=LAW].
+// Nanoseconds of a call through the C ABI, for few and many points, by law, shape of softening and state of the points.
+// No optional outputs. cyclic_joint and fracture_energy are measured alternately, with states in place and not in
+// place. A second build of the laws is measured alternately, too: law_calls [--beside=FOLDER] [--only=LAW].
 //
-// A neighbour only ever adds time, in bursts longer than these windows: the smallest of many short windows counts.
+// Other programs add time, in bursts longer than a window: the result is the smallest of many short windows.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ using quoin::benchmarks::Points;
 using quoin::benchmarks::Population;
 
 constexpr int kWindows = 3000;
-constexpr double kWindow = 5e-6;  // s
+constexpr double kWindow = 5e-6;  // length of a window, s
 
 double seconds_of(const Material& law, Points& points, int calls) {
   const auto start = std::chrono::steady_clock::now();
@@ -33,10 +33,10 @@ double seconds_of(const Material& law, Points& points, int calls) {
 
 struct Case {
   const char* law;
-  const char* softening;  // null: the law has none
+  const char* softening;  // shape; null: the law has no softening
   const char* state;
   Population population;
-  const char* beside = nullptr;  // another law that does the same here
+  const char* beside = nullptr;  // law for comparison, with equal results in this case
   bool in_place = false;
 };
 constexpr Case kCases[] = {{"elastic", nullptr, "elastic", Population::elastic},

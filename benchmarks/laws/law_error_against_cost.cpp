@@ -1,8 +1,8 @@
 // Run time against error of fracture_energy and cyclic_joint on 256 cyclic paths of opening, sliding in two directions
-// and varying pressure. Each is cut into more and more increments and compared with the same path in 2^20
+// and varying pressure. Each path is computed with more and more increments and compared with 2^20 increments
 // (cyclic_joint: 2^16). Monotonic paths of fracture_energy are compared with their closed forms. cyclic_joint has the
-// page's starting values, so that every branch acts, and a second kind of path that crushes as well. Writes CSV to the
-// standard output:
+// starting values of its LAW.md, so that every branch is active, and a second kind of path with crushing. Writes CSV to
+// the standard output:
 //   law_error_against_cost > law_error_against_cost.csv && gnuplot law_error_against_cost.gp
 #include <fmt/format.h>
 #include <time.h>
@@ -24,24 +24,24 @@ namespace {
 using namespace quoin::test::mortar;
 using Law = quoin::api::Material;
 using quoin::test::mixed::Jump, quoin::test::mixed::kPoints;
-constexpr int kChecks = 64;  // along every path, where errors are taken
+constexpr int kChecks = 64;  // number of positions along each path at which errors are computed
 
 struct Answer {
   double sigma, tau_s, tau_t, dissipated;
 };
 using Path = Jump (*)(std::size_t point, double x);  // x from 0 to 1
 
-// Time of this thread alone: others may have the machine meanwhile.
+// Returns the processor time of this thread, which other programs do not change.
 double thread_seconds() {
   timespec now;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// All points along their paths in the given number of increments: the answers at every check, and the law's seconds.
-// These are for tractions and states alone (a second drive, without the energies).
+// All points along their paths in the given number of increments: results at every check, and processor time of the
+// law. The time is that of a second computation with tractions and states only.
 struct Drive {
-  std::vector<Answer> answers;  // check by check, point by point
+  std::vector<Answer> answers;  // kPoints results for each check
   double seconds = 0.0;
 
   Drive(const Law& law, Path path, int increments) : answers(kChecks * kPoints) {
@@ -51,7 +51,7 @@ struct Drive {
 
  private:
   void run(const Law& law, Path path, int increments, bool energies) {
-    const std::size_t states = law.law().state_count;  // bonded: 0
+    const std::size_t states = law.law().state_count;  // all 0 when bonded
     std::vector<std::vector<double>> columns(3 + 3 + states + 4, std::vector<double>(kPoints, 0.0));
     auto *jump = columns.data(), *traction = jump + 3, *state = traction + 3, *dissipated = state + states;
     std::vector<quoin_in> old_states(states);
@@ -101,14 +101,14 @@ struct Drive {
 Jump mixed(std::size_t point, double x) { return quoin::test::mixed::path(point, x); }
 Jump crushing(std::size_t point, double x) { return quoin::test::mixed::crushing_path(point, x); }
 
-// The monotonic paths, ten per cent beyond the end of softening in the last point, and their answers.
+// Monotonic paths, which for the last point end ten per cent beyond the end of softening, and their closed forms.
 double reach(std::size_t point) { return 1.1 * static_cast<double>(point + 1) / kPoints; }
 Jump opening(std::size_t point, double x) { return {2.0 * G1 / ft * reach(point) * x, 0.0, 0.0}; }
 Jump sliding(std::size_t point, double x) { return {-1e-5, 2.0 * G2 / c0 * reach(point) * x, 0.0}; }
 Jump closing(std::size_t point, double x) { return {-2.0 * Gc / fc * reach(point) * x, 0.0, 0.0}; }
 
-// Elastic up to strength plus residual. Then on a line that falls by strength over the length ultimate of what is not
-// elastic, jump - stress/stiffness, down to the residual.
+// Returns the stress at a jump: elastic up to strength + residual, then linear softening down to the residual. It falls
+// by strength over the inelastic jump `ultimate`, where the inelastic jump is jump - stress/stiffness.
 double softened(double jump, double stiffness, double strength, double residual, double ultimate) {
   if (stiffness * jump <= strength + residual) return stiffness * jump;
   const double falling = (strength * (1.0 - jump / ultimate) + residual) / (1.0 - strength / (stiffness * ultimate));
@@ -135,7 +135,8 @@ void print(const Law& law, const char* path, int increments, const Errors& e, do
   std::fflush(stdout);
 }
 
-// Against the same path in finest increments, up to a sixteenth of them; tractions over normal and shear.
+// Compares with the path in `finest` increments, for up to finest/16 increments. Errors of tractions are relative to
+// the stresses normal and shear.
 void refine(const Law& law, const char* name, Path path, double normal, double shear, int finest) {
   const Drive exact(law, path, finest);
   double spent = 0.0;
@@ -156,7 +157,7 @@ void refine(const Law& law, const char* name, Path path, double normal, double s
   }
 }
 
-// Against a closed form.
+// Compares with a closed form.
 void check(const Law& law, const char* name, Path path, Answer (*answer)(const Jump&)) {
   for (int increments = kChecks; increments <= 1 << 14; increments *= 16) {
     const Drive drive(law, path, increments);
@@ -199,5 +200,5 @@ int main() {
                                             {"compressive_peak_closure", 0.09e-3},
                                             {"crushing_recovery", 0.5}});
   refine(cyclic, "mixed", mixed, ft, c0, 1 << 16);
-  refine(cyclic, "crushing", crushing, fc, fc / 3.0, 1 << 16);  // 3: the root of Cs
+  refine(cyclic, "crushing", crushing, fc, fc / 3.0, 1 << 16);  // 3: square root of Cs
 }

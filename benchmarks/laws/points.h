@@ -1,4 +1,4 @@
-// Points in a state that stays what it is: old and new columns differ, so that every call starts from the same one.
+// Points with constant inputs: old and new columns are different memory, so that every call starts from equal states.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace mortar = quoin::test::mortar;
 
 constexpr double kFriction = 0.7002075382;  // tan 35 deg
 
-// A law of a file with its properties for the mortar of Table 1.
+// Returns a material of the law in a file, with the properties of the mortar of Table 1 of the paper.
 inline api::Material mortar_joint(const std::string& path, const char* softening = nullptr) {
   const quoin_law& law = test::load_law_file(path);
   test::Values values;
@@ -31,13 +31,14 @@ inline api::Material mortar_joint(const std::string& path, const char* softening
   return test::make_material(law, values);
 }
 
-// softening: joints of eight points that slide with decaying cohesion, or open on the envelope, in turn. crushing: on
-// the softening branch without slip. corner: with a slip far beyond both surfaces of cyclic_joint, from where crushing
-// alone returns it. Both: from the edge of both on, by pressure and slip, where it slips and crushes at once.
+// States and increments of points. softening: alternately joints of eight points that slide with decreasing cohesion,
+// and joints of eight points that open on the envelope. crushing: on the softening branch without slip. corner: a slip
+// far beyond both surfaces of cyclic_joint, for which crushing alone returns the stress. both: from the edge of both
+// surfaces, with pressure and slip for which the point slips and crushes in the same step.
 enum class Population { elastic, sliding, opening, softening, damaged, crushing, corner, both, mixed, random };
 
-// Columns on cache lines, as a host that cares lays them out: a vector that crosses a line costs two accesses. They are
-// an odd number of lines apart, so that they do not share the sets of a cache.
+// Columns aligned to cache lines, since a vector that crosses a line costs two accesses. They are an odd number of
+// lines apart, so that they do not compete for the sets of a cache.
 struct Points {
   std::size_t states, length;
   hwy::AlignedFreeUniquePtr<double[]> memory;
@@ -47,7 +48,7 @@ struct Points {
   std::vector<quoin_out> new_columns;
   quoin_batch batch{};
 
-  // in_place: new states in the memory of the old ones, as hosts keep them; tractions stay apart.
+  // in_place: new states overwrite the old ones, as in a host; new tractions do not.
   Points(const api::Material& material, std::size_t count, Population population, bool exponential = false,
          bool in_place = false)
       : states(material.law().state_count),
@@ -66,7 +67,7 @@ struct Points {
     const quoin_law& law = material.law();
     const std::vector<double> bonded = material.initial_state("bonded");
     for (std::size_t k = 0; k < states; ++k) std::fill_n(state[k], count, bonded[k]);
-    // What a state is called in this law; others do without it.
+    // Sets the state that has one of these ids in this law; does nothing if it has none.
     const auto set = [&](std::initializer_list<const char*> ids, std::size_t i, double value) {
       for (std::size_t k = 0; k < states; ++k) {
         for (const char* id : ids) {
@@ -74,7 +75,7 @@ struct Points {
         }
       }
     };
-    const double u0 = mortar::ft / mortar::kn, area = exponential ? 1.0 : 0.5;  // under f
+    const double u0 = mortar::ft / mortar::kn, area = exponential ? 1.0 : 0.5;  // area: integral of f
     const double lt = (mortar::G1 - 0.5 * mortar::ft * u0) / (mortar::ft * area), wu = mortar::Gc / (mortar::fc * area);
     const auto damage = [&](std::size_t i, double xi) {
       set({"xi_t", "xi_s", "xi"}, i, xi);
@@ -105,7 +106,7 @@ struct Points {
           slip_s[i] = 1e-9;
         }
       } else if (kind == Population::damaged) {
-        // A crack after the peak: nothing left but friction; joints of eight points, one in four of them open
+        // A crack after complete softening, with friction only: joints of eight points, one in four of them open
         damage(i, 1.0 + u);
         jump[i] = i / 8 % 4 == 0 ? 1e-4 * unit(random) : -1e-5 * unit(random);
         traction[1][i] = std::max(0.0, -kFriction * mortar::kn * jump[i]);

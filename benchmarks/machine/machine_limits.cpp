@@ -20,10 +20,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 
-// Enough chains to hide the latency of two units, few enough for sixteen registers.
+// Number of independent sums: enough to hide the latency of two units, few enough for sixteen registers.
 constexpr int kChains = 10;
 
-// rounds multiply-adds in each chain; returns the operations done.
+// Computes `rounds` multiply-adds in each chain. Returns the number of operations.
 double multiply_adds(std::size_t rounds, double factor, double term, double* sum) {
   const D d;
   const V a = hn::Set(d, factor), b = hn::Set(d, term);
@@ -40,7 +40,7 @@ double multiply_adds(std::size_t rounds, double factor, double term, double* sum
   return 2.0 * kChains * static_cast<double>(rounds * hn::Lanes(d));
 }
 
-// Four vectors a turn; count is a multiple of that.
+// Computes y += a x, four vectors in each round of the loop; count is a multiple of four vectors.
 void scaled_sum(double a, const double* x, double* y, std::size_t count) {
   const D d;
   const V factor = hn::Set(d, a);
@@ -67,7 +67,7 @@ HWY_EXPORT(instruction_set);
 
 namespace {
 
-// The best of many short runs: a limit is what the machine does when nothing else disturbs it.
+// Returns the best rate of many short runs: the limit without the influence of other programs.
 template <class Work>
 double best_rate(const Work& work) {
   double best = 0.0;
@@ -83,7 +83,7 @@ double best_rate(const Work& work) {
 }  // namespace
 
 double multiply_add_peak() {
-  // Volatile, so that no run is folded away; a fixed point of c = a c + b near 1 keeps the numbers normal.
+  // Volatile, so that the compiler does not remove a run. The sequence c = a c + b converges to 1: no denormal numbers.
   volatile double factor = 0.5, term = 0.5, sum = 0.0;
   return best_rate([&] {
     double total = 0.0;
@@ -96,7 +96,7 @@ double multiply_add_peak() {
 double bandwidth(std::size_t working_set) {
   constexpr std::size_t kTurn = 32;  // four of the widest vectors
   const std::size_t count = std::max<std::size_t>(1, working_set / (2 * sizeof(double)) / kTurn) * kTurn;
-  // On cache lines, and apart by a quarter of a page more: the columns do not meet in the same sets of a cache.
+  // Aligned to cache lines, with an extra quarter of a page between the columns: they use different sets of a cache.
   const auto memory = hwy::AllocateAligned<double>(2 * count + 128);
   std::fill_n(memory.get(), 2 * count + 128, 1.0);
   const double* x = memory.get();

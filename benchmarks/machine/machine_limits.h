@@ -1,5 +1,5 @@
-// What one core of this machine can do at best (a roofline), at the instruction set that the kernels are dispatched to.
-// It is measured in the same run as whatever is compared with it, since machines that are shared drift.
+// Limits of one core (a roofline) with the instruction set of the kernels. Measured in the same run as the results that
+// are compared with them, since the speed of shared machines drifts.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace quoin::benchmarks {
 
-// Independent multiply-adds of doubles out of registers, flop/s; a multiply-add counts as two.
+// Returns the rate of independent multiply-adds of doubles in registers, flop/s; a multiply-add counts as two.
 double multiply_add_peak();
 
-// y = a x + y over two columns that fill working_set bytes together: bytes loaded and stored a second (24 an element,
-// 16 in, 8 out). Choose the working set for the level of memory: half of a cache, or several times the last one.
+// Returns the bandwidth of y = a x + y over two columns of working_set bytes together, in bytes/s: 24 for each element,
+// 16 loaded and 8 stored. For a cache, working_set is half its size; for main memory, several times the last cache.
 double bandwidth(std::size_t working_set);
 
 struct Limits {
@@ -20,10 +20,10 @@ struct Limits {
   double level_1 = 0.0, level_2 = 0.0, main_memory = 0.0;  // bytes/s
 };
 
-// All of them, in about a second.
+// Measures all limits, in about a second.
 Limits measure_limits();
 
-// One line: instruction set, Gflop/s, GB/s by level.
+// Returns one line: instruction set, Gflop/s, GB/s by level.
 std::string describe(const Limits& limits);
 
 }  // namespace quoin::benchmarks

@@ -1,4 +1,4 @@
-// Prints what one core of this machine can do now.
+// Prints the limits of one core of this machine.
 #include <fmt/core.h>
 
 #include "machine_limits.h"

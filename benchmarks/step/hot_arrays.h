@@ -1,4 +1,4 @@
-// What a step keeps in the caches of a processor, array by array.
+// The arrays that every step reads or writes, with their sizes.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ enum class HotOf { block, rigid_body, contact_point };
 struct HotArray {
   const char* what;
   HotOf of;
-  std::size_t bytes;  // all of it
+  std::size_t bytes;  // size of the whole array
 };
 
 inline std::vector<HotArray> hot_arrays(const Simulation::Impl& s) {

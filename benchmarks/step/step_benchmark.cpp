@@ -1,7 +1,7 @@
-// Time per step and by phase on the paper's solid wall (11,520 zones, 3,447 contact points) and its 576-block wall,
-// under shear. Arguments: courses, half units a course, threads, displacement before the measurement in um (0: nothing
-// has cracked). The same on the walls of rigid cubes, while cracks run. Arguments: size, threads, 1 for the kernels of
-// blocks of any shape in place of those of the lattice.
+// Time per step and phase under shear. First, the paper's solid wall (11,520 zones, 3,447 contact points) and its
+// 576-block wall. Arguments: courses, half units in a course, threads, displacement before the measurement in um (0: no
+// cracks). Second, walls of rigid cubes while cracks grow. Arguments: size, threads, 1 for the kernels of blocks of any
+// shape in place of those of the lattice.
 #include <benchmark/benchmark.h>
 
 #include "hot_arrays.h"
@@ -35,7 +35,7 @@ JointFamily family(const std::string& name, double kn, double ks, double ft, dou
   return result;
 }
 
-// Table 1 of the paper, with the replacements of the shipped scenes.
+// Returns a wall with the properties of Table 1 of the paper, as changed in the shipped scenes.
 Scene wall(int courses, double units) {
   Scene scene;
   scene.solver = quality_named("standard").solver;
@@ -64,8 +64,8 @@ Scene wall(int courses, double units) {
 }
 
 void measure_steps(Simulation& simulation, benchmark::State& state) {
-  // The quickest of many windows: other programs on the machine only ever add time.
-  constexpr int kWindow = 10;  // shorter than a time slice
+  // The shortest of many windows, since other programs only add time.
+  constexpr int kWindow = 10;  // steps; shorter than a time slice of the operating system
   double contacts = 1e9, blocks = 1e9;
   for (auto _ : state) {
     time_phases(simulation);
@@ -119,8 +119,8 @@ BENCHMARK(cubes)
     ->Unit(benchmark::kMicrosecond)
     ->UseRealTime();
 
-// The product with the stiffness alone, over all blocks of the 576-block wall, on one thread. It is compared with what
-// the machine can do at best, measured just before.
+// Measures the product with the stiffness matrices over all blocks of the 576-block wall, on one thread. The result is
+// compared with the machine's limits, which are measured just before.
 void internal_forces(benchmark::State& state) {
   const benchmarks::Limits limits = benchmarks::measure_limits();
   const Scene scene = wall(32, 9.0);
@@ -141,7 +141,7 @@ void internal_forces(benchmark::State& state) {
   for (const BlockGroup& group : model.groups) {
     const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
     flops += 2.0 * kLanes * static_cast<double>(shape.stiffness.coefficient.size());
-    bytes += 2.0 * sizeof(double) * kLine * shape.node_count;  // u in, force out; K stays in the cache
+    bytes += 2.0 * sizeof(double) * kLine * shape.node_count;  // u loaded, force stored; K is in the cache
   }
   const auto rate = [](double x) { return benchmark::Counter(x, benchmark::Counter::kIsIterationInvariantRate); };
   state.counters["flop/s"] = rate(flops);
@@ -151,7 +151,7 @@ void internal_forces(benchmark::State& state) {
 }
 BENCHMARK(internal_forces)->Unit(benchmark::kMicrosecond)->MinTime(1.0);
 
-// Blocks from 60 to 100 thousand, undamaged; setting up the largest takes minutes.
+// Undamaged walls of 60 to 100 thousand blocks; the setup of the largest takes minutes.
 void size(benchmark::State& state) { step(state); }
 
 BENCHMARK(step)

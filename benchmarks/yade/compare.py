@@ -1,7 +1,7 @@
-"""Time of a step of the cube walls: Quoin's host beside Yade.  python3 benchmarks/yade/compare.py --build build/release
+"""Time of a step of the cube walls in Quoin's host and in Yade.  python3 benchmarks/yade/compare.py --build build/release
 
-Time is that of one core (user and system), one thread each, so that other jobs on the machine count little; the median
-of three. Exit 77, with the reason: skipped.
+Time is processor time (user and system) with one thread, on which other programs have little influence; the median of
+three runs. Exit code 77, with the reason: skipped.
 """
 import argparse
 import json
@@ -21,7 +21,7 @@ if not shutil.which("yade"):
 
 
 def run(command):
-    """Output and seconds of one core."""
+    """Runs a command. Returns its output and processor time, s."""
     with tempfile.TemporaryFile("w+") as output:
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
         _, status, usage = os.wait4(process.pid, 0)
@@ -33,7 +33,7 @@ def run(command):
 
 
 def host(build, scene, displacement):
-    """Points, steps and seconds of a run."""
+    """Returns points, steps and processor time (s) of a run of Quoin."""
     with tempfile.TemporaryDirectory() as folder:
         _, seconds = run([os.path.join(build, "quoin"), "run", scene, "--threads", "1", "--out", folder, "--set",
                           f"stage.shear.displacement={displacement}", "--set", "stage.shear.record_interval=1000",
@@ -44,7 +44,7 @@ def host(build, scene, displacement):
 
 
 def host_step(build, n):
-    """A long run less a short one: without the time to start."""
+    """Returns the difference of a long and a short run, which excludes the time to start."""
     scene = os.path.join(root, f"host/scenes/cube_wall_{n}.toml")
     points, many, long = host(build, scene, 0.002)
     _, few, short = host(build, scene, 0.0002)
@@ -54,7 +54,7 @@ def host_step(build, n):
 def yade_step(n, kind, steps):
     text, _ = run(["yade", "-n", "-x", os.path.join(here, "native.py"), str(n), kind, str(steps)])
     lines = [line.split() for line in text.splitlines() if line.startswith("native")]
-    if not lines:  # Yade ends with 0 after an error in a script
+    if not lines:  # Yade has exit code 0 after an error in a script
         sys.exit(text)
     return int(lines[0][2]), float(lines[0][3])
 

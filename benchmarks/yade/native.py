@@ -1,7 +1,7 @@
-"""A wall of n x n bodies under Yade's own contact laws:  yade -n -x native.py N spheres|polyhedra STEPS
+"""A wall of n x n bodies with Yade's contact laws:  yade -n -x native.py N spheres|polyhedra STEPS
 
-Prints bodies, contacts and microseconds of one core a step. Spheres: bonded by the concrete particle model (CPM), one
-point a contact. Polyhedra: cubes without bonds, pressed into each other by 1e-4 of their size.
+Prints bodies, contacts and processor time of a step in microseconds. Spheres: bonded by the concrete particle model
+(CPM), one point for each contact. Polyhedra: cubes without bonds, with an overlap of 1e-4 of their size.
 """
 import sys
 import time
@@ -46,7 +46,7 @@ for i in rows[0] + rows[-1]:
 for i in rows[-1]:
     O.bodies[i].state.vel = (0.01, 0, 0)
 O.engines = [ForceResetter(), InsertionSortCollider([bounds]), contacts, NewtonIntegrator(damping=0.8)]
-O.run(20, True)  # contacts are found
+O.run(20, True)  # detects the contacts
 start = time.process_time()
 O.run(steps, True)
 seconds = time.process_time() - start

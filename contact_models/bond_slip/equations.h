@@ -1,4 +1,5 @@
-// Bond of a strip to a face: LAW.md. Bilinear with fracture energy, unloading to the origin, slip and peel together.
+// Bond of a strip to a face: LAW.md. Bilinear with fracture energy, unloading to the origin, mixed mode of slip and
+// peel.
 #if defined(QUOIN_BOND_SLIP_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_BOND_SLIP_EQUATIONS_H
 #undef QUOIN_BOND_SLIP_EQUATIONS_H
@@ -13,19 +14,20 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin::bond_slip::HWY_NAMESPACE {
 using namespace quoin::shim::HWY_NAMESPACE;
 
-// over_s0, over_n0: 1/s0 = ks/tau_m, 1/n0 = kn/f_p; 0: no strength is lost. r: end of softening over its beginning.
+// over_s0 = 1/s0 = ks/tau_m, over_n0 = 1/n0 = kn/f_p; 0: the bond loses no strength. r: jump at the end of softening
+// over the jump at its beginning.
 struct Lanes {
   V kn, ks, over_s0, over_n0, r;
 };
 
 struct Jump {
-  V d_n, s_s, s_t;  // at the end of the step
+  V d_n, s_s, s_t;  // at the end of the step, m
 };
 
 struct Result {
   V sigma, tau_s, tau_t;
   V lambda;
-  V whole;  // 1 - D
+  V whole;  // undamaged share, 1 - D
   M grows;
 };
 
@@ -38,7 +40,7 @@ struct Equations {
     return select(hn::Gt(lambda, one), positive_part(softening), one);
   }
 
-  // Share of the strength that is lost.
+  // Returns the lost share of the strength.
   HWY_INLINE V lost(V lambda) const {
     const V one = splat(1.0);
     return hn::Min(one, positive_part(hn::Div(hn::Sub(lambda, one), hn::Sub(p.r, one))));
@@ -55,13 +57,13 @@ struct Equations {
     const V one = splat(1.0), half = splat(0.5);
     const V trial = relative(j);
     Result r;
-    // What is debonded already has nothing to lose.
+    // Damage of a debonded point does not grow.
     r.grows = hn::And(hn::Gt(trial, hn::Max(lambda_old, one)), hn::Lt(lambda_old, p.r));
     r.lambda = select(r.grows, hn::Min(trial, p.r), lambda_old);
     r.whole = undamaged(r.lambda);
     const M closed = hn::Le(j.d_n, zero());
     const V normal = hn::Mul(p.kn, select(closed, one, r.whole)), shear = hn::Mul(p.ks, r.whole);
-    // Never -0: which zero the smaller of 0 and -0 is depends on the instruction set.
+    // + 0 avoids -0: min(0, -0) depends on the instruction set.
     r.sigma = hn::MulAdd(normal, j.d_n, zero());
     r.tau_s = hn::MulAdd(shear, j.s_s, zero());
     r.tau_t = hn::MulAdd(shear, j.s_t, zero());
@@ -69,8 +71,8 @@ struct Equations {
       const V slip2 = hn::MulAdd(j.s_s, j.s_s, hn::Mul(j.s_t, j.s_t));
       const V opening = positive_part(j.d_n);
       energies->stored = hn::Mul(half, hn::MulAdd(normal, hn::Mul(j.d_n, j.d_n), hn::Mul(shear, slip2)));
-      // Spent: the growth of damage times the energy that an undamaged bond would store, e lambda^2/2 with e of the end
-      // of the step.
+      // Dissipated: the growth of damage times the energy that an undamaged bond would store, e lambda^2/2 with e at
+      // the end of the step.
       const V over = hn::IfThenElseZero(r.grows, hn::Div(one, hn::Max(trial, one)));
       const V e_n = hn::Mul(hn::Mul(p.kn, hn::Mul(opening, opening)), hn::Mul(over, over));
       const V e_s = hn::Mul(hn::Mul(p.ks, slip2), hn::Mul(over, over));

@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin::bond_slip::HWY_NAMESPACE {
 using namespace quoin::shim;
 
-// Ratio of a bond that loses no strength; any ratio above 1 does.
+// Ratio r of a bond that loses no strength. Its value has no effect if it is above 1.
 inline constexpr double kUnusedRatio = 2.0;
 
 HWY_INLINE Lanes lanes_of(V kn, V ks, V tau_m, V f_p, V G_f) {
@@ -41,7 +41,7 @@ HWY_INLINE void run(const Parameters& m, const Columns& c, std::size_t count, Su
       const V kn = number(kColumnKn, m.kn), ks = number(kColumnKs, m.ks), G_f = number(kColumnGf, m.G_f);
       const V tau_m = number(kColumnTauM, m.tau_m), f_p = number(kColumnFp, m.f_p);
       p = lanes_of(kn, ks, tau_m, f_p, G_f);
-      // Each by itself: a number that is none passes no comparison, and may pass a minimum.
+      // Each value by itself: NaN fails every comparison, but a minimum may drop it.
       const V positive[] = {kn, ks, tau_m, f_p, G_f}, finite[] = {kn, ks, p.r};
       for (const V value : positive) sound = hn::And(sound, hn::Gt(value, zero()));
       for (const V value : finite) sound = hn::And(sound, hn::Lt(value, splat(HUGE_VAL)));
@@ -56,7 +56,8 @@ HWY_INLINE void run(const Parameters& m, const Columns& c, std::size_t count, Su
     Tangent tangent;
     Result r = law.evaluate<kFull>(jump, old_lambda, &energies, &tangent);
 
-    // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state.
+    // One test for the whole vector: a value that is not finite, in or out, fails its point, whose outputs are the old
+    // state.
     V collected = gather_non_finite(r.sigma, gather_non_finite(r.tau_s, gather_non_finite(r.tau_t, zero())));
     for (int k = 0; k < 3; ++k) collected = gather_non_finite(at(kTractionOld + k), collected);
     collected = gather_non_finite(r.lambda, gather_non_finite(old_lambda, gather_non_finite(jump.d_n, collected)));
@@ -70,7 +71,7 @@ HWY_INLINE void run(const Parameters& m, const Columns& c, std::size_t count, Su
       r.grows = hn::And(sound, r.grows);
       summary.failed += hn::CountTrue(d, hn::AndNot(sound, hn::FirstN(d, count - i)));
     }
-    const V opening = at(kNormalJump);  // before states are written: a host may keep all in one place
+    const V opening = at(kNormalJump);  // read before outputs are written, which may share memory with inputs
     put(kTractionNew, r.sigma);
     put(kTractionNew + 1, r.tau_s);
     put(kTractionNew + 2, r.tau_t);

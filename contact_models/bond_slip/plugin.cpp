@@ -12,7 +12,7 @@ using namespace quoin::shim;
 
 constexpr std::uint32_t kColumn = QUOIN_PROPERTY_PER_POINT | QUOIN_PROPERTY_LOWER_OPEN;
 constexpr std::uint32_t kStiffness = QUOIN_PROPERTY_REQUIRED | kColumn | QUOIN_PROPERTY_UPPER_OPEN;
-// lambda of a joint that was never bonded: beyond any ratio of softening.
+// lambda of a joint that was never bonded: above the r of any material.
 constexpr double kDebonded = 1e12;
 
 constexpr quoin_property_info kKn =
@@ -38,7 +38,7 @@ constexpr quoin_state_info kSlipTInfo = slip_state("slip_t", QUOIN_STATE_PAIR_T)
 constexpr quoin_state_info kLambdaInfo = scalar_state("lambda", "-", "largest jump over that at which softening begins",
                                                       QUOIN_ROLE_HISTORY, QUOIN_STATE_MONOTONIC, 0.0, kInfinity);
 
-// 1 - D.
+// Returns the undamaged share 1 - D.
 double undamaged(const Parameters& p, double lambda) {
   if (lambda <= 1.0 || !std::isfinite(p.tau_m)) return lambda >= kDebonded ? 0.0 : 1.0;
   const double r = 2.0 * (p.G_f / p.tau_m) * p.ks / p.tau_m;
@@ -96,8 +96,8 @@ struct BondSlipLaw {
     bond_slip::evaluate_one(material, columns, summary);
   }
 
-  // States of its own that give the traction stay as they are. Else what carries its traction undamaged comes in
-  // bonded; damage of other laws has no counterpart, and is marked.
+  // Keeps states of this law that agree with the traction. Any other point becomes an undamaged bond if that carries
+  // the traction, else it gets status FAILED. Damage of other laws has no counterpart: such a point gets CLAMPED.
   static void migrate(const Material& p, const MigrationPoint& from, MigrationResult& to) {
     const double lambda = from.state("lambda", 0.0), whole = undamaged(p, lambda);
     const double s = from.state("slip_s", 0.0), t = from.state("slip_t", 0.0);

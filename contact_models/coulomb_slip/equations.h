@@ -1,6 +1,5 @@
 // The standard brittle joint law that the paper compares with (Figure 8): fracture_energy/LAW.md, "The other laws that
-// ship". At the first failure in tension or in shear the strengths drop at once to their residuals; compression is
-// elastic.
+// ship". At the first failure in tension or in shear all strengths drop to their residuals; compression is elastic.
 #if defined(QUOIN_COULOMB_SLIP_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_COULOMB_SLIP_EQUATIONS_H
 #undef QUOIN_COULOMB_SLIP_EQUATIONS_H
@@ -27,7 +26,7 @@ struct Increment {
 struct State {
   M failed;
   V tau_s, tau_t;
-  V sigma;  // for energies alone
+  V sigma;  // read only for energies
 };
 
 struct Result {
@@ -36,7 +35,7 @@ struct Result {
   M open, fails, slips;
 };
 
-// Yield only beyond this many roundings of the largest stress that entered the comparison: fracture_energy/LAW.md,
+// Tolerance of the yield conditions, relative to the largest stress in the comparison: fracture_energy/LAW.md,
 // statement 5.
 inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
 
@@ -49,8 +48,8 @@ struct Equations {
     return positive_part(hn::NegMulAdd(sigma, mu, select(failed, residual, p.c0)));
   }
 
-  // Recoverable energy of the normal spring cut off at the tensile strength. The cut-off has no memory of its opening,
-  // so the joint always closes at d_n = 0.
+  // Returns the recoverable energy of the normal spring with its cut-off at the tensile strength. The cut-off is
+  // reversible: the joint closes at d_n = 0.
   HWY_INLINE V normal_energy(V d_n, V cut_off) const {
     const V elastic = hn::Min(d_n, hn::Div(cut_off, p.kn));
     const V beyond = hn::Sub(d_n, elastic);
@@ -63,12 +62,12 @@ struct Equations {
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     const V trial = hn::Sqrt(hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t)));
-    // Never -0: which zero the smaller of 0 and -0 is depends on the instruction set.
+    // + 0 avoids -0: min(0, -0) depends on the instruction set.
     const V elastic = hn::MulAdd(p.kn, in.d_n, zero());
     const V scale = hn::Max(hn::Max(hn::Max(p.ft, p.c0), hn::Abs(elastic)), trial);
     const V tolerance = hn::Mul(splat(kYieldTolerance), scale);
 
-    // Tension cut-off; a failure drops every strength, before the shear strength is checked.
+    // Tension cut-off. Failure in tension drops all strengths before the shear strength is checked.
     Result r;
     r.open = hn::Gt(in.d_n, zero());
     const M breaks = hn::AndNot(old.failed, hn::Gt(hn::Sub(elastic, p.ft), tolerance));
@@ -100,18 +99,18 @@ struct Equations {
 
     if constexpr (kFull) {
       energies->stored = hn::Add(normal_energy(in.d_n, cut_off), hn::Div(hn::Mul(half, hn::Mul(tau, tau)), p.ks));
-      // The drop of the cut-off frees what the joint stores above it: at ft when tension breaks it, at the standing
-      // opening when slip does.
+      // The drop of the cut-off releases the energy stored above it. It is evaluated at ft for failure in tension, and
+      // at the current opening for failure in shear.
       const V opening_at_drop = select(breaks, hn::Div(p.ft, p.kn), in.d_n);
       const V freed = hn::Sub(normal_energy(opening_at_drop, p.ft), normal_energy(opening_at_drop, p.ftr));
       energies->crushing = zero();
       energies->tension = hn::IfThenElseZero(r.fails, positive_part(freed));
-      // The pressure changes in a straight line over the step, the share of cohesion in S does not.
+      // Friction takes the mean pressure of the step. Cohesion takes S and the pressure at its end.
       const V pressure = positive_part(hn::Neg(r.sigma));
       const V mean_pressure = hn::Mul(half, hn::Add(positive_part(hn::Neg(old.sigma)), pressure));
       const V slip_friction = hn::Mul(p.mur, r.slip);
       energies->friction = hn::IfThenElseZero(r.slips, hn::Mul(mean_pressure, slip_friction));
-      // Slip at S, and the excess over S that a drop of the strengths frees at once.
+      // Work of slip at S, and the energy of the excess over S that a drop of the strengths releases.
       const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
       const V excess = hn::Sub(hn::Min(trial, hn::Max(held, S_before_slip)), S);
       const V whole = hn::NegMulAdd(r.sigma, select(old.failed, p.mur, p.mu0), select(old.failed, p.cr, p.c0));

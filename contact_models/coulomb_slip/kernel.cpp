@@ -62,7 +62,8 @@ HWY_INLINE void run(const Parameters& material, const Columns& c, std::size_t co
     Tangent tangent;
     Result r = law.evaluate<kFull>(in, old, &energies, &tangent);
 
-    // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state.
+    // One test for the whole vector: a value that is not finite, in or out, fails its point, whose outputs are the old
+    // state.
     V collected = gather_non_finite(r.sigma, gather_non_finite(r.state.tau_s, zero()));
     collected = gather_non_finite(r.state.tau_t, gather_non_finite(in.d_n, gather_non_finite(failed_old, collected)));
     M sound = is_finite(collected);

@@ -9,7 +9,7 @@ namespace quoin::coulomb_slip {
 
 // Order of the states in the metadata and in Columns.
 enum StateColumn : int { kFailed, kSlip, kStateCount };
-// Order of the per-point properties in Columns; friction in degrees, as users give it.
+// Order of the per-point properties in Columns; friction angles in degrees.
 enum PropertyColumn : int {
   kColumnKn,
   kColumnKs,
@@ -22,9 +22,9 @@ enum PropertyColumn : int {
   kPropertyColumnCount
 };
 
-// On the best instruction set of this machine. count points; columns are padded to whole vectors.
+// Evaluates count points with the best instruction set of the processor; columns are padded to whole vectors.
 void evaluate(const Parameters& material, const shim::Columns& columns, std::size_t count, shim::Summary& summary);
-// The same bits for one point, in the caller's own memory; nothing but traction and states.
+// Evaluates one point, only traction and states, in the caller's memory; bitwise identical to evaluate.
 void evaluate_one(const Parameters& material, const shim::Columns& columns, shim::Summary& summary);
 
 }  // namespace quoin::coulomb_slip

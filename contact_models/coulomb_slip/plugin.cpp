@@ -86,8 +86,8 @@ struct CoulombSlipLaw {
     coulomb_slip::evaluate_one(material, columns, summary);
   }
 
-  // A joint at the end of its softening comes in failed, where the residual strengths carry its traction. One that is
-  // only softened has no counterpart in a brittle law: it comes in intact and is marked as clamped.
+  // A fully softened joint becomes failed if the residual strengths carry its traction. A partly softened joint has no
+  // counterpart in a brittle law: it becomes intact and gets status CLAMPED.
   static void migrate(const Material& p, const MigrationPoint& from, MigrationResult& to) {
     const double xi = std::max(from.state("xi_t", 0.0), from.state("xi_s", 0.0));
     const double tau = std::hypot(from.tau_s, from.tau_t);

@@ -1,6 +1,6 @@
-// The cyclic joint law, top to bottom as in LAW.md: parameters, derived quantities, opening, slip of an open joint,
-// slip of a closed joint. Then the cap, the order of the update, energies, tangent. One vector lane is one contact
-// point. Symbols are LAW.md's; all in SI units, sigma > 0 is tension, d_n > 0 opens.
+// The cyclic joint law, in the order of LAW.md: parameters, opening, slip of an open and of a closed joint, cap,
+// update, energies, tangent. One vector lane is one contact point. Symbols as in LAW.md; SI units; sigma > 0 is
+// tension, d_n > 0 opens.
 #if defined(QUOIN_CYCLIC_JOINT_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_CYCLIC_JOINT_EQUATIONS_H
 #undef QUOIN_CYCLIC_JOINT_EQUATIONS_H
@@ -20,7 +20,7 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin::cyclic_joint::HWY_NAMESPACE {
 using namespace quoin::shim::HWY_NAMESPACE;
 
-// ---- Parameters of each lane's point: one material's everywhere, or made from property columns ---------------------
+// ---- Parameters of each lane's point: the material's in every lane, or from property columns -----------------------
 
 struct Given {
   V kn, ks, ft, c0, cr, mu0, mur, tan_psi, fc, fcr, G1, G2, Gc, beta, sd, pd, fy, wp, chi, Cs;
@@ -36,13 +36,13 @@ struct Lanes {
   V compliance_by_crushing;                 // chi/fc
   V half_chi;                               // chi/(2 fc)
   V yield, yield_squared;                   // F(0)
-  V xi_at_first_opening, xi_at_first_slip;  // a mode without strength drop completes at once: its end, else 0
+  V xi_at_first_opening, xi_at_first_slip;  // end of softening for a mode without strength drop, else 0
   V inv_c0_su;                              // 1/(c0 su)
   V end;                                    // f(xi >= end) = 0
-  M admissible;                             // LAW.md, "Refused"; false only for columns
-  bool hardens;                             // any of them, before the peak
-  bool recovers;                            // any chi
-  bool stays_open;                          // any beta
+  M admissible;                             // LAW.md, "Refused"; can be false only with columns
+  bool hardens;                             // a lane hardens before the peak
+  bool recovers;                            // a lane has chi > 0
+  bool stays_open;                          // a lane has beta > 0
 
   Lanes() = default;
   HWY_INLINE Lanes(const Parameters& p, const Given& g)
@@ -106,7 +106,7 @@ struct Lanes {
     require(hn::Or(sd > zero(), tan_psi == zero()));
     require(hn::Or(hn::Or(fy == fc, g.wp > zero()), hn::Not(crushes)));
     require(hn::And(beta <= one, g.chi < one));
-    // One by one: a minimum may lose a value that is not a number.
+    // One by one: a minimum may drop a NaN.
     for (const V value : {mur, tan_psi, fcr, g.G1, g.G2, g.Gc, ft, cr, beta, g.sd, g.wp, g.chi})
       require(value >= zero());
     for (const V value : {g.pd, fc, fy, Cs}) require(value > zero());
@@ -114,7 +114,7 @@ struct Lanes {
   }
 };
 
-// The lanes that the short path reads, for joints without residual opening, crushing and uplift.
+// The members of Lanes that the short path reads for joints without residual opening, crushing and uplift.
 struct ShortLanes {
   V kn, ks, c_drop, mu_drop, mur, Cs, u0, yield, yield_squared;
   explicit HWY_INLINE ShortLanes(const Lanes& p)
@@ -154,7 +154,7 @@ struct Result {
   V gamma;  // slip over the step, >= 0
   V h;      // opening beyond the residual one
   V trial;  // |tau*|
-  V used;   // 0, or not a number where a state that the step used was none
+  V used;   // 0, or NaN where a state that the step used is not finite
   M opens, slips, reseats, crushes, gives_way;
 };
 
@@ -162,7 +162,7 @@ struct Traction {
   V sigma, tau_s, tau_t;
 };
 
-// Yield only beyond this many roundings of the largest stress that entered the comparison.
+// Tolerance of the yield conditions, relative to the largest stress in the comparison.
 inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
 
 template <class Softening, class Numbers = const Lanes&>
@@ -194,19 +194,19 @@ struct Equations {
     const V mean = a + b - splat(1.0 / 3.0) * (a * a + a * b + b * b);  // mean of x (2 - x)
     return hn::MulAdd(p.wp * (b - a), hn::MulAdd(p.hardening, mean, p.fy), softened);
   }
-  HWY_INLINE V recovery(V l0, V l1) const {  // chi/(2 fc) times that
+  HWY_INLINE V recovery(V l0, V l1) const {  // chi/(2 fc) times the integral of F from l0 to l1
     return p.recovers ? p.half_chi * F_area(l0, l1) : zero();
   }
   HWY_INLINE V C(V l) const { return hn::MulAdd(p.compliance_by_crushing, l, p.inv_kn); }
 
   struct Crushed {
-    V E, F, b;  // 1/C, strength, bond that crushing has left
+    V E, F, b;  // stiffness 1/C, strength, share of the bond left by crushing
   };
   HWY_INLINE Crushed crushed(V l) const {
     Crushed c{p.kn, p.yield, splat(1.0)};
     if (!none(l > zero())) {
       const Crushed softer = crushed_before(l);
-      c.E = softer.E, c.F = softer.F, c.b = softer.b;  // one by one: the three stay in registers
+      c.E = softer.E, c.F = softer.F, c.b = softer.b;  // by member, so that all three stay in registers
     }
     return c;
   }
@@ -219,7 +219,7 @@ struct Equations {
 
   // ---- Seat of the faces: v from g ----------------------------------------------------------------------------------
 
-  // What is not finite in v_m shows in v, and so does g and r_m where v_m is not 0.
+  // v is not finite if v_m is not, or if v_m is not 0 and g or r_m is not finite.
   HWY_INLINE V uplift(const State& s) const {
     const M none_left = s.v_m == zero();
     if (all(none_left)) return zero();
@@ -230,20 +230,20 @@ struct Equations {
     return s.v_m * hn::IfThenZeroElse(s.r_m == zero(), hn::Min(splat(1.0), r / s.r_m));
   }
 
-  // ---- What both kinds of joint know of a step: LAW.md, ORDER, 0 ----------------------------------------------------
+  // ---- Quantities of a step that open and closed joints share: LAW.md, ORDER, 0 -------------------------------------
 
   struct Step {
     const State& old;
     V d_n;
-    V v, e, h;  // with the old states
+    V v, e, h;  // at the old states, m
     V trial_s, trial_t, t, n_s, n_t;
     V reach;          // |d_n| + w + v + q
-    V floor;          // scale of every test: kn reach, |tau*|
+    V floor;          // stress scale of every test, Pa: the larger of kn reach and |tau*|
     Crushed crushed;  // at the old l
     explicit HWY_INLINE Step(const State& state) : old(state) {}
     HWY_INLINE V tolerance(V strength) const { return splat(kYieldTolerance) * hn::Max(strength, floor); }
   };
-  template <bool kUncrushed>  // known of every lane
+  template <bool kUncrushed>  // true: l = 0 in every lane
   HWY_INLINE Step step_of(const Increment& in, const State& old) const {
     Step s(old);
     s.d_n = in.d_n;
@@ -263,12 +263,12 @@ struct Equations {
 
   // ---- Nothing yields: the short path -------------------------------------------------------------------------------
 
-  static HWY_INLINE M untouched(const State& s) { return hn::Or(hn::Or(s.q, s.l), s.v_m) == zero(); }  // bit by bit
+  static HWY_INLINE M untouched(const State& s) { return hn::Or(hn::Or(s.q, s.l), s.v_m) == zero(); }  // bitwise or
 
-  // True, and the traction filled in, when every lane is elastic at full stiffness. Each is closed and not at the end
-  // of a residual opening, or not yet opened beyond u0; and |tau*| is within the strength. The same bits as evaluate
-  // gives. kOpeningFirst: an opening joint is found at once. kUntouched: only where q, l and v_m are 0, and no more is
-  // read of the seat.
+  // If every lane is elastic at full stiffness, writes the traction, bitwise identical to evaluate, and returns true.
+  // Normal condition: the joint is closed and does not reduce a residual opening, or it never opened beyond u0. Shear
+  // condition: |tau*| is within the strength. kOpeningFirst: tests the opening before all else. kUntouched: true only
+  // where q, l and v_m are 0, and the seat's other states are not read.
   template <bool kOpeningFirst, bool kUntouched>
   HWY_INLINE bool elastic(const Increment& in, const State& old, Traction& traction) const {
     V h, virgin = hn::IfThenElseZero(old.xi == zero(), p.u0);
@@ -280,20 +280,20 @@ struct Equations {
       virgin = hn::MulAdd(old.l, zero(), hn::IfThenElseZero(old.l == zero(), virgin));
       c = crushed(old.l);
     }
-    // f(xi) may lose what is not a number, or infinite; the limit does not.
+    // The limit is NaN if xi is not finite; f(xi) may be finite then.
     const M full_stiffness = h <= hn::MulAdd(old.xi, zero(), virgin);
     if (kOpeningFirst && !all(full_stiffness)) return false;
-    const V sigma = hn::MulAdd(c.E, h, zero());  // + 0: no negative zero
+    const V sigma = hn::MulAdd(c.E, h, zero());  // + 0 avoids -0
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     const V factor = f.factor(old.xi);
     const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
-    // Cohesion of an open joint lacks the residual: with it left out the test is safe for both.
+    // Without the residual cohesion, which an open joint lacks: a lower bound of S for open and closed joints.
     const V S = hn::NegMulAdd(sigma, mu, kUntouched ? p.c_drop * factor : p.c_drop * c.b * factor);
     const V trial_squared = hn::MulAdd(trial_s, trial_s, trial_t * trial_t);
-    // Less, not equal: squares that overflow take the long path. So does what is not a number, or infinite.
+    // Less, not equal: squares that overflow, and values that are not finite, take the whole step.
     const M held = trial_squared < S * hn::Abs(S);
-    // The cap of a joint in tension, too: safe, and a sigma that is not finite is within none.
+    // The cap is tested also in tension: this is on the safe side, and a sigma that is not finite fails the test.
     const V F_squared = kUntouched ? p.yield_squared : c.F * c.F;
     const M within_cap = hn::MulAdd(sigma, sigma, p.Cs * trial_squared) < F_squared;
     M elastic = hn::And(hn::And(held, full_stiffness), within_cap);
@@ -309,13 +309,13 @@ struct Equations {
 
   // ---- Open, 1: opening ---------------------------------------------------------------------------------------------
 
-  // An opening that was never beyond u0 counts as u0: a joint with its own ft, by a column, needs no state of its own.
+  // Returns the largest opening so far, at least u0. So the initial state does not depend on ft, which may be a column.
   HWY_INLINE V reached(const State& s) const { return select(s.xi == zero(), p.u0, hn::Max(s.kappa, p.u0)); }
 
   struct Opening {
     V xi, kappa, q, h;
-    V passed;  // area of f
-    V s0, T;   // stress on the bonded share, what is left of c0 under it
+    V passed;  // integral of f over the growth of xi
+    V s0, T;   // stress on the bonded share, and c0 - mu0 s0 >= 0, Pa
     M opens;
   };
   template <bool kEnergies, class Open>
@@ -332,14 +332,13 @@ struct Equations {
       o.kappa = select(o.opens, s.e, o.kappa);
       o.h = s.e - o.q;
     }
-    // kn u0 for ft: exactly kn h while xi = 0
+    // kn u0 in place of ft, so that s0 is exactly kn h while xi = 0.
     o.s0 = hn::IfThenElseZero(p.ft > zero(), p.kn * (p.u0 / (o.kappa - o.q)) * o.h);
     o.T = positive_part(hn::NegMulAdd(p.mu0, o.s0, p.c0));
     return o;
   }
 
-  // ---- Slip to a strength that falls with f alone: open, 2, and closed, 3, where the seat does not move
-  // --------------
+  // ---- Slip to a strength that depends on f alone: open, 2; closed, 3, where the seat does not move ----------------
 
   // Root of t - ks gamma = S_end + S_drop f(xi + rate gamma).
   struct Line {
@@ -349,7 +348,7 @@ struct Equations {
   HWY_INLINE V slip_to(M slips, const Line& line, V factor, V t, V tolerance) const {
     const V beyond = positive_part(t - line.S_end) * p.inv_ks;  // f = 0 at the end of the slip
     if constexpr (Softening::kShape == Shape::linear) {
-      // The line and the constant after it are together convex: the slip ends at whichever it meets first.
+      // The line and the constant after it form a convex function, so the smaller of both slips is the answer.
       const V approach = hn::NegMulAdd(line.S_drop, line.rate, p.ks);
       const V straight = (t - line.at(factor)) / positive_part(approach);
       return hn::IfThenElseZero(slips, select(factor > zero(), hn::Min(straight, beyond), beyond));
@@ -368,9 +367,10 @@ struct Equations {
           slope = hn::Neg(hn::MulAdd(line.S_drop * line.rate, f.slope(xi), p.ks));
         });
   }
-  // Exponential softening: with x = rate gamma, D = S_drop f and k = ks/rate, k x - D (1 - exp(-x)) = c, the excess of
-  // |tau*|. Its series in q = c/(k - D) goes up to the fourth power. That is the slip to rounding for the short steps
-  // of an explicit analysis, a first guess for others and for tables.
+  // Slip under exponential softening: with x = rate gamma, D = S_drop f, k = ks/rate and c the excess of |tau*|,
+  //   k x - D (1 - exp(-x)) = c.
+  // Series in q = c/(k - D) up to the fourth power. It is exact to rounding for the short steps of an explicit
+  // analysis, and a first guess for longer ones and for tables.
   HWY_INLINE V short_slip(const Line& line, V factor, V t) const {
     const V D = line.S_drop * factor * line.rate;
     const V inv_b = splat(1.0) / (p.ks - D);
@@ -385,7 +385,7 @@ struct Equations {
 
   // ---- Closed, 3: pressure and slip over a seat that rises or falls -------------------------------------------------
 
-  // y/C but for the residual opening: it holds ft and no more.
+  // Returns the pressure y/C, Pa. A residual opening resists a pressure of up to ft before it decreases.
   HWY_INLINE V pressure(const Step& s, V v) const {
     const V e = s.d_n - v + s.old.w;
     const V bare = positive_part((s.old.q - e) * s.crushed.E);
@@ -400,8 +400,8 @@ struct Equations {
     return hn::IfThenElseZero(y >= zero(), s.crushed.E);
   }
 
-  // Slip at which a falling seat has let the pressure go, but for a rounding that leaves the joint closed; infinite
-  // where it does not.
+  // Returns the slip at which a falling seat has released the pressure, but for a rounding that keeps the joint closed.
+  // Infinite where the seat does not release it.
   HWY_INLINE V seat_stop(const Step& s) const {
     const State& old = s.old;
     const V along = hn::MulAdd(old.g_s, s.n_s, old.g_t * s.n_t);
@@ -415,7 +415,7 @@ struct Equations {
 
   struct Seat {
     V g_s, g_t, r, v, v_slope;  // v_slope: dv/dr
-    M moves, beyond;            // not yet stopped; farther than ever before
+    M moves, beyond;            // gamma < stop; r beyond its largest value so far
   };
   HWY_INLINE Seat seat(const Step& s, V gamma, V stop) const {
     const State& old = s.old;
@@ -442,7 +442,7 @@ struct Equations {
     return hn::IfThenElseZero(a.moves, select(a.r > zero(), along / a.r, splat(1.0)));
   }
 
-  // t - ks gamma = c + mu min(p, F): the closed joint's slip with the seat moving under it.
+  // Solves t - ks gamma = c + mu min(p, F) for the slip gamma of a closed joint whose seat moves.
   HWY_NOINLINE V slip_on_seat(M slips, const Step& s, V xi, V stop, V tolerance) const {
     return find_root(slips, zero(), zero(), s.t * p.inv_ks, splat(0.25) * tolerance, [&](V gamma, V& value, V& slope) {
       const V x = hn::MulAdd(gamma, p.inv_su, xi);
@@ -459,7 +459,7 @@ struct Equations {
 
   // ---- Closed, 4: the cap -------------------------------------------------------------------------------------------
 
-  // What crushing by D makes of the pressure p and the shear T1 before it: p1 = P F1, tau1 = Q F1.
+  // Crushing by D: the pressure p and shear T1 before it become p1 = P F1 and tau1 = Q F1.
   struct Cap {
     V D, l, F1, F1_slope, P, Q;
     V inv_a, inv_k, a_rate, k_rate;  // a_rate, k_rate: a'/a, k'/k
@@ -486,8 +486,8 @@ struct Equations {
   HWY_INLINE V cap_fall(const Cap& c) const {  // derivative of -R^2/2 by D; R^2 = P^2 + Cs Q^2, 1 on the cap
     return hn::MulAdd(c.P * c.P, c.a_rate, p.Cs * (c.Q * c.Q) * c.k_rate);
   }
-  // R - 1 and its slope, both times the larger of R^2 and 1. Newton's step is that of 1/R, which is nearly straight in
-  // D, and the division does not wait for the root.
+  // R - 1 and its slope, both times max(R^2, 1). Outside the cap Newton's step is then that of 1/R, which is nearly
+  // linear in D. The division does not wait for the square root.
   struct Beyond {
     V value, slope;
   };
@@ -497,22 +497,22 @@ struct Equations {
     return {hn::Max(R_squared, one) * (hn::Sqrt(R_squared) - one), zero() - fall};
   }
 
-  // N - F beyond its tolerance.
+  // True where N exceeds F by more than the tolerance.
   HWY_INLINE M outside_cap(const Step& s, V N) const { return N - s.crushed.F > s.tolerance(s.crushed.F); }
   HWY_INLINE V N_of(V pressure, V T1) const { return hn::Sqrt(hn::MulAdd(pressure, pressure, p.Cs * (T1 * T1))); }
 
-  // D > 0 with P^2 + Cs Q^2 = 1 for the active lanes that are outside the cap, 0 for others.
+  // Returns the crushing D > 0 with P^2 + Cs Q^2 = 1 for the active lanes outside the cap, and D = 0 for others.
   HWY_INLINE Cap crush(M active, const Step& s, V pressure, V T1) const {
     const V N = N_of(pressure, T1);
     const M outside = hn::And(active, outside_cap(s, N));
-    // Newton's step from D = 0, in a form that a joint without strength can use too.
+    // Newton's step from D = 0, in a form that holds also for F = 0.
     const V slope_0 = F_slope(s.old.l), shear = p.ks * p.Cs;
     const V a_slope = hn::MulAdd(slope_0, C(s.old.l), hn::MulAdd(p.half_chi, s.crushed.F, splat(1.0))) * s.crushed.E;
     const V rise = hn::MulAdd(pressure * pressure, a_slope, p.Cs * (T1 * T1) * (slope_0 + shear));
     const V guess = (N - s.crushed.F) * (N * N) / positive_part(rise);
     return crush_from(outside, s, pressure, T1, N, hn::IfThenElseZero(outside, guess));
   }
-  // From a first guess, which is the answer for lanes that are not active; none where it is not a number.
+  // crush from a first guess of D. Lanes that are not active return their guess; a guess of NaN counts as none.
   HWY_INLINE Cap crush_from(M active, const Step& s, V pressure, V T1, V N, V guess) const {
     const V one = splat(1.0);
     const V highest = N / (s.crushed.E * hn::NegMulAdd(p.half_chi, p.fc, one));
@@ -529,12 +529,12 @@ struct Equations {
     return c;
   }
 
-  HWY_INLINE V crushing_by(const Cap& c, V P_by, V Q_by) const {  // dD, where p/a and T1/k change so at fixed D
+  HWY_INLINE V crushing_by(const Cap& c, V P_by, V Q_by) const {  // dD for changes P_by, Q_by of P, Q at fixed D
     return hn::IfThenElseZero(c.D > zero(), hn::MulAdd(c.P, P_by, p.Cs * c.Q * Q_by) / cap_fall(c));
   }
 
-  // J = (tau1 - c1 - mu p1)/F1 after crushing, measured from 0 where F1 = 0. Its change with D; and its change and that
-  // of D along the cap, where p, T1 and f change so.
+  // J = (tau1 - c1 - mu p1)/F1 after crushing, the excess over the shear strength. Finite also at F1 = 0 if cr = 0.
+  // J_D: dJ/dD. J_by, D_by: changes of J and D along the cap for changes p_by, T1_by and factor_by of p, T1 and f.
   struct Corner {
     V J, J_D, J_by, D_by;
   };
@@ -555,15 +555,15 @@ struct Equations {
 
   // ---- ORDER of the update ------------------------------------------------------------------------------------------
 
-  // Everything that a slip of gamma makes of the joint before the cap.
+  // The joint after a slip of gamma, before the cap.
   struct Slid {
     V gamma, xi, factor, p, tau;
     Seat seat;
   };
   struct Course {
-    Line line;       // line of this step's slip; its xi is where the slip starts, the end for a cohesion without drop
-    V factor_start;  // f there
-    V stop;
+    Line line;       // strength along the slip; its xi: where the slip starts, for a cohesion without drop the end
+    V factor_start;  // f where the slip starts
+    V stop;          // seat_stop, m
     M slips, on_seat;
     bool any_on_seat;
   };
@@ -589,7 +589,7 @@ struct Equations {
     return a;
   }
 
-  // J after a slip of gamma and this crushing, and its change along the cap with the slip.
+  // Returns J after a slip of gamma and the crushing crushed, and its derivatives by the slip along the cap.
   HWY_INLINE Corner corner_after(const Step& s, const Course& c, V gamma, V factor, const Cap& crushed) const {
     V p_by = zero();
     if (c.any_on_seat) {
@@ -600,8 +600,8 @@ struct Equations {
     return corner(crushed, factor, p_by, zero() - p.ks, factor_by);
   }
 
-  // Where slip and crushing meet: Newton's method on both at once, from no slip. Lanes that it does not lead there in a
-  // few steps, or to where the cap is not met, are left to a bracket.
+  // Slip and crushing that satisfy both the shear strength and the cap. meet: Newton's method for both unknowns, from
+  // no slip. Lanes that it does not solve in eight steps, or whose result is inside the cap, take meet_in_bracket.
   struct Meeting {
     V gamma;
     Cap cap;
@@ -633,7 +633,8 @@ struct Equations {
   HWY_NOINLINE Meeting meet_in_bracket(M slips, const Step& s, const Course& c, V p_start, V gamma_A, V tolerance,
                                        const Corner& no_slip, const Cap& cap_no_slip) const {
     const V guess = hn::Min(gamma_A, positive_part(zero() - no_slip.J / no_slip.J_by));
-    // Each crushing begins at the tangent of the one before. A lane whose slip has been found keeps its crushing.
+    // Each crushing starts from a linear extrapolation of the last one. A lane whose slip does not change keeps its
+    // crushing.
     Meeting m{zero(), cap_no_slip, slips};
     V last = zero(), D_by = no_slip.D_by;
     m.gamma = find_root(slips, guess, zero(), gamma_A, tolerance, [&](V x, V& value, V& slope) {
@@ -649,7 +650,8 @@ struct Equations {
     return m;
   }
 
-  // 4 for the lanes that gamma_A leaves outside the cap: crush at no slip, or at the slip where both surfaces meet.
+  // Step 4 for lanes outside the cap after slip gamma_A: crushes without slip, or with the slip at which shear strength
+  // and cap meet.
   HWY_INLINE Cap cap(M capped, const Step& s, const Course& c, V p_start, V factor_no_slip, V& gamma) const {
     const Cap no_slip = crush(capped, s, p_start, s.t);
     const M may_slip = hn::And(capped, gamma > zero());
@@ -671,8 +673,9 @@ struct Equations {
     return either(slips, m.cap, no_slip);
   }
 
-  // 1 to 5, once 0 has found what is open: h > 0. As a mask of lanes for any joints. As Nowhere or Everywhere for plain
-  // ones, none of them crushed. False, and no result, where a lane slips on its seat or meets the cap.
+  // Steps 1 to 5 of the update. open: the joints with h > 0 by step 0, as a mask, or Nowhere or Everywhere for vectors
+  // of joints that are not crushed. With these two types it returns false, without a result, if a lane slips on its
+  // seat or meets the cap.
   template <bool kEnergies, bool kTangent, class Open>
   HWY_INLINE bool evaluate(const Step& s, Open open, Result& r, Energies* energies, Tangent* tangent) const {
     constexpr bool kPlain = !std::is_same_v<Open, M>;
@@ -680,13 +683,13 @@ struct Equations {
     const M nowhere = Nowhere();
     const auto closed = opposite(open);
 
-    // 3, at no slip
+    // Step 3 without slip
     const V p_start = only(closed, pressure(s, s.v));
     const V held = hn::Min(p_start, s.crushed.F);
     Course c;
     c.line = {old.xi, p.inv_su, hn::MulAdd(p.mur, held, p.cr), hn::MulAdd(p.mu_drop, held, p.c_drop * s.crushed.b)};
     Opening o{old.xi, old.kappa, old.q, s.h, zero(), zero(), zero(), nowhere};
-    if (!none(open)) {  // 1, and 2 at no slip
+    if (!none(open)) {  // step 1, and step 2 without slip
       o = opening<kEnergies>(s, open);
       c.line.xi = o.xi;
       c.line.rate = select(open, o.T * p.inv_c0_su, c.line.rate);
@@ -701,7 +704,7 @@ struct Equations {
     c.on_seat = nowhere;
     c.any_on_seat = false;
 
-    // Slip: 2 where the joint is open, gamma_A of 3 where it is closed
+    // Slip: step 2 for open joints, gamma_A of step 3 for closed joints
     Slid a{zero(), o.xi, factor_no_slip, p_start, s.t, {old.g_s, old.g_t, zero(), s.v, zero(), nowhere, nowhere}};
     if (!none(c.slips)) {
       c.line.xi = hn::Max(c.line.xi, hn::IfThenElseZero(c.slips, p.xi_at_first_slip));
@@ -713,14 +716,14 @@ struct Equations {
       V gamma = slip_to(hn::AndNot(c.on_seat, c.slips), c.line, c.factor_start, s.t, tolerance);
       if (!kPlain && c.any_on_seat) {
         c.stop = select(c.on_seat, seat_stop(s), c.stop);
-        const Step kept = s;  // a copy for the call, which takes an address: s stays in registers
+        const Step kept = s;  // slip_on_seat takes the address of the copy, so that s stays in registers
         gamma = select(c.on_seat, slip_on_seat(c.on_seat, kept, c.line.xi, c.stop, tolerance), gamma);
       }
       a = slide(s, c, p_start, gamma);
       a.tau = select(c.slips, a.tau, s.t);
     }
 
-    // 4
+    // Step 4
     r.crushes = nowhere;
     V p_end = a.p, l = old.l, w = old.w;
     Cap cap_end;
@@ -750,7 +753,7 @@ struct Equations {
     }
     r.slips = hn::And(c.slips, a.gamma > zero());
 
-    // 5
+    // Step 5
     const V e = s.d_n - a.seat.v + old.w;
     V q = o.q;
     r.gives_way = nowhere;
@@ -799,7 +802,7 @@ struct Equations {
     const V normal = select(open, r.sigma * r.h, pressure_end * pressure_end * C(now.l));
     E.stored = half * hn::MulAdd(tau_squared, p.inv_ks, normal);
 
-    // b ft (f0 (kappa0 - q0) - f1 (kappa1 - q1)) without the difference of large numbers
+    // b ft (f0 (kappa0 - q0) - f1 (kappa1 - q1)) without cancellation
     const V f0 = f.factor(old.xi), f1 = f.factor(o.xi);
     const V kappa0 = reached(old), longer = (o.kappa - kappa0) - (o.q - old.q);
     const V freed = f.drop(old.xi, o.xi) * (kappa0 - old.q) - f1 * longer;
@@ -808,7 +811,7 @@ struct Equations {
     E.cohesion = zero(), E.friction = zero(), E.crushing = zero();
     const M slips = r.slips;
     if (!none(slips)) {
-      const M starts_at_end = c.line.xi > o.xi;  // no area under a cohesion without drop
+      const M starts_at_end = c.line.xi > o.xi;  // a cohesion without drop has no area
       const V area = hn::IfThenZeroElse(starts_at_end, f.area(c.line.xi, a.xi));
       const V dropped = select(starts_at_end, f1, f.drop(c.line.xi, a.xi));
       E.tension = E.tension + hn::IfThenElseZero(hn::And(open, slips), half * b * o.s0 * o.h * dropped);
@@ -834,7 +837,7 @@ struct Equations {
 
   // ---- Consistent tangent: implicit derivative of the end-of-step equations -----------------------------------------
 
-  // d sigma and d |tau| by d_n, by |tau*| and by the angle of tau*.
+  // Derivatives of sigma and |tau| by one of d_n, |tau*| and the angle of tau*.
   struct Change {
     V sigma, tau;
   };

@@ -25,9 +25,9 @@ HWY_INLINE Lanes material_lanes(const Parameters& m) {
                    splat(g.sd),      splat(g.pd), splat(g.fy),  splat(g.wp), splat(g.chi), splat(g.Cs)});
 }
 
-// Per-point properties where a column is given, the material's value elsewhere. Without a column of their own the
-// residual friction follows the friction column down and the yield stress the compressive strength, as their defaults
-// do. A yield stress of its own follows all the way where there is no hardening length.
+// Returns the properties of the points from i on: columns where given, the material's values elsewhere. Without a
+// column, residual friction is limited to the friction column, and the yield stress to the compressive strength. The
+// yield stress equals the compressive strength where the hardening length wp is 0.
 inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) {
   const Properties& g = m.given;
   const auto number = [&](int k, V value) {
@@ -83,7 +83,8 @@ HWY_INLINE V flags_of(const Law& law, const Result& r) {
   return flags + flag_if(r.gives_way, QUOIN_FLAG_GAVE_WAY);
 }
 
-// Tension and cohesion share the bond, 1 - B; crushing: of fc - fcr.
+// Returns the damage of a mode: 1 - B for tension and cohesion, which share the bond; the lost share of fc - fcr for
+// crushing.
 template <class Law>
 HWY_INLINE V damage_of(const Law& law, const State& s, int mode) {
   const V one = splat(1.0);
@@ -91,7 +92,7 @@ HWY_INLINE V damage_of(const Law& law, const State& s, int mode) {
   return positive_part(one - law.crushed(s.l).b * law.f.factor(s.xi));
 }
 
-// The points from i on in the columns, as Access reaches them.
+// Reads and writes the columns of the points from i on through Access.
 template <class Access>
 struct At {
   const Columns& c;
@@ -115,7 +116,7 @@ struct At {
             in(kTractionOld + 1),
             in(kTractionOld + 2)};
   }
-  // State of a joint without residual opening, crushing and uplift: what the short path needs.
+  // Returns the states that the short path reads for a joint without residual opening, crushing and uplift.
   HWY_INLINE State untouched_state() const {
     State s{};
     s.xi = in(kStateOld + kXi), s.w = in(kStateOld + kW);
@@ -135,7 +136,7 @@ struct At {
     put(kXi, s.xi), put(kKappa, s.kappa), put(kQ, s.q), put(kL, s.l), put(kW, s.w);
     put(kGs, s.g_s), put(kGt, s.g_t), put(kRm, s.r_m), put(kVm, s.v_m);
   }
-  // What a plain step of closed joints moves, and what one of open joints does.
+  // Nowhere, Everywhere: write the states that a step of closed, or of open, joints without crushing can change.
   HWY_INLINE void put_history(Nowhere, const State& s) const {
     put(kXi, s.xi), put(kQ, s.q), put(kGs, s.g_s), put(kGt, s.g_t);
     if (c.in_place) return;
@@ -155,8 +156,8 @@ struct At {
   }
 };
 
-// The step of a vector after 0: law.evaluate with what is open, and where its outputs go. False, and nothing written,
-// where that has no result.
+// Steps 1 to 5 of a vector: calls law.evaluate and writes its outputs. Returns false, and writes nothing, if evaluate
+// has no result.
 template <bool kFull, class Access, class Law, class Open>
 HWY_INLINE bool finish_step(const Law& law, const typename Law::Step& s, Open open, const At<Access>& at,
                             std::size_t count, Summary& summary) {
@@ -165,7 +166,8 @@ HWY_INLINE bool finish_step(const Law& law, const typename Law::Step& s, Open op
   Result r;
   if (!law.template evaluate<kFull, kFull>(s, open, r, &energies, &tangent)) return false;
 
-  // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state.
+  // One test for the whole vector: a value that is not finite, in or out, fails its point, whose outputs are the old
+  // state.
   M sound = is_finite(gather_non_finite(r.state.xi, gather_non_finite(r.trial, gather_non_finite(r.sigma, r.used))));
   if constexpr (kFull) sound = hn::And(sound, law.p.admissible);
   if (!all(sound)) {
@@ -199,8 +201,8 @@ HWY_INLINE void step_any(const Law& law, const Columns& c, std::size_t i, std::s
   finish_step<kFull>(law, s, s.h > zero(), at, count, summary);
 }
 
-// Closed joints, or open ones, without crushing: false, and nothing written, where a vector has others or evaluate
-// gives no result.
+// Whole step of a vector of joints without crushing that are all closed or all open. Returns false, and writes nothing,
+// for other vectors and if evaluate has no result.
 template <class Access, class Law>
 HWY_INLINE bool step_plain(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   const At<Access> at{c, i};
@@ -212,13 +214,13 @@ HWY_INLINE bool step_plain(const Law& law, const Columns& c, std::size_t i, std:
   return all(open) && finish_step<false>(law, s, Everywhere(), at, count, summary);
 }
 
-// Out of line: most vectors are plain.
+// Out of line, since it is rare.
 template <class Access, class Law>
 HWY_NOINLINE void step_other(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   step_any<false, Access>(law, c, i, count, summary);
 }
 
-// Of c what an elastic step reads, column by column: a loop over vectors then need not keep c in memory.
+// Returns a copy of the columns that an elastic step reads, so that a loop over vectors need not keep c in memory.
 template <std::size_t... k>
 HWY_INLINE Columns inputs_of(const Columns& c, std::index_sequence<k...>) {
   Columns inputs;
@@ -232,7 +234,7 @@ HWY_INLINE void put_elastic(const At<Access>& at, const Traction& traction) {
   at.put_traction(traction.sigma, traction.tau_s, traction.tau_t);
 }
 
-// Joints with residual opening, crushing or uplift. Out of line: most vectors have none.
+// Short path of vectors with residual opening, crushing or uplift. Out of line, since these are rare.
 template <class Access, class Law>
 HWY_NOINLINE bool elastic_and_touched(const Law& law, const Columns& c, std::size_t i, Traction& traction) {
   const At<Access> at{c, i};
@@ -265,7 +267,8 @@ HWY_INLINE bool step_elastic(const ShortPath<Softening>& law, const Columns& c, 
   return true;
 }
 
-// A call of one point checks here, and not on its short path, whether the point is touched and elastic.
+// For a batch of one point: computes a step of a point with residual opening, crushing or uplift if it is elastic;
+// returns false otherwise. In the whole step, so that the short path stays small.
 template <class Access, class Law>
 HWY_NOINLINE bool step_touched(const Law& law, const Columns& c, std::size_t i) {
   const At<Access> at{c, i};
@@ -318,7 +321,7 @@ void choose_for_target(Material& m) {
   static_assert(sizeof(Lanes) <= sizeof m.lanes && alignof(Lanes) <= alignof(Material));
   static_assert(std::is_trivially_copyable_v<Lanes>);
   Lanes& lanes = *new (m.lanes) Lanes(material_lanes(m.parameters));
-  lanes.admissible = hn::Eq(zero(), zero());  // or there were no material
+  lanes.admissible = hn::Eq(zero(), zero());  // make() has refused all other materials
   switch (m.parameters.shape) {
     case Shape::linear:
       return choose_shape<LinearSoftening>(m);

@@ -9,7 +9,7 @@ namespace quoin::cyclic_joint {
 
 // Order of the states in the metadata and in Columns.
 enum StateColumn : int { kXi, kKappa, kQ, kL, kW, kGs, kGt, kRm, kVm, kSlip, kStateCount };
-// Order of the per-point properties in Columns; angles in degrees, as users give them.
+// Order of the per-point properties in Columns; angles in degrees.
 enum PropertyColumn : int {
   kColumnKn,
   kColumnKs,
@@ -37,18 +37,18 @@ enum PropertyColumn : int {
 struct Material;
 using Kernel = void (*)(const Material&, const shim::Columns&, std::size_t count, shim::Summary&);
 
-// A material as the kernels of the best instruction set of this machine read it.
+// A material and its kernels for the best instruction set of the processor.
 struct Material {
   Parameters parameters;
   Kernel lean = nullptr;  // tractions and states only
-  Kernel one = nullptr;   // the same for a call of one point
-  Kernel full = nullptr;  // whatever outputs are asked for, properties by point
-  // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
+  Kernel one = nullptr;   // tractions and states of a batch of one point
+  Kernel full = nullptr;  // all outputs, and per-point properties
+  // Storage of Lanes (equations.h), whose size depends on the instruction set. Filled in once.
   static constexpr std::size_t kLaneVectors = 48;
   alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];
 };
 
-// Fills in all but the parameters.
+// Fills in all members but the parameters.
 void choose_kernels(Material& material);
 
 }  // namespace quoin::cyclic_joint

@@ -7,19 +7,18 @@ namespace quoin::cyclic_joint {
 
 using shim::Shape;
 
-// What a user gives. Friction and dilation as coefficients: angles are turned into tangents before anything is
-// interpolated.
+// The user's properties. Friction and dilation are coefficients: tangents, not angles, are interpolated.
 struct Properties {
   double kn, ks;      // stiffness, Pa/m
   double ft, c0, cr;  // strengths, Pa
   double mu0, mur;    // friction coefficients
-  double tan_psi;     // dilation
+  double tan_psi;     // dilation coefficient
   double fc, fcr;     // compressive strength and residual, Pa
   double G1, G2, Gc;  // fracture energies, J/m2
-  double beta;        // share of the softening opening that stays
+  double beta;        // share of the softening opening that remains when the joint closes
   double sd, pd;      // slip (m; 0: su) and pressure (Pa) at which dilation ends
-  double fy, wp;      // where crushing starts, Pa; l at fc, m
-  double chi;         // compliance by crushing
+  double fy, wp;      // stress at which crushing starts, Pa; crushing l at fc, m
+  double chi;         // factor of the compliance that crushing adds, chi l/fc
   double Cs;          // factor of shear in the cap p^2 + Cs tau^2 = F^2
 };
 

@@ -1,4 +1,4 @@
-// The cyclic joint law behind the C ABI: metadata, what is refused (LAW.md, "Refused"), migration.
+// The cyclic joint law behind the C ABI: metadata, refused properties (LAW.md, "Refused"), migration.
 #include "shim/plugin.h"
 
 #include <algorithm>
@@ -101,7 +101,7 @@ double crushing_strength(const Parameters& m, double l) {  // F
   return g.fc > g.fcr ? g.fcr + (g.fc - g.fcr) * m.factor((l - g.wp) / lengths(m).wu) : g.fc;
 }
 
-// The largest f + k xi |f'|.
+// Returns the largest f + k xi |f'| over xi.
 double most_of_bond(const Parameters& m, double k) {
   if (m.shape == Shape::linear) return std::max(1.0, k);
   if (m.shape == Shape::exponential) return k > 1.0 ? k * std::exp(1.0 / k - 1.0) : 1.0;
@@ -113,10 +113,11 @@ double most_of_bond(const Parameters& m, double k) {
   }
   return most;
 }
-// Slip of one step, over su, up to which the bound on the normal stiffness holds where ft mu0 is close to c0 or beyond.
+// Longest slip of one step, over su, for which the bound on the normal stiffness holds where ft mu0 is near or above
+// c0.
 constexpr double kLongestSlip = 4.0;
 
-// LAW.md, "Refused": order of strengths and angles, and one answer to every step.
+// Checks LAW.md, "Refused": order of strengths and angles, and a unique solution of every step.
 void check_admissible(const Parameters& m, const PropertyValues& values, Report& report) {
   const Properties& g = m.given;
   const auto fault = [&](const char* id, const std::string& why) {
@@ -248,8 +249,8 @@ struct CyclicJointLaw {
     return true;
   }
 
-  // While a seat falls, more pressure holds it up. The wider an open joint stands, the less of its bond a slip spends:
-  // LAW.md, "Stiffness bounds".
+  // closed: a higher pressure reduces the slip down a falling seat. open: a wider opening reduces the bond lost by
+  // slip. LAW.md, "Stiffness bounds".
   static void stiffness_bounds(const Material& material, double& normal, double& shear) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;
@@ -276,9 +277,10 @@ struct CyclicJointLaw {
     material.one(material, columns, 1, summary);
   }
 
-  // Traction stays as it is: h is chosen so that sigma(h) equals it. A point whose traction lies outside the strength
-  // that its history leaves is refused. A joint that another law has failed comes in without bond. From a law without a
-  // seat the faces are seated where they stand, and its closure beyond the peak is crushing beyond the peak.
+  // Keeps the traction: h is chosen so that sigma(h) equals the normal stress. A point whose traction is outside the
+  // strength that its history leaves gets status FAILED. A joint that a brittle law has failed becomes unbonded. From a
+  // law without a seat: the faces are seated at their current position, and plastic closure becomes crushing beyond the
+  // peak.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;

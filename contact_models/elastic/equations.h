@@ -35,7 +35,7 @@ HWY_INLINE void evaluate_columns(const Parameters& material, const Columns& c, s
     V tau_s = hn::MulAdd(ks, in(kSlipIncrement), tau_s_old);
     V tau_t = hn::MulAdd(ks, in(kSlipIncrement + 1), tau_t_old);
 
-    // Stiffness columns are held to the same bounds as the property: positive and finite.
+    // Stiffnesses by column have the bounds of the property: positive and finite.
     V collected = gather_non_finite(sigma, gather_non_finite(tau_s, gather_non_finite(tau_t, zero())));
     const M sound = hn::And(is_finite(collected), hn::And(hn::Gt(kn, zero()), hn::Gt(ks, zero())));
     if (!all(sound)) {

@@ -1,5 +1,5 @@
-// The fracture-energy contact law, top to bottom as in LAW.md: softening, tension, closed, shear, energies, tangent.
-// One vector lane is one contact point. Symbols are LAW.md's; all in SI units, sigma > 0 is tension, d_n > 0 opens.
+// The fracture-energy contact law, in the order of LAW.md: softening, tension, closed joint, shear, energies, tangent.
+// One vector lane is one contact point. Symbols as in LAW.md; SI units; sigma > 0 is tension, d_n > 0 opens.
 #if defined(QUOIN_FRACTURE_ENERGY_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_FRACTURE_ENERGY_EQUATIONS_H
 #undef QUOIN_FRACTURE_ENERGY_EQUATIONS_H
@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin::fracture_energy::HWY_NAMESPACE {
 using namespace quoin::shim::HWY_NAMESPACE;
 
-// Parameters of each lane's point: one material's everywhere, or made from property columns.
+// Parameters of each lane's point: the material's in every lane, or from property columns.
 struct Lanes {
   V kn, ks, ft, c0, cr, mu0, mur, tan_psi, fc, fcr;
   V c_drop, mu_drop, fc_drop;  // c0 - cr, mu0 - mur, fc - fcr
@@ -27,13 +27,13 @@ struct Lanes {
   V u0;               // elastic opening at ft
   V lt, inv_lt;       // kappa grows by lt per unit of xi
   V su, inv_su;       // slip per unit of xi_s
-  V ks_in_softening;  // ks where cohesion goes down along the slip, 0 where it is gone at once
+  V ks_in_softening;  // ks where cohesion decreases along the slip, 0 where it drops at once
   V wu, inv_wu;       // plastic closure per unit of F's argument
-  // A mode without strength drop completes at its first movement: what xi jumps to, else 0.
+  // Value that xi jumps to at the first opening or slip: the end of softening for a mode without strength drop, else 0.
   V xi_at_first_opening, xi_at_first_slip;
   V end;                         // f(xi >= end) = 0
-  V uplift_crushes;              // q/(1 - q), of the share q of an uplift that crushing takes
-  M crushing_sound, admissible;  // no snap-back (LAW.md, statement 6); admissible is false only for columns
+  V uplift_crushes;              // q/(1 - q), q: share of a dilation uplift that crushing takes up
+  M crushing_sound, admissible;  // no snap-back (LAW.md, statement 6); admissible can be false only with columns
 
   Lanes() = default;
   HWY_INLINE Lanes(const Parameters& p, V kn_, V ks_, V ft_, V c0_, V cr_, V mu0_, V mur_, V tan_psi_, V fc_, V fcr_,
@@ -44,7 +44,7 @@ struct Lanes {
     derive(p, G1, G2);
   }
 
-  // What follows from kn, fc, fcr and Gc.
+  // Sets the members that depend on kn, fc, fcr and Gc.
   HWY_INLINE void derive_crushing(const Parameters& p, V Gc) {
     const V m = splat(p.slope), one = splat(1.0);
     const M drops_c = hn::And(hn::Lt(fc, splat(HUGE_VAL)), hn::Gt(fc, fcr));
@@ -57,7 +57,7 @@ struct Lanes {
     crushing_sound = hn::And(crushing_sound, hn::And(hn::Le(fcr, fc), none_negative(fcr, Gc)));
   }
 
-  // All else.
+  // Sets all other derived members.
   HWY_INLINE void derive(const Parameters& p, V G1, V G2) {
     const V A = splat(p.A), m = splat(p.slope), one = splat(1.0), half = splat(0.5);
     const M drops_t = hn::Gt(ft, zero()), drops_s = hn::Gt(c0, cr);
@@ -74,18 +74,20 @@ struct Lanes {
     xi_at_first_slip = hn::IfThenZeroElse(drops_s, end);
     const V P = hn::IfThenElseZero(hn::Lt(fc, splat(HUGE_VAL)), fc);
     const V steepest = hn::Mul(m, hn::Max(c0, hn::MulAdd(P, mu_drop, c_drop)));
-    // Uplift crushes the joint further, and S falls with the pressure: by no more than this along the slip, Pa/m.
+    // Bound on the decrease of S along the slip by uplift, Pa/m: uplift crushes the joint, and S falls with the
+    // pressure.
     const V by_uplift = hn::Mul(hn::Mul(kn, hn::Mul(mu0, tan_psi)), uplift_crushes);
     admissible = hn::And(crushing_sound, hn::And(hn::Gt(kn, zero()), hn::Gt(ks, zero())));
     admissible = hn::And(admissible, hn::Or(hn::Gt(lt, zero()), hn::Not(drops_t)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, hn::Sub(ks, by_uplift)), steepest), hn::Not(drops_s)));
-    // Fracture energies too, whether or not their mode has a strength to lose: what a material refuses fails its point.
+    // Fracture energies are checked also for a mode without strength drop: a value that a material refuses fails a
+    // point.
     admissible = hn::And(admissible, none_negative(mur, tan_psi, ft, cr, kn, ks, c0, G1, G2));
     admissible = hn::And(admissible, hn::And(hn::Le(mur, mu0), hn::Le(tan_psi, mu0)));
     admissible = hn::And(admissible, hn::Le(cr, c0));
   }
 
-  // All of them numbers, finite, and 0 or more. fc alone may be infinite, and is compared.
+  // True where every value is finite and >= 0. For all properties but fc, which may be infinite.
   template <class... Values>
   static HWY_INLINE M none_negative(V first, Values... values) {
     V collected = gather_non_finite(first, zero()), least = first;
@@ -94,11 +96,11 @@ struct Lanes {
   }
 };
 
-// LAW.md, "State".
+// History of the point (LAW.md, "State") and its traction, Pa.
 struct State {
   V xi_t, xi_s, w, v;
   V tau_s, tau_t;
-  V sigma;  // for energies alone
+  V sigma;  // read only for energies
 };
 
 struct Increment {
@@ -109,13 +111,13 @@ struct Increment {
 struct Result {
   State state;
   V sigma;
-  V slip;   // over the step, >= 0
-  V e;      // effective opening
+  V slip;   // over the step, >= 0, m
+  V e;      // effective opening, m
   V trial;  // |tau*|
   M open, opens, slips, crushes;
 };
 
-// Yield only beyond this many roundings of the largest stress that entered the comparison: LAW.md, statement 5.
+// Tolerance of the yield conditions, relative to the largest stress in the comparison: LAW.md, statement 5.
 inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
 
 template <class Softening, bool kShared, bool kCrushing, bool kDilation>
@@ -152,13 +154,14 @@ struct Equations {
   HWY_INLINE V overstress(V d_n_less_v, V w) const {
     return hn::Sub(hn::Neg(hn::Mul(p.kn, hn::Add(d_n_less_v, w))), crushing_strength(w));
   }
-  // w at which the elastic stress is -F(w). Out of line, and all by value: rare, and it keeps the common path small.
+  // Returns the w at which the elastic stress is -F(w). Rare, so out of line with arguments by value: the common path
+  // stays small.
   HWY_NOINLINE V crushing_closure(M crushes, V d_n_less_v, V w_old, V tolerance) const {
     // F >= fcr, so that w cannot pass the closure at which the elastic stress is fcr.
     const V highest = hn::Max(w_old, hn::Neg(hn::Add(d_n_less_v, hn::Div(p.fcr, p.kn))));
     V w;
     if constexpr (Softening::kShape == Shape::linear) {
-      // F falls in a straight line up to wu, and is fcr beyond it.
+      // F falls linearly up to wu and is fcr beyond it.
       const V fall = hn::Add(p.kn, crushing_slope(w_old));
       const V straight = hn::Add(w_old, hn::Div(overstress(d_n_less_v, w_old), fall));
       w = select(hn::Lt(highest, p.wu), hn::Min(straight, highest), highest);
@@ -174,14 +177,14 @@ struct Equations {
   struct Closed {
     V sigma, w;
     M crushes;
-    M crushed_out;  // F(w) = 0: the point carries nothing
+    M crushed_out;  // F(w) = 0: the point carries no stress
   };
-  // sigma = kn (d_n + w - v), never below -F(w); w grows from w_old until it is not.
+  // Solves sigma = kn (d_n + w - v) >= -F(w) for sigma and w; w grows from w_old only as far as the bound needs.
   HWY_INLINE Closed closed(M where, V d_n_less_v, V w_old, V tolerance) const {
     const M nowhere = hn::MaskFromVec(zero());
     Closed c{hn::Mul(p.kn, hn::Add(d_n_less_v, w_old)), w_old, nowhere, nowhere};
     if constexpr (kCrushing) {
-      // 0 - F, not -F: which zero the larger of 0 and -0 is depends on the instruction set.
+      // 0 - F, not -F: max(0, -0) depends on the instruction set.
       V lowest = hn::Sub(zero(), crushing_strength(w_old));
       c.crushes = hn::And(where, hn::Gt(hn::Sub(lowest, c.sigma), tolerance));
       if (!none(c.crushes)) {
@@ -202,12 +205,12 @@ struct Equations {
 
   // ---- Shear ----------------------------------------------------------------------------------------------------
 
-  // Everything that depends on the slip of this step, at its end.
+  // Values at the end of a given slip.
   struct AtSlip {
     V xi_s, factor, v, w, sigma, S;  // factor: f(xi_s)
     V S_end, S_drop;                 // c - sigma mu = S_end + S_drop f, at this sigma
     M crushes, crushed_out;
-    // Derivatives: of sigma by slip and by d_n, of S by slip and by d_n (both totals at fixed d_n and fixed slip).
+    // Derivatives of sigma and S by slip (at fixed d_n) and by d_n (at fixed slip), Pa/m.
     V sigma_slip, sigma_n, S_slip, S_n;
   };
 
@@ -218,15 +221,14 @@ struct Equations {
     V c_end, c_drop;  // c = c_end + c_drop f
     V tolerance;      // stress, Pa
     M open, opens;
-    bool any_open;  // in this vector
+    bool any_open;  // a lane of this vector is open
     Closed normal;  // with the old v
   };
 
-  // c - sigma mu. mu = mur + (mu0 - mur) f, like c, so that this falls in a straight line with f.
+  // Returns c - sigma mu. Linear in f, since c and mu = mur + (mu0 - mur) f are.
   HWY_INLINE V coulomb(const AtSlip& a, V factor) const { return hn::MulAdd(a.S_drop, factor, a.S_end); }
 
-  // Joint solution for a given slip: xi_s, dilation uplift v, crushing w, sigma and the strength S, all at final
-  // values.
+  // Solves for xi_s, dilation uplift v, crushing w, sigma and the strength S at the end of a given slip.
   template <bool kSlopes>
   HWY_INLINE AtSlip at_slip(const Step& step, V slip) const {
     return at_xi<kSlopes>(step, hn::MulAdd(slip, p.inv_su, step.xi_s));
@@ -251,7 +253,7 @@ struct Equations {
     a.sigma = c.sigma;
     V K = zero(), K_xi = zero();
     if (step.any_open) {
-      // Open joints that carry nothing any more are the most common ones of a cracked wall.
+      // Skips the secant where all open joints are fully softened: the most common case in a cracked wall.
       if (!none(hn::And(step.open, hn::Lt(xi, p.end)))) {
         K = secant(xi, kShared ? factor : f.factor(xi));
         if constexpr (kSlopes) K_xi = hn::Mul(secant_slope(xi), step.e);
@@ -261,11 +263,11 @@ struct Equations {
     a.S_end = hn::NegMulAdd(a.sigma, p.mur, step.c_end);
     a.S_drop = hn::NegMulAdd(a.sigma, p.mu_drop, step.c_drop);
     if constexpr (kCrushing) {
-      // Whichever side of e = 0 the rounding of w has put the point.
+      // S is 0 on both sides of e = 0, where rounding of w may put the point.
       a.S_end = hn::IfThenZeroElse(a.crushed_out, a.S_end);
       a.S_drop = hn::IfThenZeroElse(a.crushed_out, a.S_drop);
     }
-    const V S = coulomb(a, factor);  // tension reduces S: Coulomb's line continues to its apex
+    const V S = coulomb(a, factor);  // tension reduces S: Coulomb's line extends to its apex
     a.S = positive_part(S);
 
     if constexpr (kSlopes) {
@@ -290,7 +292,7 @@ struct Equations {
 
   HWY_INLINE static bool sigma_follows_slip(const Step& step) { return kDilation || (kShared && step.any_open); }
 
-  // at_xi once more, at what start has become by the slip: where sigma stays, only f changes.
+  // Returns at_xi at xi_s, given start, the solution without slip. Where sigma does not depend on slip, only f changes.
   template <bool kSlopes>
   HWY_INLINE AtSlip after_slip(const Step& step, const AtSlip& start, V xi_s) const {
     if (kSlopes || sigma_follows_slip(step)) return at_xi<kSlopes>(step, xi_s);
@@ -301,17 +303,17 @@ struct Equations {
     return a;
   }
 
-  // Slip that lowers |tau*| - ks slip to S(slip). Beyond the end of softening S is constant. Before it, linear
-  // softening without dilation has S falling in a straight line, but for an open joint whose sigma falls too. All else
-  // is the root of a falling function. start: everything at no slip. xi_start: where the slip starts, the end for a
-  // cohesion without drop. True where end is filled in with everything at the slip.
+  // Computes the slip at which |tau*| - ks slip = S(slip). Beyond the end of softening S is constant. With linear
+  // softening and constant sigma it falls linearly before. In all other cases the slip is the root of a falling
+  // function. start: solution without slip. xi_start: xi_s where the slip starts; for a cohesion without drop the end
+  // of softening. Returns true if end has been set to the solution at the slip.
   HWY_INLINE bool slip_to_strength(M slips, const Step& step, V trial, const AtSlip& start, V xi_start, V& slip,
                                    AtSlip& end) const {
     const V beyond = hn::Mul(positive_part(hn::Sub(trial, strength_beyond(step, start))), p.inv_ks);
     slip = beyond;
     M curved = slips;
     if constexpr (Softening::kShape == Shape::linear) {
-      // The line and the constant after it are together convex: the slip ends at whichever it meets first.
+      // The line and the constant after it form a convex function, so the smaller of both slips is the answer.
       slip = hn::Min(straight_slip(trial, start), beyond);
       if (!sigma_follows_slip(step)) {
         slip = hn::IfThenElseZero(slips, slip);
@@ -329,17 +331,17 @@ struct Equations {
       slip = root_slip(within, slip, short_slip(trial, start), slip_at_end, step, trial, xi_start, end);
       return true;
     }
-    const Step copy = step;  // whose address curved_slip takes: the step itself stays in registers
+    const Step copy = step;  // curved_slip takes the address of the copy, so that step stays in registers
     slip = curved_slip(within, slip, slip_at_end, copy, trial, xi_start);
     return false;
   }
-  // S' = S_drop f', f' = -1/su. S rises only where it is below 0. Where it falls faster than ks, and for a cohesion
-  // that is gone at once, the answer is infinite.
+  // Returns the slip to the line S' = S_drop f', f' = -1/su. S_drop < 0, where S would rise with slip, has S < 0.
+  // Infinite where S falls faster than ks, and for a cohesion that drops at once.
   HWY_INLINE V straight_slip(V trial, const AtSlip& start) const {
     const V approach = hn::NegMulAdd(positive_part(start.S_drop), p.inv_su, p.ks_in_softening);
     return hn::Mul(hn::Sub(trial, start.S), hn::Div(splat(1.0), positive_part(approach)));
   }
-  // Out of line: it keeps the common path small.
+  // Out of line, so that the common path stays small.
   HWY_NOINLINE V curved_slip(M curved, V slip, V slip_at_end, const Step& step, V trial, V xi_start) const {
     V guess = zero();
     if constexpr (Softening::kShape == Shape::linear && kShared) {
@@ -360,9 +362,9 @@ struct Equations {
           slope = hn::Neg(hn::Add(p.ks, end.S_slip));
         });
   }
-  // Exponential softening under a sigma that stays: with x = slip/su and D = S_drop f, ks su x - D (1 - exp(-x)) = c,
-  // the excess of |tau*|. Its series in q = c/b, b = ks su - D > 0, goes up to the fourth power. That is the slip to
-  // rounding for the short steps of an explicit analysis, a first guess for others.
+  // Slip under exponential softening and constant sigma: with x = slip/su, D = S_drop f and c the excess of |tau*|,
+  // ks su x - D (1 - exp(-x)) = c, c the excess of |tau*|. Series in q = c/b, b = ks su - D > 0, up to the fourth
+  // power. It is exact to rounding for the short steps of an explicit analysis, and a first guess for longer ones.
   HWY_INLINE V short_slip(V trial, const AtSlip& start) const {
     const V D = hn::Mul(start.S_drop, start.factor);
     const V inv_b = hn::Div(splat(1.0), hn::MulSub(p.ks, p.su, D));
@@ -372,9 +374,9 @@ struct Equations {
     const V bend = hn::MulAdd(hn::NegMulAdd(fourth, q, third), q, splat(-1.0 / 2.0));
     return hn::Mul(hn::MulAdd(hn::Mul(r, bend), hn::Mul(q, q), q), p.su);
   }
-  // An open joint with linear softening and friction as it stands: with xi = xi_start + x, kappa (|tau*| - ks su x) =
-  // kappa S = (f - x) (c0 kappa - mu ft e), kappa = kappa_0 + lt x, which is a quadratic equation, a x^2 + b x + c = 0,
-  // of one positive root. But for rounding and S = 0 it is the slip.
+  // Slip of an open joint with linear softening, with the friction coefficient at xi_start. With xi = xi_start + x and
+  // kappa = kappa_0 + lt x, kappa (|tau*| - ks su x) = kappa S = (f - x) (c0 kappa - mu ft e). This is a quadratic
+  // equation a x^2 + b x + c = 0 with one positive root, which is the slip but for rounding and for S = 0.
   HWY_INLINE V opening_slip(const Step& step, V trial, V xi_start) const {
     const V f_0 = f.factor(xi_start), kappa_0 = kappa(xi_start);
     const V mu = hn::MulAdd(p.mu_drop, f_0, p.mur);
@@ -389,23 +391,23 @@ struct Equations {
     const V x = hn::Div(select(rising, larger, hn::Add(c, c)), select(rising, hn::Neg(hn::Add(a, a)), larger));
     return hn::Mul(x, p.su);
   }
-  // S once softening is complete: f = 0.
+  // Returns S at the end of softening, f = 0.
   HWY_INLINE V strength_beyond(const Step& step, const AtSlip& start) const {
     if constexpr (kDilation) return at_xi<false>(step, hn::Max(step.xi_s, p.end)).S;
-    // With shared softening an open joint is then without sigma, too.
+    // With shared softening sigma of an open joint is 0 there, too.
     return positive_part(kShared ? hn::IfThenZeroElse(step.open, start.S_end) : start.S_end);
   }
 
   // ---- Nothing yields: the short path ---------------------------------------------------------------------------
 
-  // True, and the result filled in, when every lane is elastic at its full stiffness. Each is closed above -F or not
-  // yet opened beyond u0, and |tau*| is within S. The same bits as evaluate gives. kOpeningFirst: an opening joint is
-  // found at once.
+  // If every lane is elastic at full stiffness, writes the result, bitwise identical to evaluate, and returns true. A
+  // lane is elastic if |tau*| < S and its joint is closed with sigma > -F, or never opened beyond u0. kOpeningFirst:
+  // tests the opening before all else.
   template <bool kOpeningFirst>
   HWY_INLINE bool elastic(const Increment& in, const State& old, Result& r) const {
     const V e = hn::Add(hn::Sub(in.d_n, old.v), old.w);
     const V sigma = hn::Mul(p.kn, e);
-    // f(xi) may lose what is not a number, or infinite; the limit does not.
+    // The limit is NaN if xi is not finite; f(xi) may be finite then.
     V limit_e = hn::MulAdd(old.xi_s, zero(), hn::IfThenElseZero(hn::Eq(old.xi_t, zero()), p.u0));
     if constexpr (!kShared) limit_e = hn::MulAdd(old.xi_t, zero(), limit_e);
     const M full_stiffness = hn::Le(e, limit_e);
@@ -414,13 +416,13 @@ struct Equations {
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     const V factor = f.factor(old.xi_s);
     const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
-    // Cohesion of an open joint lacks the residual: with it left out the test is safe for both.
+    // Without the residual cohesion, which an open joint lacks: a lower bound of S for open and closed joints.
     const V S = hn::NegMulAdd(sigma, mu, hn::Mul(p.c_drop, factor));
     const V trial_squared = hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t));
-    // Less, not equal: two squares that overflow take the long path. So does what is not a number, or infinite.
+    // Less, not equal: squares that overflow, and values that are not finite, take the whole step.
     const M held = hn::Lt(trial_squared, hn::Mul(S, hn::Abs(S)));
     M uncrushed = hn::Ge(sigma, splat(std::numeric_limits<double>::lowest()));
-    // Greater, not equal: what is crushed out has no strength left, whatever sigma.
+    // Greater, not equal: a point that is crushed out has no strength at any sigma.
     if constexpr (kCrushing) uncrushed = hn::Gt(crushing_strength(old.w), hn::Max(hn::Neg(sigma), zero()));
     if (!all(hn::And(held, hn::And(full_stiffness, uncrushed)))) return false;
     r.sigma = sigma;
@@ -430,7 +432,7 @@ struct Equations {
     return true;
   }
 
-  // ---- The step: w from d_n and the old v; opening xi; then (v, slip, xi, sigma, w) jointly; tau last ------------
+  // ---- The step: w from d_n and the old v; xi by opening; then v, slip, xi, sigma and w together; tau last -------
 
   template <bool kEnergies, bool kTangent>
   HWY_INLINE Result evaluate(const Increment& in, const State& old, Energies* energies, Tangent* tangent) const {
@@ -474,7 +476,8 @@ struct Equations {
     r.state.tau_s = trial_s;
     r.state.tau_t = trial_t;
     V tau = trial;
-    V xi_start = step.xi_s;  // where the slip of this step starts: at the end where cohesion has no drop
+    V xi_start =
+        step.xi_s;  // xi_s where the slip of this step starts: the end of softening for a cohesion without drop
     if (!none(r.slips)) {
       xi_start = hn::Max(step.xi_s, hn::IfThenElseZero(r.slips, p.xi_at_first_slip));
       AtSlip end;
@@ -484,7 +487,7 @@ struct Equations {
         a = after_slip<kTangent>(step, a, hn::MulAdd(r.slip, p.inv_su, xi_start));
       }
       tau = select(r.slips, a.S, trial);
-      // The direction first: it does not wait for the strength.
+      // The direction first, so that the division does not wait for the strength.
       const V inv_trial = hn::Div(splat(1.0), trial);
       r.state.tau_s = select(r.slips, hn::Mul(hn::Mul(trial_s, inv_trial), a.S), trial_s);
       r.state.tau_t = select(r.slips, hn::Mul(hn::Mul(trial_t, inv_trial), a.S), trial_t);
@@ -515,13 +518,13 @@ struct Equations {
     const V normal = hn::Mul(half, select(r.open, hn::Mul(r.sigma, r.e), hn::Mul(p.kn, hn::Mul(r.e, r.e))));
     E.stored = hn::Add(normal, hn::Div(hn::Mul(half, hn::Mul(tau, tau)), p.ks));
 
-    // Opening: envelope area passed less the change of what is stored, f kappa ft/2 on the envelope:
-    // ft/2 (2 lt area - f1 kappa1 + f0 kappa0), with f0 kappa0 - f1 kappa1 = kappa0 (f0 - f1) - f1 lt (xi1 - xi0).
+    // Opening: area under the envelope less the change of the stored energy, which is f kappa ft/2 on the envelope:
+    //   ft/2 (2 lt area - f1 kappa1 + f0 kappa0), f0 kappa0 - f1 kappa1 = kappa0 (f0 - f1) - f1 lt (xi1 - xi0)
     const V passed = hn::Mul(splat(2.0), hn::Mul(p.lt, f.area(old.xi_t, step.xi_t)));
     const V freed = hn::Sub(hn::Mul(kappa(old.xi_t), f.drop(old.xi_t, step.xi_t)),
                             hn::Mul(hn::Mul(f.factor(step.xi_t), p.lt), hn::Sub(step.xi_t, old.xi_t)));
     E.tension = hn::IfThenElseZero(step.opens, hn::Mul(hn::Mul(half, p.ft), hn::Add(passed, freed)));
-    if constexpr (kShared) {  // slip lowers the secant under a standing opening
+    if constexpr (kShared) {  // slip lowers the secant stiffness at constant opening
       const V lost = hn::Sub(secant(step.xi_t), secant(a.xi_s));
       const V by_slip = hn::Mul(hn::Mul(half, lost), hn::Mul(step.e, step.e));
       E.tension = hn::Add(E.tension, hn::IfThenElseZero(hn::And(r.open, r.slips), by_slip));
@@ -531,13 +534,13 @@ struct Equations {
     // Slip. Exact integrals over the slip of mu and of the closed joint's cohesion.
     const V softened = hn::Mul(p.su, f.area(step.xi_s, a.xi_s));  // integral of f over the slip
     const V friction_path = hn::MulAdd(p.mu_drop, softened, hn::Mul(p.mur, r.slip));
-    // The pressure changes in a straight line over the step: what blows and unloading take is then second order in it.
+    // The pressure is taken as linear over the step: the error under impact and unloading is of second order.
     const V pressure = hn::Mul(half, hn::Add(positive_part(hn::Neg(old.sigma)), positive_part(hn::Neg(r.sigma))));
     E.friction = positive_part(hn::Mul(pressure, hn::Sub(friction_path, hn::Sub(a.v, step.v_old))));
     const V cohesion_closed = hn::MulAdd(p.c_drop, softened, hn::Mul(p.cr, r.slip));
     V cohesion_open;
     if constexpr (kShared) {
-      // S(slip) = c0 f - sigma(xi) mu: Simpson up to the end of softening, nothing is left beyond it.
+      // S(slip) = c0 f - sigma(xi) mu by Simpson's rule up to the end of softening; S is 0 beyond.
       const V up_to = hn::Min(r.slip, hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s))));
       const V middle = at_slip<false>(step, hn::Mul(half, up_to)).S;
       const V last = at_slip<false>(step, up_to).S;
@@ -546,9 +549,9 @@ struct Equations {
     } else {
       cohesion_open = hn::NegMulAdd(r.sigma, friction_path, hn::Mul(p.c0, softened));
     }
-    // A cohesion that is lost at once frees what the old tau stored above the strength. It is the residual when a joint
-    // opens, a mode that completes at its first movement, or a point that is crushed out. Not so a change of pressure:
-    // it comes gradually, whatever the step.
+    // lost: cohesion that drops at once, in three cases. A joint that opens loses its residual. A mode without strength
+    // drop completes at its first movement. A point is crushed out. The drop releases what the old tau stored above the
+    // new strength. A change of pressure is no such drop: it is gradual in a step of any length.
     V start = S_before_slip;
     V lost = hn::IfThenElseZero(
         r.open, hn::Sub(hn::MulAdd(p.c_drop, f.factor(old.xi_s), p.cr), hn::Mul(p.c0, f.factor(step.xi_s))));
@@ -561,13 +564,13 @@ struct Equations {
     const V before = hn::Min(trial, hn::Max(held, S_before_slip));
     if constexpr (kCrushing) lost = select(a.crushed_out, before, lost);
     const V excess = positive_part(hn::Min(hn::Sub(before, start), lost));
-    // tau goes down the elastic line until it meets S, which itself falls with the slip.
+    // tau decreases along the elastic line until it meets S, which falls with the slip.
     const V fall = hn::IfThenElseZero(hn::Gt(r.slip, zero()), hn::Div(hn::Sub(tau, start), r.slip));
     const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(excess, excess)), hn::Add(p.ks, hn::Min(fall, zero())));
     V along_slip = positive_part(select(r.open, cohesion_open, cohesion_closed));
     if constexpr (kCrushing) along_slip = hn::IfThenZeroElse(a.crushed_out, along_slip);
     E.cohesion = hn::Add(along_slip, freed_at_once);
-    // With no sliding from outside the whole slip is on that line.
+    // Where |tau*| does not exceed the old |tau|, the whole slip is on that line.
     const M standing = hn::And(hn::And(r.open, hn::Gt(excess, zero())), hn::Le(trial, held));
     E.cohesion = select(standing, hn::Mul(hn::Mul(half, hn::Add(trial, tau)), r.slip), E.cohesion);
     E.cohesion = hn::IfThenElseZero(r.slips, E.cohesion);
@@ -576,7 +579,7 @@ struct Equations {
     E.crushing = zero();
     if constexpr (kCrushing) {
       const V work = hn::Mul(hn::Mul(p.fc_drop, p.wu), f.area(hn::Mul(step.w_old, p.inv_wu), hn::Mul(a.w, p.inv_wu)));
-      const V total = hn::MulAdd(p.fcr, hn::Sub(a.w, step.w_old), work);  // without drop F is fc = fcr all along
+      const V total = hn::MulAdd(p.fcr, hn::Sub(a.w, step.w_old), work);  // without drop F = fc = fcr
       E.crushing = hn::IfThenElseZero(r.crushes, positive_part(total));
     }
     return E;

@@ -23,9 +23,9 @@ HWY_INLINE Lanes material_lanes(const Parameters& m) {
                splat(g.tan_psi), splat(g.fc), splat(g.fcr), splat(g.G1), splat(g.G2), splat(g.Gc));
 }
 
-// Per-point properties where a column is given, the material's value elsewhere. Without a column of their own the
-// residual friction follows the friction column down, as its default does. p is the material's own, or what this made
-// of other points: what does not depend on columns is left as it is.
+// Sets p to the properties of the points from i on: columns where given, the material's values elsewhere. Residual
+// friction without a column is limited to the friction column. On entry p has the material's values, or those of other
+// points: members that depend on no column do not change.
 HWY_INLINE void put_columns(const Parameters& m, const Lanes& own, const Columns& c, std::size_t i, Lanes& p) {
   const auto given = [&](int k) { return c.in[kProperty + k] != nullptr; };
   const auto put = [&](int k, V& value) HWY_ATTR {
@@ -44,12 +44,12 @@ HWY_INLINE void put_columns(const Parameters& m, const Lanes& own, const Columns
   p.derive(m, G1, G2);
 }
 
-// The lanes that a law reads, made again before every vector where properties are given point by point.
+// Preparation of a vector: fills in lanes from the property columns.
 struct Refill {
   const Parameters& parameters;
   const Lanes& own;
   const Columns& columns;
-  Lanes* lanes;  // null: the material's own are read
+  Lanes* lanes;  // null: no property columns, and the law reads the material's lanes
 
   HWY_INLINE void operator()(std::size_t i) const {
     if (lanes) fill(i);
@@ -57,11 +57,11 @@ struct Refill {
   HWY_NOINLINE void fill(std::size_t i) const { put_columns(parameters, own, columns, i, *lanes); }
 };
 
-// Strengths, energies and stiffnesses point by point, for the short path alone: one division in place of the seven of
-// Lanes::derive. What it calls sound is admissible; what it does not takes the whole step, which decides.
+// Strengths, energies and stiffnesses by point for the short path: one division in place of the seven of Lanes::derive.
+// Its test of admissibility is on the safe side; a vector that fails it takes the whole step, which decides.
 class QuickColumns {
  public:
-  // Whether nothing else is given point by point that Lanes would have to be derived for.
+  // True if no column is given that needs Lanes::derive.
   static bool serve(const Material& material, const Columns& c) {
     const auto given = [&](int k) { return c.in[kProperty + k] != nullptr; };
     const bool others = given(kColumnPhi0) || given(kColumnPhir) || given(kColumnPsi0) || given(kColumnFc) ||
@@ -81,7 +81,7 @@ class QuickColumns {
     use(kColumnCr, own.cr), use(kColumnG1, splat(m.given.G1)), use(kColumnG2, splat(m.given.G2));
   }
 
-  // Points from i on. p: set as far as Equations::elastic reads it.
+  // Sets the members of p that Equations::elastic reads, for the points from i on. Returns true if all are admissible.
   HWY_INLINE bool sound(std::size_t i, Lanes& p) const {
     const V kn = at(kColumnKn, i), ks = at(kColumnKs, i), ft = at(kColumnFt, i);
     const V c0 = at(kColumnC0, i), cr = at(kColumnCr, i), G1 = at(kColumnG1, i), G2 = at(kColumnG2, i);
@@ -95,7 +95,8 @@ class QuickColumns {
     const V least = hn::Min(hn::Min(ft, cr), hn::Min(G1, G2));
     M sound = hn::And(is_finite(gather_non_finite(sum, zero())), hn::Ge(least, zero()));
     sound = hn::And(sound, hn::And(hn::Gt(hn::Min(kn, ks), zero()), hn::Le(cr, c0)));
-    // No snap-back, as Lanes::derive has it, times what it divides by; margins are for rounding and underflow.
+    // The conditions of Lanes::derive against snap-back, multiplied by their divisors. Margins cover rounding and
+    // underflow.
     const V rest = hn::NegMulAdd(hn::Mul(splat(0.5), ft), p.u0, G1);
     sound = hn::And(sound, hn::Or(hn::Gt(rest, hn::Mul(ft, splat(1e-280))), hn::Eq(ft, zero())));
     const V by_uplift = hn::Mul(kn, hn::Mul(hn::Mul(own_.mu0, own_.tan_psi), own_.uplift_crushes));
@@ -108,7 +109,7 @@ class QuickColumns {
   }
 
  private:
-  // A column, or the material's value again and again.
+  // A column, or the material's value for every point.
   struct Source {
     const double* from;
     std::size_t mask;
@@ -138,7 +139,7 @@ HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
   return hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING));
 }
 
-// D = 1 - f of each mode: the share of ft, of c0 - cr and of fc - fcr that is lost.
+// Returns D = 1 - f of a mode: the lost share of ft, c0 - cr or fc - fcr.
 template <class Law>
 HWY_INLINE V damage_of(const Law& law, const State& s, int mode) {
   const V xi = mode == QUOIN_DAMAGE_TENSION    ? s.xi_t
@@ -147,7 +148,7 @@ HWY_INLINE V damage_of(const Law& law, const State& s, int mode) {
   return positive_part(hn::Sub(splat(1.0), law.f.factor(xi)));
 }
 
-// The points from i on in the columns, as Access reaches them.
+// Reads and writes the columns of the points from i on through Access.
 template <class Access>
 struct At {
   const Columns& c;
@@ -194,9 +195,9 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   Tangent tangent;
   Result r = law.template evaluate<kFull, kFull>(in, old, &energies, &tangent);
 
-  // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state. Old
-  // values too: a minimum or maximum inside the equations may lose one that is not a number. e is the scale of d_n, w
-  // and v, |tau*| of all that slides, also where it is beyond the largest number.
+  // One test for the whole vector: a value that is not finite, in or out, fails its point, whose outputs are the old
+  // state. Old values are tested too, since min and max inside the equations may drop a NaN. e covers d_n, w and v.
+  // |tau*| covers the old shear traction and the slip increment, and also overflow.
   V collected = gather_non_finite(old.xi_t, hn::Mul(r.e, zero()));
   if constexpr (!Law::kSharedDamage) {
     collected = gather_non_finite(old.xi_s, gather_non_finite(r.state.xi_t, collected));
@@ -251,7 +252,7 @@ HWY_INLINE const Lanes& own_lanes(const Material& material) { return *reinterpre
 template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kFull>
 void run(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
   using Law = Equations<Softening, kShared, kCrushing, kDilation>;
-  const Columns own = c;  // whose copy the short path keeps in registers: what is stored might change c
+  const Columns own = c;  // a copy, which stays in registers: the compiler must assume that a store changes c
   const Lanes& lanes = own_lanes(material);
   Lanes by_point;
   if (own.property_columns) by_point = lanes;
@@ -284,8 +285,8 @@ void run_one(const Material& material, const Columns& c, std::size_t count, Summ
   run_one(law, c, count, summary);
 }
 
-// Extra outputs always take the general branches: with the parameters of a switched-off branch they give the same bits,
-// and a quarter of the code.
+// The full kernel always has the general branches. With parameters that switch a branch off its results are bitwise
+// identical to those without the branch. One kernel is a quarter of the code.
 template <class Softening, bool kShared>
 void choose_branches(Material& m) {
   if (m.parameters.dilation) {
@@ -317,7 +318,7 @@ void choose_for_target(Material& m) {
   static_assert(sizeof(Lanes) <= sizeof m.lanes && alignof(Lanes) <= alignof(Material));
   static_assert(std::is_trivially_copyable_v<Lanes>);
   Lanes& lanes = *new (m.lanes) Lanes(material_lanes(m.parameters));
-  lanes.admissible = hn::Eq(zero(), zero());  // or there were no material
+  lanes.admissible = hn::Eq(zero(), zero());  // make() has refused all other materials
   m.parameters.shared ? choose_shape<true>(m) : choose_shape<false>(m);
 }
 

@@ -9,7 +9,7 @@ namespace quoin::fracture_energy {
 
 // Order of the states in the metadata and in Columns.
 enum StateColumn : int { kXiT, kXiS, kW, kV, kSlip, kStateCount };
-// Order of the per-point properties in Columns; friction and dilation in degrees, as users give them.
+// Order of the per-point properties in Columns; friction and dilation angles in degrees.
 enum PropertyColumn : int {
   kColumnKn,
   kColumnKs,
@@ -30,19 +30,19 @@ enum PropertyColumn : int {
 struct Material;
 using Kernel = void (*)(const Material&, const shim::Columns&, std::size_t count, shim::Summary&);
 
-// A material as the kernels of the best instruction set of this machine read it.
+// A material and its kernels for the best instruction set of the processor.
 struct Material {
   Parameters parameters;
-  // The kernels that it needs, with the branches that its parameters switch off left out.
+  // lean and one omit the branches that the parameters switch off.
   Kernel lean = nullptr;  // tractions and states only
-  Kernel one = nullptr;   // the same for a call of one point
-  Kernel full = nullptr;  // every branch, whatever outputs are requested
-  // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
+  Kernel one = nullptr;   // tractions and states of a batch of one point
+  Kernel full = nullptr;  // all outputs; every branch
+  // Storage of Lanes (equations.h), whose size depends on the instruction set. Filled in once.
   static constexpr std::size_t kLaneVectors = 30;
   alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];
 };
 
-// Fills in all but the parameters.
+// Fills in all members but the parameters.
 void choose_kernels(Material& material);
 
 }  // namespace quoin::fracture_energy

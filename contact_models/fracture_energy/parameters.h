@@ -7,12 +7,12 @@ namespace quoin::fracture_energy {
 
 using shim::Shape;
 
-// What a user gives. Friction as coefficients: angles are turned into tangents before anything is interpolated.
+// The user's properties. Friction and dilation are coefficients: tangents, not angles, are interpolated.
 struct Properties {
   double kn, ks;      // stiffness, Pa/m
   double ft, c0, cr;  // strengths, Pa
   double mu0, mur;    // friction coefficients
-  double tan_psi;     // dilation
+  double tan_psi;     // dilation coefficient
   double fc, fcr;     // compressive strength and residual, Pa
   double G1, G2, Gc;  // fracture energies, J/m2
 };

@@ -74,7 +74,7 @@ constexpr quoin_state_info kVInfo = history("v", "m", "uplift by dilation");
 constexpr quoin_state_info kSlipInfo =
     scalar_state("slip", "m", "accumulated slip", QUOIN_ROLE_DIAGNOSTIC, QUOIN_STATE_MONOTONIC, 0.0, kInfinity);
 
-// LAW.md, statement 6: order of strengths and angles, and no snap-back in any mode that loses strength.
+// Checks LAW.md, statement 6: order of strengths and angles, and no snap-back in any mode that loses strength.
 void check_admissible(const Parameters& m, const PropertyValues& values, Report& report) {
   const Properties& g = m.given;
   const auto not_above = [&](const char* id, const char* limit) {
@@ -99,7 +99,7 @@ void check_admissible(const Parameters& m, const PropertyValues& values, Report&
   const double P = crushes ? g.fc : 0.0;
   const double drop = g.c0 - g.cr;
   const double friction_drop = g.mu0 - g.mur;
-  // Uplift crushes the joint further, and S falls with the pressure: by no more than this along the slip, Pa/m.
+  // Bound on the decrease of S along the slip by uplift, Pa/m: uplift crushes the joint, and S falls with the pressure.
   const double q = crushes && g.fc > g.fcr ? m.slope * (g.fc - g.fcr) * (g.fc - g.fcr) * m.A / (g.Gc * g.kn) : 0.0;
   const double by_uplift =
       q > 0.0 && q < 1.0 ? g.kn * g.mu0 * g.tan_psi * q / (1.0 - q) : 0.0;  // q >= 1: Gc is refused
@@ -197,8 +197,8 @@ struct FractureEnergyLaw {
     material.one(material, columns, 1, summary);
   }
 
-  // Traction stays as it is: e is chosen so that sigma(e) equals it. A point whose traction lies outside the strength
-  // that its history leaves is refused. A joint that another law has failed comes in fully softened.
+  // Keeps the traction: e is chosen so that sigma(e) equals the normal stress. A point whose traction is outside the
+  // strength that its history leaves gets status FAILED. A joint that a brittle law has failed becomes fully softened.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;

@@ -1,4 +1,4 @@
-// Energies, tangent, flags and status of the points of one vector: written where a host requests them.
+// Energies, tangent, damage, flags and status of the points of one vector, written where a host requests them.
 #if defined(QUOIN_SHIM_EXTRAS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_SHIM_EXTRAS_H
 #undef QUOIN_SHIM_EXTRAS_H
@@ -13,14 +13,16 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin::shim::HWY_NAMESPACE {
 
 struct Energies {
-  V stored, tension, cohesion, friction, crushing;  // at the end of the step; dissipated during it
+  // J/m2. stored: recoverable at the end of the step; the others: dissipated during the step.
+  V stored, tension, cohesion, friction, crushing;
 };
 
 struct Tangent {
-  V entry[9];  // d(sigma, tau_s, tau_t)/d(d_n, d_s, d_t), row by row
+  V entry[9];  // d(sigma, tau_s, tau_t)/d(d_n, d_s, d_t), row by row, Pa/m
 };
 
-// flags() and damage(mode) only when they are requested. A point that is not sound gets zeros and its status.
+// Writes the requested outputs of the points from i on; calls flags() and damage(mode) only for these. A point that is
+// not sound gets zeros and the status QUOIN_POINT_FAILED.
 template <class Flags, class Damage>
 HWY_INLINE void put_extras(const Columns& c, std::size_t i, M sound, const Energies& energies, const Tangent& tangent,
                            const Flags& flags, const Damage& damage) {

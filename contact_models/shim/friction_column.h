@@ -1,4 +1,4 @@
-// Friction and dilation angles given point by point, in degrees, as coefficients.
+// Converts friction and dilation angles that are given point by point, in degrees, to coefficients.
 #if defined(QUOIN_SHIM_FRICTION_COLUMN_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_SHIM_FRICTION_COLUMN_H
 #undef QUOIN_SHIM_FRICTION_COLUMN_H
@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace quoin::shim::HWY_NAMESPACE {
 
-// tan of column[i ...], -1 (refused by the law) outside [0, 90); value where there is no column.
+// Returns tan of column[i ...]: -1, which the law refuses, for an angle outside [0, 90). Without a column: value.
 inline V friction_column(const double* column, std::size_t i, V value) {
   if (column == nullptr) return value;
   HWY_ALIGN double lanes[kMaxLanes];

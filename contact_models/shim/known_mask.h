@@ -1,6 +1,6 @@
-// Masks known when the code is compiled. What is written once for a mask of the three kinds Nowhere, Everywhere and M
-// is compiled for three kinds of vectors. In these no lane, every lane or any lane takes a branch. In the first two,
-// what cannot act is not there. A lane computes the same numbers in all three.
+// Masks that are constant at compile time. A template over Nowhere, Everywhere and M compiles to three versions, in
+// which no lane, every lane or any lane takes a branch. The first two omit the code of the branch that is not taken. A
+// lane's numbers are the same in all three.
 #if defined(QUOIN_SHIM_KNOWN_MASK_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_SHIM_KNOWN_MASK_H
 #undef QUOIN_SHIM_KNOWN_MASK_H
@@ -34,7 +34,7 @@ HWY_INLINE M both(M a, M b) { return hn::And(a, b); }
 HWY_INLINE V select(Nowhere, V, V no) { return no; }
 HWY_INLINE V select(Everywhere, V yes, V) { return yes; }
 
-// x there, 0 elsewhere; and the other way round.
+// only: x where the mask is set, 0 elsewhere. unless: 0 where the mask is set, x elsewhere.
 HWY_INLINE V only(Nowhere, V) { return zero(); }
 HWY_INLINE V only(Everywhere, V x) { return x; }
 HWY_INLINE V only(M mask, V x) { return hn::IfThenElseZero(mask, x); }

@@ -27,8 +27,8 @@ HWY_INLINE bool all(M mask) { return hn::AllTrue(D(), mask); }
 HWY_INLINE V load(const double* column, std::size_t i) { return hn::LoadU(D(), column + i); }
 HWY_INLINE void store(V value, double* column, std::size_t i) { hn::StoreU(value, D(), column + i); }
 
-// How a kernel reaches its columns. It is a vector of points, or the one point of a call in every lane, read and
-// written where the caller keeps it.
+// Access of a kernel to its columns. Vectors: one point a lane. OnePoint: the single point of a call, copied to every
+// lane; its result is written from the first lane.
 struct Vectors {
   static constexpr bool kOnePoint = false;
   static HWY_INLINE V load(const double* column, std::size_t i) { return hn::LoadU(D(), column + i); }
@@ -42,7 +42,8 @@ struct OnePoint {
 
 HWY_INLINE V flag_if(M mask, std::uint32_t bit) { return hn::IfThenElseZero(mask, splat(static_cast<double>(bit))); }
 
-// 0 for a finite sum of x * 0 terms, not a number otherwise: collects "is everything finite" in one register.
+// Adds x * 0 to collected, which stays 0 while every x is finite and becomes NaN otherwise: one register for a test of
+// many values.
 HWY_INLINE V gather_non_finite(V x, V collected) { return hn::MulAdd(x, zero(), collected); }
 HWY_INLINE M is_finite(V collected) { return hn::Eq(collected, zero()); }
 

@@ -1,13 +1,13 @@
-// The loops over the vectors of a batch, for laws with a short path. A law's kernel gives, in the namespace of its Law,
+// Loops over the vectors of a batch, for laws with a short path. A law's kernel defines, in the namespace of its Law,
 //   template <class Access> bool step_elastic(const Law&, const Columns&, std::size_t i);
-//     the points from i on, when nothing moves them but elastically and nothing else is asked of: false, and nothing
-//     written, when there is one for which this is not sure
+//     Short path: computes tractions and states of the vector of points from i on if all of them are elastic. Returns
+//     false, and writes nothing, if a point may yield.
 //   auto short_path(const Law&);
-//     what step_elastic is given for a Law in a loop: the law, or the few of its numbers that it reads
+//     Returns the first argument of step_elastic in a loop: the law, or the few of its numbers that step_elastic reads.
 //   template <bool kFull, class Access>
 //   void step_vector(const Law&, const Columns&, std::size_t i, std::size_t count, Summary&);
-//     the points from i on that fill a vector, through the whole step; count: of all points, the last vector may not be
-//     full: it then ends with copies of the last point
+//     Whole step of the vector of points from i on. count is the number of points of the batch; a last vector that is
+//     not full ends with copies of the last point.
 #if defined(QUOIN_SHIM_LOOP_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_SHIM_LOOP_H
 #undef QUOIN_SHIM_LOOP_H
@@ -22,13 +22,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace quoin::shim::HWY_NAMESPACE {
 
-// What is to be done before a vector goes through the whole step: nothing, where every point has the same properties.
+// Preparation of a vector before its whole step where every point has the same properties: none.
 struct Unprepared {
   HWY_INLINE void operator()(std::size_t) const {}
 };
 
-// The vectors that begin at starts[0] ... starts[n - 1], back to back: the roots and divisions of one overlap with the
-// next one's. Out of line, so that the short path keeps its registers.
+// Computes the whole step of the vectors that begin at starts[0] ... starts[n - 1]. One directly after the other, so
+// that the processor overlaps their square roots and divisions. Out of line: the short path keeps its registers.
 template <bool kFull, class Law, class Prepare>
 HWY_NOINLINE void step_vectors(const Law& law, const Columns& c, const std::size_t* starts, std::size_t n,
                                std::size_t count, const Prepare& prepare, Summary& summary) {
@@ -38,11 +38,12 @@ HWY_NOINLINE void step_vectors(const Law& law, const Columns& c, const std::size
   }
 }
 
-// First all vectors of a tile that are elastic, then the others. A tile's columns fit into the first cache.
+// Points of a tile: run_lean computes its elastic vectors first, then the others. A tile's columns fit into the L1
+// cache.
 inline constexpr std::size_t kLoopTile = 256;
 
-// Tractions and states only. elastic(i) takes the short path for the points from i on, as step_elastic does. For those
-// from i on that take the whole step prepare(i) comes first.
+// Computes tractions and states only. elastic(i) computes the vector from i on by the short path and returns what
+// step_elastic returns. prepare(i) is called before the whole step of the vector from i on.
 template <class Law, class Elastic, class Prepare>
 HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, const Elastic& elastic,
                          const Prepare& prepare, Summary& summary) {
@@ -58,14 +59,14 @@ HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, co
 }
 template <class Law>
 HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, Summary& summary) {
-  // Copies, so that the short path keeps them in registers: what is stored might change c and the law.
+  // Copies, which the compiler keeps in registers: it must assume that a store changes c and the law.
   const Columns own = c;
   const auto& quick = short_path(law);
   const auto elastic = [&](std::size_t i) HWY_ATTR { return step_elastic<Vectors>(quick, own, i); };
   run_lean(law, c, count, elastic, Unprepared(), summary);
 }
 
-// Whatever outputs are requested. prepare(i) before the points from i on: their properties.
+// Computes all outputs that are requested. prepare(i) sets the properties of the vector from i on.
 template <class Law, class Prepare>
 HWY_INLINE void run_full(const Law& law, const Columns& c, std::size_t count, Summary& summary,
                          const Prepare& prepare) {
@@ -75,7 +76,7 @@ HWY_INLINE void run_full(const Law& law, const Columns& c, std::size_t count, Su
   }
 }
 
-// A call of one point: the same vectors with this point in every lane, and so the same bits.
+// Computes a batch of one point, with this point in every lane: bitwise identical to the point in a larger batch.
 template <class Law>
 HWY_INLINE void run_one(const Law& law, const Columns& c, std::size_t count, Summary& summary) {
   if (!step_elastic<OnePoint>(short_path(law), c, 0)) step_vector<false, OnePoint>(law, c, 0, count, summary);

@@ -1,12 +1,12 @@
-// The C ABI around a law written in C++. A law's plugin.cpp is the only file of the law that sees the ABI. It
-// describes the law to Plugin<L>, where L provides
+// The C ABI around a law written in C++. Of a law's files only its plugin.cpp includes this header. It instantiates
+// Plugin<L>, for a type L with these members:
 //   struct Material;                                             immutable, made from validated properties
 //   static constexpr ... properties, states, initial_states;     spans of metadata; per-point properties first
 //   static Material make(const PropertyValues&, Report&);        adds its own faults and warnings
 //   static bool initial_state(const Material&, std::string_view id, double* values);
 //   static void stiffness_bounds(const Material&, double& normal, double& shear);
 //   static void evaluate(const Material&, const Columns&, size_t count, Summary&);   contiguous columns
-//   static void evaluate_one(const Material&, const Columns&, Summary&);   one point, nothing but traction and states
+//   static void evaluate_one(const Material&, const Columns&, Summary&);   one point, only traction and states
 //   static void migrate(const Material&, const MigrationPoint& from, MigrationResult& to);   one point
 #pragma once
 
@@ -53,7 +53,7 @@ inline constexpr quoin_state_info scalar_state(const char* id, const char* unit,
 
 inline constexpr quoin_convention kConvention = {sizeof(quoin_convention), 1, 1, 1, 1, 1, 1};
 
-// 64-bit FNV-1a over ids, units, roles and kinds: changes when the meaning of a saved state does.
+// Returns the 64-bit FNV-1a hash of salt and of the states' ids, units, roles and kinds: the law's state_schema.
 inline std::uint64_t schema_hash(std::span<const quoin_state_info* const> states, std::string_view salt) {
   std::uint64_t hash = 14695981039346656037ull;
   const auto mix = [&](std::string_view text) {
@@ -69,11 +69,12 @@ inline std::uint64_t schema_hash(std::span<const quoin_state_info* const> states
   return hash;
 }
 
+// One point under the old law: normal jump in m, tractions in Pa.
 struct MigrationPoint {
   double normal_jump, sigma, tau_s, tau_t;
   const quoin_migration* source;
   std::uint64_t index;
-  // Value of the source state with this id, or fallback.
+  // Returns the value of the old law's state with this id, or fallback if the old law has no such state.
   double state(std::string_view id, double fallback) const {
     for (std::uint64_t k = 0; k < source->from_state_count; ++k) {
       const quoin_in& column = source->from_states[k];
@@ -101,12 +102,12 @@ class Plugin {
   static constexpr std::size_t kStates = L::states.size();
   static_assert(kStates <= kMaxStates);
 
-  // Points that go through the in-cache tile at a time when a column is strided.
+  // Points of a tile, the local copy in which run_tile evaluates strided columns.
   static constexpr std::size_t kTile = 64;
 
   static const Handle& get(const quoin_material* material) { return *reinterpret_cast<const Handle*>(material); }
 
-  // A catch-all at the boundary: no exception crosses it.
+  // Calls body and turns every exception into a status: none crosses the ABI.
   template <class F>
   static quoin_status guarded(quoin_text* text, F&& body) noexcept {
     try {
@@ -132,7 +133,8 @@ class Plugin {
     return guarded(text, [&]() -> quoin_status {
       Report report;
       const PropertyValues properties(L::properties, {values, static_cast<std::size_t>(count)}, report);
-      // The law's own conditions are checked even when single values are out of bounds: all faults in one message.
+      // The law's own conditions are checked even when single values are out of bounds, so that one message has all
+      // faults.
       typename L::Material material = L::make(properties, report);
       if (!report.faults.empty()) {
         write_text(text, Report::join(report.faults));
@@ -219,20 +221,20 @@ class Plugin {
   }
 
  private:
-  static constexpr int kInputs = kStateOld + static_cast<int>(kStates);   // all but the property columns
-  static constexpr int kOutputs = kStateNew + static_cast<int>(kStates);  // tractions and states
+  static constexpr int kInputs = kStateOld + static_cast<int>(kStates);   // number of inputs without property columns
+  static constexpr int kOutputs = kStateNew + static_cast<int>(kStates);  // number of tractions and states
   static constexpr int kProperties = static_cast<int>(L::properties.size());
 
-  // The batch's columns in the order of Columns, each with its stride. Not initialised as a whole: a batch of a few
-  // points would feel it.
+  // The batch's columns in the order of Columns, each with its stride. Not initialised as a whole: in a batch of a few
+  // points that would cost a measurable time.
   struct Views {
     quoin_in in[kInCount];
     quoin_out out[kOutCount];
     quoin_out_u32 words[2];  // flags, status
     bool property_columns, extras, more_outputs;
-    bool contiguous;  // the kernel can work on the caller's own memory
+    bool contiguous;  // all strides are 1 and no flags or status are requested: the kernel can use the caller's memory
 
-    // Calls f(place, view) for every input and every output in doubles that may be given.
+    // Call f(index in Columns, view) for every input, or for every output in doubles, that this batch may have.
     template <class F>
     void for_inputs(const F& f) const {
       for (int k = 0; k < kInputs; ++k) f(k, in[k]);
@@ -247,10 +249,11 @@ class Plugin {
     }
   };
 
-  // Per-point properties come first in a law's metadata: their place there is their column. -1: not given point by
-  // point.
+  // Returns the column of a per-point property, which is its index in the law's metadata. -1: no per-point property has
+  // this id.
   static int property_column(const char* property_id) {
-    // Most hosts name it by the law's own text, which spares them the comparison in every batch.
+    // Most hosts pass the pointer of the metadata's own id. Comparing pointers first saves comparing texts in every
+    // batch.
     for (std::size_t k = 0; k < L::properties.size(); ++k) {
       const quoin_property_info& info = *L::properties[k];
       if (property_id == info.id && (info.flags & QUOIN_PROPERTY_PER_POINT) != 0) return static_cast<int>(k);
@@ -263,6 +266,8 @@ class Plugin {
     return -1;
   }
 
+  // Fills in views from batch. Returns QUOIN_ERROR_ARGUMENT if a required column is missing or an output of several
+  // points has stride 0.
   static quoin_status collect(const quoin_batch& batch, Views& views) {
     views.in[kNormalJump] = batch.normal_jump;
     for (int k = 0; k < 2; ++k) views.in[kSlipIncrement + k] = batch.slip_increment[k];
@@ -303,7 +308,7 @@ class Plugin {
         views.out[kDamage + k] = knows_damage(batch) ? batch.damage[k] : quoin_out{};
     }
 
-    // Without branches: short calls spend their time here.
+    // Without branches, which would take most of the time of small batches.
     views.contiguous = (batch.flags.data == nullptr) & (batch.status.data == nullptr);
     const auto follow = [&](int, const auto& view) { views.contiguous &= (view.data == nullptr) | (view.stride == 1); };
     views.for_inputs(follow);
@@ -316,11 +321,12 @@ class Plugin {
     return distinct ? QUOIN_OK : QUOIN_ERROR_ARGUMENT;
   }
 
-  // Anything beyond tractions and history, or properties point by point.
+  // True if outputs beyond tractions and states are requested or a property is given point by point.
   static bool asks_for_more(const quoin_batch& batch) {
     return (batch.property_column_count > 0) | asks_for_outputs(batch);
   }
-  // Without branches, which would cost time in short calls.
+  // True if outputs beyond tractions and states are requested. Without branches, which would cost time in small
+  // batches.
   static bool asks_for_outputs(const quoin_batch& batch) {
     bool more = (batch.flags.data != nullptr) | (batch.status.data != nullptr) | (batch.energy_stored.data != nullptr);
     for (const quoin_out& view : batch.dissipated) more |= view.data != nullptr;
@@ -330,14 +336,15 @@ class Plugin {
     }
     return more;
   }
-  // Hosts of version 1.0 do not reach so far.
+  // False for a host of ABI version 1.0, whose quoin_batch has no damage columns.
   static bool knows_damage(const quoin_batch& batch) { return batch.struct_size >= sizeof(quoin_batch); }
 
-  // Points columns at tractions and history, where the caller keeps them; other outputs are not considered. Without
-  // branches: short calls spend their time here.
+  // Properties of the columns that point_at has set.
   struct Pointed {
-    bool complete, contiguous;  // nothing required is missing; every stride is 1
+    bool complete, contiguous;  // no required column is missing; every stride is 1
   };
+  // Sets columns to the caller's jumps, tractions and states, and to no other outputs. Without branches, which would
+  // take most of the time of small batches.
   [[gnu::always_inline]] static Pointed point_at(const quoin_batch& batch, Columns& columns) {
     columns.property_columns = columns.extras = false;
     columns.in_place = true;
@@ -364,8 +371,8 @@ class Plugin {
     return is;
   }
 
-  // A call of one point, as programs that know no batches make it for every contact and step: no look at strides, no
-  // copies.
+  // Evaluates a batch of one point in the caller's memory. Hosts without batches call this for every contact and step,
+  // so strides are not read and nothing is copied.
   static quoin_status run_one(const typename L::Material& material, quoin_batch& batch) noexcept {
     Columns columns;
     if (!point_at(batch, columns).complete) return QUOIN_ERROR_ARGUMENT;
@@ -385,7 +392,7 @@ class Plugin {
   }
 
   static quoin_status run(const typename L::Material& material, quoin_batch& batch) {
-    // What hosts request in every step: whole vectors of tractions and history on their own memory.
+    // The usual request in every step: tractions and states of whole vectors, in contiguous memory of the host.
     Columns columns;
     const std::size_t count = static_cast<std::size_t>(batch.count);
     if (count % kMaxLanes == 0 && count > 0 && !asks_for_more(batch)) {
@@ -416,7 +423,7 @@ class Plugin {
     return QUOIN_OK;
   }
 
-  // On the caller's own memory.
+  // Evaluates the first count points in the caller's memory.
   static void run_direct(const typename L::Material& material, const Views& views, std::size_t count,
                          Summary& summary) {
     Columns columns;
@@ -433,7 +440,8 @@ class Plugin {
     L::evaluate(material, columns, count, summary);
   }
 
-  // Through memory of our own: strided columns, and the points that do not fill the widest vector.
+  // Evaluates the points from first on in local copies: for strided columns, and for the points after the last whole
+  // vector.
   static void run_tile(const typename L::Material& material, const Views& views, std::size_t first, std::size_t count,
                        Summary& summary) {
     alignas(64) double in[kInCount][kTile];
@@ -466,7 +474,7 @@ class Plugin {
   }
 };
 
-// The library of one law, shared by every plugin.cpp.
+// Returns the library of the one law L; null, with the reason in text, for a host of another major ABI version.
 template <class L>
 const quoin_library* single_law_library(const quoin_host_info* host, quoin_text* text) {
   static const quoin_law law = {sizeof(quoin_law),

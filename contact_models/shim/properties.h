@@ -1,4 +1,4 @@
-// Property values checked against a law's metadata. Cold.
+// Property values checked against a law's metadata. Not used during steps.
 #pragma once
 
 #include <map>
@@ -10,19 +10,19 @@
 
 namespace quoin::shim {
 
-// All faults and warnings of one set of properties, one line each: property, value, bound, remedy.
+// Faults and warnings of one set of properties, one line each: property, value, bound, remedy.
 struct Report {
   std::vector<std::string> faults;
   std::vector<std::string> warnings;
   static std::string join(const std::vector<std::string>& lines);
 };
 
-// Shortest text that reads back as the same number.
+// Returns the shortest text that converts back to the same number.
 std::string to_text(double value);
 
 class PropertyValues {
  public:
-  // Resolves defaults; unknown ids, wrong kinds, numbers outside their bounds and missing values go to report.
+  // Fills in defaults. Adds to report a fault for each unknown id, wrong kind, number out of bounds and missing value.
   PropertyValues(std::span<const quoin_property_info* const> metadata,
                  std::span<const quoin_property_value* const> values, Report& report);
 
@@ -37,7 +37,7 @@ class PropertyValues {
   std::map<std::string, std::vector<double>> tables_;
 };
 
-// Writes text into a caller's buffer as quoin_text promises; null is allowed.
+// Writes text into a caller's buffer by the rules of quoin_text (quoin/base.h); null is allowed.
 void write_text(quoin_text* buffer, const std::string& text);
 
 }  // namespace quoin::shim

@@ -1,4 +1,4 @@
-// The softening function f(xi) in its three shapes: fracture_energy/LAW.md, "Softening function". Each shape gives
+// The softening function f(xi) in its three shapes: fracture_energy/LAW.md, "Softening function". Each shape has
 //   factor(xi)       f
 //   slope(xi)        f', from the right
 //   drop(a, b)       f(a) - f(b), without cancellation for close a and b
@@ -35,7 +35,7 @@ struct ExponentialSoftening {
   explicit ExponentialSoftening(const SofteningShape&) {}
 
   HWY_INLINE V factor(V xi) const {
-    if (all(hn::Eq(xi, zero()))) return splat(1.0);  // most joints of a wall, and crushing of nearly all
+    if (all(hn::Eq(xi, zero()))) return splat(1.0);  // the most common case: undamaged joints
     const V f = hn::Exp(D(), hn::Neg(hn::Min(xi, splat(kExponentialEnd))));
     return hn::IfThenElseZero(hn::Lt(xi, splat(kExponentialEnd)), f);
   }
@@ -52,7 +52,8 @@ struct TableSoftening {
   explicit TableSoftening(const SofteningShape& material) : table(material.table) {}
   const SofteningTable& table;
 
-  // The segment that holds xi: its start, factor, slope and the area up to it. Beyond the last point all is 0.
+  // Segment of the table that contains xi. x: its start; f: factor there; slope: f' of the segment; area: integral of f
+  // from 0 to x. Beyond the last point f and slope are 0.
   struct Segment {
     V x, f, slope, area;
   };
@@ -83,7 +84,8 @@ struct TableSoftening {
   HWY_INLINE V area(V a, V b) const {
     const Segment s = segment(a), e = segment(b);
     const V half = splat(0.5);
-    // Trapezoids from the start of a segment, so that a step within one segment does not cancel.
+    // A step within one segment is one trapezoid, without cancellation. A step across segments is a difference of
+    // areas.
     const V within = hn::Mul(hn::Sub(b, a), hn::Mul(half, hn::Add(factor(a), factor(b))));
     const V from_a = hn::Mul(hn::Sub(a, s.x), hn::Mul(half, hn::Add(s.f, factor(a))));
     const V to_b = hn::Mul(hn::Sub(b, e.x), hn::Mul(half, hn::Add(e.f, factor(b))));

@@ -1,4 +1,4 @@
-// The softening function as laws offer it to users: a shape, and a table for one of them. Cold.
+// The properties of the softening function: its shape, and a table for shape "table". Not used during steps.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +41,8 @@ inline constexpr quoin_property_info kTable = {
     nullptr,
     0,
     nullptr};
-// Reads, checks and stores the softening function; false when it cannot be used.
+// Reads and checks the softening function and writes it to m. Returns false, with faults in report, for a table that
+// cannot be used.
 inline bool read_softening(const PropertyValues& values, SofteningShape& m, Report& report) {
   const std::string& shape = values.text("softening");
   const std::vector<double>& pairs = values.table("softening_table");

@@ -1,4 +1,4 @@
-// The softening function f(xi) of laws with fracture energies: which shape, and its numbers.
+// The softening function f(xi) of laws with fracture energies: its shape and its numbers.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@ namespace quoin::shim {
 
 enum class Shape : std::uint8_t { linear, exponential, table };
 
-// Given by points: f falls linearly between (x[k], f[k]) and (x[k+1], f[k+1]), f[0] = 1, f[last] = 0.
+// Softening by points: f falls linearly from (x[k], f[k]) to (x[k+1], f[k+1]); f[0] = 1, f[last] = 0.
 struct SofteningTable {
   static constexpr int kMaxPoints = 32;
   int points = 0;
@@ -17,7 +17,7 @@ struct SofteningTable {
   std::array<double, kMaxPoints> area{};  // integral of f from 0 to x[k]
 };
 
-// exp(-xi) is 0 in double precision from here on: the end of exponential softening.
+// End of exponential softening: from this xi on exp(-xi) is 0 in double precision.
 inline constexpr double kExponentialEnd = 746.0;
 
 struct SofteningShape {

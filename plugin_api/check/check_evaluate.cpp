@@ -22,7 +22,7 @@ std::vector<size_t> all_indices(size_t n) {
   return indices;
 }
 
-// One batch whose columns live where a test puts them.
+// A batch whose columns a test sets.
 struct Columns {
   explicit Columns(const quoin_law& law) : state_old(law.state_count), state_new(law.state_count) {
     batch.struct_size = sizeof batch;
@@ -35,13 +35,13 @@ struct Columns {
   std::vector<quoin_out> state_new;
 };
 
-// A memory of records with guard values between, before and behind the elements: `fields` columns of n elements.
+// An array of n records of `fields` elements, with guard values before, between and behind the records.
 struct Records {
   Records(size_t n, size_t fields, int64_t stride_sign, size_t gap)
       : count(n),
         stride(static_cast<int64_t>(fields + gap) * stride_sign),
         memory((fields + gap) * (n + 2) + 1, kGuard) {
-    // The odd offset aligns every element as a double, and not as a vector.
+    // The odd offset gives every element the alignment of a double, not of a vector.
     first = memory.data() + (fields + gap) + 1;
     if (stride_sign < 0 && n > 0) first += (fields + gap) * (n - 1);
   }
@@ -60,8 +60,8 @@ struct Records {
   double* first;
 };
 
-// Evaluates with every column in one array of records, as an array-of-structures host does. in_place: old and new are
-// the same memory. Whether anything else was written.
+// Evaluates with every column in one array of records, as a host with an array of structures does. in_place: old and
+// new are the same memory. Sets *clean to whether inputs and guard values are unchanged.
 Result evaluate_records(const quoin_law& law, const Material& material, const Points& points, int64_t sign, size_t gap,
                         bool in_place, bool* clean) {
   const size_t n = points.size();
@@ -137,7 +137,7 @@ Result evaluate_records(const quoin_law& law, const Material& material, const Po
   const auto untouched = [](uint32_t value) { return value == 0xdeadbeefu; };
   *clean = std::all_of(flags.begin(), flags.end(), untouched) && std::all_of(status.begin(), status.end(), untouched);
 
-  // Inputs that are not outputs must be as they were.
+  // Inputs that are not outputs must be unchanged.
   for (size_t i = 0; i < n; ++i) {
     *clean = *clean && records.at(jump, i) == points.normal_jump[i];
     for (size_t k = 0; k < 2; ++k) *clean = *clean && records.at(slip + k, i) == points.slip[k][i];
@@ -172,7 +172,7 @@ void check_states(Report& report, const Subject& subject) {
   report.expect(law.initial_state(material.handle, "no_such_state", values.data()) == QUOIN_ERROR_ARGUMENT,
                 "an unknown initial state is given");
 
-  // One walk goes on; the other one is stored as bytes after every step and goes on with a new material.
+  // Two equal walks: the states of the second are saved as bytes after every step and continue with a new material.
   report.clause("C5.4");
   for (const Settings& settings : subject.varied) {
     const Material kept(law, settings);
@@ -249,7 +249,7 @@ void check_memory(Report& report, const Subject& subject) {
         }
       }
     }
-    // Contiguous and in place, as a structure-of-arrays host runs.
+    // Contiguous and in place, as a host with a structure of arrays does.
     report.clause("C6.4");
     Points in_place = points;
     Columns columns(law);
@@ -316,7 +316,7 @@ void check_threads(Report& report, const Subject& subject) {
       start.arrive_and_wait();
       const auto end = std::chrono::steady_clock::now() + kDuration;
       for (int round = 0; std::chrono::steady_clock::now() < end && faults[t].empty(); ++round) {
-        // Every thread works on its own part of the points: shared scratch memory is then visible.
+        // Every thread evaluates other points, so that scratch memory shared by threads changes results.
         const size_t m = (t / 2 + static_cast<size_t>(round)) % materials.size();
         std::vector<size_t> part;
         for (size_t i = t; i < points[m].size(); i += kThreads) part.push_back(i);
@@ -413,7 +413,7 @@ void check_optional(Report& report, const Subject& subject) {
       result.damage[one] = damage;
       const std::string what = difference(law, all, result);
       report.expect(what.empty(), "one damage output alone: %s", what.c_str());
-    } else {  // a law of version 1.0 does not see that it is asked
+    } else {  // a law of version 1.0 does not read the damage columns
       report.expect(result.status == QUOIN_ERROR_UNSUPPORTED || std::isnan(damage[0]),
                     "damage, which the capabilities do not offer, is written");
     }
@@ -528,7 +528,7 @@ void check_refusals(Report& report, const Subject& subject) {
   batch.property_column_count = 1;
   batch.property_columns = &unknown;
   expect_refused("a property column of an unknown property");
-  batch.struct_size = QUOIN_BATCH_SIZE_1_0;  // a host of version 1.0, in whose memory anything may follow
+  batch.struct_size = QUOIN_BATCH_SIZE_1_0;  // a host of version 1.0: the memory behind may have any contents
   double behind = 77;
   for (auto& column : batch.damage) column = {&behind, 0};
   report.expect(law.evaluate(material.handle, &batch) == QUOIN_OK && behind == 77,
@@ -540,7 +540,7 @@ void check_refusals(Report& report, const Subject& subject) {
 
 namespace {
 
-// Values that create_material must refuse (C4.2, C4.4), and a column therefore too.
+// Returns values that create_material (C4.2, C4.4) and therefore also a column must refuse.
 std::vector<double> refused_values(const quoin_property_info& property) {
   std::vector<double> values = {kNan};
   if (property.lower > -kInfinity) values.push_back(property.lower - 7);
@@ -572,7 +572,7 @@ void check_property_columns(Report& report, const Subject& subject) {
       if (factor != 1.0 && !std::isfinite(base)) break;
       Settings settings = subject.base;
       settings[property.id] = shortest(base * factor);
-      // The others keep the material's values, those that take this one as their default too, where that is allowed.
+      // The other properties keep the material's values. So do those whose default is this property, where allowed.
       Settings kept = settings;
       for (uint64_t q = 0; q < law.property_count; ++q) {
         const quoin_property_info& follower = *law.properties[q];
@@ -583,7 +583,7 @@ void check_property_columns(Report& report, const Subject& subject) {
       if (other.handle == nullptr) continue;
       ++tried;
       const Result expected = evaluate(law, other, points);
-      // Every other point gets a value that is refused.
+      // Every second point has a value that must be refused.
       std::vector<double> values(n, std::strtod(settings[property.id].c_str(), nullptr));
       for (size_t i = 1; i < n; i += 2) values[i] = bad[i / 2 % bad.size()];
       const quoin_property_column column = {property.id, {values.data(), 1}};
@@ -656,8 +656,8 @@ void check_failed_points(Report& report, const Subject& subject) {
       const bool is_bad = i % 5 == 2;
       if (is_bad) {
         report.clause("C7.1");
-        // The old sigma and the states may be of no use to a law (sigma follows from d_n, a mode may be switched off).
-        // Then the point does not fail, and nothing but the column itself shows the bad value.
+        // A law may not use old sigma and states: sigma follows from d_n, or a mode is switched off. Then the point
+        // does not fail, and only the column itself may have the bad value.
         const bool may_be_unused = input == 3 || input >= 6;
         if (may_be_unused && result.point_status[i] == QUOIN_POINT_OK) {
           bool same = true;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr char kGuard = 0x5a;
 
-// Calls with text buffers of every awkward shape. Returns what a big buffer received.
+// Calls with null, empty and short text buffers. Returns the text that a large buffer received.
 template <class Call>
 std::string check_text(Report& report, const char* what, const Call& call) {
   Text whole;
@@ -198,7 +198,7 @@ void check_metadata(Report& report, const quoin_law& law) {
         const double value = property.default_value;
         const bool above =
             property.flags & QUOIN_PROPERTY_LOWER_OPEN ? value > property.lower : value >= property.lower;
-        // An infinite default is how a mode is switched off; the bound itself is then part of the interval.
+        // An infinite default switches a mode off. The interval then includes the infinite bound.
         const bool below = (property.flags & QUOIN_PROPERTY_UPPER_OPEN) && !std::isinf(value) ? value < property.upper
                                                                                               : value <= property.upper;
         report.expect(above && below, "%s: default %g outside %g to %g", property.id, value, property.lower,

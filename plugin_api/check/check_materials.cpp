@@ -1,4 +1,4 @@
-// C4: materials. C2 again for their messages.
+// C4: materials; C2 for the messages of materials.
 #include <malloc.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ void check_materials(Report& report, const Subject& subject) {
   }
   if (subject.varied.size() < 2) report.note("no variation of the properties was accepted: one material is used");
 
-  // Outside the bounds, one by one and all at once.
+  // Values outside their bounds, one property at a time and all at once.
   Settings all_wrong = subject.base;
   std::vector<std::string> wrong_ids;
   for (uint64_t p = 0; p < law.property_count; ++p) {
@@ -221,7 +221,7 @@ void check_materials(Report& report, const Subject& subject) {
     std::reverse(reversed->pointers.begin(), reversed->pointers.end());
     quoin_material* other = nullptr;
     report.expect(create(law, *reversed, &other, nullptr) == QUOIN_OK, "refused in another order");
-    for (auto& list : reversed->numbers) std::fill(list.begin(), list.end(), -1e300);  // what the law pointed at
+    for (auto& list : reversed->numbers) std::fill(list.begin(), list.end(), -1e300);  // the law keeps no pointers
     for (auto& text : reversed->texts) std::fill(text.begin(), text.end(), '#');
     for (auto& id : reversed->ids) std::fill(id.begin(), id.end(), '#');
     for (auto& value : reversed->values) value = {};

@@ -8,7 +8,7 @@
 namespace check {
 namespace {
 
-// The traction against which rounding is measured: what the normal stiffness makes of every length of the point.
+// Returns the scale of rounding errors, Pa: strength, tractions, and the larger stiffness times all lengths of a point.
 double traction_scale(const quoin_law& law, const Scales& scales, const Points& points, size_t i) {
   double length = std::abs(points.normal_jump[i]) + std::abs(points.slip[0][i]) + std::abs(points.slip[1][i]);
   for (uint64_t s = 0; s < law.state_count; ++s) {
@@ -24,7 +24,7 @@ double work_of_step(const Walk& walk, const Points& points, const Result& result
          (points.traction[2][i] + result.traction[2][i]) / 2 * points.slip[1][i];
 }
 
-// (s, t) of every point turned by its own angle.
+// Returns the points with (s, t) of each rotated by its own angle.
 Points rotated(const quoin_law& law, Points points, const std::vector<double>& angle) {
   const auto turn = [&](std::vector<double>& s, std::vector<double>& t) {
     for (size_t i = 0; i < s.size(); ++i) {
@@ -93,7 +93,7 @@ void check_paths(Report& report, const Subject& subject) {
         report.expect(result.flags.empty() || result.any_yielding == 0 || flagged,
                       "any_yielding is %u, but no point has the flag YIELDING", result.any_yielding);
 
-        // Again from the end of the step, with nothing added.
+        // A second step from the end of the first, without a change of d_n and without sliding.
         report.clause("C8.1");
         Points still = points;
         still.traction = result.traction;
@@ -146,7 +146,7 @@ void check_paths(Report& report, const Subject& subject) {
         walk.advance(result);
       }
 
-      // Sliding in s alone leaves t alone.
+      // Sliding along s alone does not change tau_t.
       report.clause("C8.2");
       Walk plane(law, material, kCount, 2000 + m, kSteps, law.initial_states[initial]);
       for (int step = 0; step < kSteps * 4; ++step) {
@@ -198,7 +198,7 @@ void check_energy(Report& report, const Subject& subject) {
         if (level == 3) worst = std::max(worst, fault);
       }
     }
-    // What remains when the first-order part is taken away.
+    // Error without its first-order part.
     const double remainder = error[3] - (error[2] - error[3]) / 3;
     report.note("energy closure: mean error %.2e, %.2e, %.2e, %.2e of the energy at h, h/4, h/16, h/64; worst %.2e",
                 error[0], error[1], error[2], error[3], worst);
@@ -317,7 +317,8 @@ void check_stiffness(Report& report, const Subject& subject) {
           report.clause("C8.6");
           const double stiffness = std::max(bounds.normal, bounds.shear);
           for (size_t i = 0; i < kCount; ++i) {
-            // Near the tip of a friction cone the direction of slip changes within the difference: no derivative.
+            // Near the apex of the friction cone the direction of slip changes within the difference quotient, so there
+            // is no derivative.
             const double trial = std::hypot(walk.points.traction[1][i], walk.points.traction[2][i]) +
                                  bounds.shear * std::hypot(walk.points.slip[0][i], walk.points.slip[1][i]);
             const bool at_rest = trial < 100 * bounds.shear * delta[i];
@@ -369,7 +370,7 @@ void check_migration(Report& report, const Subject& subject) {
   const Scales scales(law, material);
   Points points = scattered_points(law, material, 100, 800);
   {
-    // The end of a step: what a host has when it swaps laws.
+    // Points at the end of a step, as in a law swap.
     const Result end = evaluate(law, material, points);
     points.traction = end.traction;
     points.state = end.state;

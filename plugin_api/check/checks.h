@@ -7,7 +7,7 @@
 
 namespace check {
 
-// What the sections of one law work on.
+// The law that a section checks, with accepted property values.
 struct Subject {
   const quoin_law& law;
   Settings base;                 // accepted property values
@@ -15,8 +15,8 @@ struct Subject {
 };
 
 void check_library(Report& report, const Library& library);
-void check_metadata(Report& report, const quoin_law& law);  // returns whether it is safe to go on
-bool metadata_is_usable(const quoin_law& law);
+void check_metadata(Report& report, const quoin_law& law);
+bool metadata_is_usable(const quoin_law& law);  // true if the other sections can read the metadata without a crash
 void check_materials(Report& report, const Subject& subject);
 void check_states(Report& report, const Subject& subject);
 void check_purity(Report& report, const Subject& subject);

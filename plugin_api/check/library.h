@@ -1,4 +1,4 @@
-// A shared library opened without any code of the host: ELF symbols read from the file, entry point by dlopen.
+// A shared library, opened without code of the host: ELF symbols are read from the file, the entry point by dlopen.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct Library {
 
 Library open_library(const std::string& path);
 
-// A host of this header's version, or of another one.
+// Returns the description of a host of this ABI version.
 quoin_host_info host_info(uint32_t major = QUOIN_ABI_MAJOR, uint32_t minor = QUOIN_ABI_MINOR);
 
 }  // namespace check

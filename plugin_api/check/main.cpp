@@ -1,4 +1,4 @@
-// quoin-check-law: does a law keep the contract of plugin_api/README.md?
+// quoin-check-law: checks a law against the contract of plugin_api/README.md.
 #include <cstdio>
 #include <cstring>
 
@@ -89,7 +89,7 @@ std::string json_of(const std::string& law, const check::Settings& settings, con
   return out + "]}";
 }
 
-// The library's own findings are part of every law's report: its reader must not miss them.
+// Returns the report of one law, which includes the findings about its library.
 Report check_law(const Report& library_report, const quoin_law& law, const check::Settings& given,
                  check::Settings* used) {
   Report report = library_report;

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kDetailsPerClause = 3;
 constexpr std::size_t kLongestId = 64;     // bytes, of a clause
-constexpr unsigned kSectionSeconds = 300;  // a section that takes longer hangs
+constexpr unsigned kSectionSeconds = 300;  // time after which a section counts as hanging
 
 std::string formatted(const char* format, va_list arguments) {
   char text[1024];
@@ -32,7 +32,7 @@ std::string formatted(const char* format, va_list arguments) {
   return text;
 }
 
-// Rounding and, on x86, everything of MXCSR but the sticky exception flags.
+// Returns the rounding mode and, on x86, MXCSR without its exception flags.
 unsigned floating_point_mode() {
   unsigned mode = static_cast<unsigned>(std::fegetround());
 #if defined(__x86_64__)
@@ -171,7 +171,7 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
     outcomes_["C1.6"].details.push_back(name + ": something was printed: " + printed);
   }
   if (!finished) {
-    // Said where it happened; that the process ended at all breaks C1.6 only if it was not the section's own clause.
+    // The failure is reported for the clause that was current when the process ended.
     Outcome& outcome = outcomes_[current_];
     outcome.failures++;
     const std::string how = WIFSIGNALED(status) ? std::string("killed by signal ") + strsignal(WTERMSIG(status))
@@ -181,7 +181,7 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
   munmap(shared, kLongestId);
 }
 
-// One line: kind, clause, a space, text.
+// Writes one line to the parent: kind, clause, a space, text.
 void Report::send(char kind, const std::string& text) {
   const std::string line = kind + std::string(current_) + " " + text + "\n";
   if (write(pipe_, line.data(), line.size()) < 0) _exit(3);

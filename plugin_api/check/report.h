@@ -1,5 +1,5 @@
-// What the checker found, clause by clause. Every section runs in a child process, so that a law that crashes, hangs,
-// prints or exits is reported like any other fault.
+// Findings of the checker, by clause. Every section runs in a child process, so that a law that crashes, hangs, prints
+// or exits is reported as a fault.
 #pragma once
 
 #include <functional>
@@ -10,8 +10,8 @@
 namespace check {
 
 struct Clause {
-  const char* id;    // as in plugin_api/README.md
-  const char* text;  // the promise in one line
+  const char* id;    // of plugin_api/README.md, as "C6.4"
+  const char* text;  // requirement in one line
 };
 const std::vector<Clause>& clauses();
 const char* clause_text(const std::string& id);
@@ -20,17 +20,17 @@ struct Outcome {
   int expectations = 0;
   int failures = 0;
   std::vector<std::string> details;  // the first few failures
-  std::vector<std::string> skipped;  // why nothing was checked
+  std::vector<std::string> skipped;  // reasons why nothing was checked
 };
 
 class Report {
  public:
-  // Runs one section in a child process and takes over its findings.
+  // Runs one section in a child process and adds its findings.
   void section(const std::string& name, const std::function<void(Report&)>& run);
 
-  // Within a section: what follows is about this clause, until the next call.
+  // Within a section: sets the clause of the following expectations.
   void clause(const char* id);
-  // Counts one expectation of the current clause; the text says what was seen when it does not hold.
+  // Counts one expectation of the current clause and returns holds. The text describes the failure.
   bool expect(bool holds, const char* format, ...) __attribute__((format(printf, 3, 4)));
   void skip(const char* format, ...) __attribute__((format(printf, 2, 3)));
   void note(const char* format, ...) __attribute__((format(printf, 2, 3)));
@@ -44,7 +44,7 @@ class Report {
   void receive(const std::string& line);
 
   int pipe_ = -1;
-  char* current_ = nullptr;  // id of the clause, in memory that the child process shares: the last one, however it ends
+  char* current_ = nullptr;     // id of the current clause, in memory shared with the child, where it survives a crash
   Outcome* outcome_ = nullptr;  // outcome of the current clause, in the child
   std::map<std::string, Outcome> outcomes_;
   std::vector<std::string> notes_;

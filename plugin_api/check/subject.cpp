@@ -106,7 +106,7 @@ std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base
       const quoin_property_info& property = *law.properties[p];
       if (property.kind != QUOIN_PROPERTY_NUMBER) continue;
       const auto set = varied.find(property.id);
-      if (set == varied.end()) continue;  // left to its default
+      if (set == varied.end()) continue;  // the property has its default
       const double value = std::strtod(set->second.c_str(), nullptr);
       const double other = value * std::exp(uniform(random, -0.3, 0.3));
       if (std::isfinite(other) && other > property.lower && other < property.upper) {
@@ -341,7 +341,7 @@ Points scattered_points(const quoin_law& law, const Material& material, size_t c
   Points points = walk.points;
   for (int step = 0; step < 30; ++step) {
     walk.aim();
-    // Each point keeps the inputs of one step of its path.
+    // Each point gets the inputs of one step of its path.
     for (size_t i = 0; i < count; ++i) {
       if (static_cast<int>(i * 7 % 30) != step) continue;
       points.normal_jump[i] = walk.points.normal_jump[i];

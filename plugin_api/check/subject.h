@@ -1,4 +1,4 @@
-// The law under test, materials of it, and arrays of points to drive it with.
+// Materials of the law under test, and arrays of points for its evaluation.
 #pragma once
 
 #include <array>
@@ -13,12 +13,12 @@
 
 namespace check {
 
-// Property values by id, as text like on the command line: a number, a word, or a table x:y,x:y.
+// Property values by id, as text with the syntax of the command line: a number, a word, or a table x:y,x:y.
 using Settings = std::map<std::string, std::string>;
 
-std::string shortest(double value);  // reads back to the same bits
+std::string shortest(double value);  // shortest text that converts back to the same bits
 
-// A text buffer big enough for any message.
+// A quoin_text with a buffer large enough for any message.
 struct Text {
   Text();
   std::string str() const { return std::string(bytes.data()); }
@@ -26,7 +26,7 @@ struct Text {
   quoin_text text;
 };
 
-// Settings turned into the ABI's arrays, alive as long as this object.
+// Settings as arrays of the ABI, valid as long as this object.
 struct Values {
   Values(const quoin_law& law, const Settings& settings);
   std::vector<std::string> ids, texts;
@@ -37,7 +37,7 @@ struct Values {
 
 class Material {
  public:
-  Material(const quoin_law& law, const Settings& settings);  // handle null when refused
+  Material(const quoin_law& law, const Settings& settings);  // handle is null if the law refuses the settings
   ~Material();
   Material(Material&& other) noexcept;
   Material(const Material&) = delete;
@@ -54,9 +54,9 @@ class Material {
 
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id);
 
-// Values from the metadata: what is given, defaults, and a usual value of the unit for what is required.
+// Returns values for all properties: given, default, or for a required property a usual value of its unit.
 Settings base_settings(const quoin_law& law, const Settings& given);
-// The base and up to two variations of it that the law accepts.
+// Returns the base and up to two variations of it that the law accepts.
 std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base);
 
 // N points, structure of arrays.
@@ -89,10 +89,11 @@ constexpr unsigned kEnergy = 1, kTangent = 2, kFlags = 4, kStatus = 8, kDamage =
 
 Result evaluate(const quoin_law& law, const Material& material, const Points& points, unsigned wanted = kAll);
 
-// Empty when all bits agree (outputs that one side lacks are not compared), else what differs first.
+// Returns the first difference of two results, as text; empty if they are bitwise identical. Outputs that only one of
+// them has are not compared.
 std::string difference(const quoin_law& law, const Result& a, const Result& b);
 
-// Lengths and tractions at which a material does something, from its properties and bounds.
+// Lengths and tractions at which a material yields, estimated from its properties and stiffness bounds.
 struct Scales {
   Scales(const quoin_law& law, const Material& material);
   double normal_stiffness, shear_stiffness;
@@ -104,13 +105,13 @@ struct Scales {
   double sliding(std::mt19937_64& random) const;
 };
 
-// Points on random paths of straight legs: they open, close, crush, slide and come back.
+// Points on random paths of straight legs, which open, close, crush, slide and reverse.
 class Walk {
  public:
   Walk(const quoin_law& law, const Material& material, size_t count, uint64_t seed, int steps_per_leg,
        const char* initial_state = nullptr);
-  void aim();                   // sets the next step's inputs in points
-  void advance(const Result&);  // takes the outputs as the next old state
+  void aim();                   // sets the inputs of the next step in points
+  void advance(const Result&);  // copies the outputs to the old traction and state in points
   Points points;
   std::vector<double> normal_before;  // d_n at the start of the step
 
@@ -123,7 +124,7 @@ class Walk {
   std::vector<std::array<double, 3>> increment_;
 };
 
-// Typical inputs: points somewhere on their random paths.
+// Returns typical inputs: each point at another step of its random path.
 Points scattered_points(const quoin_law& law, const Material& material, size_t count, uint64_t seed);
 
 double uniform(std::mt19937_64& random, double low = 0, double high = 1);

@@ -8,11 +8,11 @@
 //   mortar.evaluate(batch);
 //
 // Units: SI, degrees where a property's unit says so; tension and opening positive (quoin/metadata.h).
-// Ownership: a Material owns its quoin_material; the law and its library are the program's and must outlive it. Nothing
-// is kept of the values that it is made from.
-// Threads: a Material does not change once it is made; any number of threads may read and evaluate at once, in batches
-// that share no outputs.
-// Errors: quoin::api::Error, which says what was refused, and by which law.
+// Ownership: a Material owns its quoin_material. The program owns the law and its library, which must outlive the
+// Material. A Material keeps no pointer to the values that it is made from.
+// Threads: a Material is immutable; any number of threads may evaluate at the same time, in batches that share no
+// outputs.
+// Errors: quoin::api::Error with the law and the reason.
 #pragma once
 
 #include <algorithm>
@@ -33,11 +33,11 @@ class Error : public std::runtime_error {
   Error(quoin_status status_, const std::string& what, std::string words_ = {})
       : std::runtime_error(what), status(status_), words(std::move(words_)) {}
   quoin_status status;
-  std::string words;  // the law's own: every fault, one a line
+  std::string words;  // message of the law: every fault, one a line
 };
 
-// What call(quoin_text*) has to say, in full: it is called again where the first buffer is too short. Once, and up to a
-// megabyte: of a law that tells wrong lengths, what is in the buffer is taken.
+// Returns the whole text that call(quoin_text*) writes. If the first buffer is too short, calls it a second time with a
+// longer one, up to a megabyte. If that fails too, because the law sets wrong lengths, returns the buffer as it is.
 template <class Call>
 std::string text_of(const Call& call) {
   constexpr std::uint64_t longest = 1 << 20;
@@ -57,8 +57,9 @@ std::string text_of(const Call& call) {
   }
 }
 
-// The library behind the symbol QUOIN_LIBRARY_SYMBOL, with one law or more. Throws Error(QUOIN_ERROR_VERSION): no such
-// symbol (entry is null), the library refuses this program, another major version of the ABI, or no law.
+// Returns the library that entry, the address of QUOIN_LIBRARY_SYMBOL, gives; it has one law or more. Throws
+// Error(QUOIN_ERROR_VERSION): entry is null, the library refuses this program, its ABI has another major version, or it
+// has no law.
 inline const quoin_library& library(quoin_library_function entry, const char* program, const char* version) {
   if (entry == nullptr)
     throw Error(QUOIN_ERROR_VERSION, "exports no " QUOIN_LIBRARY_SYMBOL ": not a library of contact laws");
@@ -66,7 +67,7 @@ inline const quoin_library& library(quoin_library_function entry, const char* pr
   const quoin_library* found = nullptr;
   const std::string words = text_of([&](quoin_text* text) { found = entry(&host, text); });
   if (found == nullptr) throw Error(QUOIN_ERROR_VERSION, "refuses " + std::string(program) + ": " + words, words);
-  // Only the head may be read before the version is known.
+  // Only the size and the version may be read before the version has been checked.
   constexpr std::size_t head = offsetof(quoin_library, abi_minor) + sizeof found->abi_minor;
   if (found->struct_size < head || found->abi_major != QUOIN_ABI_MAJOR || found->struct_size < sizeof *found)
     throw Error(QUOIN_ERROR_VERSION, "speaks another version of the ABI than " + std::to_string(QUOIN_ABI_MAJOR) +
@@ -75,7 +76,7 @@ inline const quoin_library& library(quoin_library_function entry, const char* pr
   return *found;
 }
 
-// One property: a number {x}, a table of pairs {x0, f0, x1, f1, ...}, or a choice, of no numbers and a text.
+// One property value: a number {x}, a table of pairs {x0, f0, x1, f1, ...}, or a choice, with text and no numbers.
 struct Value {
   std::string id;
   std::vector<double> numbers;
@@ -84,8 +85,8 @@ struct Value {
 
 class Material {
  public:
-  // Properties that are not given take the law's default. Throws Error with the law's words: QUOIN_ERROR_PROPERTY where
-  // it refuses the values.
+  // Properties that are not given have the law's default. Throws Error with the law's message if the law refuses the
+  // values (QUOIN_ERROR_PROPERTY) or fails otherwise.
   Material(const quoin_law& law, const std::vector<Value>& values) : law_(&law), handle_(nullptr, Destroy{&law}) {
     std::vector<quoin_property_value> raw;
     std::vector<const quoin_property_value*> pointers;
@@ -110,17 +111,17 @@ class Material {
 
   const quoin_law& law() const { return *law_; }
   const quoin_material* handle() const { return handle_.get(); }
-  const std::string& warnings() const { return warnings_; }  // one a line; empty: none
-  // Upper bounds over all states of the material, Pa/m: quoin/law.h.
+  const std::string& warnings() const { return warnings_; }  // the law's warnings, one a line; empty: none
+  // Upper bounds of the stiffness over all states of the material, Pa/m: quoin/law.h.
   const quoin_stiffness_bounds& stiffness() const { return stiffness_; }
 
-  // The value in force of a number property, defaults included. Throws Error: unknown.
+  // Returns the value of a number property, given or default. Throws Error for an unknown property.
   double number(const std::string& property) const {
     double value = 0.0;
     expect(law_->material_number(handle(), property.c_str(), &value), "has no number property " + property);
     return value;
   }
-  // law().state_count values of one point. Throws Error: unknown.
+  // Returns the law().state_count values of an initial state. Throws Error for an unknown id.
   std::vector<double> initial_state(const std::string& id) const {
     std::vector<double> values(law_->state_count);
     std::string known;
@@ -129,8 +130,8 @@ class Material {
     expect(law_->initial_state(handle(), id.c_str(), values.data()), "no initial state " + id + "; it has " + known);
     return values;
   }
-  // Throws Error: the batch breaks the contract or requests what the law does not offer, and nothing was written. What
-  // becomes of single points the batch tells: failed_count, worst_status, status.
+  // Evaluates the batch. Throws Error, with nothing written, if the batch breaks the contract or requests an output
+  // that the law does not offer. Points that fail do not throw: see failed_count, worst_status and status of the batch.
   void evaluate(quoin_batch& batch) const {
     const quoin_status status = law_->evaluate(handle(), &batch);
     if (status != QUOIN_OK) expect(status, "refuses the batch with status " + std::to_string(status));

@@ -1,10 +1,10 @@
-/* The smallest complete contact law: linear elasticity in C99, written against the headers alone.
+/* A minimal complete contact law: linear elasticity in C99, which needs only the headers of plugin_api/include.
  *
  *   cc -std=c99 -O2 -fPIC -shared -I plugin_api/include -Wl,--version-script=plugin_api/quoin.map \
  *      plugin_api/template/template_law.c -o template_law.so
  *
- * Copy it, put your equations where it says EQUATIONS, describe your properties and states in the tables, then run
- * quoin-check-law on the result. Clause numbers (C6.4) are those of plugin_api/README.md. */
+ * Copy it, put your equations at the comments EQUATIONS, describe your properties and states in the tables, then run
+ * quoin-check-law on the result. Clause numbers (C6.4) refer to plugin_api/README.md. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -13,7 +13,7 @@
 
 #include "quoin/quoin.h"
 
-/* ---- What the law says about itself ------------------------------------------------------------------------------ */
+/* ---- Metadata (C3) ----------------------------------------------------------------------------------------------- */
 
 enum { NORMAL_STIFFNESS, SHEAR_STIFFNESS, PROPERTY_COUNT };
 
@@ -25,9 +25,8 @@ static const quoin_property_info property_table[PROPERTY_COUNT] = {
      QUOIN_PROPERTY_NUMBER, QUOIN_PROPERTY_LOWER_OPEN, 0.0, 0.0, HUGE_VAL, "normal_stiffness", NULL, 0, NULL},
 };
 static const quoin_property_info* const properties[PROPERTY_COUNT] = {&property_table[0], &property_table[1]};
-/* No states. One would be: enum { STATE_COUNT = 1 }, and in the table {sizeof(quoin_state_info), "slip", "m",
- * "accumulated slip", QUOIN_ROLE_HISTORY, QUOIN_STATE_SCALAR, QUOIN_STATE_MONOTONIC, 0, 0.0, HUGE_VAL} and its pointer.
- */
+/* No states. A law with one state has STATE_COUNT = 1 and, with its pointer, the table entry {sizeof(quoin_state_info),
+ * "slip", "m", "accumulated slip", QUOIN_ROLE_HISTORY, QUOIN_STATE_SCALAR, QUOIN_STATE_MONOTONIC, 0, 0.0, HUGE_VAL}. */
 enum { STATE_COUNT = 0 };
 static const quoin_state_info* const states[STATE_COUNT + 1] = {NULL};
 static const char* const initial_states[] = {"bonded"};
@@ -37,8 +36,7 @@ struct quoin_material {
   double kn, ks;
 };
 
-/* ---- Text: never past the caller's buffer, and always the full length (C2) ----------------------------------------
- */
+/* ---- Text: within the caller's buffer, and always with the full length (C2) -------------------------------------- */
 
 static quoin_text* usable(quoin_text* text) {
   return text != NULL && text->struct_size >= sizeof(quoin_text) ? text : NULL;
@@ -65,8 +63,7 @@ static void say(quoin_text* text, const char* format, ...) {
   }
 }
 
-/* ---- Materials (C4) ------------------------------------------------------------------------------------------------
- */
+/* ---- Materials (C4) ---------------------------------------------------------------------------------------------- */
 
 static quoin_status create_material(const quoin_law* law, uint64_t value_count,
                                     const quoin_property_value* const* values, quoin_material** material,
@@ -109,7 +106,7 @@ static quoin_status create_material(const quoin_law* law, uint64_t value_count,
     }
   }
   if (faults > 0) return QUOIN_ERROR_PROPERTY;
-  if (material == NULL) return QUOIN_OK; /* asked to validate only */
+  if (material == NULL) return QUOIN_OK; /* null: only validate */
   *material = malloc(sizeof **material);
   if (*material == NULL) return QUOIN_ERROR_MEMORY;
   (*material)->kn = number[NORMAL_STIFFNESS];
@@ -146,21 +143,20 @@ static quoin_status stiffness_bounds(const quoin_material* material, quoin_stiff
   return QUOIN_OK;
 }
 
-/* ---- Evaluation (C5 to C8) ------------------------------------------------------------------------------------------
- */
+/* ---- Evaluation (C5 to C8) --------------------------------------------------------------------------------------- */
 
 /* Column access: the index is signed, because strides may be negative (C6.3). */
 static double get(quoin_in column, uint64_t i) { return column.data[(int64_t)i * column.stride]; }
 
 static void put(quoin_out column, uint64_t i, double value) {
-  if (column.data != NULL) column.data[(int64_t)i * column.stride] = value; /* null: not wanted (C6.7) */
+  if (column.data != NULL) column.data[(int64_t)i * column.stride] = value; /* null: not requested (C6.7) */
 }
 
 static void put_u32(quoin_out_u32 column, uint64_t i, uint32_t value) {
   if (column.data != NULL) column.data[(int64_t)i * column.stride] = value;
 }
 
-/* Both columns of a history state, and old and new ones of a diagnostic state or neither (C6.8). */
+/* True if each history state has both columns, and each diagnostic state has both columns or no new one (C6.8). */
 static int well_formed_states(const quoin_batch* batch) {
   int k;
   if (STATE_COUNT > 0 && (batch->state_old == NULL || batch->state_new == NULL)) return 0;
@@ -198,10 +194,10 @@ static int asks_for_damage(const quoin_batch* batch) {
 static quoin_status evaluate(const quoin_material* material, quoin_batch* batch) {
   uint64_t i;
   int k;
-  /* Hosts of version 1.0 send shorter batches: what came later may not be touched then (C1.4). */
+  /* Hosts of version 1.0 have a shorter quoin_batch, whose later fields must not be accessed (C1.4). */
   if (material == NULL || batch == NULL || batch->struct_size < QUOIN_BATCH_SIZE_1_0 || !well_formed(batch))
     return QUOIN_ERROR_ARGUMENT;
-  if (asks_for_damage(batch)) return QUOIN_ERROR_UNSUPPORTED; /* not in our capabilities (C6.7) */
+  if (asks_for_damage(batch)) return QUOIN_ERROR_UNSUPPORTED; /* not in the capabilities (C6.7) */
   batch->clamped_count = 0;
   batch->failed_count = 0;
   batch->worst_status = QUOIN_POINT_OK;
@@ -225,7 +221,7 @@ static quoin_status evaluate(const quoin_material* material, quoin_batch* batch)
     uint32_t flags = d_n > 0 ? QUOIN_FLAG_OPEN : 0;
     uint32_t status = QUOIN_POINT_OK;
 
-    /* Not a number, or overflow: the point fails alone and keeps its old values (C7.1). */
+    /* A value is not finite: only this point fails, and it keeps its old values (C7.1). */
     const int failed = !(isfinite(d_n) && isfinite(sigma_old) && isfinite(sigma) && isfinite(tau_s) &&
                          isfinite(tau_t) && isfinite(stored));
     if (failed) {
@@ -242,7 +238,7 @@ static quoin_status evaluate(const quoin_material* material, quoin_batch* batch)
     put(batch->traction_new[0], i, sigma);
     put(batch->traction_new[1], i, tau_s);
     put(batch->traction_new[2], i, tau_t);
-    for (k = 0; k < STATE_COUNT; ++k) /* EQUATIONS of your states: here they stay what they are */
+    for (k = 0; k < STATE_COUNT; ++k) /* EQUATIONS of your states: here they do not change */
       if (batch->state_new[k].data != NULL) put(batch->state_new[k], i, get(batch->state_old[k], i));
     put(batch->energy_stored, i, stored);
     for (k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) put(batch->dissipated[k], i, 0.0);
@@ -253,8 +249,7 @@ static quoin_status evaluate(const quoin_material* material, quoin_batch* batch)
   return QUOIN_OK;
 }
 
-/* ---- The law and the library (C1) -----------------------------------------------------------------------------------
- */
+/* ---- The law and the library (C1) -------------------------------------------------------------------------------- */
 
 static const quoin_law law = {
     sizeof(quoin_law),
@@ -271,7 +266,7 @@ static const quoin_law law = {
     states,
     1,
     initial_states,
-    UINT64_C(0x74656d706c000001), /* state schema: any number, another one whenever the states change */
+    UINT64_C(0x74656d706c000001), /* state schema: any number; change it whenever the states change */
     create_material,
     destroy_material,
     material_number,

@@ -1,5 +1,5 @@
-// Counts what operator new hands out, to this program and to the plug-ins that it loads. Included by one file of a
-// program. Out of line: the compiler must not see that free is what delete is.
+// Counts allocations by operator new in this program and in the plug-ins that it loads. Included by one file of a
+// program. Out of line, so that the compiler does not warn about free in place of delete.
 #pragma once
 
 #include <atomic>

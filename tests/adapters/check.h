@@ -1,4 +1,4 @@
-// For host programs that run where there is no GoogleTest (Wine): failures are counted and named.
+// Checks for host programs that run without GoogleTest (under Wine): failures are counted and printed.
 #pragma once
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// A law called through the C ABI alone: what the adapters are compared with. All points take the same step.
+// A law called directly through the C ABI, for comparison with the adapters. All points have the same step.
 #pragma once
 
 #include <array>

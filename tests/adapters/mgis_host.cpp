@@ -1,4 +1,4 @@
-// A host in the manner of MGIS. It reads the symbols of a behaviour library with dlsym, walks the paths and compares
+// A host that works like MGIS. It reads the symbols of a behaviour library with dlsym, computes paths and compares them
 // with the law called directly. usage: mgis_host BEHAVIOUR_FILE LAW_FILE [time]
 #include <dlfcn.h>
 #include <unistd.h>
@@ -68,8 +68,8 @@ bool any_positive(const std::vector<double>& numbers) {
   return std::ranges::any_of(numbers, [](double number) { return number > 0.0; });
 }
 
-// One integration point: memory of the host, filled by name as MGIS does. Its energies have a place whether the
-// behaviour computes them or not, as a MaterialDataManager of MGIS 2 gives them one.
+// One integration point: memory of the host, filled in by names as in MGIS. It has memory for energies also if the
+// behaviour does not compute them, as in a MaterialDataManager of MGIS 2.
 struct Point {
   std::vector<double> properties, isv0, isv1;
   double gradients0[3] = {}, gradients1[3] = {}, force0[3] = {}, force1[3] = {}, K[9] = {};
@@ -87,7 +87,7 @@ struct Point {
     isv1 = isv0;
     tie();
   }
-  // Again after the point has moved.
+  // Sets the pointers to members; needed again after the object has been moved in memory.
   void tie() {
     data = {message,
             0.1,
@@ -142,8 +142,8 @@ void check_description(const Library& library, const quoin_law& law, bool energi
   CHECK(library.names("InitializeFunctions") == std::vector<std::string>{"bonded", "dry"});
 }
 
-// Traction, state, tangent and, of the behaviour that computes them, energies, bit for bit. The other behaviour does
-// not touch them, nor ask the law for them.
+// Compares traction, state and tangent bit by bit; also energies for the behaviour that computes them. The other
+// behaviour neither writes energies nor requests them from the law.
 void check_path(const Library& library, Integrate integrate, const quoin_law& law, Leg leg, const char* name) {
   const bool energies = library.flag("ComputesInternalEnergy") != 0;
   constexpr double untouched = 7e77;
@@ -180,7 +180,8 @@ void check_path(const Library& library, Integrate integrate, const quoin_law& la
               quoin::tests::leg_steps, largest, difference);
 }
 
-// Opening and sliding along one axis are the same step with two components; what lies behind them is not touched.
+// Opening and sliding along one axis with two components are equal to the step with three components. Memory behind the
+// two components is not written.
 void check_plane_strain(const Library& library, Integrate integrate, const quoin_law& law, Leg leg) {
   const auto plane = reinterpret_cast<Integrate>(library.symbol("PlaneStrain"));
   constexpr double untouched = 7e77;
@@ -214,7 +215,7 @@ void check_plane_strain(const Library& library, Integrate integrate, const quoin
   }
 }
 
-// Every number of the mortar joint larger by this share: more of every strength, energy and stiffness.
+// Returns a property of the mortar joint increased by a share that depends on the point.
 double varied(double number, std::size_t point) { return number * (1.0 + 1e-5 * static_cast<double>(point)); }
 
 Point varied_point(const Library& library, std::size_t number) {
@@ -223,15 +224,15 @@ Point varied_point(const Library& library, std::size_t number) {
   return point;
 }
 
-// A field in which every point has its own values, more than get a material each. It is bit for bit the law with these
-// values, in any order. What is refused or not finite says so.
+// A field in which every point has its own values, with more points than separate materials. The results are bitwise
+// identical to the law with these values, in any order. Refused or not finite values have a message.
 void check_varied_field(const Library& library, Integrate integrate, const quoin_law& law) {
   constexpr std::size_t count = 1500;  // PropertySets::kept is 1024
   const Leg leg = Leg::shear;
   long before = 0;
   std::vector<Point> points;
   std::vector<std::unique_ptr<DirectLaw>> direct;
-  points.reserve(count);  // they hold their own addresses
+  points.reserve(count);  // they have pointers to their own members
   for (std::size_t i = 0; i < count; ++i) {
     points.push_back(varied_point(library, i));
     points.back().tie();
@@ -246,7 +247,7 @@ void check_varied_field(const Library& library, Integrate integrate, const quoin
       Point& point = points[p];
       before = quoin::tests::allocations;
       CHECK(point.integrate(integrate, opening, request) == quoin::mgis::results_reliable);
-      // Known by now; an elastic operator without a material of its own is made from one.
+      // All values have been used before. Only an elastic operator of a point without a separate material allocates.
       if (i > 400 && request == 0.0) CHECK(quoin::tests::allocations == before);
       direct[p]->step(opening[0], opening[1] - point.gradients0[1], opening[2] - point.gradients0[2]);
       for (int k = 0; k < 3; ++k) CHECK(point.force1[k] == direct[p]->traction[k][0]);
@@ -268,7 +269,7 @@ void check_varied_field(const Library& library, Integrate integrate, const quoin
   CHECK(std::strstr(bad.message, "opening (nan, 0, 0) m") != nullptr);
 }
 
-// The law is sought once: a file of its name that appears later, and is no law, is not met.
+// The law is searched once: a later file of its name, which is not a law, has no effect.
 void check_law_is_kept(const Library& library, Integrate integrate, const quoin_law& law) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("quoin_mgis_" + std::to_string(getpid()));
@@ -276,7 +277,7 @@ void check_law_is_kept(const Library& library, Integrate integrate, const quoin_
   std::ofstream(folder / (std::string(law.id) + ".so")) << "no law";
   setenv("QUOIN_LAW_PATH", folder.c_str(), 1);
   Point point(library);
-  point.properties[0] *= 1.25;  // values that were not met before
+  point.properties[0] *= 1.25;  // values that were not used before
   CHECK(point.integrate(integrate, {-1e-7, 0.0, 0.0}, 0.0) == quoin::mgis::results_reliable);
   std::printf("%s", point.message);
   std::filesystem::remove_all(folder);
@@ -326,7 +327,7 @@ void check_refusals(const Library& library, Integrate integrate) {
   CHECK(point.integrate(integrate, {0.0, 0.0, 0.0}, 0.0) == quoin::mgis::integration_failed);
 }
 
-// Plain steps without operator at a point that is closed: in one material, and each with its own values.
+// Times of steps without operator at closed points: with one material, and with different values for each point.
 void print_times(const Library& library, Integrate integrate, const quoin_law& law) {
   const auto time = [&](std::size_t count, bool field) {
     std::vector<Point> points;

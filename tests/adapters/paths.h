@@ -1,5 +1,5 @@
-// The paths on which every adapter is compared with the law called directly. Growing cycles of opening, of sliding
-// under pressure and of compression go far beyond the strengths of tests/mortar.h.
+// Paths for the comparison of every adapter with the law called directly. Growing cycles of opening, of sliding under
+// pressure and of compression far exceed the strengths of tests/mortar.h.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ inline constexpr std::array legs = {std::pair{Leg::tension, "tension"}, std::pai
                                     std::pair{Leg::compression, "compression"}};
 inline constexpr int leg_steps = 2000;
 
-// Total (d_n, d_s, d_t) at the end of a step, m.
+// Returns the total (d_n, d_s, d_t) at the end of a step, m.
 inline std::array<double, 3> displacement(Leg leg, int step) {
   const double t = static_cast<double>(step) / leg_steps;
   const double cycle = t * (1.0 + 0.6 * std::sin(40.0 * t));

@@ -1,5 +1,5 @@
-// A host in the manner of 3DEC. It loads the plug-in, makes a model for each contact point and calls it once a step
-// with forces and increments. Compared with the law called directly. Runs on Linux and, under Wine, on Windows. usage:
+// A host that works like 3DEC. It loads the plug-in, creates a model for each contact point and calls it in each step
+// with forces and increments. Compares with the law called directly. Runs on Linux and, under Wine, on Windows. usage:
 // threedec_host PLUGIN LAW_FILE [time | unserved]
 #include <algorithm>
 #include <cmath>
@@ -44,7 +44,7 @@ namespace {
 using quoin::test::mortar::kn, quoin::test::mortar::ks;
 constexpr double area = 0.25;  // a power of two: stress and force have the same digits
 
-// What 3DEC fills in for a new contact before it first calls the model; the rest stays as State made it.
+// State of a new contact with the members that 3DEC sets before the first call of the model; others are those of State.
 struct ContactState : jmodels::State {
   ContactState() {
     state_ = 0;
@@ -75,7 +75,7 @@ std::string plain(const Text& text) { return std::string(text.begin(), text.end(
 
 std::vector<std::string> split(const Text& names) { return split(plain(names), ','); }
 
-// By its name or by a synonym of it, as 3DEC's commands find a property.
+// Returns the index of a property by its name or synonym, as 3DEC's commands do.
 Index index_of(const JointModel& model, const std::string& property) {
   const std::vector<std::string> names = split(model.getProperties());
   for (std::size_t i = 0; i < names.size(); ++i)
@@ -84,7 +84,7 @@ Index index_of(const JointModel& model, const std::string& property) {
   return 0;
 }
 
-// 3DEC 7 hands over a Variant, 3DEC 9 a Property.
+// Returns the number in a Variant (3DEC 7) or a Property (3DEC 9).
 template <class Value>
 double number(const Value& value) {
   if constexpr (requires { value.toDouble(); })
@@ -102,7 +102,7 @@ Model mortar_joint(const JointModel& prototype) {
   return model;
 }
 
-// Where s and t of the contact plane point.
+// Directions of s and t of the contact plane.
 struct Plane {
   DVect3 s, t;
 };
@@ -115,7 +115,7 @@ struct Contact {
   std::array<double, 3> at{};
 
   explicit Contact(Model joint) : model(std::move(joint)) {}
-  // Returns the increments of (d_n, d_s, d_t).
+  // Moves the contact to the displacements `to` and returns the increments of (d_n, d_s, d_t), m.
   std::array<double, 3> move(const std::array<double, 3>& to, const Plane& plane = aligned) {
     const std::array<double, 3> d = {to[0] - at[0], to[1] - at[1], to[2] - at[2]};
     at = to;
@@ -142,7 +142,7 @@ void* symbol(const char* plugin, const char* name) {
   return address;
 }
 
-// 3DEC looks for jmodelNAME###.dll: what getName exports, and the three digits of the version it requests.
+// Returns the file name that 3DEC searches, jmodelNAME###.dll, from getName and the three digits of the version.
 std::string exported_name(const char* plugin) {
   const auto name = reinterpret_cast<const char* (*)()>(symbol(plugin, "getName"));
   const auto major = reinterpret_cast<unsigned (*)()>(symbol(plugin, "getMajorVersion"));
@@ -176,7 +176,7 @@ void check_description(const JointModel& prototype, const quoin_law& law, const 
     CHECK(number(model->getProperty(residual)) == 35.0);  // default_from friction_angle
 }
 
-// The names of 3DEC's own models reach the same properties.
+// Names of 3DEC's models are synonyms of the properties.
 void check_synonyms(const JointModel& prototype) {
   for (const auto& [id, synonym] :
        {std::pair{"normal_stiffness", "stiffness-normal"}, std::pair{"shear_stiffness", "stiffness-shear"},
@@ -188,7 +188,7 @@ void check_synonyms(const JointModel& prototype) {
   CHECK(index_of(prototype, "stiffness-normal") == 1);
 }
 
-// 3DEC requests stiffnesses while the properties come in one by one: 0 until they make a material.
+// 3DEC requests stiffnesses while it sets the properties one by one: 0 until they make a material.
 void check_stiffness_before_properties(const JointModel& prototype) {
   const Model model(prototype.clone());
   CHECK(model->getMaxNormalStiffness() == 0.0);
@@ -200,8 +200,8 @@ void check_stiffness_before_properties(const JointModel& prototype) {
   CHECK(model->getMaxShearStiffness() == ks);
 }
 
-// 3DEC 7 takes the stiffness for the time step: the largest there can be. 3DEC 9 also damps by it. So it has, of a
-// damaged open joint, the secant to the origin, sigma/d_n, by the law's own forces; closed again, the full one.
+// 3DEC 7 uses the stiffness for the time step, which needs its upper bound. 3DEC 9 also uses it for damping. For a
+// damaged open joint it is then the secant stiffness sigma/d_n of the law; for a closed joint the full one.
 void check_stiffness_of_damaged_joint(const JointModel& prototype) {
   Contact contact(mortar_joint(prototype));
   contact.move({-1e-6, 0, 0});
@@ -218,12 +218,12 @@ void check_stiffness_of_damaged_joint(const JointModel& prototype) {
   CHECK(contact.model->getMaxNormalStiffness() == kn);
 }
 
-// Bit slip-n is the law's flag. A cap crushes under shear too, and the joint slides by it without slipping.
+// True if bit slip-n agrees with the law's flag. With a cap a joint may slide by crushing under shear, without slip.
 bool slips_as_the_law(Index bits, std::uint32_t flags) {
   return ((bits & 1) != 0) == ((flags & QUOIN_FLAG_SLIPPING) != 0) || (bits & (1 | 16)) == (1 | 16);
 }
 
-// Along one axis the digits agree; in an oblique plane the axes of a step round.
+// Compares a path. exact: bitwise, along one axis. In an oblique plane the axes of a step cause rounding.
 void check_path(const JointModel& prototype, const quoin_law& law, Leg leg, const char* name, const Plane& plane,
                 bool exact) {
   Contact contact(mortar_joint(prototype));
@@ -246,7 +246,7 @@ void check_path(const JointModel& prototype, const quoin_law& law, Leg leg, cons
     }
     CHECK(slips_as_the_law(contact.state.state_, direct.flags[0]));
   }
-  double booked[2] = {0.0, 0.0};  // stored, dissipated
+  double booked[2] = {0.0, 0.0};  // sums of stored and dissipated energies, J
   for (Index key = 1; key <= 7; ++key)
     booked[contact.model->getEnergyAccumulate(key) ? 1 : 0] += contact.model->getEnergy(key);
   const double scale = direct.stored[0] * area + dissipated;
@@ -258,16 +258,16 @@ void check_path(const JointModel& prototype, const quoin_law& law, Leg leg, cons
               exact ? " along s" : "", quoin::tests::leg_steps, largest, difference);
 }
 
-// By `angle` about the unit vector `axis` (Rodrigues).
+// Returns v rotated by `angle` about the unit vector `axis` (Rodrigues' formula).
 DVect3 turned(const DVect3& v, const DVect3& axis, double angle) {
   const DVect3 across(axis.y() * v.z() - axis.z() * v.y(), axis.z() * v.x() - axis.x() * v.z(),
                       axis.x() * v.y() - axis.y() * v.x());
   return v * std::cos(angle) + across * std::sin(angle) + axis * ((axis | v) * (1.0 - std::cos(angle)));
 }
 
-// A contact whose plane leans over and spins by a milliradian a step, about an axis that is neither its normal nor in
-// its plane. 3DEC turns the shear force along. In its own axes the law has the path of a contact that stands. With
-// dilation, so that cyclic_joint climbs its seat, a vector of the plane, and comes down it again.
+// A contact whose plane rotates by a milliradian in each step, about an axis that is neither its normal nor in its
+// plane. 3DEC rotates the shear force with it. In its axes the law has the path of a contact without rotation. With
+// dilation, so that cyclic_joint slides up its seat, a vector in the plane, and down again.
 void check_turning(const JointModel& prototype, const quoin_law& law) {
   const auto joint = [&] {
     Model model = mortar_joint(prototype);
@@ -289,7 +289,7 @@ void check_turning(const JointModel& prototype, const quoin_law& law) {
       plane = {turned(plane.s, axis, rate), turned(plane.t, axis, rate)};
       contact.state.shear_force_ = plane.s * force[0] + plane.t * force[1];
       std::array<double, 3> to = quoin::tests::displacement(Leg::shear, i);
-      to[1] *= std::cos(3e-3 * i);  // there and back again
+      to[1] *= std::cos(3e-3 * i);  // in both directions
       const std::array<double, 3> d = contact.move(to, plane);
       jump += d[0];
       direct.step(jump, d[1], d[2]);
@@ -309,7 +309,7 @@ void check_turning(const JointModel& prototype, const quoin_law& law) {
   }
 }
 
-// A contact that is copied, saved or asked to initialize continues as if nothing had happened.
+// A contact that is copied, saved and restored, or initialized again continues without a difference.
 void check_continuation(const JointModel& prototype) {
   for (const auto& [leg, name] : quoin::tests::legs) {
     Contact straight(mortar_joint(prototype)), initialized(mortar_joint(prototype));
@@ -352,7 +352,7 @@ void check_interleaved(const JointModel& prototype) {
   for (std::size_t c = 0; c < together.size(); ++c) CHECK(together[c].same_as(alone[c]));
 }
 
-// Laws of total slip have the shear of their slip alone: forces of before, and a lost area, leave no trace in it.
+// True for laws with total slip as state. Their shear stress depends only on it, not on initial forces or a lost area.
 bool keeps_slip(const quoin_law& law) {
   for (std::uint64_t k = 0; k < law.state_count; ++k)
     if (std::strcmp(law.states[k]->id, "slip_s") == 0) return true;
@@ -361,7 +361,7 @@ bool keeps_slip(const quoin_law& law) {
 
 void check_first_forces(const JointModel& prototype, const quoin_law& law) {
   const double in_situ = keeps_slip(law) ? 0.0 : 3e3;
-  Contact contact(mortar_joint(prototype));  // in-situ forces, made by no displacement
+  Contact contact(mortar_joint(prototype));  // in-situ forces, without displacements
   contact.state.normal_force_ = 2e4;
   contact.state.shear_force_ = {3e3, 0, 0};
   contact.move({0, 0, 0});
@@ -404,17 +404,17 @@ void check_energy_activation(const JointModel& prototype) {
   CHECK(active.model->getEnergy(JointModel::kwEStrainCompression) == 3.0);
 }
 
-// Opening, closing and sliding at random, in and beyond the softening. Forces are the law's, and the state bits, which
-// follow from the forces, are what the law's flags and states say at every step.
+// Random opening, closing and sliding, within and beyond softening. Forces are those of the law. The state bits, which
+// the adapter computes from forces, agree with the law's flags and states at every step.
 void check_random_path(const JointModel& prototype, const quoin_law& law) {
   Contact contact(mortar_joint(prototype));
   DirectLaw direct(law);
   std::uint32_t random = 1;
-  const auto next = [&random] {  // -1 ... 1, the same on every machine
+  const auto next = [&random] {  // random number in [-1, 1], the same on every machine
     random = random * 1664525u + 1013904223u;
     return static_cast<double>(random >> 8) / (1 << 23) - 1.0;
   };
-  std::size_t closure = 0;  // the state that crushing moves
+  std::size_t closure = 0;  // index of the state of crushing
   while (closure < law.state_count && std::strcmp(law.states[closure]->id, "w") != 0) ++closure;
   const auto crushed = [&] { return closure < law.state_count ? direct.state[closure][0] : 0.0; };
   double jump = 0.0, size = 1e-7;
@@ -443,7 +443,7 @@ void check_random_path(const JointModel& prototype, const quoin_law& law) {
   if (std::string(law.id) == "fracture_energy") CHECK(open > 1000 && slips > 1000 && crushes > 10);
 }
 
-// 3DEC calls run for every contact and step.
+// run, which 3DEC calls for every contact and step, does not allocate.
 void check_no_allocation(const JointModel& prototype) {
   for (const auto& [leg, name] : quoin::tests::legs) {
     Contact contact(mortar_joint(prototype));
@@ -467,7 +467,7 @@ bool refuses(const char* text, const Call& call) {
   return false;
 }
 
-// A contact that loses its area loses its forces, and the one that has an area again has those of its opening.
+// A contact without area has no forces; when it has an area again, its forces are those of its opening.
 void check_lost_area(const JointModel& prototype, const quoin_law& law) {
   for (const double lost : {0.0, -0.1}) {
     Contact contact(mortar_joint(prototype));
@@ -486,7 +486,7 @@ void check_lost_area(const JointModel& prototype, const quoin_law& law) {
   }
 }
 
-// A law that cannot be served: no exception leaves createInstance, and the reason is in `initialize` and `run`.
+// A missing or refused law: createInstance does not throw; `initialize` and `run` throw the reason.
 void check_unserved(JointModel& model) {
   ContactState state;
   CHECK(split(model.getProperties()).empty());
@@ -522,7 +522,7 @@ void check_failure_bits(const JointModel& prototype) {
   CHECK((contact.state.state_ & (1 | 4)) == 4 && !contact.model->isSliding(contact.state));
   CHECK((contact.state.state_ & (16 | 32)) == 0);
 
-  // cap-n while it crushes, cap-p from then on; unloading, closing again and sliding are no crushing.
+  // cap-n during crushing, cap-p from then on; unloading, reloading and sliding are not crushing.
   constexpr double elastic_limit = quoin::test::mortar::fc / kn;
   Contact cap(mortar_joint(prototype));
   cap.move({-0.9 * elastic_limit, 0, 0});
@@ -559,7 +559,7 @@ void check_refusals(const JointModel& prototype, const quoin_law& law) {
   }));
 }
 
-// One point under pressure: as it stands, and sliding a little further at every step, in the softening.
+// Times of one point under pressure: without motion, and with slip in every step, during softening.
 void print_times(const JointModel& prototype, const quoin_law& law) {
   struct Step {
     const char* name;

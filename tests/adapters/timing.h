@@ -1,4 +1,4 @@
-// Nanoseconds a contact point: the best of many short runs, so that other programs on the machine count little.
+// Nanoseconds for each contact point: the shortest of many short runs, on which other programs have little influence.
 #pragma once
 
 #include <algorithm>

@@ -37,7 +37,7 @@ def net(material):
     return Joints(material, body_a, body_b, position, normal, area, centre)
 
 
-# All bodies moved as one: no jump. Otherwise forces and moments about the origin cancel.
+# A common rigid motion of all bodies causes no jumps. For other motions the sum of forces and of moments is 0.
 u, theta = random.normal(size=3) * 1e-6, random.normal(size=3) * 1e-6
 together = np.hstack([u + np.cross(theta, centre), np.broadcast_to(theta, (5, 3))])
 assert np.abs(net(elastic).forces(together)).max() < 1e-6
@@ -63,7 +63,7 @@ for i in np.ndindex(5, 6):
     difference[i] = -(energy(ahead) - energy(behind)) / (2 * step)
 np.testing.assert_allclose(net(elastic).forces(motion), difference, rtol=1e-6, atol=1e-6 * scale)
 
-# A law that takes over keeps every traction; one that cannot hold it refuses.
+# A law swap keeps every traction; a law that cannot carry a traction refuses.
 joints = net(mortar)
 before = joints.forces(motion)
 joints.swap(elastic)

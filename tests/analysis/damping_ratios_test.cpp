@@ -61,8 +61,9 @@ ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }
   return modes.found;
 }
 
-// Sway: u at the centre and theta, with springs ks u_0^2 along the base, u_0 = u + theta/2, and kn theta^2/4 of the
-// corners. Frequency in Hz of the lower mode and its ratio, for viscosities over stiffness.
+// Returns frequency (Hz) and damping ratio of the lower sway mode, for given ratios of viscosity and stiffness.
+// Unknowns are u at the centre and theta, with energies ks u_0^2 of the base, u_0 = u + theta/2, and kn theta^2/4 of
+// the corners.
 std::array<double, 2> sway(double normal, double along, double mass_damping) {
   const double k11 = kShear, k12 = 0.5 * kShear, k22 = 0.25 * (kShear + kNormal);
   const double b = k11 / kMass + k22 / kInertia, c = (k11 * k22 - k12 * k12) / (kMass * kInertia);
@@ -73,13 +74,13 @@ std::array<double, 2> sway(double normal, double along, double mass_damping) {
   return {w / (2.0 * std::numbers::pi), viscous / (2.0 * w * mass)};
 }
 
-// Weight takes m g h of the stiffness of rocking: 1e-4.
+// Weight reduces the rocking stiffness by m g h: a share of 1e-4.
 TEST(DampedModes, AreThoseOfABlockOnAJoint) {
   double in_use = 0.0;
   const StageModes found = modes_of({}, &in_use);
   ASSERT_EQ(found.why_none, "");
   ASSERT_EQ(found.modes.size(), 3u);
-  // A landing edge is 0.5 m from the centre across and below.
+  // The edge of an impact is 0.5 m beside and 0.5 m below the centre.
   const double landing = std::sqrt(0.5 * (1.0 / kMass + 0.25 / kInertia));
   const double normal = 2.0 * in_use / (landing * std::sqrt(kNormal)), along = in_use / (landing * std::sqrt(kShear));
   const auto [frequency, ratio] = sway(normal, along, 0.0);

@@ -1,4 +1,4 @@
-// Limit analysis against closed forms and against an independent linear programme of the same theorem, points and
+// Limit analysis against closed forms and against an independent linear programme with the same theorem, points and
 // cones.
 #include "analysis/limit.h"
 
@@ -17,7 +17,7 @@ namespace {
 using geometry::Vector;
 using std::numbers::pi;
 
-// A unit of a wall in x (along), y (up) and z (depth), m. Weight 1 N/m3: multipliers do not depend on it.
+// A unit of a wall in x (length), y (height) and z (depth), m. Weight 1 N/m3, on which multipliers do not depend.
 struct Unit {
   Vector lower, size;
 };
@@ -35,7 +35,7 @@ class Boxes {
     problem.blocks.push_back(block);
     return static_cast<int>(units_.size()) - 1;
   }
-  // Points where faces of two boxes meet. across: axis of the normals, first the lower box.
+  // Adds points at the corners of common faces of two boxes. Normals are along the axes, from the lower box.
   void join(double friction) {
     for (std::size_t a = 0; a < units_.size(); ++a)
       for (std::size_t b = 0; b < units_.size(); ++b)
@@ -73,7 +73,7 @@ double multiplier(const LimitProblem& problem, const LimitSettings& settings = {
   return result.multiplier;
 }
 
-// Running bond of `width` units of 0.4 x 0.175 x 0.2 m on a fixed base; odd courses begin with a half.
+// Returns a running bond of `width` units of 0.4 x 0.175 x 0.2 m on a fixed base; odd courses begin with a half unit.
 LimitProblem running_bond(int width, int courses, double friction, int first_half, double height = 0.175) {
   Boxes wall;
   wall.add({-1.0, -0.2, 0.0}, {2.0 + 0.4 * width, 0.2, 0.2}, {}, true);
@@ -91,8 +91,8 @@ LimitProblem running_bond(int width, int courses, double friction, int first_hal
   return wall.problem;
 }
 
-// A block on a plane: slides at mu or turns over at b/h, whichever is less. Exact: it slides along an edge of the
-// pyramid.
+// A block on a plane slides at mu or overturns at b/h, whichever is smaller. Exact, since it slides along an edge of
+// the friction pyramid.
 TEST(Limit, BlockSlidesOrTurns) {
   for (const double friction : {0.2, 0.9}) {
     Boxes one;
@@ -101,19 +101,19 @@ TEST(Limit, BlockSlidesOrTurns) {
     one.join(friction);
     const LimitResult result = limit_multiplier(one.problem);
     EXPECT_NEAR(result.multiplier, std::min(friction, 0.5), 1e-9);
-    // The mechanism: work of the live load 1, of the dead load -multiplier.
+    // Mechanism: the work of the live load is 1, that of the dead load -multiplier.
     const Wrench& v = result.velocity[1];
     EXPECT_GT(dot(v.force, one.problem.blocks[1].live.force), 0.0);
     EXPECT_NEAR(-dot(v.force, one.problem.blocks[1].dead.force) / dot(v.force, one.problem.blocks[1].live.force),
                 result.multiplier, 1e-9);
     if (friction > 0.5) {
-      EXPECT_LT(v.moment.z, 0.0);  // over its toe at positive x
+      EXPECT_LT(v.moment.z, 0.0);  // about its toe at positive x
     }
   }
 }
 
-// Single blocks side by side turn over at half their breadth over their height. Of 1200 points the middle of all
-// solutions is taken where it is as exact as a vertex. 1e-6: between both bounds.
+// Separate blocks overturn at half their width over their height. With 1200 points an interior solution is used if it
+// is as accurate as a vertex. 1e-6 is the difference of both bounds.
 TEST(Limit, ManyPointsAreSolvedInTheMiddle) {
   Boxes many;
   many.add({-1.0, -1.0, -1.0}, {800.0, 1.0, 3.0}, {}, true);
@@ -129,7 +129,7 @@ TEST(Limit, ManyPointsAreSolvedInTheMiddle) {
   EXPECT_EQ(answer.friction, 0.0);
 }
 
-// Forces of the result are in equilibrium and within strength: what the static theorem requires, checked without the
+// Forces of the result are in equilibrium and within strength, as the static theorem requires. Checked without the
 // solver.
 TEST(Limit, ForcesAreInEquilibriumAndWithinStrength) {
   const LimitProblem problem = running_bond(3, 5, 0.65, 1);
@@ -154,7 +154,7 @@ TEST(Limit, ForcesAreInEquilibriumAndWithinStrength) {
   }
 }
 
-// Ferris and Tin-Loi (2001), walls 1 and 2. A plane problem: shear acts along the joints alone, so four facets are
+// Ferris and Tin-Loi (2001), walls 1 and 2. In a plane problem shear acts along the joints only, so four facets are
 // exact.
 TEST(Limit, FerrisAndTinLoi) {
   LimitSettings settings;
@@ -163,7 +163,8 @@ TEST(Limit, FerrisAndTinLoi) {
   EXPECT_NEAR(multiplier(running_bond(5, 10, 0.65, 0), settings), 0.58000, 1e-4);
 }
 
-// Their wall 3 with an opening, in units of 0.4 m, negative: void. An independent programme: 0.40369.
+// Wall 3 of Ferris and Tin-Loi with an opening. Lengths in units of 0.4 m, negative: void. An independent programme has
+// 0.40369.
 TEST(Limit, FerrisAndTinLoiWithAnOpening) {
   using Course = std::vector<double>;
   const Course fe{1, 1, 1, 1}, fu{0.5, 1, 1, 1, 0.5}, we{1, 0.5, -1, 0.5, 1}, wu{0.5, 1, -1, 1, 0.5};
@@ -185,8 +186,8 @@ TEST(Limit, FerrisAndTinLoiWithAnOpening) {
   EXPECT_NEAR(multiplier(wall.problem, settings), 0.40369, 1e-4 * 0.40369);
 }
 
-// At high friction a bonded wall of 8 x 4 units of 0.4 x 0.2 m turns over as a whole: 3.2/0.8. (Without dilation:
-// 0.714.)
+// At high friction a wall of 8 x 4 units of 0.4 x 0.2 m in running bond overturns as one body: 3.2/0.8. (Without
+// dilation: 0.714.)
 TEST(Limit, DilationLocksABondedWall) {
   LimitSettings settings;
   settings.facets = 4;
@@ -199,7 +200,7 @@ LimitWithoutDilation without_dilation(const LimitProblem& problem, int facets = 
   return limit_without_dilation(problem, settings);
 }
 
-// An independent programme without dilation, 1 %.
+// Against an independent programme without dilation; tolerance 1 %.
 TEST(Limit, WithoutDilationFerrisAndTinLoi) {
   for (const auto& [courses, expected] : {std::pair(6, 0.6398), std::pair(10, 0.5629)}) {
     const LimitWithoutDilation found = without_dilation(running_bond(5, courses, 0.65, 0));
@@ -208,13 +209,14 @@ TEST(Limit, WithoutDilationFerrisAndTinLoi) {
     for (const SettledLimit& start : found.start) {
       EXPECT_TRUE(start.settled) << start.from;
       EXPECT_NEAR(start.multiplier, expected, 0.01 * expected) << start.from;
-      EXPECT_LE(start.beyond, 0.1) << start.from;        // of the mean normal force, at one point
-      EXPECT_LE(start.share_beyond, 0.1) << start.from;  // of all friction
+      EXPECT_LE(start.beyond, 0.1) << start.from;        // relative to the mean normal force, at one point
+      EXPECT_LE(start.share_beyond, 0.1) << start.from;  // relative to all friction
     }
   }
 }
 
-// The wall that dilation locks at 4.00: 0.714, from the forces that weight gives. (The host's run: 0.716.)
+// The wall of DilationLocksABondedWall, 4.00 with dilation, has 0.714 from the normal forces under weight. (A run:
+// 0.716.)
 TEST(Limit, WithoutDilationABondedWallIsNotLocked) {
   const LimitWithoutDilation found = without_dilation(running_bond(8, 4, 10.0, 0, 0.2));
   EXPECT_TRUE(found.settled);
@@ -223,8 +225,8 @@ TEST(Limit, WithoutDilationABondedWallIsNotLocked) {
   EXPECT_TRUE(found.start[0].settled);
 }
 
-// Where many points slide, single ones change sides in any problem: the multiplier stays within half a percent. Both
-// starts agree to 2 %, as normal forces are not unique; below the associated multiplier.
+// With many sliding points single ones alternate between iterations: the multiplier varies by at most half a percent.
+// Both starts agree to 2 %, since normal forces are not unique, and are below the associated multiplier.
 TEST(Limit, WithoutDilationLargeWallsSettle) {
   const LimitProblem wall = running_bond(12, 24, 0.65, 1, 0.2);
   const LimitResult associated = limit_multiplier(wall);
@@ -240,7 +242,7 @@ TEST(Limit, WithoutDilationLargeWallsSettle) {
   EXPECT_GT(found.multiplier, 0.9 * associated.multiplier);
 }
 
-// What slides on a plane, or turns over, does not need dilation.
+// A block that slides on a plane, or overturns, has the same multiplier with and without dilation.
 TEST(Limit, WithoutDilationOneBlockIsTheSame) {
   for (const double friction : {0.2, 0.9}) {
     Boxes one;
@@ -253,13 +255,13 @@ TEST(Limit, WithoutDilationOneBlockIsTheSame) {
   }
 }
 
-// Weight 2 on four points; a block that overhangs takes no tension at its heel.
+// Weight 2 on four points; a block that overhangs has no tension at its heel.
 TEST(Limit, ElasticForcesUnderWeight) {
   Boxes one;
   one.add({-2.0, -1.0, -2.0}, {2.5, 1.0, 5.0}, {}, true);      // to x = 0.5
   one.add({0.0, 0.0, 0.0}, {0.8, 2.0, 1.0}, {1.0, 0.0, 0.0});  // its centre at 0.4
   one.join(0.5);
-  // On 0 to 0.5 m, 0.4 m from one end: 1/5 and 4/5 of 1.6.
+  // The joint is from 0 to 0.5 m, the centre at 0.4 m: 1/5 and 4/5 of 1.6.
   double at_heel = 0.0, at_toe = 0.0;
   const std::vector<double> normal = elastic_normal_forces(one.problem);
   for (std::size_t i = 0; i < normal.size(); ++i)
@@ -268,8 +270,8 @@ TEST(Limit, ElasticForcesUnderWeight) {
   EXPECT_NEAR(at_toe, 1.28, 1e-4);
 }
 
-// A semicircular arch of voussoirs, t/R 0.15, with hinges alone (friction 10): horizontal multipliers 0.1667, 0.1493,
-// 0.1448.
+// Returns an arch of voussoirs. A semicircular one with t/R 0.15 and hinges only (friction 10) has the horizontal
+// multipliers 0.1667, 0.1493, 0.1448.
 LimitProblem arch(int voussoirs, double thickness, double friction, double from, double to) {
   LimitProblem problem;
   problem.blocks.resize(static_cast<std::size_t>(voussoirs) + 1);  // the last one is the ground
@@ -304,11 +306,11 @@ TEST(Limit, Arches) {
   EXPECT_NEAR(multiplier(arch(7, 0.15, 10.0, 0.0, pi)), 0.1667, 1e-4);
   EXPECT_NEAR(multiplier(arch(16, 0.15, 10.0, 0.0, pi)), 0.1493, 1e-4);
   EXPECT_NEAR(multiplier(arch(36, 0.15, 10.0, 0.0, pi)), 0.1448, 1e-4);
-  // Oppenheim's arch as ring sectors: 157.5 degrees in 7 voussoirs: 0.37001.
+  // Oppenheim's arch as ring sectors, 157.5 degrees in 7 voussoirs: 0.37001.
   EXPECT_NEAR(multiplier(arch(7, 0.15, 10.0, 11.25 * pi / 180.0, 168.75 * pi / 180.0)), 0.37001, 1e-4);
 }
 
-// Least thickness of a semicircle (Milankovitch 1907): 0.10746 of the radius. Below it dead loads cannot be carried.
+// Smallest thickness of a semicircular arch (Milankovitch 1907): 0.10746 of the radius. Below it has no equilibrium.
 TEST(Limit, ArchThinnerThanItsLeastThicknessFalls) {
   EXPECT_EQ(limit_multiplier(arch(60, 0.1090, 10.0, 0.0, pi)).status, LimitStatus::solved);
   const LimitResult thin = limit_multiplier(arch(60, 0.1060, 10.0, 0.0, pi));
@@ -316,15 +318,15 @@ TEST(Limit, ArchThinnerThanItsLeastThicknessFalls) {
   EXPECT_FALSE(thin.blocks_concerned.empty());
 }
 
-// The same of 140 degrees: 0.04126.
+// Smallest thickness of an arch of 140 degrees: 0.04126 of the radius.
 TEST(Limit, FlatArchThinnerThanItsLeastThicknessFalls) {
   const double from = 20.0 * pi / 180.0, to = 160.0 * pi / 180.0;
   EXPECT_EQ(limit_multiplier(arch(60, 0.0419, 10.0, from, to)).status, LimitStatus::solved);
   EXPECT_EQ(limit_multiplier(arch(60, 0.0406, 10.0, from, to)).status, LimitStatus::no_equilibrium);
 }
 
-// One way out of plane: a parapet turns over at t/h. A wall of two halves whose top is held, with N in the middle of
-// its top. 4 (t/h) (1 + 1.5 N/W), by virtual work of its two halves.
+// Out of plane: a parapet overturns at t/h. A wall of two halves has a fixed top with a force N at
+// its middle. Its multiplier is 4 (t/h) (1 + 1.5 N/W), by virtual work of its two halves.
 TEST(Limit, WallsOutOfPlane) {
   constexpr double t = 0.2, h = 2.4;
   Boxes parapet;
@@ -332,15 +334,15 @@ TEST(Limit, WallsOutOfPlane) {
   parapet.add({0.0, 0.0, 0.0}, {1.0, h, t}, {0.0, 0.0, 1.0});
   parapet.join(2.0);
   EXPECT_NEAR(multiplier(parapet.problem), t / h, 1e-4 * t / h);
-  for (const double load : {0.0, 0.5, 2.0}) {  // N, of the weight
+  for (const double load : {0.0, 0.5, 2.0}) {  // N over the weight
     Boxes wall;
     wall.add({-1.0, -1.0, -1.0}, {3.0, 1.0, 3.0}, {}, true);
     wall.add({0.0, 0.0, 0.0}, {1.0, h / 2, t}, {0.0, 0.0, 1.0});
     wall.add({0.0, h / 2, 0.0}, {1.0, h / 2, t}, {0.0, 0.0, 1.0});
     wall.join(2.0);
-    wall.problem.blocks[2].dead.force.y -= load * h * t;  // the weight is its volume here
+    wall.problem.blocks[2].dead.force.y -= load * h * t;  // the weight is equal to the volume
     for (const double x : {0.0, 1.0}) {
-      LimitPoint held;  // at the height of the top, where it pushes along z
+      LimitPoint held;  // support along z at the height of the top
       held.a = 2, held.b = 0, held.friction = 0.0;
       held.position = {x, h, t / 2}, held.n = {0.0, 0.0, 1.0}, held.s = {1.0, 0.0, 0.0}, held.t = {0.0, 1.0, 0.0};
       wall.problem.points.push_back(held);
@@ -350,7 +352,8 @@ TEST(Limit, WallsOutOfPlane) {
   }
 }
 
-// A facade of units 0.4 x 0.2 x 0.2 m and two side walls of 0.8 m whose corners interlock, pushed outwards (-z).
+// Returns a facade of units of 0.4 x 0.2 x 0.2 m and two side walls of 0.8 m with interlocking corners, under an
+// outward load (-z).
 LimitProblem u_shape(int facade_units, int courses, double friction) {
   Boxes walls;
   const double length = 0.4 * facade_units;
@@ -358,7 +361,7 @@ LimitProblem u_shape(int facade_units, int courses, double friction) {
   walls.add({-1.0, -0.2, -1.0}, {length + 2.0, 0.2, 3.0}, {}, true);
   for (int c = 0; c < courses; ++c) {
     const double y = 0.2 * c;
-    const bool through = c % 2 == 0;  // the facade runs to the corners
+    const bool through = c % 2 == 0;  // in this course the facade extends to the corners
     for (double x = through ? 0.0 : 0.2; x < length - 0.3; x += 0.4) walls.add({x, y, 0.0}, {0.4, 0.2, 0.2}, live);
     for (const double x : {0.0, length - 0.2}) {
       if (through) {
@@ -374,7 +377,7 @@ LimitProblem u_shape(int facade_units, int courses, double friction) {
   return walls.problem;
 }
 
-// Out of plane: an independent programme with the same pyramids has 0.28653 and 0.20579; a free wall turns over at t/h.
+// Out of plane: an independent programme with equal pyramids has 0.28653 and 0.20579; a free wall overturns at t/h.
 TEST(Limit, FacadesHeldBySideWalls) {
   LimitSettings settings;
   settings.facets = 16, settings.facet_on_axis = true;
@@ -385,18 +388,18 @@ TEST(Limit, FacadesHeldBySideWalls) {
   EXPECT_NEAR(multiplier(free), 0.1, 1e-6);
 }
 
-// A bonded block under a moment. The joint of 1 m x 1 m with points at its corners opens at M = ft A/2 + W/2. (About
-// the toe: half of the tension acts at a distance of 1.) Lever 1 m above the joint.
+// A bonded block under a moment. The joint of 1 m x 1 m with points at its corners opens at M = ft A/2 + W/2. Half of
+// the tension acts at 1 m from the toe. The load acts 1 m above the joint.
 TEST(Limit, TensionAndCohesionHold) {
   Boxes one;
   one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
   one.add({0.0, 0.0, 0.0}, {1.0, 2.0, 1.0}, {1.0, 0.0, 0.0});
   one.join(0.7);
   for (LimitPoint& p : one.problem.points) p.tension = 5.0 / 4.0, p.cohesion = 40.0;
-  // M = W lambda about the toe, resisted by W/2 and the two corners at a distance of 1 m: lambda W = W/2 + 5/2, W = 2.
+  // M = W lambda about the toe is equal to W/2 plus the tension of two corners at 1 m: lambda W = W/2 + 5/2, W = 2.
   EXPECT_NEAR(multiplier(one.problem), 0.5 + 2.5 / 2.0, 1e-8);
   for (LimitPoint& p : one.problem.points) p.tension = 0.0, p.cohesion = 0.1;
-  // Sliding at 4 c + mu W before it turns over: friction 0.1 in place of 0.7.
+  // It slides at 4 c + mu W before it overturns, with friction 0.1 in place of 0.7.
   for (LimitPoint& p : one.problem.points) p.friction = 0.1;
   EXPECT_NEAR(multiplier(one.problem), (0.4 + 0.1 * 2.0) / 2.0, 1e-8);
   LimitSettings turned;  // a facet across the direction of sliding
@@ -404,8 +407,8 @@ TEST(Limit, TensionAndCohesionHold) {
   EXPECT_NEAR(multiplier(one.problem, turned), 0.3 * std::cos(pi / 16.0), 1e-8);
 }
 
-// Crushing: the toe carries N <= fc. W (1/2 - x) is left of the lever: with cap per corner 1.2 and W = 2, both toe
-// corners carry all of W (2 <= 2.4): no loss. At 0.8 they carry 1.6, the heel 0.4: M = W/2 - 0.4.
+// Crushing: each corner carries N <= fc. With fc = 1.2 and W = 2 both toe corners carry all of W (2 <= 2.4), as without
+// crushing. With 0.8 they carry 1.6 and the heel 0.4: M = W/2 - 0.4.
 TEST(Limit, CrushingShortensTheLever) {
   for (const double cap : {1.2, 0.8}) {
     Boxes one;
@@ -424,8 +427,7 @@ LimitSettings whole_cones() {
   return settings;
 }
 
-// Whole cones against closed forms, for what slides askew too: a block that slides in any direction does so at
-// friction.
+// Whole cones against closed forms: a block slides in any direction at its friction.
 TEST(WholeCones, MeetClosedForms) {
   for (const double turned : {0.0, 0.1, 0.7}) {
     Boxes one;
@@ -444,7 +446,7 @@ TEST(WholeCones, MeetClosedForms) {
   EXPECT_NEAR(multiplier(arch(36, 0.15, 10.0, 0.0, pi), whole_cones()), 0.1448, 1e-4);
 }
 
-// Tension that friction does not end, crushing and ties, against pyramids in planes where these are exact.
+// Tension, crushing and ties with whole cones, against pyramids in planes where these are exact.
 TEST(WholeCones, HaveTheStrengthsOfPyramids) {
   Boxes one;
   one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
@@ -465,7 +467,7 @@ TEST(WholeCones, HaveTheStrengthsOfPyramids) {
   same("tied");
   const LimitResult tied = limit_multiplier(one.problem, whole_cones());
   EXPECT_NEAR(tied.member_force.at(0), 0.3, 1e-5);
-  // A couple on a third body that nothing else holds, and a force without bounds.
+  // A couple on a third body without other supports, and a force without bounds.
   one.problem.blocks.push_back({{0.0, 3.0, 0.5}, false, {}, {}});
   for (const geometry::Vector& way : {x, geometry::Vector{0.0, 1.0, 0.0}, geometry::Vector{0.0, 0.0, 1.0}}) {
     one.problem.forces.push_back({{{2, {0.0, 3.0, 0.5}, way, {}}, {1, {0.0, 2.0, 0.5}, -way, {}}}});
@@ -475,7 +477,7 @@ TEST(WholeCones, HaveTheStrengthsOfPyramids) {
   same("with a body of three places");
 }
 
-// Inscribed pyramids of 16 facets lie at most 1 - cos(pi/16) = 1.9 % within the cones: case 10 gains up to 1.5 %.
+// Inscribed pyramids of 16 facets are at most 1 - cos(pi/16) = 1.9 % within the cones: case 10 has up to 1.5 % more.
 TEST(WholeCones, AreNoWeakerThanPyramidsWithinThem) {
   LimitSettings sixteen;
   sixteen.facets = 16, sixteen.facet_on_axis = true;
@@ -518,14 +520,14 @@ TEST(Limit, WhatHasNoAnswerIsNamed) {
   EXPECT_EQ(result.status, LimitStatus::no_equilibrium);
   EXPECT_EQ(result.blocks_concerned, std::vector<int>{2});
 
-  Boxes pressed;  // a load that pushes downwards moves nothing
+  Boxes pressed;  // a downward load causes no mechanism
   pressed.add({-1.0, 0.0, -1.0}, {3.0, 1.0, 3.0}, {}, true);
   pressed.add({0.0, 1.0, 0.0}, {1.0, 1.0, 1.0}, {0.0, -1.0, 0.0});
   pressed.join(0.5);
   EXPECT_EQ(limit_multiplier(pressed.problem).status, LimitStatus::unbounded);
   EXPECT_EQ(limit_multiplier(pressed.problem).blocks_concerned, std::vector<int>{1});
 
-  // Cones find no answer; pyramids say why.
+  // Cones have no solution; pyramids give the reason.
   EXPECT_EQ(limit_multiplier(floating.problem, whole_cones()).status, LimitStatus::no_equilibrium);
   EXPECT_EQ(limit_multiplier(pressed.problem, whole_cones()).status, LimitStatus::unbounded);
 
@@ -540,8 +542,8 @@ TEST(Limit, WhatHasNoAnswerIsNamed) {
   EXPECT_ANY_THROW(limit_multiplier(pressed.problem, settings));
 }
 
-// A block of 0.5 x 0.4 m on a plane that is tilted by atan(0.3), friction 0.7: slides below a friction of 0.3, and
-// turns over only beyond 0.5/0.4. Without dilation it is the same: the plane carries all normal force.
+// Returns a block of 0.5 x 0.4 m on a plane tilted by atan(0.3), with friction 0.7. It slides below a friction of 0.3
+// and overturns only above 0.5/0.4. The result without dilation is equal, since the plane carries all normal force.
 LimitProblem tilted(double slope, double friction) {
   Boxes one;
   one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
@@ -555,7 +557,7 @@ LimitProblem tilted(double slope, double friction) {
 TEST(Stands, ATiltedBlockNeedsTheFrictionOfItsSlope) {
   const Stands found = stands(tilted(0.3, 0.7));
   EXPECT_TRUE(found.stands);
-  EXPECT_NEAR(found.friction.value(), 0.3 / 0.7, 2e-3 * 0.3 / 0.7);  // found to 0.1 %
+  EXPECT_NEAR(found.friction.value(), 0.3 / 0.7, 2e-3 * 0.3 / 0.7);  // accurate to 0.1 %
   EXPECT_TRUE(found.out_of_balance.empty());
   const LimitWithoutDilation without = friction_without_dilation(tilted(0.3, 0.7));
   ASSERT_TRUE(without.settled);
@@ -576,7 +578,7 @@ TEST(Stands, NoFrictionHoldsWhatTurnsOver) {
   EXPECT_FALSE(found.friction.has_value());
 }
 
-// Hanging from a ceiling by a bond of 0.4 of its weight.
+// A block that hangs from a ceiling by a bond of 0.4 of its weight.
 TEST(Stands, ABondCarriesItsShare) {
   Boxes one;
   one.add({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {});
@@ -588,7 +590,7 @@ TEST(Stands, ABondCarriesItsShare) {
   EXPECT_NEAR(found.carried, 0.4, 1e-9);
 }
 
-// Nothing is pushed, so all that stands with little friction stands without dilation with no less of it.
+// Without live loads the friction needed without dilation is not below that needed with dilation.
 TEST(Stands, WithoutDilationNoLessFrictionIsNeeded) {
   LimitProblem ring = arch(16, 0.15, 0.7, 0.0, pi);
   LimitSettings settings;

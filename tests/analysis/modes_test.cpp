@@ -1,4 +1,4 @@
-// Natural frequencies against closed forms: a cube on a joint, Timoshenko's beam, a free block; and the sparse solver
+// Natural frequencies against closed forms: a cube on a joint, Timoshenko's beam, a free block. The sparse solver
 // against a full one.
 #include "analysis/modes.h"
 
@@ -46,14 +46,14 @@ Found modes_of(const std::string& text, const ModesSettings& settings = {}) {
   return found;
 }
 
-// points: a table [contact], or none, as the joint has them.
+// points: a table [contact]; without it the points are those that the joint has by default.
 std::string cube(const char* joint, const char* points = "") {
   return std::string(kMaterials) + points + fmt::format("[[joint_rule]]\nfamily = \"{}\"\n", joint) +
          box("base", -1.0, "[1.0, 1.0, 1.0]", "fixed = true\n") + box("cube", 0.0, "[1.0, 1.0, 1.0]") + kStage;
 }
 
-// Slender beam built into a fixed block: E I (1.8751/L)^2 and (4.6941/L)^2 over sqrt(E I m), each twice, as the section
-// is square. 1 % is for rotary inertia by the polar moment, and masses at 40 nodes, (h/L)^2.
+// Slender beam fixed in a block: E I (1.8751/L)^2 and (4.6941/L)^2 over sqrt(E I m), each twice, since the section is
+// square. Tolerance 1 %, for rotary inertia by the polar moment, and masses at 40 nodes, (h/L)^2.
 TEST(Modes, BeamBuiltIntoABlock) {
   constexpr double kLength = 4.0, kModulus = 1e9, kArea = 0.01, kInertia = 1e-4 / 12, kDensity = 500.0;
   const std::string text =
@@ -75,7 +75,8 @@ TEST(Modes, BeamBuiltIntoABlock) {
   EXPECT_NEAR(found.v.free_mass(1), kDensity * kArea * kLength, 0.02 * kDensity * kArea * kLength);
 }
 
-// Floor between two walls that stand still, soft in shear alone: c/(2 L) with c = sqrt(G/m). 0.5 %: 24 panels along it.
+// Floor between two fixed walls, soft only in shear: c/(2 L) with c = sqrt(G/m). Tolerance 0.5 %, for 24 panels along
+// it.
 TEST(Modes, FloorIsAShearBeam) {
   constexpr double kLength = 6.0, kShear = 1e6, kMass = 100.0;  // m, N/m, kg/m2
   const std::string text =
@@ -97,8 +98,8 @@ TEST(Modes, FloorIsAShearBeam) {
   EXPECT_NEAR(modes.mode[0].effective_mass[2] / (kMass * kLength * 4.0), 8.0 / (M_PI * M_PI), 0.01);
 }
 
-// REFERENCE_DYNAMICS 7. Sway and rocking are coupled: the roots of a 2 x 2 problem; the other two stand alone. A dry
-// joint is closed at the start, and vibrates as a bonded one.
+// REFERENCE_DYNAMICS 7. Sway and rocking are coupled, a problem of size 2; the other two modes are not. A dry joint is
+// closed at the start and has the stiffness of a bonded one.
 TEST(Modes, RigidCubeOnAJoint) {
   const double kn = 1e9, ks = 4e8, m = 1800.0, inertia = m / 6.0;
   // Unknowns: u at the centre, rotation; shear springs half a metre below, rotational stiffness kn/12.
@@ -126,7 +127,7 @@ TEST(Modes, RigidCubeOnAJoint) {
   }
 }
 
-// Points at corners alone, which dry joints have by default: rotational stiffness kn/4 in place of kn/12.
+// Points only at corners, as dry joints have by default: rotational stiffness kn/4 in place of kn/12.
 TEST(Modes, RigidCubeOnItsCorners) {
   const double kn = 1e9, ks = 4e8, m = 1800.0, inertia = m / 6.0;
   const double a = ks / m, b = (kn / 4.0 + ks / 4.0) / inertia, c = -0.5 * ks / std::sqrt(m * inertia);
@@ -139,8 +140,8 @@ TEST(Modes, RigidCubeOnItsCorners) {
   }
 }
 
-// Sway and rocking of the cube in one plane: both roots, Hz. Stiffness of its foot, N/m and N m, and of a face beside
-// its centre, along x and about its middle.
+// Returns both frequencies of sway and rocking of the cube in one plane, Hz. Stiffness of its base, N/m and N m, and of
+// a side face, along x and about the face's centre.
 std::array<double, 2> sway_and_rock(double along, double turning, double beside, double beside_turning) {
   const double m = 1800.0, inertia = m / 6.0;
   const double a = (along + beside) / m, b = (turning + along / 4.0 + beside_turning) / inertia;
@@ -157,7 +158,8 @@ void expect_frequencies(const std::string& text, std::vector<double> expected) {
     EXPECT_NEAR(modes.mode[i].frequency, expected[i], 1e-6 * expected[i]) << i;
 }
 
-// A dowel through the middle of the joint: it adds to sway by its shear, to bounce along itself, and to no rotation.
+// A dowel through the centre of the joint adds shear stiffness to sway and axial stiffness to bounce, and none to
+// rotation.
 TEST(Modes, DowelStiffensTheJointOfACube) {
   const double kn = 1e9, ks = 4e8, m = 1800.0, axial = 7e8, shear = 3e8;
   const auto [sway, rock] = sway_and_rock(ks + shear, kn / 12.0, 0.0, 0.0);
@@ -168,7 +170,7 @@ TEST(Modes, DowelStiffensTheJointOfACube) {
       {sway, sway, rock, rock, std::sqrt((kn + axial) / m) / (2.0 * pi), std::sqrt(ks / m) / (2.0 * pi)});
 }
 
-// Soil on one side of the cube presses along x alone: sway and rocking in x-y, and twisting, become stiffer. Its points
+// Soil on one side of the cube acts along x only: sway and rocking in x-y, and twisting, become stiffer. Its points
 // integrate k u over the face exactly.
 TEST(Modes, SoilStiffensOneSideOfACube) {
   const double kn = 1e9, ks = 4e8, m = 1800.0, soil = 5e8;
@@ -181,8 +183,8 @@ TEST(Modes, SoilStiffensOneSideOfACube) {
                      {sway, rock, free_sway, free_rock, twist, std::sqrt(kn / m) / (2.0 * pi)});
 }
 
-// A mass of 900 kg half a metre over the middle of the cube, and so outside of it. The centre of mass rises; sway,
-// rocking, twisting and bounce are those of the whole, with Steiner's theorem. Spread over the cube it is density.
+// A mass of 900 kg at 1.5 m above the joint, outside of the cube. Sway, rocking, twisting and bounce are those of the
+// whole, with its centre of mass and Steiner's theorem. A mass distributed over the cube is an additional density.
 TEST(Modes, ACubeThatCarriesAMass) {
   const double kn = 1e9, ks = 4e8, own = 1800.0, added = 900.0, m = own + added;
   const double centre = (0.5 * own + 1.5 * added) / m;  // m over the joint
@@ -248,14 +250,14 @@ TEST(Modes, NothingThatMovesIsRefused) {
   EXPECT_THROW(modes_of(cube("bond"), settings), Error);
 }
 
-// Cantilevers by Timoshenko (1921), with rotary inertia: roots of the determinant of clamped and free end. bending is
-// EI, N m2; shear kappa GA, N; mass m, kg/m; rotary inertia j, kg m; length.
+// Cantilever by Timoshenko (1921), with rotary inertia: roots of the determinant of clamped and free end. bending: EI,
+// N m2; shear: kappa GA, N; mass: kg/m; rotary: inertia j, kg m; length: m.
 struct Beam {
   double bending, shear, mass, rotary, length;
 };
 double determinant(const Beam& beam, double w) {
-  // u = shape, t = rotation: shear (u' - t)' + mass w2 u = 0, bending t'' + shear (u' - t) + rotary w2 t = 0. They are
-  // integrated from the clamped end for two starts by Runge and Kutta's fourth order.
+  // u: displacement, t: rotation. shear (u' - t)' + mass w2 u = 0, bending t'' + shear (u' - t) + rotary w2 t = 0.
+  // Integrated from the clamped end for two initial states by the Runge-Kutta method of fourth order.
   using State = std::array<double, 4>;  // u, t, bending moment, shear force
   const auto slope = [&](const State& y) {
     return State{y[3] / beam.shear + y[1], y[2] / beam.bending, -y[3] - beam.rotary * w * w * y[1],
@@ -297,8 +299,8 @@ TEST(Modes, TheTestsBeamIsEulersWhereItIsSlender) {
   EXPECT_NEAR(2.0 * pi * frequencies_of(slender, 2)[1], 22.0345, 1e-3);
 }
 
-// A pillar of 40 rigid blocks of 0.5 x 0.1 x 0.3 m, joints exact in bending. It is a beam with EI = kn h I, kappa GA =
-// ks h A. 1 %: 40 blocks for a continuum.
+// A pillar of 40 rigid blocks of 0.5 x 0.1 x 0.3 m, with joints exact in bending. It is a beam with EI = kn h I and
+// kappa GA = ks h A. Tolerance 1 %, for 40 blocks in place of a continuum.
 TEST(Modes, PillarOfRigidBlocksIsTimoshenkosBeam) {
   constexpr int kBlocks = 40;
   constexpr double h = 0.1, kn = 1e9, ks = 4e8, density = 1800.0;
@@ -309,7 +311,7 @@ TEST(Modes, PillarOfRigidBlocksIsTimoshenkosBeam) {
                      box("base", -h, "[0.5, 0.1, 0.3]", "fixed = true\n");
   for (int i = 0; i < kBlocks; ++i) text += box(fmt::format("b{}", i), i * h, "[0.5, 0.1, 0.3]");
   const Modes modes = modes_of(text + kStage).modes;
-  // About x and about z.
+  // Bending about x and about z.
   std::vector<double> expected;
   for (const auto& [width, depth] : {std::pair(0.5, 0.3), std::pair(0.3, 0.5)}) {
     const double area = width * depth, second = depth * width * width * width / 12.0;
@@ -326,9 +328,10 @@ TEST(Modes, PillarOfRigidBlocksIsTimoshenkosBeam) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(bending[i], expected[i], 0.002 * expected[i]) << i;
 }
 
-// A wall in running bond, 0.8 x 4 m, of deformable half units, along its plane. Joints are in series with units: 1/E' =
-// 1/E + 1/(kn h), 1/G' = 1/G + 1/(ks h) + 1/(ks l) with half units of l. Shear goes through head joints, too. 2 % is
-// for zones of constant strain, and Timoshenko's shear coefficient.
+// A wall in running bond, 0.8 x 4 m, of deformable half units, in its plane. Joints are in series with units:
+//   1/E' = 1/E + 1/(kn h), 1/G' = 1/G + 1/(ks h) + 1/(ks l).
+// The last term, with l the length of a half unit, is that of head joints, which transfer shear, too.
+// Tolerance 2 %, for zones of constant strain and Timoshenko's shear coefficient.
 TEST(Modes, SolidWallIsTimoshenkosBeam) {
   constexpr double E = 3e9, G = 1.25e9, kn = 20e9, ks = 8e9, h = 0.1, l = 0.2, width = 0.8, depth = 0.2,
                    density = 1800.0;
@@ -359,11 +362,11 @@ struct Top : Observer {
   std::vector<double> time, displacement;
 };
 
-// Swings a second about the mean of its largest and least displacement.
+// Returns the frequency about the mean of the largest and smallest displacement, Hz.
 double frequency_of(const Top& top) {
   const auto [least, most] = std::minmax_element(top.displacement.begin(), top.displacement.end());
   const double middle = 0.5 * (*least + *most);
-  std::vector<double> outwards;  // s, when it passes the middle
+  std::vector<double> outwards;  // times of outward passages through the mean, s
   for (std::size_t i = 1; i < top.time.size(); ++i) {
     const double before = top.displacement[i - 1] - middle, now = top.displacement[i] - middle;
     if (before < 0.0 && now >= 0.0)
@@ -372,9 +375,9 @@ double frequency_of(const Top& top) {
   return static_cast<double>(outwards.size() - 1) / (outwards.back() - outwards.front());
 }
 
-// The same wall as whole units, without damping, under a weight sideways that is there at once. It swings about where
-// that would bend it, in its first mode above all. The run against quoin modes (1 %: what there is of higher modes) and
-// against Timoshenko's beam (2 %). Rigid units have the points of bonded joints by default.
+// This wall of whole units, without damping, under a sudden horizontal body force. It vibrates about its static
+// deflection, mainly in its first mode. Compares the run with quoin modes (1 %, for higher modes) and with Timoshenko's
+// beam (2 %). Rigid units have the points of bonded joints by default.
 TEST(Modes, ASolidWallSwingsAtItsFirstFrequency) {
   constexpr double kn = 20e9, ks = 8e9, h = 0.1, l = 0.4, width = 0.8, depth = 0.2, density = 1800.0, height = 4.0;
   for (const bool rigid : {false, true}) {
@@ -408,8 +411,8 @@ TEST(Modes, ASolidWallSwingsAtItsFirstFrequency) {
   }
 }
 
-// Every eigenvalue of the same matrices by a full solver. The sparse one misses none, and is exact to rounding of the
-// highest frequency, 1e-16 of its square. A plate with equal sides has equal frequencies.
+// All eigenvalues by a full solver. The sparse solver misses none, and its error is rounding of the highest frequency,
+// 1e-16 of its square. A plate with equal sides has equal frequencies.
 TEST(Modes, SparseSolverAgreesWithAFullOne) {
   std::string text = std::string(kMaterials) + "[[joint_rule]]\nfamily = \"bond\"\n";
   for (int i = 0; i < 4; ++i)

@@ -1,4 +1,4 @@
-// Runs that are repeated from their summaries, and what a run says when it leaves its assumptions.
+// Runs that are repeated from their summaries, and warnings of runs that violate their assumptions.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -61,7 +61,7 @@ TEST_F(Again, SummariesNameTheMachine) {
   EXPECT_EQ(machine["system"].get<std::string>() + "\n", out_);
 }
 
-// Whatever has become of the scene: it is in the summary.
+// Repeating a run does not need the scene file, since the summary contains the scene.
 TEST_F(Again, RepeatedRunsHaveTheSameBits) {
   ASSERT_EQ(run(), 0) << error_;
   fs::remove(scene_);
@@ -112,7 +112,7 @@ TEST_F(Again, WhatCannotBeRepeatedIsRefused) {
   EXPECT_EQ(quoin({"run", scene_, "--again", out()}), 2);
 }
 
-// Decimal commas, no home, no locale that exists.
+// A locale with decimal commas, no home directory, a locale that does not exist.
 TEST_F(Again, SurroundingsChangeNothing) {
   ASSERT_EQ(run(), 0) << error_;
   const std::string history = read_all(out() + "/history.csv");
@@ -128,7 +128,7 @@ TEST_F(Again, SurroundingsChangeNothing) {
   }
 }
 
-// Checkpoints, rows and time limits go by a clock that nobody sets.
+// Checkpoints, rows and time limits use a monotonic clock.
 TEST_F(Again, ClocksThatJumpChangeNothing) {
 #ifdef QUOIN_SANITIZED
   GTEST_SKIP() << "a sanitizer wants to be the first library";
@@ -145,15 +145,14 @@ TEST_F(Again, ClocksThatJumpChangeNothing) {
   EXPECT_EQ(history(out() + "-again"), history(out()));
 }
 
-// A folder that is removed under a run costs the results and nothing else. It costs no more time than to the next
-// checkpoint; this run would take minutes.
+// A run whose output folder is removed ends with an error at the next checkpoint. The whole run would take minutes.
 TEST_F(Again, FoldersThatVanishAreTold) {
   const pid_t child = start({QUOIN_PROGRAM, "run", scene_, "--out", out(), "--threads", "1", "--checkpoint-every",
                              "0.01", "--set", "output.plots=false", "--set", "stage.shear.velocity=1e-6"},
                             -1, [] { alarm(60); });
   while (!fs::exists(out() + "/checkpoint.bin") && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
   std::error_code ignored;
-  while (fs::exists(out())) fs::remove_all(out(), ignored);  // it may be writing there
+  while (fs::exists(out())) fs::remove_all(out(), ignored);  // repeated, since the run may write there
   const int code = finish(child);
   EXPECT_EQ(code, 3) << error_;
   EXPECT_THAT(error_, AllOf(HasSubstr(out() + ": the folder has gone"), HasSubstr("--out")));
@@ -161,7 +160,7 @@ TEST_F(Again, FoldersThatVanishAreTold) {
 
 class Watched : public Again {};
 
-// A pressure p on joints of stiffness k closes them by p / k: 6 mm, of blocks 62.5 mm high, of which 5 % are allowed.
+// A pressure p on joints of stiffness k closes them by p / k = 6 mm, above the bound of 5 % of the blocks' 62.5 mm.
 TEST_F(Watched, BlocksThatOverlapAreTold) {
   ASSERT_EQ(run({"--law", "elastic", "--set", "joints.mortar.normal_stiffness=5e7", "--set",
                  "joints.mortar.shear_stiffness=2e7"}),

@@ -28,14 +28,14 @@ static void misbehave(void) {
   if (is("abort")) abort();
 }
 
-/* The first steps are good. */
+/* Correct in the first steps, then wrong. */
 static quoin_status late(const quoin_material* material, quoin_batch* batch) {
   static int calls;
   if (__atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED) == 100) misbehave();
   return evaluate(material, batch);
 }
 
-/* Lengths that were never written: one that no buffer holds, and one that grows with every buffer. */
+/* Sets wrong text lengths: one larger than any buffer, and one that grows with every buffer. */
 static quoin_status talk(const quoin_law* self, uint64_t count, const quoin_property_value* const* values,
                          quoin_material** material, quoin_text* text) {
   const quoin_status status = create_material(self, count, values, material, text);

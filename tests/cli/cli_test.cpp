@@ -71,8 +71,9 @@ TEST_F(Cli, RefusedProperties) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
-// Faults of the scene's keys, of names and numbers that the law refuses, and of --set: one round, in the order of
-// lines.
+// All faults are reported together, in the order of lines: keys of the scene, names and numbers that the law refuses,
+// and
+// --set.
 TEST_F(Cli, AllFaultsAreReportedInOneRound) {
   const std::string file = (folder_ / "bad.toml").string();
   std::string text = read_all(small_);
@@ -104,7 +105,7 @@ TEST_F(Cli, LibrariesThatAreNoLaws) {
   EXPECT_EQ(quoin({"models", small_}), 4);
 }
 
-// Dry joints are the same to both laws that can slip, so the arch falls at the same multiplier.
+// Dry joints are equal in both laws with slip, so the arch falls at the same multiplier.
 TEST_F(Cli, LawOfABlockSceneIsReplaced) {
   const std::string arch = QUOIN_SCENES "/arch.toml";
   EXPECT_EQ(quoin({"run", arch, "--out", out(), "--law", "no_such_law"}), 4);
@@ -121,7 +122,7 @@ TEST_F(Cli, LawOfABlockSceneIsReplaced) {
   EXPECT_NEAR(multiplier_with("fracture_energy"), multiplier_with("coulomb_slip"), 1e-4);
 }
 
-// Laws of later stages are looked up before anything runs, on walls and on blocks of any shape.
+// Laws of later stages are loaded before the run, for walls and for blocks of any shape.
 TEST_F(Cli, LawsOfLaterStagesAreCheckedFirst) {
   const auto with_law = [&](const std::string& from, const std::string& law) {
     std::string text = read_all(from);
@@ -143,7 +144,7 @@ TEST_F(Cli, Models) {
   EXPECT_EQ(quoin({"models", "fracture_energy"}), 0);
   EXPECT_THAT(out_, AllOf(HasSubstr("tensile_strength"), HasSubstr("Pa/m"), HasSubstr("required"), HasSubstr("xi_t"),
                           HasSubstr("bonded, dry")));
-  // Bounds as mathematicians write them; defaults by value, by another property, or none.
+  // Bounds in interval notation; defaults by value, by another property, or none.
   const auto row = [&](const std::string& id) {
     const size_t at = out_.find("\n  " + id + " ") + 3;
     std::istringstream words(out_.substr(at, out_.find('\n', at) - at));
@@ -158,7 +159,7 @@ TEST_F(Cli, Models) {
   EXPECT_THAT(out_, ::testing::ContainsRegex("linear +linear \\| exponential \\| table +shape"));
   EXPECT_THAT(out_, ::testing::ContainsRegex("softening_table .* pairs x, y"));
 
-  // Columns stand under their names, two blanks or more apart.
+  // Columns are aligned with their names, with at least two blanks between them.
   for (const char* law : {"fracture_energy", "coulomb_slip", "elastic", "cyclic_joint"}) {
     ASSERT_EQ(quoin({"models", law}), 0) << error_;
     std::istringstream text(out_.substr(out_.find("properties\n") + 11));
@@ -169,7 +170,7 @@ TEST_F(Cli, Models) {
         const size_t at = head.find(name);
         EXPECT_EQ(line.substr(at - 2, 2), "  ") << law << ", " << name << ": " << line;
       }
-      // Every property has a symbol and a unit, and says what it is.
+      // Every property has a symbol, a unit and a description.
       EXPECT_NE(line[head.find("symbol")], ' ') << line;
       EXPECT_NE(line[head.find("unit")], ' ') << line;
       EXPECT_GT(line.size(), head.find("allowed")) << line;
@@ -179,10 +180,10 @@ TEST_F(Cli, Models) {
   }
 }
 
-// On a terminal a bar of 40 cells, as full as the percentage says; elsewhere a line when a stage begins, and then one
-// every 5 s. Each stage of this run lasts about a second.
+// On a terminal progress is a bar of 40 cells, filled to the percentage. Elsewhere it is a line at the beginning of a
+// stage and one every 5 s. Each stage of this run takes about a second.
 TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
-  // Each stage takes several times the period of a report, on a fast machine too.
+  // Each stage takes several periods of reports, also on a fast machine.
   const std::vector<std::string> run{QUOIN_PROGRAM,
                                      "run",
                                      small_,
@@ -246,7 +247,7 @@ TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
   EXPECT_THAT(error_, AllOf(HasSubstr("\n[1/2 precompression] "), HasSubstr("\n[2/2 shear] "), Not(HasSubstr("│"))));
 }
 
-// Where nobody watches a bar: hours and minutes that are left, or nothing where they are not known or too many.
+// Without a terminal: the remaining hours and minutes, or no time if it is not known or too long.
 TEST(ProgressLine, TellsATimeThatIsKnown) {
   quoin::ProgressLine line;
   quoin::Progress progress;
@@ -263,7 +264,8 @@ TEST(ProgressLine, TellsATimeThatIsKnown) {
                                       ".*7/8.* left 59:59 .*\n.*8/8.* left 1:01:01 "));
 }
 
-// Of two ranks in 1000 steps: the most that one sent a step, shares of the time of both, and of all blocks and points.
+// For two ranks and 1000 steps: the largest traffic of a rank in a step, shares of the time, and of all blocks and
+// points.
 TEST(ProgressLine, TellsWhatRanksSend) {
   quoin::RankTraffic one, other;
   one.steps = other.steps = 1000;
@@ -302,13 +304,13 @@ TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/solid_wall_030.toml"}), 0);
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks 144"), HasSubstr("zones 11520"), HasSubstr("contact points 3447"),
                           HasSubstr("2/omega_max"), HasSubstr("Gershgorin"), HasSubstr("eq. 3"), HasSubstr("set at")));
-  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/ferris_tin_loi_2.toml"}), 0);  // a scene of the general path
+  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/ferris_tin_loi_2.toml"}), 0);  // a scene with the general kernels
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks"), HasSubstr("contact points"), HasSubstr("2/omega_max")));
-  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml"}), 0);  // and one that is no bricks
+  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml"}), 0);  // a scene without bricks
   EXPECT_THAT(out_, AllOf(HasSubstr("memory of the model about 1 MB"), ContainsRegex("[0-9.]+ s, about [0-9]+ steps")));
 }
 
-// Numbers of the screen for scenes that a hand can count.
+// Numbers of the output for scenes that can be counted by hand.
 TEST_F(Cli, CheckCountsAWallAndAnArch) {
   const auto number = [&](const std::string& before) {
     const size_t at = out_.find(before);
@@ -316,15 +318,16 @@ TEST_F(Cli, CheckCountsAWallAndAnArch) {
     return at == std::string::npos ? 0.0 : std::strtod(out_.c_str() + at + before.size(), nullptr);
   };
   ASSERT_EQ(quoin({"check", small_}), 0) << error_;
-  // 2 units, and half, whole, half; 2 x 1 x 1 hexahedra of 5 zones a half. Gridpoints of faces that meet: below 10 +
-  // 10, above 6 + 10 + 6, between 4 times 6, at 3 head joints 4. Bricks of 1900 and two beams of 7850 kg/m3.
+  // Two courses: 2 units; half, whole, half. Each half has 2 x 1 x 1 hexahedra of 5 zones. Common gridpoints: 10 + 10
+  // at the bottom, 6 + 10 + 6 at the top, 4 times 6 between, 4 at each of 3 head joints. Bricks of 1900, beams of 7850
+  // kg/m3.
   EXPECT_THAT(out_, HasSubstr("blocks 5  beams 2  zones 80  contact points 78  joints 12  mass 79.53 kg\n"));
   EXPECT_THAT(out_, HasSubstr(" 78 contact points, stiffness at most 8.2e+10 and 3.6e+10 Pa/m\n"));
   EXPECT_THAT(out_, AllOf(HasSubstr("5 deformable on the lattice ("), HasSubstr(", 2 rigid one by one\n")));
   const double critical = number("2/omega_max of the assembled system"), in_use = number("  in use ");
   EXPECT_THAT(out_, ContainsRegex("assembled system +[0-9.e-]+ s  \\(1.00 of 2/omega_max\\)"));
   EXPECT_THAT(out_, ContainsRegex("in use +[0-9.e-]+ s  \\(0.71 of 2/omega_max\\)"));
-  // 0.86 of what damping of 0.2 at omega_max leaves; printed to 4 digits.
+  // 0.86 of the critical step with damping of 0.2 at omega_max; printed with 4 digits.
   EXPECT_NEAR(in_use / critical, 0.86 * (std::sqrt(1.04) - 0.2), 2e-4);
   for (const char* other : {"Gershgorin row sums (guaranteed)", "eq. 3 (not safe)"}) {
     const double limit = number(other);
@@ -332,12 +335,12 @@ TEST_F(Cli, CheckCountsAWallAndAnArch) {
     EXPECT_THAT(out_.substr(out_.find(other)), HasSubstr(fmt::format("({:.2f} of 2/omega_max)", limit / critical)));
   }
   EXPECT_THAT(out_, HasSubstr("until largest unbalanced force <= 0.001 of the mean contact force\n"));
-  const double steps = (0.0005 / 0.05 + 0.05 / 2) / in_use;  // half of the ramp is lost
+  const double steps = (0.0005 / 0.05 + 0.05 / 2) / in_use;  // the ramp adds half of its time
   EXPECT_NEAR(number("until displacement 0.5 mm, about "), steps, 2e-4 * steps);
   EXPECT_THAT(out_, HasSubstr(", and what stages take to come to rest ("));
 
   ASSERT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml"}), 0) << error_;
-  // 9 voussoirs of 22.5 degrees between radii of 9.25 and 10.75 m, their ends and 4 corners of 8 joints.
+  // 9 voussoirs of 22.5 degrees between radii of 9.25 and 10.75 m, with 4 points in each of 8 joints.
   EXPECT_THAT(out_, HasSubstr("blocks 9  zones 0  contact points 32  mass "));
   EXPECT_NEAR(number("contact points 32  mass "), 9 * 2000 * 15 * std::sin(M_PI / 8), 50);
   EXPECT_THAT(out_,
@@ -366,7 +369,7 @@ TEST_F(Cli, CheckTellsWhatScattersAndWhereStagesEnd) {
   EXPECT_THAT(out_, AllOf(HasSubstr(" sample 0: everything at its mean\n"), Not(HasSubstr("drawn for"))));
 }
 
-// Every scene that is shipped passes the check, and the README beside it says what it is.
+// Every shipped scene passes the check, and the README of its folder describes it.
 TEST_F(Cli, ShippedScenesAreSoundAndListed) {
   const std::string readme = read_all(QUOIN_SCENES "/README.md");
   int scenes = 0;
@@ -378,7 +381,7 @@ TEST_F(Cli, ShippedScenesAreSoundAndListed) {
   }
   EXPECT_GT(scenes, 0);
   EXPECT_THAT(readme, HasSubstr("](BLOCKS.md)"));
-  // Folders of the host: in the table of its page, or on the map of the project.
+  // Folders of the host are in the table of its README or on the map of the project.
   const std::string host = read_all(QUOIN_SCENES "/../README.md");
   const std::string map = read_all(QUOIN_SCENES "/../../CONTRIBUTING.md");
   for (const auto& entry : fs::directory_iterator(QUOIN_SCENES "/..")) {
@@ -426,8 +429,8 @@ TEST_F(Cli, RunWritesEveryResult) {
   EXPECT_EQ(vtk, 0) << out_ << error_;
 }
 
-// Ten metres a second carries a third more force than the wall has strength, and the stage ends inside its ramp. Mass
-// scaled by 1e9 gives steps of half a second, which pass the displacement requested. Neither says what a wall bears.
+// At 10 m/s the force is a third above the strength of the wall, and the stage ends within its ramp. Mass scaled by 1e9
+// has steps of half a second, which exceed the requested displacement. Neither run has the strength of a wall.
 TEST_F(Cli, RunsThatAreNotSlowEnoughAreNotVouchedFor) {
   const std::string wall = QUOIN_SCENES "/solid_wall_030.toml";
   for (const auto& [setting, words] : {std::pair{"stage.shear.velocity=10", "ended inside its ramp"},
@@ -466,7 +469,7 @@ TEST_F(Cli, ErrorsAreToldOnlyWhereTheyWereMeasured) {
   EXPECT_TRUE(s["quality"]["expected_error"].is_null());
   EXPECT_THAT(s["quality"]["why_unknown"].get<std::string>(), HasSubstr("law = elastic"));
   EXPECT_THAT(out_, AllOf(HasSubstr("error not known: joints.mortar.law = elastic"), Not(HasSubstr("expected error"))));
-  // Nothing was computed: a run that fails before its first stage has ended.
+  // A run that fails before the end of its first stage, without results.
   std::vector<std::string> none = pier;
   none.insert(none.end(), {"--set", "stage.1.max_steps=1"});
   EXPECT_EQ(quoin(none), 5);
@@ -476,7 +479,7 @@ TEST_F(Cli, ErrorsAreToldOnlyWhereTheyWereMeasured) {
   EXPECT_THAT(out_, HasSubstr("error not known: the run did not reach its end"));
 }
 
-// Loops are drawn whole: on both sides of both axes. Where a wall goes one way, the picture begins at 0.
+// Curves of cycles are drawn on both sides of both axes. For displacement in one direction the picture begins at 0.
 TEST_F(Cli, CurvesOfCyclesShowEveryQuadrant) {
   std::string text = read_all(small_);
   text.replace(text.find("[output]"), 8,

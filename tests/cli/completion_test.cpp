@@ -1,4 +1,5 @@
-// `quoin completion`: what a shell offers is what --help lists, and manual and shells read it without a warning.
+// `quoin completion`: a shell offers the words that --help lists, and the manual page and shells read it without
+// warnings.
 #include <gmock/gmock.h>
 
 #include <regex>
@@ -23,7 +24,7 @@ class Completion : public Cli {
     std::ofstream(file) << out_;
     return file;
   }
-  // What bash offers at the end of these words, of which the last may be part of one.
+  // Returns the completions of bash after these words, of which the last may be incomplete.
   std::set<std::string> offered(const std::vector<std::string>& words) {
     const std::string list = written("bash"), script = (folder_ / "ask").string();
     std::ofstream ask(script);
@@ -40,7 +41,7 @@ class Completion : public Cli {
     result.erase("");
     return result;
   }
-  // Long options at the beginning of the lines of a help text, or its commands.
+  // Returns the matches of pattern in a help text: long options at the beginnings of lines, or commands.
   std::set<std::string> in_help(const std::vector<std::string>& words, const std::string& pattern) {
     EXPECT_EQ(quoin(words), 0);
     std::set<std::string> result;

@@ -1,4 +1,4 @@
-/* In front of the C library: the first two threads of a program start, no other one. */
+/* Preloaded before the C library: only the first two threads of a program start. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
-// Under fire: files that never end, disks that are full, signals, laws that crash. Whatever happens, the program ends
-// in time and keeps what was computed. It has a documented exit code and a message that says where and what to do.
+// Adverse conditions: files without end, full disks, signals, laws that crash. In all of them the program ends in time
+// and keeps its results. It has a documented exit code and a message with place and remedy.
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -24,7 +24,7 @@ using ::testing::Not;
 
 class Fire : public Cli {
  protected:
-  // What does not end in this many seconds ends with SIGALRM, and finish() gives 142.
+  // Ends a process with SIGALRM after this many seconds; finish() then returns 142.
   static void in_time(unsigned seconds = 60) { alarm(seconds); }
   int quoin_in_time(const std::vector<std::string>& words) {
     return quoin(words, [] { in_time(); });
@@ -34,7 +34,7 @@ class Fire : public Cli {
     std::ofstream(folder_ / name) << text;
     return (folder_ / name).string();
   }
-  // The small wall with one text replaced.
+  // Returns the path of the small wall with one text replaced.
   std::string wall_with(const std::string& from, const std::string& to) const {
     std::string text = read_all(small_);
     const size_t at = text.find(from);
@@ -46,7 +46,7 @@ class Fire : public Cli {
                                "--set", "output.frames=0", "--set", "output.plots=false"});
     return more;
   }
-  // A run that would take minutes, at work in its last stage.
+  // Starts a run that would take minutes and waits until it is in its last stage.
   pid_t start_long(const std::function<void()>& before = {}) {
     const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
                                "stage.shear.velocity=1e-6", "--set", "output.plots=false"},
@@ -67,13 +67,13 @@ class Fire : public Cli {
   }
 };
 
-// A pipe that nobody writes to, a device without an end, a folder, a file larger than any text.
+// A pipe without a writer, a device without end, a folder, and a very large file are refused as input.
 TEST_F(Fire, WhatIsNoFileIsNoInput) {
   const fs::path pipe = folder_ / "pipe", zero = folder_ / "zero.off", large = folder_ / "large.csv";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   fs::create_symlink("/dev/zero", zero);
   std::ofstream(large) << "dn,ds,dt\n";
-  fs::resize_file(large, std::uintmax_t{1} << 30);  // no more than a few bytes on the disk
+  fs::resize_file(large, std::uintmax_t{1} << 30);  // a sparse file, which uses few bytes of the disk
   const auto expect_refused = [&](const std::vector<std::string>& words, const std::string& file) {
     EXPECT_EQ(quoin_in_time(words), 3) << error_;
     EXPECT_THAT(error_, AllOf(HasSubstr(file + ": cannot read it"), Not(HasSubstr("internal error")))) << words[0];
@@ -104,7 +104,7 @@ TEST_F(Fire, InitialStatesAreToldByFileAndLine) {
   }
 }
 
-// Before the first load the ratio of forces has no value; a history holds numbers only, or nothing.
+// Before the first load the unbalanced ratio has no value; a history then has an empty cell.
 TEST_F(Fire, HistoriesHoldFiniteNumbersOnly) {
   ASSERT_EQ(quoin(short_run(small_)), 0) << error_;
   EXPECT_THAT(read_all(out() + "/history.csv"), AllOf(Not(HasSubstr("inf")), Not(HasSubstr("nan"))));
@@ -132,7 +132,7 @@ TEST_F(Fire, IdsOfStatesDoNotTearVtuFiles) {
   EXPECT_THAT(file.substr(0, file.find("<AppendedData")), HasSubstr("Name=\"state_a&lt;b&gt;&amp;&quot;c&quot;\""));
 }
 
-// A plot program that waits for ever, and none at all.
+// A plot program that never ends, and no plot program.
 TEST_F(Fire, PicturesDoNotHoldResults) {
   const fs::path tools = folder_ / "tools";
   fs::create_directories(tools);
@@ -158,7 +158,7 @@ TEST_F(Fire, PicturesDoNotHoldResults) {
   EXPECT_EQ(summary()["status"], "done");
 }
 
-// No file may grow beyond 40 kB, as on a disk with little left: pictures and frames fail, history and summary are kept.
+// Files are limited to 40 kB, as on a nearly full disk: pictures and frames fail, history and summary are kept.
 TEST_F(Fire, FullDisksLeaveNoFileThatIsNotWhole) {
   const auto small_files = [] {
     in_time();
@@ -194,7 +194,7 @@ TEST_F(Fire, ResultsThatDoNotFitAreRefusedBeforeTheWork) {
   EXPECT_FALSE(fs::exists(out() + "/history.csv"));
 }
 
-// Devices and links keep their places; a folder and a link to nothing are refused.
+// Output to a device or a link does not replace it; a folder and a dangling link are refused.
 TEST_F(Fire, NamedOutputsDoNotReplaceDevicesAndLinks) {
   const std::string jumps = write("in.csv", "dn,ds,dt\n-1e-6,0,0\n");
   const auto path_to = [&](const std::string& file) {
@@ -225,7 +225,7 @@ TEST_F(Fire, NamedOutputsDoNotReplaceDevicesAndLinks) {
   EXPECT_TRUE(fs::is_character_file(full));
 }
 
-// Standard output and error closed or full: results are there, and the exit code says what was lost.
+// With standard output or error closed or full the results are written, and the exit code reports the lost output.
 TEST_F(Fire, OutputsThatAreGoneDoNotLoseTheRun) {
   const auto to = [](int descriptor, const char* file) {
     return [descriptor, file] {
@@ -258,7 +258,7 @@ TEST_F(Fire, SignalsOfTheTerminalKeepWhatWasComputed) {
     EXPECT_TRUE(fs::exists(out() + "/history.csv"));
     EXPECT_THAT(parts(), IsEmpty());
   }
-  // Under nohup a run outlives its terminal.
+  // Under nohup a run continues without its terminal.
   const pid_t child = start_long([] { std::signal(SIGHUP, SIG_IGN); });
   kill(child, SIGHUP);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -267,7 +267,7 @@ TEST_F(Fire, SignalsOfTheTerminalKeepWhatWasComputed) {
   EXPECT_EQ(finish(child), 130);
 }
 
-// Words into a pipe whose reader has gone.
+// Output into a pipe whose reader has ended.
 TEST_F(Fire, AReaderThatLeavesStopsTheRunAsCtrlCDoes) {
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
@@ -302,7 +302,7 @@ TEST_F(Fire, ThreadsThatDoNotStartAreToldAndDoneWithout) {
   EXPECT_TRUE(fs::exists(out() + "/plots/curve.gp")) << "written without a thread of its own";
 }
 
-// Every law that ends the program is named, and the end does not look like success.
+// If a law ends the program, the message has its name, and the exit code is not 0.
 TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
   const std::string library = QUOIN_BAD_LAW_LIBRARY;
   const auto doing = [](const char* what) {
@@ -311,7 +311,7 @@ TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
       const rlimit none{0, 0};
       setrlimit(RLIMIT_CORE, &none);
       setenv("QUOIN_BAD_LAW", what, 1);
-      setenv("ASAN_OPTIONS", "handle_segv=0:detect_leaks=0", 1);  // a sanitizer would report the crash in our place
+      setenv("ASAN_OPTIONS", "handle_segv=0:detect_leaks=0", 1);  // otherwise a sanitizer would report the crash
     };
   };
   for (const auto& [what, words] : {std::pair{"crash", "crashed (SIGSEGV)"},
@@ -338,7 +338,7 @@ TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
     EXPECT_EQ(quoin(short_run(small_, {"--law", library}), doing(what)), 0) << what << error_;
 }
 
-// Broken libraries beside good ones: each costs its own line.
+// Broken libraries beside good ones: a message for each, and the good ones are listed.
 TEST_F(Fire, BrokenLibrariesDoNotHideTheOthers) {
   const fs::path laws = folder_ / "laws";
   fs::create_directories(laws);
@@ -353,7 +353,7 @@ TEST_F(Fire, BrokenLibrariesDoNotHideTheOthers) {
         {"exit at load", "bad_law +cannot be used: .*called exit.0. or _exit.0. while"},
         {"wait at load", "bad_law +cannot be used: .*did not come back within 10 s"}}) {
     EXPECT_EQ(quoin({"models"},
-                    [&, what = what] {  // clang 14 captures no structured binding by itself
+                    [&, what = what] {  // clang 14 does not capture structured bindings
                       in_time();
                       setenv("QUOIN_LAW_PATH", laws.c_str(), 1);
                       setenv("QUOIN_BAD_LAW", what, 1);
@@ -369,7 +369,7 @@ TEST_F(Fire, BrokenLibrariesDoNotHideTheOthers) {
   EXPECT_THAT(error_, AllOf(HasSubstr("a_half.so"), HasSubstr("it is not whole"), HasSubstr("build it again")));
 }
 
-// In the step of selective_time_step a wall leaves small displacements, and large motion has no such step.
+// With selective_time_step a promotion is not possible, since large motion has no such step.
 TEST_F(Fire, LargeMotionRefusesASelectiveTimeStepBeforeTheLatticeIsLeft) {
   EXPECT_EQ(quoin({"run", small_, "--out", out(), "--threads", "1", "--set", "solver.selective_time_step=0.5", "--set",
                    "output.plots=false"},
@@ -381,7 +381,7 @@ TEST_F(Fire, LargeMotionRefusesASelectiveTimeStepBeforeTheLatticeIsLeft) {
   EXPECT_EQ(summary()["status"], "failed") << "what was computed is kept";
 }
 
-// TOML that would take the stack or the memory of the parser is refused before it is parsed, in half a gigabyte.
+// TOML that would exhaust the parser's stack or memory is refused before parsing, with less than half a gigabyte.
 TEST_F(Fire, TomlBeyondAllMeasureIsRefusedBeforeItIsParsed) {
   std::string key = "a", tables, list = "x = [";
   for (int i = 0; i < 100000; ++i) key += ".a";
@@ -405,12 +405,12 @@ TEST_F(Fire, TomlBeyondAllMeasureIsRefusedBeforeItIsParsed) {
       EXPECT_THAT(error_, HasSubstr(file + words)) << command;
     }
   }
-  // An argument has 128 KB at most.
+  // An argument of a command line has at most 128 KB.
   EXPECT_EQ(quoin({"check", small_, "--set", key.substr(0, 100001) + "=1"}, in_little_memory), 3);
   EXPECT_THAT(error_, HasSubstr("the key has more than 100 parts"));
 }
 
-// Names and titles of scenes and meshes, and what is on the command line, do not reach the terminal as they are.
+// Control characters in names and titles of scenes and meshes, and on the command line, are escaped on the terminal.
 TEST_F(Fire, ControlCharactersDoNotReachTheTerminal) {
   for (const char* const escape : {"\\u001b[31m", "\\U0000009b31m", "\\b", "\x7f", "\xc2\x9b"}) {
     const std::string file = write("title.toml", std::string("# \x1b in a comment\ntitle = \"red ") + escape + "\"\n");
@@ -423,7 +423,7 @@ TEST_F(Fire, ControlCharactersDoNotReachTheTerminal) {
   EXPECT_THAT(error_, AllOf(HasSubstr("no\\x1b[31m.toml"), Not(HasSubstr("\x1b"))));
 }
 
-// Who copies a new version over a law in the middle of a run does not end the run.
+// Copying a new version over the file of a law during a run does not end the run.
 TEST_F(Fire, LawsMayBeOverwrittenWhileTheyRun) {
   const fs::path law = folder_ / "my_law.so";
   fs::copy_file(fs::path(QUOIN_PROGRAM).parent_path() / "laws" / "fracture_energy.so", law);
@@ -440,7 +440,7 @@ TEST_F(Fire, LawsMayBeOverwrittenWhileTheyRun) {
   EXPECT_EQ(finish(child), 130) << error_;
 }
 
-// Models, paths and steps beyond any machine are refused with numbers, and at once.
+// Models, paths and steps that are too large for any machine are refused immediately, with numbers.
 TEST_F(Fire, WorkWithoutAnEndIsRefusedBeforeItBegins) {
   const std::string deformable = write("block.toml", R"([materials.stone]
 young_modulus = 10e9
@@ -481,7 +481,7 @@ duration = 1
     EXPECT_THAT(error_, AllOf(ContainsRegex("about .* GB of memory|at most can be numbered"),
                               AnyOf(HasSubstr("--force"), HasSubstr("smaller"))));
   }
-  // The same wall fits here, and not there.
+  // A wall that fits in 8 GB, and not in a smaller memory.
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/solid_wall_030.toml"}, here(8)), 0) << error_;
   EXPECT_THAT(out_, ContainsRegex("memory of the model about [1-9] MB of 8000 MB here"));
   const std::vector<std::string> larger{"check", QUOIN_SCENES "/solid_wall_030.toml", "--set", "wall.zones=[32,16,16]"};
@@ -491,7 +491,7 @@ duration = 1
   EXPECT_THAT(error_, AllOf(HasSubstr("joints.mortar"), HasSubstr("1e+300"), HasSubstr("1e+20 Pa/m at most")));
 }
 
-// Estimates of very long runs are printed with numbers, and so is the time of short ones.
+// Estimated times of very long and of short runs are printed with numbers.
 TEST_F(Fire, TimeIsToldBeforeTheWork) {
   EXPECT_EQ(quoin_in_time({"check", small_}), 0) << error_;
   EXPECT_THAT(out_, ContainsRegex("computing time about [0-9.]+ s, .* steps with [0-9]+ threads here"));

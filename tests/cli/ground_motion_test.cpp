@@ -1,4 +1,5 @@
-// Stages that move the ground, against closed forms, with damping chosen for motion; the warnings where it is not.
+// Stages with ground motion against closed forms, with damping that is suitable for motion, and warnings for other
+// damping.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -22,7 +23,7 @@ constexpr double kGravity = 9.81;
 
 class GroundMotion : public Cli {
  protected:
-  // A block of 0.4 x 0.1 x 0.4 m on a fixed slab, friction 0.3, and these stages. monitor: whose motion is recorded.
+  // Returns a block of 0.4 x 0.1 x 0.4 m on a fixed slab, friction 0.3, with these stages. monitor: the recorded block.
   std::string scene(const std::string& stages, const std::string& monitor, const std::string& solver) const {
     const std::string path = (folder_ / "scene.toml").string();
     std::ofstream(path) << solver
@@ -58,7 +59,7 @@ plots = false
                                        std::atan(0.3) * 180.0 / std::numbers::pi, stages, monitor);
     return path;
   }
-  // Time, s, and displacement of the monitor, m, of the rows of a stage; time since the end of the first stage.
+  // Time since the end of the first stage, s, and displacement of the monitor, m.
   struct Row {
     double time, moved;
   };
@@ -91,7 +92,7 @@ plots = false
   int run(const std::string& stages, const std::string& monitor, const std::string& solver = kForMotion) {
     return quoin({"run", scene(stages, monitor, solver), "--out", out(), "--threads", "1"});
   }
-  // What the summary warns of, by what it is about.
+  // Returns the warnings of the summary by their subject.
   std::map<std::string, std::string> warnings() const {
     std::map<std::string, std::string> found;
     const nlohmann::json all = summary();
@@ -99,7 +100,7 @@ plots = false
     return found;
   }
 
-  // Stiffness-proportional damping of contacts alone.
+  // Stiffness-proportional damping of contacts only.
   static constexpr const char* kForMotion =
       "[solver]\ndamping = \"viscous\"\nstiffness_damping = 2e-4\ntime_step_fraction = 0.3\n";
   // 0.6 g for 0.4 s: 2.3544 m/s at its end.
@@ -111,9 +112,8 @@ ground_motion = { direction = [1, 0, 0], time = [0, 0.4], acceleration = [5.886,
 )";
 };
 
-// Newmark's block: on a rectangular pulse A of length T it is left behind by A T^2/2 (A/(mu g) - 1) = 0.47088 m. It
-// then moves with the ground. 0.5 % is what the ramp of friction (mu g / ks over the block's weight, 2e-6 m) and the
-// steps leave.
+// Newmark's block: under a rectangular pulse A of length T it slips by A T^2/2 (A/(mu g) - 1) = 0.47088 m, then it
+// moves with the ground. Tolerance 0.5 %, for the elastic slip before sliding (2e-6 m) and for the steps.
 TEST_F(GroundMotion, ASlidingBlockIsLeftBehindAsFarAsNewmarkSays) {
   ASSERT_EQ(run(kShake, "block"), 0) << error_;
   const Row last = rows("shake").back();
@@ -126,8 +126,8 @@ TEST_F(GroundMotion, ASlidingBlockIsLeftBehindAsFarAsNewmarkSays) {
   EXPECT_NEAR(summary()["settings"]["stages"][1]["ground_motion"]["end_velocity_m_per_s"], kVelocity, 1e-12);
 }
 
-// A record that leaves the ground moving. The ground goes on in a stage without a ramp. Over a ramp it comes to rest,
-// half as far as at its velocity (the mean of smooth_step).
+// A record with a velocity at its end. In a stage without ramp the ground keeps it. Over a ramp the ground comes to
+// rest, with half of that displacement (the mean of smooth_step).
 TEST_F(GroundMotion, WhatARecordLeavesGoesOnOrComesToRest) {
   const std::string after = "[[stage]]\nname = \"after\"\nduration = 0.3\n";
   ASSERT_EQ(run(kShake + after, "ground"), 0) << error_;
@@ -142,7 +142,8 @@ TEST_F(GroundMotion, WhatARecordLeavesGoesOnOrComesToRest) {
   EXPECT_NEAR(of_stage.back().moved - rows("shake").back().moved, kVelocity * 0.1 / 2, 1e-3);  // a step of 1e-4 s
   EXPECT_THAT(warnings()["ground_motion"], HasSubstr("comes to rest over its ramp_time of 0.1 s"));
 
-  // The next record comes on top: here it brakes the ground, whose place is then 2.3544 m/s times half of its 0.4 s on.
+  // The velocity adds to the next record. Here this record brakes the ground, with a displacement of 2.3544 m/s times
+  // half of its 0.4 s.
   ASSERT_EQ(
       run(std::string(kShake) + "[[stage]]\nname = \"after\"\nduration = 0.6\nground_motion = { direction = [1, 0, "
                                 "0], time = [0, 0.4], acceleration = [-5.886, -5.886] }\n",
@@ -153,26 +154,26 @@ TEST_F(GroundMotion, WhatARecordLeavesGoesOnOrComesToRest) {
   EXPECT_NEAR(of_stage.back().moved - rows("shake").back().moved, kVelocity * 0.4 / 2, 1e-3);
 }
 
-// A fixed block that the stage gives a velocity moves with that, in space, and not with the ground: it was dropped.
+// A fixed block with a prescribed velocity in the stage moves with that velocity in space, not with the ground.
 TEST_F(GroundMotion, AFixedBlockWithAVelocityOfItsOwnFollowsThat) {
   const std::string own = std::string(kShake) +
                           "[[stage.velocity]]\nblock = \"ground\"\nvelocity = [0.5, 0, 0]\n[[stage]]\nname = "
                           "\"after\"\nduration = 0.2\n";
   ASSERT_EQ(run(own, "ground"), 0) << error_;
-  // Rows have displacements at the time of their forces, a step of 1e-4 s before their own.
+  // Rows have displacements at the time of their forces, a step of 1e-4 s before their time.
   constexpr double kStep = 0.5 * 1.1e-4;
   EXPECT_NEAR(rows("shake").back().moved, 0.5 * rows("shake").back().time, kStep);
-  EXPECT_NEAR(rows("after").back().moved, rows("shake").back().moved, kStep);  // no ramp: at rest at once
+  EXPECT_NEAR(rows("after").back().moved, rows("shake").back().moved, kStep);  // without ramp it stops immediately
 }
 
-// A mode on the ground: the block on an elastic joint, up and down, w^2 = kn A/m. Relative amplitude over a0/w_n^2:
-// 1/sqrt((1 - r^2)^2 + (2 zeta r)^2). zeta 0.05 has 1.3304, 10.000, 0.33260 at r = 0.5, 1, 2. 1 % is for a hundred
-// points a cycle of the record, and exp(-2 pi zeta 24) = 5e-4 of what the start has set in motion.
+// A mode under ground motion: vertical vibration of the block on an elastic joint, w^2 = kn A/m. The relative amplitude
+// over a0/w_n^2 is 1/sqrt((1 - r^2)^2 + (2 zeta r)^2). With zeta 0.05 that is 1.3304, 10.000, 0.33260 at r = 0.5, 1, 2.
+// Tolerance 1 %, for a hundred points in a cycle of the record, and exp(-2 pi zeta 24) = 5e-4 of the initial vibration.
 TEST_F(GroundMotion, AModeIsAmplifiedAsTheoryHasIt) {
-  constexpr double kSize = 0.3;  // m/s2: so little that the weight keeps the joint closed, whose damping never pulls
+  constexpr double kSize = 0.3;  // m/s2: so small that the joint stays closed under the weight
   constexpr double kZeta = 0.05, kMass = 32.0, kStiffness = 1e6 * 0.16;
   const double own = std::sqrt(kStiffness / kMass);
-  // Of a sine in straight pieces, a hundred a cycle: its first harmonic, sinc^2.
+  // First harmonic of a sine that is piecewise linear, with a hundred points in a cycle: sinc^2.
   const double kept = std::pow(std::sin(std::numbers::pi / 100) * 100 / std::numbers::pi, 2);
   for (const double r : {0.5, 1.0, 2.0}) {
     const double w = r * own, end = 30.0 * 2.0 * std::numbers::pi / own, period = 2.0 * std::numbers::pi / w;
@@ -203,8 +204,8 @@ TEST_F(GroundMotion, AModeIsAmplifiedAsTheoryHasIt) {
   }
 }
 
-// Local damping and mass damping brake what slides or rocks on the ground. A stage that requests them is warned of on
-// the screen, in the summary and by check. What [solver] alone writes is refused.
+// Local damping and mass damping brake blocks that slide or rock on the ground. For a stage with such damping there is
+// a warning on the screen, in the summary and by check. If only [solver] has it, the scene is refused.
 TEST_F(GroundMotion, DampingThatFalsifiesMotionIsToldOf) {
   const std::string shake = kShake;
   for (const char* solver : {"damping = \"local\"", "damping = \"viscous\", mass_damping = 1.0"}) {
@@ -229,7 +230,7 @@ TEST_F(GroundMotion, DampingThatFalsifiesMotionIsToldOf) {
   }
 }
 
-// Without a key: damping of impacts, which is Newmark's sliding block within 0.5 % again, and says so.
+// The default is impact damping, which agrees with Newmark's sliding block to 0.5 %, too, and is printed.
 TEST_F(GroundMotion, TheDefaultIsRightForASlidingBlock) {
   ASSERT_EQ(run(kShake, "block", ""), 0) << error_;
   const double expected = 0.5 * kPulse * kEnd * kEnd * (kPulse / (0.3 * kGravity) - 1.0);
@@ -239,9 +240,10 @@ TEST_F(GroundMotion, TheDefaultIsRightForASlidingBlock) {
   EXPECT_EQ(summary()["settings"]["stages"][0]["damping"], "local");
 }
 
-// Mass damping brakes motion on the ground, not in space. With alpha what slides is behind by less; a block that moves
-// with the ground is never braked. In space it was 0.65 m in place of 0.27 m. Sliding under friction and viscosity: v'
-// = A - mu g - alpha v until T, then -mu g - alpha v.
+// Mass damping acts on motion relative to the ground. With alpha the slip is smaller; a block that moves with the
+// ground is not braked. Damping of the motion in space would give 0.65 m in place of 0.27 m. Sliding with friction and
+// viscosity:
+//   v' = A - mu g - alpha v until T, then -mu g - alpha v.
 TEST_F(GroundMotion, MassDampingActsOnTheMotionOnTheGround) {
   constexpr double kAlpha = 1.0, kFriction = 0.3 * kGravity;
   ASSERT_EQ(
@@ -257,14 +259,14 @@ TEST_F(GroundMotion, MassDampingActsOnTheMotionOnTheGround) {
   EXPECT_NEAR(-rows("shake", "monitor_relative_dx_m").back().moved, way, 0.005 * way);
 }
 
-// Housner: a block of 1 x 3 m let go at half of alpha on a ground that stands still in a stage that could move it. With
-// the default damping each landing keeps r = 1 - 1.5 sin^2(alpha) = 0.850 of the velocity, so r^2 of the energy. That
-// is the height of the centre of mass over its place at rest. 0.005 is what landings on springs of 1e9 Pa/m take
-// (measured 0.1 to 0.4 % in REFERENCE_DYNAMICS).
+// Housner's block of 1 x 3 m, released at half of alpha on a ground at rest, in a stage with ground motion. With the
+// default damping each impact leaves r = 1 - 1.5 sin^2(alpha) = 0.850 of the velocity, so r^2 of the energy. The energy
+// is proportional to the height of the centre of mass over its position at rest. Tolerance 0.005, for impacts on
+// springs of 1e9 Pa/m (measured 0.1 to 0.4 % in REFERENCE_DYNAMICS).
 class Rocking : public GroundMotion {
  protected:
-  // A block 1 m wide, let go at half of alpha. Heights of its centre over its place at rest, at the start and between
-  // landings, m.
+  // Runs a block 1 m wide, released at half of alpha. Returns the heights of its centre over the position at rest, at
+  // the start and between impacts, m.
   std::vector<double> heights_of(double height) {
     const double alpha = std::atan(1.0 / height), radius = 0.5 * std::hypot(1.0, height);
     const std::string path = (folder_ / "rocking.toml").string();
@@ -308,7 +310,7 @@ plots = false
       const double now = begin + row.moved;
       if (!landed && now < 0.02 * begin) landed = true;
       if (landed) highest = std::max(highest, now);
-      // More than what bounces on the springs of the joint.
+      // Without small rebounds on the springs of the joint.
       if (highest > 0.1 * maxima.back() && now < 0.02 * highest) maxima.push_back(highest), highest = 0.0;
     }
     return maxima;
@@ -320,15 +322,15 @@ TEST_F(Rocking, TheDefaultIsRightForABlockOfOneByThree) {
   const std::vector<double> maxima = heights_of(3.0);
   ASSERT_GE(maxima.size(), 4u);
   for (std::size_t i = 1; i < 4; ++i) EXPECT_NEAR(std::sqrt(maxima[i] / maxima[i - 1]), 0.850, 0.005) << i;
-  // Amplitudes after landings 1 to 3: 0.32387, 0.22072, 0.15384 alpha; 2 %: they go with the square of r.
+  // Amplitudes after impacts 1 to 3: 0.32387, 0.22072, 0.15384 alpha. Tolerance 2 %: they depend on the square of r.
   const double expected[] = {0.5, 0.32387, 0.22072, 0.15384};
   for (std::size_t i = 1; i < 4; ++i)
     EXPECT_NEAR(1.0 - std::acos((maxima[i] + 1.5) / radius) / alpha, expected[i], 0.02 * expected[i]) << i;
 }
 
-// r = 1 - 1.5 sin^2(alpha) at five slendernesses, that of 3 above: one share of critical serves all of them within
-// 0.005. Not that of 2, which keeps 0.711 in place of 0.700, as its landing edge gives way along the joint. With ks =
-// 10 kn it keeps 0.700 (host/scenes/BLOCKS.md).
+// r = 1 - 1.5 sin^2(alpha) at five slendernesses, including that of 3 above: one share of critical damping is right for
+// all within 0.005. It is not right for a slenderness of 2, which has 0.711 in place of 0.700, since its edge slides at
+// the impact. With ks = 10 kn it has 0.700 (host/scenes/BLOCKS.md).
 TEST_F(Rocking, TheDefaultIsRightAtFiveSlendernesses) {
   for (const double height : {2.5, 4.0, 5.0, 6.0}) {
     const double expected = 1.0 - 1.5 / (1.0 + height * height);
@@ -339,8 +341,10 @@ TEST_F(Rocking, TheDefaultIsRightAtFiveSlendernesses) {
   }
 }
 
-// Base shear and overturning moment of a block that moves with the ground at 1 m/s2. They are its mass times that, and
-// times the height of its centre as well. The vertical force is its weight. 32 kg, 0.05 m. 0.5 %: ringing of the joint.
+// Base shear and overturning moment of a block of 32 kg that moves with the ground at 1 m/s2. They are mass times
+// acceleration, and that times the height of its centre, 0.05 m. The vertical force is its weight. Tolerance 0.5 %, for
+// joint
+// vibration.
 TEST_F(GroundMotion, BaseShearAndOverturningMomentAreThoseOfInertia) {
   ASSERT_EQ(run("[[stage]]\nname = \"shake\"\nduration = 1.0\nground_motion = { direction = [1, 0, 0], time = [0, 0.5, "
                 "1.2], acceleration = [0, 1, 1] }\n",
@@ -354,7 +358,7 @@ TEST_F(GroundMotion, BaseShearAndOverturningMomentAreThoseOfInertia) {
   EXPECT_NEAR(rows("shake", "monitor_relative_dx_m").back().moved, 0.0, 1e-5);
 }
 
-// Where nothing moves the ground: a slab that is let go falls with 1 - gamma of g.
+// Without ground motion: a slab that is released falls with (1 - gamma) g, and there is a warning.
 TEST_F(GroundMotion, DampingOfAFallIsToldOf) {
   const std::string fall = R"([[stage]]
 name = "fall"
@@ -370,14 +374,14 @@ velocity = ["free", "free", "free"]
     EXPECT_THAT(warnings()["damping"], AllOf(HasSubstr("falls, slides or topples"), HasSubstr("gamma 0.8"),
                                              HasSubstr("stage 'fall'"), HasSubstr("\"none\"")));
   }
-  // At rest, or nearly so, nobody is warned.
+  // At rest, or nearly at rest, there is no warning.
   ASSERT_EQ(run("", "block", ""), 0) << error_;
   EXPECT_EQ(warnings().count("damping"), 0u);
 }
 
 class GroundUnderWalls : public GroundMotion {
  protected:
-  // Three courses of rigid units on a beam, or the same as blocks on a slab; elastic joints, so nothing cracks.
+  // Returns three courses of rigid units on a beam, or equal blocks on a slab, with elastic joints.
   std::string wall(bool as_blocks, const std::string& stages) const {
     const std::string path = (folder_ / (as_blocks ? "blocks.toml" : "wall.toml")).string();
     std::ofstream(path) << R"(
@@ -418,13 +422,13 @@ top_beam = false
 )") << stages << "[contact]\ncubic_points = false\n[output]\nenergy = true\nframes = 0\nplots = false\n";
     return path;
   }
-  // A column of the last row of a run.
+  // Returns the value of a column in the last row of a run.
   double last(const char* column) const { return rows("shake", column).back().moved; }
 };
 
-// A wall, on the lattice, and the same wall as blocks, under the same record, with the same damping: the same energies.
-// To 1e-4 of the largest: large motion alone turns forces with the blocks. Their last rows are a part of a time step
-// apart.
+// A wall on the lattice and an equal wall of blocks have equal energies under one record, with equal damping. Tolerance
+// 1e-4 of the largest, since only in large motion forces rotate with the blocks. The times of their last rows differ by
+// part of a time step.
 TEST_F(GroundUnderWalls, AWallAndTheSameWallAsBlocksAgree) {
   const std::string shake = R"([[stage]]
 name = "shake"
@@ -465,7 +469,7 @@ TEST_F(GroundUnderWalls, WhatActsOnBlocksActsOnWalls) {
   }
 }
 
-// The Pavia building, as users write it; the first stages short.
+// The Pavia building with a record, as in a user's scene, with shorter first stages.
 TEST_F(GroundUnderWalls, ARecordUnderABuildingRuns) {
   const std::string path = (folder_ / "pavia.toml").string();
   std::ofstream(path) << read_all(fs::path(QUOIN_SCENES) / "pavia_door.toml") << R"(
@@ -487,7 +491,7 @@ ground_motion = { direction = [1, 0, 0], time = [0, 0.002], acceleration = [0, 1
   EXPECT_NEAR(last("ground_dx_m"), 1.2 * 0.002 * 0.002 / 6, 1e-8);
 }
 
-// Such a stage has its true inertia under any damping: check finds its step without a run.
+// A stage with ground motion has the true inertia under any damping: check computes its time step without a run.
 TEST_F(GroundUnderWalls, CheckHasTheStepOfTheRun) {
   for (const char* solver : {"{}", "{damping='viscous', stiffness_damping=1e-7}"}) {
     const std::string setting = fmt::format("stage.shake.solver={}", solver);

@@ -1,4 +1,4 @@
-/* In front of the C library: a clock of the day that is set forwards and back by an hour between any two looks at it.
+/* Preloaded before the C library: the system clock is alternately an hour ahead and back at every reading.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>

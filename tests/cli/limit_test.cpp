@@ -1,4 +1,4 @@
-// `quoin limit` as a user calls it, on scenes that ship.
+// `quoin limit` through its command line, on shipped scenes.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -22,7 +22,7 @@ class Limit : public Cli {
   }
 };
 
-// Ferris and Tin-Loi (2001) as an independent programme has them; the arch with the weights of plane-sided voussoirs.
+// Walls of Ferris and Tin-Loi (2001) against an independent programme; the arch with weights of plane-sided voussoirs.
 TEST_F(Limit, MultipliersOfDryScenesAreThoseOfAnIndependentProgramme) {
   EXPECT_NEAR(limit("ferris_tin_loi_1.toml")["multiplier"], 0.64286, 1e-4);
   EXPECT_NEAR(limit("ferris_tin_loi_2.toml")["multiplier"], 0.58000, 1e-4);
@@ -31,7 +31,7 @@ TEST_F(Limit, MultipliersOfDryScenesAreThoseOfAnIndependentProgramme) {
   EXPECT_LT(arch["gap"], 1e-6);
   EXPECT_TRUE(fs::exists(fs::path(out()) / "mechanism.csv"));
   EXPECT_TRUE(fs::exists(fs::path(out()) / "forces.csv"));
-  // The largest velocity of a centre or contact point is 1; corners are contact points here.
+  // The largest velocity of a centre or contact point is 1; here corners are contact points.
   double largest = 0.0;
   for (const float v : quoin::VtuFile(fs::path(out()) / "mechanism.vtu").values_of<float>("velocity"))
     largest = std::max(largest, std::abs(static_cast<double>(v)));
@@ -39,8 +39,8 @@ TEST_F(Limit, MultipliersOfDryScenesAreThoseOfAnIndependentProgramme) {
   EXPECT_LE(largest, 1.0 + 1e-6);
 }
 
-// The same where sliding does not lift. The arch falls by hinges alone: dilation plays no part. Four facets are exact
-// in a plane problem.
+// Multipliers with sliding without dilation. The arch falls by hinges only, so dilation has no effect. Four facets are
+// exact in a plane problem.
 TEST_F(Limit, MultipliersWithoutDilation) {
   const nlohmann::json wall = limit("ferris_tin_loi_1.toml", "--facets=4");
   EXPECT_NEAR(wall["multiplier_without_dilation"], 0.6398, 0.01 * 0.6398);
@@ -62,7 +62,7 @@ TEST_F(Limit, WhatHasNoAnswerIsSaid) {
   EXPECT_THAT(error_, HasSubstr("friction_angle"));
 }
 
-// The run finds its own start and rate. The arch falls by hinges at 0.37361.
+// The run computes its start and rate from limit analysis. The arch falls by hinges at 0.37361.
 TEST_F(Limit, ARunBeginsFromTheLimit) {
   const std::string collapse = "stage.push.collapse={ direction = [1, 0, 0], start = \"limit\" }";
   ASSERT_EQ(quoin({"run", QUOIN_SCENES "/arch.toml", "--set", collapse, "--set", "output.frames=0", "--set",
@@ -78,9 +78,8 @@ TEST_F(Limit, ARunBeginsFromTheLimit) {
   EXPECT_LE(lag, 0.006 * multiplier);
 }
 
-// Some 300 s before: the search looked for a friction that it does not use. Ferris and Tin-Loi's second wall falls at
-// 0.5629 without dilation. The slow limit of the run is that within 1 %. Within 120 s: on a machine that has much else
-// to do.
+// Ferris and Tin-Loi's second wall falls at 0.5629 without dilation; a slow run agrees to 1 %. The limit analysis for
+// the start must take less than 120 s, also on a busy machine.
 TEST_F(Limit, ARunOfAWallBeginsFromTheLimitInSeconds) {
   const std::string collapse = "stage.tilt.collapse={ direction = [1, 0, 0], start = \"limit\" }";
   const auto begin = std::chrono::steady_clock::now();
@@ -103,7 +102,7 @@ TEST_F(Limit, AStartFromTheLimitThatCannotBeFoundIsSaid) {
       quoin({"run", wall, "--out", out(), "--law", "elastic", "--set", "stage.push.collapse={ start = \"limit\" }"}),
       3);
   EXPECT_THAT(error_, HasSubstr("friction_angle"));
-  // What does not run looks for nothing.
+  // check does not run a limit analysis.
   EXPECT_EQ(quoin({"check", wall, "--set", "stage.push.collapse={ start = \"limit\" }"}), 0) << error_;
   EXPECT_THAT(out_, HasSubstr("multiplier at most 1.2 times the associated one of limit analysis"));
   EXPECT_THAT(error_, Not(HasSubstr("collapse.start")));
@@ -146,10 +145,11 @@ TEST_F(Limit, WhetherItStandsAndWithHowMuchFriction) {
   const double needed = 0.3 / std::tan(35.0 * std::numbers::pi / 180.0);
   EXPECT_NEAR(found["smallest_friction_scale"], needed, 2e-3);
   EXPECT_NEAR(found["smallest_friction_scale_without_dilation"], needed, 2e-3);
-  // Beside 3 of 10 along x, sqrt(109) times the margin to the right until friction is used up: the least of four ways.
+  // The margin is the smallest of four directions: with 3 of 10 along x, (7.002 - 3)/sqrt(109) in +x until friction is
+  // exhausted.
   EXPECT_NEAR(found["margin"], (7.002 - 3.0) / std::sqrt(109.0), 1e-3);
   EXPECT_EQ(found["margin_direction"][0], 1.0);
-  // Given loads count.
+  // Given loads are included.
   EXPECT_EQ(quoin({"limit", scene.string(), "--out", out(), "--direction", "1", "0", "0", "--given", "0.5"}), 5);
   EXPECT_THAT(error_, HasSubstr("#1 at (0.500, 1.500, 0.500) m"));
   found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));

@@ -1,4 +1,4 @@
-// Members as a user meets them: scenes that ship, limit analysis against runs, files, refusals.
+// Members through the command line: shipped scenes, limit analysis against runs, files, refusals.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -20,8 +20,8 @@ class Members : public Cli {
   }
 };
 
-// Multipliers of a facade that turns about its outer edge: by the closed form, by limit analysis and by a run. The run
-// has moved by 6 mm of 3 m when it counts as fallen, and its edge is as stiff as its joints: 3 %.
+// Multipliers of a facade that rotates about its outer edge: by the closed form, by limit analysis and by a run.
+// Tolerance 3 %, since the run counts as collapsed at 6 mm of 3 m, and its edge has the stiffness of the joints.
 TEST_F(Members, FacadeHeldByTiesFallsAtTheMultiplierOfLimitAnalysis) {
   const double t = 0.3, h = 3.0, weight = 2.4 * h * t * 2000.0 * 9.81, yield = 1e3, y = 2.25;
   const double expected = (weight * t / 2 + 2 * yield * y) / (weight * h / 2);
@@ -48,7 +48,7 @@ TEST_F(Members, FacadeHeldByTiesFallsAtTheMultiplierOfLimitAnalysis) {
   EXPECT_THAT(read_all(fs::path(out()) / "members.pvd"), HasSubstr("members_0003.vtu"));
 }
 
-// The same of a facade that the anchors of a floor hold, which goes out with it; the floor's inertia pushes, too.
+// Multipliers of a facade with a floor on anchors, which moves with it; the inertia force of the floor acts, too.
 TEST_F(Members, FacadeHeldByAFloorFallsAtTheMultiplierOfLimitAnalysis) {
   const double t = 0.3, h = 3.0, width = 2.4, weight = width * h * t * 2000.0 * 9.81, y = 2.25;
   const double floor_weighs = 40.0 * width * 4.0 * 9.81, anchor = 1000.0;
@@ -65,7 +65,7 @@ TEST_F(Members, FacadeHeldByAFloorFallsAtTheMultiplierOfLimitAnalysis) {
   EXPECT_NEAR(s["collapse_multiplier"].get<double>() / expected, 1.0, 0.03);
 }
 
-// A load along an arch: the worst of its positions is that of limit.json, and all are in moving.csv.
+// A moving load on an arch: limit.json has its worst position, and moving.csv all positions.
 TEST_F(Members, MovingLoadHasItsWorstPlace) {
   const fs::path scene = folder_ / "moving.toml";
   std::string text = read_all(QUOIN_SCENES "/arch.toml");
@@ -94,8 +94,8 @@ moving_load = { from = [-6.0, 14.0, 0.5], to = [6.0, 14.0, 0.5], force = [0.0, -
   EXPECT_THAT(error_, HasSubstr("moving_load.force"));
 }
 
-// The arch spreads until it stands at its least thrust, which its tie has. By limit analysis a tie that yields 3 %
-// below does not hold the weight, and one 3 % above does.
+// The arch spreads until its thrust is the minimum thrust, which is the force of its tie. By limit analysis a tie with
+// a yield force 3 % below it does not carry the weight, and one 3 % above does.
 TEST_F(Members, TieOfAnArchOnRollersHasItsLeastThrust) {
   const auto s = run("tied_arch.toml", {"output.frames=0"});
   const double thrust = s["ties"][0]["force_N"];

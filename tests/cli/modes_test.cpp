@@ -1,4 +1,4 @@
-// `quoin modes` as a user calls it.
+// `quoin modes` through its command line.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -19,7 +19,7 @@ class Modes : public Cli {
   }
 };
 
-// Walls of bricks and the same wall of blocks are one masonry.
+// A wall of bricks and an equal wall of blocks have equal frequencies.
 TEST_F(Modes, WallsOfBricksAndOfBlocksHaveTheSameFrequencies) {
   const nlohmann::json bricks = modes("solid_wall_030.toml"), blocks = modes("solid_wall_030_blocks.toml");
   ASSERT_EQ(bricks["frequencies_Hz"].size(), 10u);

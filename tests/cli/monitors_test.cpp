@@ -1,5 +1,4 @@
-// monitors.csv: what any number of monitors do, against the columns of the history, and a column that leans in closed
-// form.
+// monitors.csv: several monitors against the columns of the history, and the tilt of a column in closed form.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -18,7 +17,7 @@ using testing::HasSubstr;
 
 class Monitors : public Cli {
  protected:
-  // Two blocks on each other, elastic joints, on ground that goes along x at 1 m/s2 from 0.1 s of the stage on.
+  // Returns two blocks on each other, with elastic joints, on a ground with 1 m/s2 along x from 0.1 s of the stage on.
   std::string scene(const std::string& monitors, double duration = 0.4) const {
     const std::string path = (folder_ / "scene.toml").string();
     std::ofstream(path) << R"(
@@ -57,7 +56,7 @@ ground_motion = {{ direction = [1, 0, 0], time = [0, 0.1, 9], acceleration = [0,
                         << monitors << "[output]\nmonitor = \"high\"\nframes = 0\nplots = false\n";
     return path;
   }
-  // Columns of a table, by name.
+  // Returns the columns of a table by name.
   std::map<std::string, std::vector<double>> columns(const fs::path& file) const {
     std::stringstream stream(read_all(file));
     std::vector<std::string> names;
@@ -92,7 +91,7 @@ TEST_F(Monitors, AgreeWithTheHistoryAndWithEachOther) {
   double ringing = 0.0;
   for (std::size_t i = 0; i <= last; ++i) {
     EXPECT_EQ(history["time_s"][i], time[i]);
-    // A rigid box: the mean of its corners is its centre but for its turning, of second order.
+    // The mean of the corners of a rigid box is its centre, but for rotation, of second order.
     EXPECT_NEAR(monitors["top_dx_m"][i], history["monitor_dx_m"][i], 1e-9);
     EXPECT_NEAR(monitors["top_relative_dx_m"][i], history["monitor_relative_dx_m"][i], 1e-9);
     EXPECT_EQ(monitors["ground_dx_m"][i], history["ground_dx_m"][i]);
@@ -105,7 +104,7 @@ TEST_F(Monitors, AgreeWithTheHistoryAndWithEachOther) {
   EXPECT_NEAR(monitors["top_ax_m_s2"][last] - monitors["ground_ax_m_s2"][last], monitors["top_relative_ax_m_s2"][last],
               1e-9);
   EXPECT_GT(ringing, 0.01) << "nothing swings";
-  // The corner is the one at (0.2, 1, 0.2): it goes with the block and, turned by the lean, further.
+  // The corner is at (0.2, 1, 0.2): it moves with the block and, by the tilt, further.
   EXPECT_LT(monitors["corner_relative_dx_m"][last], monitors["top_relative_dx_m"][last]);
   const auto json = nlohmann::json::parse(read_all(fs::path(out()) / "monitors.json"));
   EXPECT_EQ(json["top"]["residual"]["top_relative_dx_m"], monitors["top_relative_dx_m"][last]);
@@ -129,7 +128,7 @@ TEST_F(Monitors, GoOnWhereAKilledRunWasLeft) {
     EXPECT_EQ(read_all(fs::path(cut) / file), read_all(fs::path(whole) / file)) << file;
 }
 
-// On the lattice, where walls begin, and in large motion, to which they go over when the ground moves.
+// Monitors on the lattice, and in large motion after a promotion by ground motion.
 TEST_F(Monitors, FollowAWallFromTheLatticeIntoLargeMotion) {
   const std::string path = (folder_ / "wall.toml").string();
   std::ofstream(path) << read_all(small_) << R"(

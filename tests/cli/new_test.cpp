@@ -1,4 +1,4 @@
-// `quoin new`: what it writes is checked by the program itself, and nothing is written over.
+// `quoin new`: the program checks and runs its scenes, and files are not overwritten.
 #include <gmock/gmock.h>
 
 #include "program.h"
@@ -13,7 +13,7 @@ class New : public Cli {
 };
 
 TEST_F(New, ScenesThatItWritesRun) {
-  // Of the last stage no more than its beginning.
+  // With a short last stage.
   for (const auto& [kind, shorter] : {std::pair<std::string, std::string>{"wall", "stage.shear.displacement=1e-5"},
                                       {"arch", "stage.push.collapse.limit=0.201"},
                                       {"facade", "stage.earthquake.duration=0.01"}}) {
@@ -27,7 +27,7 @@ TEST_F(New, ScenesThatItWritesRun) {
   }
 }
 
-// A facade that is made longer than its ground: one that still stands on it is not spoken of.
+// A facade that is longer than its ground causes a warning; one that stands on the ground does not.
 TEST_F(New, AGroundThatIsTooShortIsWarnedOf) {
   const std::string scene = file("facade.toml");
   ASSERT_EQ(quoin({"new", "facade", scene}), 0) << error_;
@@ -36,7 +36,7 @@ TEST_F(New, AGroundThatIsTooShortIsWarnedOf) {
     const std::size_t at = text.find("units_per_course = ");
     std::ofstream(scene) << text.substr(0, at) + "units_per_course = " + units + text.substr(text.find('\n', at));
     ASSERT_EQ(quoin({"check", scene}), 0) << error_;
-    // The ground ends at 5.9 m: units of 0.6 m from 0 on, of which those from 6.0 m on hang.
+    // The ground ends at 5.9 m: of the units of 0.6 m those from 6.0 m on have no support.
     EXPECT_EQ(out_.find("stand on no fixed block: #") != std::string::npos, warned) << out_;
     if (!warned) continue;
     EXPECT_THAT(out_, HasSubstr("warning: 3 blocks of the lowest course stand on no fixed block"));

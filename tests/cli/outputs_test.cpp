@@ -1,5 +1,4 @@
-// Where results go: hostile names and titles, folders that others use or that hold other things, and files that tools
-// read.
+// Output of results: malicious names and titles, folders in use or with other files, and files that other tools read.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -25,7 +24,7 @@ class Outputs : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
-    fs::current_path(folder_);  // where commands in titles would leave their traces
+    fs::current_path(folder_);  // commands in titles would create files here
   }
   void TearDown() override {
     fs::current_path("/");
@@ -35,7 +34,7 @@ class Outputs : public Cli {
     std::ofstream(folder_ / name) << text;
     return (folder_ / name).string();
   }
-  // Two free blocks on a fixed one, for a few steps.
+  // Returns two free blocks on a fixed one, for a few steps.
   std::string block_scene() const {
     return write("blocks.toml", R"(title = "two blocks"
 [solver]
@@ -105,7 +104,7 @@ TEST_F(Outputs, TitlesAndFoldersRunNoCommands) {
   for (const auto& entry : fs::recursive_directory_iterator(folder_)) EXPECT_NE(entry.path().filename(), "canary");
 }
 
-// Names of files are bytes; summary.json is UTF-8.
+// File names are bytes; summary.json is UTF-8.
 TEST_F(Outputs, TitlesAndNamesOfAnyBytesReachTheSummary) {
   const fs::path scene = folder_ / "b\xff.toml";
   fs::copy_file(small_, scene);
@@ -138,7 +137,7 @@ TEST_F(Outputs, ARunRemovesOnlyWhatTheLastOneWrote) {
   ASSERT_EQ(run_small({"--set", "stage.shear.displacement=1e-5"}), 0) << error_;
   std::ofstream(out() + "/notes.txt") << "mine";
   std::ofstream(out() + "/plots/mine.gp") << "mine";
-  // A run of another scene without frames and pictures: nothing of the first is left, and all that is mine.
+  // A run of another scene without frames and pictures removes all files of the first run, and no files of the user.
   ASSERT_EQ(quoin({"run", block_scene(), "--out", out(), "--set", "output.frames=0", "--set", "output.plots=false"}), 0)
       << error_;
   std::vector<std::string> left = results(out());
@@ -148,7 +147,7 @@ TEST_F(Outputs, ARunRemovesOnlyWhatTheLastOneWrote) {
   EXPECT_EQ(read_all(out() + "/plots/mine.gp"), "mine");
 }
 
-// Each kind of result in turn is another's, in a folder without a run.
+// A folder without a run that has a file with the name of a result, for each kind of result.
 TEST_F(Outputs, RefusesAFolderWithOtherThingsOfThoseNames) {
   ASSERT_EQ(run_small({"--set", "stage.shear.displacement=1e-5"}), 0) << error_;
   std::vector<std::string> names = results(out());
@@ -178,7 +177,7 @@ TEST_F(Outputs, TwoRunsDoNotShareAFolder) {
   for (int i = 0; i < 1200 && !begun(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   for (const std::string& scene : {small_, block_scene()}) {
-    const pid_t second = fork();  // not through start(), which would take the files of the first's messages
+    const pid_t second = fork();  // not by start(), which would overwrite the messages of the first run
     if (second == 0) {
       const int error = open((folder_ / "second").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       dup2(error, STDERR_FILENO);
@@ -191,7 +190,7 @@ TEST_F(Outputs, TwoRunsDoNotShareAFolder) {
     EXPECT_THAT(read_all(folder_ / "second"),
                 AllOf(HasSubstr("in use by another run (process " + std::to_string(first)), HasSubstr("--out")));
   }
-  kill(first, SIGKILL);  // its lock dies with it; its history was not whole and is not there
+  kill(first, SIGKILL);  // its lock ends with it; its incomplete history does not exist
   finish(first);
   EXPECT_FALSE(fs::exists(out() + "/history.csv"));
   ASSERT_EQ(run_small({"--set", "stage.shear.displacement=1e-5", "--set", "output.plots=false"}), 0) << error_;
@@ -210,7 +209,8 @@ TEST_F(Outputs, NamesOfStagesDoNotTearTheHistory) {
   EXPECT_THAT(history, HasSubstr("\n2,\"a \"\"b\"\", c d\","));
 }
 
-// The third half cycle of equal amplitude has less force than the first: the run says which, and by how much.
+// The third half cycle of equal amplitude has a smaller force than the first: the run reports the half cycle and the
+// loss.
 TEST_F(Outputs, AStopAtForceLossIsToldWithItsForces) {
   std::string text = read_all(small_);
   const size_t stage = text.find("[[stage]]\nname = \"shear\""), output = text.find("[output]");
@@ -226,7 +226,7 @@ TEST_F(Outputs, AStopAtForceLossIsToldWithItsForces) {
                                             force / before, before / 1e3)));
 }
 
-// Arrays of a VTU file with one appended block of raw data, as this program writes it: VTK's format, read without VTK.
+// Arrays of a VTU file with one appended block of raw data, as the program writes it. Reads VTK's format without VTK.
 class Vtu {
  public:
   explicit Vtu(const fs::path& file) : text_(read_all(file)) {
@@ -263,7 +263,7 @@ Vector vector_at(const std::vector<float>& values, size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }
 
-// Forces on block a of every point: tension draws it along the normal, towards block b.
+// Returns the force of every point on block a, N: tension acts along the normal, towards block b.
 std::vector<Vector> forces_on_a(const Vtu& joints) {
   const auto area = joints.array<float>("area_m2"), normal = joints.array<float>("normal"),
              axis = joints.array<float>("shear_axis"), traction = joints.array<float>("traction_Pa");
@@ -278,7 +278,7 @@ std::vector<Vector> forces_on_a(const Vtu& joints) {
   return forces;
 }
 
-// Axes of a joint that lies askew are found in the file too.
+// The axes of an inclined joint are in the file, too.
 TEST_F(Outputs, ForcesOnABlockOnASlopeBalanceItsWeight) {
   const std::string scene = write("slope.toml", R"([solver]
 damping = "local"
@@ -323,15 +323,15 @@ plots = false
     ASSERT_NE(a[i], b[i]);
     for (size_t k = 0; k < 3; ++k) sum[k] += (a[i] == 1 ? 1.0 : -1.0) * forces[i][k];
   }
-  // Tolerance: what still moves after 0.5 s, some hundred periods damped by eq. 1.
+  // Tolerance for vibration after 0.5 s, about a hundred periods with local damping (eq. 1).
   const double weight = 2000.0 * 9.81 * 0.4 * 0.1 * 0.4;
   EXPECT_NEAR(sum[0], 0.0, 1e-4 * weight);
   EXPECT_NEAR(sum[1], weight, 1e-4 * weight);
   EXPECT_NEAR(sum[2], 0.0, 1e-4 * weight);
 }
 
-// A wall under its weight and a push of the top beam, then at rest. The joints of a block carry its weight, and turn it
-// about no axis.
+// A wall at rest under its weight and a displacement of the top beam. The forces of a block's joints balance its
+// weight, and their moment is 0.
 TEST_F(Outputs, ForcesOnABlockFormedFromTheJointsFileBalanceItsWeight) {
   std::string text = read_all(small_);
   text = text.substr(0, text.find("[[stage]]")) + R"([[stage]]
@@ -410,8 +410,8 @@ plots = false
     }
     largest = std::max(largest, std::hypot(force[0], force[1], force[2]));
   }
-  // Tolerance: rounding to 24 bits of some tens of forces up to the largest (6e-8 each). And the residual at rest, 1e-7
-  // of the mean contact force at each of tens of gridpoints.
+  // Tolerance for rounding to 24 bits of some tens of forces up to the largest (6e-8 each). It includes the unbalanced
+  // force at rest, 1e-7 of the mean contact force at each of tens of gridpoints.
   const double tolerance = 1e-5 * largest;
   for (const auto& [which, load] : loads) {
     const double weight = 1900.0 * 9.81 * load.volume;
@@ -425,7 +425,7 @@ plots = false
   }
 }
 
-// Rows of numbers between blank lines, as gnuplot reads them; what is no number ends a row.
+// Rows of numbers between blank lines, as gnuplot reads them. A word that is not a number ends a row.
 using Rows = std::vector<std::vector<double>>;
 std::vector<Rows> blocks_of(const std::string& text) {
   std::vector<Rows> blocks(1);
@@ -460,12 +460,12 @@ double signed_area(const Rows& polygon) {  // counter-clockwise positive
   return area;
 }
 
-// Pictures of the small wall: 2 courses of 62.5 mm, 440 mm long, between beams of 100 mm, top moved by 0.5 mm.
+// Pictures of the small wall: 2 courses of 62.5 mm, 440 mm long, between beams of 100 mm; the top moves by 0.5 mm.
 TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
   ASSERT_EQ(run_small({"--set", "output.frames=1"}), 0) << error_;
   const fs::path plots = fs::path(out()) / "plots";
 
-  // The curve: mm, kN and MPa on 440 x 100 mm of the rows of the history from the end of the pressing on.
+  // The curve has mm, kN and MPa (on 440 x 100 mm) of the rows of the history from the end of the first stage on.
   const Rows curve = blocks_of(read_all(plots / "curve.dat"))[0];
   std::ifstream history(out() + "/history.csv");
   Rows rows;
@@ -481,7 +481,7 @@ TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
   // stage, step, time, displacement, vertical displacement, horizontal force, vertical force
   size_t shear = 0;
   while (rows[shear][0] < 2) ++shear;
-  // Then what has not moved yet is left out.
+  // Rows without displacement are omitted.
   const size_t still = rows.size() - shear + 1 - curve.size();
   ASSERT_LT(still, 20u);
   for (size_t i = 0; i < still; ++i) EXPECT_LE(std::abs(rows[shear + i][3]), 1e-9 * rows.back()[3]);
@@ -500,8 +500,8 @@ TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
   EXPECT_EQ(range_of(curve_script, "x")[0], 0.0);
   EXPECT_NEAR(blocks_of(datablock(curve_script, "$peak"))[0][0][1], peak / 1e3, 1e-5 * peak / 1e3);
 
-  // The wall: bricks where the frame file has them, displacements 20 times larger: the greatest of 1, 2, 5, 10, ...
-  // that keeps half a millimetre below 7.5 % of 325 mm.
+  // The wall: bricks at the positions of the frame file, with displacements scaled by 20. That is the largest of 1, 2,
+  // 5, 10, ... with which half a millimetre is below 7.5 % of 325 mm.
   const std::string script = read_all(plots / "cracks.gp");
   EXPECT_THAT(script, HasSubstr("drawn 20 times larger"));
   EXPECT_THAT(script, HasSubstr(fmt::format("top beam moved {:.2f} mm, horizontal force {:.1f} kN, law fracture_energy",
@@ -510,7 +510,7 @@ TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
   const auto place = blocks.array<float>("position"), moved = blocks.array<float>("displacement_m");
   ASSERT_EQ(place.size(), moved.size());
   double largest = 0.0;
-  std::set<std::pair<long, long>> front;  // of all gridpoints at z = 0.1 m, in hundredths of a millimetre
+  std::set<std::pair<long, long>> front;  // positions of all gridpoints at z = 0.1 m, in hundredths of a millimetre
   for (size_t i = 0; i < place.size(); i += 3) {
     largest = std::max<double>(largest, std::hypot(moved[i], moved[i + 1]));
     if (place[i + 2] < 0.0999F) continue;
@@ -538,14 +538,14 @@ TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
     const bool half = signed_area(outline) < 1.5 * 110 * 62.5;
     EXPECT_EQ(outline.size(), half ? 7u : 11u) << "2 hexahedra along a half, 1 up";
   }
-  // 3 % of the length beside the sway, and 0.3 of the sway above.
+  // Margins: 3 % of the length plus the horizontal displacement at the sides, and 0.3 of the displacement above.
   const double sway = 20e3 * largest, margin = 0.03 * 440.0;
   EXPECT_NEAR(x_low, -margin - sway, 0.01);
   EXPECT_NEAR(x_high, 440.0 + margin + sway, 0.01);
   EXPECT_NEAR(y_low, -100.0 - margin, 0.01);
   EXPECT_NEAR(y_high, 225.0 + margin + 0.3 * sway, 0.01);
 
-  // Joints: quads between their two sides; all together as long as three bed joints and three head joints.
+  // Joints are quads between their two sides; their total length is that of three bed joints and three head joints.
   double length = 0.0, left = 0.0, right = 0.0;
   for (const int kind : {0, 1, 2, 3, 4, 5})
     for (const Rows& quad : blocks_of(read_all(plots / fmt::format("joints_{}.dat", kind)))) {
@@ -559,8 +559,7 @@ TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
   EXPECT_NEAR(length, 3 * 440.0 + 3 * 62.5, 0.01 * 1500.0);
 }
 
-// Cells of a frame: tetrahedra of the bricks and hexahedra of the beams fill their volumes, quads of joints their
-// areas.
+// Cells of a frame: tetrahedra fill the volume of the bricks, hexahedra that of the beams, quads the area of joints.
 TEST_F(Outputs, CellsOfAFrameFillTheWall) {
   ASSERT_EQ(run_small({"--set", "output.frames=1", "--set", "output.plots=false"}), 0) << error_;
   const fs::path file = out() + "/blocks_0001.vtu", joints_file = out() + "/joints_0001.vtu";
@@ -569,7 +568,7 @@ TEST_F(Outputs, CellsOfAFrameFillTheWall) {
     const std::string text = read_all(of), mark = what + "=\"";
     return std::stoul(text.substr(text.find(mark) + mark.size(), 20));
   };
-  // Arrays have as many components as their name says.
+  // Arrays have the number of components of their kind.
   for (const auto& [of, name, components] : {std::tuple{file, "block", 1},
                                              {file, "types", 1},
                                              {file, "connectivity", 1},
@@ -634,8 +633,8 @@ TEST_F(Outputs, CellsOfAFrameFillTheWall) {
     EXPECT_EQ(joints.array<float>(name).size(), at.size() / 3) << name;
 }
 
-// Corners of every polygon of a script, with what stands behind "cb" as the third number, or 0. In the order of their
-// numbers, in which gnuplot draws them.
+// Returns the corners of every polygon of a script, with the number after "cb" as third number, or 0. Polygons are in
+// the order of their numbers, in which gnuplot draws them.
 std::vector<Rows> polygons_of(const std::string& script) {
   std::map<int, Rows> polygons;
   std::istringstream lines(script);
@@ -654,11 +653,11 @@ std::vector<Rows> polygons_of(const std::string& script) {
   return in_order;
 }
 
-// Two blocks side by side on a longer one, all in one plane: their fronts, where they stand, and the three joints.
+// Two blocks beside each other on a longer one, all in one plane: the pictures have their fronts and the three joints.
 TEST_F(Outputs, PicturesOfBlocksInAPlaneShowTheirFronts) {
   ASSERT_EQ(quoin({"run", block_scene(), "--out", out()}), 0) << error_;
   const std::string mechanism = read_all(out() + "/plots/mechanism.gp"), cracks = read_all(out() + "/plots/cracks.gp");
-  // Lower and upper corners; the base of 1 x 0.2 m reaches out of the picture.
+  // Lower and upper corners; the base of 1 x 0.2 m extends beyond the picture.
   const Rows fronts[] = {{{0, -0.08}, {0.88, 0}}, {{0, 0}, {0.4, 0.2}}, {{0.4, 0}, {0.8, 0.2}}};
   for (const std::string* script : {&mechanism, &cracks}) {
     const auto faces = polygons_of(*script);
@@ -667,7 +666,7 @@ TEST_F(Outputs, PicturesOfBlocksInAPlaneShowTheirFronts) {
       ASSERT_EQ(faces[f].size(), 5u);
       for (size_t k = 0; k < 2; ++k) {
         const double low = fronts[f][0][k], high = fronts[f][1][k];
-        int at_low = 0, at_high = 0;  // of the four corners; they fall for a millisecond
+        int at_low = 0, at_high = 0;  // numbers of the four corners, which fall for a millisecond
         for (size_t i = 0; i < 4; ++i) {
           at_low += std::abs(faces[f][i][k] - low) < 1e-5;
           at_high += std::abs(faces[f][i][k] - high) < 1e-5;
@@ -682,7 +681,7 @@ TEST_F(Outputs, PicturesOfBlocksInAPlaneShowTheirFronts) {
       for (const auto& corner : faces[1]) fallen = std::min(fallen, corner[1]);
       EXPECT_NEAR(faces[f][0][2], f > 0 ? -1e3 * fallen : 0.0, 1e-9) << "mm";
     }
-    // A tenth of the length of what can move on each side.
+    // The margin on each side is a tenth of the length of the free blocks.
     EXPECT_NEAR(range_of(*script, "x")[0], -0.08, 1e-5);
     EXPECT_NEAR(range_of(*script, "x")[1], 0.88, 1e-5);
     EXPECT_NEAR(range_of(*script, "y")[0], -0.08, 1e-5);

@@ -1,4 +1,4 @@
-// The program as a process, in a folder of the test's own.
+// The program as a process, in a separate folder for each test.
 #pragma once
 
 #include <fcntl.h>
@@ -31,7 +31,8 @@ class Cli : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // standard_error: where it goes; -1: to a file, which finish reads. before: done in the child before it begins.
+  // Starts a process. standard_error: its descriptor; -1: a file, which finish reads. before: called in the child
+  // before the program.
   pid_t start(const std::vector<std::string>& words, int standard_error = -1,
               const std::function<void()>& before = {}) {
     std::vector<char*> arguments;

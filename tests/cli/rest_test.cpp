@@ -1,4 +1,4 @@
-// `quoin rest` and `quoin modes --state` as a user calls them.
+// `quoin rest` and `quoin modes --state` through their command line.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -22,8 +22,8 @@ class Rest : public Cli {
   }
 };
 
-// A rigid cube of 1 m and 1800 kg on a dry bed, pushed at its centre by 0.6 of its weight. The resultant is 0.3 m off
-// the middle, and the bed is closed over 3 (0.5 - 0.3) m; by its last point, 10 mm more.
+// A rigid cube of 1 m and 1800 kg on a dry bed, with a horizontal force of 0.6 of its weight at its centre. The
+// resultant is 0.3 m from the centre, and the bed is closed over 3 (0.5 - 0.3) m; by its last point, over 10 mm more.
 constexpr const char* kCube = R"(
 [materials.stone]
 density = 1800.0
@@ -58,7 +58,7 @@ std::string pushed(double force) {
 }
 constexpr double kWeight = 1800.0 * 9.81;  // N
 
-// Frequencies of six degrees of freedom on the bed that is closed, by integrals over it.
+// Frequencies of six degrees of freedom on the closed part of the bed, by integrals over it.
 TEST_F(Rest, OpenJointsHaveNoStiffness) {
   const std::string scene = write(pushed(0.6 * kWeight)), rest = (folder_ / "rest").string();
   ASSERT_EQ(quoin({"rest", scene, "--out", rest}), 0) << error_;
@@ -81,7 +81,7 @@ TEST_F(Rest, OpenJointsHaveNoStiffness) {
   }
 }
 
-// Stiff in shear the cube rocks about the middle of its foot. Its weight on half of its height takes its share of the
+// With a stiff joint in shear the cube rocks about the centre of its base. Its weight at half of its height reduces the
 // rocking stiffness 1e7/12.
 TEST_F(Rest, WeightTakesFromTheStiffnessOfRocking) {
   const std::string scene = write(kCube);
@@ -105,7 +105,7 @@ TEST_F(Rest, WhatIsWrongIsSaid) {
   EXPECT_EQ(quoin({"modes", scene, "--state", (folder_ / "none").string()}), 3);
 }
 
-// A state at rest is where another scene begins whose first stage it is.
+// Another scene with the same first stage can start from a state at rest.
 TEST_F(Rest, AnotherSceneBeginsThere) {
   const std::string scene = QUOIN_SCENES "/arch.toml", rest = (folder_ / "rest").string();
   ASSERT_EQ(quoin({"rest", scene, "--out", rest, "--set", "output.plots=false"}), 0) << error_;

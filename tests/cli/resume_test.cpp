@@ -1,5 +1,5 @@
-// Runs that are killed and go on have the same results, byte for byte, as a run that was left alone. What may not go on
-// is refused with the reason.
+// Runs that are killed and resumed have results that are equal, byte for byte, to those of an uninterrupted run. Runs
+// that cannot be resumed are refused with the reason.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 
 class Resume : public Cli {
  protected:
-  // Kills the run in a folder at random moments until it is through. Returns how often it went on from a checkpoint.
+  // Kills and resumes the run at random times until it is complete. Returns the number of resumes from a checkpoint.
   int run_and_kill(const std::vector<std::string>& scene, const fs::path& out, double seconds, std::mt19937& random) {
     std::vector<std::string> first{QUOIN_PROGRAM, "run"};
     first.insert(first.end(), scene.begin(), scene.end());
@@ -75,7 +75,7 @@ class Resume : public Cli {
     EXPECT_GT(from_checkpoint, 0);
   }
 
-  // A run of the small wall that would take long, stopped soon: with a checkpoint.
+  // Starts a long run of the small wall and stops it soon, with a checkpoint.
   void stop_soon(std::vector<std::string> more) {
     more.insert(more.begin(),
                 {QUOIN_PROGRAM, "run", scene_, "--out", out(), "--threads", "1", "--set", "output.plots=false"});
@@ -87,7 +87,7 @@ class Resume : public Cli {
     ASSERT_EQ(finish(child), 130) << error_;
   }
   void expect_refused(const std::string& reason) {
-    EXPECT_EQ(quoin({"run", "--resume", out()}, [] { alarm(60); }), 3);  // of one that goes on instead
+    EXPECT_EQ(quoin({"run", "--resume", out()}, [] { alarm(60); }), 3);  // ends a run that is not refused
     EXPECT_THAT(error_, HasSubstr(reason));
   }
   std::string checkpoint() const { return out() + "/checkpoint.bin"; }
@@ -102,7 +102,7 @@ class Resume : public Cli {
 };
 
 TEST_F(Resume, KilledWallsEndAsIfLeftAlone) {
-  expect_same_after_kills({small_, "--set", "stage.shear.velocity=0.01"});  // long enough to be killed within
+  expect_same_after_kills({small_, "--set", "stage.shear.velocity=0.01"});  // long enough to be killed during the run
 }
 
 TEST_F(Resume, KilledBuildingsEndAsIfLeftAlone) {
@@ -115,7 +115,7 @@ TEST_F(Resume, KilledCollapsesEndAsIfLeftAlone) {
                            "output.energy=true", "--set", "output.plots=false"});
 }
 
-// Dowels, soil on a face, a tie through a block, and a load that moves over it.
+// Dowels, soil on a face, a tie through a block, and a moving load on it.
 TEST_F(Resume, MembersAndAMovingLoadGoOn) {
   const fs::path scene = folder_ / "members.toml";
   std::ofstream(scene) << R"([materials.stone]
@@ -184,14 +184,14 @@ TEST_F(Resume, FinishedRunsAreLeftAsTheyAre) {
 TEST_F(Resume, WithoutCheckpointsARunStartsAnew) {
   ASSERT_EQ(run_small(), 0) << error_;
   const std::string history = read_all(out() + "/history.csv");
-  fs::remove(out() + "/summary.json");  // as of a run killed before its end
+  fs::remove(out() + "/summary.json");  // as after a run that is killed before its end
   EXPECT_EQ(quoin({"run", "--resume", out()}), 0) << error_;
   EXPECT_THAT(error_, HasSubstr("from the start"));
   EXPECT_EQ(read_all(out() + "/history.csv"), history);
   EXPECT_EQ(summary()["status"], "done");
 }
 
-// Nor is another scene begun where there is no checkpoint yet.
+// Resuming with another scene is refused also without a checkpoint.
 TEST_F(Resume, WithoutCheckpointsOtherScenesAreRefusedToo) {
   ASSERT_EQ(quoin({"run", scene_, "--out", out(), "--threads", "1"}), 0) << error_;
   fs::remove(out() + "/summary.json");
@@ -212,7 +212,7 @@ TEST_F(Resume, RefusesWhatIsNoRun) {
   EXPECT_EQ(quoin({"run", small_, "--checkpoint-every", "-1"}), 2);
 }
 
-// Of the bytes of files that the scene names, whatever the model makes of them: here a word that no reader looks at.
+// Any change of a file that the scene names is refused, also of a word without effect on the model.
 TEST_F(Resume, RefusesMeshesThatHaveChanged) {
   const auto write_mesh = [&](const char* remark) {
     std::ofstream(folder_ / "cube.off") << "OFF\n"
@@ -260,7 +260,7 @@ TEST_F(Resume, RefusesCheckpointsOfAnotherSceneLawOrMachine) {
   write_checkpoint(good.substr(0, 20));
   expect_refused("cut short");
 
-  // Another version of the program, whole otherwise: its number changed and the checksum with it.
+  // A valid checkpoint of another version of the program: version and checksum are changed.
   std::string other = good;
   const std::string what = "version of quoin";
   other[other.find(what) + what.size() + 8] = '9';
@@ -282,7 +282,7 @@ TEST_F(Resume, RefusesCheckpointsOfAnotherSceneLawOrMachine) {
   std::ofstream(scene_) << scene;
   std::ofstream(law, std::ios::app) << "rebuilt";
   expect_refused("is of another library of the law");
-  EXPECT_EQ(read_all(checkpoint()), good);  // refusing changes nothing
+  EXPECT_EQ(read_all(checkpoint()), good);  // a refusal does not change the checkpoint
 }
 
 TEST_F(Resume, NumbersOfTheHistoryReadBackToTheSameDouble) {
@@ -290,7 +290,7 @@ TEST_F(Resume, NumbersOfTheHistoryReadBackToTheSameDouble) {
   std::ifstream history(out() + "/history.csv");
   std::string line, last;
   while (std::getline(history, line)) last = line;
-  // Time of the last row: steps times the step, which the summary gives in full.
+  // The time of the last row is the number of steps times the time step, which the summary has with all digits.
   std::istringstream fields(last);
   std::string field;
   for (int i = 0; i < 4; ++i) std::getline(fields, field, ',');

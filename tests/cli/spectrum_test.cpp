@@ -1,4 +1,4 @@
-// `quoin spectrum` as a user calls it: a PEER file of one component, whose spectrum is known in closed form.
+// `quoin spectrum` through its command line: a PEER file of one component with a spectrum in closed form.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 class Spectrum : public Cli {
  protected:
-  // A step of 0.1 g that lasts 10 s.
+  // Returns a record with a step of 0.1 g of 10 s.
   std::string step_record() const {
     std::string text =
         "PEER NGA STRONG MOTION DATABASE RECORD\nMade, today, here, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
@@ -25,8 +25,7 @@ class Spectrum : public Cli {
   }
 };
 
-// Damped response to a step: Sd = (a/w^2)(1 + exp(-pi z/sqrt(1 - z^2))) at half a damped period; extremes within 0.05
-// %.
+// Damped response to a step: Sd = (a/w^2)(1 + exp(-pi z/sqrt(1 - z^2))) at half a damped period. Tolerance 0.05 %.
 TEST_F(Spectrum, OfAStepIsThatOfTheClosedForm) {
   ASSERT_EQ(quoin({"spectrum", step_record(), "--damping", "0.05", "--out", out()}), 0) << error_;
   EXPECT_THAT(out_, HasSubstr("1001 samples, 10 s, recorded in m/s2"));

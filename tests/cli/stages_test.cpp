@@ -1,4 +1,4 @@
-// What stages take over from those before, what acts in them, and what is said of it.
+// Settings that stages inherit from earlier ones, their loads, and messages about them.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -22,7 +22,7 @@ class Stages : public Cli {
     more.insert(more.begin(), {"run", scene, "--out", out(), "--threads", "1", "--set", "output.plots=false"});
     return quoin(more);
   }
-  // Of the last row of the history.
+  // Returns the value of a column in the last row of the history.
   double last(const std::string& column) const {
     std::stringstream stream(read_all(folder_ / "out" / "history.csv"));
     std::string head, line, next;
@@ -61,7 +61,7 @@ duration = 0.02
 )";
 };
 
-// A stage keeps what its solver table leaves out: the fraction of the time step went back to 0.6.
+// A stage inherits settings that its solver table does not have, as the time step fraction.
 TEST_F(Stages, SolverTablesKeepWhatTheyDoNotSay) {
   const std::string scene = write(std::string("[solver]\ntime_step_fraction = 0.1\ndamping = \"viscous\"\n"
                                               "stiffness_damping = 1e-6\n") +
@@ -77,9 +77,9 @@ solver = { time_step_fraction = 0.4, damping = "local", local_damping = 0.2 }
   ASSERT_EQ(run(scene, {"--set", "stage.faster.duration=1e-6"}), 0) << error_;
   nlohmann::json all = summary();
   const double critical = all["critical_time_step_s"];
-  EXPECT_NEAR(all["time_step_s"], 0.4 * critical, 1e-12 * critical);  // grows, too, where a stage requests it
+  EXPECT_NEAR(all["time_step_s"], 0.4 * critical, 1e-12 * critical);  // a stage may also increase the step
   const auto& stages = all["settings"]["stages"];
-  for (const int i : {0, 1}) {  // what a stage sets holds in those after it
+  for (const int i : {0, 1}) {  // later stages inherit settings of a stage
     EXPECT_EQ(stages[i]["damping"], "viscous") << i;
     EXPECT_EQ(stages[i]["mass_damping_per_s"], 0.5) << i;
     EXPECT_EQ(stages[i]["stiffness_damping_s"], 1e-6) << i;
@@ -97,7 +97,7 @@ solver = { time_step_fraction = 0.4, damping = "local", local_damping = 0.2 }
   EXPECT_THAT(out_, AllOf(HasSubstr("stiffness 1e-06 s, time_step_fraction 0.1: time step"),
                           HasSubstr(", 0.40 of 2/omega_max")));
 
-  // The first stage alone: the step that is used is the one that is printed.
+  // Only the first stage: the printed step is the step of the run.
   const std::string first =
       write(std::string("[solver]\ntime_step_fraction = 0.1\n") + kBlocks + "solver = { damping = \"none\" }\n",
             "first.toml");
@@ -110,7 +110,7 @@ solver = { time_step_fraction = 0.4, damping = "local", local_damping = 0.2 }
   EXPECT_THAT(error_, HasSubstr("only with damping = \"block\""));
 }
 
-// Loads of floors act beside blocks of any shape: the base carries them, 20 kN, without weights.
+// Loads of floors act also in scenes with blocks of any shape: the base carries them, 20 kN, without weights.
 TEST_F(Stages, LoadsOfFloorsActBesideBlocks) {
   std::string text = read_all(QUOIN_TESTS "/host/small_building.toml");
   text = text.substr(0, text.find("[[stage]]")) + R"(
@@ -145,7 +145,7 @@ frames = 0
   EXPECT_THAT(out_, AllOf(HasSubstr("on the lattice"), Not(HasSubstr("not on the lattice"))));
 }
 
-// --set finds a stage by its kind, from which it has its name.
+// --set finds a stage without a name by its kind.
 TEST_F(Stages, AStageWithoutANameIsCalledByItsKind) {
   std::string text = read_all(small_);
   text.erase(text.find("name = \"shear\"\n"), std::string("name = \"shear\"\n").size());
@@ -162,9 +162,9 @@ TEST_F(Stages, ABlockIsFoundByTheLastPartOfItsName) {
   EXPECT_THAT(error_, HasSubstr("no block is called 'Foundation', did you mean 'bridge/Foundation'?"));
 }
 
-// Stiffness is requested where blocks deform, and there alone.
+// A material needs stiffness only if its blocks are deformable.
 TEST_F(Stages, RigidBlocksNeedNoStiffness) {
-  ASSERT_EQ(run(write(kBlocks)), 0) << error_;  // its stone has a density and nothing else
+  ASSERT_EQ(run(write(kBlocks)), 0) << error_;  // its stone has only a density
   const std::string zoned =
       write(std::string(kBlocks) +
             "[[block]]\nmaterial = \"stone\"\nrigid = false\ndivisions = [1, 1, 1]\nbox = { lower "
@@ -172,12 +172,12 @@ TEST_F(Stages, RigidBlocksNeedNoStiffness) {
   EXPECT_EQ(run(zoned), 3);
   EXPECT_THAT(error_, AllOf(HasSubstr("scene.toml:2: materials.stone.young_modulus: missing"),
                             HasSubstr("materials.stone.poisson_ratio: missing")));
-  // Units that deform, beams of steel that do not.
+  // Deformable units, rigid beams of steel.
   EXPECT_EQ(quoin({"check", small_, "--set", "wall.rigid_units=true", "--set", "wall.zones=[1,1,1]"}), 3);
 }
 
-// Corners alone make joints that carry tension too stiff in bending, and are for those who request them; dry ones turn
-// about them.
+// With points only at corners joints with tensile strength are too stiff in bending, so check warns about that setting.
+// Dry joints rotate about their corners.
 TEST_F(Stages, CheckTellsOfJointsWithCornersAlone) {
   const std::string bonded =
       "[[joint_rule]]\nfamily = \"dry\"\n[[dry_wall]]\nname = \"wall\"\nmaterial = \"stone\"\ncourses = 3\n"

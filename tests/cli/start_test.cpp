@@ -1,5 +1,5 @@
-// Runs that begin where others have ended have the bits of one run through all stages, also killed in between and
-// repeated. What may not begin there is refused with the reason.
+// Runs that start from the end of other runs are bitwise identical to one run of all stages, also if they are killed
+// and repeated. Scenes that cannot start there are refused with the reason.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -39,7 +39,7 @@ class Start : public Cli {
     return finish(start(words(scene, name, more)));
   }
   std::string file(const std::string& run, const std::string& name) const { return read_all(folder_ / run / name); }
-  // The rows of a stage.
+  // Returns the rows of a stage.
   std::string driven(const std::string& name, const char* stage = "2,") const {
     std::stringstream stream(file(name, "history.csv"));
     std::string rows;
@@ -59,13 +59,13 @@ TEST_F(Start, GoesOnWithTheBitsOfOneRun) {
   for (const char* name : {"blocks_0003.vtu", "joints_0003.vtu"})
     EXPECT_TRUE(file("second", name) == file("whole", name)) << name;
 
-  // Repeated, with what it began from.
+  // Repeated, from the same start.
   EXPECT_EQ(quoin({"run", "--again", (folder_ / "second").string(), "--out", out()}), 0) << error_;
   EXPECT_THAT(out_, HasSubstr("the bits agree"));
 }
 
-// A beam that moves where the first run ends moves on. The third stage begins at its velocity, on the lattice as in the
-// general kernels.
+// A beam that moves at the end of the first run continues. The third stage begins with its velocity, on the lattice and
+// in the general kernels.
 TEST_F(Start, AMovingBeamMovesOn) {
   const std::string on =
       "[[stage]]\nname = \"on\"\nkind = \"shear\"\nvelocity = 0.03\nramp_time = 0.01\ndisplacement = 0.0003\n";
@@ -87,7 +87,8 @@ TEST_F(Start, AMovingBeamMovesOn) {
 }
 
 TEST_F(Start, KilledRunsGoOn) {
-  const std::vector<std::string> slowly{"--set", "stage.shear.velocity=0.002"};  // long enough to be killed within
+  const std::vector<std::string> slowly{"--set",
+                                        "stage.shear.velocity=0.002"};  // long enough to be killed during the run
   ASSERT_EQ(run(second_, "second", slowly), 0) << error_;
   // Before the first checkpoint, and after it.
   for (const char* every : {"0", "0.005"}) {
@@ -114,15 +115,15 @@ TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   refused({"--set", "stage.precompression.equilibrium_ratio=0.01"}, "version of stage 'precompression'");
   refused({"--set", "wall.courses=3"}, "arrangement of blocks");
   refused({"--set", "wall.unit=[0.22,0.0626,0.1]"}, "arrangement of blocks");
-  // Settings, with both values: local_damping was taken without a word.
+  // Different settings are refused with both values.
   refused({"--set", "solver.local_damping=0.4"}, "another solver.local_damping (0.3; here 0.4)");
   refused({"--set", "solver.time_step_fraction=0.5"}, "another solver.time_step_fraction (0.86; here 0.5)");
   refused({"--set", "solver.settling_damping=0.6"}, "solver.settling_damping");
-  // Energies count from the first stage; those of a run that had none would lack what it has stored.
+  // Energies are sums from the first stage on; after a run without energies they would be incomplete.
   refused({"--set", "output.energy=true"}, "another output.energy (false; here true)");
   refused({"--set", "start=\"nowhere\""}, "does not exist");
   refused({"--law", "coulomb_slip"}, "other laws");
-  // Its own results would be removed before they were read.
+  // Start from the output folder of the run itself, whose results would be removed before they are read.
   const std::string state = file("first", "end_state.bin");
   EXPECT_EQ(run(second_, "first"), 3);
   EXPECT_THAT(error_, HasSubstr("give another one"));

@@ -1,4 +1,4 @@
-// What a law in C++ may do by mistake: let something out, of a kind that a host can catch by name, or of another.
+// A law in C++ with a fault: it throws a standard exception, or an object of another type.
 #include <stdexcept>
 
 extern "C" void throw_int() { throw 42; }

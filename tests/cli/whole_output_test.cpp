@@ -1,7 +1,7 @@
-// All that commands write, compared with texts that people have read (approved/): help, checks of the shipped scenes,
-// and short runs. Of these words, histories, summaries, scripts of pictures and arrays of frames. Tests of single
-// numbers stand elsewhere; this one sees what lies between them. Runs stay below the cracking of most joints, so that a
-// rounding stays one: the texts are those of AVX-512, and of AVX2 to 1e-5.
+// Complete outputs of commands against approved texts (approved/): help, checks of the shipped scenes, and short runs.
+// The outputs of runs are messages, histories, summaries, scripts of pictures and arrays of frames. Other tests check
+// single numbers. In these runs few joints crack, so that rounding is not amplified: the texts are those of AVX-512,
+// and of AVX2 to 1e-5.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Local damping goes by the sign of velocities that are nothing but rounding at rest. Kernels without fused
-// multiply-add come to another such rest, 2e-5 of displacements and 1 % of what is left unbalanced away.
+// Local damping depends on the sign of velocities, which at rest are only rounding. Kernels without fused multiply-add
+// have another state at rest: displacements differ by 2e-5, and the unbalanced forces by 1 %.
 bool fuses_here() {
 #ifdef __x86_64__
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
@@ -33,7 +33,7 @@ class WholeOutput : public Cli {
                                    {fs::path(QUOIN_PROGRAM).parent_path().string(), "BUILD"},
                                    {fs::path(QUOIN_TESTS).parent_path().string(), "SOURCE"}})
       for (std::size_t at; (at = text.find(from)) != std::string::npos;) text.replace(at, from.size(), to);
-    // What hangs on the machine and on the moment.
+    // Replaces values that depend on the machine and the time.
     for (const auto& [pattern, to] : {std::pair{"of [0-9]+ MB here", "of # MB here"},
                                       {"computing time about .*", "computing time about #"},
                                       {"time: .*", "time: #"},
@@ -48,7 +48,7 @@ class WholeOutput : public Cli {
     return fmt::format("quoin {}\n{}{}exit code {}\n", fmt::join(words, " "), out_, error_, code);
   }
 
-  // Every 1/15 of the rows.
+  // Returns about 15 rows of a history.
   static std::string rows_of(const fs::path& file) {
     std::vector<std::string> lines;
     std::ifstream stream(file);
@@ -64,7 +64,7 @@ class WholeOutput : public Cli {
     double largest = 0.0, sum = 0.0;
     for (const T v : values) largest = std::max(largest, std::abs(static_cast<double>(v)));
     for (const T v : values) sum += std::abs(static_cast<double>(v));
-    // Against the largest, so that what is nothing beside it is 0.
+    // Values relative to the largest, so that negligible values are 0.
     std::string text = fmt::format("  {}: {} values, largest {:.6e}, mean", name, values.size(), largest);
     const double unit = largest > 0.0 ? largest : 1.0;
     text += fmt::format(" {:.5f};", values.empty() ? 0.0 : sum / unit / static_cast<double>(values.size()));
@@ -96,7 +96,7 @@ class WholeOutput : public Cli {
     }
     return all;
   }
-  // Without what hangs on the machine and the moment.
+  // Returns the summary without values that depend on the machine and the time.
   static std::string summary_of(const fs::path& file) {
     auto json = nlohmann::ordered_json::parse(read_all(file));
     for (const char* key : {"wall_clock_s", "instruction_set", "version"}) json.erase(key);
@@ -129,7 +129,7 @@ class WholeOutput : public Cli {
     Words words{"run", scene, "--out", out(), "--threads", "1"};
     for (const std::string& s : set) words.insert(words.end(), {"--set", s});
     std::string text = said(words);
-    // Progress is shown where there is a terminal only.
+    // Progress is shown only on a terminal.
     expect(name, text + results());
   }
 };
@@ -164,7 +164,7 @@ TEST_F(WholeOutput, Paths) {
   std::sort(files.begin(), files.end());
   Words words{"path"};
   for (const fs::path& file : files) words.push_back(file.string());
-  // How far below its tolerance an error lies is rounding.
+  // The size of an error below its tolerance is rounding.
   expect("paths", std::regex_replace(said(words), std::regex("largest error [-+.0-9e]+"), "largest error #"));
 }
 

@@ -1,4 +1,4 @@
-/* What a project outside writes: the headers, one library. Prints the law's id. */
+/* A host in a separate project: it needs the headers and one library. Prints the law's id. */
 #include <quoin/layout_asserts.h>
 #include <stdio.h>
 

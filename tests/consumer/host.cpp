@@ -1,5 +1,5 @@
-// A host in C++ as a project outside writes it: one point of an elastic or softening joint pressed by 1 um. Prints the
-// law's id and the traction, which is the stiffness times the closing; then what the law says of a wrong property.
+// A host in C++ in a separate project: one point of an elastic or softening joint, closed by 1 um. Prints the law's id
+// and the traction, which is stiffness times closure, then the law's message for a wrong property.
 #include <dlfcn.h>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-/* Every size and offset of the ABI, in C. */
+/* Checks every size and offset of the ABI, in C. */
 #include "quoin/layout_asserts.h"
 
 int main(void) { return 0; }

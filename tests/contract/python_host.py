@@ -1,4 +1,4 @@
-"""The package quoin without the host drives the laws: usage python_host.py MODULE_DIR LAW_DIR OUTPUT_DIR. Exit 77: skipped."""
+"""Laws through the Python package without the host. Usage: python_host.py MODULE_DIR LAW_DIR OUTPUT_DIR. Exit 77: skipped."""
 import sys
 
 try:
@@ -34,7 +34,7 @@ try:
 except quoin.Refused as refused:
     assert "normal_stiffness" in str(refused) and "shear_stiffness" in str(refused), refused
 
-# The tension curve of Table 1 encloses G1 (trapezoid over the curve).
+# The area under the tension curve of Table 1 is G1 (trapezoidal rule).
 fracture = quoin.load(f"{laws}/fracture_energy.so")[0]
 mortar = fracture.material(normal_stiffness=82e9, shear_stiffness=36e9, tensile_strength=0.2e6, cohesion=0.3e6,
                            friction_angle=35, compressive_strength=5e6, fracture_energy_tension=15,
@@ -45,7 +45,7 @@ print(f"tension: peak {path.sigma.max():.6g} Pa, area {area:.6g} J/m2, law's own
       f"{path.dissipated['tension'][-1]:.12g} J/m2")
 assert abs(area - 15) < 0.02 and abs(path.dissipated["tension"][-1] - 15) < 1e-10
 
-# A path has the bits of steps that are described one by one, with sliding in both directions.
+# A path is bitwise identical to single steps, with sliding in both directions.
 walk = np.cumsum(np.random.default_rng(7).normal(scale=2e-6, size=(3, 300)), axis=1)
 walk[0] = 1e-5 * np.sin(np.arange(300) / 30)
 path = mortar.drive(*walk)
@@ -65,8 +65,8 @@ assert path.dissipated["friction"][-1] > 0 and path.dissipated["tension"][-1] > 
 ramp = np.linspace(0, 1e6, 11)
 path = material.drive(sigma=-ramp, tau_s=ramp / 2, tau_t=ramp / 3)
 for got, closed in ((path.normal, -ramp / 4e10), (path.s, ramp / 2 / 2e10), (path.t, ramp / 3 / 2e10)):
-    np.testing.assert_allclose(got, closed, rtol=1e-10)  # what stress control leaves
-# A dry joint at constant pressure: elastic, then slip at mu sigma; the pressure stays.
+    np.testing.assert_allclose(got, closed, rtol=1e-10)  # tolerance of prescribed stresses
+# A dry joint at constant pressure: elastic, then slip at mu sigma; the pressure does not change.
 slide, pressure = np.linspace(0, 1e-4, 1001), 1e6
 joint = {"normal_stiffness": 82e9, "shear_stiffness": 36e9, "tensile_strength": 0.2e6, "cohesion": 0.3e6,
          "friction_angle": 35}
@@ -76,12 +76,12 @@ friction = np.tan(np.radians(35)) * pressure
 np.testing.assert_allclose(path.tau_s, np.minimum(36e9 * slide, friction), rtol=1e-10)
 np.testing.assert_allclose(path.normal, -pressure / 82e9, rtol=1e-10)
 assert len(path) == 1001 and (path.t == 0).all() and (path.s == slide).all()
-# Bonded mortar there: the shear stress does G2 beyond friction, less the friction that the elastic sliding lacks.
+# Bonded mortar at this pressure: the work of the shear stress above friction is G2, less an elastic term.
 path = mortar.drive(sigma=-pressure, s=np.linspace(0, 3e-3, 3001))
 work = np.trapz(path.tau_s - friction, path.s)
 assert abs(work - (125 - friction**2 / (2 * 36e9))) < 0.01 * 125, work  # 1000 steps over the softening
 np.testing.assert_allclose(path.sigma, -pressure, rtol=1e-10)
-# The displacements that stress control found give the stresses: an unloading, shear and pressure together, no tangent.
+# Displacements found for prescribed stresses give these stresses: unloading, shear with pressure, without a tangent.
 for tangents in (True, False):
     mortar.law.capabilities ^= 0 if tangents else quoin.law.TANGENT
     up = np.concatenate([np.linspace(0, 1, 20), np.linspace(1, 0.2, 10)])
@@ -91,7 +91,7 @@ for tangents in (True, False):
     np.testing.assert_allclose(moved.tau_s, 2e6 * up, rtol=1e-9, atol=1e-3)
     np.testing.assert_allclose(moved.tau_t, 1e6 * up, rtol=1e-9, atol=1e-3)
 mortar.law.capabilities |= quoin.law.TANGENT
-# Without a slope, where steps by the stiffness are far too short, bisection ends at the root; at a jump there is none.
+# Without a slope, where steps with the stiffness are far too short, bisection finds the root; at a discontinuity none.
 visited = []
 
 
@@ -113,7 +113,7 @@ def fails(kind, words, call, *arguments, **named):
         raise AssertionError(f"accepted: {words}")
 
 
-# A fault tells where: the parameter and the value, and never the last stress once more.
+# An error has the parameter and the value at fault, and the path does not return old stresses.
 fails(ValueError, "s[2] is nan", mortar.drive, normal=np.zeros(4), s=[0, 0, np.nan, 0])
 fails(ValueError, "sigma[1] is -inf", mortar.drive, sigma=[0, -np.inf])
 fails(ValueError, "s has 3 values, where normal has 5", mortar.drive, normal=np.zeros(5), s=np.zeros(3))
@@ -121,7 +121,7 @@ fails(ValueError, "normal and sigma", mortar.drive, normal=[0.0], sigma=[0.0])
 fails(ValueError, "nothing is prescribed", mortar.drive)
 fails(ValueError, "normal: a number or a one-dimensional array", mortar.drive, normal=np.zeros((2, 2)))
 fails(KeyError, "'wet'", mortar.drive, normal=[0.0], initial_state="wet")
-fails(ArithmeticError, "fails in step 1", mortar.drive, normal=[0.0, 1e308])  # its stress is no number
+fails(ArithmeticError, "fails in step 1", mortar.drive, normal=[0.0, 1e308])  # its stress is not finite
 fails(quoin.NotReached, "sigma[2] = 210000 Pa", mortar.drive, sigma=[0, 1.9e5, 2.1e5])
 fails(quoin.NotReached, "sigma[0] = -6e+06 Pa", mortar.drive, sigma=-6e6)
 fails(quoin.NotReached, "tau_s[3] = 1.5e+06 Pa", mortar.drive, sigma=-pressure, tau_s=np.linspace(0, 2e6, 5))
@@ -133,7 +133,7 @@ fails(TypeError, "traction[0]: a column", mortar.prepare, five, three[:2], [[0.0
 fails(ValueError, "state: 0 arrays, where 5", material.take_over, mortar, five, three, [])
 fails(KeyError, "'stiffness'", mortar.number, "stiffness")
 
-# What a session shows.
+# repr of laws and materials.
 assert repr(mortar.law).startswith("<law fracture_energy 0.1.0: "), repr(mortar.law)
 assert repr(material) == "elastic(normal_stiffness=40000000000.0, shear_stiffness=20000000000.0)", repr(material)
 assert "path of 3001 steps under law fracture_energy" in repr(path), repr(path)
@@ -141,7 +141,7 @@ assert repr(batch) == "<batch of 1000 points: 0 failed, 0 clamped, elastic>", re
 for shown in (mortar.law, mortar, path, batch):
     print(repr(shown))
 
-# A law swapped half-way down the softening curve keeps every traction.
+# A law swap in the middle of the softening branch keeps every traction.
 normal, none = np.linspace(0, 1e-4, 11), [np.zeros(11), np.zeros(11)]
 traction, state = [np.zeros(11) for _ in range(3)], mortar.initial_state(11)
 mortar.evaluate(normal, none, traction, state)

@@ -1,5 +1,5 @@
-// Order of convergence with the page's starting values on mixed cyclic paths, and why some points stand still:
-// contact_models/cyclic_joint/LAW.md, "Convergence".
+// Order of convergence on mixed cyclic paths, and the reason why some points do not converge at first:
+// contact_models/cyclic_joint/LAW.md, "Convergence". Joints have the starting values of that page.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,9 +14,9 @@ using namespace quoin::cyclic;
 using namespace quoin::test::mixed;
 using Path = Jump (*)(std::size_t point, double x);
 
-constexpr int kChecks = 64;  // along every path, where errors are taken
+constexpr int kChecks = 64;  // number of positions along each path at which errors are computed
 
-// Table 1 of the paper with the page's starting values, as in benchmarks/laws/law_error_against_cost.cpp.
+// Returns Table 1 of the paper with the starting values of LAW.md, as in benchmarks/laws/law_error_against_cost.cpp.
 Joint joint() {
   Joint j = mortar();
   j.fcr = 0;
@@ -27,12 +27,12 @@ struct Traction {
   double n, s, t;
 };
 struct Course {
-  std::vector<Traction> tractions;  // check by check, point by point
-  std::vector<double> needs;        // of every point: increments to stay in contact where this course does
+  std::vector<Traction> tractions;  // kPoints tractions for each check
+  std::vector<double> needs;        // for each point: number of increments needed to keep the contact that this run has
 };
 
-// All points along their paths. Where the faces ride up their seat while the joint opens, what presses them together
-// passes through a least closure. An increment that opens by more than that finds no contact at the uplift before it.
+// Computes all points along their paths. While the faces slide up their seat and the joint opens, the closure of the
+// contact has a minimum. An increment that opens by more than this minimum loses contact at the old uplift.
 Course drive(const quoin_law& law, Path path, int increments) {
   LawPoints points(law, joint(), kPoints, false);
   auto& b = points.batch;
@@ -69,7 +69,7 @@ Course drive(const quoin_law& law, Path path, int increments) {
   return course;
 }
 
-// The largest along the path, of every point, over normal and shear strength.
+// Returns the largest error along the path of every point, relative to normal and shear strength.
 std::vector<double> errors(const Course& course, const Course& exact, double normal, double shear) {
   std::vector<double> largest(kPoints, 0.0);
   for (std::size_t k = 0; k < exact.tractions.size(); ++k) {
@@ -86,8 +86,8 @@ double mean(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-// With eight times as many increments the error of a point of first order falls by eight. Points that graze, and they
-// alone, may stand still; the measure of those falls with the increment, and so does the mean over all points.
+// With eight times the increments the error of a point of first order falls by eight. Only points that nearly lose
+// contact may not converge. Their number decreases with the increment, and so does the mean error of all points.
 void converges(Path path, double normal, double shear, double small) {
   const quoin_law& law = quoin::test::load_law("cyclic_joint");
   constexpr int kFew = 256, kMany = 8 * kFew, kFinest = 8 * kMany;
@@ -124,13 +124,13 @@ TEST(Convergence, OfAllPointsButThoseThatGraze) {
 }
 TEST(Convergence, OfAllPointsButThoseThatGrazeCrushingAsWell) { converges(crushing_path, 5e6, 5e6 / 3.0, 0.02); }
 
-// ---- Why: contact lost or kept is a jump of the law itself ----------------------------------------------------------
+// ---- Reason: the law is discontinuous where contact is just lost or kept --------------------------------------------
 
-// Of the 256, one that stood still up to 2048 increments; its contact is lost, or kept, at x = 0.14.
+// One of the 256 points, which does not converge up to 2048 increments; it loses or keeps contact at x = 0.14.
 constexpr std::size_t kGrazing = 228;
 constexpr double kAfter = 0.16;
 
-// sigma after the graze, openings larger by `wider`.
+// Returns sigma after the near loss of contact, with openings larger by the share `wider`.
 double by_the_page(double wider, int increments) {
   const Joint j = joint();
   History s = initial(j, false);
@@ -154,7 +154,7 @@ double by_the_rates(double wider, int pieces) {
   return static_cast<double>(point.sigma());
 }
 
-// Openings larger than this share lose contact, to 1e-8; smaller ones keep it.
+// Returns the share above which larger openings lose contact, to 1e-8; with smaller ones contact is kept.
 double threshold(double (*sigma)(double, int), int increments) {
   double kept = -0.03, lost = 0.03;
   while (lost - kept > 1e-8) {
@@ -168,12 +168,13 @@ TEST(Convergence, TheRatesThemselvesLoseContactOrKeepIt) {
   constexpr int kMany = 2048;
   double at[3];
   for (int k = 0; k < 3; ++k) at[k] = threshold(by_the_page, kMany << k);
-  // Where it jumps converges at first order: to 0.9 % of the amplitude, beside which this path stands.
+  // The position of the discontinuity converges at first order, to 0.9 % of the amplitude, close to this path.
   EXPECT_NEAR((at[1] - at[0]) / (at[2] - at[1]), 2.0, 0.1);
   const double limit = 2.0 * at[2] - at[1];
   const double coarse = threshold(by_the_rates, 4 * kMany), fine = threshold(by_the_rates, 16 * kMany);
-  EXPECT_NEAR((4.0 * fine - coarse) / 3.0, limit, 2e-5);  // what is left of second order is 6e-6
-  // Two millionths of the amplitude make 0.9 of the tensile strength there, to both the update and the rates.
+  EXPECT_NEAR((4.0 * fine - coarse) / 3.0, limit, 2e-5);  // the remaining error of second order is 6e-6
+  // There a change of two millionths of the amplitude changes sigma by 0.9 of the tensile strength, in update and
+  // rates.
   const auto jump = [](double (*sigma)(double, int), double where, int increments) {
     return sigma(where + 1e-6, increments) - sigma(where - 1e-6, increments);
   };

@@ -86,8 +86,8 @@ Joint random_joint(Random& random, double margin, double spread) {
     const Real A = j.total_area(), m = j.steepest();
     const auto above = [&](Real bound) { return bound * (margin + log_uniform(random, 0.01, 30.0)); };
     j.G1 = above(j.ft * j.ft / j.kn / 2);
-    // Without a cap no refusal bounds the pressure under which friction softens: here that of the tests, and what
-    // uplift adds to it.
+    // Without a cap the refusals do not bound the pressure under which friction softens. Here the bound is the largest
+    // pressure of the tests, including uplift.
     const Real P = j.crushes() ? j.fc : 4 * normal_scale(j), left = j.ks - j.mu0() * j.kn * j.tan_psi();
     if (left <= 0.02L * j.ks) continue;
     j.G2 = above(m * std::max(j.c0, j.c0 - j.cr + P * (j.mu0() - j.mur())) * (j.c0 - j.cr) * A / left);
@@ -96,7 +96,7 @@ Joint random_joint(Random& random, double margin, double spread) {
       j.Gc = above(m * loss * loss * A * (1 / j.kn + j.chi * j.wp / j.fc));
       if (j.chi > 0) j.Gc *= 2 / (1 - j.chi);
     }
-    // The law reads doubles: so does the page.
+    // Parameters are rounded to double, as in the law.
     for (Real Joint::*number :
          {&Joint::kn,   &Joint::ks,  &Joint::ft, &Joint::c0, &Joint::cr,  &Joint::phi0, &Joint::phir,
           &Joint::psi0, &Joint::fcr, &Joint::fc, &Joint::G1, &Joint::G2,  &Joint::Gc,   &Joint::beta,
@@ -169,7 +169,7 @@ cyclic_rates::Parameters rates_of(const Joint& j) {
 
 Surfaces beyond_surfaces(const Joint& j, const History& s, double sigma, double tau, double d_n, double trial) {
   const Real v = uplift(s), h = d_n + s.w - v - s.q, B = j.bond(s.l) * j.f(s.xi), f = j.f(s.xi);
-  // With the seat: one rounding of g moves the uplift by tan(psi0) times as much.
+  // Includes the seat: a rounding error of g changes the uplift by tan(psi0) times the error.
   const Real reach = j.kn * (std::abs(d_n) + s.w + v + s.q + j.tan_psi() * std::hypot(s.g[0], s.g[1]));
   const double scale = static_cast<double>(std::max({j.ft, j.c0, reach, static_cast<Real>(trial)}));
   if (std::abs(h) < 1e-15L * reach / j.kn) return {0.0, scale};

@@ -1,4 +1,4 @@
-// Random joints and steps for the tests of the cyclic joint law, and the law as one point at a time.
+// Random joints and steps for tests of the cyclic joint law, and evaluation of the law at many points.
 #pragma once
 
 #include <random>
@@ -21,12 +21,12 @@ inline double log_uniform(Random& random, double low, double high) {
 }
 inline bool chance(Random& random, double probability) { return uniform(random, 0.0, 1.0) < probability; }
 
-// 1 in ctest; $QUOIN_TEST_SCALE multiplies the numbers of random joints in long runs.
+// Returns the factor on numbers of random joints: 1 in ctest, $QUOIN_TEST_SCALE in long runs.
 double test_scale();
 
-// Table 1 of the paper with the page's starting values.
+// Returns Table 1 of the paper with the starting values of LAW.md.
 Joint mortar();
-// Any joint that the page does not refuse. Energies are at least margin times their bounds; stiffnesses, strengths and
+// Returns a random admissible joint. Energies are at least margin times their bounds; stiffnesses, strengths and
 // lengths are 1/spread to spread times those of masonry.
 Joint random_joint(Random& random, double margin, double spread = 1.0);
 bool admissible(const Joint& joint);
@@ -35,7 +35,7 @@ quoin::test::Values values_of(const Joint& joint);
 cyclic_rates::Parameters rates_of(const Joint& joint);
 std::string text_of(const Joint& joint);
 
-// Lengths that a random step should reach: opening, closing, slip.
+// Lengths of random steps, m: opening, closing, slip.
 struct Reach {
   double open, close, slide;
 };
@@ -43,21 +43,21 @@ Reach reach_of(const Joint& joint);
 double normal_scale(const Joint& joint);
 double shear_scale(const Joint& joint);
 
-// contact_models/cyclic_joint/LAW.md, "What must hold", 4: of the traction at the end of a step.
+// contact_models/cyclic_joint/LAW.md, "What must hold", 4, for the traction at the end of a step.
 struct Surfaces {
-  double over;   // of the traction beyond the strengths, Pa
-  double scale;  // Pa
+  double over;   // excess of the traction over the strengths, Pa
+  double scale;  // scale of rounding, Pa
 };
 Surfaces beyond_surfaces(const Joint& joint, const History& state, double sigma, double tau, double d_n, double trial);
-// 7: what is beyond its bound, else null.
+// "What must hold", 7: returns the name of a state beyond its bound, or null.
 const char* beyond_bounds(const Joint& joint, const History& state);
 
-// The law, many points side by side, each with everything that it says of a step.
+// The law at many points, with all outputs.
 struct LawPoints {
   quoin::api::Material material;
   quoin::test::Batch batch;
   LawPoints(const quoin_law& law, const Joint& joint, std::size_t count, bool dry);
-  History history(std::size_t i) const;  // old
+  History history(std::size_t i) const;  // old state of point i
   double out(std::size_t k, std::size_t i) const { return batch.out[k][i]; }
   double state(int k, std::size_t i) const { return batch.out[3 + k][i]; }
   double stored(std::size_t i) const { return batch.out[3 + batch.states][i]; }

@@ -1,5 +1,5 @@
-// Neutral values give fracture_energy, through the two loaded libraries. Every path of that law's library is taken, as
-// far as the two agree (contact_models/cyclic_joint/LAW.md, "Neutral values").
+// With neutral values cyclic_joint is equal to fracture_energy (contact_models/cyclic_joint/LAW.md, "Neutral values").
+// Compares both laws along every path test of fracture_energy, up to the intended differences.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ double property(const PathFile& path, const std::string& id, double otherwise) {
   return otherwise;
 }
 
-// What the page names as not the same, on purpose, as it comes up along a path of fracture_energy.
+// Detects the intended differences of LAW.md along a path of fracture_energy.
 class Agreement {
  public:
   Agreement(const PathFile& path, const quoin::Law& law)
@@ -34,7 +34,7 @@ class Agreement {
     }
   }
 
-  // Empty while the two agree, else why no longer.
+  // Returns the reason why the laws differ from this step on; empty while they agree.
   std::string ends_at(const PointResult& was, const PointResult& now, double slip_from_seat, double F) const {
     const bool open = (now.flags & QUOIN_FLAG_OPEN) != 0, slips = (now.flags & QUOIN_FLAG_SLIPPING) != 0;
     const bool slipped = was.state[slip_] > 0.0, crushed = was.state[w_] > 0.0;

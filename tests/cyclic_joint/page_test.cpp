@@ -1,4 +1,4 @@
-// Every step of the law beside the page read once more in long double, from the same old state.
+// Every step of the law against an independent implementation of LAW.md in long double, from the same old state.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct Worst {
   double traction = 0.0, state = 0.0, energy = 0.0;
 };
 
-// Goals of a random walk, approached in some steps, so that every branch is entered from both sides.
+// A random walk to targets in a few steps each, so that every branch is entered from both sides.
 struct Walk {
   Reach reach;
   double dn = 0.0, goal_n = 0.0, step_s = 0.0, step_t = 0.0;
@@ -62,7 +62,7 @@ TEST(Page, EveryStepOfRandomPaths) {
         History page = points.history(i);
         const History old = page;
         const Outcome o = update(joint, page, walks[i].dn, walks[i].step_s, walks[i].step_t);
-        // A joint at h = 0 to rounding may be open for the law and closed for the page's equations.
+        // A joint with h = 0 to rounding may be open in the law and closed in the other implementation.
         const Real h = walks[i].dn + old.w - uplift(old) - old.q;
         const Real reach_n = std::abs(static_cast<Real>(walks[i].dn)) + old.w + uplift(old) + old.q;
         if (std::abs(h) < 4e-16L * reach_n) {
@@ -70,7 +70,7 @@ TEST(Page, EveryStepOfRandomPaths) {
           continue;
         }
         const auto gap = [](double a, Real b) { return static_cast<double>(std::abs(a - b)); };
-        // Rounding of d_n + w - v counts in stress by kn
+        // Rounding of d_n + w - v changes the stress by kn times the error.
         const double floor = 1e-13 * static_cast<double>(joint.kn) * (std::abs(walks[i].dn));
         const double traction =
             std::max({gap(points.out(0, i), o.sigma) / (scale_n + floor), gap(points.out(1, i), page.tau[0]) / scale_t,

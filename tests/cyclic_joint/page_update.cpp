@@ -9,12 +9,12 @@ namespace quoin::cyclic {
 
 namespace {
 
-constexpr Real kEpsilon = 2.220446049250313e-16L;  // the law's
+constexpr Real kEpsilon = 2.220446049250313e-16L;  // of double, as in the law
 constexpr Real kExponentialEnd = 746;
 
 Real tangent_of(Real degrees) { return std::tan(degrees * std::numbers::pi_v<Real> / 180); }
 
-// The last point of [low, high] at which a falling function is positive, to the last bit.
+// Returns the largest number of [low, high] at which a falling function is positive.
 Real root(Real low, Real high, const std::function<Real(Real)>& falling) {
   for (int i = 0; i < 400; ++i) {
     const Real middle = low + (high - low) / 2;
@@ -50,7 +50,7 @@ Real Joint::area(Real from, Real to) const {
   if (shape == Shape::exponential) return std::exp(-from) * -std::expm1(from - to);
   Real sum = 0;
   for (std::size_t k = 1; k < table.size(); ++k) {
-    // Named one by one: clang 14 captures no structured binding.
+    // No structured bindings, since clang 14 does not capture them in lambdas.
     const Real x0 = table[k - 1].first, f0 = table[k - 1].second, x1 = table[k].first, f1 = table[k].second;
     const Real a = std::max(from, x0), b = std::min(to, x1);
     const auto line = [&](Real x) { return f0 + (f1 - f0) * (x - x0) / (x1 - x0); };
@@ -105,7 +105,7 @@ Real uplift(const History& s) { return s.r_m > 0 ? s.v_m * std::min(Real(1), std
 // ---- The update -----------------------------------------------------------------------------------------------------
 
 Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
-  s.kappa = std::max(s.kappa, j.u0());  // the law's bonded joint says 0
+  s.kappa = std::max(s.kappa, j.u0());  // kappa of a bonded joint is 0 in the law
   Outcome out;
   const Real v0 = uplift(s);
   const Real e = d_n + s.w - v0;
@@ -122,7 +122,7 @@ Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
   const bool brittle = j.c0 <= j.cr;  // the first slip completes xi
   Real tau = t;
 
-  if (out.open) {  // 1, 2
+  if (out.open) {  // steps 1 and 2
     const Real b = j.bond(s.l);
     const Real f0 = j.f(s.xi), secant0 = s.kappa - s.q;
     bool completes = false;
@@ -168,7 +168,7 @@ Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
     out.sigma = b * j.f(s.xi) * s0;
     out.h = h;
     out.stored = out.sigma * h / 2;
-  } else {  // 3, 4, 5
+  } else {  // steps 3, 4 and 5
     const Real C0 = j.compliance(s.l), F0 = j.F(s.l), b0 = j.bond(s.l);
     const auto p_of = [&](Real y) {
       const Real bare = std::max(Real(0), (y + s.q) / C0);

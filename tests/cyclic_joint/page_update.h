@@ -1,5 +1,5 @@
-// The update of contact_models/cyclic_joint/LAW.md ("ORDER of the update", "Energies") read once more, for tests only.
-// One point, long double, every root by bisection, no closed form, no code shared with contact_models.
+// An independent implementation of contact_models/cyclic_joint/LAW.md ("ORDER of the update", "Energies"), for tests
+// only. One point, long double, every root by bisection, no closed forms, no code of contact_models.
 #pragma once
 
 #include <array>
@@ -13,18 +13,18 @@ using Real = long double;
 
 enum class Shape { linear, exponential, table };
 
-// Symbols of the page, SI, angles in degrees. sd < 0: su.
+// Parameters with the symbols of LAW.md, SI, angles in degrees. sd < 0: equal to su.
 struct Joint {
   Real kn = 0, ks = 0, ft = 0, c0 = 0, cr = 0, phi0 = 0, phir = 0, psi0 = 0;
   Real fc = std::numeric_limits<Real>::infinity(), fcr = 0, G1 = 0, G2 = 0, Gc = 0;
   Real beta = 0, sd = -1, pd = std::numeric_limits<Real>::infinity();
-  Real fy = -1, wp = 0, chi = 0, Cs = 9;  // fy < 0: fc
+  Real fy = -1, wp = 0, chi = 0, Cs = 9;  // fy < 0: equal to fc
   Shape shape = Shape::linear;
   std::vector<std::pair<Real, Real>> table;
 
   Real f(Real xi) const;
-  Real area(Real from, Real to) const;  // of f
-  Real end() const;                     // f = 0 from here on
+  Real area(Real from, Real to) const;  // integral of f
+  Real end() const;                     // xi from which f = 0
   Real total_area() const { return area(0, end()); }
   Real steepest() const;  // max |f'|
   bool crushes() const;
@@ -49,7 +49,7 @@ struct Outcome {
 };
 
 Real uplift(const History& state);
-// d_n at the end, sliding over the step; the state goes to the end of the step.
+// Computes one step: d_n at its end, slip (d_s, d_t) during it. Updates state to the end of the step.
 Outcome update(const Joint& joint, History& state, Real d_n, Real d_s, Real d_t);
 
 }  // namespace quoin::cyclic

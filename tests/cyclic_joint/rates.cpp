@@ -9,8 +9,8 @@ namespace {
 
 enum { kTension, kCohesion, kFriction, kCrushing };
 
-// After every piece the flow makes up for this share of what is beyond a surface, this many times. Less than all of it,
-// so that two surfaces at once do not answer each other back.
+// After every piece the flow removes the share kShare of the excess over a surface, kFlows times. The share is below 1,
+// so that corrections for two active surfaces do not oscillate.
 constexpr Real kShare = 0.5L;
 constexpr int kFlows = 4;
 
@@ -98,7 +98,7 @@ void Point::lose_bond(Real xi_more, bool complete) {
   xi_ = complete ? std::numeric_limits<Real>::infinity() : xi_ + xi_more;
 }
 
-// dkappa = de, dxi = de/lt, dq = beta f dkappa. What is spent: -dpsi at fixed e.
+// dkappa = de, dxi = de/lt, dq = beta f dkappa. The dissipation is -dpsi at fixed e.
 void Point::open_further() {
   const Real further = e() - kappa_;
   if (further <= 0) return;
@@ -110,7 +110,7 @@ void Point::open_further() {
   dissipated_[kTension] += p_.ft * b() * (f0 * (further + stays) + (f0 - f(xi_)) * width) / 2;
 }
 
-// The residual opening holds ft and no more.
+// The residual opening decreases where the pressure exceeds ft.
 void Point::give_way() {
   if (q_ == 0 || pressure() <= p_.ft) return;
   const Real rest = std::max(Real(0), p_.ft * C() + e());
@@ -118,7 +118,7 @@ void Point::give_way() {
   q_ = rest;
 }
 
-// dxi = (T/c0) dgamma/su; the seat stands.
+// dxi = (T/c0) dgamma/su; the seat does not move.
 void Point::flow_open() {
   const Real tau = length(tau_), h = e() - q_, f0 = f(xi_);
   const Real s0 = p_.ft > 0 ? p_.ft * h / (kappa_ - q_) : 0;
@@ -164,8 +164,8 @@ void Point::move_seat(Real gamma, const std::array<Real, 2>& n) {
   }
 }
 
-// Slip along tau, dxi = dgamma/su. Crushing with dgamma_c = dl Cs tau/F, dw = dl p (1/F - chi/(2 fc)), where N stands
-// for F, which it is on the cap. Both from the same traction.
+// Slip along tau, dxi = dgamma/su. Crushing with dgamma_c = dl Cs tau/F, dw = dl p (1/F - chi/(2 fc)); N replaces F, to
+// which it is equal on the cap. Both are computed from the same traction.
 void Point::flow_closed() {
   const Real tau = length(tau_), p = pressure(), f0 = f(xi_), mu_drop = p_.mu0 - p_.mur;
   const Real mu = p_.mur + mu_drop * f0, c = p_.cr + (p_.c0 - p_.cr) * b() * f0;

@@ -1,7 +1,7 @@
-// The rate equations of contact_models/cyclic_joint/LAW.md ("Free energy", "Surfaces", "Evolution") integrated in time,
-// for tests only: one point, long double. Jumps grow in small pieces. After each, slip and crushing flow along the
-// page's directions by a part of what the traction is beyond its surfaces, a few times. No step is solved, and nothing
-// of "ORDER of the update", of the law's code or of its other tests is here. It is of first order in the piece.
+// Integration of the rate equations of contact_models/cyclic_joint/LAW.md ("Free energy", "Surfaces", "Evolution"), for
+// tests only: one point, long double. Jumps grow in small pieces. After each, slip and crushing flow along the
+// directions of LAW.md by a share of the excess over the surfaces, a few times. It solves no step and is independent of
+// "ORDER of the update", of the law's code and of its other tests. It is of first order in the piece.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace quoin::cyclic_rates {
 
 using Real = long double;
 
-// Symbols of the page, SI; friction and dilation as tangents; softening by points, or exponential where there are none.
+// Symbols of LAW.md, SI; friction and dilation as tangents; softening by points, or exponential without points.
 struct Parameters {
   Real kn, ks, ft, c0, cr, mu0, mur, tan_psi;
   Real fc, fcr, G1, G2, Gc;
@@ -25,7 +25,7 @@ class Point {
  public:
   Point(const Parameters& parameters, bool dry);
 
-  // In equal pieces, straight on to the normal jump d_n while sliding by (d_s, d_t).
+  // Moves to the normal jump d_n with slip (d_s, d_t), in a straight line of equal pieces.
   void go(Real d_n, Real d_s, Real d_t, int pieces);
 
   Real sigma() const;
@@ -48,7 +48,7 @@ class Point {
   Real b() const { return l_ > p_.wp ? F(l_) / p_.fc : Real(1); }
   Real e() const { return d_n_ + w_ - uplift(); }
   Real pressure() const;
-  Real seat_slope(const std::array<Real, 2>& n) const;  // dv/dgamma of a slip along n
+  Real seat_slope(const std::array<Real, 2>& n) const;  // dv/dgamma for slip along n
   void open_further();
   void give_way();
   void flow();

@@ -1,4 +1,4 @@
-// The law beside its rate equations integrated by other means (rates.h), on mixed cyclic paths:
+// The law against an independent integration of its rate equations (rates.h), on mixed cyclic paths:
 // contact_models/cyclic_joint/LAW.md, "What must hold", 6.
 #include "rates.h"
 
@@ -17,10 +17,10 @@ using namespace quoin::cyclic;
 struct Jump {
   double n, s, t;
 };
-using Path = std::vector<Jump>;  // corners; straight lines between them
+using Path = std::vector<Jump>;  // corners, with straight lines between them
 
-// Opening, closing and sliding to and fro, deeper from corner to corner. Pairs share a normal jump, so that the joint
-// slips under a held one too.
+// Returns a path of opening, closing and sliding in both directions, with growing amplitude. Pairs of corners have
+// equal normal jumps, so that the joint slips also at constant normal jump.
 Path mixed_path(const Joint& joint, Random& random) {
   const Reach reach = reach_of(joint);
   Path path;
@@ -37,7 +37,7 @@ Path mixed_path(const Joint& joint, Random& random) {
   return path;
 }
 
-// The largest differences at the corners, over the joint's scales.
+// Largest differences at the corners, relative to the joint's scales.
 struct Gap {
   double traction = 0.0, state = 0.0, energy = 0.0;
   double operator[](int k) const { return k == 0 ? traction : k == 1 ? state : energy; }
@@ -84,16 +84,16 @@ Gap compare(const quoin_law& law, const Joint& joint, bool dry, const Path& path
   return gap;
 }
 
-// Both are of first order, the law in its increments and the reference in its pieces, which are eight times as many.
-// With eight times as many of both, the difference falls by eight. Half of all paths do that at once. A path may soften
-// within an increment (strength lost at once, to the law), or just meet a kink between two. It takes more increments:
-// its gap falls by three at least, or is small already. A law that went elsewhere would keep its gap.
+// Both are of first order, the law in its increments and the reference in its pieces, eight in each increment. With
+// eight times as many of both the difference falls by eight, for half of all paths from the first refinement on. Other
+// paths soften within an increment or have a kink between two increments, and need more increments. Their difference
+// falls by three at least, or is already small. The difference of a wrong law would not fall.
 TEST(Rates, MixedCyclicPathsConvergeToTheRateEquations) {
   const quoin_law& law = quoin::test::load_law("cyclic_joint");
   const int paths = static_cast<int>(24 * test_scale());
   const char* seed = std::getenv("QUOIN_TEST_SEED");
   const char* only = std::getenv("QUOIN_TEST_PATH");
-  constexpr int kFirst = 64, kFiner = 8, kLast = 1 << 15, kPieces = 8;  // increments a corner
+  constexpr int kFirst = 64, kFiner = 8, kLast = 1 << 15, kPieces = 8;  // kFirst to kLast increments between corners
   constexpr const char* kNames[] = {"traction", "state", "energy"};
   std::vector<double> orders[3], gaps[3];
   int slow = 0;
@@ -103,8 +103,8 @@ TEST(Rates, MixedCyclicPathsConvergeToTheRateEquations) {
     const Joint joint = random_joint(random, 2.0);
     const bool dry = chance(random, 0.15);
     const Path path = mixed_path(joint, random);
-    // A friction that is lost at the first slip takes a slip of its own within one step, however short. The page gives
-    // its work with the pressure that the uplift leaves, the rates with that on the way.
+    // Friction that drops at the first slip causes a finite slip within one step of any length. The law computes its
+    // work with the pressure at the end, the rates with the pressure along the slip.
     const bool drops_at_once = joint.c0 == joint.cr && joint.phir < joint.phi0 && joint.psi0 > 0;
     const int numbers = drops_at_once ? 2 : 3;
     const auto gap_in = [&](int increments) {

@@ -1,5 +1,5 @@
-// contact_models/cyclic_joint/LAW.md, "What must hold" and "Refused": each a test, with closed forms or the page's own
-// inequalities, on the loaded library.
+// contact_models/cyclic_joint/LAW.md, "What must hold" and "Refused": a test for each statement, with the loaded
+// library. By closed forms or by the inequalities of LAW.md. Numbers in comments are those of the statements.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ double real(Real x) { return static_cast<double>(x); }
 enum { kTension, kCohesion, kFriction, kCrushing };
 enum { kXi, kKappa, kQ, kL, kW, kGs, kGt, kRm, kVm, kSlip };
 
-// One point on a path; sums what the law says.
+// One point on a path; sums dissipation and work.
 struct Point {
   Joint joint;
   LawPoints points;
@@ -77,7 +77,7 @@ class EveryShape : public ::testing::TestWithParam<std::tuple<int, int>> {
 INSTANTIATE_TEST_SUITE_P(ShapesSteps, EveryShape,
                          ::testing::Combine(::testing::Values(0, 1, 2), ::testing::Values(1, 2, 7, 100)));
 
-// 1: curves enclose their G whatever the step; residual opening takes nothing from G1 until it gives way.
+// 1: the area under a curve is its G for any step. Residual opening does not reduce G1 until it decreases.
 TEST_P(EveryShape, TensionEnclosesG1) {
   for (const double beta : {0.0, 0.4}) {
     Joint j = plain(shape());
@@ -110,7 +110,7 @@ TEST_P(EveryShape, CrushingEnclosesGcHardeningIncluded) {
   const double expected = real(j.F_area(0, l));
   EXPECT_NEAR(expected, real(j.wp * (j.fy + 2 * (j.fc - j.fy) / 3) + j.Gc + j.fcr * (l - j.wp)), 1e-9 * expected);
   Point p(j);
-  // C(l) p + w = -d_n with dw = dl p (1/F - chi/(2 fc)), p = F: closes in two integrals
+  // C(l) p + w = -d_n with dw = dl p (1/F - chi/(2 fc)), p = F: a closed form of two integrals.
   const double w = l - real(j.chi / (2 * j.fc) * j.F_area(0, l));
   p.go(-(w + real(j.compliance(l) * j.F(l))), 0.0, steps());
   EXPECT_NEAR(p.state(kL), l, 1e-11 * l);
@@ -118,8 +118,8 @@ TEST_P(EveryShape, CrushingEnclosesGcHardeningIncluded) {
   EXPECT_NEAR(p.spent[kCrushing], expected, 1e-11 * expected);
 }
 
-// 1: Gc when crushed under slip, in any mix of pressure and shear. What is spent on crushing is Gc when F has come down
-// to fcr. Outside work is what is stored and spent, to first order.
+// 1: crushing with slip dissipates Gc when F has fallen to fcr, for any ratio of pressure and shear. External work is
+// stored plus dissipated energy, to first order.
 TEST(Statement1, GcIsSpentUnderSlipToo) {
   for (const double angle : {0.2, 0.6, 1.1}) {
     Joint j = plain(Shape::linear);
@@ -139,7 +139,7 @@ TEST(Statement1, GcIsSpentUnderSlipToo) {
   }
 }
 
-// 2: monotonic opening with slip spends between the two energies, whatever the mix.
+// 2: monotonic opening with slip dissipates an energy between G1 and G2, for any ratio.
 TEST(Statement2, MixedOpeningSpendsBetweenTheEnergies) {
   for (const double G2 : {15.0, 60.0, 125.0}) {
     for (const double degrees : {15.0, 30.0, 45.0, 60.0, 75.0, 85.0}) {
@@ -157,7 +157,7 @@ TEST(Statement2, MixedOpeningSpendsBetweenTheEnergies) {
   }
 }
 
-// 3: cycles over the seat neither lose uplift nor gain it.
+// 3: in cycles over the seat the uplift does not change.
 TEST(Statement3, TwentyEqualCyclesRepeatTheFirstUplift) {
   for (const bool dry : {false, true}) {
     Joint j = mortar();
@@ -177,19 +177,19 @@ TEST(Statement3, TwentyEqualCyclesRepeatTheFirstUplift) {
       }
       highest.push_back(most);
     }
-    ASSERT_GT(highest[0], 0.25e6);  // held d_n: uplift shows as pressure
-    // The bond goes in the first cycles, and friction with it; uplift is that of a seat.
+    ASSERT_GT(highest[0], 0.25e6);  // at constant d_n uplift causes pressure
+    // Bond and friction soften in the first cycles; later ones have the uplift of the seat.
     for (std::size_t k = 2; k < highest.size(); ++k) EXPECT_NEAR(highest[k], highest[1], 1e-9 * highest[1]) << k;
     EXPECT_NEAR(p.state(kVm), real(uplift({0, 0, 0, 0, 0, {p.state(kRm), 0}, p.state(kRm), p.state(kVm), {0, 0}})),
                 0.0);
   }
 }
 
-// 4, 7, and that no dissipation is negative, on random paths of random joints.
+// 4 and 7, and no negative dissipation, on random paths of random joints.
 TEST(Statement4And7, NothingBeyondTheSurfacesAndTheBounds) {
   Random random(4);
   double worst = 0.0;
-  const int joints = static_cast<int>(150 * test_scale());  // of 1600 steps each
+  const int joints = static_cast<int>(150 * test_scale());  // with 1600 steps each
   for (int number = 0; number < joints; ++number) {
     const Joint j = random_joint(random, chance(random, 0.5) ? 1.02 : 1.3);
     LawPoints points(law(), j, 16, chance(random, 0.2));
@@ -222,7 +222,7 @@ TEST(Statement4And7, NothingBeyondTheSurfacesAndTheBounds) {
   std::printf("largest excess %.1e of the scale\n", worst);
 }
 
-// A slip that crosses the whole of a brittle cap: J rises where gamma_A ends, and still the step ends on both surfaces.
+// A slip across the whole of a brittle cap: J rises at the end of gamma_A. The step must end on both surfaces.
 TEST(Statement4, ALongSlipUnderTheCapEndsOnBothSurfaces) {
   Joint j;
   j.kn = 1.13e9, j.ks = 0.392e9, j.c0 = 1.55e6, j.cr = 0.56e6, j.phi0 = 27, j.phir = 23;
@@ -241,8 +241,8 @@ TEST(Statement4, ALongSlipUnderTheCapEndsOnBothSurfaces) {
   EXPECT_NEAR(std::hypot(sigma, std::sqrt(real(j.Cs)) * tau), real(j.F(l)), 1e-9 * real(j.fc));
 }
 
-// A traction a million times beyond the cap comes back onto it. The first guess of the crushing may leave the point
-// there as deep inside as it was outside. A step of law_stress.
+// A trial traction a million times beyond the cap is returned to the cap. The first guess of the crushing may be far
+// inside it. The step is one that law_stress has found.
 TEST(Statement4, ATrialFarBeyondTheCapEndsOnBothSurfaces) {
   Joint j;
   j.kn = 5.835e13, j.ks = 3.377e13, j.c0 = 90.67, j.phi0 = j.phir = 29.68, j.psi0 = 20.2;
@@ -257,13 +257,13 @@ TEST(Statement4, ATrialFarBeyondTheCapEndsOnBothSurfaces) {
   b.advance();
   const double sigma = b.in[3][0], tau = std::hypot(b.in[4][0], b.in[5][0]), mu = real(j.mur());
   EXPECT_GT(b.in[6 + kSlip][0], 0.1);
-  // 1e-11 of the elastic trial
+  // Tolerance 1e-11 of the elastic trial.
   EXPECT_NEAR(tau, -mu * sigma, 1e-11 * real(j.kn));
   EXPECT_NEAR(std::hypot(sigma, std::sqrt(real(j.Cs)) * tau), real(j.F(b.in[6 + kL][0])), 1e-11 * real(j.kn));
 }
 
-// A joint that is crushed to nothing and just closed slides over the middle of its seat and up the other side. The
-// first guess of the crushing is not a number where neither pressure nor strength is left. Steps of law_stress.
+// A joint without crushing strength that is just closed slides over the middle of its seat and up the other side. The
+// first guess of the crushing is NaN where pressure and strength are 0. The steps are those that law_stress has found.
 TEST(Statement4, AJointCrushedToNothingSlidesUpTheOtherSideOfItsSeat) {
   Joint j;
   j.kn = 68719476736, j.ks = 7e10, j.phi0 = 35, j.phir = 30, j.psi0 = 4, j.fc = 1e6, j.fcr = 0, j.Gc = 1000;
@@ -291,7 +291,7 @@ quoin_stiffness_bounds bounds_of(const LawPoints& points) {
   return bounds;
 }
 
-// "Stiffness bounds": no slope of random steps beyond them, as far as they hold for the slip of the step.
+// "Stiffness bounds": no slope of random steps exceeds them, for slips up to which they hold.
 TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
   Random random(14);
   double most_open = 0.0, most_closed = 0.0;
@@ -312,7 +312,7 @@ TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
       points.batch.evaluate(points.material);
       for (std::size_t i = 0; i < 16; ++i) {
         const double slip = points.state(kSlip, i) - points.batch.in[6 + kSlip][i];
-        // Both surfaces at once over a falling seat: the page proves no bound there, and long runs have seen 1.14 ks.
+        // With both surfaces active over a falling seat LAW.md proves no bound; the largest known slope is 1.14 ks.
         constexpr std::uint32_t kFallingCorner = QUOIN_FLAG_SLIPPING | QUOIN_FLAG_CRUSHED | QUOIN_FLAG_RESEATING;
         const bool falling_corner = (points.batch.flags[i] & kFallingCorner) == kFallingCorner;
         const double shear = bounds.shear * (falling_corner ? 1.5 : 1.0 + 1e-9);
@@ -332,8 +332,8 @@ TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
   EXPECT_GT(most_open, 1.2);
   EXPECT_GT(most_closed, 1.2);
 }
-// The bond of a joint that stands just below ft falls to nearly nothing in one slip. The slope of open joints comes up
-// to its bound there, and the formula of the page gives it.
+// The bond of a joint just below ft falls to nearly 0 in one slip. There the slope of open joints is equal to its
+// bound, and to the formula of LAW.md.
 TEST(StiffnessBounds, SlipOfAnOpenJointReachesItsBound) {
   Joint j = plain(Shape::linear);
   j.phi0 = j.phir = 45;  // z = 2/3, k = 2/(1 - 1/9 c0/(ks su))
@@ -349,8 +349,8 @@ TEST(StiffnessBounds, SlipOfAnOpenJointReachesItsBound) {
   EXPECT_LE(points.tangent(0, 0), bound);
 }
 
-// 5: increments of 1e-18 m move nothing. They are at the cap, at the corner, where contact is lost on the seat, and
-// while the residual opening gives way.
+// 5: increments of 1e-18 m change nothing: at the cap, at the corner, where contact is lost on the seat, and while the
+// residual opening decreases.
 TEST(Statement5, NoCreep) {
   struct Place {
     const char* name;
@@ -424,7 +424,7 @@ TEST(Statement1, RotationTurnsAndChangesNothingElse) {
         const History old = points.history(i);
         const double h = real(points.batch.in[0][i] + old.w - uplift(old) - old.q);
         if (std::abs(h) < 1e-14 * (reach.open + reach.close + reach.slide))
-          continue;  // open to one, closed to the other
+          continue;  // open in one, closed in the other
         const double gap =
             std::max({std::abs(turned.out(0, i) - points.out(0, i)), std::abs(turned.out(1, i) - (c * ts - s * tt)),
                       std::abs(turned.out(2, i) - (s * ts + c * tt))}) /
@@ -439,7 +439,7 @@ TEST(Statement1, RotationTurnsAndChangesNothingElse) {
   std::printf("largest change by rotation %.1e\n", worst);
 }
 
-// "Refused": every bound, a hair on either side of it, each with the property's name in the message.
+// "Refused": values just above and below every bound; the message has the name of the property.
 TEST(Refused, EveryBound) {
   const auto made = [](const Joint& j, std::string* text = nullptr) {
     try {

@@ -1,7 +1,7 @@
 """Every .md page that a file of the tree cites exists: usage cited_pages.py SOURCE_DIR | --self-test.
 
-A link of a page, ](x.md), counts from the folder of its file, as a browser follows it. Elsewhere, in code, messages and
-prose, a name counts from that folder, from the root of the tree, or from a folder that code includes from.
+A link of a page, ](x.md), is relative to the folder of the page, as in a browser. Elsewhere, in code, messages and prose, a
+name is relative to that folder, to the root of the tree, or to an include folder.
 """
 import os
 import re
@@ -9,7 +9,7 @@ import sys
 import tempfile
 
 INCLUDE_ROOTS = ("", "contact_models", "host")
-SKIPPED_FOLDERS = {"build", "out", ".git", "approved"}  # approved: what programs say, elsewhere than where they stand
+SKIPPED_FOLDERS = {"build", "out", ".git", "approved"}  # approved: outputs of programs in other folders
 SUFFIXES = (".h", ".hpp", ".c", ".cpp", ".py", ".f90", ".md", ".toml", ".txt", ".cmake", ".in", ".sh", "")
 LINK = re.compile(r"\]\(([^)#\s]+\.md)(?:#[^)]*)?\)")
 ANY_LINK = re.compile(r"(?:\[[^\]]*)?\]\([^)]*\)")
@@ -17,7 +17,7 @@ NAME = re.compile(r"(?<![\w./{}$*-])((?:\.\.?/|[\w-]+/)*[\w-]+\.md)\b")
 
 
 def missing(root):
-    """(file, line, page) of each page cited that is not there, and how many were looked up."""
+    """Returns (file, line, page) of each cited page that does not exist, and the number of citations."""
     found, count = [], 0
     for folder, folders, files in os.walk(root):
         folders[:] = sorted(f for f in folders if f not in SKIPPED_FOLDERS)

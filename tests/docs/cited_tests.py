@@ -1,4 +1,4 @@
-"""Every test that a page names in backquotes, `Suite.Test`, `Suite.*` or `Test`, exists: usage cited_tests.py SOURCE_DIR PAGE."""
+"""Every test in backquotes on a page, `Suite.Test`, `Suite.*` or `Test`, exists. Usage: cited_tests.py SOURCE_DIR PAGE"""
 import fnmatch
 import os
 import re

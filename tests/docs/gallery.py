@@ -1,4 +1,4 @@
-"""Every scene and study that ships is linked in the gallery: gallery.py SOURCE."""
+"""The gallery has a link to every shipped scene and study. Usage: gallery.py SOURCE"""
 import glob
 import os
 import sys

@@ -1,7 +1,7 @@
-"""Runs the commands of a chapter of the tutorial, its blocks of kind sh, in an empty folder: tutorial.py SOURCE BUILD PAGE.
+"""Runs the commands of a chapter of the tutorial, its sh blocks, in an empty folder: tutorial.py SOURCE BUILD PAGE
 
-The folder has links to the folders of the tree that the pages name. Every picture that a line "Picture: " names is there
-at the end, and is a PNG file with something in it."""
+The folder has links to the folders of the tree that the pages use. At the end every picture of a line "Picture: " must
+exist as a PNG file that is not empty."""
 import os
 import re
 import subprocess

@@ -1,4 +1,4 @@
-// Properties that scatter: in the model, and in what it computes.
+// Random properties: their values in the model, and results of runs.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -61,8 +61,8 @@ double peak_of(const std::vector<HistoryRow>& rows) {
   return peak;
 }
 
-// Columns of one value compute what the material of that value does, to rounding (C6.9). On the lattice, with the
-// kernels of blocks of any shape, and through a promotion in mid-run.
+// Columns of a constant value are equal to the material with that value, to rounding (C6.9). On the lattice, in the
+// general kernels, and through a promotion in mid-run.
 TEST(Columns, OfOneValueComputeWhatTheMaterialDoes) {
   const std::vector<std::pair<const char*, Settings>> ways{
       {"lattice", {"solver.large_motion=never", "solver.past_motion_bound=warn"}},
@@ -77,11 +77,11 @@ TEST(Columns, OfOneValueComputeWhatTheMaterialDoes) {
     ASSERT_GT(peak, 1e3) << name;
     for (std::size_t i = 0; i < plain.size(); ++i)
       ASSERT_NEAR(columns[i].resistance, plain[i].resistance, 1e-6 * peak)
-          << name << " " << i;  // 1e-9 a step, amplified by cracking
+          << name << " " << i;  // 1e-9 in a step, amplified by cracking
   }
 }
 
-// Sample 0 is the wall at its means, and another sample another wall; the same one is the same to the bit.
+// Sample 0 is the wall with mean values. Other samples differ; an equal sample is bitwise identical.
 TEST(Columns, SamplesAreWallsOfTheirOwn) {
   const auto sample = [](int i) { return Settings{fmt::format("random.sample={}", i)}; };
   const double plain = peak_of(run(kQuick)), means = peak_of(run(kQuick + kScattered + sample(0)));
@@ -93,7 +93,7 @@ TEST(Columns, SamplesAreWallsOfTheirOwn) {
   EXPECT_EQ(first, peak_of(run(kQuick + kScattered)));  // 1 is the default
 }
 
-// What is drawn is carried through a promotion and through a checkpoint after it.
+// Random values are preserved through a promotion and a checkpoint after it.
 TEST(Columns, GoAlongIntoLargeMotionAndCheckpoints) {
   const Settings settings = kQuick + kScattered + Settings{"solver.rotation_bound=1e-5"};
   Simulation simulation(read_scene(kSmall, settings));
@@ -114,7 +114,7 @@ TEST(Columns, GoAlongIntoLargeMotionAndCheckpoints) {
 
 struct Drawn {
   std::vector<PlacedPoint> point;
-  std::vector<double> value;  // of tensile_strength
+  std::vector<double> value;  // tensile_strength, Pa
   std::vector<int> unit_a, unit_b, course_a, course_b;
 };
 Drawn drawn(const Settings& settings) {
@@ -169,7 +169,7 @@ TEST(Columns, LevelsHaveOneValueEach) {
   EXPECT_EQ(std::set<double>(points.value.begin(), points.value.end()).size(), points.value.size());
 }
 
-// Kernels of the lattice and of blocks of any shape draw the same value for the same place.
+// The lattice and the general kernels have equal random values at equal positions.
 TEST(Columns, DoNotDependOnTheKernels) {
   const Settings settings = strength("distribution=\"lognormal\",cov=0.2,level=\"point\",correlation_length=0.2");
   const Drawn lattice = drawn(settings);
@@ -187,14 +187,14 @@ TEST(Columns, DoNotDependOnTheKernels) {
       if (std::abs(x[0] - p.at.x) + std::abs(x[1] - p.at.y) + std::abs(x[2] - p.at.z) > 1e-9) continue;
       ++found;
       EXPECT_NEAR(family.columns[0].values[k], lattice.value[i],
-                  1e-6 * lattice.value[i]);  // chains from place to place
+                  1e-6 * lattice.value[i]);  // rounding along chains of correlated positions
     }
   }
   EXPECT_EQ(found, family.size());
 }
 
-// Over many walls mean and scatter of a joint's average are those given (scatter_of = "joint"). Neighbours in a course
-// go together by exp(-distance/length).
+// Over many walls mean and standard deviation of a joint's average are those given (scatter_of = "joint"). The
+// correlation of neighbours in a course is exp(-distance/length).
 TEST(Columns, JointAveragesScatterAsGivenAndNeighboursGoTogether) {
   constexpr double kLength = 0.3;
   constexpr int kWalls = 60;
@@ -222,17 +222,17 @@ TEST(Columns, JointAveragesScatterAsGivenAndNeighboursGoTogether) {
       }
     }
   }
-  // Rows of one wall hold some 1.3 m of a field correlated over 0.3 m: as many independent values as walls x rows x 3,
-  // 1600. Five standard errors.
+  // Rows of a wall have about 1.3 m of a field with correlation length 0.3 m: walls x rows x 3 = 1600 independent
+  // values. Tolerance of five standard errors.
   const double independent = kWalls * 9 * 3.0;
   EXPECT_NEAR(sum / n, 0.2e6, 5 * 0.06e6 / std::sqrt(independent));
   EXPECT_NEAR(std::sqrt(squares / n), 0.06e6, 5 * 0.06e6 * std::sqrt(1.2 / independent));
-  // Of averages, lognormal: up to some 0.03 from those of points at their centres.
+  // Correlations of lognormal averages differ by up to 0.03 from those of points at their centres.
   EXPECT_NEAR(products / pairs / (squares / n), expected / pairs, 0.03 + 5 / std::sqrt(independent));
 }
 
-// Along a row of places z(k) = r z(k-1) + sqrt(1 - r^2) f(k) with r = exp(-d/length). f are the values that the same
-// sample has without correlation. d is the distance of the places, which are rounded to 10 um.
+// Along a row of positions z(k) = r z(k-1) + sqrt(1 - r^2) f(k) with r = exp(-d/length). Here f are the values of this
+// sample without correlation, and d is the distance of the positions, which are rounded to 10 um.
 TEST(Columns, NeighboursFollowEachOtherByTheirDistance) {
   const Assembly assembly = assemble(read_scene(kSmall));
   constexpr double kLength = 0.1, kMean = 0.2e6, kScatter = 0.02e6;
@@ -253,7 +253,7 @@ TEST(Columns, NeighboursFollowEachOtherByTheirDistance) {
   EXPECT_NEAR(together[0], alone[0], 1e-9);
   for (std::size_t k = 1; k < points.size(); ++k) {
     const double r = std::exp(-(points[k].position[0] - points[k - 1].position[0]) / kLength);
-    // r by at most 10 um/kLength, f and z by a few at most.
+    // The error of r is at most 10 um/kLength; f and z are at most a few.
     EXPECT_NEAR(together[k], r * together[k - 1] + std::sqrt(1 - r * r) * alone[k], 1e-3) << k;
   }
 }
@@ -268,8 +268,8 @@ TEST(Columns, StiffnessThatScattersLowersTheTimeStep) {
   EXPECT_LT(of_blocks.time_step_report().time_step, blocks.time_step_report().time_step);
 }
 
-// The watch holds tangents against the largest stiffness drawn, which the time step follows, and not against the mean:
-// nothing to be warned of. By no more than the least tangent of a law that follows its bound, and rounding.
+// The monitoring compares tangents with the largest random stiffness, which also determines the time step, not with the
+// mean, so there is no warning.
 TEST(Columns, StiffnessThatScattersIsNoFaultOfTheLaw) {
   const Settings stiff{"joints.mortar.normal_stiffness={distribution=\"uniform\",lower=20e9,upper=160e9}"};
   for (const char* kernels : {"solver.kernels=automatic", "solver.kernels=general"}) {
@@ -282,13 +282,13 @@ TEST(Columns, StiffnessThatScattersIsNoFaultOfTheLaw) {
   }
 }
 
-// What a table says was drawn: the mean over the joints by area, the least of all points. Points at the rim of a joint
-// stand for a quarter of the area of those inside it. The plain mean of their values is therefore another one.
+// The table of random values has the mean over the joints by area, and the smallest value of all points. Points at the
+// edge of a joint have a quarter of the area of those inside, so the mean without weights differs.
 TEST(Columns, MeansOfWhatWasDrawnAreByArea) {
   const Settings drawn_strength = strength("distribution=\"lognormal\",cov=0.5,level=\"point\"");
   for (const char* kernels : {"solver.kernels=automatic", "solver.kernels=general"}) {
     const Settings settings = kQuick + drawn_strength + Settings{kernels, "stage.shear.displacement=1e-6"};
-    const Drawn d = drawn(drawn_strength);  // the same for all kernels
+    const Drawn d = drawn(drawn_strength);  // equal for all kernels
     double area = 0.0, sum = 0.0, plain = 0.0;
     for (std::size_t i = 0; i < d.value.size(); ++i) {
       area += d.point[i].area, sum += d.point[i].area * d.value[i];
@@ -322,7 +322,7 @@ TEST(Columns, MissingMortarLeavesJointsOut) {
   const auto n = static_cast<double>(all);
   EXPECT_NEAR(static_cast<double>(missing), 0.1 * n, 5 * std::sqrt(0.09 * n));
   EXPECT_EQ(joints({"joints.mortar.missing_mortar=0.1", "random.sample=0"}).second, 0u);
-  // Neighbours without mortar pass through each other with the other kernels too.
+  // Joints without mortar have no contact, also in the general kernels.
   const Settings few = kQuick + Settings{"wall.courses=6", "joints.mortar.missing_mortar=0.3"};
   const Simulation lattice(read_scene(kSmall, few)),
       general(read_scene(kSmall, few + Settings{"solver.kernels=general"}));
@@ -349,10 +349,10 @@ TEST(Columns, SayWhatIsWrong) {
   EXPECT_THAT(fault_of({tensile + "{distribution=\"lognormal\",mean=-1e5,cov=0.1}"}), HasSubstr("more than 0"));
   EXPECT_THAT(fault_of({tensile + "{distribution=\"normal\",mean=1e5,cov=0.1,level=\"wall\",correlation_length=1}"}),
               HasSubstr("only with level"));
-  // A draw that the law does not allow is named with its place and what to do.
+  // A random value that the law refuses has a message with its position and the remedy.
   EXPECT_THAT(fault_of({tensile + "{distribution=\"normal\",mean=1e5,cov=3}"}),
               testing::AllOf(HasSubstr("sample 1 of seed 1"), HasSubstr("was drawn at ("), HasSubstr("truncate")));
-  // Strong and brittle: refused together.
+  // A strong and brittle combination is refused.
   EXPECT_THAT(fault_of({tensile + "{distribution=\"uniform\",lower=1e4,upper=2.9e6}"}), HasSubstr("go together"));
   EXPECT_THAT(
       fault_of(kScattered + Settings{"joints.mortar.correlation=[[\"tensile_strength\",\"friction_angle\",0.5]]"}),

@@ -1,4 +1,4 @@
-// `quoin ensemble` as a process: many of them on one folder, and some of them killed.
+// `quoin ensemble` as a process: many processes with one folder, and some of them killed.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -50,13 +50,13 @@ class Ensemble : public Cli {
     for (int i = 0; i < 3000 && finished(out) < samples; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  // Processes whose command line names the folder.
+  // Returns the processes with the folder in their command line.
   std::vector<pid_t> processes(const std::string& out) const {
     std::vector<pid_t> found;
     for (const auto& entry : fs::directory_iterator("/proc")) {
       const std::string name = entry.path().filename().string();
       if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-      std::ostringstream words;  // of a process that may end while it is read: then nothing
+      std::ostringstream words;  // empty if the process ends meanwhile
       words << std::ifstream(entry.path() / "cmdline").rdbuf();
       if (words.str().find((folder_ / out).string()) != std::string::npos) found.push_back(std::stoi(name));
     }
@@ -81,14 +81,14 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_LT(peak["mean_95"][0], peak["mean"]);
   EXPECT_GT(peak["of_means"], 0.0);
   EXPECT_THAT(read_all(folder_ / "a" / "index.html"), HasSubstr("small wall with scattered joints"));
-  // The same command again computes nothing, and more samples go on from there: the first rows stay.
+  // Repeating the command computes nothing. With more samples the first rows do not change.
   const std::string first = table("a");
   ASSERT_EQ(ensemble("a"), 0);
   EXPECT_EQ(table("a"), first);
   ASSERT_EQ(ensemble("a", {"--samples", "8"}), 0) << error_;
   EXPECT_THAT(table("a"), testing::StartsWith(first));
   EXPECT_EQ(lines_of(table("a")).size(), 9u);
-  // Samples are runs that stand for themselves: `quoin run` gives the same.
+  // A sample is an ordinary run: `quoin run` has equal results.
   const auto run = nlohmann::json::parse(read_all(folder_ / "a" / "samples" / "000002" / "summary.json"));
   std::vector<std::string> again{QUOIN_PROGRAM,       "run", small_, "--out", out(), "--threads", "1", "--set",
                                  "output.plots=false"};
@@ -97,7 +97,7 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
 }
 
-// Numbers behind the pictures of a study: kN and mm, from the rows of its samples.
+// Data of the pictures of a study: kN and mm, from the rows of its samples.
 TEST_F(Ensemble, PicturesAreDrawnFromTheTable) {
   ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", study_, "--out", (folder_ / "p").string()})), 0) << error_;
   const auto cells = [](const std::string& line, char by) {
@@ -128,7 +128,7 @@ TEST_F(Ensemble, PicturesAreDrawnFromTheTable) {
   ASSERT_EQ(peaks.size(), 6u);
   const auto convergence = rows_of("convergence.dat");
   ASSERT_EQ(convergence.size(), 4u);
-  const double student[] = {4.302653, 3.182446, 2.776445, 2.570582};  // 97.5 %, of 2 to 5 degrees of freedom
+  const double student[] = {4.302653, 3.182446, 2.776445, 2.570582};  // 97.5 %, for 2 to 5 degrees of freedom
   for (std::size_t n = 3; n <= 6; ++n) {
     double mean = 0.0, squares = 0.0;
     for (std::size_t i = 0; i < n; ++i) mean += peaks[i] / 1e3 / double(n);
@@ -140,7 +140,7 @@ TEST_F(Ensemble, PicturesAreDrawnFromTheTable) {
     EXPECT_NEAR(row[2], mean - half, 1e-5 * mean);
     EXPECT_NEAR(row[3], mean + half, 1e-5 * mean);
   }
-  // Force at each displacement, up to the 0.2 mm of the stage; of all means; at 5, 16, 50, 84, 95 %.
+  // Force at each displacement, up to the 0.2 mm of the stage: the run with all means, and 5, 16, 50, 84, 95 %.
   const auto bands = rows_of("bands.dat");
   ASSERT_GT(bands.size(), 50u);
   EXPECT_EQ(bands.front()[0], 0.0);
@@ -158,7 +158,7 @@ TEST_F(Ensemble, PicturesAreDrawnFromTheTable) {
   EXPECT_GE(highest, least);
   const auto results = nlohmann::json::parse(read_all(folder_ / "p" / "summary.json"));
   EXPECT_NEAR(of_means, results["outputs"]["peak_force_N"]["of_means"].get<double>() / 1e3, 0.02 * most);
-  // Displacements at the peak in order, each at the middle of its step of probability, beside a distribution.
+  // Sorted displacements at the peak, each at the middle of its step of probability, and a fitted distribution.
   std::vector<double> at_peak = column("displacement_at_peak_m");
   std::sort(at_peak.begin(), at_peak.end());
   const auto fragility = rows_of("fragility.dat");
@@ -176,7 +176,7 @@ TEST_F(Ensemble, PicturesAreDrawnFromTheTable) {
   EXPECT_THAT(script, AllOf(HasSubstr("\"displacement, mm\""), HasSubstr("\"horizontal force, kN\"")));
 }
 
-// Quantities of a study that go together: the second has 0.6 of the first's normal variable, and 0.8 of its own.
+// Correlated quantities of a study: the second has 0.6 of the first one's normal variable, and 0.8 of its own.
 TEST_F(Ensemble, QuantitiesGoTogetherAsGiven) {
   const fs::path file = folder_ / "together.toml";
   const auto write = [&](const std::string& correlation) {
@@ -202,7 +202,7 @@ TEST_F(Ensemble, QuantitiesGoTogetherAsGiven) {
   }
 }
 
-// Displacement at which a fifth of the peak is lost, from the history of a sample that goes so far.
+// The displacement at which the force is a fifth below the peak, from the history of a sample that reaches it.
 TEST_F(Ensemble, LossOfAFifthIsThatOfTheHistory) {
   ASSERT_EQ(ensemble("a", {"--samples", "1", "--set", "stage.shear.displacement=0.001"}), 0) << error_;
   EXPECT_THAT(out_, HasSubstr(" kN on average; with everything"));  // one sample has no scatter
@@ -233,7 +233,7 @@ TEST_F(Ensemble, LossOfAFifthIsThatOfTheHistory) {
   EXPECT_DOUBLE_EQ(std::stod(cells(samples[1])[of_loss]), loss);
 }
 
-// Three inputs: rows of five runs, and the means. More rows go on from there.
+// Three inputs: rows of five runs, and the run with means. More rows are added to these.
 TEST_F(Ensemble, SobolsIndicesComeFromRowsOfRuns) {
   const auto sobol = [&](const std::string& rows) {
     return finish(start({QUOIN_PROGRAM, "sensitivity", study_, "--out", (folder_ / "s").string(), "--sobol", rows,
@@ -250,7 +250,7 @@ TEST_F(Ensemble, SobolsIndicesComeFromRowsOfRuns) {
   EXPECT_EQ(sobol("7"), 2);
 }
 
-// Without --sobol each of three inputs goes down and up by itself, beside the means.
+// Without --sobol each of three inputs is decreased and increased alone; one run has all means.
 TEST_F(Ensemble, SensitivityOneAtATimeIsTwoRunsAnInput) {
   ASSERT_EQ(finish(start({QUOIN_PROGRAM, "sensitivity", study_, "--out", (folder_ / "s").string(), "--no-pictures",
                           "--set", "stage.shear.displacement=0.00005"})),
@@ -261,8 +261,8 @@ TEST_F(Ensemble, SensitivityOneAtATimeIsTwoRunsAnInput) {
   EXPECT_TRUE(fs::exists(folder_ / "s" / "sensitivity.csv"));
 }
 
-// One input at a time: numbers of samples that are given here, not run. The pressure is uniform from 0.2 to 0.4 MPa,
-// the strength lognormal of mean 0.2 MPa and a coefficient of variation of 0.3.
+// One input at a time, with given results in place of runs. The pressure is uniform from 0.2 to 0.4 MPa, the strength
+// lognormal with mean 0.2 MPa and a coefficient of variation of 0.3.
 TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {
   quoin::ensemble::Study study = quoin::ensemble::read_study(study_);
   study.trials = quoin::ensemble::Trials::one_at_a_time;
@@ -311,7 +311,7 @@ TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {
          {low, 0.2e6, high, 51, 50, 48, -3.0 / 50.0 * 0.2e6 / (high - low), 2.25 / all, std::abs(50 - straight) / 3});
   EXPECT_EQ(rows["\"joints.mortar.cohesion\""][5], "") << "of a sample that failed";
 
-  // In words, what matters most first, and what is not known last.
+  // In the text the largest influence is first, and unknown ones are last.
   const auto lines = lines_of(words);
   ASSERT_EQ(lines.size(), 4u);
   EXPECT_THAT(lines[0], testing::StartsWith("peak_force_N"));
@@ -322,7 +322,7 @@ TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {
 }
 
 TEST_F(Ensemble, RecordsSamplesThatFailAndGoesOn) {
-  // A pressure that may pull: refused by the reader of the scene.
+  // A pressure that may be negative is refused by the reader of the scene.
   std::ofstream(folder_ / "study.toml")
       << "scene = \"" << small_ << "\"\nsamples = 8\n"
       << "[set.stage.shear]\nvelocity = 0.2\ndisplacement = 0.0001\n"
@@ -338,21 +338,21 @@ TEST_F(Ensemble, RecordsSamplesThatFailAndGoesOn) {
     if (lines[i].find(",failed,") == std::string::npos) continue;
     ++failed;
     EXPECT_THAT(lines[i], HasSubstr("pressure"));
-    EXPECT_THAT(lines[i], testing::Not(HasSubstr(QUOIN_CLI_TESTS)));  // no path of this machine
+    EXPECT_THAT(lines[i], testing::Not(HasSubstr(QUOIN_CLI_TESTS)));  // without paths of this machine
   }
   EXPECT_GT(failed, 0);
   EXPECT_LT(failed, 8);
   EXPECT_THAT(out_, HasSubstr(fmt::format("{} of them failed", failed)));
 }
 
-// Two machines' worth of processes, started at once.
+// Thirty-two processes, started at the same time.
 TEST_F(Ensemble, ThirtyTwoProcessesShareAFolder) {
   ASSERT_EQ(ensemble("alone", {"--samples", "40", "--jobs", "2"}), 0) << error_;
   std::vector<pid_t> children;
   for (int i = 0; i < 32; ++i) children.push_back(start(words("shared", {"--samples", "40", "--jobs", "1"})));
   for (const pid_t child : children) EXPECT_EQ(finish(child), 0);
   EXPECT_EQ(table("shared"), table("alone"));
-  // Whoever computes a sample writes his name into its claim: once.
+  // The process that computes a sample writes its name into the claim, once.
   for (int i = 0; i <= 40; ++i) {
     const std::string claim = read_all(folder_ / "shared" / "claims" / fmt::format("{:06}", i));
     EXPECT_EQ(lines_of(claim).size(), 1u) << i << ": " << claim;
@@ -367,12 +367,12 @@ TEST_F(Ensemble, DiesAsAWholeAndGoesOnToTheSameTable) {
   EXPECT_EQ(finish(driver), 128 + SIGKILL);
   for (int i = 0; i < 200 && !processes("killed").empty(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  EXPECT_TRUE(processes("killed").empty());  // its workers have died with it
+  EXPECT_TRUE(processes("killed").empty());  // its workers have ended, too
   const int kept = finished("killed");
   EXPECT_GE(kept, 5);
   EXPECT_LT(kept, 61);
 
-  // Then one worker; the driver sees to its sample.
+  // Then one worker is killed; the driver computes its sample again.
   const pid_t second = start(words("killed", {"--samples", "60", "--jobs", "1"}));
   bool killed = false;
   for (int i = 0; i < 1000 && !killed; ++i) {
@@ -395,8 +395,8 @@ TEST_F(Ensemble, CtrlCKeepsWhatIsFinished) {
   EXPECT_GE(lines_of(table("a")).size(), 3u);
 }
 
-// A scene, its law and its study are read once. Edited while samples are under way, and before other processes come to
-// help, they change nothing. In place, as editors and compilers do it.
+// A scene, its law and its study are read once. Changes of the files during the study, and before other processes join
+// it, have no effect. The files are changed in place, as by editors and compilers.
 TEST_F(Ensemble, ReadsAllThatItIsComputedFromOnce) {
   const std::string scene = read_all(small_), law = read_all(QUOIN_LAWS "/fracture_energy.so");
   const fs::path scene_file = folder_ / "wall.toml", law_file = folder_ / "law.so", study_file = folder_ / "study.toml";
@@ -423,7 +423,7 @@ TEST_F(Ensemble, ReadsAllThatItIsComputedFromOnce) {
   EXPECT_THAT(whole, testing::StartsWith(table("edited")));
   EXPECT_EQ(lines_of(table("edited")).size(), 9u);
 
-  // It is another study now; that of then goes on from its folder.
+  // The changed file is another study; the first one is continued from its folder.
   EXPECT_EQ(finish(command("edited", "12", study_file.string())), 3);
   write(law_file, law), write(study_file, study);
   EXPECT_EQ(finish(command("edited", "12", study_file.string())), 3);
@@ -441,7 +441,7 @@ TEST_F(Ensemble, ReadsAllThatItIsComputedFromOnce) {
   EXPECT_THAT(error_, HasSubstr("wall.toml is not what was kept then"));
 }
 
-// The same of a mesh that the scene names: gone when the first sample is done. A cube that falls on another one.
+// A mesh of the scene is read once, too: it is removed after the first sample. A cube falls on another one.
 TEST_F(Ensemble, ReadsMeshesOnce) {
   std::ofstream(folder_ / "cube.off") << "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"
                                          "4 0 4 6 2\n4 1 3 7 5\n4 0 1 5 4\n4 2 6 7 3\n4 0 2 3 1\n4 4 5 7 6\n";
@@ -482,22 +482,22 @@ duration = 0.2
   EXPECT_THAT(out_, HasSubstr("6 of 6 samples finished, 0 of them failed"));
 }
 
-// On a disk that takes no more: no file may grow beyond 2 kB once the study is begun. It ends, and says why.
+// On a full disk, with files limited to 2 kB after the start, the study ends with the reason.
 TEST_F(Ensemble, EndsWhereTheDiskIsFull) {
   ASSERT_EQ(ensemble("a", {"--samples", "1"}), 0) << error_;
   const pid_t driver = start(words("a", {"--samples", "20", "--jobs", "2"}), -1, [] {
-    alarm(60);  // of the test, for one that does not end
+    alarm(60);  // ends a process that does not end itself
     const rlimit limit{2000, 2000};
     setrlimit(RLIMIT_FSIZE, &limit);
   });
   EXPECT_EQ(finish(driver), 3) << error_;
   EXPECT_THAT(error_, testing::ContainsRegex("sample [0-9]+ could not be computed: .*history.csv.*cannot be written"));
   EXPECT_EQ(finished("a"), 2);
-  ASSERT_EQ(ensemble("a", {"--samples", "3"}), 0) << error_;  // there is room again
+  ASSERT_EQ(ensemble("a", {"--samples", "3"}), 0) << error_;  // without the limit
   EXPECT_EQ(lines_of(table("a")).size(), 4u);
 }
 
-// Nothing but failures is no result: no equilibrium within ten steps.
+// A study fails if all its samples fail: no equilibrium within ten steps.
 TEST_F(Ensemble, FailsWhereAllSamplesFail) {
   const std::vector<std::string> more{"--samples", "2", "--set", "stage.precompression.max_steps=10"};
   EXPECT_EQ(ensemble("a", more), 5);
@@ -521,7 +521,7 @@ TEST_F(Ensemble, FailsWhereAllSamplesFail) {
   }
 }
 
-// What only the results request is checked before the work, and may be changed after it.
+// Settings of results only are checked before the runs, and may be changed after them.
 TEST_F(Ensemble, FragilitiesOfNoColumnAreRefusedBeforeTheWork) {
   const auto write = [&](const std::string& output) {
     std::string text = read_all(study_);
@@ -550,8 +550,8 @@ TEST_F(Ensemble, FragilitiesOfNoColumnAreRefusedBeforeTheWork) {
   }
 }
 
-// Calls of Slurm's programs, and their answers. Stand-ins start the workers here, as slurm_test.py has Slurm do where
-// it is installed.
+// Calls of Slurm's programs, and their outputs. Stand-ins start the workers here; slurm_test.py uses Slurm where it is
+// installed.
 TEST_F(Ensemble, AsksSlurmForWorkersAndWaitsForThem) {
   const auto stand_in = [&](const char* name, const std::string& text) {
     std::ofstream(folder_ / name) << "#!/bin/sh\nfolder=" << folder_.string() << "\n" << text;
@@ -570,7 +570,7 @@ TEST_F(Ensemble, AsksSlurmForWorkersAndWaitsForThem) {
   EXPECT_EQ(ask("a", {}), 3);
   EXPECT_THAT(error_, HasSubstr("sbatch refused the job: no such partition"));
 
-  // Workers that end before they have computed anything.
+  // Workers that end before they have computed a sample.
   stand_in("sbatch", "echo a warning; echo '17;far'\n");
   stand_in("squeue", "echo 'slurm_load_jobs error: Invalid job id specified'; exit 1\n");
   EXPECT_EQ(ask("a", {}), 5);
@@ -578,7 +578,7 @@ TEST_F(Ensemble, AsksSlurmForWorkersAndWaitsForThem) {
 
   stand_in("sbatch", "echo \"$@\" > $folder/asked\n" + task + "echo 17\n");
   stand_in("squeue", "echo \"$@\" > $folder/queued; echo 17_1\n");
-  ASSERT_EQ(ensemble("b", {"--samples", "1"}), 0) << error_;  // it and the one of the means
+  ASSERT_EQ(ensemble("b", {"--samples", "1"}), 0) << error_;  // sample 1 and that of the means
   EXPECT_EQ(ask("b", {}), 0) << error_;
   EXPECT_THAT(error_, testing::AllOf(HasSubstr("job 17 of Slurm: 2 workers; results, also before the end: "),
                                      HasSubstr(" --samples 3 --gather"), HasSubstr("2/4 samples")));
@@ -603,7 +603,7 @@ TEST_F(Ensemble, RefusesTheFolderOfAnotherStudy) {
   EXPECT_THAT(error_, HasSubstr("--out"));
 }
 
-// What is given twice is refused: one of the two would have no effect.
+// Settings that are given twice are refused, since one of them would have no effect.
 TEST_F(Ensemble, NothingOfAStudyIsLeftOutInSilence) {
   const auto run = [&](const std::string& quantity, const std::vector<std::string>& more = {}) {
     std::string text = read_all(study_);

@@ -1,7 +1,7 @@
-"""A study computed by Slurm: a cluster of one node, started here and ended here. Usage: slurm_test.py QUOIN STUDY
+"""A study computed by Slurm, on a cluster of one node, which this test starts and ends. Usage: slurm_test.py QUOIN STUDY
 
-The table is byte for byte that of a study computed without Slurm, also when slurmd is killed in the middle. 77: cannot
-be tried here, with the reason.
+The table is equal, byte for byte, to that of a study without Slurm, also when slurmd is killed in the middle. Exit code 77,
+with the reason: skipped.
 """
 import atexit
 import os
@@ -146,14 +146,14 @@ if not list((folder / "slurm").glob("slurm-*.log")):
 if by_slurm != alone:
     sys.exit("the table of the study by Slurm is another one")
 
-# slurmd and its tasks are killed in the middle; it comes back, and what is left is computed.
+# slurmd and its tasks are killed in the middle; after its restart the remaining samples are computed.
 process = ensemble("killed", "--slurm", "--tasks", "4")
 for _ in range(600):
     if finished("killed") >= 3:
         break
     time.sleep(0.05)
 daemons["slurmd"].kill()
-for word in ("slurmstepd", quoin):  # what it has started on this node for this study
+for word in ("slurmstepd", quoin):  # processes that it has started on this node for this study
     for entry in pathlib.Path("/proc").glob("[0-9]*"):
         try:
             line = (entry / "cmdline").read_bytes()
@@ -163,7 +163,7 @@ for word in ("slurmstepd", quoin):  # what it has started on this node for this 
         except OSError:
             pass
 kept = finished("killed")
-# The node is lost; what ran on it is requeued, and runs when the node is back.
+# The node is down; its tasks are requeued, and run when the node is up again.
 for _ in range(900):
     if node_state().startswith("down"):
         break

@@ -15,7 +15,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double normal(std::uint64_t of, std::size_t i) { return random::normal({1, 1, of}, i); }
 
-// By hand: mean 3, variance 2.5; t(4) at 97.5 % is 2.776445, chi squared(4) 0.484419 and 11.14329 (tables).
+// Computed by hand: mean 3, variance 2.5; t(4) at 97.5 % is 2.776445, chi squared(4) 0.484419 and 11.14329 (tables).
 TEST(Statistics, MomentsAndTheirIntervals) {
   const Moments m = moments_of({1, 2, kNone, 3, 4, 5});
   EXPECT_EQ(m.count, 5u);
@@ -26,7 +26,7 @@ TEST(Statistics, MomentsAndTheirIntervals) {
   EXPECT_NEAR(m.of_scatter.high, std::sqrt(10.0 / 0.484419), 1e-4);
 }
 
-// 95 of 100 intervals hold the truth, up to the scatter of a binomial: 5 sqrt(0.05 0.95/1000).
+// 95 of 100 intervals contain the true value, with a tolerance of 5 standard deviations, 5 sqrt(0.05 0.95/1000).
 TEST(Statistics, IntervalsHoldTheTruthAsOftenAsTheySay) {
   int mean = 0, scatter = 0, median = 0;
   constexpr int kTrials = 1000;
@@ -50,7 +50,7 @@ TEST(Statistics, QuantilesAreHazens) {
   EXPECT_DOUBLE_EQ(quantile_of({4, 1, 3, 2}, 0.5), 2.5);
   EXPECT_DOUBLE_EQ(quantile_of({4, 1, 3, 2}, 0.125), 1.0);
   EXPECT_DOUBLE_EQ(quantile_of({4, 1, 3, 2}, 0.999), 4.0);
-  EXPECT_TRUE(std::isnan(quantile_interval({1, 2, 3}, 0.05).low));  // too few to say
+  EXPECT_TRUE(std::isnan(quantile_interval({1, 2, 3}, 0.05).low));  // too few values
 }
 
 // y = 2 a + b: a explains 4/5 of the variance, b 1/5, c none.
@@ -65,14 +65,15 @@ TEST(Statistics, CorrelationRatiosAreTheFirstIndices) {
   EXPECT_NEAR(dependence_of(b, y)->correlation_ratio, 0.2, 0.06);
   EXPECT_NEAR(dependence_of(c, y)->correlation_ratio, 0.0, 0.02);
   EXPECT_NEAR(dependence_of(a, y)->pearson, std::sqrt(0.8), 0.02);
-  // Of a monotonic function the ranks are the same.
+  // A monotonic function does not change the ranks.
   std::vector<double> bent;
   for (const double v : a) bent.push_back(std::exp(3 * v));
   EXPECT_DOUBLE_EQ(dependence_of(a, bent)->spearman, 1.0);
   EXPECT_FALSE(dependence_of(a, std::vector<double>(a.size(), 1.0)));
 }
 
-// Outputs of a function of n independent inputs, uniform in (0, 1): a, b, and a with each input of b.
+// Returns values of a function of n independent inputs, uniform in (0, 1). The inputs are a, b, and a with one input of
+// b at a time.
 template <class Function>
 std::vector<std::vector<double>> exchanged(std::size_t rows, std::size_t n, const Function& function) {
   const random::Design design{random::Method::sobol, 1, 0, 2 * n};
@@ -87,8 +88,8 @@ std::vector<std::vector<double>> exchanged(std::size_t rows, std::size_t n, cons
   return outputs;
 }
 
-// Ishigami and Homma (1990): sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, x in (-pi, pi). Its indices in closed form; three
-// half widths of the intervals of 2048 rows are allowed, which are 0.02 to 0.13 wide.
+// Ishigami and Homma (1990): sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, x in (-pi, pi), with indices in closed form.
+// Tolerance of three half widths of the intervals for 2048 rows, which are 0.02 to 0.13 wide.
 TEST(Statistics, SobolIndicesOfIshigamisFunction) {
   constexpr double a = 7.0, b = 0.1, pi = M_PI;
   const double alone1 = 0.5 * std::pow(1 + b * std::pow(pi, 4) / 5, 2), alone2 = a * a / 8;
@@ -110,7 +111,7 @@ TEST(Statistics, SobolIndicesOfIshigamisFunction) {
   }
 }
 
-// y = 2 x1 + x2 + 0 x3: 4/5, 1/5 and nothing, alone and in all. Rows that failed are left out.
+// y = 2 x1 + x2 + 0 x3: first and total indices are 4/5, 1/5 and 0. Failed rows are excluded.
 TEST(Statistics, SobolIndicesOfASum) {
   auto y = exchanged(512, 3, [](const std::vector<double>& x) { return 1000 + 2 * x[0] + x[1]; });
   y[0][3] = y[2][7] = y[3][9] = kNone;
@@ -126,7 +127,8 @@ TEST(Statistics, SobolIndicesOfASum) {
   EXPECT_FALSE(sobol_index_of({1, 2, 3}, {2, 3, 1}, {1, 1, 2}));
 }
 
-// 95 of 100 intervals hold the truth: rows at random, 5 scatters of a binomial, and 0.05 for intervals of 100 rows.
+// 95 of 100 intervals contain the true value, for random rows. Tolerance of 5 standard deviations, and 0.05 for
+// intervals of 100 rows.
 TEST(Statistics, IntervalsOfSobolIndicesHoldTheTruth) {
   constexpr int kTrials = 100, kRows = 100;
   int first = 0, total = 0;
@@ -155,7 +157,7 @@ TEST(Statistics, FragilitiesFindTheirLognormalDistribution) {
   EXPECT_NEAR(all.median, 0.004, 0.004 * 5 * 0.5 / std::sqrt(2000));
   EXPECT_NEAR(all.spread, 0.5, 5 * 0.5 / std::sqrt(4000));
   EXPECT_LT(all.of_median.low, all.median);
-  // Tests that end at a drift of 4.5 mm: what comes later is not seen, and is not taken for never.
+  // Tests that end at a drift of 4.5 mm: later values are censored.
   for (double& v : drift) v = v > 0.0045 ? kNone : v;
   const Fragility some = fragility_of(drift);
   EXPECT_EQ(some.fit, "order statistics");

@@ -1,5 +1,5 @@
-// Studies with records: incremental dynamic analysis against Newmark's sliding block, killed and resumed; fragilities
-// against closed forms.
+// Studies with records: incremental dynamic analysis of Newmark's sliding block, also killed and resumed; fragility
+// curves against closed forms.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -22,7 +22,8 @@ using quoin::ensemble::Capacity;
 using quoin::ensemble::FittedFragility;
 using testing::HasSubstr;
 
-// Capacities known to a millionth: the greatest likelihood is at the mean and the root mean square of the logarithms.
+// For capacities with brackets of a millionth the maximum likelihood is at the mean and standard deviation of the
+// logarithms.
 TEST(Fragility, NarrowBracketsGiveTheMomentsOfTheLogarithms) {
   const std::vector<double> x{0.7, 1.1, 1.9, 2.3, 4.0, 1.3};
   std::vector<Capacity> all;
@@ -40,7 +41,7 @@ TEST(Fragility, NarrowBracketsGiveTheMomentsOfTheLogarithms) {
   EXPECT_GT(fit->of_median.high, fit->median);
 }
 
-// Two levels, 3 and 8 of 10 reached: two numbers, two parameters, and the curve goes through both.
+// Two levels at which 3 and 8 of 10 have collapsed: a curve with two parameters passes through both points.
 TEST(Fragility, TwoStripesAreMetExactly) {
   std::vector<Capacity> all;
   for (std::size_t i = 0; i < 10; ++i) {
@@ -61,7 +62,7 @@ TEST(Fragility, ThereIsNoneWhereNothingOrEverythingIsReached) {
   EXPECT_FALSE(FittedFragility::of({{0.0, 1.0, 0}, {0.0, 2.0, 1}}, 1));
 }
 
-constexpr double kGravity = 9.81, kFriction = 0.3, kWay = 0.1;  // m: the limit
+constexpr double kGravity = 9.81, kFriction = 0.3, kWay = 0.1;  // limit of the slip, m
 
 class Suite : public Cli {
  protected:
@@ -110,7 +111,7 @@ plots = false
     words.insert(words.end(), more.begin(), more.end());
     return quoin(words);
   }
-  // Rows of a table by the names of its columns.
+  // Returns the rows of a table by column names.
   std::vector<std::map<std::string, std::string>> rows(const fs::path& file) const {
     std::stringstream stream(read_all(file));
     std::vector<std::string> names;
@@ -152,8 +153,8 @@ plots = false
       "first = 3.0\nlargest = 50.0\ntolerance = 0.02\nfree_time = 1.0\ncollapse_displacement = 0.1\n";
 };
 
-// A block on a rectangular pulse a of length T is left behind by a T^2/2 (a/(mu g) - 1). So it comes to the limit D at
-// a = mu g/2 (1 + sqrt(1 + 8 D/(mu g T^2))). The bracket is 2 % wide, the slide right to 0.5 %.
+// A block under a rectangular pulse a of length T slips by a T^2/2 (a/(mu g) - 1). So it reaches the limit D at
+// a = mu g/2 (1 + sqrt(1 + 8 D/(mu g T^2))). The bracket is 2 % wide; the error of the slip is 0.5 %.
 TEST_F(Suite, AnIncrementalAnalysisFindsWhereNewmarksBlockHasSlidTooFar) {
   ASSERT_EQ(ensemble(study(hunt_, pulses_), "a", {"--jobs", "2"}), 0) << error_;
   const auto samples = rows(folder_ / "a" / "samples.csv");
@@ -165,7 +166,7 @@ TEST_F(Suite, AnIncrementalAnalysisFindsWhereNewmarksBlockHasSlidTooFar) {
     mean += std::log(expected) / 3;
     EXPECT_NEAR(std::stod(samples[i].at("collapse_pga_m_s2")), expected, 0.015 * expected) << kTimes[i];
     EXPECT_LT(std::stod(samples[i].at("stands_pga_m_s2")), 1.005 * expected);
-    // Of a rectangle PGV is PGA times its length.
+    // PGV of a rectangular pulse is PGA times its length.
     EXPECT_NEAR(std::stod(samples[i].at("collapse_pgv_m_s")), std::stod(samples[i].at("collapse_pga_m_s2")) * kTimes[i],
                 1e-3);
   }
@@ -174,7 +175,7 @@ TEST_F(Suite, AnIncrementalAnalysisFindsWhereNewmarksBlockHasSlidTooFar) {
   EXPECT_EQ(fragility[0].at("intensity"), "pga_m_s2");
   EXPECT_NEAR(std::stod(fragility[0].at("median")), std::exp(mean), 0.015 * std::exp(mean));
   EXPECT_THAT(out_, HasSubstr("collapse, PGA, m/s^2: median"));
-  // A run is one that can be repeated.
+  // The runs of a study can be repeated.
   const auto run =
       nlohmann::json::parse(read_all(folder_ / "a" / "samples" / "000002" / "runs" / "01" / "summary.json"));
   std::vector<std::string> again{"run", (folder_ / "scene.toml").string(), "--out", out(), "--threads", "1"};
@@ -199,8 +200,8 @@ TEST_F(Suite, KilledAndResumedItGivesTheSameTables) {
     EXPECT_EQ(read_all(folder_ / "cut" / table), read_all(folder_ / "whole" / table)) << table;
 }
 
-// The ground ends at x = 0.5 m: a block that has slid beyond falls. Without a limit of displacement in reach the
-// support shows that.
+// The ground ends at x = 0.5 m: a block that slides beyond falls. With a very large displacement limit the collapse is
+// detected by the loss of support.
 TEST_F(Suite, ABlockThatFallsHasLostItsSupport) {
   const std::string stripes =
       "method = \"stripes\"\nlevels = [2.0, 12.0]\nfree_time = 1.5\ncollapse_displacement = 100.0\n";
@@ -215,7 +216,7 @@ TEST_F(Suite, ABlockThatFallsHasLostItsSupport) {
   EXPECT_THAT(runs[1].at("reason"), HasSubstr("'block': has lost its support"));
 }
 
-// A cloud takes records as they are; walls that scatter are crossed with them.
+// A cloud analysis uses unscaled records, in combination with random walls.
 TEST_F(Suite, ACloudCrossesWallsAndRecords) {
   const std::string more =
       "[[quantity]]\nname = \"angle\"\nkey = \"joints.dry.friction_angle\"\ndistribution = \"uniform\"\nlower = 10\n"
@@ -246,7 +247,7 @@ TEST_F(Suite, ACloudCrossesWallsAndRecords) {
   EXPECT_NE(samples[0].at("angle"), samples[3].at("angle"));
 }
 
-// Scenes of stone on stiff ground that a pulse overturns, with the damping that a stage has by default.
+// Scenes of stone on stiff ground under pulses that may overturn it, with the default damping of a stage.
 class Overturning : public Suite {
  protected:
   static std::string head(const std::string& stiffness, double friction) {
@@ -283,9 +284,9 @@ plots = false
   void write_scene(const std::string& blocks) const { std::ofstream(folder_ / "scene.toml") << blocks << stages_; }
 };
 
-// One full sine of amplitude a over a block of 1 x 3 m, w = 5 p, a in g tan(alpha). It overturns with one impact from
-// 3.58 to 6.15, is safe from there to 7.44, and overturns without any from 7.45 on. (By integration of Housner's
-// equation; Zhang and Makris 2001.) 5 %: what the joint of 1e9 Pa/m and the landing over some steps leave.
+// A block of 1 x 3 m under one full sine of amplitude a, w = 5 p, a in g tan(alpha). It overturns with one impact
+// from 3.58 to 6.15, stands up to 7.44, and overturns without impact from 7.45 on. (By integration of Housner's
+// equation; Zhang and Makris 2001.) Tolerance 5 %, for the joint of 1e9 Pa/m and impacts of several steps.
 TEST_F(Overturning, ASpectrumOfFullSinesHasItsSafeGap) {
   write_scene(
       head("1e9", 80.0) + ground_ +
@@ -307,8 +308,8 @@ TEST_F(Overturning, ASpectrumOfFullSinesHasItsSafeGap) {
     EXPECT_EQ(runs[i].at("status"), expected[i].second ? "collapsed" : "stands") << expected[i].first;
 }
 
-// Seven drums and a capital (Dimitri et al. 2011): a for t, then -a/2 for 2 t. Least a/g that overturns by UDEC, LMGC90
-// and HybriDFEM, as published with the last of these; within 3 % of one of the three.
+// Column of seven drums and a capital (Dimitri et al. 2011): acceleration a for t, then -a/2 for 2 t. Smallest a/g that
+// overturns it by UDEC, LMGC90 and HybriDFEM, as published with HybriDFEM; within 3 % of one of the three.
 TEST_F(Overturning, AColumnOfDrumsFallsWhereThreeCodesHaveIt) {
   const std::vector<double> faces{1.11, 1.0811, 1.0521, 1.0232, 0.9942, 0.9653, 0.9364, 0.9074, 0.9000};
   std::string drums;
@@ -342,9 +343,9 @@ TEST_F(Overturning, AColumnOfDrumsFallsWhereThreeCodesHaveIt) {
   }
 }
 
-// Oppenheim's arch under a rectangular pulse, a four-hinge linkage of rigid ring sectors. Least a/g are 1.129, 0.582
-// and 0.424 of 0.2, 0.5 and 1.0 s. 5 %: straight voussoirs in place of sectors (1 % of the static multiplier), joints
-// of 1e11 Pa/m, and a bracket of 2 %.
+// Oppenheim's arch under a rectangular pulse. As a four-hinge linkage of rigid ring sectors it collapses from
+// a/g 1.129, 0.582 and 0.424 on, for 0.2, 0.5 and 1.0 s. Tolerance 5 %, for straight voussoirs in place of sectors (1 %
+// of the static multiplier), joints of 1e11 Pa/m, and a bracket of 2 %.
 TEST_F(Overturning, AnArchOnAMovingBaseFallsAsItsLinkageDoes) {
   write_scene(
       head("1e11", 60.0) +

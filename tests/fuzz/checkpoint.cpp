@@ -1,4 +1,4 @@
-// Checkpoints: as files, and the state of a small wall with bytes of it changed, from which a run then goes on.
+// Checkpoints as files, and the state of a small wall with changed bytes, from which a run is resumed.
 #include <cstring>
 
 #include "input.h"
@@ -41,7 +41,7 @@ quoin::Simulation& wall() {
 
 }  // namespace
 
-// The first byte says which; then a file, or edits of five bytes: place, its new value.
+// The first byte selects one of both. Then follows a file, or edits of five bytes: position and new value.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace quoin;
   static const std::vector<std::uint8_t> good = [] {

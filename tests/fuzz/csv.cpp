@@ -1,4 +1,4 @@
-// Tables: those of `quoin path` and `quoin fit`, and series of ground motions.
+// Tables of `quoin path` and `quoin fit`, and records of ground motions.
 #include <cmath>
 #include <cstdlib>
 

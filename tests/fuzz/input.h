@@ -1,4 +1,4 @@
-// Bytes of a fuzzer as a file, for readers that take names.
+// Bytes of a fuzzer as a file, for readers of files.
 #pragma once
 
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-// Overwritten by the next one of the same ending.
+// Writes a file with these bytes and returns its name. The next call with this ending overwrites it.
 inline std::string file_of(const std::uint8_t* data, std::size_t size, const std::string& ending) {
   static const std::filesystem::path folder = [] {
     const std::filesystem::path memory = "/dev/shm";

@@ -1,4 +1,4 @@
-// How a reader ends: with an exit code of the command line and words, or the input is a fault.
+// Judges the end of a reader: an exit code of the command line with a message, or the input has found a fault.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,13 @@
 
 #include "base/error.h"
 
-// Inputs so far by the exit code that they end with.
+// Returns the number of inputs so far by their exit codes.
 inline std::map<quoin::Exit, long>& ends() {
   static std::map<quoin::Exit, long> counts;
   return counts;
 }
 
-// known: codes that such an input may end with beside 0. Every other exception is a fault, missing memory included.
+// known: exit codes that are allowed besides 0. Every other exception is a fault, also lack of memory.
 template <class Work>
 void judge(std::initializer_list<quoin::Exit> known, const Work& work) {
   quoin::Exit end = quoin::Exit::done;

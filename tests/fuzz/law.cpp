@@ -1,4 +1,4 @@
-// The tables of a law: good ones, with words of them turned into anything.
+// Valid tables of a law, with some words replaced.
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -29,7 +29,7 @@ struct Tables {
     law.convention = &convention;
     law.property_count = law.state_count = law.initial_state_count = 1;
     law.properties = properties, law.states = states, law.initial_states = initial_states;
-    // Functions that are somewhere; nobody calls them.
+    // Valid function pointers, which are not called.
     const auto function = reinterpret_cast<void (*)()>(&std::abort);
     law.create_material = reinterpret_cast<decltype(law.create_material)>(function);
     law.destroy_material = reinterpret_cast<decltype(law.destroy_material)>(function);
@@ -46,7 +46,7 @@ std::size_t length_of(const char* text) { return std::strlen(quoin::law_text(tex
 
 }  // namespace
 
-// Edits of ten bytes: table, word, its new value.
+// Input: edits of ten bytes: table, word, new value.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kEdit = 10;
   Tables t;
@@ -78,7 +78,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool refused = !quoin::fault_of_tables(t.library).empty();
   ++ends()[refused ? quoin::Exit::law_refused : quoin::Exit::done];
   if (refused) return 0;
-  // What passes can be read to its end.
+  // Tables that are accepted can be read completely.
   std::size_t all = length_of(t.library.name) + length_of(t.library.version);
   for (std::uint64_t l = 0; l < t.library.law_count; ++l) {
     const quoin_law& law = *t.library.laws[l];
@@ -93,6 +93,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (std::uint64_t i = 0; i < law.state_count; ++i) all += length_of(law.states[i]->id);
     for (std::uint64_t i = 0; i < law.initial_state_count; ++i) all += length_of(law.initial_states[i]);
   }
-  if (all > std::size_t{1} << 40) std::abort();  // no text is longer than law_text cuts it
+  if (all > std::size_t{1} << 40) std::abort();  // law_text truncates every text
   return 0;
 }

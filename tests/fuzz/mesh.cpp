@@ -1,4 +1,4 @@
-// Mesh files of one kind, QUOIN_FUZZ_ENDING; what is read is a block: closed, with a volume.
+// Mesh files of one kind, QUOIN_FUZZ_ENDING. An accepted mesh is a block: closed, with a volume.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
-// Models: scenes as `quoin check` takes them; where they are small the model is made, steps, and takes no more memory
-// than was estimated.
+// Models: scenes as for `quoin check`. If a scene is small its model is built, makes some steps, and uses no more
+// memory than estimated.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -15,10 +15,10 @@
 namespace {
 
 constexpr double kSmall = 2e6;            // bytes
-constexpr double kLarge = 1e8;            // bytes: from here on users get a notice, which is of no use here
-constexpr double kOfAProgram = 32 << 20;  // bytes: stacks of threads, laws, what malloc keeps
+constexpr double kLarge = 1e8;            // bytes: models from this size on cause a notice, which is not needed here
+constexpr double kOfAProgram = 32 << 20;  // bytes: stacks of threads, laws, free memory of malloc
 
-// Most memory of the process since then, bytes.
+// Peak memory of the process since construction, bytes.
 class Peak {
  public:
   Peak() : before_(now()) {

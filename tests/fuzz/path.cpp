@@ -1,4 +1,4 @@
-// Path tests: the file, its formulas, and the path of one point where it is short.
+// Path tests: the file, its formulas, and the path of one point if it is short.
 #include <numeric>
 
 #include "input.h"

@@ -1,8 +1,8 @@
-// Without a fuzzer: every file of a corpus as it is, then mutations of them. Each mutation follows from its number
-// alone, so that a range of them can be tried again, or the next one.
+// Runs without a fuzzer: every file of a corpus unchanged, then mutations of the files. Each mutation depends only on
+// its number, so that a range of them can be repeated or continued.
 //   fuzz_TARGET SECONDS FILE_OR_FOLDER...
-//   fuzz_TARGET FIRST:LAST FILE_OR_FOLDER...   mutations of these numbers, the last one not
-// An input that crashes, takes more than 10 s or 4 GB is kept as fault_of_TARGET.
+//   fuzz_TARGET FIRST:LAST FILE_OR_FOLDER...   mutations of these numbers, without LAST
+// An input that crashes, or takes more than 10 s or 4 GB, is saved as fault_of_TARGET.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -24,7 +24,7 @@
 
 extern "C" {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
-// Of targets that know what their bytes mean; as libFuzzer calls it.
+// Mutator of targets with structured input, with the interface of libFuzzer.
 [[gnu::weak]] std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most,
                                                   unsigned int seed);
 [[gnu::weak]] void __sanitizer_set_death_callback(void (*callback)());
@@ -38,15 +38,15 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kLargest = 1 << 16;  // bytes
 constexpr std::size_t kLong = 1 << 13;     // bytes: such files are mutated kRarely times less often
 constexpr unsigned kRarely = 32;
-constexpr unsigned kLongest = 10;         // s
+constexpr unsigned kLongest = 10;         // limit of time, s
 constexpr rlim_t kMostMemory = 4l << 30;  // bytes
 
 std::vector<std::string> corpus;
 std::string fault_file;
-long number = -1;  // of the mutation at work
+long number = -1;  // number of the current mutation
 std::string at_work;
 
-// Some bytes changed, taken out or repeated, or a piece of another file put in.
+// Changes, removes or repeats some bytes, or inserts part of another file.
 void mutate_bytes(std::string* bytes, std::mt19937_64& random) {
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
   for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
@@ -103,7 +103,7 @@ void end_with_input(int signal) {
 }
 
 void watch_for_faults() {
-  static std::vector<char> stack(1 << 16);  // when the program's own is full
+  static std::vector<char> stack(1 << 16);  // for signals when the stack of the program is full
   stack_t other{};
   other.ss_sp = stack.data(), other.ss_size = stack.size();
   sigaltstack(&other, nullptr);

@@ -1,4 +1,4 @@
-// Scenes: read, sized, and made where they are small.
+// Scenes: they are read, their size is estimated, and small ones are built.
 #include <cstdlib>
 
 #include "judge.h"

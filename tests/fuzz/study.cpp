@@ -1,4 +1,4 @@
-// Studies: what of a scene scatters, and what is laid over the scene of a sample.
+// Studies: their random quantities, and the changes of a scene for a sample.
 #include "ensemble/study.h"
 
 #include "input.h"

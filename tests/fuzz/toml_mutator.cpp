@@ -1,5 +1,5 @@
-// TOML stays TOML: values, keys and tables are changed, taken out, repeated and moved. What is mutated then reaches the
-// readers of its meaning. Every third input is changed byte by byte all the same.
+// Mutations of TOML that are valid TOML: values, keys and tables are changed, removed, repeated and moved, so that
+// readers of the contents are tested. Every third input is mutated by bytes.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -16,7 +16,7 @@ using Random = std::mt19937_64;
 
 std::size_t below(Random& random, std::size_t n) { return n == 0 ? 0 : random() % n; }
 
-// Every table and list below `node`, and itself.
+// Collects `node` and every table and list below it.
 void collect(toml::node& node, std::vector<toml::table*>* tables, std::vector<toml::array*>* lists) {
   if (toml::table* table = node.as_table()) {
     tables->push_back(table);
@@ -27,7 +27,7 @@ void collect(toml::node& node, std::vector<toml::table*>* tables, std::vector<to
   }
 }
 
-// Puts a value of any kind where `put` needs it.
+// Calls `put` with an unusual value of a random kind.
 template <class Put>
 void put_odd(Random& random, const Put& put) {
   static const double kNumbers[] = {
@@ -57,7 +57,7 @@ void put_odd(Random& random, const Put& put) {
   }
 }
 
-// A number of a size near its own.
+// Multiplies a number by a random factor.
 bool scale(Random& random, toml::node& node) {
   static const double kFactors[] = {-1.0, 0.0, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0, 1e3, 1e-3, 1e6, 1e-6};
   const double factor = kFactors[below(random, std::size(kFactors))];

@@ -1,4 +1,4 @@
-// Assemblies of COMPAS: where nested transformations put blocks, which are supports, and what is refused.
+// Assemblies of COMPAS: positions by nested transformations, supports, and refusals.
 #include "geometry/compas_file.h"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// A tetrahedron with a corner of its own along each axis.
+// A tetrahedron with edges of different length along each axis.
 const std::string kMesh =
     R"("vertex": {"0": {"x": 1, "y": 2, "z": 3}, "1": {"x": 4, "y": 2, "z": 3}, "2": {"x": 1, "y": 7, "z": 3},
 "3": {"x": 1, "y": 2, "z": 9}}, "face": {"0": [0, 2, 1, 0], "1": ["0", "1", "3"], "2": [0, 3, 2], "3": [1, 2, 2, 3]})";
@@ -29,12 +29,12 @@ TEST(Compas, ABareMeshIsWhereItWasWritten) {
     EXPECT_EQ(shapes[0].vertices[i].y, expected[i][1]);
     EXPECT_EQ(shapes[0].vertices[i].z, expected[i][2]);
   }
-  // Closed cycles and corners that come twice are one corner.
+  // A repeated corner, as at the end of a closed cycle, counts once.
   EXPECT_THAT(shapes[0].faces,
               ElementsAre(ElementsAre(0, 2, 1), ElementsAre(0, 1, 3), ElementsAre(0, 3, 2), ElementsAre(1, 2, 3)));
 }
 
-// The element's transformation first, then that of what holds it: outer (own p + t) + T.
+// The element's transformation acts first, then that of its parent: outer (own p + t) + T.
 TEST(Compas, TransformationsOfWhatHoldsAMeshComeAfterItsOwn) {
   const std::string
       own = R"("transformation": {"data": {"matrix": [[0, -1, 0, 2], [1, 0, 0, 0], [0, 0, 2, 0.5], [0, 0, 0, 1]]}})",
@@ -66,8 +66,8 @@ TEST(Compas, WhatIsNoBlockIsPassedOver) {
   EXPECT_EQ(shapes[0].name, "block_0");
 }
 
-// Before COMPAS 1 blocks stood beside the graph whose nodes, or vertices, say which are supports; every block was
-// called "Block".
+// Files before COMPAS 1 have blocks beside the graph, whose nodes, or vertices, define the supports. Every block has
+// the name "Block".
 TEST(Compas, SupportsOfOldFilesAreInTheGraph) {
   for (const std::string kind : {"node", "vertex"}) {
     const auto shapes = read_compas(
@@ -85,7 +85,7 @@ TEST(Compas, SupportsOfOldFilesAreInTheGraph) {
   }
 }
 
-// COMPAS 0.18 wrote the attributes of its last block beside the graph, a whole mesh and a support among them.
+// Files of COMPAS 0.18 have the attributes of the last block beside the graph, also a mesh and a support.
 TEST(Compas, BlocksOfAGraphAreAllThatItHas) {
   const auto shapes = read_compas(
       "a.json", R"({"attributes": {"name": "Graph"}, "is_support": true, )" + kMesh +
@@ -93,7 +93,7 @@ TEST(Compas, BlocksOfAGraphAreAllThatItHas) {
                     R"(}}}, "4": {"is_support": true, "block": {"value": {"attributes": {"name": "key"}, )" + kMesh +
                     "}}}}}");
   ASSERT_EQ(shapes.size(), 2u);
-  EXPECT_EQ(shapes[0].name, "block_0");  // and not as the graph
+  EXPECT_EQ(shapes[0].name, "block_0");  // not the name of the graph
   EXPECT_FALSE(shapes[0].support);
   EXPECT_EQ(shapes[1].name, "key");
   EXPECT_TRUE(shapes[1].support);

@@ -1,4 +1,4 @@
-// Separation, overlap and quadrature, broad phase against closed forms and brute force.
+// Separation, overlap, quadrature and broad phase against closed forms and brute force.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -27,7 +27,7 @@ TEST(Separation, FaceFace) {
 }
 
 TEST(Separation, VertexOverFace) {
-  // A cube standing on its corner: body diagonal upright.
+  // A cube on its corner: the body diagonal is vertical.
   const Vector diagonal = normalized(Vector{1, 1, 1}), up{0, 1, 0};
   const Vector axis = cross(diagonal, up);
   const Quaternion q = rotation(std::asin(norm(axis)) * normalized(axis));
@@ -40,7 +40,7 @@ TEST(Separation, VertexOverFace) {
 }
 
 TEST(Separation, CrossingEdges) {
-  // Two cubes, each with an edge towards the other, the edges at right angles.
+  // Two cubes, each with an edge towards the other; the edges are perpendicular.
   const double h = std::sqrt(2.0) / 2, gap = 0.03;
   const auto a = moved(cube(1), rotation({0, 0, std::numbers::pi / 4}), {0, -h, 0});  // ridge along z at the origin
   const auto b = moved(cube(1), rotation({std::numbers::pi / 4, 0, 0}), {0, h + gap, 0});  // ridge along x
@@ -58,11 +58,11 @@ TEST(Separation, CrossingEdges) {
   EXPECT_NEAR(norm(q - Vector{0, gap, 0}), 0.0, 1e-12);
 }
 
-// Units that lie on each other, turned by some thousandths and bent by some hundredths of a millimetre. The distance is
-// never more than that of their corners along the axis. (Rims that are almost parallel gave 0.13 mm where it was 0.08.)
+// Units on each other, rotated by some thousandths, with faces out of plane by some hundredths of a millimetre. The
+// distance is not more than that of their corners along the axis, also with edges that are almost parallel.
 TEST(Separation, BentUnitsAreNoFurtherApartThanTheirCorners) {
   std::mt19937 random(7);
-  constexpr double bent = 2e-5;  // m, and what a face is off its plane by
+  constexpr double bent = 2e-5;  // m, deviation of a face from its plane
   std::uniform_real_distribution<double> any(-1, 1);
   const auto vector = [&](double size) { return size * Vector{any(random), any(random), any(random)}; };
   const auto unit = [&](const Vector& centre) {
@@ -100,7 +100,7 @@ TEST(Separation, EdgesThatPassBesideEachOtherDoNotCross) {
   EXPECT_FALSE(beside({-0.1, 0.01, 0.0}, u));
 }
 
-// The separating-axis distance of random cubes against a brute-force scan of directions, and symmetry of the roles.
+// The separating-axis distance of random cubes against a brute-force scan of directions, and symmetry of both bodies.
 TEST(Separation, RandomPairsAgreeWithScanOfDirections) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -120,7 +120,8 @@ TEST(Separation, RandomPairsAgreeWithScanOfDirections) {
       return low - high;
     };
     EXPECT_NEAR(along(s.normal), s.distance, 1e-12);
-    if (s.distance > 0) continue;  // apart, a vertex pair may be the closest: then the value is a lower bound
+    if (s.distance > 0)
+      continue;  // for separate cubes a vertex pair may be the closest: the value is then a lower bound
     for (int k = 0; k < 4000; ++k) EXPECT_LE(along(normalized(any())), s.distance + 1e-12);
   }
 }
@@ -134,7 +135,8 @@ TEST(Separation, KeepsTheReferenceBetweenEqualAxes) {
   EXPECT_EQ(first.index_a, second.index_a);
 }
 
-// Of faces that look the same way to rounding the first one: on each of the 8 corners and 12 edges of a cube.
+// Of faces that are equally close to a direction, to rounding, facing returns the first one. Tested at each of the 8
+// corners and 12 edges of a cube.
 TEST(Separation, FacingIsTheFirstOfFacesAlikeWhateverTheirRounding) {
   const auto cube_at_rest = cube(1);
   const Placed p = placed(cube_at_rest, {});
@@ -160,7 +162,7 @@ double integral(const std::vector<QuadraturePoint>& points, int i, int j) {
   for (const auto& q : points) sum += q.area * std::pow(q.at.x, i) * std::pow(q.at.y, j);
   return sum;
 }
-// Exact integral of x^i y^j, i + j <= 3, over a polygon by Gauss points of degree 5 on its fan.
+// Returns the exact integral of x^i y^j, i + j <= 3, over a polygon, by Gauss points of degree 5 on its triangles.
 double exact(const Polygon& p, int i, int j) {
   const double a = 0.797426985353087, b = 0.101286507323456, c = 0.059715871789770, d = 0.470142064105115;
   double sum = 0;
@@ -184,7 +186,7 @@ TEST(Overlap, ClosedForms) {
   clip(unit, {{0.25, -1}, {2, -1}, {2, 0.5}, {0.25, 0.5}}, 1e-9, result, scratch);
   EXPECT_NEAR(area(result), 0.375, 1e-15);
   EXPECT_NEAR(centroid(result).x, 0.625, 1e-15);
-  const double r = std::sqrt(0.5);  // square turned by 45 degrees about the same centre: regular octagon
+  const double r = std::sqrt(0.5);  // square rotated by 45 degrees about the same centre: regular octagon
   clip(unit, {{0.5 - r, 0.5}, {0.5, 0.5 - r}, {0.5 + r, 0.5}, {0.5, 0.5 + r}}, 1e-9, result, scratch);
   EXPECT_EQ(result.size(), 8u);
   EXPECT_NEAR(area(result), 2 * std::sqrt(2.0) - 2, 1e-14);
@@ -246,7 +248,7 @@ TEST(BroadPhase, AgreesWithBruteForce) {
   EXPECT_EQ(pairs, brute);
 }
 
-// The smallest cases: nothing is lost at the ends of a list.
+// The smallest cases, which test the ends of a list.
 TEST(BroadPhase, TwoAndThreeBoxes) {
   const Box a{{0, 0, 0}, {1, 1, 1}}, b{{0.5, 0.5, 0.5}, {2, 2, 2}}, c{{1.5, 1.5, 1.5}, {3, 3, 3}};
   EXPECT_TRUE(overlapping_pairs({}).empty());

@@ -1,4 +1,4 @@
-// Mesh files that are wrong: every one is refused with file and line, and none crashes the reader.
+// Faulty mesh files: each is refused with file and line, and none crashes the reader.
 #include "geometry/mesh_file.h"
 
 #include <fmt/format.h>
@@ -74,7 +74,7 @@ class BadMeshFile : public ::testing::Test {
     }
     return "accepted";
   }
-  // `from` of a good file replaced by `to`
+  // Returns the message for a valid file in which `from` is replaced by `to`.
   std::string refusal(const std::string& ending, std::string text, const std::string& from, const std::string& to) {
     const size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
@@ -99,7 +99,7 @@ TEST_F(BadMeshFile, TheGoodOnesAreGood) {
   EXPECT_EQ(read("stl", ascii_stl())[0].name, "wedge#1");
 }
 
-// An object without a name has that of the file and its place in it, from 0.
+// An object without a name has the name of the file and its index in it, from 0.
 TEST_F(BadMeshFile, ObjectsAreCalledAsTheFileSaysOrByTheirPlace) {
   const auto names = [&](const std::string& ending, const std::string& bytes) {
     std::vector<std::string> list;
@@ -111,14 +111,14 @@ TEST_F(BadMeshFile, ObjectsAreCalledAsTheFileSaysOrByTheirPlace) {
   const std::string next = "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\n" + faces;
   EXPECT_THAT(names("obj", "o\n" + body + "g post\n" + next + "o\n" + next), ElementsAre("m#0", "post", "m#2"));
   EXPECT_THAT(names("obj", body), ElementsAre("m"));
-  // Blanks belong to a name; a name that several have gets their places, and bodies of one object their numbers.
+  // Names may have blanks. Equal names get an index, and several bodies of one object get a number.
   EXPECT_THAT(names("obj", "o left post\n" + body + "o lintel\n" + next + "o lintel\n" + next),
               ElementsAre("left post", "lintel#1", "lintel#2"));
   EXPECT_THAT(names("obj", "o posts\n" + body + next), ElementsAre("posts/0", "posts/1"));
   // Mirrored in its face z = 0: two bodies that touch.
   const std::string below = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -1\n" + faces;
   EXPECT_THAT(names("obj", "o pair\n" + body + below), ElementsAre("pair/0", "pair/1"));
-  // Two triangles back to back whose corners are one place, nearly: closed, and nothing is left of it.
+  // Two opposite triangles with nearly equal corners: a closed surface, which is degenerate.
   EXPECT_THAT(refusal("obj", "v 0 0 0\nv 1e-9 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1\n"),
               HasSubstr("block '': has no face with an area"));
   EXPECT_THAT(refusal("obj", "o flat\nv 0 0 0\nv 1 0 0\nf 1 2 1\n"),
@@ -129,7 +129,7 @@ TEST_F(BadMeshFile, ObjectsAreCalledAsTheFileSaysOrByTheirPlace) {
   EXPECT_THAT(names("off", kOff), ElementsAre("m"));
 }
 
-// A unit cube as OBJ, whose corner (1, 1, 1) is raised: its top is warped.
+// Returns a unit cube as OBJ, whose corner (1, 1, 1) is raised: its top is warped.
 std::string cube(double raised, const std::string& name = "cube", double x = 0.0) {
   std::string text = "o " + name + "\n";
   for (int i = 0; i < 8; ++i)
@@ -143,9 +143,9 @@ std::string cube(double raised, const std::string& name = "cube", double x = 0.0
   return text;
 }
 
-// The plane that fits (0, 1, 0), (1, 1, 0), (0, 1, 1), (1, 1 + h, 1) best in Newell's normal passes a quarter of h from
-// each, above two and below two; upright faces stay planes. Corners move along upright edges, by h/4, and the volume
-// stays that of the mean height, 1 + h/4.
+// The plane with Newell's normal through (0, 1, 0), (1, 1, 0), (0, 1, 1), (1, 1 + h, 1) has a distance of h/4 from
+// each, above two and below two; vertical faces stay planes. Corners move along vertical edges by h/4, and the volume
+// is that of the mean height, 1 + h/4.
 TEST_F(BadMeshFile, WarpedFacesBecomePlanesThroughTheMiddle) {
   for (const double h : {1e-5, 1e-4, 1e-3, 1e-2}) {
     const NamedShape block = read("obj", cube(h)).at(0);
@@ -167,7 +167,7 @@ TEST_F(BadMeshFile, WarpedFacesBecomePlanesThroughTheMiddle) {
                       HasSubstr("lies 0.0125 m off the plane (allowed: 0.005"), HasSubstr("triangles")));
 }
 
-// Two blocks that share the corners of a warped face have one plane there, and no gap.
+// Two blocks with common corners of a warped face have one plane there, without a gap.
 TEST_F(BadMeshFile, NeighboursShareThePlaneOfAWarpedFace) {
   const double h = 1e-3;
   std::string upper = "o upper\n";
@@ -184,7 +184,7 @@ TEST_F(BadMeshFile, NeighboursShareThePlaneOfAWarpedFace) {
   EXPECT_EQ(shared, 4);
 }
 
-// Rhino writes some blocks inside out, some with every face twice, some with corners of their own for every face.
+// Rhino writes some blocks inside out, some with every face twice, some with separate corners for every face.
 TEST_F(BadMeshFile, FacesMayRunEitherWayRoundAndComeTwice) {
   std::string twice = cube(0), inside_out, own_corners = "o cube\n";
   for (const auto& f : {"-4 -2 -6 -8", "-7 -5 -1 -3"}) twice += fmt::format("f {}\n", f);
@@ -226,7 +226,7 @@ TEST_F(BadMeshFile, AllThatIsRefusedIsNamed) {
               HasSubstr("2 of the file's 3 blocks are refused: L, post"));
 }
 
-// A support drawn as a flat face is a plate behind it, a tenth of its extent thick, away from what stands before it.
+// A support drawn as a flat face becomes a plate, a tenth of its extent thick, on the side away from the blocks.
 TEST_F(BadMeshFile, SupportsDrawnAsOneFaceArePlates) {
   const std::string floor = "o floor\nv -1 0 -1\nv 3 0 -1\nv 3 0 1\nv -1 0 1\n", face = "f -4 -3 -2 -1\n";
   for (const std::string& way_round : {face, std::string("f -1 -2 -3 -4\n")}) {
@@ -313,8 +313,8 @@ TEST_F(BadMeshFile, FacetsOfStlHaveThreeVertices) {
   EXPECT_THAT(refusal("stl", text.substr(0, text.rfind("endloop"))), HasSubstr("ends within a facet"));
 }
 
-// Whatever happens to a file, it is read or refused as bad input. Run under the sanitizers, this finds reads beyond
-// arrays and conversions that no integer holds.
+// Mutated files are read or refused as bad input. With sanitizers this test finds accesses beyond arrays and
+// conversions that overflow an integer.
 TEST_F(BadMeshFile, MutatedFilesAreReadOrRefused) {
   const std::vector<std::pair<std::string, std::string>> seeds = {
       {"off", kOff}, {"obj", kObj}, {"stl", ascii_stl()}, {"stl", binary_stl()}};
@@ -340,7 +340,7 @@ TEST_F(BadMeshFile, MutatedFilesAreReadOrRefused) {
         case 3:
           bytes.resize(at);
           break;
-        case 4: {  // a word by another
+        case 4: {  // replaces a word by another
           const size_t begin = bytes.find_last_of(" \n", at) + 1,
                        end = std::min(bytes.find_first_of(" \n", at), bytes.size());
           if (begin < end) bytes.replace(begin, end - begin, words[below(words.size())]);

@@ -40,7 +40,8 @@ ConvexPolyhedron prism(int sides, double radius, double height) {
   return from_vertices(p, "prism");
 }
 
-// Both branches of rotation(), and angles between them: |half angle|^2 = 1e-4 parts series from sine and cosine.
+// Both branches of rotation(), and angles near their limit: |half angle|^2 = 1e-4 separates the series from sine and
+// cosine.
 TEST(Vectors, RotationsAreThoseOfSineAndCosine) {
   for (const double angle : {1e-9, 1e-3, 0.0199, 0.0201, 0.5, 3.0}) {
     const Vector axis = normalized(Vector{1, -2, 0.5});
@@ -50,7 +51,7 @@ TEST(Vectors, RotationsAreThoseOfSineAndCosine) {
   }
 }
 
-// Also where the trace is negative and each of the diagonal terms is the largest.
+// Also for a negative trace with each of the diagonal terms as the largest.
 TEST(Vectors, QuaternionsAndMatricesAreTheSameRotation) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -83,14 +84,14 @@ TEST(Vectors, AnyNormalIsAUnitNormalFarFromCancellation) {
     EXPECT_NEAR(dot(any_normal(n), n), 0.0, 1e-15);
     EXPECT_NEAR(norm(any_normal(n)), 1.0, 1e-15);
   }
-  // The first of the axes that lies far enough from n, less its part along n.
+  // The first axis that is far enough from n, less its part along n.
   EXPECT_EQ(norm(any_normal({0, 0.6, 0.8}) - Vector{1, 0, 0}), 0.0);
   EXPECT_EQ(norm(any_normal({1, 0, 0}) - Vector{0, 1, 0}), 0.0);
   EXPECT_NEAR(norm(any_normal({0.8, 0.6, 0}) - Vector{0, 0, 1}), 0.0, 1e-16);
 }
 
 TEST(Vectors, EigenvectorsDiagonalise) {
-  // The third has nothing but one term off the diagonal, beside nothing on it: (1 +- sqrt 5)/2 and 0.
+  // The third has one off-diagonal term beside a zero on the diagonal: (1 +- sqrt 5)/2 and 0.
   std::vector<Matrix> cases{Matrix{{{2, -1, 0}, {-1, 2, -1}, {0, -1, 2}}}, Matrix::diagonal({3, -1, 2}),
                             Matrix{{{1, 1, 0}, {1, 0, 0}, {0, 0, 0}}},     Matrix{{{0, 0, 1}, {0, 0, 0}, {1, 0, 1}}},
                             Matrix{{{0, 0, 0}, {0, 1, 1}, {0, 1, 0}}},     Matrix{{{5, 2, 1}, {2, -7, 3}, {1, 3, 4}}}};
@@ -106,7 +107,7 @@ TEST(Vectors, EigenvectorsDiagonalise) {
   EXPECT_NEAR(symmetric_eigen(cases[0]).values.x, 2 - std::sqrt(2.0), 1e-14);
 }
 
-// Corners found first may turn out to lie in the middle of an edge, whatever the order.
+// Points within an edge are not corners, for any order of the points.
 TEST(Polyhedron, PointsOnEdgesAreNoCornersInAnyOrder) {
   const ConvexPolyhedron b = box({1, 2, 3}, {0.4, 0.175, 0.2});
   std::vector<Vector> p = b.vertices;
@@ -176,7 +177,7 @@ TEST(Polyhedron, RandomHullsAreConvexAndClosed) {
   }
 }
 
-// A prism of length 4 over a trapezoid of sides 3 and 1 and height 2: centroids of its faces in closed form.
+// A prism of length 4 with a trapezoid of sides 3 and 1 and height 2: centroids of its faces in closed form.
 TEST(Polyhedron, CentroidsOfFaces) {
   std::vector<Vector> corners;
   for (const double z : {0.0, 4.0})
@@ -237,8 +238,8 @@ TEST(Polyhedron, BadShapesAreRefusedWithNameAndPlace) {
   EXPECT_NE(text.find("block L: is not convex: vertex"), std::string::npos) << text;
 }
 
-// A box whose top has a shallow valley. Each far edge stands in front of the other half of the top by about twice the
-// valley's depth. A millionth of the size is what files round by, on either side; more is a shape.
+// A box with a shallow valley in its top. Each far edge is outside of the other half of the top by about twice the
+// valley's depth. Up to a millionth of the size this is rounding of files; above, the shape is not convex.
 TEST(Polyhedron, ValleysDeeperThanRoundingAreNotConvex) {
   const auto with_valley = [](double front) {
     std::vector<Vector> vertices;
@@ -255,7 +256,7 @@ TEST(Polyhedron, ValleysDeeperThanRoundingAreNotConvex) {
   EXPECT_NE(text.find("block valley: is not convex: vertex"), std::string::npos) << text;
 }
 
-// A tetrahedron is halved along the shortest of its three inner diagonals, whichever vertex comes first. Quality: 12 (3
+// A tetrahedron is refined along the shortest of its three inner diagonals, for any order of vertices. Quality: 12 (3
 // V)^(2/3) over the sum of the squares of the edges, 1 for the regular one (Liu and Joe).
 TEST(Zoning, QualityIsNoMatterOfTheOrderOfVertices) {
   std::vector<Vector> p{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0.5, 3}};
@@ -268,7 +269,7 @@ TEST(Zoning, QualityIsNoMatterOfTheOrderOfVertices) {
     if (first == 0.0) first = z.worst_quality;
     EXPECT_NEAR(z.worst_quality, first, 1e-12);
   } while (std::next_permutation(order.begin(), order.end()));
-  // A cube in five: corners of volume 1/6 with three edges of 1 and three of sqrt 2 about a regular one.
+  // A cube in five: four corners of volume 1/6, with three edges of 1 and three of sqrt 2, and a regular one.
   const Zoning cube = make_zones(box({0, 0, 0}, {1, 1, 1}), 1.0, "c");
   ASSERT_EQ(cube.zones.size(), 5u);
   EXPECT_NEAR(cube.worst_quality, 12 * std::cbrt(9.0 / 36) / 9, 1e-12);
@@ -322,9 +323,8 @@ TEST(Zoning, FillsTheVolumeAndCoversTheSurface) {
             std::string::npos);
 }
 
-// Corners and a plane of a stone cut by another plane near a corner: two short edges. Zones are made finer by halving
-// the long edges alone, so the smallest height stays that of the fan. Halving all edges, as for the whole grid, gave
-// half.
+// A stone cut by a plane near a corner has two short edges. Zones are refined by halving the long edges only, so the
+// smallest height does not decrease. Halving all edges would halve it.
 TEST(Zoning, FinerZonesAreNoFlatterThanShortEdgesMakeThem) {
   std::vector<Vector> stone;
   for (const Vector& p : prism(6, 0.1, 0.2).vertices) stone.push_back(p);
@@ -342,8 +342,8 @@ TEST(Zoning, FinerZonesAreNoFlatterThanShortEdgesMakeThem) {
   EXPECT_GT(fine, 0.75 * coarse);
 }
 
-// Neighbours that are zoned each by itself share gridpoints and triangles on the face between them. Here two halves of
-// a prism, cut by a slanted plane.
+// Neighbours with independent zoning have common gridpoints and triangles on the face between them. Here they are two
+// halves of a prism, cut by an inclined plane.
 TEST(Zoning, NeighboursShareTheTrianglesOfTheirFace) {
   std::vector<Vector> lower, upper;
   for (int k = 0; k < 7; ++k) {
@@ -372,8 +372,8 @@ TEST(Zoning, NeighboursShareTheTrianglesOfTheirFace) {
   EXPECT_EQ(of_lower, triangles(upper));
 }
 
-// The patch test: under a uniform stress the zones around an inner gridpoint hold it in balance. Those at the surface
-// pull by a third of the traction on each triangle, to rounding.
+// Patch test: under a uniform stress an inner gridpoint is in equilibrium. A gridpoint of the surface has a third of
+// the traction on each of its triangles, to rounding.
 TEST(Zoning, UniformStressIsInBalance) {
   const Matrix stress{{{2.0, -0.3, 0.5}, {-0.3, 1.0, 0.7}, {0.5, 0.7, -1.5}}};
   for (const double edge : {0.5, 0.12, 0.05}) {
@@ -460,7 +460,7 @@ TEST(MeshFile, OffObjAndStl) {
   EXPECT_NE(refusal([&] { read_mesh_file(folder + "none.ply"); }).find("unknown kind of mesh file"), std::string::npos);
 }
 
-// As the surface of a mesh has them: points inside of faces and of edges are no corners, in whatever order they come.
+// Points within faces and edges, as on the surface of a mesh, are not corners, for any order.
 TEST(Polyhedron, PointsOnItsFacesAreNoCorners) {
   std::mt19937 random(5);
   const Matrix turned = matrix(rotation({0.3, -0.7, 0.4}));
@@ -484,7 +484,7 @@ TEST(Polyhedron, PointsOnItsFacesAreNoCorners) {
   }
 }
 
-// A cube with a corner cut off, from much down to five times the tolerance: V = 1 - e^3/6.
+// A cube without a corner, of sizes down to five times the tolerance: V = 1 - e^3/6.
 TEST(Polyhedron, SmallFacesAreFaces) {
   for (const double e : {0.3, 1e-2, 1e-3, 1e-4, 1e-5, 5e-6}) {
     std::vector<Vector> points;
@@ -497,7 +497,7 @@ TEST(Polyhedron, SmallFacesAreFaces) {
   }
 }
 
-// A zoning of ours, its gridpoints in another order, is taken as it is.
+// A zoning by make_zones, with gridpoints in another order, is accepted unchanged.
 TEST(Tetrahedra, MadeElsewhereAreTheZonesOfTheBodyThatTheyFill) {
   const Zoning ours = make_zones(prism(5, 0.3, 1.0), 0.2, "prism");
   const auto count = int(ours.nodes.size());
@@ -518,7 +518,7 @@ TEST(Tetrahedra, MadeElsewhereAreTheZonesOfTheBodyThatTheyFill) {
     for (size_t k = 0; k < 4; ++k)
       EXPECT_EQ(norm(made.zoning.nodes[size_t(made.zoning.zones[z][k])] - points[size_t(tetrahedra[z][k])]), 0.0);
   }
-  for (const auto& t : made.zoning.surface) {  // each on the face that it names, seen from outside
+  for (const auto& t : made.zoning.surface) {  // each is on its face, counter-clockwise from outside
     const Vector &a = made.zoning.nodes[size_t(t.node[0])], &b = made.zoning.nodes[size_t(t.node[1])],
                  &c = made.zoning.nodes[size_t(t.node[2])];
     EXPECT_GT(dot(cross(b - a, c - a), made.shape.normals[size_t(t.face)]), 0.0);
@@ -551,7 +551,7 @@ TEST(Tetrahedra, WhatIsNoBodyIsToldWithItsPlace) {
               testing::HasSubstr("tetrahedra 0 and 40 overlap: both lie on the same side of the triangle near (0"));
   EXPECT_THAT(without([](Points&, Fours& t) { t.erase(t.begin() + 4); }),
               testing::HasSubstr("alone lies inside the hull"));
-  // Two cubes that stand apart, and one with a gridpoint that is there twice.
+  // Two separate cubes, and one with a duplicate gridpoint.
   EXPECT_THAT(without([](Points& p, Fours& t) {
                 const auto n = int(p.size());
                 const Fours all = t;

@@ -1,4 +1,4 @@
-// Rigid bodies side by side in lanes: as one by one.
+// Rigid bodies in the lanes of a SIMD group move as single bodies do.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -56,7 +56,7 @@ TEST(BodyGroup, EveryBodyHasALaneAndEveryPointASlotOnEachSide) {
   }
 }
 
-// What the step benchmark counts for the processor's caches.
+// The arrays that the step benchmark counts for the processor's caches.
 TEST(BodyGroup, HotArraysAreWhatAStepReads) {
   const Simulation simulation(read_scene(QUOIN_SCENES "/cube_wall_10.toml", {}));
   const Model& model = simulation.model();
@@ -66,14 +66,14 @@ TEST(BodyGroup, HotArraysAreWhatAStepReads) {
   const std::size_t points = at(model.point_count);
   EXPECT_EQ(bytes["traction"], points * 24);
   EXPECT_EQ(bytes["offsets of the two gridpoints"], points * 8);
-  std::size_t slots = 0;  // of all groups; three doubles a lane each, and one integer for its points in a row
+  std::size_t slots = 0;  // of all groups; each has three doubles in a lane, and one integer for its points in a row
   for (const BodyGroup& group : model.body_groups) slots += at(model.body_slots[at(group.slots)].slot_count());
   EXPECT_GE(slots * kLanes, 2 * points) << "both sides of every point";
   EXPECT_EQ(bytes["gridpoints: displacement along the normal, velocity across"], slots * kLanes * 24);
   EXPECT_EQ(bytes["where slots find their points in a row"], slots * 4);
 }
 
-// The reason for the order of contact points.
+// The order of contact points exists for this.
 TEST(BodyGroup, MostContactPointsOfAWallNeedNoGathers) {
   const Model model = wall_of_cubes(20);
   const auto gathered = std::count(model.slot_run.begin(), model.slot_run.end(), -1);
@@ -117,13 +117,13 @@ void copy_lane(const BodyLanes& from, int lane, BodyLanes* to) {
   to->any_prescribed = to->any_prescribed || from.any_prescribed;
 }
 
-// What contact points give and take.
+// Displacements and velocities that bodies give to contact points.
 struct Field {
   explicit Field(const Model& model) : displacement(at(model.line_count * kLine), 0.0), velocity(displacement) {}
   LaneVector<double> displacement, velocity;
 };
 
-// A step with everything that acts on bodies, and random forces of the contact points.
+// A step with all actions on bodies, and random forces of the contact points.
 struct StepInput {
   StepInput(const Model& model, const Damping& damping, std::mt19937_64& random) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -206,7 +206,7 @@ TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
   }
 }
 
-// Bodies at rest are left out of the step: what a step would do to them is nothing, to the bit.
+// Bodies at rest are skipped by the step, which is correct only if a step changes no bit of them.
 TEST_P(BodyGroupDamping, ABodyHeldStillIsNotChangedByAStep) {
   const Model model = wall_of_cubes(10);
   std::mt19937_64 random(2);
@@ -235,7 +235,7 @@ TEST_P(BodyGroupDamping, ABodyHeldStillIsNotChangedByAStep) {
     const auto advance = [&](BodyLanes* lanes) {
       advance_bodies(model, group, inertia_of(group, model, inertia, step.time_step), step, lanes, &measured);
     };
-    advance(&held);  // writes the gridpoints, which do not change from then on
+    advance(&held);  // writes the gridpoints, which do not change in later steps
     const Field before = field;
     BodyLanes after = held;
     advance(&after);

@@ -106,7 +106,7 @@ TEST(BrickTemplate, FaceTrianglesTileTheFaces) {
   }
 }
 
-// Longitudinal vibration of a free bar at nu = 0: f = sqrt(E/rho)/(2L), the lumped error falling like h^2.
+// Longitudinal vibration of a free bar at nu = 0: f = sqrt(E/rho)/(2L); the error of lumped masses falls like h^2.
 TEST(BrickTemplate, BarFrequencyConvergesToTheBar) {
   double error[2];
   int i = 0;

@@ -51,7 +51,7 @@ TEST(Building, CornersConformAndInterlock) {
   const double plan = kThickness * (3 * kHalf + 2 * 2 * kHalf + 2 * kThickness);
   const Model model(assembly, make_materials(assembly));
 
-  // Every bed has the area of the plan, less what two rigid blocks would share: the areas of joints are whole.
+  // Every bed has the area of the plan, except for faces between two rigid blocks: no joint is missing.
   std::map<long, double> bed;
   for (std::int32_t i = 0; i < model.point_count; ++i) {
     const auto p = static_cast<std::size_t>(i);
@@ -60,7 +60,7 @@ TEST(Building, CornersConformAndInterlock) {
   ASSERT_EQ(bed.size(), 4u);
   for (const auto& [course, area] : bed) EXPECT_NEAR(area, plan, 1e-9 * plan) << course;
 
-  // At a corner one of the two joints is inside a unit, and in the next course the other one.
+  // At a corner one of the two joints is inside a unit; in the next course it is the other one.
   std::map<int, std::map<int, int>> inside;  // course, axis: joints of the left corner inside a unit
   for (const Joint& joint : assembly.joints) {
     const Brick &a = assembly.bricks[static_cast<std::size_t>(joint.block_a)],
@@ -87,7 +87,7 @@ struct Last : Observer {
   HistoryRow last;
 };
 
-// Stage 'push' of the whiffletree on the floors of a building, everything else free.
+// Returns stage 'push': the whiffletree acts on the floors of a building; all else is free.
 Stage push_floors(const BuildingSpec& building, double stiffness, double velocity) {
   Stage push;
   push.name = "push";
@@ -112,7 +112,7 @@ Stage push_floors(const BuildingSpec& building, double stiffness, double velocit
   return push;
 }
 
-// The shear force at the ground for a roof displacement is that of the structure, whatever the tree's own stiffness.
+// Returns the base shear at a roof displacement. It depends on the structure, not on the stiffness of the whiffletree.
 double base_shear(double stiffness, bool rigid_beams) {
   Scene scene = small_building(4, rigid_beams);
   Stage push = push_floors(*scene.building, stiffness, 2e-3);
@@ -135,9 +135,9 @@ TEST(Building, TheWhiffletreeAddsNoStrength) {
   }
 }
 
-// A tree so stiff that it sets the time step is a spring like others: stable to its limit. If its force were a step
-// late, u(t + dt) - 2 u(t) + u(t - dt) = -(omega dt)^2 u(t - dt). That would grow by sqrt(1 + (omega dt)^2) a step, at
-// any step.
+// A whiffletree so stiff that it sets the time step is stable up to the critical step, as other springs are. With a
+// force that is a step late, u(t + dt) - 2 u(t) + u(t - dt) = -(omega dt)^2 u(t - dt). That grows in each step by
+// sqrt(1 + (omega dt)^2), for any dt.
 TEST(Building, TheWhiffletreeIsASpringWithinTheTimeStep) {
   const auto kinetic_energy = [](double fraction, bool rigid_beams, LargeMotion motion) {
     Scene scene = small_building(4, rigid_beams);
@@ -149,7 +149,7 @@ TEST(Building, TheWhiffletreeIsASpringWithinTheTimeStep) {
     Simulation simulation(scene, assembly);
     try {
       simulation.advance(500);
-    } catch (const Error& e) {  // blocks in large motion that are nowhere
+    } catch (const Error& e) {  // large motion: positions are not finite
       EXPECT_EQ(e.exit_code, Exit::numerical) << e.what();
       return std::numeric_limits<double>::infinity();
     }
@@ -163,7 +163,7 @@ TEST(Building, TheWhiffletreeIsASpringWithinTheTimeStep) {
   }
 }
 
-// A force on a free deformable block is shared by mass. The block accelerates by F/m and deforms not at all, and the
+// A force on a free deformable block is distributed by mass. The block accelerates by F/m without deformation, and the
 // work is F^2 t^2/(2 m).
 TEST(Building, ALoadOnADeformableBlockMovesIt) {
   for (const double deformation_inertia : {1.0, 64.0}) {
@@ -192,7 +192,7 @@ TEST(Building, ALoadOnADeformableBlockMovesIt) {
     for (const auto& stress : block_stress(simulation, 1)) EXPECT_NEAR(stress[1], 0.0, 1e-3);
     const double squared = 300.0 * 300.0 + 200.0 * 200.0 + 100.0 * 100.0;
     const Energies energies = *simulation.measure().energies;
-    // At the time of the last forces, a step before, with the velocities of half a step around it.
+    // Energies are those at the time of the last forces, one step before, with velocities half a step before and after.
     const double then = t - simulation.time_step_report().time_step;
     EXPECT_NEAR(energies.external, 0.5 * squared * then * then / mass, 0.01 * energies.external);
     EXPECT_NEAR(energies.balance_error(), 0.0, 1e-9 * energies.external);
@@ -205,7 +205,7 @@ TEST(Building, ALoadOnADeformableBlockMovesIt) {
   }
 }
 
-// Weight of the walls and loads of the floors all reach the ground.
+// The ground carries the weight of the walls and the loads of the floors.
 TEST(Building, TheGroundCarriesWeightAndLoads) {
   for (const bool rigid_beams : {true, false}) {
     Scene scene = small_building(4, rigid_beams);
@@ -239,7 +239,7 @@ TEST(Building, TheGroundCarriesWeightAndLoads) {
     for (const Brick& b : assembly.bricks) {
       if (b.body != "bottom_beam") masonry += 1750.0 * b.size[0] * b.size[1] * b.size[2];
     }
-    // To equilibrium: 1e-5 of the mean force of a contact point at the worst gridpoint.
+    // At equilibrium the largest unbalanced force is 1e-5 of the mean contact force.
     EXPECT_NEAR(last.last.vertical_force, 9.81 * masonry + 2 * 10e3, 1e-4 * 9.81 * masonry) << rigid_beams;
   }
 }
@@ -260,8 +260,8 @@ TEST(Building, ARunWithLoadedBlocksGoesOnBitForBit) {
   EXPECT_EQ(second.measure().dynamic_force, whole.measure().dynamic_force);
 }
 
-// Wall B with a window and its lintel, which ends at a corner: the corner is a unit of its own there, and everything
-// conforms.
+// Wall B with a window and its lintel, which ends at a corner: the corner is then a separate unit, and all faces
+// conform.
 TEST(Building, LintelsMayEndAtCorners) {
   for (const int axis : {0, 2}) {
     Scene scene = small_building(5);
@@ -282,7 +282,7 @@ TEST(Building, LintelsMayEndAtCorners) {
                 1);
     }
     EXPECT_EQ(lintels, 1);
-    double bed = 0.0, plan = 0.0;  // on top of the lintel; of the course above
+    double bed = 0.0, plan = 0.0;  // m2: joint area on top of the lintel; plan area of the course above
     for (std::int32_t i = 0; i < model.point_count; ++i) {
       const auto p = static_cast<std::size_t>(i);
       if (model.point_axis[p] == 1 && std::abs(model.point_position[p][1] - 4 * kHeight) < 1e-9) bed += model.area[p];
@@ -294,11 +294,11 @@ TEST(Building, LintelsMayEndAtCorners) {
   }
 }
 
-// Eq. 1 makes the springs of what moves one way throughout uneven: (1 - gamma) k where they push it ahead, (1 + gamma)
-// k where they hold it back. Near four steps a period, from omega dt/2 = 1/sqrt(2) to 1/sqrt(2 (1 - gamma^2)), uneven
-// springs feed drift into vibration. It grows until it is as fast as the drift and brakes it. Beams that were halves of
-// units vibrated there against the other halves, along the drift and without viscosity. What remained of a blow did not
-// die.
+// Under local damping (eq. 1) a body that drifts in one direction has uneven springs. Their stiffness is (1 - gamma) k
+// where they accelerate it, (1 + gamma) k where they decelerate it. Near a period of four steps, from omega dt/2 =
+// 1/sqrt(2) to 1/sqrt(2 (1 - gamma^2)), uneven springs transfer energy from drift to vibration. The vibration grows to
+// the velocity of the drift and brakes it. Beams that are halves of units may vibrate so against the other halves,
+// along the drift and without viscosity. Vibration after an impact would then not decay.
 TEST(Building, BeamsThatDriftComeToRestAfterABlow) {
   Scene scene = small_building(12);
   scene.building->zones = {2, 2, 2};
@@ -318,7 +318,7 @@ TEST(Building, BeamsThatDriftComeToRestAfterABlow) {
       lattice_velocity(simulation)[dof(simulation.model(), block, n, 0)] += block % 2 == 0 ? 5e-3 : -5e-3;
   }
   simulation.advance(1000);
-  double drift = 0.0, change = 0.0;  // of the velocities of the beams, in a step
+  double drift = 0.0, change = 0.0;  // velocity of the beams, m/s; its change in a step
   for (int step = 0; step < 12; ++step) {
     std::vector<double> before;
     for (int block = 0; block < count; ++block) before.push_back(block_velocity(simulation, block).front()[0]);
@@ -335,9 +335,9 @@ TEST(Building, BeamsThatDriftComeToRestAfterABlow) {
   EXPECT_LT(change, 0.3 * drift);
 }
 
-// Vertical force at the ground less the weight, on average while the roof goes from 1 to 2 mm, N. The wall rises as it
-// cracks, and what brakes it presses on the ground. Nothing else does on average: inertia of 15 t that moves by
-// micrometres in 0.05 s is newtons.
+// Returns the mean vertical force at the ground less the weight while the roof moves from 1 to 2 mm, N. The wall rises
+// as it cracks, and damping that brakes it presses on the ground. Other forces have no mean: the inertia of 15 t that
+// moves by micrometres in 0.05 s is some newtons.
 double brake_on_the_door_wall(const std::vector<std::string>& overrides) {
   std::vector<std::string> settings{"output.frames=0", "stage.push.velocity=0.04", "stage.push.displacement=0.002"};
   settings.insert(settings.end(), overrides.begin(), overrides.end());
@@ -358,9 +358,8 @@ double brake_on_the_door_wall(const std::vector<std::string>& overrides) {
   return mean.sum / static_cast<double>(mean.count) - mean.weight;
 }
 
-// At 0.8 of 2/omega_max uneven springs (benchmarks/README.md) fed the drift of a building into vibration, which braked
-// it by 10 kN already here. That was the step of quality standard until motions with a period of four steps were left
-// out.
+// With a step of 0.8 of 2/omega_max uneven springs (benchmarks/README.md) transfer the drift of a building to
+// vibration, which brakes it by 10 kN here. The qualities therefore exclude motions with a period of four steps.
 TEST(Building, DampingDoesNotBrakeTheDoorWall) {
   EXPECT_LT(std::abs(brake_on_the_door_wall({})), 1e3);
   EXPECT_GT(std::abs(brake_on_the_door_wall({"solver.time_step_fraction=0.88", "solver.deformation_damping=0.1"})),

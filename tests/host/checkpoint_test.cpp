@@ -1,4 +1,4 @@
-// A run restored from any of its checkpoints ends with the bits and the rows of the run that was not disturbed.
+// A run restored from any of its checkpoints is bitwise identical, in state and history, to the uninterrupted run.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,8 +22,8 @@ struct Saved {
   long step;
 };
 
-// Saves at moments 1, 2, 3, 5, 8, ... of those offered and some further on. Also at the first and the last of each
-// stage, and at the first few after contacts were detected again.
+// Saves states at pauses 1, 2, 3, 5, 8, ... and at the first eight multiples of 61. Saves also at the first and last
+// pause of each stage, and at the first pauses after contact detections, up to four.
 struct Saver : Observer {
   std::vector<HistoryRow> rows;
   std::vector<Saved> saved;
@@ -73,8 +73,8 @@ void expect_same(const HistoryRow& a, const HistoryRow& b) {
   EXPECT_EQ(a.energies->damping, b.energies->damping);
 }
 
-// Restores every checkpoint that the run of a scene leaves, at 1 and 4 threads in turn. Returns how often contacts were
-// detected.
+// Restores every checkpoint of a run of the scene, with 1 and 4 threads alternately. Returns the number of contact
+// detections.
 long expect_restores(const Scene& scene) {
   Simulation whole(scene, 1);
   Saver saver;
@@ -123,7 +123,7 @@ TEST(Checkpoint, WallGoesOnBitForBit) {
   expect_restores(scene);
 }
 
-// Damping by block, other damping while it settles, and units whose halves come apart on the way.
+// Damping by block, another damping in the first stage, and units whose halves separate during the run.
 TEST(Checkpoint, WallInLargeMotionGoesOnBitForBit) {
   const Scene scene =
       scene_of(QUOIN_HOST_TESTS "/halves_part.toml", {"solver.large_motion=always", "output.energy=true"});
@@ -137,7 +137,7 @@ TEST(Checkpoint, WallInLargeMotionGoesOnBitForBit) {
   expect_restores(scene);
 }
 
-// In the middle of half cycles, and after one that ended by the loss of its force.
+// Checkpoints in the middle of half cycles, and after a half cycle that ended by loss of force.
 TEST(Checkpoint, CyclesGoOnBitForBit) {
   Scene scene = scene_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml", {});
   Stage& stage = scene.stages.back();
@@ -172,7 +172,7 @@ TEST(Checkpoint, WallGoesOnAfterItsLawWasSwapped) {
   expect_restores(scene);
 }
 
-// A dry arch until it falls: rigid blocks, collapse, contacts detected again, base slip at uplift.
+// A dry arch until it falls: rigid blocks, collapse, contact detection during the run, base slip at uplift.
 TEST(Checkpoint, CollapseOfAnArchGoesOnBitForBit) {
   EXPECT_GT(expect_restores(scene_of(
                 "arch.toml", {"stage.weight.duration=0.3", "stage.weight.ramp_time=0.2", "stage.push.ramp_time=0.5",
@@ -180,8 +180,8 @@ TEST(Checkpoint, CollapseOfAnArchGoesOnBitForBit) {
             3);
 }
 
-// Rigid and deformable blocks that are thrown, pushed, pressed and shaken, with viscous damping. Loads fade from stage
-// to stage, a support is let go, and the step changes with the contacts.
+// Rigid and deformable blocks with initial velocity, forces, pressures and ground motion, with viscous damping. Loads
+// fade between stages, a support is removed, and the time step changes with the contacts.
 TEST(Checkpoint, FallingDryWallGoesOnBitForBit) {
   const std::string path = ::testing::TempDir() + "falling_wall.toml";
   std::ofstream(path) << R"(
@@ -268,16 +268,16 @@ TEST(Checkpoint, OfAnotherSceneOrCutShortIsRefusedAndLeavesTheStateAlone) {
     bytes.push_back(0);
     EXPECT_THROW(second.restore(bytes), Error);
     second.advance(100);
-    EXPECT_EQ(second.hash(), first.hash());  // as if it had not been tried
+    EXPECT_EQ(second.hash(), first.hash());  // a refused restore changes nothing
   }
   Simulation arch(scene_of("arch.toml", {}), 1), longer(scene_of("arch.toml", {"arch.1.voussoirs=8"}), 1);
   arch.advance(10);
   EXPECT_THROW(longer.restore(arch.save()), Error);
 }
 
-// Found by 61,045 random calls from Python: a row of the history that is due 2^62 steps ago was counted up to for ever.
+// A counter of a checkpoint that no run can have, as a history row due 2^62 steps ago, must not cause an endless loop.
 TEST(Checkpoint, CountersThatNoRunComesToAreRefused) {
-  constexpr long kInterval = 987'654'321;  // its bytes are found by it
+  constexpr long kInterval = 987'654'321;  // a rare number, whose bytes locate the interval in the checkpoint
   const Scene scene =
       scene_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml", {"stage.1.record_interval=" + std::to_string(kInterval)});
   Simulation simulation(scene, 1);
@@ -289,7 +289,7 @@ TEST(Checkpoint, CountersThatNoRunComesToAreRefused) {
     if (std::memcmp(&bytes[at], &kInterval, sizeof(long)) == 0) found.push_back(at);
   }
   ASSERT_FALSE(found.empty());
-  const std::size_t interval = found.back(), next = interval - sizeof(long);  // as they follow each other
+  const std::size_t interval = found.back(), next = interval - sizeof(long);  // consecutive in the checkpoint
   for (const auto& [at, value] :
        {std::pair{interval, 0L}, {interval, -1L}, {interval, 1L << 62}, {next, -(1L << 62)}}) {
     auto forged = bytes;
@@ -300,8 +300,7 @@ TEST(Checkpoint, CountersThatNoRunComesToAreRefused) {
   simulation.run_stage(nobody, 5);
 }
 
-// Any other byte is no bool: to load it as one is undefined (found by the sanitizer in input 22,229 of
-// fuzz_checkpoint).
+// Bytes other than 0 and 1 are refused, since loading them as a bool is undefined behaviour.
 TEST(Checkpoint, FlagsAreTrueOrFalse) {
   for (int byte = 0; byte < 256; ++byte) {
     const std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(byte)};

@@ -1,4 +1,4 @@
-// Walls of rigid cubes: rows of bodies that share a name are moved and measured together.
+// Walls of rigid cubes: courses of bodies with one name, which are moved and measured together.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ Scene cube_wall(int size, const std::vector<std::string>& overrides = {}) {
   return scene;
 }
 
-// Moves the top course by so much, then waits for equilibrium.
+// Adds stages that move the top course by `displacement` (m) and hold it until equilibrium.
 void move_and_hold(Scene* scene, double displacement) {
   Stage hold = scene->stages[0];
   scene->stages[0].displacement = displacement;
@@ -32,7 +32,7 @@ void move_and_hold(Scene* scene, double displacement) {
   scene->stages.push_back(hold);
 }
 
-// Force of the joints on the bodies of a name, from the tractions of the points.
+// Returns the force of the joints on all bodies of a name, N, from the tractions of the contact points.
 Vec3 force_on(const Simulation& simulation, const std::string& name) {
   const auto& bricks = simulation.assembly().bricks;
   Vec3 force{};
@@ -56,7 +56,7 @@ TEST(CubeWall, FourPointsAFace) {
   for (const double area : small.model().area) EXPECT_NEAR(area, 0.0025, 1e-15);
 }
 
-// One column of n + 1 cubes of edge a, both ends kept from turning: n joints in series, with M = V times the height
+// One column of n + 1 cubes of edge a, without rotation of both ends: n joints in series, with M = V times the height
 // above mid-height. Four points at the corners give a joint the second moment A (a/2)^2. So 1/K = n/(ks A) + sum of
 // (height)^2/(kn A a^2/4) = n/(ks A) + n (n^2 - 1)/(3 kn A).
 TEST(CubeWall, ColumnHasTheStiffnessOfRigidBlocksInSeries) {
@@ -72,7 +72,7 @@ TEST(CubeWall, ColumnHasTheStiffnessOfRigidBlocksInSeries) {
   EXPECT_NEAR(end.resistance * compliance / end.monitor_displacement[0], 1.0, 1e-6);
 }
 
-// The wall is stiffer than its columns side by side, and softer than beds that only slide.
+// The stiffness of the wall is between that of its separate columns and that of bed joints that only slide.
 TEST(CubeWall, ElasticForcesBalanceAndStiffnessIsBounded) {
   Scene scene = cube_wall(10);
   move_and_hold(&scene, 2e-6);

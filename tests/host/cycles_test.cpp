@@ -1,4 +1,4 @@
-// Bodies that move in cycles: on the lattice, in large motion, as blocks of any shape, and at the end of a whiffletree.
+// Cyclic displacements: on the lattice, in large motion, of blocks of any shape, and through a whiffletree.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@
 namespace quoin {
 namespace {
 
-// The small wall, whose second stage is cycles of 0.1 and 0.2 mm: 1.4 mm in all at 0.05 m/s, and 5 ramps.
+// The small wall. Its second stage has cycles of 0.1 and 0.2 mm: 1.4 mm in total at 0.05 m/s, and 5 ramps.
 Scene wall(std::vector<std::string> more = {}) {
   std::ifstream stream(QUOIN_HOST_TESTS "/../cli/small_wall.toml");
   std::string text((std::istreambuf_iterator<char>(stream)), {});
@@ -29,7 +29,7 @@ Scene wall(std::vector<std::string> more = {}) {
 }
 
 struct RowsOfStage : Observer {
-  std::vector<HistoryRow> rows;  // of the stage of cycles
+  std::vector<HistoryRow> rows;  // rows of the stage with cycles
   int stage;
   int promotions = 0;
   explicit RowsOfStage(int of_stage) : stage(of_stage) {}
@@ -39,13 +39,13 @@ struct RowsOfStage : Observer {
   void on_promotion(const Simulation&) override { ++promotions; }
 };
 
-// Every step's displacement is that of the closed form, so that amplitudes are reached to 1e-9 m between two steps. The
-// velocity changes by no more than the steepest smooth step has, 15/8 v/r.
+// The displacement of every step is that of the closed form, so the amplitudes are exact to 1e-9 m between two steps.
+// The acceleration is at most that of the smooth step, 15/8 v/r.
 void expect_closed_form(const std::vector<HistoryRow>& rows, const Stage& stage, double start) {
   const CyclicMotion motion(*stage.cycles);
   double largest = 0.0, least = 0.0, before = 0.0;
   const double dt = rows[1].time - rows[0].time;
-  for (std::size_t i = 1; i + 1 < rows.size(); ++i) {  // the last row stands two steps after the one before
+  for (std::size_t i = 1; i + 1 < rows.size(); ++i) {  // the last row is two steps after the one before it
     const double time = rows[i].time - start - dt;     // a row has the displacement at the time of its forces
     ASSERT_NEAR(rows[i].displacement, motion.position(time), 1e-13) << i;
     largest = std::max(largest, rows[i].displacement), least = std::min(least, rows[i].displacement);
@@ -102,7 +102,7 @@ TEST(Cycles, GoOnThroughAPromotion) {
   EXPECT_NEAR(rows.rows.back().displacement, 0.0, 1e-9);
 }
 
-// A beam that the stage before has left in motion: its velocity goes on without a jump.
+// A beam that moves at the end of the previous stage: its velocity is continuous.
 TEST(Cycles, TakeOverWhatStillMoves) {
   Scene scene = wall();
   Stage shear = scene.stages[1];
@@ -122,7 +122,8 @@ TEST(Cycles, TakeOverWhatStillMoves) {
   EXPECT_NEAR(rows.rows.back().displacement, 0.0, 1e-9);
 }
 
-// Three cycles of 0.1 mm of a joint that softens: the second half cycle of a side finds less force than the first.
+// Three cycles of 0.1 mm of a joint that softens: the second half cycle in a direction has a smaller force than the
+// first.
 TEST(Cycles, StopWhereAHalfCycleLosesForce) {
   const std::vector<std::string> more{"stage.cycles.amplitudes=[2e-4]", "stage.cycles.cycles=3"};
   const auto run = [&](const std::string& fraction) {
@@ -143,7 +144,7 @@ TEST(Cycles, StopWhereAHalfCycleLosesForce) {
   const double kept = largest[2] / largest[0];
   ASSERT_LT(kept, 0.95);
   ASSERT_GT(largest[1], 0.0);
-  // Forces are checked every 20 steps, and may miss the largest by little.
+  // Forces are checked every 20 steps, so the largest one may be missed by a little.
   EXPECT_TRUE(run(std::to_string(0.97 * std::min({kept, largest[3] / largest[1], largest[4] / largest[0],
                                                   largest[5] / largest[1]})))
                   .first->outcome()
@@ -156,7 +157,7 @@ TEST(Cycles, StopWhereAHalfCycleLosesForce) {
   EXPECT_NEAR(stop.largest, largest[0], 0.01 * largest[0]);
   EXPECT_NEAR(stop.force, largest[2], 0.01 * largest[0]);
   EXPECT_LT(fewer.size(), rows.size());
-  // It ends within 20 steps of where the motion turns round, at +0.2 mm.
+  // The run ends within 20 steps of the reversal at +0.2 mm.
   EXPECT_NEAR(fewer.back().displacement, 2e-4, 5e-6);
 }
 
@@ -208,7 +209,7 @@ Scene blocks(const std::vector<std::string>& more) {
   return scene;
 }
 
-// A dry block of 400 kg goes to and fro on another one: mu N of friction in every half cycle, 0.577 x 3924 N.
+// A dry block of 400 kg slides back and forth on another one: friction mu N in every half cycle, 0.577 x 3924 N.
 TEST(Cycles, OfABlockReachTheirAmplitudesInEveryKindOfMotion) {
   for (const char* how : {"solver.kernels=lattice", "solver.kernels=general", "solver.large_motion=always"}) {
     SCOPED_TRACE(how);
@@ -224,7 +225,7 @@ TEST(Cycles, OfABlockReachTheirAmplitudesInEveryKindOfMotion) {
   }
 }
 
-// u is where the whiffletree's spring says: the mean of the floors and the stretch F/K of each floor's force.
+// u is the end of the whiffletree's spring: the mean displacement of the floors plus the extension F/K.
 TEST(Cycles, OfAWhiffletreeReachTheirAmplitudes) {
   std::ifstream stream(QUOIN_HOST_TESTS "/small_building.toml");
   std::string text((std::istreambuf_iterator<char>(stream)), {});
@@ -240,7 +241,7 @@ TEST(Cycles, OfAWhiffletreeReachTheirAmplitudes) {
   Simulation s(scene);
   RowsOfStage rows(1);
   s.run(rows);
-  // One floor: the force that the walls carry to the ground is that of the tree, but for inertia and damping.
+  // One floor: the base shear is the force of the whiffletree, except for inertia and damping.
   const CyclicMotion motion(*scene.stages[1].cycles);
   double miss = 0.0, largest = 0.0, least = 0.0;
   const double start = start_of(rows.rows);

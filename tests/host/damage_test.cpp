@@ -1,5 +1,5 @@
-// Damage before the first stage, against the law in closed form: strengths left, openings that close without force,
-// cracks that part a wall. Also supports that settle, units that are missing, and runs that begin where others end.
+// Initial damage against closed forms of the law: remaining strengths, openings that close without force, cracks that
+// separate a wall. Also support settlements, missing units, and runs that continue other runs.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -38,7 +38,7 @@ std::string wall_text(int courses, double units, const std::string& more, const 
       kFt, kFc, kGc, courses, units, more, stages);
 }
 
-// The top beam goes up or down by so much, slowly; its sides are held.
+// Returns a stage that moves the top beam vertically by `displacement`, slowly; its horizontal motion is fixed.
 std::string moved(double velocity, double displacement) {
   return fmt::format(
       "[[stage]]\nname = \"moved\"\nkind = \"custom\"\nmonitor = \"top_beam\"\ndirection = \"y\"\ndisplacement = {}\n"
@@ -71,7 +71,7 @@ double largest(const std::vector<HistoryRow>& rows, double sign) {
 
 class Damaged : public ::testing::TestWithParam<const char*> {};
 
-// The lower one of two joints with xi has f(xi) ft left. 1 %: the beam pulls at 5 mm/s.
+// The lower one of two joints has damage xi and strength f(xi) ft. Tolerance 1 %: the beam moves at 5 mm/s.
 TEST_P(Damaged, JointHasWhatItsSofteningLeaves) {
   for (const double xi : {0.0, 0.4, 0.8}) {
     const std::string damage = fmt::format("[[damage]]\njoints = \"mortar\"\nto = [1, 0.01, 1]\nxi = {}\n", xi);
@@ -80,7 +80,8 @@ TEST_P(Damaged, JointHasWhatItsSofteningLeaves) {
   }
 }
 
-// A crushed toe has fcr + (fc - fcr) f(w/wu), and no traction before it is loaded: its closure is there already.
+// A crushed toe has strength fcr + (fc - fcr) f(w/wu). Its plastic closure exists from the start, so its traction is 0
+// before loading.
 TEST_P(Damaged, ToeHasWhatCrushingLeaves) {
   const double wu = 2.0 * kGc / kFc, w = 0.4 * wu;
   const std::string damage = fmt::format("[[damage]]\nto = [1, 0.01, 1]\nstate = {{ w = {} }}\n", w);
@@ -91,7 +92,7 @@ TEST_P(Damaged, ToeHasWhatCrushingLeaves) {
   EXPECT_NEAR(largest(run(text, GetParam()), 1.0), 0.6 * kFc * kBedArea, 0.01 * kFc * kBedArea);
 }
 
-// A joint that stands open closes without force, and is a joint of stone on stone then.
+// A joint with an initial opening closes without force, and then has friction only.
 TEST_P(Damaged, OpenJointClosesWithoutForce) {
   const double gap = 1e-4;
   const std::string damage =
@@ -108,18 +109,18 @@ TEST_P(Damaged, OpenJointClosesWithoutForce) {
   }
 }
 
-// Sliding by s under no pressure leaves f(s/su) of the cohesion, su = 2 G2/c: 0.5 at half of it.
+// Initial slip s without pressure leaves f(s/su) of the cohesion, su = 2 G2/c: 0.5 at s = su/2.
 TEST_P(Damaged, SlipLeavesItsDamage) {
   const double su = 2.0 * 125.0 / 0.3e6;
   const std::string damage = fmt::format("[[damage]]\nslip = {}\n", 0.5 * su);
   Simulation simulation(read(wall_text(1, 1, damage, moved(0.005, 1e-5)), GetParam()), 1);
-  const double elastic = 0.3e6 / 36e9;  // m, before it slips
+  const double elastic = 0.3e6 / 36e9;  // m, elastic shear displacement at first slip
   const std::vector<double> xi = law_state(simulation, "xi_s");
   ASSERT_FALSE(xi.empty());
   for (const double x : xi) EXPECT_NEAR(x, 0.5, 2.0 * elastic / su);
 }
 
-// Blocks that are still held together, by joints of which some point is not broken through.
+// Returns true if all blocks are connected by joints with at least one point that is not fully softened.
 bool hangs_together(const Simulation& simulation, double end) {
   const std::vector<ContactPoint> points = contact_points(simulation);
   const std::vector<double> xi = law_state(simulation, "xi_t");
@@ -137,8 +138,8 @@ bool hangs_together(const Simulation& simulation, double end) {
   return find(lowest->block_a) == find(highest->block_a);
 }
 
-// A crack from side to side parts the wall, whatever its way; one that ends inside it does not. The part above carries
-// no tension once it moves along, 1e-3 of the sound strength is left to vibrations. Before, the beam sets it in motion.
+// A crack from side to side separates the wall for any course of the crack; one that ends inside the wall does not. The
+// separated part carries no tension once it moves with the beam; the tolerance for vibration is 1e-3 of the strength.
 TEST_P(Damaged, WallThatIsCutCarriesNoTension) {
   const std::string through = "[[damage]]\ncrack = [[-0.01, 0.03], [0.2, 0.11], [0.45, 0.22]]\n";
   const std::string half = "[[damage]]\ncrack = [[-0.01, 0.03], [0.2, 0.11]]\n";
@@ -155,7 +156,7 @@ TEST_P(Damaged, WallThatIsCutCarriesNoTension) {
 
 INSTANTIATE_TEST_SUITE_P(BothKinds, Damaged, ::testing::Values("lattice", "general"));
 
-// A crack goes round units unless through_units says otherwise.
+// A crack follows the joints around units unless through_units is true.
 TEST(Damage, CrackGoesRoundUnits) {
   const auto broken = [](const std::string& keys) {
     const std::string damage = "[[damage]]\ncrack = [[0.16, -0.1], [0.17, 1]]\n" + keys;
@@ -205,8 +206,8 @@ TEST(Damage, WhatCannotBeIsRefusedWithItsPlaceAndReason) {
   EXPECT_THAT(fault_of("[[damage]]\nalong = \"z\"\n"), HasSubstr("only with a crack"));
 }
 
-// One part of the support goes down by 0.02 mm under a wall that keeps its load. It carries less than before, and both
-// together the same (equilibrium).
+// One part of the support settles by 0.02 mm under a wall with constant load. This part carries less than before; the
+// sum of both does not change (equilibrium).
 TEST(Damage, SupportThatSettlesCarriesLess) {
   const std::string stages =
       "[[stage]]\nname = \"load\"\nkind = \"pressure\"\npressure = 0.3e6\n"
@@ -220,7 +221,7 @@ TEST(Damage, SupportThatSettlesCarriesLess) {
       "[[stage.control]]\nbody = \"top_beam\"\nvelocity = [0, \"free\", 0]\nforce = [0, -13200, 0]\n";
   Simulation simulation(read(wall_text(4, 2, "bottom_beam_cuts = [2]\n", stages)), 1);
   Rows rows;
-  const auto carried = [&](const std::string& part) {  // N
+  const auto carried = [&](const std::string& part) {  // vertical force on a part of the support, N
     const auto& bricks = simulation.assembly().bricks;
     double force = 0.0;
     for (const ContactPoint& p : contact_points(simulation))
@@ -258,7 +259,7 @@ TEST(Damage, UnitsAreMissingOrReplaced) {
   EXPECT_THROW(bricks("[[wall.changed]]\ncourse = 1\nhalf_unit = 0\n"), Error);
 }
 
-// What begins where another run has ended goes on with its bits.
+// A run that continues another one is bitwise identical to one run of all stages.
 TEST(Damage, RunBeginsWhereAnotherHasEnded) {
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("quoin_damage_{}", getpid());
   std::filesystem::create_directories(folder);
@@ -276,7 +277,7 @@ TEST(Damage, RunBeginsWhereAnotherHasEnded) {
     return rows.rows;
   };
   const auto whole = rows_of(load + shear, false);
-  EXPECT_THROW(rows_of(load + shear, true), Error);  // nothing is left to do
+  EXPECT_THROW(rows_of(load + shear, true), Error);  // no stage is left
   rows_of(load, false);
   const auto rest = rows_of(load + shear, true);
   ASSERT_FALSE(rest.empty());

@@ -1,5 +1,5 @@
-// Inertia against deformation, and against motion of the halves of a unit on each other, scaled apart from rigid
-// motion. Damping by block; and forces zone by zone.
+// Added inertia against deformation of a block, and against relative motion of the halves of a unit, without change of
+// rigid motions. Damping by block, and forces by zone.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -25,8 +25,8 @@ Scene scaled_units(double deformation_inertia, double unit_inertia, DampingKind 
   return scene;
 }
 
-// M' = s M - (s - 1) M R (R^T M R)^-1 R^T M with R the null space of K. These are rigid motions, found by linear
-// algebra alone.
+// Added inertia by linear algebra only, with R the null space of K, the rigid motions:
+//   M' = s M - (s - 1) M R (R^T M R)^-1 R^T M.
 TEST(Deformation, CriticalStepAgreesWithAnIndependentMassMatrix) {
   for (const std::array<int, 3> zones : {std::array{4, 2, 2}, std::array{2, 1, 1}}) {
     const Assembly assembly = brick_grid({1, 1, 1}, kBrick, zones);
@@ -47,8 +47,9 @@ TEST(Deformation, CriticalStepAgreesWithAnIndependentMassMatrix) {
   }
 }
 
-// The same for units: M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)). Rigid motions of blocks are the null space of
-// their stiffness, of units that of blocks and joint together. With and without a plane of symmetry.
+// For units M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)). Rigid motions of blocks are the null space of their
+// stiffness; rigid motions of units are that of the stiffness of blocks and joint. With and without a plane of
+// symmetry.
 TEST(Deformation, CriticalStepOfUnitsAgreesWithAnIndependentMassMatrix) {
   for (const bool symmetric : {false, true}) {
     Assembly assembly = in_units(brick_grid({2, 1, 1}, kBrick, {2, 2, 1}));
@@ -64,7 +65,7 @@ TEST(Deformation, CriticalStepOfUnitsAgreesWithAnIndependentMassMatrix) {
     Eigen::MatrixXd k(n, n), m = Eigen::MatrixXd::Zero(n, n), k_blocks = Eigen::MatrixXd::Zero(n, n);
     const Eigen::MatrixXd block = dense_stiffness(assembly.bricks[0], brick_material());
     const Eigen::VectorXd mass = dense_mass(assembly.bricks[0], brick_material());
-    const auto place = [&](std::size_t offset) {  // block, degree of freedom in it
+    const auto place = [&](std::size_t offset) {  // returns block, and degree of freedom in the block
       for (int i = 0; i < 2 * 3 * nodes; ++i) {
         if (dof(model, i / (3 * nodes), i % (3 * nodes) / 3, i % 3) == offset)
           return std::pair(i / (3 * nodes), i % (3 * nodes));
@@ -117,7 +118,7 @@ TEST(Deformation, StableJustBelowTheLimitUnstableJustAbove) {
   EXPECT_GT(largest_after(scaled_units(16.0, 5.0, DampingKind::none, 1.02), units, 3000), 1e3);
 }
 
-// Rigid motion of blocks and units has the true inertia whatever the factors: it falls and turns as a rigid body.
+// Rigid motion of blocks and units has the true inertia for all factors: they fall and rotate as rigid bodies.
 TEST(Deformation, RigidMotionKeepsItsInertia) {
   for (const int halves : {1, 2}) {
     const DampingKind damping = halves == 1 ? DampingKind::none : DampingKind::block;
@@ -128,7 +129,7 @@ TEST(Deformation, RigidMotionKeepsItsInertia) {
     scene.stages = {stage};
     scene.solver.local_damping = 0.0;
     Simulation simulation(scene, in_units(brick_grid({halves, 1, 1}, kBrick, {4, 2, 2})), 1);
-    // Turning slowly about z: u = omega x r.
+    // Slow rotation about z: u = omega x r.
     const Model& model = simulation.model();
     for (int b = 0; b < halves; ++b) {
       const auto mesh = block_mesh(simulation, b);
@@ -152,7 +153,7 @@ TEST(Deformation, RigidMotionKeepsItsInertia) {
   }
 }
 
-// Energies count M' and what every damping takes.
+// The energy balance includes added inertia M' and the work of every kind of damping.
 TEST(Deformation, EnergyBalanceCloses) {
   for (const DampingKind damping : {DampingKind::none, DampingKind::viscous, DampingKind::block}) {
     for (const bool units : {false, true}) {
@@ -175,7 +176,7 @@ TEST(Deformation, EnergyBalanceCloses) {
   }
 }
 
-// The reason for damping by block: local damping lets the vibration of a block brake its flight.
+// Under local damping the vibration of a block brakes its rigid motion; under damping by block it does not.
 TEST(Deformation, VibrationBrakesNoMotionUnderDampingByBlock) {
   const auto momentum_left = [](DampingKind damping, double inertia, int halves = 1) {
     Simulation simulation(scaled_units(inertia, inertia, damping, 0.6),
@@ -223,7 +224,7 @@ TEST(Deformation, ForcesByZoneAreThoseOfTheAssembledStiffness) {
       difference = std::max(difference, std::abs(displacement[0][i] - displacement[1][i]));
     }
     EXPECT_GT(largest, 0.0);
-    // Rounding of 100 steps, which damping by the sign of a velocity near zero magnifies.
+    // Rounding of 100 steps, amplified by damping that depends on the sign of velocities near zero.
     EXPECT_LT(difference, 1e-8 * largest);
     EXPECT_GT(difference, 0.0);
   }

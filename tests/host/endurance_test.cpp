@@ -1,5 +1,4 @@
-// What could go wrong after long times or sudden events: energy of a free vibration, a support that goes away, joints
-// that all differ.
+// Long runs and sudden events: energy of a free vibration, removal of a support, joints of different stiffness.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +13,7 @@
 namespace quoin {
 namespace {
 
-// Takes rigid motion away: in a block that drifts, place and deformation share the digits of a number.
+// Removes rigid motion, since in a block that drifts, a large displacement reduces the digits for deformation.
 void take_away_drift(Simulation* simulation) {
   const Model& model = simulation->model();
   Vec3 momentum{};
@@ -26,8 +25,8 @@ void take_away_drift(Simulation* simulation) {
   }
 }
 
-// Two units of two halves each, swinging freely on their joints: central differences conserve the energy that Energies
-// counts, so only rounding may change it.
+// Returns the relative change of energy of two units of two halves in free vibration. Central differences conserve the
+// energy of Energies, so only rounding changes it.
 double energy_drift(long steps, double deformation_inertia, double unit_inertia) {
   Scene scene = bare_scene(0.9);
   scene.solver.deformation_inertia = deformation_inertia;
@@ -45,12 +44,12 @@ double energy_drift(long steps, double deformation_inertia, double unit_inertia)
     largest = std::max(largest, std::abs(simulation.measure().energies->balance_error() / start - 1.0));
     strain = std::max(strain, simulation.measure().energies->strain);
   }
-  EXPECT_GT(strain, 0.01 * start);  // it does swing
+  EXPECT_GT(strain, 0.01 * start);  // the units vibrate
   std::printf("energy drift %.2g of the energy in %ld steps\n", largest, steps);
   return largest;
 }
 
-// Rounding alone; a wrong inertia anywhere gives 1e-2.
+// The tolerance is for rounding; a wrong inertia changes the energy by 1e-2.
 TEST(Endurance, FreeVibrationKeepsItsEnergy) {
   EXPECT_LT(energy_drift(100000, 1.0, 1.0), 5e-8);
   EXPECT_LT(energy_drift(100000, 64.0, 16.0), 5e-7);
@@ -60,7 +59,7 @@ TEST(Endurance, DISABLED_FreeVibrationOfTenMillionSteps) {
   EXPECT_LT(energy_drift(10000000, 64.0, 16.0), 5e-5);
 }
 
-// Joints of stiffness from 1e9 to 1e13 Pa/m, each its own: the critical step is still the border of stability.
+// Joints with different stiffness from 1e9 to 1e13 Pa/m: the critical time step is still the limit of stability.
 TEST(Endurance, JointsThatAllDifferAreStableJustBelowTheLimit) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<> exponent(9.0, 13.0);
@@ -77,8 +76,8 @@ TEST(Endurance, JointsThatAllDifferAreStableJustBelowTheLimit) {
   }
 }
 
-// A wall under its weight whose bottom beam is let go at once. Nothing holds it, so its momentum is M g t whatever
-// vibrates or breaks inside, and the energies still balance.
+// A wall under its weight whose bottom beam is released abruptly. Its momentum is M g t, independent of vibrations and
+// cracks inside, and the energies balance.
 TEST(Endurance, AWallWhoseSupportGoesAwayFalls) {
   Scene scene = wall_scene(3, 2);
   scene.solver = bare_scene(0.6).solver;

@@ -1,4 +1,4 @@
-// The tables of fields (host/model/fields.h, host/step/lattice_fields.h) name every array that changes in a run.
+// The tables of fields (host/model/fields.h, host/step/lattice_fields.h) contain every array that changes in a run.
 #include "model/fields.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ struct Case {
   const char* name;
   std::string scene;
   Overrides overrides;
-  long steps;  // of the last stage, before the state is taken
+  long steps;  // steps of the last stage before the state is saved
 };
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
@@ -36,7 +36,7 @@ Overrides weak_wall(Overrides more) {
 class Fields : public ::testing::TestWithParam<Case> {
  protected:
   static Scene scene() { return read_scene(GetParam().scene, GetParam().overrides); }
-  // Up to the last stage, and so many steps of it.
+  // Runs all stages but the last one, and `steps` steps of the last one.
   static void go(Simulation& simulation, long steps) {
     Observer nobody;
     for (std::size_t s = 1; s < simulation.scene().stages.size(); ++s) simulation.run_stage(nobody);
@@ -51,8 +51,8 @@ class Fields : public ::testing::TestWithParam<Case> {
   }
 };
 
-// The validating mode: a state goes to a simulation that has come elsewhere, whose own arrays are those of other steps.
-// It has the state bit for bit, and goes on as the first one does. What is in no table stays as it was there.
+// A state is restored into a simulation at another step, whose arrays have other values. Its state and all later steps
+// are then bitwise identical to those of the first one. An array that is missing in the tables would keep its values.
 TEST_P(Fields, AreAllThatARunGoesOnFrom) {
   Simulation first(scene(), 1), other(scene(), 1);
   go(first, GetParam().steps);
@@ -60,7 +60,7 @@ TEST_P(Fields, AreAllThatARunGoesOnFrom) {
   ASSERT_NE(other.hash(), first.hash());
   const std::vector<std::uint8_t> state = first.save();
   other.restore(state);
-  // Bodies of the lattice also have what controls impose in a step, which the next one sets again.
+  // Bodies of the lattice also have values imposed by controls, which every step sets again.
   EXPECT_TRUE(!first.large_motion() || other.save() == state);
   EXPECT_EQ(other.hash(), first.hash());
   Observer nobody;
@@ -98,14 +98,14 @@ INSTANTIATE_TEST_SUITE_P(
              1200}),
     [](const auto& of) { return std::string(of.param.name); });
 
-// A column of contact points that is in no table makes a family larger than what its table names.
+// A column of contact points that is missing in the table makes a family larger than the sum of its table.
 TEST(Fields, OfContactPointsAreAllInTheTable) {
   blocks::Family family;
   std::map<std::string, int> arrays;
   blocks::WorldFields::of_points([&](const Field& field, auto&) { ++arrays[field.name]; }, family);
   int named = 0;
   for (const auto& [name, count] : arrays) named += count;
-  constexpr int kFoundFromPoints = 5;  // arm, offset, area, which steps read and do not change
+  constexpr int kFoundFromPoints = 5;  // arms, offsets and area, which steps do not change
   const std::size_t rest = sizeof family.material + sizeof family.initial + sizeof family.dry + sizeof family.kn +
                            sizeof family.ks + sizeof family.state + sizeof family.columns;
   EXPECT_EQ(sizeof family, rest + static_cast<std::size_t>(named + kFoundFromPoints) * sizeof(LaneVector<double>))

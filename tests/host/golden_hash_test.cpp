@@ -1,6 +1,6 @@
-// The bits of small runs of every kind, some thousand steps into their loading. They are the same for any number of
-// threads and any instruction set with fused multiply-add, and as when they were recorded. What changes a bit without
-// meaning to is found here, whatever tolerances other tests have.
+// Hashes of small runs of every kind, after some thousand steps of loading. They are equal for any number of threads
+// and any instruction set with fused multiply-add, and equal to the recorded hashes. So this test finds unintended
+// changes that are below the tolerances of other tests.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ struct GoldenRun {
   const char* name;
   const char* scene;
   std::vector<std::string> overrides;
-  long steps;          // of the last stage
+  long steps;          // steps of the last stage
   std::uint64_t hash;  // recorded with AVX-512, GCC 12
 };
 
@@ -55,7 +55,7 @@ const GoldenRun kRuns[] = {
      0x25e5e09ad3d879c2u},
 };
 
-// Stops at the first row of the last stage that lies so many steps in.
+// Stops at the first row of the last stage after the given number of steps.
 struct Stopper : Observer {
   void on_stage_begin(const Simulation& s, int) override { start = s.step(); }
   void on_row(const HistoryRow& row) override {
@@ -66,7 +66,7 @@ struct Stopper : Observer {
   long start = 0, steps = 0;
 };
 
-// Laws and host choose their kernels through the same library, so this decides for both.
+// Limits the instruction set of laws and host, which choose their kernels through one library.
 struct OnTarget {
   explicit OnTarget(std::int64_t target) {
     hwy::SetSupportedTargetsForTest(target);
@@ -129,8 +129,8 @@ TEST_P(GoldenHash, ThreadsAndFusedInstructionSetsAgreeWithTheRecord) {
                                      "golden_hash_test.cpp and say why in the commit";
 }
 
-// Every number of every row, with energies and damping work. Sums over gridpoints and contact points are split at
-// fixed places, so their rounding does not depend on the length of a vector.
+// Compares every number of every row, with energies and damping work. Sums over gridpoints and contact points are split
+// at fixed positions, so their rounding does not depend on the vector length.
 TEST(Rows, HaveTheSameBitsWithVectorsOfFourAndOfEight) {
   if ((hwy::SupportedTargets() & (HWY_AVX3_DL | HWY_AVX3)) == 0 || (hwy::SupportedTargets() & HWY_AVX2) == 0)
     GTEST_SKIP() << "no AVX-512 here: there is nothing to compare AVX2 with";
@@ -166,12 +166,12 @@ TEST(Rows, HaveTheSameBitsWithVectorsOfFourAndOfEight) {
   }
 }
 
-// One kind of model or of what can become of it a line, short, with joints weak enough to give way.
+// Short runs, one for each kind of model and each event in a run, with joints weak enough to crack.
 struct GoldenKind {
   const char* name;
   std::string scene;
   std::vector<std::string> overrides;
-  std::uint64_t state, rows;  // recorded with AVX-512, GCC 12: of gridpoints, bodies, contact points; of the history
+  std::uint64_t state, rows;  // hashes recorded with AVX-512, GCC 12: of all bodies and contact points; of the history
   enum { nothing, promotion, swap, detection, parting } has = nothing;
 };
 
@@ -315,14 +315,14 @@ std::string PrintToString(const GoldenBits& b) {
 }
 void PrintTo(const GoldenBits& bits, std::ostream* out) { *out << PrintToString(bits); }
 
-// The rows of a run, and a state of its middle.
+// Hash of the history of a run, and a state from its middle.
 struct Golden : Observer {
   std::uint64_t rows = kHashStart, rows_then = kHashStart;
   std::vector<std::uint8_t> saved;
   long save_after = -1;  // steps
   int swaps = 0, promotions = 0;
   const Simulation* watched = nullptr;
-  int fewest_units = std::numeric_limits<int>::max(), most_units = 0;  // in two halves that hold together
+  int fewest_units = std::numeric_limits<int>::max(), most_units = 0;  // number of units whose halves are connected
   bool wants_pause(bool) override { return save_after >= 0; }
   void on_pause(const Simulation& simulation, bool) override {
     if (save_after < 0 || simulation.step() < save_after || !saved.empty()) return;
@@ -365,8 +365,8 @@ class GoldenKinds : public ::testing::TestWithParam<GoldenKind> {
   }
 };
 
-// One thread is the reference. Four threads, two ranks, a run that goes on from its middle and the other instruction
-// set must have its bits.
+// One thread is the reference. Four threads, two ranks, a run resumed from its middle and the other instruction set
+// must be bitwise identical.
 TEST_P(GoldenKinds, ThreadsRanksResumedRunsAndInstructionSetsAgreeWithTheRecord) {
   const GoldenKind& kind = GetParam();
   Simulation simulation(scene(), 1);

@@ -1,5 +1,5 @@
-// Motion of the ground against the polynomials that a record of straight lines integrates to, and against Newton for
-// what stands on it.
+// Ground motion against the polynomials to which a piecewise linear record integrates. Blocks on the ground against
+// Newton's law.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,11 +13,10 @@
 namespace quoin {
 namespace {
 
-// Acceleration in straight lines between unequal moments, no two parts of which make up for each other. At its end the
-// ground goes on at 0.31 m/s.
+// Piecewise linear acceleration at unequal times, whose parts do not cancel. At its end the ground has 0.31 m/s.
 const std::vector<double> kTime{0.0, 0.07, 0.1, 0.18, 0.23}, kAcceleration{1.0, 4.0, -2.0, 3.0, 0.0};
 
-// Way of the ground at time t of its stage, m: u + v h + a h^2/2 + a' h^3/6 from one moment to the next.
+// Returns the displacement of the ground at time t of its stage, m: u + v h + a h^2/2 + a' h^3/6 between two times.
 double way(double t) {
   double u = 0.0, v = 0.0;
   for (std::size_t i = 0; i + 1 < kTime.size() && kTime[i] < t; ++i) {
@@ -29,8 +28,8 @@ double way(double t) {
   return u + v * std::max(0.0, t - kTime.back());
 }
 
-// A block on the ground, in an elastic joint of 1e6 N/m that pulls too, and one beside it that nothing touches; 2 kg
-// each.
+// A block on the ground, with an elastic joint of 1e6 N/m that carries tension, and a second block without contacts;
+// 2 kg each.
 std::string scene(const std::string& of_ground, const std::string& stages) {
   return undamped_stone("general") + R"(
 [[block]]
@@ -51,9 +50,9 @@ box = { lower = [0, 3, 0], size = [0.1, 0.1, 0.1] }
 )" + stages;
 }
 
-// On a step of 3e-5 s the sum of velocities of half steps is the integral up to dt^2/24 times the change of the
-// acceleration. That is 6 m/s2 a change: 1e-9 m. Half a step late is 5e-6 m, rectangles are off by centimetres.
-// Direction [2, -3, 6] is 7 long: it is a direction, and no factor.
+// The sum of velocities at half steps is the integral up to dt^2/24 times the change of the acceleration. With dt =
+// 3e-5 s and changes of 6 m/s2 that is 1e-9 m. An error of half a step would be 5e-6 m, and of the rectangle rule
+// centimetres. Direction [2, -3, 6] has length 7, which must not scale the motion.
 class MovingGround : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(MovingGround, IsTheDoubleIntegralOfTheRecordAtEveryStep) {
@@ -90,7 +89,7 @@ ground_motion = { direction = [2, -3, 6], time = [0, 0.07, 0.1, 0.18, 0.23], acc
   }
   EXPECT_GT(fastest, 0.3);
   EXPECT_GT(dt * fastest / 2, 100 * 6.0 * dt * dt) << "half a step late must be seen";
-  expect_at_rest(2);  // what stands on nothing
+  expect_at_rest(2);  // the block without contacts
   Simulation resumed(moving, 2);
   resumed.restore(half_way);
   resumed.run(nobody);
@@ -100,9 +99,9 @@ ground_motion = { direction = [2, -3, 6], time = [0, 0.07, 0.1, 0.18, 0.23], acc
 INSTANTIATE_TEST_SUITE_P(Grounds, MovingGround, ::testing::Values("", "rigid = false\ndivisions = [2, 1, 2]"),
                          [](const auto& of) { return std::string(*of.param ? "Zones" : "Rigid"); });
 
-// Ground that begins to rise with constant acceleration a under a mass on a spring. Seen from the ground the mass has
-// the weight m a, and swings about m a/k by -(a/w^2) (1 - cos w t). Steps of a hundredth of a period are off by (w
-// dt)^2/24 of w, 2e-4 of three periods. The ground pays for it: energies balance.
+// The ground rises with constant acceleration a under a mass on a spring. Relative to the ground the mass has the
+// weight m a and vibrates about m a/k by -(a/w^2) (1 - cos w t). Steps of a hundredth of a period have an error of (w
+// dt)^2/24 of w, 2e-4 over three periods. The work of the ground balances the energies.
 TEST(GroundMotion, AMassOnASpringLagsBehindByItsInertia) {
   const Scene moving = read_scene_text(scene("", R"(
 [[stage]]
@@ -127,12 +126,12 @@ energy = true
   EXPECT_NEAR(largest, 2 * swing, 0.02 * swing);
   simulation.advance(1);
   const Energies e = *simulation.measure().energies;
-  EXPECT_GT(e.external, 0.5 * 2.0 * 0.1 * 0.1);  // 2 kg at some 0.15 m/s
+  EXPECT_GT(e.external, 0.5 * 2.0 * 0.1 * 0.1);  // 2 kg at about 0.15 m/s
   EXPECT_NEAR(e.balance_error(), 0.0, 1e-3 * e.external);
 }
 
-// Damping of impacts has a state, the tractions of the step before and its share in use. A run that is left in the
-// middle of a pulse goes on to the same bits.
+// Impact damping has a state: the tractions of the last step and the share of damping in use. A run resumed in the
+// middle of a pulse is bitwise identical.
 TEST(GroundMotion, DampingOfImpactsGoesOnWhereItWasLeft) {
   const Scene shaken = read_scene(
       QUOIN_SCENES "/facade.toml",

@@ -1,4 +1,4 @@
-// Joints by the mean of a step: against the same equations solved for the whole model at once.
+// Implicit contacts, with the mean traction of a step, against a solution of the equations of the whole model.
 #include "step/implicit_contacts.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ struct Columns {
   LaneVector<double> traction[3], old_traction[3], viscous[3], way[3];
 };
 
-// Elastic joints with viscosity, that closed a moment ago.
+// Returns elastic joints with viscosity that have just closed.
 Columns shown(const Model& model, std::mt19937& random, double kn, double ks, double beta, double dt) {
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   Columns c;
@@ -35,8 +35,8 @@ Columns shown(const Model& model, std::mt19937& random, double kn, double ks, do
   return c;
 }
 
-// Eight blocks that meet at one place: clusters of two, four and eight. (M + G) (v - v0) = M (v* - v0), of which b v0
-// is the way of the last step over dt. To rounding.
+// Eight blocks that meet at one point: clusters of two, four and eight gridpoints. They solve (M + G) (v - v0) =
+// M (v* - v0) to rounding.
 TEST(ImplicitContacts, SolveTheEquationOfAllGridpoints) {
   const double kn = 5e9, ks = 2e9, beta = 2e-5, dt = 2e-5;
   Assembly assembly = brick_grid({2, 2, 2}, {0.1, 0.12, 0.08}, {2, 2, 1}, elastic_family(kn, ks));
@@ -96,7 +96,7 @@ TEST(ImplicitContacts, SolveTheEquationOfAllGridpoints) {
   EXPECT_NEAR(momentum, 0.0, 1e-13 * model.total_mass());
 }
 
-// Where nothing is known of the motion of a step, joints take no part.
+// Joints without a known rate from a previous step are not included.
 TEST(ImplicitContacts, BeginWithARateThatIsKnown) {
   Assembly assembly = brick_grid({2, 1, 1}, {0.1, 0.1, 0.1}, {1, 1, 1}, elastic_family(5e9, 2e9));
   auto materials = make_materials(assembly);

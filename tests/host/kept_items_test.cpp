@@ -1,4 +1,5 @@
-// Arrays that keep most of their items in place, beside the same array built from nothing (model/kept_items.h).
+// Arrays that keep most of their items in place, against an equal array that is built from scratch
+// (model/kept_items.h).
 #include "model/kept_items.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@
 namespace quoin::blocks {
 namespace {
 
-// Rows of items are kept, shortened to nothing, or given another number of new items, at random.
+// At random, rows of items are kept, emptied, or replaced by another number of new items.
 TEST(KeptItems, AreThoseOfAnArrayBuiltAnew) {
   std::mt19937 random(7);  // any seed: every outcome is checked
   const auto number = [&](int most) { return static_cast<uint32_t>(random() % static_cast<unsigned>(most + 1)); };

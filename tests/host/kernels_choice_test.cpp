@@ -1,5 +1,5 @@
-// Which kernels move a scene. Blocks of any shape that are bricks of the lattice are recognised, and have the bricks,
-// joints and bits of the walls given as such. What does not fit is named.
+// Choice of kernels for a scene. Blocks that fit the lattice are recognised as bricks; their bricks, joints and results
+// are bitwise identical to those of a [wall]. Messages name blocks that do not fit.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -45,7 +45,7 @@ Scene read_text(const std::string& text, const std::vector<std::string>& overrid
 
 std::string list(const auto& values) { return fmt::format("[{}, {}, {}]", values[0], values[1], values[2]); }
 
-// Bricks as a list of [[block]], each where it stands; names: one a brick.
+// Returns bricks as a list of [[block]] at their positions; names: one for each brick.
 std::string as_list_of_blocks(const Assembly& assembly, const std::vector<std::string>& names,
                               const std::set<std::string>& fixed) {
   std::string text;
@@ -64,7 +64,7 @@ std::string as_list_of_blocks(const Assembly& assembly, const std::vector<std::s
 
 constexpr const char* kSteel = "[materials.beam]\nyoung_modulus = 2e11\npoisson_ratio = 0.3\ndensity = 7850.0\n";
 
-// solid_wall_030.toml with its [wall] as a list of blocks and its stages in the words of blocks.
+// Returns solid_wall_030.toml with its [wall] as a list of blocks and its stages with keys of blocks.
 std::string solid_wall_as_blocks() {
   const std::string file = QUOIN_SCENES "/solid_wall_030.toml", text = text_of(file);
   const Scene wall = read_scene(file);
@@ -109,7 +109,7 @@ energy = false
 )";
 }
 
-// cube_wall_10.toml likewise: the cubes of the outer courses by their own names.
+// Returns cube_wall_10.toml as a list of blocks, in which each cube of the outer courses has its own name.
 std::string cube_wall_as_blocks() {
   const std::string file = QUOIN_SCENES "/cube_wall_10.toml", text = text_of(file);
   const Assembly assembly = assemble(read_scene(file));
@@ -129,7 +129,7 @@ std::string cube_wall_as_blocks() {
          drives + "[output]\nenergy = false\n";
 }
 
-// Stops at the first row of the last stage that lies so many steps in.
+// Stops at the first row of the last stage after the given number of steps.
 struct Stopper : Observer {
   explicit Stopper(long steps_in) : steps(steps_in) {}
   void on_stage_begin(const Simulation& s, int) override { start = s.step(); }
@@ -168,7 +168,7 @@ void expect_same_brick(const Brick& a, const Brick& b, double tolerance) {
   EXPECT_EQ(a.parity, b.parity);
 }
 
-// shift: brick i of b is brick (i + shift) mod n of a.
+// Expects equal bricks and joints. shift: brick i of b is brick (i + shift) mod n of a.
 void expect_same_assembly(const Assembly& a, const Assembly& b, std::size_t shift, double tolerance) {
   const std::size_t n = b.bricks.size();
   ASSERT_EQ(a.bricks.size(), n);
@@ -192,7 +192,7 @@ void expect_same_assembly(const Assembly& a, const Assembly& b, std::size_t shif
   }
 }
 
-// The acceptance of issue 15: a wall written block by block is the wall, bit for bit.
+// A wall as a list of blocks is bitwise identical to the [wall].
 TEST(KernelsChoice, ListOfBlocksIsTheWallItself) {
   Simulation wall(read_scene(QUOIN_SCENES "/solid_wall_030.toml", {"output.frames=0"}));
   Simulation blocks(read_text(solid_wall_as_blocks(), {"output.frames=0"}));
@@ -204,11 +204,11 @@ TEST(KernelsChoice, ListOfBlocksIsTheWallItself) {
   ASSERT_EQ(a.rows.size(), b.rows.size());
   for (std::size_t i = 0; i < a.rows.size(); ++i) EXPECT_EQ(a.rows[i].resistance, b.rows[i].resistance);
   EXPECT_GT(a.rows.back().resistance, 100.0);
-  // A column that walls do not have: the top beam moves furthest.
+  // A column that histories of walls do not have: its largest displacement is that of the top beam.
   EXPECT_NEAR(b.rows.back().largest_displacement, norm(geometry::vector(b.rows.back().monitor_displacement)), 2e-6);
 }
 
-// The shipped scene: beams come first there, coordinates are sums.
+// The shipped scene, in which beams are first and coordinates are sums.
 TEST(KernelsChoice, DryWallOfZonedHalfUnitsIsTheWallItself) {
   Simulation wall(read_scene(QUOIN_SCENES "/solid_wall_030.toml", {"output.frames=0"}));
   Simulation blocks(read_scene(QUOIN_SCENES "/solid_wall_030_blocks.toml", {"output.frames=0"}));
@@ -216,13 +216,13 @@ TEST(KernelsChoice, DryWallOfZonedHalfUnitsIsTheWallItself) {
   expect_same_assembly(blocks.assembly(), wall.assembly(), 2, 1e-12);
   const Stopper a = run_for(wall, 500), b = run_for(blocks, 500);
   ASSERT_EQ(a.rows.size(), b.rows.size());
-  // Rounding of coordinates alone: far inside the 0.1 % that the issue allows.
+  // The tolerance is for rounding of coordinates.
   EXPECT_NEAR(b.rows.back().resistance, a.rows.back().resistance, 1e-9 * a.rows.back().resistance);
   EXPECT_NEAR(b.rows.back().vertical_force, a.rows.back().vertical_force, 1e-9 * a.rows.back().vertical_force);
 }
 
-// Cubes with the same controls move in SIMD groups; the monitored one moves alone. Sums in another order differ by
-// rounding, which cracks have amplified to 2e-9 at the end.
+// Cubes with equal controls move in SIMD groups; the monitored one moves alone. Sums in another order differ by
+// rounding, which cracks amplify to 2e-9 at the end.
 TEST(KernelsChoice, ListOfCubesMovesInRigidLanes) {
   Simulation wall(read_scene(QUOIN_SCENES "/cube_wall_10.toml", {"output.frames=0"}));
   Simulation blocks(read_text(cube_wall_as_blocks(), {"solver.kernels=lattice", "output.frames=0"}));
@@ -252,20 +252,20 @@ TEST(KernelsChoice, ListOfCubesMovesInRigidLanes) {
   }
 }
 
-// What fits the lattice moves there without being asked; arches and panels of crossing joints do not fit.
+// Scenes that fit the lattice use it by default; arches and panels with crossing joints do not fit.
 TEST(KernelsChoice, GeometryChooses) {
   EXPECT_FALSE(choose_motion(read_text(cube_wall_as_blocks())).shapes);
   for (const char* scene : {"arch", "ferris_tin_loi_1", "ferris_tin_loi_2"})
     EXPECT_TRUE(choose_motion(read_scene(fmt::format("{}/{}.toml", QUOIN_SCENES, scene))).shapes) << scene;
 }
 
-// Points of tetrahedra, as a set that does not depend on any order; coordinates in micrometres.
+// Corners of a tetrahedron, as a set, whose order has no meaning; coordinates in micrometres.
 using Tetrahedron = std::set<std::array<long, 3>>;
 std::array<long, 3> in_micrometres(const Vec3& p) {
   return {std::lround(p[0] * 1e6), std::lround(p[1] * 1e6), std::lround(p[2] * 1e6)};
 }
 
-// A brick turned by right angles has the zones of the block, tetrahedron by tetrahedron, whichever corner is lowest.
+// A brick rotated by right angles has the tetrahedra of the block, for any of its corners as the lowest one.
 TEST(KernelsChoice, BrickHasTheZonesOfTheTurnedBlock) {
   int patterns = 0;
   for (const geometry::Vector& turn : std::vector<geometry::Vector>{{},
@@ -378,7 +378,7 @@ TEST(KernelsChoice, WhatDoesNotFitIsNamed) {
   EXPECT_THAT(reason("contact.small_displacement=0"), HasSubstr("more than 0 with solver.kernels = \"lattice\""));
   EXPECT_THAT(reason("solver.large_motion=always"), HasSubstr("solver.kernels = 'lattice'"));
   EXPECT_THAT(reason("contact.point_spacing=0.2"), HasSubstr("contact.point_spacing"));
-  // Zones of 1/2 m on zones of 1/3 m, whose ends meet.
+  // Zones of 1/2 m on zones of 1/3 m: only the ends of the blocks coincide.
   EXPECT_THAT(refusal({}, R"(
 [[block]]
 name = "other"
@@ -388,19 +388,19 @@ divisions = [3, 1, 2]
 box = { lower = [0, 1, 0], size = [1, 0.5, 1] }
 )"),
               HasSubstr("have zones of 0.5 and 0.3333 m in their joint"));
-  // Side by side along each horizontal axis, from half the height of a zone on.
+  // Blocks beside each other along each horizontal axis, with an offset of half the height of a zone.
   for (const char* lower : {"[1, 0.75, 0]", "[0, 0.75, 1]"}) {
     EXPECT_THAT(refusal({}, fmt::format("[[block]]\nname = \"beside\"\nmaterial = \"stone\"\n"
                                         "box = {{ lower = {}, size = [1, 0.5, 1] }}\n",
                                         lower)),
                 HasSubstr("blocks #2 'soft' and #3 'beside' ends between two gridpoints of #2 'soft'"));
   }
-  // Asked for by settings, but not there.
+  // Settings that the general kernels do not have.
   EXPECT_THAT(refusal({"solver.kernels=general", "solver.damping=block", "solver.unit_inertia=2"}),
               HasSubstr("solver.unit_inertia is of the lattice"));
 }
 
-// What the lattice's stages do not say in these words: support of fixed blocks, forces beside held blocks, pressures.
+// Keys of stages that the lattice expresses by controls: fixed blocks, forces beside fixed components, pressures.
 TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
   const Motion motion =
       choose_motion(read_text(kTwoBlocks, {"stage.1.velocity=[{block=\"stone\",velocity=[0,\"free\",0.5]}]",
@@ -412,7 +412,7 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
   ASSERT_EQ(controls.size(), 2u);
   EXPECT_EQ(controls[0].body, "stone");
   EXPECT_EQ(controls[0].velocity, (Vec3{0.0, 0.0, 0.5}));
-  EXPECT_EQ(controls[0].force, (Vec3{0.0, -3.0 - 10.0, 0.0}));  // 10 Pa on 1 m2; what acts along x is carried
+  EXPECT_EQ(controls[0].force, (Vec3{0.0, -3.0 - 10.0, 0.0}));  // 10 Pa on 1 m2; the support carries forces along x
   EXPECT_FALSE(controls[0].may_turn);
   EXPECT_EQ(controls[1].body, "ground");
   EXPECT_EQ(motion.bricks.bricks[1].body, "stone");
@@ -425,7 +425,7 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
   EXPECT_EQ(free.scene.stages[0].controls[1].force, (Vec3{7.0, -3.0, 0.0}));
   EXPECT_TRUE(free.scene.stages[0].controls[1].may_turn);
 
-  // On 0.5 m2 at the ends and 1 m2 at the top; each pushes against the normal of its face.
+  // Areas are 0.5 m2 at the ends and 1 m2 at the top. Each pressure acts against the normal of its face.
   const Motion pressed = choose_motion(
       read_text(kTwoBlocks, {"stage.1.pressure=[{block=\"stone\",normal=[-1,0,0],pressure=6},{block=\"stone\",normal="
                              "[0,1,0],pressure=5},{block=\"stone\",normal=[0,0,-1],pressure=8}]"}));
@@ -434,8 +434,8 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
   EXPECT_EQ(pressed.scene.stages[0].controls[1].force, (Vec3{3.0, -5.0, 4.0}));
 }
 
-// The same press on both kinds of kernels. A stone of 1 x 0.5 x 1 m of 2000 kg/m3 and a soft one on an elastic joint of
-// 1e9 Pa/m. The ground carries weights alone, 2 x 9.81 kN.
+// A stone of 1 x 0.5 x 1 m of 2000 kg/m3 and a soft one on elastic joints of 1e9 Pa/m, with both kinds of kernels. The
+// ground carries only their weight, 2 x 9.81 kN.
 TEST(KernelsChoice, BothKernelsCarryTheWeight) {
   for (const char* kernels : {"lattice", "general"}) {
     const Scene scene =
@@ -455,7 +455,7 @@ TEST(KernelsChoice, BothKernelsCarryTheWeight) {
   }
 }
 
-// Forced for tests: a wall in the kernels of blocks, below the bound the same wall.
+// A wall with the general kernels, by request: below the bound of large motion it is equal to the wall on the lattice.
 TEST(KernelsChoice, WallsCanBeMovedByTheGeneralKernels) {
   const std::vector<std::string> settings = {"solver.damping=local", "wall.units_per_course=3", "output.frames=0"};
   std::vector<std::string> general = settings;
@@ -468,8 +468,8 @@ TEST(KernelsChoice, WallsCanBeMovedByTheGeneralKernels) {
   EXPECT_EQ(blocks.point_count(), lattice.point_count());
 }
 
-// A wall beside an arch and a post. Inside the wall joints are where and of what the wall alone has them; the rest is
-// of the rule's family. Stages know the names of both, and a run goes on from its state.
+// A wall beside an arch and a post. Joints inside the wall are those of the wall alone; all others have the family of
+// the joint rule. Stages accept names of both, and a run can be resumed.
 TEST(KernelsChoice, AWallStandsBesideBlocks) {
   for (const bool rigid : {true, false}) {
     std::vector<std::string> overrides = {"output.frames=0", fmt::format("wall.rigid_units={}", rigid)};

@@ -45,7 +45,7 @@ TEST(Lanczos, FindsValueAndVectorOfTheDenseSolution) {
   const LargestEigenvalue found = largest_eigenvalue(std::ref(product), LaneVector<double>(120, 3.0), settings(true));
   EXPECT_NEAR(found.value, dense.eigenvalues()[119], 1e-11 * found.value);
   const Eigen::Map<const Eigen::VectorXd> vector(found.vector.data(), 120);
-  // A Rayleigh quotient is right to the square of what its vector is: 1e-12 in one, 1e-6 in the other.
+  // The error of a Rayleigh quotient is the square of that of its vector: 1e-12 and 1e-6.
   EXPECT_NEAR(std::abs(vector.dot(dense.eigenvectors().col(119))), 1.0, 1e-6);
   EXPECT_EQ(found.products, 2 * found.steps - 1);
   EXPECT_EQ(product.products, found.products);

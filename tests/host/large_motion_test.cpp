@@ -1,4 +1,4 @@
-// Where small displacements end, and the same walls in large motion.
+// The bounds of small displacements, and walls in large motion against walls in small displacements.
 #include "step/large_motion.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ std::array<Vec3, 8> corners_of(const Vec3& size) {
   return corner;
 }
 
-// u = t + w x r + E r with a symmetric E: t and w come back, E does not count.
+// For u = t + w x r + E r with a symmetric E, the rigid motion is t and w, without E.
 TEST(LargeMotion, WholeMotionIsTranslationAndRotationWithoutStrain) {
   const Vec3 size = {0.22, 0.0625, 0.1}, t = {1e-3, -2e-3, 3e-3}, w = {0.01, -0.02, 0.03};
   const double e[3][3] = {{1e-3, 4e-3, -2e-3}, {4e-3, -3e-3, 5e-3}, {-2e-3, 5e-3, 2e-3}};
@@ -44,7 +44,7 @@ TEST(LargeMotion, WholeMotionIsTranslationAndRotationWithoutStrain) {
   }
 }
 
-// Two bricks 0.2 x 0.1 x 0.05 m side by side: the joint is a face of 0.1 x 0.05 m.
+// Two bricks of 0.2 x 0.1 x 0.05 m beside each other: the joint is a face of 0.1 x 0.05 m.
 TEST(LargeMotion, SlidingIsOverTheLengthOfTheJoint) {
   const Assembly assembly = brick_grid({2, 1, 1}, {0.2, 0.1, 0.05}, {1, 1, 1});
   const JointSliding joints(assembly);
@@ -55,15 +55,15 @@ TEST(LargeMotion, SlidingIsOverTheLengthOfTheJoint) {
   EXPECT_NEAR(seen.sliding, 2e-3 / 0.1, 1e-15);
   EXPECT_EQ(seen.slid_joint, 0);
   EXPECT_EQ(seen.rotation, 0.0);
-  // Both turned together about the joint's centre: no sliding there, though both centres move.
+  // Both blocks rotate together about the joint's centre: no slip, although both centres move.
   motion[0] = {{0.0, -0.1 * 0.02, 0.0}, {0.0, 0.0, 0.02}};
   motion[1] = {{0.0, 0.1 * 0.02, 0.0}, {0.0, 0.0, 0.02}};
   MotionSeen turned;
   joints.look(motion, &turned);
   EXPECT_NEAR(turned.sliding, 0.0, 1e-15);
   EXPECT_NEAR(turned.rotation, 0.02, 1e-15);
-  // Joints across every axis. Blocks turn about the next axis but one, by 0.01 below and 0.03 above. Their faces move
-  // against each other along the next axis, by that times half of their size.
+  // Joints across every axis. Blocks rotate about the second next axis, by 0.01 below and 0.03 above. The relative
+  // motion of their faces along the next axis is the sum of rotation times half of the size.
   const Vec3 size{0.2, 0.1, 0.05};
   for (std::size_t normal = 0; normal < 3; ++normal) {
     std::array<int, 3> count{1, 1, 1};
@@ -97,7 +97,8 @@ struct Rows : Observer {
   void on_warning(const Warning& w) override { warnings += w.about == "small_displacements"; }
 };
 
-// The same gridpoints, contact points and masses: zones have the same pattern, so triangles of joined faces coincide.
+// Large motion has the gridpoints, contact points and masses of the lattice. Zones have one pattern, so triangles of
+// joined faces coincide.
 TEST(LargeMotion, BricksBecomeBlocksWithTheSameContactPoints) {
   for (const bool units_in_halves : {false, true}) {
     std::vector<std::string> more;
@@ -119,7 +120,7 @@ TEST(LargeMotion, BricksBecomeBlocksWithTheSameContactPoints) {
       return points;
     };
     const auto a = by_place(contact_points(small));
-    large.advance(1);  // places points
+    large.advance(1);  // computes positions of contact points
     const auto b = by_place(contact_points(large));
     ASSERT_GT(a.size(), 0u);
     ASSERT_EQ(a.size(), b.size());
@@ -133,8 +134,8 @@ TEST(LargeMotion, BricksBecomeBlocksWithTheSameContactPoints) {
 
 const std::vector<std::string> kHalves = {"wall.mid_unit_joints=true", "wall.unit_joint=mortar"};
 
-// Scaled inertia and damping by block as on the lattice, whose mass matrix is tested against a dense one. The frequency
-// is the same to what Lanczos leaves (1e-6 of its square), and so is the step.
+// Added inertia and damping by block are those of the lattice, whose mass matrix is tested against a dense one. The
+// highest frequency agrees within the tolerance of Lanczos (1e-6 of its square), and so does the time step.
 TEST(LargeMotion, TimeStepIsThatOfTheLattice) {
   for (const bool halves : {false, true}) {
     const auto more = halves ? kHalves : std::vector<std::string>{};
@@ -147,9 +148,9 @@ TEST(LargeMotion, TimeStepIsThatOfTheLattice) {
   }
 }
 
-// Turning of a part of a millimetre over the wall's height. Both are the same wall up to what small displacements leave
-// out. 0.5 mm over 125 mm is a drift of 0.004; the peak comes at about a fifth of it. So 0.5 % at the peak, and 1 % of
-// it along the curve, where cracks may run a step sooner or later.
+// Compares a wall in small displacements and in large motion. They differ by what small displacements neglect: 0.5 mm
+// over 125 mm is a drift of 0.004, and the peak is at about a fifth of it. The tolerance is 0.5 % at the peak, and 1 %
+// of the peak along the curve, where cracks may grow a step earlier or later.
 void expect_same_curve(const std::vector<std::string>& more, bool by_block) {
   Rows of_small, of_large;
   Simulation small(small_wall("never", more, by_block)), large(small_wall("always", more, by_block));

@@ -1,5 +1,5 @@
-// Ground motion on the lattice against the general kernels, which share neither geometry nor time step with it. Against
-// closed forms, and against itself on several threads and after a restart.
+// Ground motion on the lattice against the general kernels, which have another geometry and time step. Also against
+// closed forms, other numbers of threads, and resumed runs.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ std::string read_all(const std::string& file) {
 }
 
 struct Rows : Observer {
-  std::vector<HistoryRow> rows;  // of the stage that moves the ground, which begins at their time 0
+  std::vector<HistoryRow> rows;  // rows of the stage with ground motion, which begins at time 0
   double begin = 0.0;
   void on_row(const HistoryRow& row) override {
     if (row.stage == 0) begin = row.time;
@@ -50,7 +50,7 @@ std::vector<HistoryRow> shaken(Scene of, bool stays_on_lattice = true) {
   simulation.run_stage(observer);
   simulation.run_stage(observer);
   EXPECT_EQ(simulation.large_motion() == nullptr, stays_on_lattice);
-  // Forces and displacements of a row are those of a step before.
+  // Forces and displacements of a row are those of the step before.
   for (HistoryRow& row : observer.rows) row.time -= simulation.time_step_report().time_step;
   return observer.rows;
 }
@@ -59,7 +59,7 @@ std::vector<HistoryRow> shaken(const Overrides& overrides, bool stays_on_lattice
   return shaken(scene(overrides), stays_on_lattice);
 }
 
-// Cubic through four rows around a time.
+// Returns the cubic interpolation of four rows around a time.
 template <class Value>
 auto at_time(const std::vector<HistoryRow>& rows, double time, const Value& value) {
   const auto after =
@@ -77,7 +77,7 @@ auto at_time(const std::vector<HistoryRow>& rows, double time, const Value& valu
   return sum;
 }
 
-// Largest difference over largest value, of vectors or numbers.
+// Returns the largest difference over the largest value, of vectors or numbers.
 template <class Value>
 double apart(const std::vector<HistoryRow>& a, const std::vector<HistoryRow>& b, const Value& value) {
   const auto size = [](const auto& x) {
@@ -103,7 +103,7 @@ const auto kDamping = [](const HistoryRow& row) { return row.energies->damping; 
 const auto kExternal = [](const HistoryRow& row) { return row.energies->external; };
 const auto kCracks = [](const HistoryRow& row) { return row.energies->dissipated[0] + row.energies->dissipated[1]; };
 
-// One period of a sine of 20 ms whose amplitude grows from 0 and returns to it, so that nothing vibrates at kilohertz.
+// Returns one period of a sine of 20 ms whose amplitude grows from 0 and falls to 0, without excitation at kilohertz.
 std::string smooth_record(double amplitude) {
   std::string times, accelerations;
   constexpr int kSamples = 200;
@@ -117,9 +117,9 @@ std::string smooth_record(double amplitude) {
                      accelerations);
 }
 
-// From rest, so that both begin in the same state. Motion is little, as large motion has geometric stiffness: 1 N of
-// vertical inertia over 0.4 m of height beside 2e7 N/m is 1e-7. Time steps differ by 5e-6 with these zones. Forces
-// differ more: where a contact comes to bear, its damping begins a step earlier or later.
+// Both kernels begin at rest. The motion is small, since large motion has geometric stiffness: 1 N of vertical inertia
+// over 0.4 m of height against 2e7 N/m is 1e-7. Time steps differ by 5e-6 with these zones. Forces differ more: where a
+// contact closes, its damping begins a step earlier or later.
 TEST(LatticeOnGround, IsTheGeneralKernelsBeforeCracking) {
   const Overrides little{"stage.press.pressure=0",      smooth_record(0.04),         "output.record_interval=0.00002",
                          "stage.press.gravity=[0,0,0]", "stage.press.duration=2e-5", "wall.zones=[2,2,1]"};
@@ -127,13 +127,13 @@ TEST(LatticeOnGround, IsTheGeneralKernelsBeforeCracking) {
   ASSERT_GT(lattice.size(), 900u);
   EXPECT_LT(apart(lattice, general, kGround), 1e-6);
   EXPECT_LT(apart(lattice, general, kRelative), 1e-6);
-  EXPECT_LT(apart(lattice, general, kExternal), 1e-5);  // booked in half steps
+  EXPECT_LT(apart(lattice, general, kExternal), 1e-5);  // work is summed in half steps
   EXPECT_LT(apart(lattice, general, kBase), 1e-2);
   EXPECT_EQ(kCracks(lattice.back()), 0.0);
 }
 
-// 1 % of the largest, in 60 m/s2: joints dissipate more than damping. Blocks lean by a millimetre then, which in large
-// motion alone changes levers by half a percent.
+// Tolerance of 1 % of the largest value, at 60 m/s2: joints dissipate more energy than damping. Blocks tilt by a
+// millimetre, which changes lever arms by half a percent in large motion only.
 TEST(LatticeOnGround, IsTheGeneralKernelsWhenItCracks) {
   const Overrides strong{"stage.shake.ground_motion.scale=1.5", "output.record_interval=0.0001"};
   const auto lattice = shaken(strong), general = shaken(with(strong, {"solver.kernels=general"}), false);
@@ -144,13 +144,14 @@ TEST(LatticeOnGround, IsTheGeneralKernelsWhenItCracks) {
   EXPECT_LT(apart(lattice, general, kDamping), 0.01);
   EXPECT_LT(apart(lattice, general, kCracks), 0.01);
   EXPECT_GT(kCracks(lattice.back()), kDamping(lattice.back()) - kDamping(lattice.front()));
-  // The balance error, of the work of the ground. The time step falls while the wall is still being pressed, which
-  // costs half a step of that work.
+  // Balance error relative to the work of the ground. The time step decreases while the wall is being pressed, which
+  // causes an error of half a step of that work.
   for (const HistoryRow& row : lattice)
     EXPECT_LT(std::abs(row.energies->balance_error()), 1e-3 * lattice.back().energies->external);
 }
 
-// Two walls with a floor on half units of theirs, which deform, shaken along x, y and z. The monitor is one of these.
+// Two walls with a floor on deformable half units, with ground motion along x, y and z. The monitor is one of these
+// half units.
 Scene shaken_building(const Overrides& more) {
   std::string text = read_all(QUOIN_HOST_TESTS "/small_building.toml");
   text = text.substr(0, text.find("[[stage]]\nname = \"push\"")) + R"([[stage]]
@@ -165,7 +166,7 @@ record_interval = 0.0002
   return read_scene_text(text, "building.toml", with({"building.floor.1.rigid_beams=false"}, more));
 }
 
-// 1 %: joints crack.
+// Tolerance 1 %, since joints crack.
 TEST(LatticeOnGround, ABuildingIsThatOfTheGeneralKernels) {
   const auto lattice = shaken(shaken_building({})),
              general = shaken(shaken_building({"solver.kernels=general"}), false);
@@ -180,12 +181,12 @@ TEST(LatticeOnGround, ABuildingIsThatOfTheGeneralKernels) {
     EXPECT_LT(std::abs(row.energies->balance_error()), 0.01 * lattice.back().energies->external);
 }
 
-// Implicit joints take part in no bound of the step, which is then that of the zones. They damp by 0.7 of critical
-// where the explicit step takes less, and crack as they do there: 1 %, of the energy of cracks 3 %.
+// Implicit joints do not limit the time step, which is then that of the zones. They have the whole damping of 0.7 of
+// critical, of which the explicit step uses less. Tolerance 1 %, for the energy of cracks 3 %.
 TEST(LatticeOnGround, ImplicitJointsMoveABuildingAlikeInFewerSteps) {
   const Overrides implicit{"stage.shake.solver={implicit_contacts=true}"};
   const auto all = shaken(shaken_building({})), few = shaken(shaken_building(implicit));
-  EXPECT_LT(apart(all, few, kGround), 1e-5);  // between longer steps
+  EXPECT_LT(apart(all, few, kGround), 1e-5);  // interpolated between longer steps
   EXPECT_LT(apart(all, few, kRelative), 0.01);
   EXPECT_LT(apart(all, few, kBase), 0.01);
   EXPECT_LT(apart(all, few, kMoment), 0.01);
@@ -238,8 +239,8 @@ TEST(LatticeOnGround, ImplicitJointsAreRefusedWhereTheyAreNot) {
   EXPECT_THROW(scene({"stage.shake.solver={damping='none',implicit_contacts=true}"}), Error);
 }
 
-// Local damping, damping by block and mass damping brake against the ground, as they do in the general kernels. They
-// take energy of a wall that lags behind, and nearly none of what moves along.
+// Local damping, damping by block and mass damping act on the motion relative to the ground, as in the general kernels.
+// They take energy from a wall that moves relative to the ground, and nearly none from one that moves with it.
 TEST(LatticeOnGround, DampingActsOnTheMotionOnTheGround) {
   for (const char* damping : {"{damping='local',local_damping=0.3}", "{damping='block',local_damping=0.3}",
                               "{damping='viscous',mass_damping=200.0,stiffness_damping=0.0}"}) {
@@ -255,8 +256,8 @@ TEST(LatticeOnGround, DampingActsOnTheMotionOnTheGround) {
   }
 }
 
-// One half of the ground stays, the other sinks by 2 mm in 20 ms, on the lattice as in the general kernels. To 2 %:
-// joints break, and what has broken is where it breaks next.
+// One half of the ground is fixed, the other settles by 2 mm in 20 ms, on the lattice and in the general kernels.
+// Tolerance 2 %: joints break, and each crack determines the next one.
 TEST(LatticeOnGround, GroupsOfSupportsMoveByThemselves) {
   const Overrides sinks{"wall.bottom_beam_cuts=[3]", "output.record_interval=0.0002",
                         "stage.shake.ground_motion={support=[{blocks=['bottom_beam_2'],direction=[0,-1,0],"
@@ -266,12 +267,12 @@ TEST(LatticeOnGround, GroupsOfSupportsMoveByThemselves) {
   EXPECT_LT(apart(lattice, general, monitor), 0.02);
   EXPECT_LT(apart(lattice, general, kBase), 0.02);
   EXPECT_EQ(norm(kGround(lattice.back())), 0.0);
-  EXPECT_LT(monitor(lattice.back()).y, 3.0 * monitor(lattice.front()).y);  // the beam on top sinks too
+  EXPECT_LT(monitor(lattice.back()).y, 3.0 * monitor(lattice.front()).y);  // the beam on top settles too
   EXPECT_GT(kCracks(lattice.back()), 0.0);
 }
 
-// The frequency of the assembled system and the share of damping are the same. Of the general kernels the Lanczos
-// iteration ends after 80 steps, here 2e-4 off.
+// The frequency of the assembled system and the share of damping agree. In the general kernels the Lanczos iteration
+// ends after 80 steps, here with an error of 2e-4.
 TEST(LatticeOnGround, HasTheTimeStepAndTheDampingOfTheGeneralKernels) {
   const auto report = [](const Overrides& overrides) {
     Simulation simulation(scene(overrides), 1);
@@ -282,13 +283,13 @@ TEST(LatticeOnGround, HasTheTimeStepAndTheDampingOfTheGeneralKernels) {
     EXPECT_LT(simulation.time_step_report().time_step, before);
     return simulation.time_step_report();
   };
-  // A high damping, of which a part alone is in use.
+  // A high damping, of which only a part is in use.
   for (const char* damping : {"stage.shake.solver.impact_damping=0.7", "stage.shake.solver.impact_damping=2"}) {
     const TimeStepReport lattice = report({damping}), general = report({damping, "solver.kernels=general"});
     EXPECT_NEAR(lattice.time_step, general.time_step, 5e-4 * general.time_step);
     EXPECT_NEAR(lattice.impacts.in_use, general.impacts.in_use, 5e-4 * general.impacts.in_use);
     ASSERT_EQ(lattice.impacts.viscosity.size(), 2u);
-    for (std::size_t k = 0; k < 2; ++k) {  // nothing lands within units
+    for (std::size_t k = 0; k < 2; ++k) {  // joints inside units have no impacts
       EXPECT_NEAR(lattice.impacts.viscosity[0][k], general.impacts.viscosity[0][k],
                   5e-4 * general.impacts.viscosity[0][k]);
       EXPECT_GT(lattice.impacts.viscosity[0][k], 0.0);
@@ -298,8 +299,8 @@ TEST(LatticeOnGround, HasTheTimeStepAndTheDampingOfTheGeneralKernels) {
   }
 }
 
-// A ground that moves by metres takes the wall along: what counts is the motion against it. The displacement is that of
-// the record integrated twice: a sine of amplitude a and circular frequency w from rest leaves a t/w.
+// Bounds apply to motion relative to the ground: a ground that moves by metres carries the wall with it. The
+// displacement is the record integrated twice: a sine of amplitude a and circular frequency w from rest leaves a t/w.
 TEST(LatticeOnGround, BoundsAreThoseOfTheMotionOnTheGround) {
   Simulation simulation(scene({"stage.shake.ground_motion={displacement=[0,3.0],time=[0,2.0],direction=[1,0,0]}",
                                "stage.shake.duration=2.0", "solver.large_motion=never", "wall.zones=[1,1,1]",
@@ -313,8 +314,8 @@ TEST(LatticeOnGround, BoundsAreThoseOfTheMotionOnTheGround) {
   EXPECT_NEAR(simulation.measure().ground_displacement[0], 3.0, 1e-6);
 }
 
-// What the record has left of velocity goes on over a stage without ramp_time, and fades over one with: half of it
-// counts there.
+// The velocity at the end of the record is constant in a next stage without ramp_time. With ramp_time it fades over the
+// ramp, which gives half of that displacement.
 TEST(LatticeOnGround, WhatARecordLeavesGoesOnOrComesToRest) {
   const auto way = [](const Overrides& overrides, double* velocity) {
     Simulation simulation(
@@ -330,7 +331,7 @@ TEST(LatticeOnGround, WhatARecordLeavesGoesOnOrComesToRest) {
   };
   double v = 0.0;
   const auto [on, time_on] = way({"stage.after.ramp_time=0"}, &v);
-  EXPECT_NEAR(on, v * time_on, 1e-3 * on);  // a step at either end
+  EXPECT_NEAR(on, v * time_on, 1e-3 * on);  // tolerance: a step at each end
   const auto [rest, time_rest] = way({}, &v);
   EXPECT_NEAR(rest, v * 0.002, 2e-3 * rest);
 }
@@ -353,7 +354,7 @@ TEST(LatticeOnGround, HasTheSameBitsOnAnyThreadsAndAfterARestart) {
     other.run(observer);
     return std::pair(other.hash(), observer.rows.back().base_force);
   };
-  for (const Overrides& more : {Overrides{}, Overrides{"solver.sliding_bound=1e-4"}}) {  // that goes over in mid-record
+  for (const Overrides& more : {Overrides{}, Overrides{"solver.sliding_bound=1e-4"}}) {  // promotion in mid-record
     const auto one = run(1, false, more);
     EXPECT_EQ(run(2, false, more), one);
     EXPECT_EQ(run(4, false, more), one);
@@ -361,7 +362,7 @@ TEST(LatticeOnGround, HasTheSameBitsOnAnyThreadsAndAfterARestart) {
   }
 }
 
-// In mid-record to large motion: the ground goes on as the record has it, and so do wall and energies.
+// A promotion in mid-record: the motion of the ground, the wall and the energies are continuous.
 TEST(LatticeOnGround, GoesOnInLargeMotion) {
   const Overrides strong{"stage.shake.ground_motion.scale=1.5", "output.record_interval=0.0001"};
   const auto lattice = shaken(strong), over = shaken(with(strong, {"solver.rotation_bound=1e-5"}), false);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr Vec3 kHalfUnit{0.11, 0.0625, 0.1};
 
-// Seven courses of nine half units; a door of five half units and four courses, its lintel borne by one on each side.
+// Seven courses of nine half units; a door of five half units and four courses, its lintel on half a unit at each end.
 Scene wall_with_a_door(double bearing = 0.11) {
   Scene scene = wall_scene(7, 4.5);
   scene.wall->openings = {{2, 5, 0, 4, static_cast<int>(std::lround(bearing / 0.11)), ""}};
@@ -58,8 +58,8 @@ TEST(Lintel, CountsOfPoints) {
   EXPECT_EQ(model.point_count, 15 * beds + 9 * heads);
 }
 
-// Under a uniform vertical pressure a lintel of the units' material among half units strains as they do. The joints
-// close by pressure over stiffness. Nothing of it may be out of balance.
+// Under a uniform vertical pressure a lintel of the units' material has the strain of the half units. The joints close
+// by pressure over stiffness. No gridpoint of the lintel has an unbalanced force.
 TEST(Lintel, PatchTestAcrossALintel) {
   for (const std::array<int, 3>& zones : {std::array{4, 2, 2}, std::array{3, 1, 1}}) {
     Assembly assembly;
@@ -102,7 +102,7 @@ TEST(Lintel, PatchTestAcrossALintel) {
         for (int c = 0; c < 3; ++c) {
           lattice_displacement(simulation)[dof(model, block, n, c)] = u[static_cast<std::size_t>(c)];
           lattice_velocity(simulation)[dof(model, block, n, c)] =
-              u[static_cast<std::size_t>(c)] / dt;  // come in one step
+              u[static_cast<std::size_t>(c)] / dt;  // gives displacement u in one step
         }
       }
     }
@@ -125,8 +125,8 @@ TEST(Lintel, PatchTestAcrossALintel) {
   }
 }
 
-// Moments of inertia of a lintel as its gridpoints have them, those of the box and a little more. Half of the mass of a
-// layer sits at each of its ends: (1 + 2/n^2) of it along an edge of n hexahedra.
+// Moments of inertia of a lintel from the masses of its gridpoints exceed those of the box. Half of the mass of a layer
+// is at each of its ends, which gives (1 + 2/n^2) of the box along an edge of n hexahedra.
 TEST(Lintel, MassAndMomentsOfInertia) {
   Brick lintel;
   lintel.size = {1.4, 0.16, 0.25};
@@ -150,8 +150,8 @@ TEST(Lintel, MassAndMomentsOfInertia) {
   }
 }
 
-// Deflection of the end of a cantilever: P L^3/(3 E I) + 6 P L/(5 G A). Tetrahedra of constant strain lock. The error
-// falls like h^2; without refinement it is that of a lintel of two hexahedra over its height.
+// Returns the end stiffness of a cantilever, whose deflection is P L^3/(3 E I) + 6 P L/(5 G A). Tetrahedra of constant
+// strain are too stiff. The error falls like h^2; refinement 1 is a lintel of two hexahedra over its height.
 double cantilever_stiffness(int refinement, const BlockMaterial& material, const Vec3& size) {
   Brick beam;
   beam.size = size;
@@ -189,7 +189,8 @@ double cantilever_stiffness(int refinement, const BlockMaterial& material, const
 }
 
 TEST(Lintel, BendsLikeABeamWhenItsMeshIsRefined) {
-  const BlockMaterial material{"masonry", 2.4e9, 0.0, 1750.0};  // no Poisson's ratio: the clamp restrains nothing
+  const BlockMaterial material{"masonry", 2.4e9, 0.0,
+                               1750.0};  // Poisson's ratio 0: the clamp does not restrain lateral strain
   const Vec3 size{1.4, 0.16, 0.25};
   const double inertia = size[2] * std::pow(size[1], 3) / 12.0, area = size[1] * size[2];
   const double e = material.young_modulus, g = e / 2.0;
@@ -201,11 +202,11 @@ TEST(Lintel, BendsLikeABeamWhenItsMeshIsRefined) {
   EXPECT_GT(coarse, 0.0);
   EXPECT_GT(fine, 0.0);
   EXPECT_NEAR(coarse / fine, 4.0, 0.8);  // h^2
-  // What is left without the part of h^2.
+  // Error without its part of order h^2.
   EXPECT_NEAR((4.0 * fine - coarse) / 3.0, 0.0, 0.05);
 }
 
-// With true and with added inertia. One lintel among half units: some lanes of its group are empty.
+// With true and with added inertia. One lintel between half units: some lanes of its SIMD group are empty.
 TEST(Lintel, StableJustBelowTheLimitUnstableJustAbove) {
   for (const double deformation_inertia : {1.0, 64.0}) {
     const auto largest = [&](double fraction) {
@@ -249,8 +250,8 @@ struct Last : Observer {
   HistoryRow last;
 };
 
-// Dry joints without friction over a door: what lies above it falls, unless a lintel bears it. Vertical displacement of
-// the half unit above the middle of the door after some time under its weight, m.
+// Returns the settlement of the half unit above the middle of a door after some time under its weight, m. Joints are
+// dry and without friction: without a lintel the units above the door fall.
 double sinking(double bearing) {
   Scene scene = wall_with_a_door(bearing);
   JointFamily dry = elastic_family(20e9, 8e9);

@@ -48,7 +48,7 @@ TEST(Model, AreasSumToTheJoint) {
 
 TEST(Model, FacesWithOtherDiagonalsShareTheMeanOfBothSides) {
   Assembly assembly = brick_grid({2, 1, 1}, {0.1, 0.1, 0.1}, {1, 1, 1});
-  assembly.bricks[1].parity = 0;  // as it stands, the diagonals of the shared face cross
+  assembly.bricks[1].parity = 0;  // with this parity the diagonals of the shared face cross
   const Model model = make_model(assembly);
   ASSERT_EQ(model.point_count, 4);
   for (double area : model.area) EXPECT_NEAR(area, 0.0025, 1e-15);  // mean of 1/3 and 1/6 of the face
@@ -99,7 +99,7 @@ TEST(Model, EveryPointIsInOneSlotOfEachSide) {
 TEST(Model, RigidFacesMeetAtTheirCorners) {
   Assembly assembly = brick_grid({1, 2, 1}, {0.4, 0.2, 0.3}, {1, 1, 1});
   for (Brick& brick : assembly.bricks) brick.rigid = true;
-  assembly.bricks[1].origin[0] = 0.2;  // half of it hangs over
+  assembly.bricks[1].origin[0] = 0.2;  // half of the brick overhangs
   const Model model = make_model(assembly);
   ASSERT_EQ(model.point_count, 4);
   for (std::size_t p = 0; p < 4; ++p) {
@@ -109,7 +109,8 @@ TEST(Model, RigidFacesMeetAtTheirCorners) {
   }
 }
 
-// With zones, at the corners of theirs in the common part: 0.2 by 0.3 m, 2 by 3 of them, and the weights of trapezia.
+// Rigid blocks with zones have contact points at the corners of zones in the common part: 0.2 by 0.3 m, 2 by 3 zones.
+// Their areas are weights of the trapezoidal rule.
 TEST(Model, RigidFacesOfZonesMeetOnAGrid) {
   for (const std::size_t axis : {0u, 1u, 2u}) {
     const std::size_t s = (axis + 1) % 3, t = (axis + 2) % 3;

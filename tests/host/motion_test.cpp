@@ -1,4 +1,4 @@
-// Blocks of small displacements that meet others, part, or fall: whether a run detects it in time, whatever its output.
+// Blocks in small displacements that touch new blocks, separate or fall: a run detects this in time, for any output.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A base of 1 x 0.2 x 0.2 m, blocks of 0.2 m on it and above, dry. Nothing brakes a fall.
+// A base of 1 x 0.2 x 0.2 m, with dry blocks of 0.2 m on and above it, without damping.
 std::string stones(const std::string& blocks, const std::string& stages, bool fixed = true) {
   return fmt::format(
       "[solver]\ndamping = \"viscous\"\nmass_damping = 0\nstiffness_damping = 2e-4\n"
@@ -65,8 +65,9 @@ std::string fault_of(const std::string& text, const std::vector<std::string>& mo
   return "";
 }
 
-// A third block 0.1 m above the second falls: free for sqrt(2 * 0.1 / 9.81) = 0.143 s, then it lies there. In small
-// displacements it went through both. Overlap: it lands at 1.4 m/s, sqrt(m/k) = sqrt(16 / (1e8 * 0.04)) = 2 ms: 3 mm.
+// A third block 0.1 m above the second falls for sqrt(2 * 0.1 / 9.81) = 0.143 s, then it lies there. Small
+// displacements alone have no contact between them. Overlap: 1.4 m/s times sqrt(m/k) = sqrt(16 / (1e8 * 0.04)) = 2 ms
+// is 3 mm.
 TEST(SmallMotion, ABlockThatFallsLandsOnTheOneBelow) {
   const std::string text = stones(block("a", 0.0) + block("c", 0.3), falls());
   for (const char* kernels : {"automatic", "general"}) {
@@ -81,7 +82,7 @@ TEST(SmallMotion, ABlockThatFallsLandsOnTheOneBelow) {
       lowest = std::min(lowest, down);
       if (row.time <= 0.143) at_landing = down;
     }
-    EXPECT_NEAR(at_landing, -0.1, 2e-3) << kernels;  // 1.4 mm a step
+    EXPECT_NEAR(at_landing, -0.1, 2e-3) << kernels;  // it moves 1.4 mm in a step
     EXPECT_GT(lowest, -0.104) << kernels;
   }
   Exit code{};
@@ -95,7 +96,7 @@ TEST(SmallMotion, ABlockThatFallsLandsOnTheOneBelow) {
   EXPECT_THAT(summary_text(warns, seen.rows, {}), HasSubstr("\"within_bound\": false"));
 }
 
-// A block that is driven up into a fixed one 0.1 m above: 0.1195 m at 0.1 m/s.
+// A block moves up by 0.1195 m at 0.1 m/s, against a fixed one 0.1 m above.
 TEST(SmallMotion, ABlockThatRisesMeetsTheFixedOneAbove) {
   const std::string text =
       stones(block("a", 0.0) + block("lid", 0.3, "fixed = true"),
@@ -105,14 +106,14 @@ TEST(SmallMotion, ABlockThatRisesMeetsTheFixedOneAbove) {
   Seen seen;
   simulation.run(seen);
   EXPECT_EQ(seen.promotions, 1);
-  // 19.5 mm of overlap at the end; 0.1 mm is a step of the last ones.
+  // 19.5 mm of overlap at the end; the last steps are 0.1 mm.
   EXPECT_NEAR(seen.rows.back().joint_force[1], 1e8 * 0.04 * 0.0195, 0.02 * 1e8 * 0.04 * 0.0195);
   Exit code{};
   EXPECT_THAT(fault_of(text, {"solver.large_motion=never"}, &code), HasSubstr("'lid'"));
 }
 
-// Neighbours at an edge without a joint may overlap as far as others may slide, and no farther. Two blocks stand corner
-// to corner on a base; the upper one is driven down beside the lower and into it.
+// Neighbours at an edge without a joint may overlap up to the sliding bound. Two blocks touch at an edge above a base;
+// the upper one is driven down beside the lower one and into it.
 TEST(SmallMotion, BlocksThatTouchAtAnEdgeMayNotPassThroughEachOther) {
   const std::string upper =
       "[[block]]\nname = \"b\"\nmaterial = \"stone\"\nbox = { lower = [0.2, 0.2, 0], size = [0.2, 0.2, 0.2] }\n";
@@ -121,14 +122,14 @@ TEST(SmallMotion, BlocksThatTouchAtAnEdgeMayNotPassThroughEachOther) {
                        velocity);
   };
   Exit code{};
-  // 20 mm along both: 0.03 * 0.2 = 6 mm are allowed.
+  // 20 mm along both axes: 0.03 * 0.2 = 6 mm are allowed.
   EXPECT_THAT(fault_of(stones(block("a", 0.0) + upper, stage("[-0.1, -0.1, 0]")), {"solver.large_motion=never"}, &code),
               HasSubstr("overlap by 0.006"));
-  // Along the faces alone there is no overlap.
+  // Motion along the faces only has no overlap.
   EXPECT_EQ(fault_of(stones(block("a", 0.0) + upper, stage("[0, -0.1, 0]")), {"solver.large_motion=never"}, &code), "");
 }
 
-// Joint rules that say "none" hold here as there.
+// Joint rules with "none" apply also to small displacements.
 TEST(SmallMotion, BlocksWithoutContactMayPassThroughEachOther) {
   const std::string text = stones(block("a", 0.0) + block("c", 0.3), falls("duration = 0.3") +
                                                                          "[[joint_rule]]\nfamily = \"none\"\n"
@@ -138,7 +139,7 @@ TEST(SmallMotion, BlocksWithoutContactMayPassThroughEachOther) {
   EXPECT_THAT(fault, HasSubstr("'base'")) << "through a, but not through the base";
 }
 
-// A wall that is lifted off its bed without turning or sliding.
+// A block that is lifted off its bed without rotation or slip.
 TEST(SmallMotion, AJointThatOpensFarIsPastTheBound) {
   const std::string text = stones(block("a", 0.0),
                                   "[[stage]]\nname = \"lift\"\nduration = 0.5\n"
@@ -151,7 +152,7 @@ TEST(SmallMotion, AJointThatOpensFarIsPastTheBound) {
   EXPECT_EQ(seen.promotions, 1);
 }
 
-// Of one joint of 0.1 x 0.05 m across each axis: opening by 0.03 m is 0.6 of its shorter side, closing none.
+// One joint of 0.1 x 0.05 m across each axis: opening by 0.03 m is 0.6 of its shorter side, closing counts as 0.
 TEST(SmallMotion, OpeningIsOverTheShorterSideOfTheJoint) {
   const Vec3 size{0.2, 0.1, 0.05};
   for (std::size_t normal = 0; normal < 3; ++normal) {
@@ -176,7 +177,7 @@ TEST(SmallMotion, OpeningIsOverTheShorterSideOfTheJoint) {
   }
 }
 
-// What is written has no say in when a run goes over to large motion: 0.03, 0.043 and 0.089 of the joint before.
+// The step of promotion to large motion does not depend on the output of rows and frames.
 TEST(SmallMotion, RowsAndFramesDoNotDecideWhenARunGoesOver) {
   const std::string text = stones(block("a", 0.0) + block("b", 0.2),
                                   "[[stage]]\nname = \"slide\"\ngravity = [0, -9.81, 0]\nduration = 0.1\n"
@@ -194,16 +195,16 @@ TEST(SmallMotion, RowsAndFramesDoNotDecideWhenARunGoesOver) {
     const std::pair<long, std::uint64_t> found{simulation.outcome().promotion->step, simulation.hash()};
     if (!first) first = found;
     EXPECT_EQ(found, *first) << (output.empty() ? "" : output[0]);
-    // Of 0.03 * 0.2 m: not before, and less than a sixteenth after.
+    // The bound is 0.03 * 0.2 m: promotion is not before it, and less than a sixteenth of it later.
     const double slid = motion_seen(simulation).sliding;
     EXPECT_GE(slid, 0.03);
     EXPECT_LT(slid, 0.032);
   }
 }
 
-// Compression is positive in vertical_force_N on either side of a joint, in small displacements and in large motion.
-// The base carries blocks a and b of 2000 * 0.008 * 9.81 = 157 N each, block b bears its own weight. 30 % is for
-// bounces of up to 23 % as they begin to slide; a wrong sign is 200 % away.
+// Compression is positive in vertical_force_N for either side of a joint, in small displacements and in large motion.
+// The base carries blocks a and b of 2000 * 0.008 * 9.81 = 157 N each; block b has a force of one weight. The tolerance
+// of 30 % is for vibration of up to 23 % as they begin to slide; a wrong sign is an error of 200 %.
 TEST(SmallMotion, TheVerticalForceKeepsItsSignInLargeMotion) {
   const double weight = 2000.0 * 0.008 * 9.81;
   const std::string text =
@@ -231,8 +232,8 @@ TEST(SmallMotion, TheVerticalForceKeepsItsSignInLargeMotion) {
   }
 }
 
-// The energies of every row with and without output.energy, whose kinetic energy is that of the velocities at the time
-// of the forces. A rigid block and a deformable one are thrown, on the lattice until one has slid too far.
+// The kinetic energy of rows is equal with and without output.energy: that of the velocities at the time of the forces.
+// A rigid block and a deformable one have initial velocities, on the lattice until one has passed the sliding bound.
 TEST(SmallMotion, KineticEnergyIsTheSameWhateverIsWritten) {
   for (const char* damping : {"viscous", "block"}) {
     const std::string soft =
@@ -257,7 +258,7 @@ TEST(SmallMotion, KineticEnergyIsTheSameWhateverIsWritten) {
   }
 }
 
-// Nothing is fixed: all falls, at once and for ever, which a stage that can only end at rest does not wait for.
+// No block is fixed, so all blocks fall. A stage that ends only at equilibrium must stop with a message.
 TEST(Supports, AModelThatNothingHoldsSaysSo) {
   const std::string rest = falls("equilibrium_ratio = 1e-3");
   for (const char* kernels : {"automatic", "general"}) {
@@ -272,7 +273,7 @@ TEST(Supports, AModelThatNothingHoldsSaysSo) {
       EXPECT_THAT(error.what(), HasSubstr("nothing holds it"));
     }
     EXPECT_THAT(seen.warnings["free_fall"], HasSubstr("stage 'fall' holds nothing against gravity"));
-    EXPECT_LT(simulation.time(), 0.7);  // 1.04 m, the diagonal, take 0.46 s; 1.7 m around spheres 0.59 s
+    EXPECT_LT(simulation.time(), 0.7);  // a fall by the diagonal, 1.04 m, takes 0.46 s; by 1.7 m around spheres, 0.59 s
     RunInfo info;
     info.warnings = simulation.outcome().warnings;
     EXPECT_THAT(summary_text(simulation, seen.rows, info), HasSubstr("\"free_fall\""));
@@ -280,7 +281,7 @@ TEST(Supports, AModelThatNothingHoldsSaysSo) {
     EXPECT_TRUE(supports.held.empty());
     EXPECT_EQ(supports.loose, (std::vector<int>{0, 1}));
 
-    // One that falls past the base.
+    // A block that falls beside the base.
     Exit code{};
     const std::string beside =
         "[[block]]\nname = \"c\"\nmaterial = \"stone\"\nbox = { lower = [0.8, 0.1, 0], size = [0.2, 0.2, 0.2] }\n";
@@ -293,7 +294,7 @@ TEST(Supports, AModelThatNothingHoldsSaysSo) {
   }
 }
 
-// A wall whose bottom beam no control holds.
+// A wall whose bottom beam is not fixed.
 TEST(Supports, AWallWithoutABottomBeamThatIsHeldSaysSo) {
   const std::string wall =
       "[materials.brick]\nyoung_modulus = 16.7e9\npoisson_ratio = 0.15\ndensity = 1900.0\n"
@@ -316,9 +317,9 @@ TEST(Supports, AWallWithoutABottomBeamThatIsHeldSaysSo) {
   }
 }
 
-// A block of 0.2 x 0.4 m tips at the multiplier 0.2/0.4. Where the first multiplier is not carried, what moves the
-// block at the end is the ramp. There is no multiplier then, whether the ramp goes past the answer or, short, throws
-// the block over from below it.
+// A block of 0.2 x 0.4 m overturns at the multiplier 0.2/0.4. If the block does not carry the start multiplier, it
+// moves because of the ramp. The result then has no multiplier: the ramp exceeds the answer or, if short, overturns the
+// block dynamically from below it.
 TEST(Collapse, AStartNearOrAboveTheAnswerGivesNoMultiplier) {
   const std::string tall =
       "[[block]]\nname = \"t\"\nmaterial = \"stone\"\nbox = { lower = [0, 0, 0], size = [0.2, 0.4, 0.2] }\n";
@@ -351,8 +352,8 @@ TEST(Collapse, AStartNearOrAboveTheAnswerGivesNoMultiplier) {
   }
 }
 
-// The same block where the load chooses its own rate. Within 1 % of 0.5 from any start below, with the lag printed; a
-// start above the answer is reported.
+// This block with a load that waits for equilibrium. The result is within 1 % of 0.5 from any start below, with the lag
+// printed; a start above the answer is reported.
 TEST(Collapse, ALoadThatWaitsIsNoFurtherAheadThanItSays) {
   const auto run = [&](double start, double displacement, Seen* seen, Outcome* outcome) {
     const std::string tall =
@@ -377,7 +378,7 @@ TEST(Collapse, ALoadThatWaitsIsNoFurtherAheadThanItSays) {
     EXPECT_NEAR(*outcome.collapse_multiplier, 0.5, 0.005) << start;
     EXPECT_GE(*lag, 0.0);
     EXPECT_LE(*lag, 0.006 * *outcome.collapse_multiplier);
-    EXPECT_LE(*outcome.collapse_multiplier - *lag, 0.5);  // what is carried is
+    EXPECT_LE(*outcome.collapse_multiplier - *lag, 0.5);  // without the lag: a load that the block carries
   }
   for (const double start : {0.51, 0.6, 0.8}) {
     Seen seen;

@@ -1,5 +1,6 @@
-// Blocks under weight, loads and drives against Newton, through changes of stages: on the lattice and among blocks of
-// any shape. What a stage changes goes from what was to what shall be by s = 10 x^3 - 15 x^4 + 6 x^5 over its ramp.
+// Blocks under weight, loads and prescribed velocities against Newton's law, through changes of stages: on the lattice
+// and for blocks of any shape. A value that a stage changes goes from old to new by s = 10 x^3 - 15 x^4 + 6 x^5 over
+// the ramp.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@
 namespace quoin {
 namespace {
 
-// Integral of s over the first t seconds of a ramp, s.
+// Returns the integral of s over the first t seconds of a ramp, in seconds.
 double grown(double t, double ramp) {
   const double x = ramp > 0.0 ? std::min(1.0, t / ramp) : 1.0;
   return ramp * x * x * x * x * (2.5 - 3 * x + x * x) + std::max(0.0, t - ramp);
@@ -40,12 +41,12 @@ std::string block(const std::string& name, const Vec3& lower, const Vec3& size, 
 const Vec3 kCube{0.1, 0.1, 0.1};  // 2 kg of stone
 constexpr double kMass = 2.0;
 
-// Two that touch and rest, behind the others: the lattice needs a joint.
+// Returns two blocks at rest that touch, behind the others: the lattice needs a joint.
 std::string resting_pair() {
   return block("pillar", {0, 0, 9}, kCube, "fixed = true") + block("neighbour", {0.1, 0, 9}, kCube);
 }
 
-// By mass.
+// Returns the mean velocity of a block, weighted by mass, m/s.
 Vec3 mean_velocity(const Simulation& simulation, int block) {
   if (simulation.large_motion()) return geometry::array(velocity_of(*simulation.large_motion(), block));
   const auto& model = simulation.model();
@@ -64,7 +65,7 @@ Vec3 mean_velocity(const Simulation& simulation, int block) {
 
 class ScaledMass : public ::testing::TestWithParam<Kind> {};
 
-// mass_scaling multiplies inertia and no weight: sixteen times the mass falls at a sixteenth of g along every axis.
+// mass_scaling multiplies inertia but not weight: a block with sixteen times the mass falls with g/16 along every axis.
 TEST_P(ScaledMass, FallsBySoMuchLess) {
   const std::string zones = GetParam().rigid ? "" : "rigid = false\ndivisions = [2, 1, 1]";
   Simulation simulation(read_scene_text(undamped_stone(GetParam().kernels) + block("falls", {5, 5, 0}, kCube, zones) +
@@ -76,10 +77,10 @@ TEST_P(ScaledMass, FallsBySoMuchLess) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(v[c], g[c] / 16 * t, 1e-9 * t) << c;
 }
 
-// Stones on springs of k = 1e8 Pa/m x their base, on which their weight comes at once. They swing about m g/k, whatever
-// the scaling, four times slower: y = -(m g/k) (1 - cos w t), w = sqrt(k/16 m). A dozen congruent ones, which the
-// lattice moves in SIMD groups, and one of its own shape. Half a step: central differences begin with the velocity of
-// half a step before. Zones give by 1 % more, on the springs of gridpoints inside the face.
+// Stones on springs of k = 1e8 Pa/m times their base area, whose weight acts from the start. They vibrate about m g/k
+// for any scaling, here four times slower: y = -(m g/k) (1 - cos w t), w = sqrt(k/16 m). A dozen are congruent, which
+// the lattice moves in SIMD groups; one has another shape. Central differences shift the time by half a step. With
+// zones stones are softer by 1 %, by the springs of gridpoints inside the face.
 TEST_P(ScaledMass, SwingsAboutTheTrueWeightOnItsBase) {
   const std::string zones = GetParam().rigid ? "" : "rigid = false\ndivisions = [1, 2, 1]";
   std::string text = undamped_stone(GetParam().kernels) + block("base", {0, -0.1, 0}, {6, 0.1, 0.1}, "fixed = true");
@@ -113,11 +114,11 @@ struct StageTimes : Observer {
   void on_stage_begin(const Simulation& s, int stage) override { begin.emplace(stage, s.time()); }
 };
 
-// What goes from one value to the next in every stage, over its ramp, integrated from the start to time t.
+// A value that changes in every stage over the ramp, integrated from the start to time t.
 struct Ramped {
   std::vector<Vec3> value;   // by stage
   std::vector<double> ramp;  // s
-  Vec3 before{};             // the first stage
+  Vec3 before{};             // value before the first stage
   Vec3 integral(const std::map<int, double>& begin, double t) const {
     Vec3 sum{};
     for (std::size_t i = 0; i < value.size(); ++i) {
@@ -133,11 +134,11 @@ struct Ramped {
 
 class Stages : public ::testing::TestWithParam<Kind> {};
 
-// Impulses of a force at the centre and of a pressure, at every moment of three stages. They fade while those of the
-// next stage grow. Of gravity, which goes from one to the next; of a support that is taken away, whose force fades. And
-// the way of a stone that is driven at one velocity, then at another one. All ramps are over before the next stage
-// begins. The midpoint sums of a ramp of a thousand steps are off by 1e-7 of it. Where large motion is automatic, the
-// neighbour of the pillar turns in the second stage, and all go over in the middle of its ramp.
+// Impulses at every time of three stages. Those of a force at the centre and of a pressure fade while those of the next
+// stage grow. Gravity changes between stages, and the force of a removed support fades. Also the displacement of a
+// stone with one velocity, then another one. All ramps end before the next stage begins. The midpoint sum of a ramp of
+// a thousand steps has an error of 1e-7. With automatic large motion the neighbour of the pillar rotates in the second
+// stage, which causes a promotion in the middle of the ramp.
 TEST_P(Stages, HandOverLoadsDrivesAndSupportsAlongTheirRamps) {
   const std::string zones = GetParam().rigid ? "" : "rigid = false\ndivisions = [1, 1, 1]";
   std::string text = undamped_stone(GetParam().kernels) + block("pushed", {1, 1, 0}, kCube, zones) +
@@ -155,7 +156,7 @@ TEST_P(Stages, HandOverLoadsDrivesAndSupportsAlongTheirRamps) {
           "[[stage]]\nname = \"three\"\nduration = 0.03\nramp_time = 0.02\ngravity = [0, 0, 0]\n";
   const bool promoted = GetParam().kernels == std::string("automatic");
   std::vector<std::string> settings{"solver.time_step_fraction=0.02", "solver.rotation_bound=2e-3",
-                                    "contact.cubic_points=false"};  // the bound is passed in mid-ramp
+                                    "contact.cubic_points=false"};  // the motion passes the bound in mid-ramp
   if (GetParam().kernels == std::string("lattice"))
     settings.insert(settings.end(), {"solver.large_motion=never", "solver.past_motion_bound=warn"});
   Simulation simulation(read_scene_text(text, "stages.toml", settings));
@@ -183,7 +184,7 @@ TEST_P(Stages, HandOverLoadsDrivesAndSupportsAlongTheirRamps) {
     for (std::size_t c = 0; c < 3; ++c) {
       EXPECT_NEAR(of_pushed[c], weight[c] + impulse[c] / kMass, 2e-6) << c;
       EXPECT_NEAR(of_pressed[c], weight[c] + pressure[c] / kMass, 2e-6) << c;
-      double fallen = 0.0;  // what it carried, the weight of the end of the first stage, fades over a ramp
+      double fallen = 0.0;  // m; the force of the support, the weight at the end of the first stage, fades over a ramp
       if (second != stages.begin.end()) {
         const double left = second->second, lasted = (third == stages.begin.end() ? t : third->second) - left;
         const Vec3 of_first = gravity.integral({{0, 0.0}}, left);
@@ -210,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Stages,
                                            Kind{"general", false}),
                          name_of);
 
-// Bricks of the lattice with zones take forces of stages by their names, shared by mass.
+// Bricks of the lattice with zones have forces of stages by their names, distributed by mass.
 TEST(Stages, HandOverForcesOnBricksWithZones) {
   Scene scene = bare_scene(0.1);
   Assembly assembly = brick_grid({2, 1, 1}, {0.2, 0.1, 0.05}, {2, 1, 1});
@@ -237,13 +238,13 @@ TEST(Stages, HandOverForcesOnBricksWithZones) {
   }
 }
 
-// ---- Loads on blocks that turn -------------------------------------------------------------------------------------
+// ---- Loads on blocks that rotate -----------------------------------------------------------------------------------
 
 class TurningBlock : public ::testing::TestWithParam<Kind> {};
 
-// A force of fixed direction at a corner of a free beam. Its work, F times the way of that corner, is all the energy
-// that there is. The beam turns by more than a radian in each of two stages, and moves by decimetres; the second has
-// the same load again. Were the point left behind where the beam was, the work would be off by tens of percent.
+// A force of fixed direction at a corner of a free beam. Its work, F times the displacement of that corner, is all the
+// energy. The beam rotates by more than a radian in each of two stages with this load, and moves by decimetres. If the
+// point of the force did not follow the beam, the error of the work would be tens of percent.
 TEST_P(TurningBlock, AForceWorksOnTheWayOfItsPoint) {
   const std::string zones = GetParam().rigid ? "" : "rigid = false\ndivisions = [2, 1, 1]";
   const std::string stage =
@@ -263,7 +264,7 @@ TEST_P(TurningBlock, AForceWorksOnTheWayOfItsPoint) {
   for (bool more = true; more;) {
     more = simulation.run_stage(stages, 500);
     simulation.advance(1);
-    // Energies are those of the time of the forces, a step before.
+    // Energies are those at the time of the forces, a step before.
     const Vec3 moved = block_displacement(simulation, 0)[corner], v = block_velocity(simulation, 0)[corner];
     double work = 0.0;
     for (std::size_t c = 0; c < 3; ++c) work += force[c] * (moved[c] - dt * v[c]);
@@ -276,8 +277,8 @@ TEST_P(TurningBlock, AForceWorksOnTheWayOfItsPoint) {
   EXPECT_GT(turned(*simulation.large_motion(), 0), 1.0);
 }
 
-// A pressure follows its face: stage one spins the block to w t, stage two lets it spin on and presses. Its centre
-// gains -p A/m times the integral of the normal.
+// A pressure follows its face. Stage one rotates the block by w t; in stage two it rotates freely under the pressure.
+// The velocity of its centre is -p A/m times the integral of the normal.
 TEST(SpunBlock, APressureFollowsItsFace) {
   const double spin = 30.0, ramp = 0.02;
   Simulation simulation(read_scene_text(
@@ -293,7 +294,7 @@ TEST(SpunBlock, APressureFollowsItsFace) {
     more = simulation.run_stage(stages, 100);
     const double t = simulation.time() - begin, now = angle + spin * t;
     const Vec3 v = mean_velocity(simulation, 0);
-    // The velocity of half a step before has had all forces until then: sums of the steps' beginnings.
+    // The velocity half a step before includes the forces at the beginnings of all steps until then.
     const double late = push * simulation.time_step_report().time_step;
     EXPECT_NEAR(v[0], -push / spin * (std::sin(now) - std::sin(angle)), late);
     EXPECT_NEAR(v[1], push / spin * (std::cos(now) - std::cos(angle)), late);
@@ -301,8 +302,9 @@ TEST(SpunBlock, APressureFollowsItsFace) {
   }
 }
 
-// Driven round an axis that is none of its own, then let go, it keeps its spin momentum and the energy of the spin.
-// Both come from the support. Caught, it gives both up, and does not spin when it is let go again.
+// A block has a prescribed rotation about an axis that is not a principal one. Released, it conserves its angular
+// momentum and kinetic energy, which the support has supplied. Fixed again, it loses both, and does not rotate after
+// the next release.
 TEST(SpunBlock, SpinsOnWhereItIsLetGoAndRestsWhereItWasCaught) {
   const std::string hold = "[[stage.velocity]]\nblock = \"spun\"\nvelocity = [0, 0, 0]\nomega = ";
   const std::string stage = "[[stage]]\nduration = 0.02\nramp_time = 0.01\n";
@@ -336,10 +338,10 @@ TEST(SpunBlock, SpinsOnWhereItIsLetGoAndRestsWhereItWasCaught) {
 INSTANTIATE_TEST_SUITE_P(Kinds, TurningBlock, ::testing::Values(Kind{"general", true}, Kind{"general", false}),
                          name_of);
 
-// ---- Joints one on the other ---------------------------------------------------------------------------------------
+// ---- Joints in series ----------------------------------------------------------------------------------------------
 
-// A wall of two courses of rigid units between beams, pressed by p. Three joints above each other give by p (1/k + 1/k
-// + 1/k'); the outer two are those of the beams.
+// A wall of two courses of rigid units between beams, under pressure p. Three joints above each other close by
+// p (1/k + 1/k + 1/k'); the outer two are those of the beams.
 TEST(PressedWall, GivesByTheSumOfItsJoints) {
   for (const char* kernels : {"lattice", "general"}) {
     Simulation simulation(read_scene_text(fmt::format(R"(
@@ -385,8 +387,8 @@ equilibrium_ratio = 1e-6
 // ---- Collapse ------------------------------------------------------------------------------------------------------
 
 // A pillar 0.1 m wide and 0.4 m high rocks from a quarter of its weight on. A slab beside it on a base of friction 0.1
-// has slid by then, by the double integral of (alpha - 0.1) g with alpha = r t. That is r g t^3/6, t counted from alpha
-// = 0.1. It does so along x, along z and between them.
+// has slid by then, by the double integral of (alpha - 0.1) g with alpha = r t. That is r g t^3/6, with t from
+// alpha = 0.1. Directions are x, z and one between them.
 TEST(CollapseStage, SlipOfTheBaseCountsAlongEveryDirection) {
   const double rate = 0.5;
   for (const auto& [name, direction, x, z] : {std::tuple{"along x", "[1, 0, 0]", 0.1, 0.4},

@@ -1,5 +1,5 @@
-// Models of which a process holds a part. What it holds has the same numbers, what all find together the same bits, and
-// memory is for its part alone.
+// Models of which a process has only a part. The part is equal to that of the whole model, joint results are bitwise
+// identical, and memory is only used for the part.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@
 namespace quoin {
 namespace {
 
-// Of this process, that holds something other than zeros: kB.
+// Returns the resident memory of this process, kB; pages of zeros that were never written do not count.
 double memory_in_use() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -57,7 +57,7 @@ TEST(SparseMemory, TakesRoomWhereItIsWrittenTo) {
   sparse_memory_wanted = wanted;
 }
 
-// Holds the arrays of chunks and unit groups of `part` against those of the whole model.
+// Compares the arrays of chunks and unit groups of `part` with those of the whole model.
 void expect_laid_out(const Model& whole, const Model& part, const std::vector<int>& units,
                      const std::vector<int>& chunks) {
   const auto same = [&](const auto& field, std::size_t first, std::size_t end) {
@@ -79,7 +79,7 @@ void expect_laid_out(const Model& whole, const Model& part, const std::vector<in
   }
 }
 
-// All chunks that touch these unit groups, in order.
+// Returns all chunks with contacts of these unit groups, in order.
 std::vector<int> chunks_of(const Model& model, const std::vector<int>& units) {
   std::vector<bool> of_units(model.groups.size());
   for (const int u : units) {
@@ -126,7 +126,7 @@ TEST(ModelInParts, HasTheNumbersOfTheWhole) {
   expect_laid_out(whole, part, all_units, all_chunks);
 }
 
-// A vector in rows, as ranks have it, all of them here.
+// A shared vector with the rows of all ranks.
 struct InRows : SharedVectors {
   std::vector<VectorRow> all;
   std::span<const VectorRow> rows() const override { return all; }
@@ -161,7 +161,7 @@ TEST(Lanczos, OfRowsHasTheBitsOfOneVector) {
   EXPECT_EQ(one.steps, in_rows.steps);
 }
 
-// What a run leaves behind, and what it would go on from at every moment that it is asked.
+// Results of a run, and its state at every pause.
 struct Kept : Observer {
   std::vector<HistoryRow> rows;
   std::vector<std::vector<std::uint8_t>> saved;
@@ -185,8 +185,8 @@ Scene small_wall() {
                      "stage.shear.displacement=0.000001", "stage.shear.law=coulomb_slip", "output.frames=0"});
 }
 
-// History, checkpoints, hash and conditions of one process, bit for bit. No rank has laid out all contact points, but
-// rank 0 on request.
+// History, checkpoints, hash and conditions are bitwise identical to those of one process. No rank has all contact
+// points in memory, except for rank 0 on request.
 TEST(RunInParts, IsThatOfOneProcess) {
   Simulation alone(small_wall());
   Kept kept;
@@ -235,7 +235,7 @@ struct CountedBytes : BytesInMemory {
   void take(void* to, std::size_t size) override { BytesInMemory::take(to, size), taken += size; }
 };
 
-// From states of one process: before the first stage, in it and in the next one.
+// Resumes from states of one process: before the first stage, in it and in the next one.
 TEST(RunInParts, GoesOnFromWhatEachRankReadsOfAState) {
   Simulation alone(small_wall());
   Kept kept;
@@ -247,7 +247,7 @@ TEST(RunInParts, GoesOnFromWhatEachRankReadsOfAState) {
       Simulation simulation(small_wall(), 1, &ranks);
       CountedBytes source(state);
       simulation.restore(source);
-      // In so small a wall most chunks of contact points lie on borders: 0.79 to 0.97 of it. All of it is 1.
+      // In a small wall most chunks of contact points are at borders: a rank reads 0.79 to 0.97 of the state.
       EXPECT_LT(double(source.taken), 0.98 * double(state.size())) << count;
       Observer nobody;
       simulation.run(nobody);
@@ -258,11 +258,11 @@ TEST(RunInParts, GoesOnFromWhatEachRankReadsOfAState) {
   }
 }
 
-// The sizes of arrays are those of the file: none may lead a rank beyond its own.
+// A state whose array sizes are those of another model is refused before a rank writes beyond its arrays.
 TEST(RunInParts, RefusesAStateOfAnotherModelOrCutShort) {
   Scene larger = small_wall(), smaller = small_wall();
   larger.wall->courses += 1, smaller.wall->courses -= 1;
-  // With the time step of this one, which differs between models before their sizes do.
+  // States with the time step of this model, since the time step is checked before the sizes.
   Simulation here(small_wall());
   for (const Scene& of_other : {larger, smaller}) {
     Simulation other(of_other);

@@ -1,4 +1,4 @@
-// The order of contact points: which neighbours in lanes become neighbours in memory.
+// The order of contact points in memory: points of neighbouring lanes are stored next to each other.
 #include "model/point_order.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 using Ends = std::vector<PointEnds>;
 
-// The points in the order of storage, from any order.
+// Returns the points in the order of storage, from a random order.
 Ends ordered(Ends points) {
   std::shuffle(points.begin(), points.end(), std::mt19937_64(7));
   const std::vector<std::uint32_t> order = point_order(points);
@@ -36,12 +36,12 @@ TEST(PointOrder, RowsOfLanesStandTogetherAndFullOnesFirst) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(found[static_cast<std::size_t>(kLanes + i)].a, gridpoint(0, i));
 }
 
-// A column of blocks that stand on each other in the lanes of one group, between two others. Both groups' faces find
-// its nine points in a row.
+// A column of blocks on each other in the lanes of one group, between two other blocks. Its nine points are contiguous,
+// so that both faces of the group read them without gathers.
 TEST(PointOrder, AShiftedRowHoldsWhatJoinsItToOthers) {
   constexpr int kTop = 3, kBottom = 5, kBelow = 30, kAbove = 40;
   Ends points;
-  for (const int column : {0, 1}) {  // their neighbours below and above are in one row of lanes, which must not win
+  for (const int column : {0, 1}) {  // neighbours below and above are in one row of lanes, which must not be preferred
     points.push_back({0, 1, 0, gridpoint(kBelow, column), gridpoint(kBottom + 10 * column, 0)});
     for (int lane = 0; lane + 1 < kLanes; ++lane)
       points.push_back({0, 1, 1, gridpoint(kTop + 10 * column, lane), gridpoint(kBottom + 10 * column, lane + 1)});
@@ -65,7 +65,7 @@ TEST(PointOrder, FamiliesThenAxesAndLoneBodiesKeepTheOrderOfTheirJoints) {
               std::tuple(found[i + 1].family, found[i + 1].axis, found[i + 1].joint));
 }
 
-// Rings of single-sided successions must not hang or lose points.
+// Cycles in the order of points must not cause an endless loop or lose points.
 TEST(PointOrder, AnyPointsComeBack) {
   std::mt19937_64 random(3);
   std::uniform_int_distribution<int> offset(-1, 15);

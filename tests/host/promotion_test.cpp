@@ -1,4 +1,4 @@
-// Runs that leave small displacements for large motion in mid-run.
+// Promotions: runs that change from small displacements to large motion.
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -20,15 +20,15 @@
 namespace quoin {
 namespace {
 
-// Promoted at the first row past the bound; its motion is small enough that both ways must agree.
+// A wall whose promotion is early, with so small a motion that small displacements and large motion agree.
 Scene wall(const std::string& large_motion, std::vector<std::string> more = {}) {
   more.insert(more.end(), {"solver.damping=local", "solver.large_motion=" + large_motion, "solver.rotation_bound=1e-4",
                            "wall.units_per_course=3", "output.frames=0"});
   return read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml", more);
 }
 
-// A contact point whatever its two blocks are called first. It has place and blocks, then what acts on the block of the
-// lower number, along fixed axes.
+// A contact point in a form that is independent of the order of its two blocks. The traction is that on the block with
+// the lower number, along fixed axes.
 struct Seen {
   double sigma;
   Vec3 shear;
@@ -53,7 +53,7 @@ std::map<Key, Seen> look(const Simulation& simulation, const std::vector<Vec3>& 
   return seen;
 }
 
-// Displacement and velocity of every gridpoint of every deformable block, by block and place at the start in um.
+// Returns displacement and velocity of every gridpoint of deformable blocks, by block and initial position in um.
 std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> motion_of(const Simulation& simulation) {
   std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> motion;
   for (int b = 0; b < static_cast<int>(simulation.block_count()); ++b) {
@@ -73,7 +73,7 @@ struct Watch : Observer {
   const Simulation* simulation = nullptr;
   std::vector<HistoryRow> rows;
   std::map<Key, Seen> before, after;
-  std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> gridpoints;  // block and place in um: displacement, velocity
+  std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> gridpoints;  // block, position in um: displacement, velocity
   double strain_energy = 0.0;
   int promotions = 0, warnings = 0;
   std::vector<std::uint8_t> saved;
@@ -88,7 +88,7 @@ struct Watch : Observer {
     saved = promoted.save();
     gridpoints = motion_of(promoted);
     if (!simulation) return;
-    // Points of large motion stand where they have moved to: found by where they were in the assembly.
+    // Points of large motion are at their current positions; they are identified by their initial positions.
     const Simulation at_start(wall("always"));
     after = look(promoted, [&] {
       std::vector<Vec3> places;
@@ -98,7 +98,7 @@ struct Watch : Observer {
   }
 };
 
-// The wall that stays with small displacements, and the one that leaves them.
+// The wall in small displacements, and the wall with a promotion.
 struct Both {
   Simulation small{[] {
     Scene stays = wall("never");
@@ -122,10 +122,9 @@ double peak(const std::vector<HistoryRow>& rows) {
   return largest;
 }
 
-// The beam goes at 0.1 m/s. Its motion is imposed, no kinetic energy, and the work of the second half of the last step
-// before the promotion is not lost. The balance is as good as in the run that stays with small displacements. The
-// beam's m v^2/2 is 0.05 J, or half a step of work at 20 kN. With it in the books once the sum is off by 2e-3 of the
-// work.
+// The beam has a prescribed velocity of 0.1 m/s, which does not count as kinetic energy. The work of the second half of
+// the last step before the promotion is included. The balance is as good as in a run in small displacements. The beam's
+// m v^2/2 is 0.05 J, or half a step of work at 20 kN. As kinetic energy it would be an error of 2e-3 of the work.
 TEST(Promotion, KeepsTheBalanceOfEnergyWithADrivenBeam) {
   for (const char* large_motion : {"never", "automatic", "always"}) {
     Scene scene =
@@ -143,10 +142,10 @@ TEST(Promotion, KeepsTheBalanceOfEnergyWithADrivenBeam) {
   }
 }
 
-// A slender piece of the shipped wall that falls, in one run: cracked in small displacements, tipped over, let go. At
-// the end it lies on the ground: contacts, some pressed, between blocks that had no joint. Energies close at every row
-// to 1e-3 of the work (6e-4 measured; blows of single steps make it), through promotion, sliding over corners and
-// blows.
+// A slender part of the shipped wall that falls, in one run: it cracks in small displacements, overturns and is
+// released. At the end it lies on the ground, with contacts between blocks that had no joint. Energies balance at every
+// row to 1e-3 of the work (measured: 6e-4, by impacts in single steps), through promotion, sliding over corners and
+// impacts.
 TEST(Promotion, AWallFallsToTheGround) {
   std::ostringstream shipped;
   shipped << std::ifstream(QUOIN_SCENES "/solid_wall_030_collapse.toml").rdbuf();
@@ -180,7 +179,7 @@ TEST(Promotion, AWallFallsToTheGround) {
   EXPECT_LT(worst, 2e-3);
   int ground = 0;
   while (block_mesh(s, ground).gridpoint[0][1] > -0.25) ++ground;
-  // How many lie on the ground, and which of those bear at the last instant, is chance.
+  // The number of blocks on the ground, and which of them have pressure at the end, is random.
   int met = 0, pressed_on_ground = 0;
   for (const auto& pair : pairs(false)) met += joints.count(pair) == 0;
   for (const auto& [a, b] : pairs(true)) pressed_on_ground += joints.count({a, b}) == 0 && (a == ground || b == ground);
@@ -188,8 +187,8 @@ TEST(Promotion, AWallFallsToTheGround) {
   EXPECT_GE(pressed_on_ground, 1);
 }
 
-// Tractions and states are those of the run that stays with small displacements, bit for bit, at the step where the
-// other leaves them. Contact points of both stand at the same gridpoints, on the same axes.
+// At the step of the promotion tractions and states are bitwise identical to those of the run in small displacements.
+// Contact points of both are at the same gridpoints and have the same axes.
 TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
   const Both runs;
   const auto& [small, promoted, of_small, of_promoted] = runs;
@@ -210,7 +209,7 @@ TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
     ASSERT_NE(found, after.end());
     const Seen& b = found->second;
     EXPECT_EQ(a.sigma, b.sigma);
-    // Axes of blocks that have turned by 1e-4: the components are the same, their directions in space are not.
+    // Axes of blocks that have rotated by 1e-4: the components are equal, their directions in space differ.
     EXPECT_NEAR(std::hypot(a.shear[0], a.shear[1], a.shear[2]), std::hypot(b.shear[0], b.shear[1], b.shear[2]),
                 1e-15 * (std::abs(a.sigma) + 1e6));
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(a.shear[c], b.shear[c], 5e-4 * (std::abs(a.sigma) + 1e6));
@@ -222,8 +221,8 @@ TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
   EXPECT_GT(damaged, 0);
 }
 
-// Blocks go on from where they are, at the velocity that they have. All that may differ is what a turn of 1e-4 rad
-// moves beyond the linear field, 1e-8 / 2 of a block's size of 0.2 m.
+// Positions and velocities are continuous. The tolerance is the second-order part of a rotation of 1e-4 rad, 1e-8 / 2
+// of a block's size of 0.2 m.
 TEST(Promotion, KeepsPlaceAndVelocityOfEveryGridpoint) {
   const Both runs;
   const auto& [small, promoted, of_small, of_promoted] = runs;
@@ -244,8 +243,8 @@ TEST(Promotion, KeepsPlaceAndVelocityOfEveryGridpoint) {
   EXPECT_GT(fastest, 1e-3);
 }
 
-// To 0.5 mm the two are the same wall up to what small displacements leave out. 0.5 % of the peak, as for large motion
-// from the start (large_motion_test).
+// Up to 0.5 mm the two walls differ by what small displacements neglect. Tolerance 0.5 % of the peak, as for large
+// motion from the start (large_motion_test).
 TEST(Promotion, GoesOnAlongTheSameCurve) {
   Scene stays = wall("never");
   stays.solver.motion_bound.stop = false;
@@ -255,7 +254,7 @@ TEST(Promotion, GoesOnAlongTheSameCurve) {
   promoted.run(of_promoted);
   ASSERT_GT(peak(of_small.rows), 1e3);
   EXPECT_NEAR(peak(of_promoted.rows), peak(of_small.rows), 0.005 * peak(of_small.rows));
-  // No step in force or displacement where it goes over: neighbouring rows differ by less than 2 % of the peak.
+  // Force and displacement are continuous at the promotion: neighbouring rows differ by less than 2 % of the peak.
   const long step = promoted.outcome().promotion->step;
   const auto& rows = of_promoted.rows;
   const auto next = std::find_if(rows.begin(), rows.end(), [&](const HistoryRow& r) { return r.step > step; });
@@ -267,8 +266,8 @@ TEST(Promotion, GoesOnAlongTheSameCurve) {
   EXPECT_NEAR(next->vertical_force, (next - 1)->vertical_force, 0.02 * (next - 1)->vertical_force);
 }
 
-// Strain energy is that of the field without its rigid rotation: equal up to strain (1e-4) times itself. And the
-// balance goes on closing: what is missing at the end is no more than 1 % of the work done.
+// Strain energy is that of the displacements without rigid rotation: its change is a share of 1e-4, the strain. The
+// balance error at the end is at most 1 % of the work.
 TEST(Promotion, EnergyGoesOnToClose) {
   Simulation promoted(wall("automatic", {"output.energy=true"}));
   Watch watch;
@@ -282,9 +281,9 @@ TEST(Promotion, EnergyGoesOnToClose) {
   EXPECT_LT(std::abs(end.balance_error()), 0.01 * end.external);
 }
 
-// Soft units that a beam has sheared by a tenth store another energy in large rotations than in small strains, by a
-// thousandth or more. That jump is no work that was done. It is booked, and what is missing from the balance goes on as
-// before, to a twentieth of it. Two steps later: in the first one blocks still move in frames of their own.
+// The strain energy of soft units sheared by a tenth differs between large rotations and small strains by a thousandth
+// or more. This jump is not work; it is a term of the energy balance. The balance error changes by at most a twentieth
+// of the jump. This holds from the second step on, since in the first one blocks still have old frames.
 TEST(Promotion, TheJumpOfStrainEnergyIsInTheBalance) {
   Simulation s(read_scene(
       QUOIN_HOST_TESTS "/../cli/small_wall.toml",
@@ -305,7 +304,8 @@ TEST(Promotion, TheJumpOfStrainEnergyIsInTheBalance) {
     EXPECT_NEAR(row->energies->balance_error(), before, 0.05 * std::abs(p.energy_jump)) << row->step - p.step;
 }
 
-// Bits after a restore are those of the run that was not stopped; also back to before the promotion.
+// A run resumed after the promotion is bitwise identical to the uninterrupted run. So is one restored to a state before
+// the promotion.
 TEST(Promotion, IsKeptByCheckpoints) {
   const Scene scene = wall("automatic");
   Simulation whole(scene);
@@ -330,7 +330,7 @@ TEST(Promotion, IsKeptByCheckpoints) {
   EXPECT_EQ(resumed.hash(), whole.hash());
 }
 
-// What touches the plane of symmetry stays on it, and forces are those of the whole wall.
+// Gridpoints in the plane of symmetry stay in it, and forces are those of the whole wall.
 TEST(Promotion, HalfOfTheThicknessKeepsItsPlane) {
   Simulation half(wall("automatic", {"wall.zones=[2,1,2]", "wall.half_thickness=true"})),
       all(wall("automatic", {"wall.zones=[2,1,2]"}));
@@ -350,9 +350,9 @@ TEST(Promotion, HalfOfTheThicknessKeepsItsPlane) {
   }
 }
 
-// Floors under a whiffletree and deformable blocks with loads go on as they were driven. The roof follows the same way
-// and the same force. It rose by 15 kN in a millimetre when the tree started again (seen once: elapsed time counted in
-// steps of the new length). 2 % of the peak, as above.
+// Floors under a whiffletree and deformable blocks with loads continue their motion. Displacement and force of the roof
+// agree with the run in small displacements, to 2 % of the peak. A restart of the whiffletree's ramp at the promotion
+// would raise the force by 15 kN.
 TEST(Promotion, WhiffletreeGoesOn) {
   const std::vector<std::string> more = {"solver.rotation_bound=5e-4", "stage.push.displacement=0.0025",
                                          "stage.push.record_interval=50", "output.frames=0"};

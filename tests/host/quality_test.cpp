@@ -1,4 +1,4 @@
-// What the settings of the qualities are chosen for, on shipped scenes.
+// Requirements on the settings of the qualities, on shipped scenes.
 #include "scene/quality.h"
 
 #include <gtest/gtest.h>
@@ -30,9 +30,9 @@ Scene shipped(const std::string& name, const std::vector<std::string>& overrides
   return read_scene(std::string(QUOIN_SCENES) + "/" + name + ".toml", overrides);
 }
 
-// In central differences a motion of frequency omega has a period of 4 steps where omega dt/2 = sin(pi/4) =
-// 1/sqrt(2). Eq. 1 drives it in whatever drifts (benchmarks/README.md). Viscous damping of ratio
-// d at omega_max shortens the step by sqrt(1 + d^2) - d.
+// In central differences a motion of frequency omega has a period of 4 steps where omega dt/2 = sin(pi/4) = 1/sqrt(2).
+// Local damping (eq. 1) excites it in a body that drifts (benchmarks/README.md). Viscous damping of ratio d at
+// omega_max shortens the step by sqrt(1 + d^2) - d.
 TEST(Quality, NoMotionHasAPeriodOfFourSteps) {
   for (const Quality& q : qualities()) {
     if (q.solver.damping != DampingKind::block) continue;
@@ -41,8 +41,8 @@ TEST(Quality, NoMotionHasAPeriodOfFourSteps) {
   }
 }
 
-// The units of a rocking pier drift upwards throughout. Where their vibration feeds on that it brakes them: 2.2 % more
-// force at 5 mm with a step of 0.80 of 2/omega_max than with half of that. Steps of 0.7 and less agree to 0.02 %.
+// The units of a rocking pier drift upwards. If the drift excites their vibration, that brakes them. The force at 5 mm
+// is then 2.2 % larger with a step of 0.80 of 2/omega_max than with half of it. Steps of 0.7 and less agree to 0.02 %.
 TEST(Quality, UnitsOfARockingPierFeelNoDrag) {
   const std::vector<std::string> to_5_mm{"stage.shear.displacement=0.005"};
   std::vector<std::string> small_steps = to_5_mm;
@@ -52,8 +52,8 @@ TEST(Quality, UnitsOfARockingPierFeelNoDrag) {
   EXPECT_NEAR(force / exact, 1.0, 0.005);
 }
 
-// Past a reversal the force only falls until the pier bends the other way. What rings makes it rise again in between.
-// 1 kN is 1.4 % of the peak; with ramps of 0.02 s at 40 mm/s it rose by 3.7 kN.
+// After a reversal the force falls monotonically until the pier bends the other way, unless the pier vibrates. The
+// tolerance of 1 kN is 1.4 % of the peak; ramps of 0.02 s at 40 mm/s cause a rise of 3.7 kN.
 TEST(Quality, CyclicPierDoesNotRingWhereItTurns) {
   const auto rows = run(shipped("cyclic_isp1", {"stage.cycles.amplitudes=[0.001, 0.002]"}));
   int turns = 0;

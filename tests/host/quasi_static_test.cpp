@@ -1,4 +1,4 @@
-// Was a run slow enough? Rows written by hand, so that every share is known.
+// The check that a run is slow enough, on rows with prescribed shares of dynamic force and kinetic energy.
 #include "results/quasi_static.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ Scene scene_of(std::vector<Stage> stages) {
   return scene;
 }
 
-// A spring of 1e6 N/m pulled to `end` in 1 s: force up to 1e6 end, work 0.5e6 end^2.
+// Returns the rows of a spring of 1e6 N/m extended to `end` in 1 s: force up to 1e6 end, work 0.5e6 end^2.
 std::vector<HistoryRow> pulled_spring(double end, int count = 101) {
   std::vector<HistoryRow> rows(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
@@ -60,8 +60,7 @@ TEST(QuasiStatic, InertiaAndKineticEnergyAboveWhatIsAllowed) {
               HasSubstr("kinetic energy reaches 6.0 % of the work, allowed 5 %"));
 }
 
-// Half of the thickness is computed: forces, and so the work, are those of the whole wall, kinetic energy that of the
-// half.
+// With half of the thickness, forces and work are those of the whole wall, but kinetic energy is that of the half.
 TEST(QuasiStatic, KineticEnergyOfHalfAWallCountsTwice) {
   auto rows = pulled_spring(0.01);
   rows[50].kinetic_energy = 2.0;  // of 50 J
@@ -73,12 +72,12 @@ TEST(QuasiStatic, KineticEnergyOfHalfAWallCountsTwice) {
   EXPECT_THAT(check_quasi_static(rows, scene).reason(), HasSubstr("kinetic energy reaches 8.0 % of the work"));
 }
 
-// The force may be largest in the ramp, and reversals have nothing else.
+// Ramps are checked, since the force may be largest in a ramp, and reversals consist of ramps.
 TEST(QuasiStatic, RampsCount) {
   auto rows = pulled_spring(0.01);
   for (std::size_t i = 0; i < 50; ++i) rows[i].dynamic_force = 2000.0;
   EXPECT_FALSE(check_quasi_static(rows, scene_of({stage_to(0.01, 0.6)})).quasi_static());
-  // Nor does a quiet ramp make up for what follows: 600 N of 10 kN in the second half, none in the first.
+  // A ramp without dynamic force does not compensate later ones: 600 N of 10 kN in the second half, 0 in the first.
   rows = pulled_spring(0.01);
   for (std::size_t i = 50; i < rows.size(); ++i) rows[i].dynamic_force = 600.0;
   EXPECT_NEAR(check_quasi_static(rows, scene_of({stage_to(0.01, 0.5)})).dynamic_force_ratio.value(), 0.06, 1e-12);
@@ -95,7 +94,7 @@ TEST(QuasiStatic, NothingToJudgeByIsNotVouchedFor) {
   EXPECT_THAT(check_quasi_static({}, scene).warning(), HasSubstr("no stage that drives a body was reached"));
   EXPECT_THAT(check_quasi_static(pulled_spring(0.01, 2), scene).warning(), HasSubstr("2 rows, too few"));
   EXPECT_THAT(check_quasi_static(pulled_spring(0.0), scene).warning(), HasSubstr("did no work"));
-  // A scene that is only pressed is no matter of speed: not vouched for, and no warning either.
+  // A scene without motion after the load: no statement that it is quasi-static, and no warning.
   Stage press;
   press.equilibrium_ratio = 1e-3;
   const QuasiStatic pressed = check_quasi_static(pulled_spring(0.01), scene_of({press}));
@@ -104,7 +103,7 @@ TEST(QuasiStatic, NothingToJudgeByIsNotVouchedFor) {
   EXPECT_EQ(pressed.warning(), "");
 }
 
-// The largest of a number and of none is the number.
+// A NaN in a column must not count as small: the maximum of a number and NaN is the number.
 TEST(QuasiStatic, WhatIsNoNumberIsNotVouchedFor) {
   for (double HistoryRow::*column :
        {&HistoryRow::kinetic_energy, &HistoryRow::dynamic_force, &HistoryRow::resistance}) {
@@ -123,7 +122,7 @@ TEST(QuasiStatic, GoingBeyondTheDisplacementAskedFor) {
   EXPECT_THAT(check.warning(), HasSubstr("308.0 % beyond"));
 }
 
-// Driven by a velocity for a time, without a displacement to end at: judged all the same.
+// A stage with a velocity and a duration, without a displacement at which it ends, is checked too.
 TEST(QuasiStatic, StagesOfGivenDurationAreJudged) {
   Stage stage = stage_to(0.01, 0.1);
   stage.displacement.reset();

@@ -1,4 +1,4 @@
-// When ranks are partitioned again (step/rank_balance.h). Times in seconds; estimates of 1 for each rank.
+// The decision for load balancing (step/rank_balance.h). Times in seconds; the estimated cost of each rank is 1.
 #include "step/rank_balance.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ TEST(RankBalance, UnevennessBelowTheBoundIsLeftAlone) {
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(look(&balance, 1.14, 0.86));
 }
 
-// 3 s and 1 s: each window loses 1 s, the slowest beyond the mean.
+// With 3 s and 1 s each window loses 1 s, the time of the slowest rank less the mean.
 TEST(RankBalance, DividesOnceAsMuchIsLostAsDividingCosts) {
   RankBalance balance;
   balance.costs(3.5);
@@ -49,12 +49,12 @@ TEST(RankBalance, ADivisionInVainDoublesWhatTheNextAsksFor) {
   balance.divided(3.0);
   for (windows = 1; !look(&balance, 3.0, 1.0);) ++windows;
   EXPECT_EQ(windows, 12);
-  look(&balance, 1.0, 1.0);  // even: it was not in vain
+  look(&balance, 1.0, 1.0);  // even times: the last partition was an improvement
   for (windows = 1; !look(&balance, 3.0, 1.0);) ++windows;
   EXPECT_EQ(windows, 3);
 }
 
-// Of 8 s the ranks have taken 6 and 2 for the same estimate: 1.5 and 0.5 of what all together take for it.
+// Of 8 s the ranks have taken 6 and 2 for equal estimates: 1.5 and 0.5 of the mean.
 TEST(RankBalance, MeasuredOverEstimatedIsOfUnevenWindows) {
   RankBalance balance;
   look(&balance, 1.0, 3.0), look(&balance, 1.0, 1.0);

@@ -1,5 +1,5 @@
-// One model on several ranks has the bits of one process, whatever kind of blocks it has and whatever becomes of them.
-// Ranks are threads here; tests/mpi has them as processes.
+// A model on several ranks is bitwise identical to one process, for all kinds of blocks and events. Ranks are threads
+// here; in tests/mpi they are processes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ struct Case {
   enum { nothing, promotion, detection, parting, added_mass } has = nothing;
 };
 
-// What is compared, bit for bit.
+// Results that are compared bit by bit.
 struct Found {
   std::vector<std::uint64_t> rows;
   std::vector<double> blocks, points;
@@ -42,8 +42,8 @@ struct Found {
 struct Rows : Observer {
   std::vector<std::uint64_t> bits;
   const Simulation* simulation = nullptr;
-  int units = 0;        // in two halves that hold together
-  bool parted = false;  // halves of some unit
+  int units = 0;        // number of units whose halves are connected
+  bool parted = false;  // the halves of a unit have separated
   void on_law_swap(const LawSwap& swap) override {
     for (const double x : {double(swap.points), double(swap.limited), swap.stored_before, swap.energy_jump})
       bits.push_back(std::bit_cast<std::uint64_t>(x));
@@ -117,7 +117,7 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
       for (int b = 0; b < simulation.block_count(); ++b) owns |= owns_block(simulation, b);
       have_blocks += owns ? 1 : 0;
       Rows rows;
-      const std::uint64_t start = simulation.hash();  // of rank 0: it names a checkpoint
+      const std::uint64_t start = simulation.hash();  // that of rank 0 identifies a checkpoint
       simulation.run(rows);
       gather_at_first(simulation);
       if (ranks.rank() == 0) first = found_in(simulation, rows, start);
@@ -238,8 +238,8 @@ INSTANTIATE_TEST_SUITE_P(
              Case::parting}),
     [](const auto& of) { return std::string(of.param.name); });
 
-// Arrays of contact points, and sums over all of them, go with blocks that change ranks in mid-run: openings of damage,
-// drawn properties, raised inertia.
+// Load balancing in mid-run moves blocks between ranks, with all arrays of their contact points: initial openings,
+// random properties, added inertia.
 TEST(Ranks, DividedAnewKeepWhatPointsHave) {
   const Case of{
       "DividedAnew",
@@ -294,19 +294,19 @@ TEST(Ranks, WithDifferentModelsAreRefused) {
   EXPECT_NE(refused(scene, {"solver.time_step_fraction=0.31"}).find("different models"), std::string::npos);
   EXPECT_NE(refused(scene, {"wall.courses=5"}).find("different models"), std::string::npos);
 
-  // A stone more that nothing touches: as many contact points, and the same time step.
+  // An additional stone without contacts changes neither the number of contact points nor the time step.
   const auto stones = [](int free) {
     std::string text = undamped_stone("general") + "[[stage]]\nduration = 0.1\n";
     for (int i = 0; i < 2 + free; ++i)
       text += fmt::format("[[block]]\nmaterial = \"stone\"\nbox = {{ lower = [{}, 0, 0], size = [0.1, 0.1, 0.1] }}\n",
                           i < 2 ? 0.1 * i : 3.0);
-    return read_scene_text(text, "stones.toml", {"contact.cubic_points=false"});  // sums that have no rounding
+    return read_scene_text(text, "stones.toml", {"contact.cubic_points=false"});  // sums without rounding
   };
   EXPECT_EQ(Simulation(stones(1)).time_step_report().time_step, Simulation(stones(0)).time_step_report().time_step);
   EXPECT_THROW(on_ranks(2, [&](Ranks& ranks) { Simulation(stones(ranks.rank()), 1, &ranks); }), Error);
 }
 
-// 40 x 40 units: each of four ranks works with a quarter, and what is close to it.
+// 40 x 40 units: each of four ranks has a quarter of the blocks and the blocks close to it.
 TEST(Ranks, HoldTheirPartsOfLargeMotion) {
   const Overrides settings = {"solver.large_motion=always", "wall.courses=40", "wall.units_per_course=40"};
   on_ranks(4, [&](Ranks& ranks) {
@@ -323,7 +323,7 @@ TEST(Ranks, HoldTheirPartsOfLargeMotion) {
   });
 }
 
-// What three ranks have written in the middle of a collapse, two go on from: the bits of one process.
+// Two ranks resume a checkpoint of three ranks in the middle of a collapse, bitwise identical to one process.
 TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
   struct Goes {
     std::string scene;
@@ -357,7 +357,7 @@ TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
   }
 }
 
-// An error of one rank while it makes its part is thrown by all of them, with its message.
+// An error of one rank while it builds its part is thrown by all ranks, with the same message.
 TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
   const auto words = [&](const Overrides& overrides, int rank) {
     std::string message;
@@ -383,7 +383,7 @@ TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   };
-  // A crack in one corner, in joints that are not broken through.
+  // A crack in one corner, in joints that are still bonded.
   const Overrides open =
       with({"damage.1.crack=[[0.8, 0.1], [0.99, 0.1]]", "damage.1.initial_state=\"bonded\"", "damage.1.opening=1e-4"});
   const Overrides nowhere = with({"damage.1.from=[5, 0, 0]"});
@@ -397,7 +397,8 @@ TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
   }
 }
 
-// Each search for an eigenvalue has vectors of its own; one that takes the place of another has other numbers.
+// Each eigenvalue search has new vectors. A vector at the address of an old one has new values, which must be
+// exchanged.
 TEST(Ranks, ExchangeTheNumbersOfTheVectorThatIsThere) {
   constexpr std::size_t kOfBody = 6;
   on_ranks(2, [](Ranks& ranks) {
@@ -424,7 +425,7 @@ TEST(Ranks, ExchangeTheNumbersOfTheVectorThatIsThere) {
   });
 }
 
-// A rank that cannot go on ends all of them.
+// If one rank fails, all ranks end.
 TEST(Ranks, OneThatFailsEndsAll) {
   const std::string scene = kTests + "cli/small_wall.toml";
   EXPECT_THROW(on_ranks(3,

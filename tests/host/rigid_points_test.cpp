@@ -1,5 +1,5 @@
-// Contact points of rigid blocks. Where a joint carries tension they integrate a linear stress exactly. Where it is dry
-// they are its corners, about which a block turns. A key says otherwise.
+// Contact points of rigid blocks. In a joint with tensile strength they integrate a linear stress exactly. In a dry
+// joint they are its corners, about which a block rotates. A key overrides this choice.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -19,8 +19,8 @@
 namespace quoin {
 namespace {
 
-// A parapet of 1 x 1.5 x 0.3 m on a fixed base. Its bond breaks at once where it breaks: 0.6 J/m2 at 0.1 MPa and 1e10
-// Pa/m, little above what is stored.
+// A parapet of 1 x 1.5 x 0.3 m on a fixed base. Its bond is brittle: 0.6 J/m2 at 0.1 MPa and 1e10 Pa/m, little above
+// the stored elastic energy.
 constexpr double kThickness = 0.3, kHeight = 1.5, kTension = 0.1e6,
                  kWeight = 2000.0 * 9.81 * kHeight;  // Pa, at its foot
 constexpr const char* kParapet = R"(
@@ -57,7 +57,7 @@ collapse = { direction = [1, 0, 0], start = 0.25, rate = "auto" }
 frames = 0
 )";
 
-// The multiplier when a point first softens, and that at which the parapet falls.
+// The multiplier at which a point first softens.
 struct Cracks : Observer {
   explicit Cracks(const Simulation& s) : simulation(s) {}
   void on_row(const HistoryRow& row) override {
@@ -68,9 +68,9 @@ struct Cracks : Observer {
   double first = 0.0;
 };
 
-// It cracks where the stress at its face, M/(L t^2/6) less W/(L t), reaches the tensile strength. It falls over then,
-// for the joint without tension carries no more than t/h = 0.2. To 1 %: the load waits at every 0.5 %. The brittle bond
-// of few points falls a little later than it cracks, as the others take over: by 14 %, of points every 20 mm by 4 %.
+// The parapet cracks where the stress at its face, M/(L t^2/6) less W/(L t), reaches the tensile strength. It then
+// overturns, since a joint without tension carries at most t/h = 0.2. Tolerance 1 %: the load waits at every 0.5 %.
+// With few points and a brittle bond it falls a little later than it cracks, by 14 %; with points every 20 mm, by 4 %.
 TEST(RigidPoints, AParapetCracksWhereItsFaceReachesTheTensileStrength) {
   const double expected = kThickness / (3.0 * kHeight) * (1.0 + kTension / kWeight);
   ASSERT_GT(expected, 1.2 * kThickness / kHeight);
@@ -85,7 +85,7 @@ TEST(RigidPoints, AParapetCracksWhereItsFaceReachesTheTensileStrength) {
   EXPECT_NEAR(cracked, expected, 0.01 * expected);
   EXPECT_GE(fell, cracked);
   EXPECT_LE(fell, 1.16 * expected);
-  // Corners have three times the second moment of the joint.
+  // Points at the corners have three times the second moment of the joint.
   const auto [at_corners, fell_from_corners] = run({"contact.cubic_points=false", "stage.tilt.collapse.start=0.6"});
   EXPECT_NEAR(at_corners, 3.0 * expected, 0.02 * 3.0 * expected);
   EXPECT_NEAR(fell_from_corners, 3.0 * expected, 0.02 * 3.0 * expected);
@@ -113,7 +113,7 @@ TEST(RigidPoints, TheLawSaysWhetherAJointCarriesTension) {
   EXPECT_THAT(chosen("law = \"elastic\"\n" + stiff, {"contact.cubic_points=false"}), ElementsAre(RigidPoints::corners));
 }
 
-// A bonded wall of rigid units, stiff enough for one step in both kinds of kernels.
+// Returns a bonded wall of rigid units, for which both kinds of kernels have the same time step.
 Scene wall_of_cubes(const std::vector<std::string>& settings) {
   std::vector<std::string> all = {"wall.units_per_course=4", "wall.courses=5", "output.frames=0",
                                   "stage.shear.displacement=4e-4"};
@@ -126,7 +126,7 @@ struct Peak : Observer {
   double force = 0.0;  // N
 };
 
-// Both kinds of kernels have the same points, and find the same peak. 1 %: cracks amplify rounding.
+// Both kinds of kernels have the same points and the same peak. Tolerance 1 %: cracks amplify rounding.
 TEST(RigidPoints, TheLatticeHasThemToo) {
   constexpr long kJoints = 5 * 3 + 4 * 4, kOfJoint = 17;
   std::map<std::string, double> peak;
@@ -134,7 +134,7 @@ TEST(RigidPoints, TheLatticeHasThemToo) {
     Simulation simulation(wall_of_cubes({"contact.cubic_points=true", fmt::format("solver.kernels={}", kernels)}), 1);
     EXPECT_EQ(simulation.large_motion() != nullptr, std::string(kernels) == "general");
     EXPECT_EQ(simulation.point_count(), kJoints * kOfJoint) << kernels;
-    double area = 0.0, second = 0.0;  // of a joint between cubes of 0.1 m
+    double area = 0.0, second = 0.0;  // area and second moment of a joint between cubes of 0.1 m
     for (const ContactPoint& p : contact_points(simulation)) {
       if (std::min(p.block_a, p.block_b) != 0 || std::abs(p.normal[1]) < 0.5) continue;
       area += p.area, second += p.area * (p.position[0] - 0.05) * (p.position[0] - 0.05);
@@ -147,15 +147,15 @@ TEST(RigidPoints, TheLatticeHasThemToo) {
   }
   std::printf("peak: lattice %.2f N, general %.2f N\n", peak["lattice"], peak["general"]);
   EXPECT_NEAR(peak["lattice"], peak["general"], 0.01 * peak["lattice"]);
-  Simulation corners(wall_of_cubes({}), 1);  // as the scene asks
+  Simulation corners(wall_of_cubes({}), 1);  // the key is set in the scene
   EXPECT_EQ(corners.point_count(), kJoints * 4);
-  // Without the key this wall, whose joints bond, has them too.
+  // Without the key this wall has 17 points in a joint, since its joints have tensile strength.
   Scene asks_nothing = wall_of_cubes({});
   asks_nothing.cubic_points.reset();
   EXPECT_EQ(Simulation(asks_nothing, 1).point_count(), kJoints * kOfJoint);
 }
 
-// A run that leaves the lattice finds every contact point again, with its history: it would stop otherwise.
+// At a promotion every contact point of the lattice has a contact point in large motion; otherwise the run would stop.
 TEST(RigidPoints, TheyGoOverToLargeMotion) {
   Simulation simulation(wall_of_cubes({"contact.cubic_points=true", "solver.rotation_bound=1e-5"}), 1);
   Peak of_run;

@@ -1,5 +1,5 @@
-// What engineers add to a model that is shaken: masses, supports that move apart, damping of uncracked response. Held
-// against closed forms.
+// Additions to models under ground motion, against closed forms: masses, supports with different motion, damping of the
+// uncracked response.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 namespace quoin {
 namespace {
 
-// What joints with these elements have at a frequency: damping ratio, and stiffness over that without them.
+// Response of joints with Maxwell elements at a frequency: damping ratio, and stiffness over that without elements.
 struct MaxwellResponse {
   double damping_ratio, stiffness;
 };
@@ -38,7 +38,7 @@ using ::testing::HasSubstr;
 
 constexpr double kGravity = 9.81;
 
-// A block of 2 kg, 0.1 m wide, on the ground.
+// Returns a scene with a block of 2 kg, 0.1 m wide, on the ground.
 std::string rider(const std::string& stages, const std::string& more = "") {
   return undamped_stone("general") + R"(
 [[block]]
@@ -77,11 +77,11 @@ ground_motion = { direction = [0, 1, 0], time = [0, 1], acceleration = [5, 5] }
 energy = true
 )";
 
-// Ground that begins to rise with acceleration a under a mass of 2 + 6 kg on 1e6 N/m. The lag is (a/w^2) (1 - cos w t),
-// w half of that of the block alone. Steps of a hundredth of a period are off by (w dt)^2/24 of w. A mass above the
-// block, in line with its centre, is the same as one that is spread. So it is on gridpoints of a block that deforms,
-// but for its own compression. 6 kg on 1e9 Pa through 0.05 m of it is 0.5 % of the way of the joint, so a quarter of a
-// percent of its frequency. That is 6 % of the swing after three and a half cycles.
+// The ground rises with acceleration a under a mass of 2 + 6 kg on 1e6 N/m. The lag is (a/w^2) (1 - cos w t), with half
+// the frequency of the block alone. Steps of a hundredth of a period have an error of (w dt)^2/24 of w. A mass above
+// the centre of the block is equivalent to a distributed one. On gridpoints of a deformable block the difference is its
+// compression. 6 kg on 1e9 Pa through 0.05 m is 0.5 % of the deformation of the joint. That is a quarter of a percent
+// of its frequency, and 6 % of the amplitude after three and a half cycles.
 TEST(Masses, SwingWithTheirBlockAndBalanceItsEnergy) {
   const double w = std::sqrt(1e6 / 8.0), swing = 5.0 / (w * w);
   const struct {
@@ -109,9 +109,8 @@ TEST(Masses, SwingWithTheirBlockAndBalanceItsEnergy) {
   }
 }
 
-// Weight: block and mass press on the ground with (2 + 6) g. A mass 0.04 m beside the middle puts the moment m g 0.04
-// on the joint. It tilts by 9e-4, which moves the mass 0.1 m above 1e-4 m farther out, 0.2 % of its lever; 1 % with the
-// tilt of a block that deforms.
+// Block and mass press on the ground with (2 + 6) g. A mass 0.04 m beside the centre causes the moment m g 0.04 in the
+// joint. The tilt of 9e-4 moves the mass, 0.1 m above, by 1e-4 m, 0.2 % of its lever arm; 1 % for a deformable block.
 TEST(Masses, HaveWeightWhereTheyAre) {
   const std::string stage =
       "[[stage]]\nname = \"stand\"\ngravity = [0, -9.81, 0]\nkind = \"rest\"\n"
@@ -125,20 +124,20 @@ TEST(Masses, HaveWeightWhereTheyAre) {
     simulation.run(nobody);
     const HistoryRow row = simulation.measure();
     EXPECT_NEAR(row.base_force[1], -8.0 * kGravity, 1e-5 * 8.0 * kGravity) << rigid;
-    double moment = 0.0;  // about the middle of the joint, along z
+    double moment = 0.0;  // about the centre of the joint, along z, N m
     for (const ContactPoint& p : contact_points(simulation, all_points(simulation)))
       moment += (p.position[0] - 0.05) * p.area * p.traction[0];
     EXPECT_NEAR(moment, -6.0 * kGravity * 0.04, 0.01 * 6.0 * kGravity * 0.04) << rigid;
   }
 }
 
-// Without the head's damping = "none", so with the defaults.
+// Removes damping = "none" from the text, so that the default damping acts.
 std::string with_default_damping(std::string text) {
   const std::string none = "damping = \"none\"\n";
   return text.erase(text.find(none), none.size());
 }
 
-// Newmark's block slides as far with any mass, and rubs with mu (m + M) g while it does.
+// The slip of Newmark's block does not depend on its mass; its friction is mu (m + M) g.
 TEST(Masses, SlideAsFarAndRubHarder) {
   constexpr double kFriction = 0.3, kPulse = 0.6 * kGravity;
   const std::string stages = R"(
@@ -160,7 +159,7 @@ ground_motion = { direction = [1, 0, 0], time = [0, 0.4], acceleration = [5.886,
   text.replace(text.find("law = \"elastic\""), 15,
                fmt::format("law = \"coulomb_slip\"\ninitial_state = \"dry\"\nfriction_angle = {}",
                            std::atan(kFriction) * 180.0 / pi));
-  // Flat, so that it does not tip.
+  // A flat block, which does not rock.
   text.replace(text.find("lower = [0, 0, 0], size = [0.1, 0.1, 0.1]"), 41,
                "lower = [0, 0, 0], size = [0.2, 0.05, 0.1]");
   Simulation simulation(read_scene_text(text, "scene.toml"));
@@ -207,8 +206,8 @@ TEST(Masses, AreRefusedWhereTheyMeanNothing) {
 
 // ---- Supports ------------------------------------------------------------------------------------------------------
 
-// Two piers, one of which follows displacements of its own while the ground shakes. Its samples are met to the square
-// of the step; between them it moves on the spline, and the last sample stays.
+// Two piers with ground motion, one of which has its own displacements. At the samples its error is of the order of the
+// squared step. Between them it follows the spline; after the last sample it is constant.
 TEST(Supports, FollowTheirOwnDisplacements) {
   const std::string stages = R"(
 [[block]]
@@ -252,7 +251,7 @@ duration = 0.1
   }
   EXPECT_EQ(met, 3u);
   EXPECT_NEAR(block_displacement(simulation, 0)[0][0], 0.5 * 2.0 * at * at, 1e-6);
-  // Rows have the displacement of a step before: 1e-3 m.
+  // Rows have the displacement of the step before: 1e-3 m.
   EXPECT_NEAR(simulation.measure().ground_displacement[0], at * at, 3e-3) << "the ground is not the pier";
   simulation.run(nobody);
   EXPECT_NEAR(-block_displacement(simulation, 2)[0][1], 0.01, 1e-6);
@@ -263,8 +262,8 @@ duration = 0.1
   EXPECT_EQ(resumed.hash(), simulation.hash());
 }
 
-// The spline through three samples that begins and ends at rest is in closed form. u = 0, 1, 0 at t = 0, 1, 2 has the
-// accelerations 6, -6, 6 (clamped: 2 a0 + a1 = 6, a0 + 4 a1 + a2 = -12, a1 + 2 a2 = 6).
+// The clamped spline through u = 0, 1, 0 at t = 0, 1, 2 has the accelerations 6, -6, 6:
+//   2 a0 + a1 = 6, a0 + 4 a1 + a2 = -12, a1 + 2 a2 = 6.
 TEST(Supports, DisplacementsAreSplines) {
   const Scene scene = read_scene_text(
       rider("[[stage]]\nname = \"s\"\nduration = 2\nground_motion = { direction = [1, 0, 0], time = [0, 1, 2], "
@@ -292,7 +291,7 @@ TEST(Supports, AreRefusedWhereTheyMeanNothing) {
 
 // ---- Landing -------------------------------------------------------------------------------------------------------
 
-// The closed form against the equation of motion, in steps of 1e-5 of 1/omega: first order.
+// The closed form of the rebound against the equation of motion, integrated in steps of 1e-5/omega.
 TEST(Landing, ComesBackAsItsEquationSays) {
   for (const double z : {0.1, 0.5, 0.7, 1.0, 1.6}) {
     double u = 0.0, v = -1.0;
@@ -308,7 +307,7 @@ TEST(Landing, ComesBackAsItsEquationSays) {
 
 // ---- Maxwell elements ----------------------------------------------------------------------------------------------
 
-// K''/(2 K') of the three elements in closed form, over the band: within 10 %, by elements that only take energy.
+// K''/(2 K') of the three elements in closed form is within 10 % of the ratio over the band. All elements dissipate.
 TEST(Maxwell, IsFlatOverItsBand) {
   for (const double ratio : {0.01, 0.02, 0.05}) {
     for (const double width : {10.0, 30.0, 50.0, 100.0}) {
@@ -320,10 +319,10 @@ TEST(Maxwell, IsFlatOverItsBand) {
   }
 }
 
-// A block on a joint, let swing about its weight. The logarithmic decrement over ten cycles gives the ratio within 10 %
-// of what is requested at frequencies all over the band. The elements' own ratio is within 3 %. The frequency is that
-// of the stiffer spring. The weight is so little that the block sinks by 4 mm at most. No vibration is left out:
-// without damping of impacts nothing else takes energy.
+// Free vibration of a block on a joint about its static deflection. The logarithmic decrement over ten cycles gives a
+// damping ratio within 10 % of the requested one over the band, and within 3 % of that of the elements. The frequency
+// is that of the stiffer spring. The weight is so small that the block settles by at most 4 mm. There is no impact
+// damping, so only the elements dissipate.
 TEST(Maxwell, DampsVibrationsAlikeOverTheBand) {
   constexpr double kMass = 2.0, kArea = 0.01, kRatio = 0.03;
   const auto elements = maxwell_elements(kRatio, {0.5, 25.0});
@@ -369,7 +368,7 @@ ground_motion = {{ direction = [0, 1, 0], time = [0, {}], acceleration = [0.005,
   }
 }
 
-// What slides is not held: Newmark's block with elements of 5 % is left behind as far as without, within 0.5 %.
+// Elements do not hold a block that slides: the slip of Newmark's block with 5 % is that without elements to 0.5 %.
 TEST(Maxwell, LetsGoOfWhatSlides) {
   const std::string stages = R"(
 [[stage]]
@@ -399,8 +398,8 @@ ground_motion = { direction = [1, 0, 0], time = [0, 0.4], acceleration = [5.886,
               0.005 * 0.47088);
 }
 
-// The elements have a state. A run that is left in the middle of a pulse goes on to the same bits. The facade that they
-// damp does not take longer steps or shorter ones.
+// The elements have a state: a run resumed in the middle of a pulse is bitwise identical. They do not change the time
+// step of the facade.
 TEST(Maxwell, GoesOnWhereItWasLeft) {
   const std::vector<std::string> overrides{
       "stage.weight.duration=0.05", "stage.earthquake.duration=0.3",

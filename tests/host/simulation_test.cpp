@@ -20,7 +20,7 @@ struct Recorder : Observer {
   int frames = 0, stages = 0;
 };
 
-// Pressed to equilibrium, then sheared with the height held: the paper's test on a smaller wall.
+// Returns the paper's test on a smaller wall: pressed to equilibrium, then sheared at constant height.
 Scene sheared_wall(double displacement, int courses = 6, double units = 2.5) {
   Scene scene = wall_scene(courses, units);
   Stage press;
@@ -50,7 +50,7 @@ Scene sheared_wall(double displacement, int courses = 6, double units = 2.5) {
   return scene;
 }
 
-// Bricks and joints in series: delta = sigma (L/E + sum 1/kn), and the beam carries the force that it was given.
+// Bricks and joints in series: delta = sigma (L/E + sum 1/kn), and the resistance is the force on the beam.
 TEST(Simulation, PressedColumnIsASeriesOfSprings) {
   Scene scene = wall_scene(4, 0.5);
   scene.materials["brick"].poisson_ratio = 0.0;
@@ -73,8 +73,8 @@ TEST(Simulation, PressedColumnIsASeriesOfSprings) {
   EXPECT_EQ(counts[static_cast<std::size_t>(Condition::elastic)], simulation.model().point_count);
 }
 
-// Four times as stiff, heavy and loaded, a wall moves in the same way. Forces are four times as large, and a ratio of
-// them is not.
+// A wall with four times the stiffness, mass and load has the same motion. Forces are four times as large; their ratio
+// is equal.
 TEST(Simulation, UnbalancedRatioHasNoUnit) {
   for (const Kernels kernels : {Kernels::lattice, Kernels::general}) {
     const auto rows_of = [&](double times) {
@@ -113,7 +113,7 @@ TEST(Simulation, UnbalancedRatioHasNoUnit) {
   }
 }
 
-// What is only recorded moves nothing: energies; unbalanced force, kinetic energy and flags at every step.
+// Recording of energies, unbalanced force, kinetic energy and flags at every step does not change the motion.
 TEST(Simulation, RecordingChangesNoBit) {
   std::vector<LaneVector<double>> displacement;
   for (const auto& [energy, every_step] : {std::pair{false, false}, std::pair{true, false}, std::pair{false, true}}) {
@@ -134,7 +134,7 @@ TEST(Simulation, RecordingChangesNoBit) {
   EXPECT_EQ(displacement[2], displacement[0]);
 }
 
-// Two stages: a body that comes to rest at the end of a ramp, and one that is driven again after it rested.
+// Two stages: a body that comes to rest at the end of a ramp, and one that moves again after rest.
 TEST(Simulation, SkippingBodiesAtRestChangesNoBit) {
   std::vector<std::uint64_t> hashes;
   std::vector<double> last;
@@ -204,8 +204,8 @@ TEST(Simulation, MeasuringDoesNotChangeABit) {
   }
 }
 
-// Wherever a run is stopped, before a row, at one or at a frame, it is kept. The rest continues its history and frames
-// as if nothing had happened.
+// A run may stop before a row, at a row or at a frame. The resumed run continues history and frames without a
+// difference.
 TEST(Simulation, StoppedRunsAreKeptWhereverTheyStop) {
   struct Stopper : Recorder {
     void on_row(const HistoryRow& row) override {
@@ -326,7 +326,7 @@ TEST(Simulation, HalfOfTheThicknessGivesTheWholeForce) {
     simulation.run(recorder);
     force[half ? 1 : 0] = recorder.rows.back().resistance;
   }
-  // The two halves of a brick are mirror images only up to the diagonals of their hexahedra.
+  // The two halves of a brick are mirror images except for the diagonals of their hexahedra.
   EXPECT_NEAR(force[1], force[0], 0.01 * std::abs(force[0]));
 }
 
@@ -361,7 +361,7 @@ TEST(Simulation, NotANumberStopsWithPlaceAndValues) {
   }
 }
 
-// At an even pace the time left is that of the steps left. Stopped at the third report.
+// At constant speed the remaining time is that of the remaining steps. The run stops at the third report.
 TEST(Simulation, ProgressTellsTheTimeThatIsLeft) {
   struct Watcher : Observer {
     Simulation* simulation = nullptr;
@@ -388,7 +388,8 @@ TEST(Simulation, ProgressTellsTheTimeThatIsLeft) {
   }
 }
 
-// A stone of 1 x 0.5 x 1 m beside the ground, moved by the general kernels. More: its joint or none, and a stage.
+// Returns a stone of 1 x 0.5 x 1 m beside the ground, with the general kernels. more: the rest of the block and a
+// stage.
 Scene stone_scene(const std::string& more) {
   return read_scene_text(
       "[solver]\nkernels = \"general\"\ndamping = \"none\"\n"
@@ -401,7 +402,7 @@ Scene stone_scene(const std::string& more) {
       "stone.toml", {});
 }
 
-// A ton that falls, at rest half a step before the start: m v^2/2 with v = g t of half a step ago.
+// A falling stone of 1000 kg, at rest half a step before the start: m v^2/2 with v = g t of half a step before.
 TEST(Simulation, KineticEnergyOfAFallingStoneIsThatOfItsVelocity) {
   Simulation simulation(stone_scene("position = [0, 5, 0]\n[[stage]]\ngravity = [0, -9.81, 0]\nduration = 1\n"));
   ASSERT_TRUE(simulation.large_motion());
@@ -411,7 +412,7 @@ TEST(Simulation, KineticEnergyOfAFallingStoneIsThatOfItsVelocity) {
   EXPECT_NEAR(kinetic_energy_of_all(*simulation.large_motion()), mass * speed * speed / 2, 1e-9 * mass * speed * speed);
 }
 
-// What is pushed until it collapses and stands ends at the limit: frames divide the way there from the start.
+// A collapse stage that does not collapse ends at the limit: frames divide the range from the start to the limit.
 TEST(Simulation, FramesOfACollapseDivideTheWayToItsLimit) {
   struct Frames : Observer {
     std::vector<double> multiplier;
@@ -425,7 +426,7 @@ TEST(Simulation, FramesOfACollapseDivideTheWayToItsLimit) {
   simulation.run(frames);
   EXPECT_FALSE(simulation.outcome().collapse_multiplier.has_value());
   ASSERT_EQ(frames.multiplier.size(), 5u) << "and one of the start";
-  // The frame is of the state a step after the one that passes its place.
+  // The frame has the state one step after its multiplier is passed.
   const double late = 2 * 10 * simulation.time_step_report().time_step;
   for (std::size_t i = 1; i < 4; ++i) EXPECT_NEAR(frames.multiplier[i], 0.2 + 0.1 * static_cast<double>(i), late) << i;
 }

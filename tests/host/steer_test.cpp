@@ -1,4 +1,4 @@
-// What a controller outside does between two steps, against Newton: on the lattice and among blocks of any shape.
+// Actions of an outside controller between two steps, against Newton's law: on the lattice and for blocks of any shape.
 #include "step/steer.h"
 
 #include <fmt/format.h>
@@ -22,8 +22,8 @@ using ::testing::HasSubstr;
 
 constexpr double kKeep = std::numeric_limits<double>::quiet_NaN();
 
-// A driven plate, and two stones beside it that nothing touches, of 0.1 m and 2000 kg/m3: 2 kg. The lattice needs two
-// blocks that touch: they are at rest behind.
+// Returns a plate with prescribed velocity, and two stones beside it without contacts, of 0.1 m and 2000 kg/m3: 2 kg.
+// The lattice needs two blocks that touch: they are at rest behind.
 std::string stones(const std::string& kernels) {
   return undamped_stone(kernels) + R"(
 [[block]]
@@ -87,7 +87,7 @@ TEST_P(Steering, ForcesAccelerateWhatIsNamedAndNothingElse) {
   near(velocity(0), {0.1, 0.2, 0});
   near(velocity(1), {5.0 * 15 * dt(), -1.0 * 5 * dt(), 0});
   near(velocity(2), {0, 3.0 * 5 * dt(), -2.0 * 5 * dt()});
-  // What the stage leaves free of a driven block takes a force: 18 kg.
+  // A force acts along the free axis of a block with prescribed velocity: 18 kg.
   set_force(simulation_, "base", {kKeep, kKeep, 36.0});
   simulation_.advance(5);
   near(velocity(0), {0.1, 0.2, 2.0 * 5 * dt()});
@@ -131,7 +131,7 @@ TEST_P(Steering, WhatCannotBeSteeredIsToldAndNothingHasChanged) {
 INSTANTIATE_TEST_SUITE_P(Kernels, Steering, ::testing::Values("lattice", "general"),
                          [](const auto& of) { return std::string(of.param); });
 
-// A checkpoint of a steered run names its blocks; one that the model does not have is refused, and the next one too.
+// A checkpoint of a steered run contains its blocks by index; an index that the model does not have is refused.
 TEST(SteeredCheckpoint, BlocksThatAreNotThereAreRefused) {
   const auto saved = [](const std::string& steered) {
     std::string text = stones("general");
@@ -164,7 +164,7 @@ TEST(SteeredCheckpoint, BlocksThatAreNotThereAreRefused) {
   EXPECT_EQ(found, 1);
 }
 
-// Nothing else is held: a stone that is driven along one axis and free otherwise, or spun about one.
+// A stone with a prescribed velocity along one axis, or a rotation about one axis, is free otherwise.
 TEST(DrivenStone, FollowsTheOneComponentThatIsPrescribed) {
   for (const bool spin : {false, true}) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -194,7 +194,7 @@ velocity = [{}]
       simulation.advance(100);
       const auto corners = block_mesh(simulation, 0).gridpoint;
       const auto moved = block_displacement(simulation, 0), velocities = block_velocity(simulation, 0);
-      const Vec3 centre{0.05, 0.1, 0.15};  // of a spin
+      const Vec3 centre{0.05, 0.1, 0.15};  // centre of rotation
       for (std::size_t i = 0; i < corners.size(); ++i) {
         Vec3 expected{}, arm{};
         for (std::size_t k = 0; k < 3; ++k) arm[k] = corners[i][k] + moved[i][k] - centre[k];
@@ -202,14 +202,14 @@ velocity = [{}]
           expected[(c + 1) % 3] = -0.3 * arm[(c + 2) % 3], expected[(c + 2) % 3] = 0.3 * arm[(c + 1) % 3];
         else
           expected[c] = 0.3;
-        // Velocities are those of half a step before the positions.
+        // Velocities are those half a step before the positions.
         for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(velocities[i][k], expected[k], spin ? 1e-3 : 1e-12) << k;
       }
     }
   }
 }
 
-// Deformable bricks of the lattice share a force by mass: two of them, each under its own name.
+// A force on a deformable brick of the lattice is distributed by mass: two bricks, each with its own name.
 TEST(SteeringBricks, ForcesOfTheStageAreReplacedOnOneOfThem) {
   Scene scene = bare_scene(0.6);
   Assembly assembly = brick_grid({2, 1, 1}, {0.2, 0.1, 0.05}, {2, 1, 1});

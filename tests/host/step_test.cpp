@@ -10,7 +10,7 @@ namespace quoin {
 namespace {
 
 // A uniform stress over a grid of blocks. Every block has the same strain, and each joint opens and slides by its
-// traction over its stiffness. Nothing in the middle may be out of balance.
+// traction over its stiffness. The middle block has no unbalanced force.
 TEST(PatchTest, UniformStressIsReproduced) {
   const double cases[][6] = {{0, -1e6, 0, 0, 0, 0}, {0, 0, 0, 1e6, 0, 0}, {3e5, -1e6, 2e5, 4e5, -3e5, 7e5}};
   for (const auto& zones : {std::array{4, 2, 2}, std::array{3, 2, 1}}) {
@@ -18,7 +18,7 @@ TEST(PatchTest, UniformStressIsReproduced) {
       const Eigen::Matrix3d stress{{xx, xy, zx}, {xy, yy, yz}, {zx, yz, zz}};
       const Eigen::Matrix3d strain =
           (1 + kPoisson) / kYoung * stress - kPoisson / kYoung * stress.trace() * Eigen::Matrix3d::Identity();
-      Eigen::Matrix3d jump;  // column a: over a joint with normal a
+      Eigen::Matrix3d jump;  // column a: jump over a joint with normal a
       for (int a = 0; a < 3; ++a) {
         for (int c = 0; c < 3; ++c) jump(c, a) = stress(c, a) / (c == a ? kNormal : kShear);
       }
@@ -33,7 +33,7 @@ TEST(PatchTest, UniformStressIsReproduced) {
           const Eigen::Vector3d u = strain * Eigen::Vector3d(x[0], x[1], x[2]) + offset;
           for (int c = 0; c < 3; ++c) {
             lattice_displacement(simulation)[dof(model, block, n, c)] = u[c];
-            lattice_velocity(simulation)[dof(model, block, n, c)] = u[c] / dt;  // as if it had come in one step
+            lattice_velocity(simulation)[dof(model, block, n, c)] = u[c] / dt;  // gives displacement u in one step
           }
         }
       }
@@ -57,7 +57,7 @@ TEST(PatchTest, UniformStressIsReproduced) {
   }
 }
 
-// The product with the stiffness that benchmarks time, of single blocks and of two side by side.
+// The product with the stiffness matrix that benchmarks measure, for single blocks and for units of two halves.
 TEST(Step, InternalForceIsTheStiffnessTimesTheDisplacement) {
   for (const bool units : {false, true}) {
     Assembly assembly = brick_grid({4, 1, 1}, {0.11, 0.0625, 0.1}, {4, 2, 2});
@@ -94,7 +94,7 @@ TEST(Step, InternalForceIsTheStiffnessTimesTheDisplacement) {
   }
 }
 
-// A mode of a free block swings as central differences have it: cos(omega_d dt) = 1 - (omega dt)^2/2.
+// A mode of a free block vibrates with the frequency of central differences: cos(omega_d dt) = 1 - (omega dt)^2/2.
 TEST(Step, FreeBlockSwingsWithItsOwnFrequency) {
   Simulation simulation(bare_scene(), brick_grid({1, 1, 1}, {0.11, 0.0625, 0.1}, {4, 2, 2}), 1);
   const Model& model = simulation.model();
@@ -121,7 +121,7 @@ TEST(Step, FreeBlockSwingsWithItsOwnFrequency) {
   }
 }
 
-// Every damping takes what it says it takes.
+// The energy balance includes the work of every kind of damping.
 TEST(Step, EnergyBalanceClosesWithDamping) {
   for (DampingKind damping : {DampingKind::local, DampingKind::viscous}) {
     Scene scene = bare_scene(0.5, damping);
@@ -139,8 +139,7 @@ TEST(Step, EnergyBalanceClosesWithDamping) {
   }
 }
 
-// Inertia that is raised for the step differs from gridpoint to gridpoint and from block to block; each moves by its
-// own.
+// Inertia that is raised for the time step differs between gridpoints and between blocks.
 TEST(Step, EnergyBalanceClosesWithInertiaRaisedForTheStep) {
   Scene scene = bare_scene(0.5);
   scene.output.energy = true;
@@ -156,7 +155,7 @@ TEST(Step, EnergyBalanceClosesWithInertiaRaisedForTheStep) {
   EXPECT_NEAR(simulation.measure().energies->balance_error(), start, 1e-9 * start);
 }
 
-// Mass-proportional damping alone: a rigid motion dies out like (1 - alpha dt)^n.
+// Under mass-proportional damping only, a rigid motion decays like (1 - alpha dt)^n.
 TEST(Step, ViscousDampingSlowsAFreeBlock) {
   Scene scene = bare_scene(0.6, DampingKind::viscous);
   scene.solver.mass_damping = 1000.0;
@@ -185,7 +184,7 @@ TEST(Step, FreeFall) {
   }
 }
 
-// A spinning rigid block under no force keeps turning; hung on elastic joints it swings without losing energy.
+// A rotating rigid block without forces keeps its rotation; on elastic joints it vibrates without loss of energy.
 TEST(Step, RigidBlocksKeepTheirEnergy) {
   Scene scene = bare_scene(0.8);
   scene.output.energy = true;

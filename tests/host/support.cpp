@@ -47,7 +47,7 @@ Assembly brick_grid(std::array<int, 3> count, Vec3 size, std::array<int, 3> zone
         brick.parity = (i * zones[0] + j * zones[1] + k * zones[2]) % 2;
         assembly.bricks.push_back(brick);
         if (i > 0) assembly.joints.push_back({index(i - 1, j, k), index(i, j, k), 1, 0});
-        if (j > 0) assembly.joints.push_back({index(i, j, k), index(i, j - 1, k), 2, 0});  // the other way round
+        if (j > 0) assembly.joints.push_back({index(i, j, k), index(i, j - 1, k), 2, 0});  // in the opposite order
         if (k > 0) assembly.joints.push_back({index(i, j, k - 1), index(i, j, k), 5, 0});
       }
     }

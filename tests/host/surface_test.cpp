@@ -1,4 +1,4 @@
-// What files and pictures say of joints.
+// Damage and cracks of joints in files and pictures.
 #include "results/surface.h"
 
 #include <gmock/gmock.h>
@@ -16,8 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-// A joint that is pulled open for the first time carries (1 - damage) of its tensile strength, whatever the shape of
-// softening.
+// A joint that opens for the first time carries (1 - damage) of its tensile strength, for any shape of softening.
 TEST(Surfaces, DamageIsTheShareOfTheStrengthThatIsLost) {
   const std::vector<PropertySetting> table{{"softening", {}, "table", {}},
                                            {"softening_table", {0.0, 1.0, 0.3, 0.5, 1.0, 0.0}, "", {}}};
@@ -37,8 +36,8 @@ TEST(Surfaces, DamageIsTheShareOfTheStrengthThatIsLost) {
   }
 }
 
-// A joint that has opened and slid is drawn by the larger of both. It is torn along a straight line to (opening, slip),
-// by so much that little or all of its strength is gone.
+// A joint that has opened and slid is drawn by the larger of both. Its path is a straight line to (opening, slip), at
+// whose end a small part or all of its strength is lost.
 TEST(Surfaces, CracksAreNamedByTheLargerOfOpeningAndSlip) {
   const Assembly assembly = brick_grid({2, 1, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}, mortar_family());
   const auto torn = [&](double opening, double slide) {
@@ -74,7 +73,7 @@ TEST(Surfaces, CracksAreNamedByTheLargerOfOpeningAndSlip) {
   for (const JointPoint& p : torn(3e-3, 0.3e-3)) EXPECT_EQ(p.crack, Crack::open);
 }
 
-// A dry joint has lost all strength from the start: pictures go by what it does.
+// A dry joint has damage 1 from the start, so pictures show its opening and slip.
 TEST(Surfaces, DryJointsAreIntactUntilTheyOpenOrSlide) {
   JointFamily family = mortar_family();
   family.initial_state = "dry";
@@ -98,8 +97,8 @@ TEST(Surfaces, DryJointsAreIntactUntilTheyOpenOrSlide) {
   for (const Crack crack : moved(30e-6, 0.0)) EXPECT_EQ(crack, Crack::open);
 }
 
-// The sides of a joint between rigid blocks move as the blocks do, also where the joint ends within a block. Half of
-// the upper one hangs over and pulls it round.
+// The sides of a joint between rigid blocks move with the blocks, also where the joint ends inside a face. Half of the
+// upper block overhangs, so it rotates.
 TEST(Surfaces, JointsOfRigidBlocksMoveWithTheirBlocks) {
   const Vec3 size{0.4, 0.2, 0.3};
   Assembly assembly = brick_grid({1, 2, 1}, size, {1, 1, 1});
@@ -119,7 +118,7 @@ TEST(Surfaces, JointsOfRigidBlocksMoveWithTheirBlocks) {
   const std::vector<Vec3> corner = block_displacement(simulation, 1);  // x fastest
   ASSERT_GT(std::abs(corner[1][1] - corner[0][1]), 1e-9) << "it turns";
   const auto points = Surfaces().joint_points(simulation);
-  ASSERT_EQ(points.size(), 17u);  // it bonds
+  ASSERT_EQ(points.size(), 17u);  // a joint with tensile strength
   for (const JointPoint& p : points) {
     ASSERT_EQ(p.contact.block_b, 1);
     for (std::size_t c = 0; c < 3; ++c) {
@@ -133,8 +132,8 @@ TEST(Surfaces, JointsOfRigidBlocksMoveWithTheirBlocks) {
   }
 }
 
-// The arch that is shipped stands with all its joints closed, and falls by four hinges. It is stopped before they gape
-// by more than contact points bridge.
+// The shipped arch stands with all joints closed, and collapses with four hinges. The run stops before the hinges open
+// beyond the distance of contact detection.
 TEST(Surfaces, ADryArchShowsItsHinges) {
   struct Recorder : Observer {
     std::vector<std::map<std::pair<int, int>, Crack>> worst;  // by stage and joint
@@ -170,7 +169,7 @@ TEST(CrushedOut, WarningCountsItsPoints) {
   EXPECT_THAT(found.warning(), StartsWith("2 contact points are crushed out: they carry no more than"));
 }
 
-// The brittle law has lost all at once, or nothing; a law that never fails loses nothing.
+// The damage of the brittle law is 0 or 1; that of a law without failure is 0.
 TEST(Surfaces, DamageOfLawsWithoutSofteningIsAllOrNothing) {
   for (const char* law : {"coulomb_slip", "elastic"}) {
     JointFamily family = elastic_family();

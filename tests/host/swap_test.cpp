@@ -1,5 +1,5 @@
-// Laws swapped while a loaded wall runs. Traction stays continuous, history goes over by id, the energy jump is
-// reported; or the swap is refused with the reason.
+// Law swaps in a loaded wall. Traction is continuous, states are converted by id, and the energy jump is reported; or
+// the swap is refused with the reason.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,13 +27,13 @@ struct SwapRecorder : Observer {
   void on_law_swap(const LawSwap& swap) override { swaps.push_back(swap); }
 };
 
-// A small wall, pressed and sheared, whose mortar joints change their law from stage to stage. The law of stage k is
-// swaps[k], or empty.
+// Returns a small wall, pressed and sheared, whose mortar joints have law swaps. swaps[k]: the new law in stage k;
+// empty: no swap.
 Scene swapped_wall(const std::string& first_law, const std::vector<std::string>& swaps, double shear) {
   Scene scene = wall_scene(4, 2.5);
   JointFamily& mortar = scene.joints["mortar"];
   mortar.law = first_law;
-  if (first_law == "elastic") {  // which refuses what it does not know
+  if (first_law == "elastic") {  // which refuses properties of other laws
     std::erase_if(mortar.properties,
                   [](const PropertySetting& p) { return p.id.find("stiffness") == std::string::npos; });
   }
@@ -78,15 +78,15 @@ TEST(LawSwap, TractionIsContinuousThroughElasticSofteningAndBrittle) {
     EXPECT_GT(largest, 1e5) << "the wall carries no load: nothing is tested";
   }
   for (const LawSwap& swap : recorder.swaps) {
-    // All joints are elastic here, and the three laws share kn and ks: nothing is lost or won.
+    // All joints are elastic here, and the three laws have equal kn and ks: the energy does not change.
     EXPECT_GT(swap.stored_before, 0.0);
     EXPECT_LT(std::abs(swap.energy_jump), 1e-9 * swap.stored_before);
     EXPECT_EQ(swap.limited, 0);
   }
 }
 
-// The first step under the new law. An open, softened joint has a secant far below kn. Had the reference of its opening
-// not moved with the swap, its traction would jump to the tensile strength. The second swap begins from that reference.
+// The first step with the new law. An open, softened joint has a secant stiffness far below kn. Without a normal shift
+// at the swap its traction would jump to the tensile strength. The second swap adds to the shift of the first.
 TEST(LawSwap, FirstStepAfterTheSwapChangesLittle) {
   Scene scene = swapped_wall("fracture_energy", {"", "", "coulomb_slip", "elastic"}, 4e-4);
   for (const std::size_t k : {2u, 3u}) {
@@ -103,7 +103,7 @@ TEST(LawSwap, FirstStepAfterTheSwapChangesLittle) {
     const auto& after = recorder.at_end[stage];
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (simulation.assembly().families[static_cast<std::size_t>(before[i].family)].name != "mortar") continue;
-      // What gridpoints with up to 0.2 m/s (the driven beam has 0.05) open or close in a step of 2.5 us, times kn.
+      // kn times the opening in a step of 2.5 us of gridpoints with up to 0.2 m/s (the beam has 0.05 m/s).
       EXPECT_NEAR(before[i].traction[0], after[i].traction[0], kNormal * 5e-7) << stage;
     }
   }

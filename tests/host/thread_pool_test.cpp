@@ -1,4 +1,4 @@
-// Every piece of every call runs exactly once, whatever holds the threads up.
+// Every piece of every call runs exactly once, for any delays of the threads.
 #include "base/thread_pool.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace quoin {
 namespace {
 
-// Ends of the ranges of the threads, for some pieces.
+// Returns the ends of the ranges of the threads.
 std::vector<int> ends_of(int threads, int pieces) {
   std::vector<int> end;
   for (int t = 1; t <= threads; ++t) end.push_back(pieces * t / threads);
@@ -24,14 +24,14 @@ TEST(ThreadPool, SharesAreOfEqualWeight) {
 }
 
 TEST(ThreadPool, EveryPieceOnceInCallsOfAnyLength) {
-  for (const int threads : {1, 2, 3, 8}) {  // more than the machine has, too: threads come late
+  for (const int threads : {1, 2, 3, 8}) {  // also more threads than cores, which start late
     ThreadPool pool(threads);
     std::mt19937 random(5);
     std::uniform_int_distribution<int> length(0, 40);
     long calls = 0;
     for (int i = 0; i < 3000; ++i, ++calls) {
       const int pieces = length(random);
-      const std::vector<int> end = ends_of(threads, pieces);  // gone after the call, as the function is
+      const std::vector<int> end = ends_of(threads, pieces);  // freed after the call, as the function is
       std::vector<int> times(static_cast<std::size_t>(pieces), 0);
       auto count = [&](int thread, int piece) {
         ASSERT_TRUE(thread >= 0 && thread < threads);
@@ -44,7 +44,7 @@ TEST(ThreadPool, EveryPieceOnceInCallsOfAnyLength) {
   }
 }
 
-// What one call writes the next one reads, on whichever thread.
+// A call reads what an earlier call has written, on any thread.
 TEST(ThreadPool, CallsSeeWhatEarlierCallsWrote) {
   constexpr int kPieces = 24;
   ThreadPool pool(4);
@@ -60,7 +60,7 @@ TEST(ThreadPool, CallsSeeWhatEarlierCallsWrote) {
   for (const long value : here) EXPECT_EQ(value, 2001);
 }
 
-// A thread that is held up in its first piece keeps that one alone; another does the rest of its share meanwhile.
+// A thread that is delayed in its first piece computes only this one; another thread computes the rest of its range.
 TEST(ThreadPool, AThreadThatIsHeldUpLosesItsShareToOthers) {
   ThreadPool pool(2);
   std::vector<int> by(20, -1);

@@ -1,4 +1,4 @@
-// Ranks that are threads of one process, so that what ranks do together is tested where no MPI is.
+// Ranks that are threads of one process, for tests of ranks without MPI.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace quoin {
 
 class ThreadRanks : public Ranks {
  public:
-  // What all of them share. A rank that has ended releases those that wait for it: they throw.
+  // Data that all ranks share. When a rank ends, ranks that wait for it throw.
   struct Shared {
     explicit Shared(int ranks) : count(ranks), left(ranks), slot(static_cast<std::size_t>(ranks)) {}
     const int count;
@@ -29,8 +29,8 @@ class ThreadRanks : public Ranks {
     bool ended = false;
     std::mutex mutex;
     std::condition_variable changed;
-    std::vector<std::vector<std::byte>> slot;                             // what each gives to a round
-    std::map<std::pair<int, int>, std::deque<std::vector<double>>> mail;  // from, to
+    std::vector<std::vector<std::byte>> slot;                             // bytes of each rank in a round
+    std::map<std::pair<int, int>, std::deque<std::vector<double>>> mail;  // by (sender, receiver)
     long messages = 0;
   };
 
@@ -110,13 +110,13 @@ class ThreadRanks : public Ranks {
     if (!done()) throw std::runtime_error(in_time ? "another rank has ended" : "ranks wait for each other for ever");
   }
 
-  // What every rank gives, once all have come.
+  // Waits for all ranks and returns the bytes of every rank.
   std::vector<std::vector<std::byte>> meet(std::span<const std::byte> own) {
     std::unique_lock lock(shared_.mutex);
     shared_.slot[static_cast<std::size_t>(rank_)].assign(own.begin(), own.end());
     arrive(lock);
     const auto all = shared_.slot;
-    arrive(lock);  // nobody gives anything new before all have read
+    arrive(lock);  // the next round begins when all have read
     return all;
   }
   void arrive(std::unique_lock<std::mutex>& lock) {
@@ -135,8 +135,8 @@ class ThreadRanks : public Ranks {
   std::vector<Parcel> expected_;
 };
 
-// Runs `of_rank` on so many ranks at once; the first exception of any of them is thrown here. Returns how many messages
-// went from one to another.
+// Runs `of_rank` on `count` ranks at the same time and throws the first exception of any of them. Returns the number of
+// messages between ranks.
 inline long on_ranks(int count, const std::function<void(Ranks&)>& of_rank) {
   ThreadRanks::Shared shared(count);
   std::vector<std::exception_ptr> faults(static_cast<std::size_t>(count));

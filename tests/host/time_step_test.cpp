@@ -14,7 +14,7 @@
 namespace quoin {
 namespace {
 
-// Bricks between a rigid block below and one above: everything that has stiffness or inertia.
+// Returns bricks between a rigid block below and one above: all kinds of stiffness and inertia.
 Assembly sandwich() {
   Assembly assembly = brick_grid({2, 2, 1}, {0.11, 0.0625, 0.1}, {2, 2, 1});
   Brick beam;
@@ -67,7 +67,7 @@ TEST(TimeStep, LanczosFindsTheLargestFrequencyOfTheDenseMatrix) {
   EXPECT_LE(report.gershgorin.value, report.critical.value);
   EXPECT_GE(report.nodal.value, report.critical.value);
   EXPECT_DOUBLE_EQ(report.time_step, 0.6 * report.critical.value);
-  // A free assembly has 6 rigid motions and no more; the dofs without inertia give zeros too.
+  // A free assembly has exactly 6 rigid motions; degrees of freedom without inertia have eigenvalue 0, too.
   const int idle = static_cast<int>((scale.array() == 0.0).count());
   EXPECT_LT(std::abs(lambda[idle + 5]), 1e-9 * lambda[size - 1]);
   EXPECT_GT(lambda[idle + 6], 1e-6 * lambda[size - 1]);
@@ -89,7 +89,8 @@ TEST(TimeStep, StableJustBelowTheLimitUnstableJustAbove) {
   EXPECT_GT(largest_after(bare_scene(1.02), sandwich(), 3000), 1e3);
 }
 
-// "rigid block 5 ..." or "block 3, gridpoint 7 ...": where a limit is set, by the number of the block in its words.
+// The place where a limit is set, "rigid block 5 ..." or "block 3, gridpoint 7 ...", belongs to the block of that
+// number.
 TEST(TimeStep, PlacesOfLimitsAreThoseOfTheBlocksTheyName) {
   Assembly rigid = brick_grid({3, 2, 1}, {0.2, 0.1, 0.15}, {1, 1, 1});
   for (Brick& brick : rigid.bricks) brick.rigid = true;
@@ -122,7 +123,8 @@ TEST(TimeStep, PlacesOfLimitsAreThoseOfTheBlocksTheyName) {
   EXPECT_GE(blocks, 3);
 }
 
-// F against v all the time makes a mode (1 + gamma) times as stiff: its limit is 1/sqrt(1 + gamma) of the undamped one.
+// With F opposite to v in all steps a mode is (1 + gamma) times as stiff: its limit is 1/sqrt(1 + gamma) of the
+// undamped one.
 TEST(TimeStep, WarnsAboveTheQuietStepOfLocalDamping) {
   const Assembly assembly = sandwich();
   const Model model(assembly, make_materials(assembly));
@@ -136,8 +138,8 @@ TEST(TimeStep, WarnsAboveTheQuietStepOfLocalDamping) {
   }
 }
 
-// Viscous damping from the velocity of half a step ago: 2/omega (sqrt(1 + xi^2) - xi), xi = alpha/(2 omega) + beta
-// omega/2.
+// Viscous damping by the velocity half a step before has the limit 2/omega (sqrt(1 + xi^2) - xi), with
+// xi = alpha/(2 omega) + beta omega/2.
 TEST(TimeStep, ViscousDampingShortensItByItsRatio) {
   const Assembly assembly = sandwich();
   const Model model(assembly, make_materials(assembly));
@@ -155,7 +157,8 @@ TEST(TimeStep, ViscousDampingShortensItByItsRatio) {
   }
 }
 
-// Eq. 3 with the diagonal of K computed column by column. Gridpoints set the step here: that of rigid bodies is longer.
+// Eq. 3 with the diagonal of K, computed column by column. Gridpoints set the step here; that of rigid bodies is
+// longer.
 TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
   const Assembly assembly = sandwich();
   const Model model(assembly, make_materials(assembly));
@@ -176,8 +179,8 @@ TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
       shortest = std::min(shortest, 2.0 * std::sqrt(inertia.node[i] / column[i]));
   }
   EXPECT_NEAR(report.nodal.value, shortest, 1e-12 * shortest);  // sums in another order
-  // It says whose step it is, and what of its stiffness are joints and not zones. Gridpoints that symmetry makes equal
-  // differ in rounding.
+  // The report has the gridpoint and the share of joints in its stiffness. Gridpoints that are equal by symmetry differ
+  // by rounding.
   bool found = false;
   for (const BlockGroup& group : model.groups) {
     for (int line = group.first_line; line < group.first_line + model.templates[0].node_count; ++line) {
@@ -223,8 +226,8 @@ TimeStepReport step_of_a_wall(int courses, double units) {
   return choose_time_step(model, settings, &inertia, Limits::critical);
 }
 
-// A product costs the same a block (one pass over it and its points). Their number may grow with the wall, at most like
-// its length, as modes 1/length^2 apart need. Without that the value stands to 1e-7.
+// The cost of a product is proportional to the number of blocks. The number of products may grow at most like the
+// length of the wall, which modes 1/length^2 apart need. The value is accurate to 1e-7.
 TEST(TimeStep, StepsOfLanczosGrowSlowerThanTheLengthOfTheWall) {
   const TimeStepReport small = step_of_a_wall(16, 5), large = step_of_a_wall(32, 10), larger = step_of_a_wall(64, 20);
   std::printf("Lanczos steps %d, %d, %d, critical step %.10g, %.10g, %.10g s\n", small.lanczos_steps,
@@ -232,7 +235,7 @@ TEST(TimeStep, StepsOfLanczosGrowSlowerThanTheLengthOfTheWall) {
               larger.critical.value);
   EXPECT_LT(larger.lanczos_steps, 4 * small.lanczos_steps) << "16 times the blocks, 4 times as long";
   EXPECT_LT(larger.lanczos_steps, 600) << "stopped by the limit, not settled";
-  // Held edges raise the wave number of a mode: 1/length^2, a quarter of the difference at twice the length.
+  // Fixed edges raise the wave number of a mode by 1/length^2: a quarter of the difference at twice the length.
   EXPECT_LE(larger.critical.value, large.critical.value * (1 + 1e-6));
   EXPECT_LT(large.critical.value - larger.critical.value, 0.5 * (small.critical.value - large.critical.value));
 }
@@ -271,7 +274,7 @@ TEST(TimeStep, MassScalingIsReported) {
   EXPECT_GT(some.added_mass, 0.0);
   EXPECT_GE(some.critical.value * selective.time_step_fraction, some.time_step * (1 - 1e-9));
   for (std::size_t i = 0; i < raised.node.size(); ++i) EXPECT_GE(raised.node[i], model.node_mass[i]);
-  // No more than row sums require: the stiffest row meets the step.
+  // Inertia is not larger than row sums require: the stiffest row has exactly the requested step.
   const double wanted = selective.selective_time_step / selective.time_step_fraction;
   EXPECT_NEAR(some.gershgorin.value, wanted, 1e-12 * wanted);
 }

@@ -1,6 +1,5 @@
-// A scene whose axes change names does the same. With everything that the scene holds x, y, z become y, z, x or z, x,
-// y, and all results have the new names. Neither kernels nor results may treat one axis unlike another, but that sums
-// of floating-point numbers are taken in another order.
+// A scene with permuted axes has the same results. All vectors of the scene change from x, y, z to y, z, x or z, x, y,
+// and so do all results. Kernels and results must treat all axes equally, except for the order of floating-point sums.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +12,7 @@
 namespace quoin {
 namespace {
 
-// Component c of the scene as it was written is component (c + turns) % 3 now.
+// Returns v with permuted axes: component c becomes component (c + turns) % 3.
 Vec3 turned(const Vec3& v, std::size_t turns) {
   Vec3 w{};
   for (std::size_t c = 0; c < 3; ++c) w[(c + turns) % 3] = v[c];
@@ -24,7 +23,7 @@ struct Case {
   const char* name;
   const char* solver;
   bool rigid;
-  double rounding;  // relative to the largest of its kind
+  double rounding;  // tolerance relative to the largest value of a kind
   enum { askew, one_axis, to_and_fro } drive = askew;
 };
 
@@ -33,7 +32,7 @@ std::string text(const Vec3& v, std::size_t turns) {
   return fmt::format("[{}, {}, {}]", w[0], w[1], w[2]);
 }
 
-// Two blocks side by side and one on top, which is pressed and pushed askew; no two lengths are the same.
+// Returns two blocks beside each other and one on top, which has a pressure and an oblique force. All lengths differ.
 std::string scene_text(const Case& of, std::size_t turns) {
   std::string toml = fmt::format(R"(
 [solver]
@@ -65,7 +64,7 @@ fracture_energy_compression = 8000.0
   block("left", {0.0, 0.0, 0.0}, {0.3, 0.2, 0.15}, {3, 2, 1}, false);
   block("right", {0.3, 0.0, 0.0}, {0.3, 0.2, 0.15}, {3, 2, 1}, false);
   block("top", {0.1, 0.2, 0.0}, {0.4, 0.1, 0.15}, {}, false);
-  // Down is free, the others, or one of them, are driven.
+  // The vertical axis is free; one or both of the others have prescribed velocities.
   std::array<std::string, 3> velocity;
   for (std::size_t c = 0; c < 3; ++c)
     velocity[(c + turns) % 3] = std::array{of.drive == Case::to_and_fro ? "0.0" : "0.01", "\"free\"",
@@ -87,8 +86,8 @@ fracture_energy_compression = 8000.0
 
 class Turned : public ::testing::TestWithParam<Case> {};
 
-// The time step, by Lanczos, differs by 1e-15 on the lattice, by up to 3e-7 elsewhere, and cracks that open multiply
-// differences. Local damping takes the sign of every velocity, those that are rounding too.
+// Tolerances. The time step, by Lanczos, differs by 1e-15 on the lattice and by up to 3e-7 elsewhere; cracks amplify
+// differences. Local damping depends on the sign of every velocity, also of those that are only rounding errors.
 constexpr double kSmooth = 1e-6, kOfStep = 1e-4, kOfSigns = 5e-3;
 
 TEST_P(Turned, NamesOfAxesChangeNothing) {
@@ -129,7 +128,7 @@ TEST_P(Turned, NamesOfAxesChangeNothing) {
     };
     near(a.monitor_displacement, b.monitor_displacement, 1e-3);
     near(a.joint_force, b.joint_force, 1e4);
-    // Along the direction of the cycles.
+    // dynamic_force is along the direction of the cycles.
     if (GetParam().drive == Case::to_and_fro) {
       EXPECT_NE(a.dynamic_force, 0.0);
       EXPECT_NEAR(b.dynamic_force, a.dynamic_force, rounding * 1e4);
@@ -151,10 +150,11 @@ TEST_P(Turned, NamesOfAxesChangeNothing) {
         near(ua[g], ub[h], 1e-3);
         near(va[g], vb[h], 1.0);
       }
-      // Zones are numbered otherwise: what does not depend on the order is compared with each other.
+      // The numbering of zones differs, so values that do not depend on their order are compared.
       Vec3 normal_a{}, normal_b{}, shear_a{}, shear_b{};
       for (const auto& s : block_stress(*straight, i))
-        for (std::size_t c = 0; c < 3; ++c) normal_a[c] += s[c], shear_a[c] += s[3 + (c + 1) % 3];  // c: not in it
+        for (std::size_t c = 0; c < 3; ++c)
+          normal_a[c] += s[c], shear_a[c] += s[3 + (c + 1) % 3];  // the one without axis c
       for (const auto& s : block_stress(*askew, i))
         for (std::size_t c = 0; c < 3; ++c) normal_b[c] += s[c], shear_b[c] += s[3 + (c + 1) % 3];
       near(normal_a, normal_b, 1e7);

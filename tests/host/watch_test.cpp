@@ -1,4 +1,4 @@
-// What a run looks at besides its results, and the shapes that results are drawn on.
+// Values that a run monitors besides its results, and the shapes of blocks in pictures.
 #include "step/watch.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 namespace quoin {
 namespace {
 
-// A stone of 0.4 x 0.2 x 0.3 m on the ground, in elastic joints so soft that a load of 10 kN closes them by
+// Returns a stone of 0.4 x 0.2 x 0.3 m on the ground, with elastic joints so soft that a load of 10 kN closes them by
 // millimetres.
 std::string stone(const std::string& solver, const std::string& of_stone, const std::string& stage) {
   return "[solver]\ndamping = \"viscous\"\nmass_damping = 50.0\n" + solver + R"(
@@ -40,8 +40,8 @@ box = { lower = [0, 0, 0], size = [0.4, 0.2, 0.3] }
          "\n[[stage]]\nname = \"press\"\nduration = 0.1\n" + stage;
 }
 
-// Pressed at each corner in turn, so that every contact point is the deepest once, the first and the last too. The
-// lattice takes loads at the centre alone.
+// A load at each corner in turn, so that the deepest contact point is at each of them. The lattice has loads at the
+// centre only.
 TEST(Watch, SeesTheDeepestContactPointAndItsPlace) {
   std::vector<double> overlap;
   for (const auto& [x, z] : {std::pair{0.05, 0.05}, {0.35, 0.05}, {0.05, 0.25}, {0.35, 0.25}}) {
@@ -59,19 +59,19 @@ TEST(Watch, SeesTheDeepestContactPointAndItsPlace) {
     EXPECT_GT(-deepest->jump[0], 1e-3) << "nothing is pressed";
     EXPECT_EQ(deepest->position[0] < 0.2, x < 0.2);
     EXPECT_EQ(deepest->position[2] < 0.15, z < 0.15);
-    // The most of all rows, of which the last is one: the load is there at once, so that it swings past its end.
+    // Largest overlap of all rows. The load acts from the start, so the block vibrates beyond its final position.
     EXPECT_GE(watch_of(simulation).overlap, -deepest->jump[0]);
     EXPECT_LT(watch_of(simulation).overlap, -2.2 * deepest->jump[0]);
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(watch_of(simulation).overlap_at[c], deepest->position[c], 0.01) << c;
     overlap.push_back(watch_of(simulation).overlap);
   }
-  // The four are mirror images of each other.
+  // The four loads are mirror images of each other.
   for (const double one : overlap) EXPECT_NEAR(one, overlap[0], 1e-6 * overlap[0]);
 }
 
-// F / (kn A) on a joint of 0.4 x 0.3 m, either side of what is allowed: 5 % of the ground's 0.1 m. It comes slowly: 2 %
-// more at most.
+// Overlap F / (kn A) of a joint of 0.4 x 0.3 m, below and above the bound of 5 % of the ground's 0.1 m. The load grows
+// slowly, so vibration adds at most 2 %.
 TEST(Watch, OverlapIsToldFromAFivePercentOfTheLeastExtentOn) {
   for (const char* kernels : {"lattice", "general"}) {
     for (const double share : {0.9, 1.1}) {
@@ -95,7 +95,7 @@ TEST(Watch, OverlapIsToldFromAFivePercentOfTheLeastExtentOn) {
   }
 }
 
-// Of steps that are checked, a few of some thousand, though energies are not requested.
+// The energy balance is checked in a few of some thousand steps, although energies are not requested.
 TEST(Watch, EnergiesOfSomeStepsAreLookedAt) {
   const auto missing = [](const std::string& solver, const std::string& of_stone) {
     Simulation simulation(read_scene_text(
@@ -107,12 +107,12 @@ TEST(Watch, EnergiesOfSomeStepsAreLookedAt) {
     EXPECT_GT(watch_of(simulation).energy_moved, 0.0);
     return std::abs(watch_of(simulation).energy_missing) / watch_of(simulation).energy_moved;
   };
-  // Two neighbouring steps of central differences balance to rounding, up to what is half a step apart.
+  // Two neighbouring steps of central differences balance to rounding, except for terms half a step apart.
   EXPECT_LT(missing("kernels = \"lattice\"", "rigid = false\ndivisions = [2, 1, 2]"), 0.01);
 }
 
 // The faces of a box, counter-clockwise from outside, enclose it. The sum of x . n dA over them is three times its
-// volume, and of n dA nothing.
+// volume, and that of n dA is 0.
 TEST(BlockMesh, FacesEncloseTheBlock) {
   for (const char* kernels : {"lattice", "general"}) {
     for (const char* of_stone : {"", "rigid = false\ndivisions = [3, 2, 1]"}) {
@@ -128,7 +128,7 @@ TEST(BlockMesh, FacesEncloseTheBlock) {
         const auto& x = mesh.gridpoint;
         const Vec3 &a = x[static_cast<std::size_t>(face[0])], &b = x[static_cast<std::size_t>(face[1])],
                    &c = x[static_cast<std::size_t>(face[2])], &d = x[static_cast<std::size_t>(face[3])];
-        Vec3 normal{};  // of a rectangle: half the product of its diagonals, as long as its area
+        Vec3 normal{};  // half the cross product of the diagonals; its length is the area of the rectangle
         for (std::size_t k = 0; k < 3; ++k) {
           const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
           normal[k] = 0.5 * ((c[m] - a[m]) * (d[n] - b[n]) - (c[n] - a[n]) * (d[m] - b[m]));

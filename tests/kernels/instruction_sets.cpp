@@ -1,11 +1,11 @@
-// The laws on two instruction sets: one run writes what every kernel gives, another compares.
+// The laws with two instruction sets: one run writes the outputs of every kernel, another compares.
 //
-//   instruction_sets write|compare FILE LAWS_FOLDER    on the best set of this machine
+//   instruction_sets write|compare FILE LAWS_FOLDER    with the best set of this machine
 //   instruction_sets avx512 FILE LAWS_FOLDER           writes with AVX2, compares with AVX-512, on a machine with both
 //
 // Every material, with and without property columns, with and without optional outputs, 60 steps of 61 points. Each
-// step of a comparison starts from the old state in the file, so that a difference stays in its own step. Prints one
-// line a law; the exit code is 1 if any bit differs. instruction_sets.sh runs it where a processor can be emulated.
+// step of a comparison starts from the old state in the file, so that differences do not propagate. Prints one line for
+// each law; the exit code is 1 if any bit differs. instruction_sets.sh runs it with an emulated processor.
 #include <termios.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ namespace {
 using quoin::test::Batch;
 using quoin::test::Values;
 
-// The set that the laws use here: the lowest bit is the best set.
+// Returns the instruction set that the laws use; the lowest bit is the best set.
 std::string instruction_set() {
 #ifdef __x86_64__
   const std::int64_t usable = hwy::SupportedTargets() & HWY_TARGETS;
@@ -40,7 +40,7 @@ struct Comparison {
   std::size_t values = 0, different = 0;
   double largest = 0.0;
 
-  // Writes the column, or compares it with the file's and takes that over.
+  // Writes the column, or compares it with that of the file and replaces it by that.
   template <class Number>
   void column(std::vector<Number>& mine) {
     values += mine.size();
@@ -62,7 +62,7 @@ struct Comparison {
   }
 };
 
-// Random properties point by point; some of the points snap back, which fails them.
+// Random per-point properties; some points would snap back, so they fail.
 struct PropertyColumns {
   std::vector<double> friction, stiffness;
   quoin_property_column columns[2];
@@ -103,7 +103,7 @@ void run(const quoin_law& law, const Values& values, bool with_columns, Comparis
   }
 }
 
-// 0: written, or the same bits.
+// Returns the exit code; 0: written, or bitwise identical.
 int run_laws(const char* name, bool writes, const std::string& folder) {
   std::FILE* const file = std::fopen(name, writes ? "wb" : "rb");
   if (file == nullptr) {
@@ -128,7 +128,7 @@ int run_laws(const char* name, bool writes, const std::string& folder) {
       same = false;
     }
     std::fflush(stdout);
-    tcdrain(STDOUT_FILENO);  // the first process of an emulated machine takes it down when it ends
+    tcdrain(STDOUT_FILENO);  // an emulated machine stops when its first process ends
   }
   return std::fclose(file) == 0 && same ? 0 : 1;
 }

@@ -1,5 +1,5 @@
-// Instruction sets agree; batch size, partition, stride and aliasing change no bit. (Issue 3: bit for bit between those
-// with fused multiply-add, to 1e-12 times the amplification near snap-back otherwise.)
+// Instruction sets with fused multiply-add are bitwise identical. Others agree to 1e-12 times the amplification near
+// snap-back. Batch size, partition, stride and aliasing change no bit.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -20,7 +20,7 @@ using quoin::test::materials;
 using quoin::test::randomise;
 using quoin::test::Values;
 
-// A material keeps the kernels of the best instruction set enabled when it is made.
+// Limits the instruction set; a material has the kernels of the best set that is enabled at its creation.
 struct OnTarget {
   explicit OnTarget(std::int64_t target) {
     hwy::SetSupportedTargetsForTest(target);
@@ -32,7 +32,7 @@ struct OnTarget {
   }
 };
 
-// Whether a material of these values, with this one for the property, is made.
+// Returns true if the law accepts these values, with this value of the property.
 bool accepted(const quoin_law& law, Values values, const std::string& property, double value) {
   std::erase_if(values.numbers, [&](const auto& number) { return number.first == property; });
   values.numbers.emplace_back(property, value);
@@ -44,7 +44,7 @@ bool accepted(const quoin_law& law, Values values, const std::string& property, 
   }
 }
 
-// Drives every material 60 steps on both sets and returns the largest difference of tractions over their scale.
+// Computes 60 steps of every material with both sets and returns the largest difference of tractions over their scale.
 double difference(const char* id, std::int64_t one, std::int64_t other, bool extreme, bool& same_bits) {
   const quoin_law& law = load_law(id);
   double worst = 0.0;
@@ -105,7 +105,7 @@ TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
     const Material material = make_material(law, values);
     std::mt19937_64 random(11);
     Batch whole(law, 203);
-    // Closure and uplift that another material left behind: they count where this one neither crushes nor dilates.
+    // Closure and uplift of another material, which act also if this material has no crushing and dilation.
     for (std::size_t i = 0; i < whole.count; ++i) {
       whole.in[8][i] = 2e-6 * static_cast<double>(i % 3);
       whole.in[9][i] = 1e-6 * static_cast<double>(i % 2);
@@ -131,7 +131,7 @@ TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
   }
 }
 
-// A call of one point has a path of its own, and so have vectors of points that all stay elastic.
+// Batches of one point have separate code, and so have vectors of elastic points.
 TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
   constexpr std::size_t kCount = 256;
   for (const char* id : laws) {
@@ -180,7 +180,7 @@ TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
   }
 }
 
-// One point of an array of structures: in place, without diagnostics, without a stride that could mean anything.
+// One point of an array of structures: in place, without diagnostics, with strides that have no meaning.
 TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
   for (const char* id : laws) {
     const quoin_law& law = load_law(id);
@@ -215,7 +215,7 @@ TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
   }
 }
 
-// C6.11 holds for one point too.
+// C6.11 applies also to batches of one point.
 TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
   for (const char* id : laws) {
     const quoin_law& law = load_law(id);
@@ -246,7 +246,7 @@ TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
   }
 }
 
-// plugin_api/include/quoin/law.h: of a migration, energies and the status alone may be null.
+// plugin_api/include/quoin/law.h: only energies and status of a migration may be null.
 TEST(Migrations, OfOnePointWithoutARequiredColumnAreRefused) {
   for (const char* id : laws) {
     const quoin_law& law = load_law(id);
@@ -291,14 +291,14 @@ TEST(Migrations, OfOnePointWithoutARequiredColumnAreRefused) {
   }
 }
 
-// Elastic points, which a whole vector takes by the short path: what is wrong with one of them must be seen there too.
+// Elastic points, which a whole vector computes by the short path: this path, too, must detect an invalid value.
 TEST(Batches, AnOldValueThatIsNotFiniteFailsItsPointAmongElasticOnes) {
   const quoin_law& law = load_law("fracture_energy");
   for (const Values& values : materials("fracture_energy")) {
     const Material material = make_material(law, values);
     const bool shared = values.words[1].second == "shared";
     for (const std::size_t column : {4, 5, 6, 7, 8, 9}) {  // tau_s, tau_t, xi_t, xi_s, w, v
-      if (shared && column == 7) continue;                 // xi_t speaks for both
+      if (shared && column == 7) continue;                 // only xi_t is read
       for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
         Batch b(law, 32);
         b.in[0].assign(b.count, -1e-6);
@@ -314,7 +314,7 @@ TEST(Batches, AnOldValueThatIsNotFiniteFailsItsPointAmongElasticOnes) {
   }
 }
 
-// What the law reads of an elastic joint: tau, xi, q, l, w, v_m. The seat of a joint without uplift says nothing.
+// The law reads tau, xi, q, l, w and v_m of an elastic joint; without uplift it does not read the seat.
 TEST(Batches, AnOldValueOfCyclicJointThatIsNotFiniteFailsItsPointAmongElasticOnes) {
   const quoin_law& law = load_law("cyclic_joint");
   for (const Values& values : materials("cyclic_joint")) {
@@ -336,7 +336,7 @@ TEST(Batches, AnOldValueOfCyclicJointThatIsNotFiniteFailsItsPointAmongElasticOne
   }
 }
 
-// A joint that is crushed out carries nothing: 0 where it stands at e = 0, and the same 0 beside a joint that slips.
+// A joint that is crushed out has traction +0 at e = 0, also with a neighbour that slips.
 TEST(Batches, SignOfZeroDoesNotDependOnNeighbours) {
   const quoin_law& law = load_law("fracture_energy");
   const Material material = make_material(law, materials("fracture_energy")[1]);
@@ -373,7 +373,7 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
     for (std::size_t k = 0; k < a.out.size(); ++k) ASSERT_EQ(a.out[k], b.out[k]) << "column " << k;
     a.advance();
   }
-  // A point whose own properties snap back fails, its neighbours do not.
+  // A point whose per-point properties would snap back fails; its neighbours do not.
   ft[3] = 5e6;
   std::vector<quoin_in> old_states;
   std::vector<quoin_out> new_states;
@@ -385,10 +385,10 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
   EXPECT_EQ(a.status[3], QUOIN_POINT_FAILED);
 }
 
-// Tractions and states take a shorter way through the law when nothing else is requested, with properties point by
-// point too. They have the same bits, and the same points fail. With all outputs a law derives what it needs at every
-// point. Without, shorter ways may do: of strengths and energies alone, with stiffnesses, with angles. Energies of one
-// point in eight reach far into what snaps back and is refused. The first steps are so small that all else is elastic.
+// Without optional outputs tractions and states are computed by shorter code, also with property columns. They are
+// bitwise identical, and the same points fail. There is separate code for columns of strengths and energies, of
+// stiffnesses, and of angles. The energies of one point in eight are refused, since they would snap back. The first
+// steps are so small that all other points are elastic.
 TEST(Batches, PropertyColumnsGiveTheSameBitsWhateverIsAskedFor) {
   const quoin_law& law = load_law("fracture_energy");
   const char* const ids[] = {"tensile_strength",      "cohesion",         "fracture_energy_tension",
@@ -438,12 +438,13 @@ TEST(Batches, PropertyColumnsGiveTheSameBitsWhateverIsAskedFor) {
   }
 }
 
-// What create_material refuses fails its point alone, also where the property is of a mode that is switched off: C6.9.
+// A value in a column that create_material refuses fails only its point, also if the property's mode is switched off:
+// C6.9.
 TEST(Batches, PropertyColumnsFailWhatMaterialsRefuse) {
   for (const char* id : laws) {
     const quoin_law& law = load_law(id);
     std::vector<Values> all = materials(id);
-    all.push_back(materials("elastic")[0]);  // stiffness alone: every other mode is switched off
+    all.push_back(materials("elastic")[0]);  // only stiffnesses: every other mode is switched off
     for (const Values& values : all) {
       for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
         const OnTarget on(targets & -targets);

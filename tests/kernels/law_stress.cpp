@@ -1,13 +1,13 @@
 // Stress run of the fracture-energy law (contact_models/fracture_energy/LAW.md, statements 3 and 5) and of the two laws
 // of its section "The other laws that ship". Also of the cyclic joint law (contact_models/cyclic_joint/LAW.md,
-// statements 4 and 7). Random steps have extreme admissible parameters, jumps from 1e-15 to 1 m, not a number and
-// infinity among the inputs. For finite input nothing but finite numbers may come out, no traction outside the current
-// strength, no negative dissipation, no state beyond its bound. Bad input must fail its point and return the old state.
-// The strengths are computed here from the states that come back, not by the law.
+// statements 4 and 7). Random steps have extreme admissible parameters, jumps from 1e-15 to 1 m, and sometimes NaN or
+// infinity as input. For finite input all outputs must be finite, tractions within the strength, dissipation not
+// negative, states within their bounds. Other input must fail its point and return the old state. The strengths are
+// computed here from the new states, not by the law.
 //
 //   law_stress [--law fracture_energy] [--steps 1e8] [--seed 20261121] [--set AVX2]
 //
-// --set: an instruction set of this machine (SCALAR, SSE4, AVX2, AVX3); without it the best.
+// --set: an instruction set of this machine (SCALAR, SSE4, AVX2, AVX3); default: the best one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,15 +35,16 @@ double log_uniform(Random& random, double low, double high) {
 bool chance(Random& random, double probability) { return uniform(random, 0.0, 1.0) < probability; }
 
 struct Excess {
-  double over;       // of the traction beyond the strengths, Pa
-  double tolerance;  // Pa
-  double scale;      // Pa
+  double over;       // excess of the traction over the strengths, Pa
+  double tolerance;  // allowed excess, Pa
+  double scale;      // scale of rounding, Pa
 };
 double trial_shear(const Batch& b, std::size_t i, double ks) {
   return std::hypot(b.in[4][i] + ks * b.in[1][i], b.in[5][i] + ks * b.in[2][i]);
 }
 
-// A joint of one law. values: of an admissible material; strength(b, i): of the new state against the new tractions.
+// A joint of one law. values: an admissible material. strength(b, i): excess of the new tractions over the new
+// strength.
 struct ElasticJoint {
   static constexpr const char* kLaw = "elastic";
   static constexpr bool kYields = false;
@@ -54,7 +55,7 @@ struct ElasticJoint {
     return {{{"normal_stiffness", kn}, {"shear_stiffness", ks}}, {}, {}};
   }
   void make_dry(Batch&) const {}
-  // Without a strength: the distance from the straight line.
+  // Without a strength: the distance from the elastic traction.
   Excess strength(const Batch& b, std::size_t i) const {
     const double line[3] = {kn * b.in[0][i], b.in[4][i] + ks * b.in[1][i], b.in[5][i] + ks * b.in[2][i]};
     Excess e{0.0, 0.0, std::numeric_limits<double>::min()};
@@ -135,7 +136,7 @@ struct FractureEnergyJoint {
   const char* beyond_bounds(const Batch&, std::size_t) const { return nullptr; }
 };
 
-// Admissible by statement 6 there, with energies from 1.001 times their bound.
+// Returns properties that are admissible by statement 6 of LAW.md, with energies from 1.001 times their bound.
 Values FractureEnergyJoint::draw(Random& random) {
   const auto tangent = [](double degrees) { return std::tan(degrees * (M_PI / 180.0)); };
   kn = log_uniform(random, 1e6, 1e14);
@@ -169,8 +170,7 @@ Values FractureEnergyJoint::draw(Random& random) {
   G2 = energy(m * std::max(c0, c0 - cr + P * (mu0 - mur)) * (c0 - cr) * A / ks);
   const double lowest_Gc = crushes ? m * (fc - fcr) * (fc - fcr) * A / kn : 0.0;
   Gc = energy(lowest_Gc);
-  // Uplift that crushes the joint takes from ks: kn mu0 tan(psi0) q/(1 - q), with q as large as Gc is close to its
-  // bound.
+  // Uplift that crushes the joint reduces ks by kn mu0 tan(psi0) q/(1 - q), where q is the bound of Gc over Gc.
   const double by_uplift = lowest_Gc > 0.0 ? kn * mu0 * tangent(psi0) * lowest_Gc / (Gc - lowest_Gc) : 0.0;
   if (by_uplift < 0.999 * ks) {
     G2 *= ks / (ks - by_uplift) * 1.000001;
@@ -195,7 +195,7 @@ Excess FractureEnergyJoint::strength(const Batch& b, std::size_t i) const {
   const double xi_t = b.out[3][i], xi_s = b.out[4][i], w = b.out[5][i], v = b.out[6][i], d_n = b.in[0][i];
   const double scale = std::max({ft, c0, kn * (std::abs(d_n) + w + v), trial_shear(b, i, ks)});
   const double f_s = f(xi_s), mu = mu0 + (mur - mu0) * (1.0 - f_s);
-  // Where the opening e is 0 to rounding, closed (residual cohesion) and open are both admissible answers.
+  // Where the opening e is 0 to rounding, both closed (with residual cohesion) and open are admissible.
   const double e = d_n + b.in[8][i] - b.in[9][i];
   const bool open = e > 1e-14 * (std::abs(d_n) + b.in[8][i] + b.in[9][i]);
   const double cohesion = open ? c0 * f_s : cr + (c0 - cr) * f_s;
@@ -275,7 +275,7 @@ int stress(double steps, std::uint64_t seed) {
     for (int step = 0; step < kStepsPerMaterial; ++step) {
       std::vector<bool> bad(kPoints, false);
       for (std::size_t i = 0; i < kPoints; ++i) {
-        // Mostly around one size, so that states are visited again; sometimes any size.
+        // Mostly jumps of one size, so that states recur; sometimes of any size.
         if (chance(random, 0.5))
           b.in[0][i] = chance(random, 0.9) ? reach * uniform(random, -1.0, 1.0) : jump_size(random);
         for (int k = 1; k < 3; ++k) {
@@ -338,7 +338,7 @@ int stress(double steps, std::uint64_t seed) {
   return failures == 0 ? 0 : 1;
 }
 
-// Materials keep the kernels of the best instruction set that is enabled when they are made.
+// Enables one instruction set. Materials have the kernels of the best set that is enabled at their creation.
 bool enable(const std::string& set) {
   std::string here;
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {

@@ -1,4 +1,4 @@
-// The least that a program needs to drive a law through its shared library.
+// Loading and evaluation of a law through its shared library, with little code.
 #pragma once
 
 #include <dlfcn.h>
@@ -20,9 +20,9 @@ inline const quoin_law& load_law_file(const std::string& path) {
   const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle, QUOIN_LIBRARY_SYMBOL));
   return *api::library(entry, "tests", "1").laws[0];
 }
-#ifdef QUOIN_LAWS  // the folder where the build puts them
+#ifdef QUOIN_LAWS  // folder of the built laws
 inline std::string law_file(const std::string& name) {
-  const char* other = std::getenv("QUOIN_LAW_PATH");  // another build of it, as for the host
+  const char* other = std::getenv("QUOIN_LAW_PATH");  // folder of another build, as for the host
   const std::string file = other == nullptr ? "" : std::string(other) + "/" + name + ".so";
   return std::ifstream(file).good() ? file : std::string(QUOIN_LAWS) + "/" + name + ".so";
 }
@@ -43,7 +43,7 @@ inline api::Material make_material(const quoin_law& law, const Values& given) {
   return {law, values};
 }
 
-// Columns of a batch with stride 1, new apart from old, every output requested.
+// Columns of a batch with stride 1, new columns separate from old ones, all outputs.
 struct Batch {
   std::size_t count, states;
   std::vector<std::vector<double>> in,
@@ -58,7 +58,7 @@ struct Batch {
         flags(count, 0),
         status(count, 0) {}
 
-  // Points [first, first + n); extras: energies, tangent, flags, status.
+  // Returns a batch of points [first, first + n); extras: with energies, tangent, flags, status.
   quoin_batch view(std::size_t first, std::size_t n, bool extras, std::vector<quoin_in>& old_states,
                    std::vector<quoin_out>& new_states) {
     quoin_batch b{};
@@ -92,7 +92,7 @@ struct Batch {
     return b;
   }
 
-  // The new state becomes the old one.
+  // Copies the new traction and state to the old ones.
   void advance() {
     for (std::size_t k = 0; k < 3; ++k) in[3 + k] = out[k];
     for (std::size_t k = 0; k < states; ++k) in[6 + k] = out[3 + k];

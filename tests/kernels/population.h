@@ -1,5 +1,5 @@
-// Materials and random points on which kernels are compared. The same bits on every machine: whole numbers and exact
-// operations only, no distribution of a library.
+// Materials and random points for comparison of kernels. Bitwise identical on every machine: only integers and exact
+// operations, without distributions of the standard library.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,8 @@ namespace quoin::test {
 
 inline constexpr const char* laws[] = {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint", "bond_slip"};
 
-// Every branch of the law: shape, coupling, and elastic in compression, crushing, or that with residuals and dilation.
+// Returns materials for every branch of the law: shape, coupling, and compression elastic, crushing, or crushing with
+// residuals and dilation.
 inline std::vector<Values> materials(const std::string& law) {
   const auto first = [](std::size_t n) {
     return Values{{mortar::properties.begin(), mortar::properties.begin() + n}, {}, {}};
@@ -38,7 +39,7 @@ inline std::vector<Values> materials(const std::string& law) {
   }
   std::vector<Values> all;
   if (law == "cyclic_joint") {
-    // Neutral, without and with crushing; and everything at once.
+    // Neutral values without crushing, neutral values with crushing, and all features together.
     for (const char* shape : {"linear", "exponential", "table"}) {
       for (int variant = 0; variant < 3; ++variant) {
         Values v = first(mortar::properties.size());
@@ -83,10 +84,11 @@ inline std::vector<Values> materials(const std::string& law) {
   return all;
 }
 
-// Uniform in [-1, 1).
+// Returns a uniform random number in [-1, 1).
 inline double unit(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; }
 
-// New jumps and sliding for every point. One random number an expression: compilers order operands as they like.
+// Sets new jumps and slips of all points. One random number in each expression, since the order of operands is
+// unspecified.
 inline void randomise(Batch& b, std::mt19937_64& random) {
   for (std::size_t i = 0; i < b.count; ++i) {
     const double reach = unit(random) > 0.0 ? 1e-4 : 8e-5;
@@ -96,7 +98,7 @@ inline void randomise(Batch& b, std::mt19937_64& random) {
   }
 }
 
-// Makes some of them zero of either sign, some any size from 1e-15 to 1 m, and a few not finite. A few old values, too.
+// Sets some jumps to +0 or -0, some to sizes from 1e-15 to 1 m, and a few to NaN or infinity; a few old values, too.
 inline void make_some_extreme(Batch& b, std::mt19937_64& random) {
   const double not_finite[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                                -std::numeric_limits<double>::infinity()};

@@ -1,4 +1,4 @@
-// bond_slip beside its page: statements 1 to 6, and a long strip pulled off.
+// bond_slip against its LAW.md: statements 1 to 6, and debonding of a long strip.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -51,13 +51,13 @@ TEST(BondSlip, PurePeel) {
   for (int i = 1; i <= 50; ++i) point.move_to(kN0 * (1.0 + 0.022 * i * (kRatio - 1.0)), 0.0, 0.0);
   const double expected = 0.5 * kPeel * kN0 * kRatio;
   EXPECT_NEAR(point.now().dissipated[QUOIN_DISSIPATED_TENSION], expected, 1e-9 * expected);
-  // Debonded: nothing is left but pressure.
+  // Debonded: the joint carries pressure only.
   EXPECT_EQ(point.move_to(kN0, kS0, 0.0).traction[1], 0.0);
   EXPECT_NEAR(point.move_to(-1e-6, kS0, 0.0).traction[0], -1e-6 * kKn, 1e-6);
 }
 
-// Random paths: within strength, damage never falls, and what is stored and dissipated is the work, to the first order
-// in the steps.
+// Random paths: tractions are within the strength, damage never decreases, and stored plus dissipated energy is the
+// work, to first order in the steps.
 TEST(BondSlip, StaysWithinStrengthAndBooksItsEnergy) {
   std::mt19937_64 random(20261123);
   std::uniform_real_distribution<double> way(-1.0, 1.0);
@@ -84,8 +84,8 @@ TEST(BondSlip, StaysWithinStrengthAndBooksItsEnergy) {
   }
 }
 
-// From the free end, where the strain is 0. The equation of the strip is of second order along it: every slip of the
-// free end gives one state of it.
+// Integration along the strip from the free end, where the strain is 0. The equation of the strip is of second order,
+// so each slip of the free end has one solution.
 TEST(BondSlip, LongStripCarriesTheRootOfItsFractureEnergy) {
   const double stiffness = 240e9 * 0.17e-3;  // E t, N/m
   const double w1 = std::sqrt(kKs / stiffness), w2 = w1 / std::sqrt(kRatio - 1.0);
@@ -110,7 +110,7 @@ TEST(BondSlip, LongStripCarriesTheRootOfItsFractureEnergy) {
   const double effective = M_PI / (2.0 * w2) + 2.0 / w1;
   const double of_long = largest_force(3.0 * effective) / expected, of_effective = largest_force(effective) / expected;
   std::printf("  | strip over b sqrt(2 E t G_f): long %.4f, of effective length %.4f\n", of_long, of_effective);
-  EXPECT_NEAR(of_long, 1.0, 0.02);  // pieces of 0.05/w1: the root is met to their square
+  EXPECT_NEAR(of_long, 1.0, 0.02);  // pieces of 0.05/w1: the error is of the order of their square
   EXPECT_GT(of_effective, 0.97);
   EXPECT_LT(largest_force(0.4 * effective) / expected, 0.85);
 }

@@ -1,5 +1,5 @@
-// Damage by mode (ABI 1.1): the share of the strength that is lost. Held against the closed forms of the three shapes
-// and against the strength that the points still carry.
+// Damage by mode (ABI 1.1), the lost share of the strength, against closed forms of the three shapes and against the
+// remaining strength of the points.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -13,8 +13,7 @@
 namespace quoin::test {
 namespace {
 
-// One step from the bonded state to each of these jumps; results go where `batch` says, tractions nowhere unless it
-// does.
+// One step from the bonded state to each of the given jumps, with the outputs that the test sets in the batch.
 class Step {
  public:
   Step(const Case& c, const std::vector<double>& opening, const std::vector<double>& sliding)
@@ -41,7 +40,7 @@ class Step {
   }
   Step(const Step&) = delete;
   Step& operator=(const Step&) = delete;
-  // The column that a view of the batch is to have.
+  // Sets an output of the batch to a column.
   void ask(quoin_out* view, std::vector<double>* column) const {
     column->assign(opening_.size(), NAN);
     *view = {column->data(), 1};
@@ -62,7 +61,7 @@ struct Outcome {
   std::array<std::vector<double>, 3> traction, damage;
 };
 
-// Of one mode alone, the path does not matter.
+// Returns the result of one step; with one mode only it does not depend on the path.
 Outcome reach(const Case& c, const std::vector<double>& opening, const std::vector<double>& sliding) {
   Step step(c, opening, sliding);
   Outcome outcome;
@@ -81,7 +80,7 @@ Case shaped(reference::Shape shape) {
   return c;
 }
 
-// The softening functions, written out.
+// Returns 1 - f(xi), from the formulas of the softening functions.
 double lost(reference::Shape shape, double xi) {
   if (shape == reference::Shape::linear) return std::min(1.0, xi);
   if (shape == reference::Shape::exponential) return -std::expm1(-xi);
@@ -90,11 +89,12 @@ double lost(reference::Shape shape, double xi) {
 
 std::vector<double> points(double from, double to) {
   std::vector<double> values;
-  for (int i = 0; i < 53; ++i) values.push_back(from + (to - from) * i / 52);  // no multiple of any vector's length
+  for (int i = 0; i < 53; ++i)
+    values.push_back(from + (to - from) * i / 52);  // 53 points: no multiple of a vector length
   return values;
 }
 
-// A few roundings of values of order 1, of the difference e - u0 and of the softening length.
+// Tolerance for rounding of values of order 1, of the difference e - u0 and of the softening length.
 constexpr double kRounding = 1e-10;
 
 class Damage : public ::testing::TestWithParam<reference::Shape> {};
@@ -119,7 +119,7 @@ TEST_P(Damage, InShearIsTheCohesionThatIsNotCarried) {
     Case c = shaped(GetParam());
     c.p.cr = cr;
     const double c0 = static_cast<double>(c.p.c0);
-    // Every one slides: |tau| = c at zero pressure.
+    // Every point slides: |tau| = c at zero pressure.
     const std::vector<double> sliding = points(1.001 * c0 / static_cast<double>(c.p.ks), 1.5 * c.su());
     const Outcome o = reach(c, std::vector<double>(sliding.size(), 0.0), sliding);
     for (std::size_t i = 0; i < sliding.size(); ++i) {
@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Damage,
                          ::testing::Values(reference::Shape::linear, reference::Shape::exponential,
                                            reference::Shape::table));
 
-// Results that are requested without the others: the same as all together, whichever they are.
+// Outputs that are requested alone are bitwise identical to those that are requested together.
 TEST(Outputs, AskedForAloneAreThoseAskedForTogether) {
   const Step step(mortar(), points(-2e-6, 60e-6), points(0.0, 200e-6));
   constexpr std::size_t kStored = 1, kDissipated = 4, kTangent = 9, kAll = kStored + kDissipated + kTangent;

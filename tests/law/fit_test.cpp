@@ -1,4 +1,4 @@
-// `quoin fit` on synthetic tests with known answers: curves from closed forms (linear softening), plus noise.
+// `quoin fit` on synthetic tests with known properties: curves from closed forms (linear softening), plus noise.
 #include "law/fit.h"
 
 #include <fmt/format.h>
@@ -126,7 +126,7 @@ TEST(Fit, FixedPropertiesStay) {
   for (const FittedProperty& p : result.properties) EXPECT_NE(p.id, "friction_angle");
 }
 
-// One confinement: friction is guessed from the end of the curve, where the cohesion is gone, and then found.
+// One confinement: the first guess of friction is from the end of the curve, where the cohesion is lost.
 TEST(Fit, OneTripletShowsFrictionAtItsEnd) {
   const Law law = Law::find(law_under_test());
   auto curves = synthetic(1, 0.0);
@@ -138,8 +138,8 @@ TEST(Fit, OneTripletShowsFrictionAtItsEnd) {
     EXPECT_NEAR(p.value, kTruth.at(p.id), 1e-4 * kTruth.at(p.id)) << p.id;
 }
 
-// A curve of constant shear: its cohesion is within 1e-4 of the residual, less than which the law refuses. What it
-// gives is then measured on the other side alone; the interval is that of a mean, by Student's t of 39 degrees.
+// A curve of constant shear: its cohesion is within 1e-4 of the residual, below which the law refuses it. Derivatives
+// are then one-sided. The interval is that of a mean, by Student's t with 39 degrees of freedom.
 TEST(Fit, MeasuresAtTheEdgeOfWhatTheLawAdmits) {
   constexpr double kPressure = 0.4e6, kResidual = 0.3e6, kCohesion = kResidual * (1 + 2e-5), kNoise = 1e3;  // Pa
   const double plateau = 0.75 * kPressure + kCohesion;
@@ -169,14 +169,14 @@ TEST(Fit, MeasuresAtTheEdgeOfWhatTheLawAdmits) {
   EXPECT_NEAR(cohesion.high - cohesion.low, 2 * half, 0.01 * half);
 }
 
-// One row that is far out makes the line through the peaks of triplets end below zero. The cohesion starts at a small
-// share of the peaks all the same, and ends where the other rows have it.
+// With one outlier the line through the peaks of triplets has a negative cohesion. The first guess of the cohesion is
+// then a small share of the peaks, and the result is that of the other rows.
 TEST(Fit, StartsWithCohesionWhereTheLineOfPeaksHasNone) {
   auto curves = synthetic(1, 0.0);
   curves.erase(curves.begin() + 5), curves.erase(curves.begin(), curves.begin() + 2);  // triplets alone
   double& far_out = curves[2].stress[40];
   far_out += 1.25e6;
-  const double slope = (far_out - shear(6e-5, 0.2e6)) / 0.8e6;  // about, of three pressures evenly apart
+  const double slope = (far_out - shear(6e-5, 0.2e6)) / 0.8e6;  // approximately, for three equally spaced pressures
   ASSERT_LT(shear(6e-5, 0.2e6), 0.2e6 * slope);
   const FitResult result = fit_properties(Law::find(law_under_test()), curves, known());
   for (const FittedProperty& p : result.properties)
@@ -201,7 +201,7 @@ TEST(Fit, CommandReadsFilesAndRefusesBadOnes) {
       text += triplet ? fmt::format("{},{},{}\n", curves[k].jump[i], curves[k].stress[i], curves[k].normal[i])
                       : fmt::format("{},{}\n", curves[k].jump[i], curves[k].stress[i]);
     }
-    // A name that would run a command in the legend of the picture.
+    // A file name that would run a command if it were part of the gnuplot script.
     const std::string file = (folder / fmt::format("{}'; system('touch canary') #`touch canary`\"\n.csv", k)).string();
     write_file(file, text);
     words.push_back(triplet ? "--triplet" : curves[k].kind == TestKind::prism ? "--prism" : "--couplet");

@@ -137,7 +137,7 @@ double Case::nearness() const {
   double result = 0.0;
   const double m = max_slope();
   const double q = wu() > 0.0 ? m * static_cast<double>((p.fc - p.fcr) / p.kn) / wu() : 0.0;
-  // While the joint crushes, uplift by dilation costs stress instead of giving it: S falls with slip by that, too.
+  // While the joint crushes, uplift by dilation reduces the pressure, so that S falls with slip by that, too.
   if (q < 1.0) result = mu0() * tan_psi() * static_cast<double>(p.kn / p.ks) * q / (1.0 - q);
   if (su() > 0.0) {
     const double P = std::isfinite(p.fc) ? static_cast<double>(p.fc) : -static_cast<double>(p.kn) * -closing_range();
@@ -228,7 +228,7 @@ Case any_case(Random& random, double margin) {
   }
   c.p.shared = chance(0.6);
   c.dry = chance(0.1);
-  // Energies from their bounds upwards. With fc infinite the confinement that the path will apply counts.
+  // Energies are above their bounds. With infinite fc the bound depends on the largest pressure of the path.
   const double A = c.area(), m = c.max_slope();
   const auto above = [&](double bound) { return bound * (margin + log_uniform(random, 0.01, 30.0)); };
   c.p.G1 = above(static_cast<double>(c.p.ft * c.p.ft / c.p.kn / 2));
@@ -240,7 +240,7 @@ Case any_case(Random& random, double margin) {
   if (std::isfinite(c.p.fc)) {
     const double loss = static_cast<double>(c.p.fc - c.p.fcr);
     c.p.Gc = above(m * loss * loss * A / static_cast<double>(c.p.kn));
-    // Beside ks, so that the margin of G2 stays one.
+    // The fall of S by uplift is kept below ks/2, so that the margin of G2 is effective.
     while (c.fall_by_uplift() > 0.5 * static_cast<double>(c.p.ks)) c.p.Gc *= 2;
     c.p.G2 /= 1.0 - c.fall_by_uplift() / static_cast<double>(c.p.ks);
   }
@@ -267,7 +267,7 @@ std::vector<Jump> random_path(const Case& c, Random& random, int corners) {
     } else if (kind < 0.65) {
       at.dn = -uniform(random, 0.0, 1.0) * c.closing_range() * (kind < 0.5 ? 0.2 : 1.0);
     } else if (kind < 0.75) {
-      at.dn = 0.0;  // through zero exactly
+      at.dn = 0.0;  // a corner exactly at zero
     }
     if (uniform(random, 0.0, 1.0) < 0.7) {
       const double angle = uniform(random, 0.0, 2.0 * std::numbers::pi);

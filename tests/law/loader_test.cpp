@@ -1,4 +1,4 @@
-// The loader: every way a library can be wrong ends in Error(law_refused) that says what, why and what to do.
+// The loader throws Error(law_refused), with fault, reason and remedy, for every fault of a library.
 #include <elf.h>
 #include <gtest/gtest.h>
 #include <link.h>
@@ -18,7 +18,7 @@
 namespace quoin {
 namespace {
 
-// The refusal's message; fails the test when nothing is refused, or with another exit code.
+// Returns the message of a refusal. The test fails if the call does not throw or has another exit code.
 template <typename Call>
 std::string refusal(Call call, Exit expected = Exit::law_refused) {
   try {
@@ -59,12 +59,12 @@ TEST(Loader, LoadsFromAPathOnceAsLongAsTheFileIsTheSame) {
   EXPECT_EQ(first->path(), path);
 }
 
-// A developer rebuilds a law in place while a host program runs on. The next load must give the new one, though the old
-// one is still in use. (dlopen alone returns the library with the same inode.)
+// A developer rebuilds a law in place while a host program runs. The next load must return the new one, although the
+// old one is in use. (dlopen itself returns the loaded library with the same inode.)
 TEST(Loader, SeesARebuiltLibraryWithoutARestart) {
   namespace fs = std::filesystem;
   const fs::path law = fs::temp_directory_path() / ("quoin_rebuilt_" + std::to_string(::getpid()) + ".so");
-  const auto build = [&](const char* file) {  // in place: same name, same inode
+  const auto build = [&](const char* file) {  // in place: the name and the inode do not change
     std::ifstream from(file, std::ios::binary);
     std::ofstream(law, std::ios::binary | std::ios::trunc) << from.rdbuf();
   };
@@ -85,7 +85,7 @@ TEST(Loader, NamesEverythingThatItTried) {
   expect_words(refusal([] { Law::find(""); }), {"no law was named"});
 }
 
-// A library under another name is found by it, and holds no law that is called so.
+// A library file with another name is found by that name, but has no law with it.
 TEST(Loader, NamesTheLawsOfALibraryThatLacksTheOneAskedFor) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("quoin_renamed_" + std::to_string(::getpid()));
@@ -106,8 +106,8 @@ TEST(Loader, RefusesWhatIsNoLaw) {
   std::filesystem::remove(text);
 }
 
-// What the system's loader maps is there to the end. That holds also where no table of sections, which it does not
-// read, gives the length of the file.
+// A truncated library is refused if a part that the system's loader maps is incomplete. This does not depend on the
+// section table, which the system's loader does not read.
 TEST(Loader, RefusesALibraryThatEndsWithinAPart) {
   std::ifstream from(LawLibrary::load("elastic")->path(), std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(from), {}};
@@ -146,7 +146,7 @@ TEST(Loader, FaultsCarryTheirSource) {
       {"scene.toml:3: joints.mortar.normal_stiffness: ", "scene.toml:4: joints.mortar.shear_stiffness: ", "-1"});
 }
 
-// A line that is about two properties names where both were set, and no other: cohesion is not in cohesion_residual.
+// A fault about two properties has the sources of both, and of no other: cohesion is not found in cohesion_residual.
 TEST(Loader, FaultsCarryTheSourceOfEveryWholeWord) {
   auto settings = elastic_properties();
   const auto set = [&](const char* id, double value, const char* source) {

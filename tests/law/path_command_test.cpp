@@ -1,4 +1,4 @@
-// `quoin path` as a user calls it: tables in and out, path tests, and every kind of bad input.
+// `quoin path` through its command line: tables in and out, path tests, and every kind of bad input.
 #include "cli/path_command.h"
 
 #include <gtest/gtest.h>
@@ -32,14 +32,14 @@ class PathCommand : public ::testing::Test {
   }
   std::string out() const { return (folder_ / "out.csv").string(); }
 
-  // Exit code as main would return it; the message of a refusal in message_.
+  // Returns the exit code of main; message_ has the message of a refusal.
   int run(std::vector<std::string> words) {
     CLI::App app;
     int exit_code = 0;
     message_.clear();
     add_path_command(app, exit_code);
     words.insert(words.begin(), "path");
-    std::reverse(words.begin(), words.end());  // CLI11 takes them back to front
+    std::reverse(words.begin(), words.end());  // CLI11 expects them in reverse order
     try {
       app.parse(words);
     } catch (const CLI::ParseError& error) {
@@ -74,8 +74,7 @@ TEST_F(PathCommand, WritesOneRowPerIncrement) {
   EXPECT_DOUBLE_EQ(table.rows[1][3], -4e3);
   EXPECT_DOUBLE_EQ(table.rows[1][4], 1e3);
   EXPECT_DOUBLE_EQ(table.rows[1][5], -3e3);
-  // kn dn^2/2 + ks (ds^2 + dt^2)/2: exact for the trapezoid of a straight line in the first step, and here because all
-  // is linear
+  // kn dn^2/2 + ks (ds^2 + dt^2)/2: the trapezoidal rule is exact, since the law is linear.
   EXPECT_NEAR(table.rows[1][table.column("work")], 0.5 * (4e3 * 2e-6 + 1e3 * 1e-6 + 3e3 * 3e-6), 1e-15);
   EXPECT_NEAR(table.rows[1][table.column("energy_stored")], table.rows[1][table.column("work")], 1e-15);
 }
@@ -217,7 +216,7 @@ TEST_F(PathCommand, BadPathFilesNameFileLineAndKey) {
   refused("title = \"Elastic\"", "title = Elastic", {"bad.toml:1"});
   refused("dn = 1e-6", "dn = inf", {"bad.toml:9", "dn = inf"});
   refused("steps = 4", "steps = 9007199254740993", {"bad.toml:10", "steps"});
-  // Found by 262,999 mutated path tests: an exception that nobody caught, std::out_of_range.
+  // A plot with one name or an empty name is refused and causes no std::out_of_range.
   for (const char* axes : {"plot = [\"dn \"]", "plot = [\"dn\"]", "plot = [\" sigma\"]"})
     refused("plot = [\"dn sigma\"]", axes, {"bad.toml:4", "write \"dn sigma\""});
   refused("value = 2e3", "value = nan", {"bad.toml:12", "value must be a number"});

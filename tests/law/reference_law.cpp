@@ -64,7 +64,7 @@ Real Point::f_slope(Real xi, bool complete) const {
   return 0;
 }
 
-// 0 when it is nothing but the rounding of its parts: a joint that is crushed out stands there, and stays closed.
+// Returns e, or 0 if e is only rounding of its parts: a joint that is crushed out is at e = 0 and must stay closed.
 Real Point::opening() const {
   const Real e = dn_ + w_ - v_;
   const Real rounding = 16 * std::numeric_limits<Real>::epsilon() * (std::abs(dn_) + w_ + v_);
@@ -99,7 +99,7 @@ Real Point::sigma() const {
   return std::max(p_.kn * e, -crushing_strength());
 }
 
-// Nothing is left of the joint, residual cohesion included.
+// True if the joint has no strength left, without residual cohesion.
 bool Point::crushed_out() const { return crushing_strength() == 0; }
 
 Real Point::line() const {
@@ -132,7 +132,7 @@ void Point::soften_by_slip(Real slip) {
   (p_.shared ? xi_t_ : xi_s_) += slip / su_;
 }
 
-// Slips by a small amount at fixed d_n: everything that the rate of slip drives.
+// Updates all variables that depend on slip for a small slip at fixed d_n.
 void Point::slide(Real slip, Real direction_s, Real direction_t) {
   const Real factor = strength_factor_shear();
   const Real mu = mu0_ + (mur_ - mu0_) * (1 - factor);
@@ -152,8 +152,8 @@ void Point::slide(Real slip, Real direction_s, Real direction_t) {
   if (open && p_.shared) dissipated_[0] += (secant_before - secant()) * opening() * opening() / 2;
 }
 
-// Stress above strength by a jump: the residual cohesion is lost on opening, or a mode without drop completes at once.
-// Slip at fixed jumps until it is gone, in small explicit pieces.
+// Releases stress above the strength after a drop of strength: residual cohesion lost on opening, or a mode without
+// softening that completes. Slips at fixed jumps until the excess is 0, in small explicit pieces.
 void Point::relax(Real direction_s, Real direction_t) {
   constexpr int kPieces = 400;
   for (int i = 0; i < kPieces; ++i) {
@@ -173,13 +173,13 @@ void Point::relax(Real direction_s, Real direction_t) {
 void Point::advance(Real dn_end, Real ds_step, Real dt_step, int substeps) {
   const Real dn_start = dn_;
   for (int i = 0; i < substeps; ++i) {
-    // Not summed up: a path that ends at zero ends exactly there, on the closed side.
+    // Computed without summation, so that a path to zero ends exactly at zero, where the joint is closed.
     const Real next = i + 1 == substeps ? dn_end : dn_start + (dn_end - dn_start) * (i + 1) / substeps;
     const Real dn = next - dn_;
     substep(dn, ds_step / substeps, dt_step / substeps);
     dn_ = next;
     if (p_.ft == 0 && opening() > 0) complete_t_ = true;
-    // A jump of the strength, not the drift of the explicit steps
+    // Only for a drop of the strength, not for the drift of the explicit steps.
     const Real tau = std::hypot(tau_[0], tau_[1]);
     const Real drift = 20 * (p_.ks * std::hypot(ds_step, dt_step) / substeps + p_.kn * std::abs(dn));
     if (tau - shear_strength() > drift + 1e-9L * (p_.c0 + std::abs(sigma()))) relax(tau_[0] / tau, tau_[1] / tau);
@@ -193,11 +193,11 @@ void Point::substep(Real dn, Real ds, Real dt) {
   const Real factor = strength_factor_shear();
   const Real mu = mu0_ + (mur_ - mu0_) * (1 - factor);
   const Real softening = line() > 0 && su_ > 0 ? line_slope() / su_ : 0;
-  // At S = 0 the strength does not follow sigma, unless pressure is about to raise it from there.
+  // At S = 0 the strength does not depend on sigma, unless growing pressure raises it.
   const Real friction = line() > 0 || (line() == 0 && dn < 0) ? mu : 0;
 
-  // Direction of slip: that of the stress in the middle of the sub-step. Where the stress is smaller than what the
-  // sub-step adds (strength near 0) its rate means nothing, and the sliding itself leads.
+  // Direction of slip: that of the stress in the middle of the sub-step. For a stress below its increment in the
+  // sub-step (strength near 0) it is the direction of sliding.
   const Real tau = std::hypot(tau_[0], tau_[1]);
   const bool follows = tau < 2 * p_.ks * std::hypot(ds, dt);
   Real direction_s = tau_[0] + p_.ks * ds * (follows ? 1 : Real(1) / 2);
@@ -214,7 +214,7 @@ void Point::substep(Real dn, Real ds, Real dt) {
     } else if (!complete_t_) {
       xi_step = std::max(Real(0), (e + dn - u0_ - xi_t_ * lt_) / lt_);
     }
-    const Real by_opening = friction * secant() * dn;  // less strength by more tension
+    const Real by_opening = friction * secant() * dn;  // decrease of strength by tension
     Real slip = 0;
     bool slip_drives = true;
     if (p_.shared) {
@@ -254,7 +254,7 @@ void Point::substep(Real dn, Real ds, Real dt) {
   const Real hardness = p_.kn + crushing_slope();
   const auto crush = [&](Real uplift) {
     if (!can_crush) return Real(0);
-    // Not beyond where fcr is reached: the slope does not know that F ends there, and would open the joint.
+    // At most the crushing at which F = fcr, beyond which the slope of F is not valid and would open the joint.
     const Real most = -(e + dn - uplift) - p_.fcr / p_.kn;
     return std::clamp((over - p_.kn * (dn - uplift)) / hardness, Real(0), std::max(Real(0), most));
   };

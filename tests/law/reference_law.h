@@ -1,7 +1,7 @@
-// An independent reading of contact_models/fracture_energy/LAW.md in long double, for tests only. The rate equations of
-// the law are integrated explicitly in at least 1000 sub-steps an increment. No return mapping, no end-state equation,
-// no code shared with contact_models. First order in the sub-step; exact nowhere on purpose, so that it cannot repeat
-// the law's own mistakes.
+// An independent implementation of contact_models/fracture_energy/LAW.md in long double, for tests only. It integrates
+// the rate equations of the law explicitly, in at least 1000 sub-steps for each increment. It has no return mapping, no
+// equation of the end state and no code of contact_models. It is of first order in the sub-step and exact nowhere, so
+// that it does not repeat errors of the law.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ class Point {
  public:
   Point(const Parameters& parameters, bool dry);
 
-  // One increment as the law sees it: total d_n at its end, sliding increment, cut into equal sub-steps.
+  // Computes one increment with the inputs of the law: total d_n at its end, slip increment; in equal sub-steps.
   void advance(Real dn_end, Real ds_step, Real dt_step, int substeps);
 
   Real sigma() const;
@@ -42,7 +42,7 @@ class Point {
   Real v() const { return v_; }
   Real slip() const { return slip_; }
   Real shear_strength() const;
-  // tension, cohesion, friction, crushing, since the start
+  // Energies since the start, J/m2: tension, cohesion, friction, crushing.
   const std::array<Real, 4>& dissipated() const { return dissipated_; }
 
  private:
@@ -52,15 +52,15 @@ class Point {
   Real f(Real xi, bool complete) const;
   Real f_slope(Real xi, bool complete) const;
   Real secant() const;        // sigma/e while open
-  Real secant_slope() const;  // its derivative by xi
+  Real secant_slope() const;  // derivative of secant by xi
   Real opening() const;       // e
   Real crushing_strength() const;
   Real crushing_slope() const;
   bool crushed_out() const;
   bool slip_complete() const { return p_.shared ? complete_t_ : complete_s_; }
   Real xi_of_slip() const { return p_.shared ? xi_t_ : xi_s_; }
-  Real line() const;        // Coulomb's line, before the max with 0
-  Real line_slope() const;  // its derivative by the xi that slip drives, sigma's own dependence included
+  Real line() const;        // Coulomb's line, which may be negative
+  Real line_slope() const;  // derivative of line by the xi of slip, including the dependence of sigma
   void soften_by_slip(Real slip);
   void substep(Real dn, Real ds, Real dt);
   void relax(Real direction_s, Real direction_t);
@@ -69,7 +69,7 @@ class Point {
   Parameters p_;
   Real mu0_, mur_, tan_psi_, u0_, lt_ = 0, su_ = 0, wu_ = 0;
   Real dn_ = 0, xi_t_ = 0, xi_s_ = 0, w_ = 0, v_ = 0, slip_ = 0;
-  bool complete_t_ = false, complete_s_ = false;  // shared: complete_t_ stands for both
+  bool complete_t_ = false, complete_s_ = false;  // shared coupling: complete_t_ is that of both modes
   std::array<Real, 2> tau_{};
   std::array<Real, 4> dissipated_{};
 };

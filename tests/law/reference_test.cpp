@@ -1,4 +1,4 @@
-// The law beside the independent reference, on random parameters and random paths.
+// The law against the independent reference, on random parameters and random paths.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -12,17 +12,17 @@
 namespace quoin::test {
 namespace {
 
-// The largest differences of one path, over the scales of its case.
+// Largest differences along one path, relative to the scales of its case.
 struct Errors {
   double stress = 0.0, state = 0.0, energy = 0.0;
-  // What every path keeps. Law and reference are both of first order in the sub-step and take the same, at least 1000
-  // an increment. They differ by a few thousandths of the scales where a path turns, softens or opens quickly, and far
-  // less elsewhere.
+  // True within the tolerances of every path. Law and reference are of first order in the sub-step and have equal
+  // sub-steps, at least 1000 for each increment. They differ by a few thousandths of the scales where a path changes
+  // direction, softens or opens quickly, and much less elsewhere.
   bool small() const { return stress < 0.003 && state < 0.005 && energy < 0.01; }
   std::string text() const { return fmt::format("stress {:.2e}, state {:.2e}, energy {:.2e}", stress, state, energy); }
 };
 
-// Both along the path, in refinement times as many sub-steps; details: printed corner by corner.
+// Compares both along the path, with `refinement` times the sub-steps. details: prints every corner.
 Errors compare(const Case& c, const std::vector<Jump>& path, int refinement, bool details) {
   MaterialPoint law = c.point();
   reference::Point reference = c.reference_point();
@@ -45,8 +45,8 @@ Errors compare(const Case& c, const std::vector<Jump>& path, int refinement, boo
         std::hypot(gap(now.traction[1], reference.tau_s()), gap(now.traction[2], reference.tau_t())) / c.shear_scale();
     errors.stress = std::max({errors.stress, normal, shear});
     const auto of = [&](const char* id) { return now.state[law.material().law().state_index(id)]; };
-    // Crushed out with nothing left, a joint stands at e = 0, on either side of it by rounding. Whether slip raises v,
-    // and w with it, means nothing there. Their difference does.
+    // A joint that is crushed out without residual is at e = 0, with either sign by rounding. There v and w may
+    // increase together by slip without effect, so their difference is compared.
     const bool crushed_out = c.p.fcr == 0 && c.wu() > 0.0 && c.f(of("w") / c.wu()) == 0.0;
     const double shift = gap(of("w") - of("v"), reference.w() - reference.v());
     const double parts[] = {gap(c.f(of("xi_t")), reference.strength_factor_tension()),
@@ -78,7 +78,7 @@ Errors compare(const Case& c, const std::vector<Jump>& path, int refinement, boo
   const double amplification = 1.0 / (1.0 - std::min(0.99, c.nearness()));
   errors.stress /= amplification;
   errors.state /= amplification;
-  // What a path dissipates may be next to nothing: then the elastic energy at the strengths is the measure.
+  // A path may dissipate nearly nothing: then the scale is the elastic energy at the strengths.
   const double elastic = c.shear_scale() * c.shear_scale() / static_cast<double>(c.p.ks);
   errors.energy /= (work + 0.01 * elastic) * amplification;
   return errors;
@@ -99,14 +99,14 @@ struct Walk {
   }
 };
 
-// A path may come just to a drop of strength: an opening, an end of softening, a change of direction at S = 0. The two
-// may end on different sides of it, with a difference that says nothing. But it must be one of the sub-step. In more of
-// them both find the same side, and the path is held to the same bounds as all others.
+// A path may end close to a drop of strength: an opening, an end of softening, a change of direction at S = 0. Law and
+// reference may then be on different sides of it. Such a difference must vanish with smaller sub-steps. With more of
+// them both are on one side, and the path has the tolerances of all others.
 TEST(Reference, RandomPathsAndParameters) {
   const int paths = static_cast<int>(40 * test_scale());
   const char* first = std::getenv("QUOIN_TEST_SEED");
   const unsigned seed = first == nullptr ? 1u : static_cast<unsigned>(std::atoi(first));
-  const char* only = std::getenv("QUOIN_TEST_PATH");  // one path, printed corner by corner
+  const char* only = std::getenv("QUOIN_TEST_PATH");  // number of the only path, whose corners are printed
   std::vector<double> stress_errors, state_errors, energy_errors;
   std::vector<Walk> outliers;
   for (int number = 0; number < paths; ++number) {

@@ -24,7 +24,7 @@ double state(const MaterialPoint& point, const char* id) {
   return point.now().state[point.material().law().state_index(id)];
 }
 
-// Straight from where the point is, in equal steps that end exactly on the target.
+// Moves the point in a straight line from its current jumps, in equal steps that end exactly at the target.
 void go(MaterialPoint& point, const Jump& to, int steps, const std::function<void()>& each = {}) {
   const auto from = point.now().jump;
   for (int i = 1; i <= steps; ++i) {
@@ -39,7 +39,7 @@ void with_shape(Case& c, int shape) {
   c.p.shape = static_cast<reference::Shape>(shape);
   c.p.table = {{0.0L, 1.0L}, {0.25L, 0.6L}, {0.6L, 0.2L}, {1.5L, 0.0L}};
 }
-// Where f is 0 to the last bit, exponential included.
+// Returns an xi at which f is 0 or negligible, for all shapes.
 double far_end(const Case& c) { return c.p.shape == reference::Shape::exponential ? 60.0 : 1.01 * c.end(); }
 
 // ---- 1. Curves enclose their G -----------------------------------------------------------------------------------
@@ -78,7 +78,7 @@ TEST_P(Statement1, ShearEnclosesG2AboveResidualAndFriction) {
     EXPECT_NEAR(slip, reach - tau / real(c.p.ks), 1e-12 * reach);
     const double G2 = real(c.p.G2), scale = G2 + tau * slip;
     EXPECT_NEAR(point.now().dissipated[kCohesion], G2 + real(c.p.cr) * slip, 1e-12 * scale) << pressure;
-    // integral of mu over the slip: D makes up all but the area A su of f
+    // Integral of mu over the slip; the integral of f is A su.
     const double friction = pressure * (c.mur() * slip + (c.mu0() - c.mur()) * c.area() * c.su());
     EXPECT_NEAR(point.now().dissipated[kFriction], friction, 1e-12 * scale) << pressure;
   }
@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(ShapesCouplingsSteps, Statement1,
                          ::testing::Combine(::testing::Values(0, 1, 2), ::testing::Bool(),
                                             ::testing::Values(1, 2, 7, 100)));
 
-// From outside, by trapezoid, where steps land on the branch ends of a straight-sided curve.
+// Areas by the trapezoidal rule, with steps that end at the corners of a piecewise linear curve.
 TEST(Statement1Outside, TrapezoidOfStraightBranches) {
   for (const int shape : {0, 2}) {
     Case c = mortar();
@@ -120,7 +120,8 @@ TEST(Statement1Outside, TrapezoidOfStraightBranches) {
   }
 }
 
-// Dilation at constant normal stress keeps its G2, too: a coarse step must not book pressure changes as cohesion.
+// Shear with dilation at constant normal stress dissipates G2, too: in a coarse step changes of pressure must not count
+// as cohesion.
 TEST(Statement1Outside, DilatantShearAtConstantStressEnclosesG2) {
   Case c = mortar();
   c.p.psi0 = 10.0;
@@ -140,8 +141,8 @@ TEST(Statement2, MonotonicProportionalPathsDoNotDependOnTheStep) {
   for (int number = 0; number < 300; ++number) {
     Case c = random_case(random);
     c.dry = false;
-    // Pure opening, pure closing, and sliding under growing pressure, to a random depth. (Opening with sliding is not
-    // proportional in the law's own variables: slip and opening each drive xi.)
+    // Opening only, closing only, and sliding under growing pressure, to a random end. (Opening with sliding is not
+    // proportional in the law's variables: slip and opening both increase xi.)
     std::vector<Jump> targets = {
         {uniform(random, 0.1, 1.1) * c.opening_range(), 0, 0},
         {-uniform(random, 0.1, 1.1) * c.closing_range(), 0, 0},
@@ -149,10 +150,9 @@ TEST(Statement2, MonotonicProportionalPathsDoNotDependOnTheStep) {
          -uniform(random, 0.1, 1.0) * c.sliding_range()}};
     for (const Jump& to : targets) {
       MaterialPoint once = c.point(), often = c.point();
-      // A mode without drop completes at its first slip or opening: a step function of the path, equal for any steps
-      // too.
+      // A mode without drop completes at its first slip or opening, in which the number of steps has no effect.
       go(once, to, 1);
-      bool always = true, started = false;  // slip that stops and starts again is no monotonic loading of the law
+      bool always = true, started = false;  // slip that stops and starts again is not monotonic loading
       double crushing = 0.0;
       go(often, to, 37, [&] {
         const bool slips = (often.now().flags & QUOIN_FLAG_SLIPPING) != 0;
@@ -180,7 +180,7 @@ TEST(Statement2, MonotonicProportionalPathsDoNotDependOnTheStep) {
   EXPECT_GT(compared, 600);
 }
 
-// A random mixed path, and its steps at h = 1/1000 of the ultimate displacements, an eighth of each segment at a time.
+// A random mixed path and its number of steps for h = 1/1000 of the ultimate displacements, by eighths of segments.
 struct MixedPath {
   Case c;
   std::vector<Jump> corners;
@@ -206,11 +206,11 @@ MixedPath mixed_path(unsigned seed) {
       total += 8 * result.steps.back();
       from = to;
     }
-    if (total < 1500) return result;  // longer ones only cost more
+    if (total < 1500) return result;  // longer paths only take more time
   }
 }
 
-// Tractions at eight points of every segment, with steps of h/refinement.
+// Returns tractions at eight positions of every segment, with steps of h/refinement.
 std::vector<std::array<double, 3>> samples(const MixedPath& path, int refinement, double* closure = nullptr,
                                            double* scale = nullptr) {
   std::vector<std::array<double, 3>> result;
@@ -231,7 +231,7 @@ std::vector<std::array<double, 3>> samples(const MixedPath& path, int refinement
   return result;
 }
 
-// Least-squares slope of log(error) over log(h) for errors at h, h/2, h/4...
+// Returns the least-squares slope of log(error) over log(h) for errors at h, h/2, h/4...
 double fitted_order(const std::vector<double>& errors) {
   double sx = 0, sy = 0, sxx = 0, sxy = 0;
   const double n = static_cast<double>(errors.size());
@@ -305,7 +305,7 @@ TEST(Statement3, NeverNegativeAndNeverOutside) {
         energy_scale = std::max({energy_scale, now.energy_stored,
                                  now.dissipated[0] + now.dissipated[1] + now.dissipated[2] + now.dissipated[3]});
         for (const double d : now.dissipated_now) faults += d < -1e-12 * energy_scale;
-        // Statement 5: the overstress that is no yield, twice for this test's own rounding
+        // Twice the yield tolerance of statement 5, for rounding of this test.
         const double reach = real(c.p.kn) * (std::abs(now.jump[0]) + w + v);
         const double outside = 16 * kEpsilon * std::max({real(c.p.c0), real(c.p.ft), reach, tau}) * (1.0 + c.mu0());
         faults += tau > c.shear_strength(e, sigma, xi_s) + outside;
@@ -326,7 +326,7 @@ TEST(Statement3, EnergyClosesAtFirstOrder) {
   std::vector<double> sum(7, 0.0);
   for (int number = 0; number < paths; ++number) {
     const MixedPath path = mixed_path(3300 + number);
-    // A path may dissipate next to nothing: then the elastic energy at the strengths is the measure.
+    // A path may dissipate nearly nothing: then the scale is the elastic energy at the strengths.
     const double elastic = path.c.shear_scale() * path.c.shear_scale() / real(path.c.p.ks);
     double last = 0.0;
     std::string ladder;
@@ -338,7 +338,7 @@ TEST(Statement3, EnergyClosesAtFirstOrder) {
       ladder += fmt::format(" {:.1e}", last);
     }
     if (std::getenv("QUOIN_TEST_LADDERS") != nullptr) fmt::print("path {}:{} {}\n", number, ladder, path.c.text());
-    // h/64 is 1/64000 of the ultimate displacement: a first-order error has become small, a wrong balance has not.
+    // h/64 is 1/64000 of the ultimate displacement: a first-order error is small, a wrong balance is not.
     EXPECT_LT(last, 1e-3) << "path " << number << ": " << path.c.text();
   }
   const double order = fitted_order(sum);
@@ -346,8 +346,8 @@ TEST(Statement3, EnergyClosesAtFirstOrder) {
   EXPECT_GE(order, 0.9);
 }
 
-// The joint opens under a standing shear stress and loses its residual cohesion at once. Nothing else moves, so that
-// tau goes down the elastic line. What was stored in shear above the rest is dissipated, whatever softens on the way.
+// The joint opens under constant shear stress and loses its residual cohesion. The jumps do not change, so tau falls
+// along the elastic line. The stored shear energy above that of the remaining stress is dissipated, for any softening.
 TEST(Statement3, SuddenLossOfResidualCohesionFreesWhatWasStored) {
   for (const int shape : {0, 1, 2}) {
     for (const bool shared : {true, false}) {
@@ -362,7 +362,7 @@ TEST(Statement3, SuddenLossOfResidualCohesionFreesWhatWasStored) {
       const double tau = point.now().traction[1], stored = point.now().energy_stored;
       const double lost = point.now().dissipated[kCohesion];
       EXPECT_NEAR(stored, tau * tau / 2 / real(c.p.ks), 1e-12 * stored);
-      go(point, {1e-13, ds, 0}, 1);  // sigma = 0.008 Pa: nothing
+      go(point, {1e-13, ds, 0}, 1);  // sigma = 0.008 Pa: negligible
       const double rest = point.now().traction[1], freed = stored - rest * rest / 2 / real(c.p.ks);
       EXPECT_LT(rest, tau - 0.02e6);
       EXPECT_NEAR(point.now().dissipated[kCohesion] - lost, freed, 1e-6 * freed)
@@ -381,7 +381,7 @@ TEST(Statement4, RotatingTheSlidingRotatesTauAndNothingElse) {
     const auto path = random_path(c, random, 8);
     const double angle = uniform(random, 0.0, 2 * std::numbers::pi), cosine = std::cos(angle), sine = std::sin(angle);
     MaterialPoint straight = c.point(), turned = c.point();
-    // Rounding of the turned path is carried along and amplified near snap-back; 1e-10 is far below any wrong formula.
+    // Rounding of the rotated path is amplified near snap-back; 1e-10 is far below the error of a wrong formula.
     const double tolerance = 1e-10 / (1.0 - c.nearness());
     for (const Jump& to : path) {
       go(straight, to, 25);
@@ -445,7 +445,7 @@ TEST(Statement5, AMillionTinyIncrementsMoveNothing) {
     for (const bool shared : {true, false}) {
       c.p.shared = shared;
       for (std::size_t k = 0; k < places.size(); ++k) {
-        // All places for one shape and coupling, every third otherwise: the full product belongs to long runs.
+        // All places for one shape and coupling, every fourth otherwise. Long runs have all combinations.
         if (test_scale() <= 1.0 && !(shape == 0 && shared) && (k + static_cast<std::size_t>(shape)) % 4 != 0) continue;
         MaterialPoint point = c.point();
         for (const Jump& to : places[k].path) go(point, to, 40);
@@ -575,7 +575,8 @@ TEST(Statement6, AllFaultsInOneMessage) {
   }
 }
 
-// Just above the bound accepted, at it and below refused: the bounds computed here from the statement's inequalities.
+// Values just above the bound are accepted, at it and below refused. The bounds are computed here by the inequalities
+// of the statement.
 TEST(Statement6, BoundsOfTheFractureEnergies) {
   for (const int shape : {0, 1, 2}) {
     for (const bool crushing : {true, false}) {
@@ -610,8 +611,8 @@ TEST(Statement6, BoundsOfTheFractureEnergies) {
   }
 }
 
-// With dilation and crushing S falls with the uplift too: at q = 0.3 by kn mu0 tan(psi0) 3/7 of ks. The bound is the
-// one at which the fastest fall of S by the slip is ks.
+// With dilation and crushing S falls also by uplift: at q = 0.3 by kn mu0 tan(psi0) 3/7. At the bound the largest
+// decrease of S along the slip is ks.
 TEST(Statement6, BoundOfTheShearEnergyWithDilationAndCrushing) {
   for (const int shape : {0, 1, 2}) {
     Case c = mortar();
@@ -631,7 +632,7 @@ TEST(Statement6, BoundOfTheShearEnergyWithDilationAndCrushing) {
       const std::string message = refused(c);
       EXPECT_EQ(message.find("fracture_energy_shear") != std::string::npos, factor < 1.0) << factor << ": " << message;
     }
-    // Where the uplift alone takes all of ks no fracture energy in shear helps.
+    // If the decrease by uplift alone is ks, every fracture energy in shear is refused.
     c.p.G2 = 1e9;
     c.p.Gc = m * loss * loss * A / kn / 0.9;
     ASSERT_GT(c.fall_by_uplift(), ks) << "nothing to test";
@@ -659,7 +660,7 @@ TEST(Statement6, Warnings) {
   EXPECT_EQ(c.material()->warnings(), "");
   c.p.ft = 0.4e6, c.p.G1 = 100;  // ft mu0 > c0
   EXPECT_NE(c.material()->warnings().find("tensile_strength"), std::string::npos) << c.material()->warnings();
-  // Without crushing the confinement beyond which softening friction is unstable is reported.
+  // Without crushing a warning has the confinement above which softening of friction is unstable.
   Case d = mortar();
   d.p.fc = std::numeric_limits<long double>::infinity(), d.p.fcr = 0;
   d.p.phir = 25;
@@ -694,8 +695,7 @@ TEST(Statement7, CurvesTendToTheBrittleLaw) {
                                                   {"cohesion", {real(c.p.c0)}, {}, {}},
                                                   {"cohesion_residual", {real(c.p.cr)}, {}, {}},
                                                   {"friction_angle", {real(c.p.phi0)}, {}, {}}});
-    // Tension: both laws agree but where the steep branch of the brittle one falls, a band as wide as its excess
-    // opening.
+    // Tension: both laws agree, except in a band of openings as wide as the softening branch.
     {
       MaterialPoint a = c.point(), b(brittle, "bonded");
       for (int i = 1; i <= 4000; ++i) {
@@ -706,8 +706,8 @@ TEST(Statement7, CurvesTendToTheBrittleLaw) {
         ASSERT_NEAR(a.now().traction[0], b.now().traction[0], 1e-9 * real(c.p.ft)) << excess << " at " << dn / c.u0();
       }
     }
-    // Shear. With cr > 0 the bound belongs to the open joint (c0). Closed, the branch spans slips of su down to ds = su
-    // + (cr + mu p)/ks, beyond the peak by (c0/ks)(1 + excess) - drop/ks.
+    // Shear. With cr > 0 the bound is that of the open joint (c0). In a closed joint the softening branch ends at
+    // ds = su + (cr + mu p)/ks, beyond the peak by (c0/ks)(1 + excess) - drop/ks.
     for (const double pressure : {0.0, 1e6}) {
       MaterialPoint a = c.point(), b(brittle, "bonded");
       const double dn = -pressure / real(c.p.kn), peak = (real(c.p.c0) + c.mu0() * pressure) / real(c.p.ks);
@@ -734,7 +734,7 @@ TEST(Statement7, CurvesTendToTheBrittleLaw) {
         ASSERT_NEAR(a.now().traction[0], expected, 1e-9 * real(c.p.fc)) << excess << " at " << -dn / peak;
       }
     }
-    // The bands close with the excess.
+    // The bands are proportional to the excess.
     EXPECT_NEAR(c.lt() / c.u0(), excess, 1e-6 * excess + 1e-12);
     EXPECT_NEAR(c.su() * real(c.p.ks) / real(c.p.c0) - 1, excess, 1e-9);
     EXPECT_NEAR(c.wu() * real(c.p.kn) / loss - 1, excess, 1e-9);

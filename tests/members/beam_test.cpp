@@ -16,7 +16,7 @@ using members_cases::head;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// Square section of 0.1 m, of something soft: that takes few steps.
+// Square section of 0.1 m, of a soft material, for which few steps are enough.
 constexpr double kModulus = 1e8, kArea = 0.01, kInertia = 1e-4 / 12, kDensity = 500.0, kShear = kModulus / 2.6;
 constexpr double kWeight = kDensity * kArea * 9.81;  // N/m
 
@@ -43,8 +43,8 @@ const members::Beam& beam_of(const Simulation& simulation) {
   return simulation.large_motion()->held_by.members.get()->beams().front();
 }
 
-// Both ends are driven: apart, turned against each other about the beam's side, twisted. Pieces of unequal length have
-// the same force, moment and torque. 1e-3: rest of motion, and supports that give by what the ends show.
+// Both ends have prescribed motions: extension, bending, torsion. Pieces of unequal length have equal force, moment and
+// torque. Tolerance 1e-3, for remaining vibration and the deformation of supports.
 TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
   const auto driven = [](const std::string& left, const std::string& right) {
     return ran(head(30.0, 1e9, 40.0) + box("left", "[-1, 0, -0.5]", "[1, 1, 1]") +
@@ -64,7 +64,7 @@ TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
     EXPECT_NEAR(p.force, kModulus * kArea * total / 2.0, 1e-3 * p.force);
     EXPECT_NEAR(p.moment[0][0], 0.0, 1e-6 * p.force);
   }
-  // Each block turns about its own centre, 0.5 m behind the end: along y its end then moves by the same on both sides.
+  // Each block rotates about its centre, 0.5 m behind the end: both ends have equal displacements along y.
   const auto bent =
       driven("velocity = [0, 0, 0]\nomega = [0, 0, -1e-3]\n", "velocity = [0, 0, 0]\nomega = [0, 0, 1e-3]\n");
   const double moment = beam_of(*bent).pieces().front().moment[0][0];
@@ -83,7 +83,7 @@ TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
               beam_of(*twisted).pieces().front().torque);
 }
 
-// w L^4/(8 E I) + w L^2/(2 G As). 1e-3: lumped weight is off by (piece/L)^2/3 = 2e-4.
+// Deflection w L^4/(8 E I) + w L^2/(2 G As). Tolerance 1e-3: lumped weight has an error of (piece/L)^2/3 = 2e-4.
 TEST(Beams, CantileverSagsUnderItsWeight) {
   const double length = 1.0, shear_area = 5.0 / 6.0 * kArea;
   const auto s = ran(head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]", "fixed = true") +
@@ -98,8 +98,8 @@ TEST(Beams, CantileverSagsUnderItsWeight) {
   EXPECT_NEAR(sag / expected, 1.0, 1e-3);
 }
 
-// Southwell: deflection of a column with a small force across grows as 1/(1 - P/Pcr); two loads give Pcr. Of its own
-// weight 0.315 counts as at the top: 2.467 of 7.837 E I/L^2. 2 %: of the method.
+// Southwell plot: the deflection of a column with a small transverse force grows as 1/(1 - P/Pcr), so two loads give
+// Pcr. Of its weight 0.315 acts as a load at the top: 2.467 of 7.837 E I/L^2. Tolerance 2 %, for the method.
 TEST(Beams, ColumnBucklesAtEulersLoad) {
   const double critical = M_PI * M_PI * kModulus * kInertia / 4, mass = 2000.0 * 0.2 * 0.2 * 0.2, own = 50.0 * kArea;
   const auto sway = [&](double load) {
@@ -118,7 +118,7 @@ TEST(Beams, ColumnBucklesAtEulersLoad) {
   EXPECT_NEAR(found / critical, 1.0, 0.02);
 }
 
-// A cantilever's foot yields where w L^2/2 = My, and bears no more.
+// A cantilever yields at its fixed end when w L^2/2 = My, and carries no larger load.
 TEST(Beams, HingeYieldsAtItsMoment) {
   const double length = 1.0, most = kWeight * length * length / 2;
   const auto with = [&](double share) {
@@ -137,8 +137,8 @@ TEST(Beams, HingeYieldsAtItsMoment) {
   EXPECT_LT(std::abs(e.balance_error(0.0)), 5e-3 * e.external);
 }
 
-// A chain from a triangle falls into the catenary. Sag of a length s over a span c is a (cosh(c/2a) - 1) with 2 a
-// sinh(c/2a) = s. 1 %: chords of 60 pieces, and elongation of 1e-5.
+// A chain, initially a triangle, falls into a catenary. The sag of a length s over a span c is a (cosh(c/2a) - 1) with
+// 2 a sinh(c/2a) = s. Tolerance 1 %, for chords of 60 pieces and elongation of 1e-5.
 TEST(Beams, CableHangsInACatenary) {
   const double span = 4.0, length = 5.0;
   double a = span / 2;
@@ -159,7 +159,7 @@ TEST(Beams, CableHangsInACatenary) {
   EXPECT_NEAR(middle.force / thrust, 1.0, 0.01);
 }
 
-// A lintel on two blocks: they carry its weight, half each, and lift off freely.
+// A lintel on two blocks: each carries half of its weight, and the contact has no tension.
 TEST(Beams, LintelRestsOnBlocks) {
   const auto s = ran(head(30.0, 1e9, 40.0) + box("left", "[0, 0, -0.25]", "[0.5, 1, 0.5]") +
                      box("right", "[2, 0, -0.25]", "[0.5, 1, 0.5]") +

@@ -1,4 +1,4 @@
-// Dowels across joints, plates and points that ties slide through, against closed forms.
+// Dowels across joints, plates, and points through which ties slide, against closed forms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ TEST(DowelLaw, YieldsAlongAndAcross) {
   const members::DowelLaw law{1e8, 1e7, 2e4, 5e3};
   members::DowelState state;
   const geometry::Vector along{0, 1, 0};
-  state.follow(law, along, {3e-4, 1e-4, 4e-4});  // 3000, 4000 N across: at yield
+  state.follow(law, along, {3e-4, 1e-4, 4e-4});  // shear forces of 3000 and 4000 N: at yield
   EXPECT_DOUBLE_EQ(state.force, 1e4);
   EXPECT_NEAR(state.shear.x, 3e3, 1e-9);
   EXPECT_NEAR(state.shear.z, 4e3, 1e-9);
@@ -53,7 +53,7 @@ TEST(DowelLaw, YieldsAlongAndAcross) {
   EXPECT_NEAR(state.force, -1e4, 1e-6);
 }
 
-// A block is pushed along its bed: the joint gives mu W, the dowel what is left. Beyond mu W + V it slides away.
+// A block under a force along its bed: the joint carries mu W, the dowel the rest. Above mu W + V the block slides.
 TEST(Dowels, TakesWhatFrictionLeaves) {
   const double weight = 2000.0 * 2 * 1 * 2 * kGravity, mu = std::tan(30.0 * M_PI / 180.0), yield = 2e4;
   const auto pushed = [&](double lambda) {
@@ -88,8 +88,8 @@ TEST(Dowels, BadOnesAreRefusedWithPlaces) {
   EXPECT_THAT(refusal(dowel("[1, 0, 1]", 0.0, 1e4)), HasSubstr("dowel.1.yield_force = 0"));
 }
 
-// A block hangs in the loop of a tie that slides through its top. Both parts pull with the same force, so that it goes
-// to the middle: T = W/(2 sin of their slope). To 1 %: motion that is left.
+// A block hangs on a tie that slides through its top. Both parts have equal forces, so the block moves to the middle:
+// T = W/(2 sin of their slope). Tolerance 1 %, for remaining motion.
 TEST(Ties, LoopThatSlidesThroughABlockPullsAlikeOnBothSides) {
   const auto simulation = rested(
       head(30.0, 1e11, 2.0) + box("left", "[-3, 2, 0]", "[1, 1, 1]", "fixed = true") +

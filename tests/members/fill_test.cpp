@@ -1,4 +1,4 @@
-// Soil beside walls and on them, against Rankine's pressures.
+// Soil beside and on walls, against Rankine's pressures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,8 +39,8 @@ std::unique_ptr<Simulation> moved(double way, const std::string& keys) {
   return simulation;
 }
 
-// Of a wall that stands still, gives way, is pushed into the soil: K gamma H^2/2 over its depth, a third of the way up.
-// Both integrals are exact, 1e-9. phi = 30 deg: Ka = 1/3, K0 = 1/2, Kp = 3.
+// A wall at rest, moving away from the soil and into it: K gamma H^2/2 over its depth, at a third of its height. Both
+// integrals are exact, 1e-9. phi = 30 deg: Ka = 1/3, K0 = 1/2, Kp = 3.
 TEST(Fills, PressureIsAtRestActiveAndPassive) {
   const struct { double way, coefficient; } cases[] = {{0.0, 0.5}, {-0.2, 1.0 / 3.0}, {0.2, 3.0}};
   for (const auto& [way, coefficient] : cases) {
@@ -60,7 +60,7 @@ TEST(Fills, PressureIsAtRestActiveAndPassive) {
   }
 }
 
-// Its weight, and a surcharge, on a top below its surface; what lies above the surface or below another block has none.
+// Weight and surcharge act on a top below the surface. Faces above the surface or below another block have no load.
 TEST(Fills, WeighsOnWhatIsBelow) {
   const auto simulation = moved(0.0, fmt::format("surface = [0, {}, 0]\nsurcharge = 5e3", kHeight + 0.5));
   const members::Members& m = *simulation->large_motion()->held_by.members.get();
@@ -68,7 +68,8 @@ TEST(Fills, WeighsOnWhatIsBelow) {
   EXPECT_NEAR(m.fills().front().area, 1.0 * kDepth, 1e-9);
 }
 
-// On an arch: what lies between its extrados, of chords, and the surface; left and right press equally. 1e-6.
+// On an arch: the weight of the soil between its polygonal extrados and the surface. Left and right pressures are
+// equal, to 1e-6.
 TEST(Fills, LiesOnAnExtrados) {
   const double radius = 2.2, surface = 3.0, depth = 1.0;
   const int voussoirs = 12;

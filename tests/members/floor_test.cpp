@@ -24,7 +24,7 @@ struct Floor {
   double spacing = 0.5, damping = 40.0;
 };
 
-// A floor between two walls at its ends, which stand still unless `right` says more.
+// Returns a floor between two walls at its ends, which are fixed unless `right` has other keys.
 std::string floor_between(const Floor& f, const std::string& right = "fixed = true") {
   return head(30.0, 1e9, f.damping) + box("left", "[-1, 0, -1]", "[1, 1, 6]", "fixed = true") +
          box("right", fmt::format("[{}, 0, -1]", kLength), "[1, 1, 6]", right) +
@@ -39,7 +39,7 @@ std::string pushed(double across, double ramp, double duration) {
   return fmt::format("[[stage]]\ngravity = [0, 0, {}]\nramp_time = {}\nduration = {}\n", across, ramp, duration);
 }
 
-// Largest way of the floor across its span, m.
+// Returns the largest displacement of the floor across its span, m.
 double sag(const Simulation& simulation) {
   const members::Floor& floor = simulation.large_motion()->held_by.members.get()->floors().front();
   double largest = 0.0;
@@ -60,8 +60,8 @@ double rested(const std::string& scene, Simulation** kept = nullptr) {
   return sag(*simulation);
 }
 
-// Shear beam under its own inertia: q L^2/(8 G B) at midspan, and what the connectors give by along the walls, q L/(2
-// ks B). 1 % is for motion that is left, and for bending, which is 1e-3 of it.
+// Shear beam under its inertia force: q L^2/(8 G B) at midspan, plus the deformation of connectors along the walls,
+// q L/(2 ks B). Tolerance 1 %, for remaining motion and for bending, a share of 1e-3.
 TEST(Floors, DiaphragmIsAShearBeam) {
   const double q = kMass * kBreadth * 1.0;
   const double shear = q * kLength * kLength / (8 * 1e6 * kBreadth);
@@ -75,8 +75,8 @@ TEST(Floors, DiaphragmIsAShearBeam) {
   }
 }
 
-// A membrane that is not much stiffer along than in shear bends as a beam that is built in. That adds q L^4/(384 E I),
-// E I = Ka B^3/12. Its shear is parabolic: 6/5 of the deflection. 3 %: its ends do not warp.
+// A membrane whose axial stiffness is near its shear stiffness bends as a beam with fixed ends. That adds q L^4/(384 E
+// I), E I = Ka B^3/12. Its shear flow is parabolic: 6/5 of the deflection. Tolerance 3 %: its ends do not warp.
 TEST(Floors, DiaphragmBendsInItsPlane) {
   Floor f;
   f.axial = 2e6, f.spacing = 0.25;
@@ -89,14 +89,15 @@ TEST(Floors, DiaphragmBendsInItsPlane) {
   EXPECT_NEAR(measured / expected, 1.0, 0.03);
 }
 
-// Both ends yield where q L/2 = ty B: just below it stands, just above it runs away. The energy closes.
+// Both ends yield at q L/2 = ty B: the floor is stable just below this load and moves without limit just above.
+// Energies balance.
 TEST(Floors, DiaphragmYieldsInShear) {
   Floor f;
   f.damping = 4.0;
-  const double limit = kMass * kLength / 2;  // of ty at 1 m/s2, N/m
+  const double limit = kMass * kLength / 2;  // yield shear flow ty for 1 m/s2, N/m
   f.keys = fmt::format("shear_yield = {}\n", limit);
   Simulation* simulation = nullptr;
-  // Panels carry the mean of their length: the first one that of its middle, a quarter of a metre from the wall.
+  // A panel has the mean shear flow of its length: the first one that of its middle, 0.25 m from the wall.
   const double first = 1.0 / (1.0 - 0.25 / (kLength / 2));
   const double below = rested(floor_between(f) + pushed(0.97 * first, 0.5, 2.5), &simulation);
   EXPECT_EQ(simulation->large_motion()->held_by.members.get()->floors().front().plastic_shear(), 0.0);
@@ -110,7 +111,7 @@ TEST(Floors, DiaphragmYieldsInShear) {
   EXPECT_LT(std::abs(e.balance_error(0.0)), 1e-3 * e.external);
 }
 
-// A wall that is drawn away: anchors carry up to their strength of a metre of edge, and nothing once they are out.
+// A wall that moves away: anchors carry up to their strength per metre of edge, and nothing after they have pulled out.
 TEST(Floors, AnchorsYieldAndPullOut) {
   Floor f;
   f.connector = "axial_stiffness = 1e8, shear_stiffness = 1e8, axial_strength = 5e3, pull_out = 0.01";
@@ -128,14 +129,14 @@ TEST(Floors, AnchorsYieldAndPullOut) {
                        &is_out = out.large_motion()->held_by.members.get()->floors().front();
   EXPECT_NEAR(yields.largest_anchor(), 5e3, 1e-6);
   EXPECT_EQ(yields.pulled_out_length(), 0.0);
-  EXPECT_GE(is_out.pulled_out_length(), kBreadth - 1e-9);  // one edge, or both
+  EXPECT_GE(is_out.pulled_out_length(), kBreadth - 1e-9);  // one edge or both
   const blocks::Energies& e = out.large_motion()->step_sums.energies;
-  // Both edges draw before one is out: strength times way of each, less what was elastic.
+  // Both edges yield before one pulls out: strength times displacement of each, less the elastic part.
   EXPECT_GT(e.members_dissipated, 5e3 * kBreadth * 0.009);
   EXPECT_LT(std::abs(e.balance_error(0.0)), 0.01 * e.external);
 }
 
-// A floor's weight rests on the walls that its joists end on, half on either.
+// Each of the two walls at the ends of the joists carries half of a floor's weight.
 TEST(Floors, WeightGoesToTheWallsThatJoistsEndOn) {
   Floor f;
   f.keys = "load = 981.0\n";

@@ -1,4 +1,4 @@
-// A load that goes along a line, in a run.
+// A moving load in a run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@ namespace {
 using members_cases::box;
 using members_cases::head;
 
-// A slab on two narrow feet on springs: the load, which has come to x, divides by the lever. To 2 %: feet of 0.1 m on 4
-// m turn, and motion is left.
+// A slab on two narrow feet on springs: the load at x is distributed by the lever rule. Tolerance 2 %, for the rotation
+// of feet of 0.1 m on 4 m, and for remaining motion.
 TEST(MovingLoad, DividesByTheLever) {
   const double load = 2e4, span = 4.0, weight = 2000.0 * 4.1 * 0.2 * 1.0 * 9.81;
   for (const double x : {0.0, 1.0, 3.0}) {
@@ -22,7 +22,7 @@ TEST(MovingLoad, DividesByTheLever) {
                          name);
     };
     std::string scene = head(30.0, 1e11, 20.0) + feet + box("slab", "[-0.05, 0.2, 0]", "[4.1, 0.2, 1]");
-    // The base of all cases lies below: the feet stand on springs in its place.
+    // The base is moved far below; the feet are on springs.
     const std::string base = "box = { lower = [-9, -1, -9]";
     scene.replace(scene.find(base), base.size(), "box = { lower = [-9, -9, -9]");
     scene += spring("left") + spring("right");

@@ -1,4 +1,4 @@
-// Scenes of the cases: a head that all share.
+// Scenes of the tests of members: common parts.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 
 namespace quoin::members_cases {
 
-// Rigid blocks on stiff dry joints, and a fixed base below y = 0.
+// Returns the beginning of a scene: rigid blocks with stiff dry joints, and a fixed base below y = 0.
 inline std::string head(double friction_angle, double normal_stiffness = 1e11, double mass_damping = 4.0) {
   return fmt::format(R"([materials.stone]
 young_modulus = 1e10

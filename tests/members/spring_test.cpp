@@ -1,4 +1,4 @@
-// Faces on springs of the ground against closed forms.
+// Faces on ground springs, against closed forms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using members_cases::box;
 constexpr double kWidth = 1.0, kHeight = 1.2, kDepth = 0.5, kGravity = 9.81;
 constexpr double kMass = 2000.0 * kWidth * kHeight * kDepth, kWeight = kMass * kGravity;
 
-// A block that nothing but its springs hold, and a stage.
+// Returns a block on springs only, and a stage.
 Scene on_springs(const std::string& spring, const std::string& stage, const std::string& solver) {
   return read_scene_text(R"([materials.stone]
 density = 2000.0
@@ -51,7 +51,8 @@ Rest rest_of(const Scene& scene) {
           m.held_by.members.get()->columns()};
 }
 
-// u = W/(kn A); theta = F h/(kn I - W h/2), the weight turning it on: the points are exact for linear pressures.
+// u = W/(kn A); theta = F h/(kn I - W h/2), including the moment of the weight. The points are exact for linear
+// pressures.
 TEST(Springs, BlockSettlesAndTiltsAsItsFaceSays) {
   const double kn = 4e7, force = 600.0;
   const Rest rest = rest_of(on_springs("normal_stiffness = 4e7\nshear_stiffness = 2e7\ndivisions = 1\n",
@@ -65,8 +66,8 @@ TEST(Springs, BlockSettlesAndTiltsAsItsFaceSays) {
   EXPECT_NEAR(rest.force[1], kWeight, 1e-3 * kWeight);
 }
 
-// Without tension and with e = M/N beyond b/6 the face presses on x = 3 (b/2 - e) alone: theta = 2 N/(kn d x^2).
-// Divisions of b/16: the edge of what presses lies within one of them, 2 %.
+// Without tension and with e = M/N above b/6 only a part x = 3 (b/2 - e) of the face has pressure: theta =
+// 2 N/(kn d x^2). Tolerance 2 %, since the edge of this part is within one of the divisions of b/16.
 TEST(Springs, FaceLiftsOffWithoutTension) {
   const double kn = 4e8;
   const std::string stage =
@@ -79,13 +80,13 @@ TEST(Springs, FaceLiftsOffWithoutTension) {
   const double x = 3 * (kWidth / 2 - e), expected = 2 * pressing / (kn * kDepth * x * x);
   std::printf("  | lifted face: tilt %.4e, closed form %.4e\n", rest.tilt, expected);
   EXPECT_NEAR(rest.tilt / expected, 1.0, 0.02);
-  // With tension nothing lifts: theta = M/(kn I).
+  // With tension the face does not lift off: theta = M/(kn I).
   const Rest bonded = rest_of(
       on_springs("normal_stiffness = 4e8\nshear_stiffness = 2e8\ndivisions = 1\ntension = true\n", stage, kCalm));
   EXPECT_NEAR(bonded.tilt / (12000.0 * 0.5 * 12 / (kn * kDepth)), 1.0, 5e-3);
 }
 
-// A horizontal force beyond friction moves the block on; below it does not.
+// A horizontal force above friction moves the block without limit; one below does not.
 TEST(Springs, FrictionHoldsUpToItsAngle) {
   const auto force = [](double share) {
     return rest_of(
@@ -101,8 +102,8 @@ TEST(Springs, FrictionHoldsUpToItsAngle) {
   EXPECT_NEAR(force(1.2), -most, 0.01 * most);
 }
 
-// Dropped onto its springs: heave with xi = c/(2 sqrt(k m)). A peak is exp(-2 pi xi/sqrt(1 - xi^2)) of the one before,
-// over the position of rest. The energy closes.
+// A block dropped onto its springs: vertical vibration with xi = c/(2 sqrt(k m)). A peak over the position at rest is
+// exp(-2 pi xi/sqrt(1 - xi^2)) of the one before. Energies balance.
 TEST(Springs, DashpotsDampHeave) {
   const double kn = 4e7, k = kn * kWidth * kDepth, xi = 0.1, c = 2 * xi * std::sqrt(k * kMass) / (kWidth * kDepth);
   Simulation simulation(on_springs(fmt::format("normal_stiffness = 4e7\nshear_stiffness = 2e7\nnormal_dashpot = {}\n"

@@ -14,7 +14,7 @@ using members_cases::head;
 
 constexpr double kKs = 2e10, kTau = 1.2e6, kGf = 180.0, kModulus = 80e9, kThickness = 0.3e-3, kWidth = 0.05;
 
-// Two blocks on a line, a strip of this length on either of them, and one of them drawn away.
+// Returns two blocks in a line with a strip, which has this length on each of them; one block moves away.
 Scene pull(double length, double speed, const std::string& strip = "") {
   return read_scene_text(
       head(30.0, 1e10) +
@@ -46,7 +46,7 @@ family = "dry"
 struct Pull {
   double largest = 0.0, debonded = 0.0, energy_error = 0.0;
 };
-// every: steps from one check to the next.
+// every: number of steps between checks.
 Pull pulled(const Scene& scene, int every = 20) {
   Simulation simulation(scene, 1);
   Pull result;
@@ -62,8 +62,8 @@ Pull pulled(const Scene& scene, int every = 20) {
   return result;
 }
 
-// P = b sqrt(2 E t G_f) of a long strip, 2 %; the energy closes. A bonded length of pi/(2 w2) + 2/w1 gives more than
-// 97 % of it. The same drawn five times as fast: nodes follow their faces.
+// A long strip debonds at P = b sqrt(2 E t G_f), to 2 %; energies balance. A bonded length of pi/(2 w2) + 2/w1 has more
+// than 97 % of it. At five times the velocity the results are equal, since nodes move with their faces.
 TEST(Strips, LongStripDebondsAtTheRootOfItsFractureEnergy) {
   const double stiffness = kModulus * kThickness, ratio = 2 * kGf * kKs / (kTau * kTau);
   const double expected = kWidth * std::sqrt(2 * stiffness * kGf);

@@ -1,4 +1,4 @@
-// Ties: what a bar does along its axis, and blocks that ties hold, against closed forms.
+// Ties: the force of a bar along its axis, and blocks with ties, against closed forms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ TEST(TieLaw, IsElasticThenPlasticAndSlackens) {
   EXPECT_DOUBLE_EQ(tie.plastic, 3e-3);
   EXPECT_DOUBLE_EQ(tie.dissipated, 5e4 * 3e-3);
   EXPECT_DOUBLE_EQ(tie.stored, 0.5 * 5e4 * 5e-3);
-  tie.follow(law, 2e-3, 0.0);  // shorter than what has flowed
+  tie.follow(law, 2e-3, 0.0);  // below the plastic elongation
   EXPECT_EQ(tie.force, 0.0);
   EXPECT_EQ(tie.stored, 0.0);
   tie.follow(law, 5e-3, 0.0);
@@ -41,7 +41,7 @@ TEST(TieLaw, IsElasticThenPlasticAndSlackens) {
   EXPECT_DOUBLE_EQ(tie.dissipated, 5e4 * 3e-3);
 }
 
-// Kinematic: the elastic range keeps its width and moves along with the hardening.
+// Kinematic hardening: the elastic range has a constant width and moves with the plastic elongation.
 TEST(TieLaw, HardensKinematically) {
   TieLaw law = steel();
   law.hardening = 1e6, law.compression = true;
@@ -66,11 +66,11 @@ TEST(TieLaw, ShortensUnderItsJackAndBreaks) {
   TieState tie;
   for (int i = 0; i <= 10; ++i) tie.follow(law, 0.0, 0.1 * i);
   EXPECT_DOUBLE_EQ(tie.force, 2e4);
-  EXPECT_NEAR(tie.jack_work, tie.stored, 1e-9);  // W = T0^2/2k: nothing else has moved
+  EXPECT_NEAR(tie.jack_work, tie.stored, 1e-9);  // W = T0^2/2k: the ends are fixed
   tie.follow(law, 0.0179, 1.0);
   EXPECT_FALSE(tie.broken);
   const double had = tie.stored + tie.dissipated;
-  tie.follow(law, 0.0181, 1.0);  // 2 mm by the jack
+  tie.follow(law, 0.0181, 1.0);  // plus 2 mm by the jack
   EXPECT_TRUE(tie.broken);
   EXPECT_EQ(tie.force, 0.0);
   EXPECT_EQ(tie.dissipated, had);
@@ -88,11 +88,11 @@ TEST(TieLaw, HasSlackBeforeItBears) {
   EXPECT_DOUBLE_EQ(tie.force, 1e7 * 1e-3);
 }
 
-// A slender block on its toe, a long tie at the top corner above it; horizontal body force lambda times the weight. At
-// rest
+// A slender block on its toe, with a long tie at the top corner above the toe. The horizontal body force is lambda
+// times the weight. In equilibrium
 //   lambda(theta) = [W R sin(alpha - theta) + (T0 + 2 k h sin theta) 2 h cos theta]/[W R cos(alpha - theta)].
 //
-// 1 %: the joint is 1e11 Pa/m stiff and gives the toe a tenth of a millimetre.
+// Tolerance 1 %: the joint of 1e11 Pa/m closes by a tenth of a millimetre at the toe.
 TEST(Ties, RockingBlockRestsWhereTheTieHoldsIt) {
   const double b = 0.25, h = 1.0, area = 1e-5, length = 40.0, pretension = 1e3, g = 9.81;
   const double stiffness = 200e9 * area / length, weight = 2000.0 * 2 * b * 2 * h * 0.5 * g;
@@ -124,7 +124,7 @@ TEST(Ties, RockingBlockRestsWhereTheTieHoldsIt) {
   }
 }
 
-// A block on springs hangs on a tie that yields, and falls back: plastic elongation, slack and energies are state.
+// A block on springs with a tie that yields and then is slack: plastic elongation, slack and energies are states.
 TEST(Members, GoOnFromACheckpointBitForBit) {
   const Scene scene = read_scene_text(
       head(35.0, 1e9) + box("block", "[-0.5, 0, 0]", "[0.5, 2, 0.5]") +

@@ -1,8 +1,7 @@
-"""One model on several processes by MPI. Usage: ranks_test.py QUOIN MPIRUN CASE
+"""A model on several processes by MPI. Usage: ranks_test.py QUOIN MPIRUN CASE
 
-Bits are compared with those of one process: every row of the history, the last state of every gridpoint and contact
-point (files for ParaView), and the summary but for times, threads and ranks. No tolerance: the method promises the same
-sums in the same order.
+Results must be bitwise identical to those of one process: every row of the history, the last state of every gridpoint and
+contact point (files for ParaView), and the summary without times, threads and ranks.
 """
 import json
 import os
@@ -20,28 +19,28 @@ quoin, mpirun, case = sys.argv[1:]
 root = pathlib.Path(__file__).resolve().parents[2]
 folder = pathlib.Path(tempfile.mkdtemp(prefix="quoin_mpi_"))
 scenes = {
-    # Bricks on the lattice, two laws one after the other; rows that watch energies.
+    # Bricks on the lattice, a law swap, rows with energies.
     "wall": (root / "tests/cli/small_wall.toml", ["output.energy=true", "stage.precompression.duration=0.006",
                                                  "stage.shear.displacement=0.00005"]),
-    # Walls around a corner, a floor that a whiffletree pushes, until blocks leave small displacements.
+    # Walls around a corner, a floor pushed by a whiffletree, until a promotion.
     "building": (root / "tests/host/small_building.toml", ["stage.push.displacement=0.0002", "stage.push.record_interval=100"]),
-    # Rigid blocks in large motion, detected anew while they fall.
+    # Rigid blocks in large motion, with contact detections while they fall.
     "arch": (root / "host/scenes/arch.toml", ["arch.arch.voussoirs=33", "stage.push.collapse.rate=0.2", "stage.weight.duration=0.2",
                                               "stage.weight.ramp_time=0.1", "stage.push.ramp_time=0.2"]),
-    # A bonded wall of rigid units that loses its joints, a post and an arch that fall over each other.
+    # A bonded wall of rigid units whose joints break, a post and an arch that fall onto each other.
     "collapse": (root / "host/scenes/mixed.toml", ["stage.push.duration=0.3"]),
-    # Cracked joints that stand open, drawn stiffnesses, raised inertia, another law for the last stage.
+    # Open cracked joints, random stiffnesses, added inertia, a law swap in the last stage.
     "damaged": (root / "host/scenes/damaged_wall_030.toml", [
         "wall.courses=8", "wall.zones=[2, 1, 1]", "damage.1.crack=[[0.11, 0.4], [0.88, 0.07]]", "damage.1.opening=1e-6",
         "joints.unit.normal_stiffness={distribution='lognormal', mean=1000e9, cov=0.3, correlation_length=0.2}",
         "solver.selective_time_step=1.5e-5", "stage.precompression.duration=0.004", "stage.settlement.displacement=0.00001",
         "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001", "stage.shear.law={mortar='coulomb_slip'}"]),
-    # From the lattice to large motion in mid-run, with tractions and states.
+    # A promotion in mid-run, with tractions and states.
     "promotion": (root / "tests/cli/small_wall.toml", ["solver.rotation_bound=1e-5", "stage.shear.displacement=0.0002"]),
     # Deformable blocks of any shape.
     "deformable": (root / "host/scenes/mixed.toml", ["wall.rigid_units=false", "wall.zones=[2, 2, 1]",
                                                      "stage.weight.duration=0.02", "stage.push.duration=0.02"]),
-    # A facade that ties hold.
+    # A facade with ties.
     "members": (root / "host/scenes/tied_facade.toml", ["tie.left.pretension=500", "stage.weight.duration=0.02",
                                                         "stage.weight.ramp_time=0.01", "stage.push.ramp_time=0.02",
                                                         "stage.push.duration=0.03", "stage.push.collapse.start=0.3"]),
@@ -66,13 +65,13 @@ def run(ranks, arguments, code=0, **more):
 
 
 def results(out):
-    """Bytes of what a run has found, by file."""
+    """Returns the results of a run as bytes, by file."""
     summary = json.loads((out / "summary.json").read_text())
     for key in ("wall_clock_s", "threads", "ranks"):
         summary.pop(key, None)
     summary["provenance"].pop("threads", None)
     summary["provenance"].pop("wall_clock_s", None)
-    summary["provenance"].pop("files", None)  # the bytes of a state that ranks have left
+    summary["provenance"].pop("files", None)  # hashes of a start state that ranks have written
     found = {"history.csv": (out / "history.csv").read_bytes(), "summary.json": json.dumps(summary, indent=1).encode()}
     for file in sorted(out.glob("*.vtu")):
         found[file.name] = file.read_bytes()
@@ -118,14 +117,14 @@ def wait_for_checkpoint(out, process):
     raise AssertionError("no checkpoint within 60 s")
 
 
-# A second on a fast machine: long enough to be stopped in the middle; then the same bits, whoever goes on.
+# A run of a second on a fast machine, long enough to be stopped in the middle.
 long_scene = [root / "tests/cli/small_wall.toml"] + [
     word for setting in ("stage.shear.velocity=0.0002", "output.frames=2", "output.plots=false")
     for word in ("--set", setting)]
 
 
 def ranks_of(process):
-    """Process ids of the quoin that mpirun has started, in the order of their ranks."""
+    """Returns the process ids of the quoin processes of mpirun, in the order of their ranks."""
     found = {}
     for entry in pathlib.Path("/proc").iterdir():
         try:
@@ -139,7 +138,7 @@ def ranks_of(process):
 
 
 def killed():
-    """A rank that is killed ends all, and the run goes on from its last checkpoint on other numbers of ranks."""
+    """If a rank is killed all ranks end, and the run resumes from its last checkpoint on other numbers of ranks."""
     run(1, [*long_scene, "--out", folder / "whole"])
     for victim, others in ((1, 3), (0, 1)):
         out = folder / f"killed_{victim}"
@@ -160,7 +159,7 @@ def killed():
 
 
 def stopped():
-    """Ctrl-C: all ranks stop at one step, and what was computed is kept. Or SIGUSR1, by way of mpirun."""
+    """On Ctrl-C, or SIGUSR1 through mpirun, all ranks stop at one step and the results so far are kept."""
     out = folder / "stopped"
     process = start(3, [*long_scene, "--out", out])
     for _ in range(1200):
@@ -204,7 +203,7 @@ def stopped():
 
 
 def vanished():
-    """A folder of results that is removed under a run ends all ranks at the next checkpoint, with words."""
+    """If the output folder is removed during a run all ranks end at the next checkpoint, with a message."""
     out = folder / "vanished"
     process = start(2, [*long_scene, "--out", out, "--checkpoint-every", "0.1"])
     wait_for_checkpoint(out, process)
@@ -216,7 +215,7 @@ def vanished():
 
 
 def memory():
-    """A rank that has too little memory ends all of them, with words."""
+    """If a rank has too little memory all ranks end, with a message."""
     starve = ["sh", "-c", 'ulimit -v "$1"; shift; exec "$@"', "sh"]
     program = [quoin, "run", str(root / "tests/cli/small_wall.toml"), "--out", str(folder / "memory"), "--threads", "1",
                "--force"]
@@ -224,8 +223,8 @@ def memory():
                     "stage.shear.displacement=1e-7", "output.frames=0", "output.plots=false"):
         program += ["--set", setting]
     host = ["--oversubscribe", "--bind-to", "none", "--allow-run-as-root"]
-    # What MPI itself takes differs by machine: less than that is not our fault to name, more is enough for the model.
-    # MPI may also wait without end where its shared memory is too small (Open MPI 4.1, status 124 of timeout).
+    # The memory of MPI itself depends on the machine: with less, MPI fails; with more, the model has enough. MPI may also
+    # wait without end if its shared memory is too small (Open MPI 4.1, status 124 of timeout).
     for kilobytes in range(150000, 400000, 25000):
         done = subprocess.run(["timeout", "--kill-after=5", "15", mpirun, *host, "-n", "1", *program, ":",
                                "-n", "1", *starve, str(kilobytes), *program],
@@ -239,7 +238,7 @@ def memory():
 
 
 def refused():
-    """What does not work with ranks says so; a bad scene is told once."""
+    """Options that do not work with ranks have a message; the fault of a scene is printed once."""
     done = run(2, [*long_scene, "--out", folder / "isolated", "--isolate-law"], code=2)
     assert done.stderr.count("--isolate-law: not with several ranks") == 1, done.stderr
     done = run(2, [root / "no_such_scene.toml", "--out", folder / "none"], code=3)
@@ -247,7 +246,7 @@ def refused():
 
 
 def started():
-    """A run that begins where another has ended, each on another number of ranks."""
+    """A run that starts from the end of another one, each on another number of ranks."""
     scene = (root / "tests/cli/small_wall.toml").read_text()
     first, rest = scene.rindex("[[stage]]"), scene.index("[output]")
     (folder / "first.toml").write_text(scene[:first] + scene[rest:] + "end_state = true\nplots = false\n")
@@ -263,11 +262,11 @@ def started():
 
 
 def balanced():
-    """Ranks whose blocks cost more than estimated give some away, and the bits stay.
+    """Load balancing: ranks with higher cost than estimated get fewer blocks, and results are bitwise identical.
 
-    Clocks are pretended (QUOIN_DEAR_BLOCKS of step/state/rank_load.h), for times on a machine that others use prove nothing:
-    what is asserted is that a run that begins above the bound of step/rank_balance.h ends below it, one with costs as
-    estimated never divides anew, and the numbers of blocks by rank change.
+    Costs are prescribed (QUOIN_DEAR_BLOCKS of step/state/rank_load.h), since times on a shared machine are not reliable. A
+    run that begins above the bound of step/rank_balance.h must end below it. A run with costs as estimated must not change
+    the partition. The numbers of blocks of the ranks must change.
     """
     bound = 1.15
     larger = [root / "tests/cli/small_wall.toml"] + [
@@ -290,7 +289,7 @@ def balanced():
         assert [r["blocks"] for r in even["by_rank"]] != [r["blocks"] for r in uneven["by_rank"]], uneven
         assert "times by measured cost" in done.stdout, done.stdout
         print(f"{name}: {ranks} ranks, the same bits; {done.stdout.splitlines()[-1]}")
-    # Too few blocks to be even, and found anew while they fall: what changes hands then is all that a step goes on from.
+    # Too few blocks for an even load, and contact detections while they fall: blocks change ranks with their whole state.
     run(1, [*scene_of("collapse"), "--out", folder / "collapse"])
     out = folder / "collapse_3"
     run(3, [*scene_of("collapse"), "--out", out], env=os.environ | {"QUOIN_DEAR_BLOCKS": "10x8"})
@@ -301,7 +300,7 @@ def balanced():
 
 
 def arrays_of(file):
-    """Sizes and arrays of one raw file for ParaView: {section: {name: rows}}; positions under Points."""
+    """Returns sizes and arrays of one raw file for ParaView: {section: {name: rows}}; positions under Points."""
     content = file.read_bytes()
     head, _, data = content.partition(b'<AppendedData encoding="raw">\n_')
     piece = ElementTree.fromstring(head + b"</VTKFile>").find(".//Piece")
@@ -320,9 +319,9 @@ def arrays_of(file):
 
 
 def content_of(files):
-    """What files show together, whoever wrote which part: all points and all cells, each with its values, sorted.
+    """Returns all points and all cells of files together, each with its values, sorted, for any distribution to files.
 
-    Numbers as they are in the file, NaN as one word, so that equal means equal in bits.
+    Numbers are as in the file, NaN as one word, so that the comparison is bitwise.
     """
     points, cells = [], []
     for file in files:
@@ -341,7 +340,7 @@ def content_of(files):
 
 
 def frames_of(out, kind):
-    """Files of each frame as the collection names them: one, or all pieces."""
+    """Returns the files of each frame in the collection: one file, or all pieces."""
     frames = []
     for dataset in ElementTree.parse(out / f"{kind}.pvd").iter("DataSet"):
         file = out / dataset.get("file")
@@ -362,7 +361,7 @@ def frames_of(out, kind):
 
 
 def sizes_by_vtk(file):
-    """By the reader that ParaView has; None: python3-vtk9 is not installed."""
+    """Reads a file with the reader of ParaView; None: python3-vtk9 is not installed."""
     code = ("import sys\n"
             "try:\n from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader as R\n"
             "except ImportError:\n sys.exit(77)\n"
@@ -392,7 +391,7 @@ def same_frames(alone, out, who):
 
 
 def large():
-    """A state that is gathered in rounds, as it is larger than the 4 MiB that are on their way at a time (base/rank_rows.h)."""
+    """A state that is gathered in rounds, since it is larger than the 4 MiB of a round (base/rank_rows.h)."""
     scene = [root / "tests/cli/small_wall.toml"] + [
         word for setting in ("wall.courses=70", "wall.units_per_course=70", "stage.precompression.duration=0.0003",
                              "stage.shear.displacement=1e-7", "output.frames=1", "output.plots=false")
@@ -404,16 +403,18 @@ def large():
     gridpoints = 12  # of a block of 2 x 1 x 1 hexahedra
     state = 8 * (3 * summary["contact_points"] + 6 * gridpoints * summary["blocks"])  # tractions; displacement, velocity
     assert state > 4 * 2**20, state
-    for rank in summary["ranks"]["by_rank"]:  # between what the state alone takes and what a machine has
+    for rank in summary["ranks"]["by_rank"]:  # between the size of the state and the memory of a machine
         assert state < rank["peak_memory_bytes"] < 1e9, rank
     print(f"3 ranks, {summary['blocks']} blocks: the same bits; {state / 1e6:.1f} MB of state")
 
 
 def parts():
-    """A rank has memory for its share of the model: what the program itself takes is left out, by a model of six blocks.
+    """The memory of a rank is that of its share of the model. The memory of the program, by a model of six blocks, is
+    subtracted.
 
-    A quarter of the blocks, borders, the outline of the whole and what MPI sends by: 0.61 to 0.68 of what one process takes
-    for these 10,000 blocks, and less for more. Rank 0 too, as nobody asks for pictures. With the whole model it was 1.3.
+    A rank has a quarter of the blocks, borders, the outline of the whole and buffers of MPI. That is 0.61 to 0.68 of one
+    process for these 10,000 blocks, and less for larger models, also for rank 0, without pictures. A rank with the whole
+    model would have 1.3.
     """
     def scene(side):
         return [root / "tests/cli/small_wall.toml"] + [
@@ -440,7 +441,7 @@ def parts():
 
 
 def pieces():
-    """Each rank writes its own blocks of a frame, and together they are those of one process."""
+    """Each rank writes its blocks of a frame; together they are those of one process."""
     in_pieces = ["--set", "output.pieces=true"]
     for name, ranks in (("wall", 3), ("building", 2), ("collapse", 3), ("promotion", 2)):
         run(1, [*scene_of(name), "--out", folder / name])
@@ -455,8 +456,8 @@ def pieces():
         manifest = (out / ".quoin-manifest").read_text().split("\n")
         assert {*files, f"joints_0001_r{ranks - 1}.vtu"} <= set(manifest), manifest
         print(f"{name}: {ranks} ranks: {gridpoints} gridpoints of blocks, the same frames")
-    # Frames gather nothing, in pieces or in one file, which has the bytes of one process. Costs are pretended, so that no
-    # load of the machine makes ranks divide blocks anew.
+    # Frames gather nothing, neither in pieces nor in one file, which is equal to that of one process. Costs are prescribed,
+    # so that the load of the machine does not cause load balancing.
     even = {"env": os.environ | {"QUOIN_DEAR_BLOCKS": "1x1"}}
     run(3, [*scene_of("wall"), "--out", folder / "whole"], **even)
     run(3, [*scene_of("wall"), *in_pieces, "--out", folder / "parted"], **even)
@@ -470,17 +471,17 @@ def pieces():
         assert len(files) >= 4, files
         for file in files:
             assert (folder / name / file).read_bytes() == (folder / whole / file).read_bytes(), file
-    # Fewer ranks in the same folder leave nothing of the pieces of more; what we did not write stays.
+    # A run on fewer ranks in the same folder removes the pieces of the first run, but no other files.
     (folder / "wall_3" / "notes.txt").write_text("mine")
     run(2, [*scene_of("wall"), *in_pieces, "--out", folder / "wall_3"])
     assert not list((folder / "wall_3").glob("*_r2.vtu")) and (folder / "wall_3" / "notes.txt").exists()
     same_frames(folder / "wall", folder / "wall_3", "wall, 2 ranks where 3 were")
-    # One process: said to be without effect, and one file a frame.
+    # One process: a message that pieces have no effect, and one file for each frame.
     done = run(1, [*scene_of("wall"), *in_pieces, "--out", folder / "wall_3"])
     assert "output.pieces: without effect" in done.stdout + done.stderr, done.stderr
     assert not list((folder / "wall_3").glob("*_r*.vtu")) and not list((folder / "wall_3").glob("*.pvtu"))
     same_frames(folder / "wall", folder / "wall_3", "wall, one process, pieces asked for")
-    # A rank is killed between frames: fewer of them go on, and nothing that they did not write anew is left.
+    # A rank is killed between frames: the run resumes on fewer ranks, without old pieces.
     frames = [*long_scene, "--set", "output.frames=12"]
     run(1, [*frames, "--out", folder / "long"])
     out = folder / "long_3"

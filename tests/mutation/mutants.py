@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""Random mutants of the host and of the laws' shims: does the suite notice when one token is wrong?
+"""Random mutants of the host and of the laws' shims: do the tests fail if one token is wrong?
 
     tests/mutation/mutants.py --seed 1 2 --out mutants.csv         200 of each seed in one build; an hour or two on two cores
     tests/mutation/mutants.py --count 20 --seed 7 --only host/step          a part of the tree
-    tests/mutation/mutants.py --list --count 10                             what would be planted
+    tests/mutation/mutants.py --list --count 10                             prints the mutants only
 
 One mutant is one changed token: a sign, an operator, a floating constant times 1.1, an integer by one, a branch negated.
 Places are drawn evenly from the code (no comments, texts or preprocessor lines), so the same seed gives the same mutants of
 the same tree. All are built at once in a copy of the tree (schemata.py), without adapters and benchmarks; every
-test of ctest is run once to see that it passes and which mutants it reaches; then each mutant is planted in turn and run
+test of ctest is run once to check that it passes and which mutants it reaches; then each mutant is planted in turn and run
 against the tests that reach it, quickest first and those that have killed before, until one fails, crashes or takes five times
 its time on the processor, or --budget is spent (column "how": "budget"). What cannot be switched
 at run time (sizes of types, constants of the compiler) is built alone with --alone, otherwise replaced by the next one, as is
 what does not compile or, alone, compiles to the same bytes.
-Results go to --out row by row; a run that was stopped goes on from there, and --again runs the survivors once more. A mutant
-killed by a time-out alone (column "how") is looked at once more with --again: what waits for others may be an innocent one.
+Results are written to --out row by row; a run that was stopped continues from there, and --again runs the survivors again. A
+mutant killed by a time-out only (column "how") is also run again with --again, since other programs may cause a time-out.
 Exit code 0: at least --goal killed, 1: fewer, 2: wrong use, 3: the unchanged tree does not build or pass.
 """
 import argparse
@@ -40,14 +40,15 @@ from schemata import CAPACITY, HEADER, Mutant, blame, code_only, matching, with_
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCOPE = ("host/", "contact_models/shim/")
-# Tests that build the project anew or look at files of the source tree see no mutant of this build, at a high price.
+# Tests that build the project or read files of the source tree do not test the mutants of this build, and are slow.
 LEFT_OUT = re.compile(r"consumer|mutant|abi|windows|instruction_sets|clang|demo|rebuilt|install|docs\.|headers")
 TARGETS_LEFT_OUT = "(~(HWY_AVX2|HWY_EMU128|HWY_SCALAR))"  # EMU128, SCALAR: the baseline of x86-64
 
 SWAPS = {
     " + ": " - ", " - ": " + ", " += ": " -= ", " -= ": " += ", " * ": " / ", " / ": " * ",
     " && ": " || ", " || ": " && ",
-    # Whole numbers: the boundary. Floating-point ones, which are hardly ever equal: the other side (schemata.py).
+    # For integers the boundary changes. For floating-point numbers, which are rarely equal, the relation is reversed
+    # (schemata.py).
     " < ": " < ::quoin_mutant::less > ", " <= ": " < ::quoin_mutant::less_equal > ",
     " > ": " < ::quoin_mutant::greater > ", " >= ": " < ::quoin_mutant::greater_equal > ",
     " == ": " != ", " != ": " == ", "std::min(": "std::max(", "std::max(": "std::min(",
@@ -57,13 +58,13 @@ SWAP = re.compile("|".join(re.escape(text) for text in sorted(SWAPS, key=len, re
 FLOATING = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
 INTEGER = re.compile(r"(?<![\w.'])(?<!\de[-+])(\d+)(?![\w.'>])")  # not the size of a type
 BRANCH = re.compile(r"\bif \(")
-# Not drawn, since nothing that a run computes can depend on it:
+# Excluded, since results of a run do not depend on these numbers:
 ROUNDING, ENDLESS = 1e-8, 1e30  # tolerances of rounding; numbers that stand for infinity
-IDLE = re.compile(r"reserve\(|sleep_for\(|wait_for\(|sleep_until\(|wait_until\(")  # room ahead, and how a thread waits
+IDLE = re.compile(r"reserve\(|sleep_for\(|wait_for\(|sleep_until\(|wait_until\(")  # capacity of memory, and waiting of threads
 
 
 def written_before_read(code, m):
-    """A member's 0 or -1, which keeps it from being undefined until it is set."""
+    """True for the 0 or -1 of a member's initializer, which is only a defined value until the member is set."""
     begins = re.search(r"\w(?: = |\{)(-?)\Z", code[max(0, m.start() - 8):m.start()])
     if not begins or begins.group(1) + m.group(1) not in ("0", "-1") or not re.match(r"[;,}]", code[m.end():]):
         return False
@@ -75,7 +76,7 @@ def written_before_read(code, m):
 
 
 def sites(file, code):
-    """All changes of one token: (file, from, to, replacement, kind)."""
+    """Returns all changes of one token: (file, from, to, replacement, kind)."""
     def drawn(m):
         return not IDLE.search(code, code.rfind("\n", 0, m.start()) + 1, code.find("\n", m.end()))
     for m in filter(drawn, SWAP.finditer(code)):
@@ -92,7 +93,7 @@ def sites(file, code):
 
 
 class Tree:
-    """A copy of the tracked files, changed ones included, with mutants in it."""
+    """A copy of the tracked files, including changed ones, with mutants."""
 
     def __init__(self, root, folder, targets=()):
         self.root, self.folder, self.targets = root, folder, targets
@@ -122,9 +123,9 @@ class Tree:
             to.write_bytes(text)
 
     def copy(self, mutants):
-        """Quicker to build: host with -O1, its cold parts and tests with -O0, one instruction set beside the baseline. Host
-        libraries are shared, so that a mutant built alone links one of them; they use their own copies of inline functions,
-        not those of tests."""
+        """Changes the build to be faster: host with -O1, its cold parts and tests with -O0, one instruction set beside the
+        baseline. Host libraries are shared, so that a mutant built alone links only one of them. They use their own copies of
+        inline functions, not those of tests."""
         for name in self.files:
             if name in self.texts:
                 mine = [m for m in mutants if m.file == name]
@@ -141,7 +142,7 @@ class Tree:
                 if name == "CMakeLists.txt":
                     for part, option in ((b"host", b"-O1 -D_GLIBCXX_ASSERTIONS"), (b"tests", b"-O0 -D_GLIBCXX_ASSERTIONS")):
                         adds = b"  add_subdirectory(" + part + b")"
-                        # Shared libraries do not hand on what they need, as static ones do.
+                        # Shared libraries do not pass on their dependencies, as static ones do.
                         options = b"  add_compile_options(" + option + b")\n  add_link_options(-Wl,--copy-dt-needed-entries)\n"
                         text = text.replace(adds, options + adds)
             self.write(name, text)
@@ -150,7 +151,7 @@ class Tree:
             self.write(part + "quoin_mutant.h", HEADER)
 
     def configure(self):
-        flags = "-Wall -Wextra -Wpedantic"  # as in the preset: ccache then knows what no mutant touches
+        flags = "-Wall -Wextra -Wpedantic"  # as in the preset, so that ccache has files without mutants
         return subprocess.run(["cmake", "--preset", "release", "-DQUOIN_BUILD_ADAPTERS=OFF", "-DQUOIN_BUILD_BENCHMARKS=OFF",
                                f"-DQUOIN_DISABLED_TARGETS={TARGETS_LEFT_OUT}",
                                f"-DCMAKE_CXX_FLAGS={flags} -Wshadow -Wconversion -Wno-sign-conversion -Werror -w",
@@ -163,7 +164,7 @@ class Tree:
                               cwd=self.folder, capture_output=True, text=True, env={**os.environ, "CCACHE_IGNOREOPTIONS": "-w", "LC_ALL": "C"})
 
     def build_all(self, mutants, jobs):
-        """The build of all mutants that can be switched; the message of the compiler when there is none."""
+        """Builds all mutants that can be switched. Returns the message of the compiler if the build fails."""
         self.recall(mutants)
         while True:
             self.copy(mutants)
@@ -180,7 +181,7 @@ class Tree:
                 print(f"not by a switch: {m.file}:{m.line}: {m.old} -> {m.new}: {m.form}", flush=True)
             self.remember(mutants)
 
-    # What the compiler said of mutants, for the next run on the same text.
+    # File with the compiler's messages about mutants, for the next run with the same text.
     def memory(self):
         return self.folder.parent / "not_switched.json"
 
@@ -218,18 +219,18 @@ class Test:
         self.folder = properties.get("WORKING_DIRECTORY")
         self.disabled = properties.get("DISABLED", False)
         self.environment = dict(v.split("=", 1) for v in properties.get("ENVIRONMENT", []))
-        self.runs, self.kills = 0, 0  # with a mutant
+        self.runs, self.kills = 0, 0  # numbers of runs with a mutant, and of kills
         self.soon = False             # --soon
 
     def price(self):
-        """Seconds that a kill costs, as far as known; one run in ten kills, and a test that goes through little of the code
-        looks closely at it."""
+        """Returns the estimated seconds for a kill. One run in ten kills, and a test that reaches few mutants is more likely
+        to kill each of them."""
         known = (self.seconds + 0.05) * (self.runs + 1) / (self.kills + 0.1) * math.sqrt(len(self.reached) + 1)
         return 0.0 if self.soon else known
 
     def run(self, allowed, **environment):
-        """allowed: seconds on the processor, for each process, so that a busy machine kills no mutant; on the clock eight times
-        those, for what waits for ever."""
+        """Runs the test. allowed: processor time of each process, s, so that a busy machine kills no mutant. Elapsed time is
+        limited to eight times that, for processes that wait without end."""
         def limit():
             resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(allowed), math.ceil(allowed)))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -243,7 +244,7 @@ class Test:
         waiting.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
         try:
-            os.killpg(process.pid, signal.SIGKILL)  # what the test has started ends with it
+            os.killpg(process.pid, signal.SIGKILL)  # ends also processes of the test
         except ProcessLookupError:
             pass
         self.took = used.ru_utime + used.ru_stime
@@ -252,12 +253,12 @@ class Test:
         return "timed out" if timed_out else "failed" if process.returncode > 0 else "crashed"
 
     def watch(self, folder, longest, kept):
-        """Runs without a mutant; keeps the time it takes and the mutants it reaches. kept: what the same test found before."""
+        """Runs the test without a mutant and stores its time and the mutants that it reaches. kept: earlier results."""
         if self.identity in kept:
             passed, self.seconds, reached = kept[self.identity]
             self.passed, self.reached = passed and self.seconds <= longest, set(reached)
             if passed or self.seconds > longest:
-                return  # else it was given less time than now, or fails
+                return  # otherwise it had less time than now, or fails
         reached = folder / (hashlib.sha256(self.name.encode()).hexdigest() + ".reached")
         reached.write_bytes(bytes(CAPACITY))
         self.passed = self.run(longest, QUOIN_MUTANTS_REACHED=str(reached)) == "passed"
@@ -267,7 +268,7 @@ class Test:
 
 
 def watch_all(tests, tree, planted, longest, jobs):
-    """Every test once, or as it was when neither its program nor the code with its mutants has changed since."""
+    """Runs every test once, or uses the stored result if neither its program nor the code with mutants has changed."""
     code = hashlib.sha256(repr((sorted(tree.texts.items()), [(site, m.form) for site, m in planted.items()])).encode()).hexdigest()
     programs = {}
     for t in tests:
@@ -283,7 +284,8 @@ def watch_all(tests, tree, planted, longest, jobs):
 
 
 def first_failure(tests, jobs, budget, **environment):
-    """(name of a test that does not pass, how it ends), ("", "budget") when its seconds are spent, or None. `jobs` at a time."""
+    """Runs tests, `jobs` at a time. Returns (name of a test that fails, how it ends), ("", "budget") when the time is used up,
+    or None."""
     start = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         rest, running = iter(sorted(tests, key=Test.price)), {}
@@ -309,7 +311,7 @@ def first_failure(tests, jobs, budget, **environment):
 
 
 def judge(mutant, tree, tests, jobs, budget, alone):
-    """(result, name of the test that does not pass, how it ends, number of tests that could)"""
+    """Returns (result, name of the test that fails, how it ends, number of tests that reach the mutant)."""
     if mutant.form == "does not compile" or (mutant.form == "alone" and not alone):
         return mutant.form, "", "", 0
     if mutant.form == "schemata":
@@ -356,7 +358,7 @@ def main():
     options = parser.parse_args()
 
     tree = Tree(options.tree.resolve(), options.work.resolve() / "tree", options.targets)
-    spare = options.count + options.count // 6 + 5  # the last ones replace what does not compile
+    spare = options.count + options.count // 6 + 5  # the last ones replace mutants that do not compile
     drawn = {seed: tree.draw(options.only, seed)[:options.count if options.list else spare] for seed in options.seed}
     planted = {}
     for site in [site for sites_drawn in drawn.values() for site in sites_drawn]:

@@ -1,9 +1,9 @@
-"""All drawn mutants in one build, each switched on by an environment variable.
+"""All random mutants in one build, each switched on by an environment variable.
 
-The expression E around a changed token becomes `(on(17) ? (E changed) : (E))`. Where E begins and ends is found in the text:
-at a bracket, comma, semicolon, assignment, `? :` or `return`. What does not compile so is taken out by the compiler's messages.
-on() reads one byte a mutant: 0 not reached, 1 reached, 2 planted. With QUOIN_MUTANTS_REACHED the bytes are a mapped file, which
-tells what a test reaches whatever becomes of its programs; QUOIN_MUTANT plants one.
+The expression E around a changed token becomes `(on(17) ? (E changed) : (E))`. E begins and ends at a bracket, comma,
+semicolon, assignment, `? :` or `return` of the text. Mutants that do not compile so are removed by the compiler's messages.
+on() reads one byte for each mutant: 0 not reached, 1 reached, 2 planted. With QUOIN_MUTANTS_REACHED the bytes are a mapped
+file, which has the mutants that a test reaches, also if its programs crash. QUOIN_MUTANT plants one.
 """
 import re
 import subprocess
@@ -75,7 +75,7 @@ CONTROL = re.compile(r"\b(?:if|for|while|switch|constexpr)\s*\Z")
 
 
 def code_only(text):
-    """The text, places kept, with comments and preprocessor lines as \\0, string and character literals as \\1."""
+    """Returns the text with equal positions, with comments and preprocessor lines as \\0, literals as \\1."""
     def blank(match):
         return re.sub(r"[^\n]", "\1" if match.group(0)[0] in "R\"'" else "\0", match.group(0))
     text = re.sub(f"{LITERAL}|{COMMENT}", blank, text)
@@ -84,7 +84,7 @@ def code_only(text):
 
 
 def matching(code, i, step):
-    """Place of the bracket that answers the one at i."""
+    """Returns the position of the bracket that matches the one at i."""
     pairs = CLOSES if step > 0 else OPENS
     wanted = []
     while 0 <= i < len(code):
@@ -99,7 +99,7 @@ def matching(code, i, step):
 
 
 def expression(code, begin, end):
-    """Place of the expression around a token, [from, to)."""
+    """Returns the range [from, to) of the expression around a token."""
     i = begin
     while i > 0:
         before = code[i - 1]
@@ -127,7 +127,7 @@ def expression(code, begin, end):
 
 
 class Mutant:
-    """One changed token of one file. form: how it is built; why: what the compiler said of it."""
+    """One changed token of one file. form: how it is built; why: message of the compiler."""
 
     def __init__(self, number, site, text, code):
         self.number = number
@@ -144,7 +144,7 @@ class Mutant:
         if re.search(r'^\s*#|\bR"', text[self.lo:self.hi], flags=re.M):
             self.form = "alone"
         if SIZE_LEFT.search(code, max(0, self.begin - 120), self.begin) and code[self.end] == "]":
-            self.form = "alone"  # the size of an array, of which messages tell where it is used
+            self.form = "alone"  # the size of an array, for which messages have the place of use
         if self.kind == "branch" and re.search(r"\w[*&]* \w+ = |;", code[self.lo:self.hi]):
             self.form = "does not compile"
 
@@ -154,7 +154,7 @@ def strip_comments(text):
 
 
 def with_schemata(text, mutants):
-    """The text with every mutant in it, on the same lines."""
+    """Returns the text with all mutants, without a change of line numbers."""
     def render(lo, hi, inside):
         out, i = "", lo
         while inside:
@@ -171,20 +171,20 @@ def with_schemata(text, mutants):
         return out + text[i:hi]
     code = code_only(text)
     changed = render(0, len(text), [m for m in mutants if m.form == "schemata"])
-    for m in mutants:  # a constant that a mutant may change is none of the compiler's
+    for m in mutants:  # a constant that a mutant may change is not constexpr
         if m.form == "schemata":
             at = code.rfind("constexpr ", 0, m.lo)
             head = code[at:m.lo]
             if at >= 0 and ";" not in head and "(" not in re.split("[={]", head)[0]:
                 line = text[text.rfind("\n", 0, at) + 1:text.find("\n", at)]
-                inside = line.startswith(" ") and "static " in line  # of a class
+                inside = line.startswith(" ") and "static " in line  # a member of a class
                 changed = changed.replace(line[line.find("constexpr"):], line[line.find("constexpr"):].replace(
                     "constexpr ", "inline const " if inside else "const "), 1)
     return '#include "' + "quoin_mutant.h" + '"\n#line 1\n' + changed
 
 
 def blame(output, mutants):
-    """The mutants that the compiler's messages speak of, taken out of the schemata."""
+    """Removes the mutants of the compiler's messages from the schemata and returns them."""
     found = set()
     for message in re.split(r"\n(?=[^\n]*: In |[^\n]*: error: )", output):
         error = re.search(r"^\S*?([^\s:]+):(\d+):\d+: error: (.*)", message, flags=re.M)

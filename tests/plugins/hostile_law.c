@@ -1,5 +1,5 @@
-/* The template law, with one word of its tables or one answer turned into something else, as QUOIN_HOSTILE says when it
- * is loaded: "TABLE WORD VALUE" (a table, the index of an 8-byte word, hexadecimal), or the name of a deed. */
+/* The template law with one fault, which the environment variable QUOIN_HOSTILE selects at loading. "TABLE WORD VALUE"
+ * replaces an 8-byte word of a table (its index, hexadecimal value). Otherwise it is the name of a wrong action. */
 #define quoin_library_v1 template_library_v1
 #include "../../plugin_api/template/template_law.c"
 #undef quoin_library_v1
@@ -33,7 +33,7 @@ static int does(const char* deed) {
   return what != NULL && strcmp(what, deed) == 0;
 }
 
-/* The number behind a deed, as in "energy 3"; 1: it is another deed. */
+/* Returns the number after an action, as in "energy 3"; 1 if another action is selected. */
 static double times_of(const char* deed) {
   const char* what = getenv("QUOIN_HOSTILE");
   size_t length = strlen(deed);
@@ -51,7 +51,7 @@ static quoin_status start(const quoin_material* material, const char* id, double
   return initial_state(material, id, values);
 }
 
-/* The first steps are good. */
+/* Evaluates with the selected wrong action; most actions begin after 400 calls. */
 static quoin_status answer(const quoin_material* material, quoin_batch* batch) {
   static int calls;
   quoin_status status = evaluate(material, batch);

@@ -1,5 +1,5 @@
-// Plug-ins that misbehave. Whatever a law says of itself or answers, the program ends in time and keeps what was
-// computed. It has a documented exit code and a message that names the law.
+// Faulty plug-ins. For any metadata and results of a law the program ends in time and keeps its results. It has a
+// documented exit code and a message with the name of the law.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -43,7 +43,7 @@ class Plugins : public Cli {
   }
 };
 
-// What `quoin models`, `quoin check` and the first step do with a law: everything of its tables is read and used.
+// Uses a law as `quoin models`, `quoin check` and a first step do, which read all its tables. Returns the exit code.
 int use_law(const std::string& hostile) {
   setenv("QUOIN_HOSTILE", hostile.c_str(), 1);
   try {
@@ -68,7 +68,7 @@ int use_law(const std::string& hostile) {
   }
 }
 
-// Each word of each table, by numbers that no table holds: no pointer, a low one, one to nowhere, a count beyond all.
+// Replaces each word of each table by invalid values: null, a low pointer, an invalid pointer, a huge count.
 TEST_F(Plugins, GarbageInEveryFieldIsRefusedOrHarmless) {
 #ifdef QUOIN_SANITIZED
   GTEST_SKIP() << "a count beyond a list is read as far as there is memory: a sanitizer stops there";
@@ -99,7 +99,7 @@ TEST_F(Plugins, GarbageInEveryFieldIsRefusedOrHarmless) {
       }
     }
   }
-  // Sizes, ids, counts, functions, lists and signs: most words mean something that garbage cannot.
+  // Most words are sizes, ids, counts, functions, lists and signs, for which such values are refused.
   EXPECT_GT(refused, harmless);
   EXPECT_EQ(use_law(""), 0);
 }
@@ -122,7 +122,7 @@ TEST_F(Plugins, WrongAnswersAreNamed) {
         << deed;
     EXPECT_EQ(summary()["warnings"][0]["about"], "law_states");
   }
-  // In a run that ends before the next of the rare looks at states.
+  // A run that ends before the next check of states, which are rare.
   for (const char* const motion : {"never", "always"}) {
     EXPECT_EQ(quoin(run_with({"--set", std::string("solver.large_motion=") + motion}), doing("state nan")), 0)
         << error_;
@@ -132,7 +132,7 @@ TEST_F(Plugins, WrongAnswersAreNamed) {
   }
 }
 
-// What laws say of themselves, of properties and of the library reaches the terminal without its control sequences.
+// Texts of laws, properties and libraries are printed without control sequences.
 TEST_F(Plugins, ControlCharactersOfALawDoNotReachTheTerminal) {
   const std::string bare = "\x1b", reported = "\\x1b[31mred\\xff";
   EXPECT_EQ(quoin(run_with({"--set", "joints.mortar.normal_stiffness=-1"}), doing("escape in words")), 4);
@@ -143,7 +143,7 @@ TEST_F(Plugins, ControlCharactersOfALawDoNotReachTheTerminal) {
   EXPECT_THAT(error_ + out_, AllOf(HasSubstr("metadata is faulty"), Not(HasSubstr(bare))));
 }
 
-// Laws that lie about energies and stiffness, of which the watch sees more than one row.
+// Wrong energies and stiffness of a law are detected by the monitoring of a run, in more than one row.
 TEST_F(Plugins, LiesAboutEnergyAndStiffnessAreSeen) {
   for (const auto& [deed, about, words] : {std::tuple{"energy 3", "energy_balance", "energies do not balance"},
                                            {"stiff 4", "time_step", "4 times as stiff as the bounds that it states"}}) {
@@ -162,7 +162,7 @@ TEST_F(Plugins, LiesAboutEnergyAndStiffnessAreSeen) {
   }
 }
 
-// Just beyond what is allowed, and just below: 5 % of the energy that was moved; a millionth of the stiffness.
+// Errors just above and below the bounds: 5 % of the energy; a millionth of the stiffness.
 TEST_F(Plugins, SmallLiesAboutEnergyAndStiffnessAreMeasured) {
   const auto reported = [&](const std::string& deed, const char* about) {
     EXPECT_EQ(quoin(run_with({"--set", "stage.2.displacement=1e-3", "--set", "output.energy=true"}), doing(deed)), 0)
@@ -180,7 +180,7 @@ TEST_F(Plugins, SmallLiesAboutEnergyAndStiffnessAreMeasured) {
   EXPECT_TRUE(reported("stiff 1.000004", "time_step"));
 }
 
-// A thread inside a law cannot be taken out of it: the run ends, with what it has.
+// A thread inside a law cannot be stopped: the run ends with the results so far.
 TEST_F(Plugins, LawsThatNeverReturnAreNamedWithTheirBatch) {
   for (const char* deed : {"hang", "spin"}) {
     EXPECT_EQ(quoin(run_with({"--law-seconds", "1"}), doing(deed)), 5) << error_;
@@ -193,7 +193,7 @@ TEST_F(Plugins, LawsThatNeverReturnAreNamedWithTheirBatch) {
   }
 }
 
-// In a process of its own, the end of a law costs the law; the results until then are kept.
+// A law in a separate process may end without ending the program; the results until then are kept.
 TEST_F(Plugins, IsolatedLawsEndAlone) {
   for (const auto& [deed, words] : {std::pair{"crash", "crashed (SIGSEGV)"},
                                     {"abort", "aborted"},
@@ -208,7 +208,7 @@ TEST_F(Plugins, IsolatedLawsEndAlone) {
   }
 }
 
-// With properties that scatter, too, on the lattice and in large motion.
+// Also with random properties, on the lattice and in large motion.
 TEST_F(Plugins, IsolatedLawsGiveTheSameBits) {
   for (const char* const motion : {"never", "always"}) {
     std::map<bool, std::pair<std::string, std::string>> results;
@@ -233,7 +233,7 @@ TEST_F(Plugins, IsolatedLawsGiveTheSameBits) {
   }
 }
 
-// One contact point of the elastic law, pressed together by 1 um: -1 kPa.
+// Returns sigma of one contact point of the elastic law, closed by 1 um: -1 kPa.
 double pressed(const quoin::Material& material) {
   const double jump = -1e-6, zero = 0.0;
   double traction[3] = {};
@@ -257,8 +257,8 @@ quoin::Material isolated_elastic() {
   return material;
 }
 
-// As a program does that forks, as Python's multiprocessing. The child has a process of the law for itself, and its end
-// leaves the parent's alone.
+// A program that forks, as with Python's multiprocessing. The child starts its own process of the law; when the child
+// ends, that of the parent continues.
 TEST_F(Plugins, IsolatedLawsOutliveAForkedChild) {
   auto material = std::make_unique<quoin::Material>(isolated_elastic());
   ASSERT_EQ(pressed(*material), -1e3);
@@ -275,7 +275,7 @@ TEST_F(Plugins, IsolatedLawsOutliveAForkedChild) {
   EXPECT_EQ(pressed(*material), -1e3) << material->fault();
 }
 
-// A material may be made by a thread that ends before it is evaluated.
+// A material may be created by a thread that ends before the material is evaluated.
 TEST_F(Plugins, IsolatedLawsOutliveTheThreadThatMadeThem) {
   std::unique_ptr<quoin::Material> material;
   std::thread([&] { material = std::make_unique<quoin::Material>(isolated_elastic()); }).join();
@@ -283,7 +283,7 @@ TEST_F(Plugins, IsolatedLawsOutliveTheThreadThatMadeThem) {
   EXPECT_EQ(pressed(*material), -1e3) << material->fault();
 }
 
-// Past every handler, and without an end: in `run`, `check` and `models LIBRARY`.
+// A law that ends the process or never returns when it is loaded: in `run`, `check` and `models LIBRARY`.
 TEST_F(Plugins, LawsThatEndOrWaitWhenTheyAreLoadedAreNamed) {
   const std::string library = QUOIN_HOSTILE_LAW;
   for (const auto& words : {run_with(), {"check", small_, "--law", library}, {"models", library}}) {

@@ -1,4 +1,4 @@
-"""What a scene answers without a run, from Python."""
+"""Analyses of scenes without a run, from Python: limit, modes, rest."""
 import json
 import math
 import os
@@ -20,7 +20,7 @@ class Limit(Folder):
         self.assertAlmostEqual(found.multiplier, 0.374, delta=5e-4)
         self.assertTrue(found.stands)
         self.assertEqual(found.velocity.shape, (expected["blocks"], 6))
-        # All that stands on the fixed blocks is what they carry: 1 of the weight down, the multiplier of it sideways.
+        # The fixed blocks carry the weight vertically and the multiplier times the weight horizontally.
         self.assertEqual(found.force.shape, (expected["contact_points"], 3))
 
     def test_what_does_not_stand_is_an_answer(self):
@@ -64,9 +64,9 @@ class Modes(Folder):
         found = quoin.modes(arch, count=3, state="weight")
         self.assertEqual(found.summary["state"], "weight")
         np.testing.assert_allclose(found.frequencies, expected["frequencies_Hz"], rtol=1e-6)
-        # Weight takes from stiffness.
+        # Weight reduces stiffness.
         self.assertLess(found.frequencies[0], (1 - 1e-6) * quoin.modes(arch, count=3).frequencies[0])
-        # The same state, as a run leaves it.
+        # The state at the end of a run.
         scene = quoin.Scene.load(arch)
         scene.stage = [quoin.Stage(name="weight", kind="rest", gravity=[0, -9.81, 0])]
         scene.output = dict(end_state=True, frames=0, plots=False)
@@ -92,7 +92,7 @@ class Modes(Folder):
 
 
 class Rest(Folder):
-    """A stage of kind rest ends in the state in which steps to equilibrium end."""
+    """A stage of kind rest has the final state of a run to equilibrium."""
 
     @staticmethod
     def settled(scene, rest):
@@ -109,7 +109,7 @@ class Rest(Folder):
 
     def assert_same_forces(self, scene, again, fewest_times):
         steps, rest = self.settled(scene, False), self.settled(again, True)
-        # 1e-4 of the largest traction: what is out of balance in both is 1e-7 of the mean force of a point.
+        # Tolerance 1e-4 of the largest traction; unbalanced forces of both are 1e-7 of the mean force of a point.
         expected, found = (np.asarray(run.frames[-1].joints["traction"]) for run in (steps, rest))
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-4 * np.abs(expected).max())
         self.assertLessEqual(fewest_times * rest.history["step"][-1], steps.history["step"][-1])

@@ -1,4 +1,4 @@
-"""The same bits from Python and from the command line."""
+"""Runs from Python and from the command line are bitwise identical."""
 import csv
 import json
 import math
@@ -25,7 +25,7 @@ class Bits(Folder):
                 elif text == "":
                     self.assertTrue(math.isnan(got), name)
                 else:
-                    self.assertEqual(got, type(got)(text), name)  # shortest decimals read back to the same double
+                    self.assertEqual(got, type(got)(text), name)  # shortest decimals convert back to the same double
 
     def test_a_wall_has_the_history_and_summary_of_the_command_line(self):
         done = self.command("run", SMALL_WALL, "--out", "cli", "--set", "output.plots=false")
@@ -37,7 +37,7 @@ class Bits(Folder):
         volatile = {"set", "wall_clock_s", "threads", "settings", "scene", "provenance"}
         for key in set(expected) - volatile:
             self.assertEqual(run.summary[key], expected[key], key)
-        self.assertEqual(len(run.frames), 4)  # output.frames = 3, and the start of the stage
+        self.assertEqual(len(run.frames), 4)  # output.frames = 3, plus the start of the stage
 
     def test_blocks_of_any_shape_too(self):
         arch = quoin.Scene.load(SCENES + "/arch.toml")
@@ -78,7 +78,7 @@ class Bits(Folder):
         self.assertEqual(frame["horizontal_force_N"].max(), run.history["horizontal_force_N"].max())
 
     def test_free_fall(self):
-        # Central differences are exact under constant acceleration: y = -g t (t - dt) / 2 with v = 0 half a step before.
+        # Central differences are exact under constant acceleration: y = -g t (t - dt) / 2, since v = 0 half a step before.
         scene = block_scene(stage=[quoin.Stage(duration=0.2, gravity=[0, -9.81, 0], ramp_time=0.0)])
         scene.output.monitor = "cube"
         sim = quoin.Simulation(scene)

@@ -1,4 +1,4 @@
-"""Colours of states: one header has them, and they stay apart for eyes of every kind and in grey."""
+"""Colours of states: one header defines them, and they can be distinguished with any colour blindness and in grey."""
 import itertools
 import os
 import re
@@ -8,7 +8,7 @@ import quoin
 from support import SOURCE
 import numpy as np  # after support, which tells where it is missing
 
-# Machado, Oliveira and Fernandes (2009), severity 1: linear RGB as seen without one kind of cones.
+# Machado, Oliveira and Fernandes (2009), severity 1: linear RGB without one kind of cones.
 CONES = {"all": np.eye(3),
          "no red": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
          "no green": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
@@ -16,7 +16,7 @@ CONES = {"all": np.eye(3),
 LUMINANCE = [0.2126729, 0.7151522, 0.0721750]
 TO_XYZ = np.array([[0.4124564, 0.3575761, 0.1804375], LUMINANCE, [0.0193339, 0.1191920, 0.9503041]])
 WHITE = np.array([0.95047, 1.0, 1.08883])  # D65
-APART, APART_IN_GREY = 15.0, 7.0  # 2.3 is just noticed side by side; thin lines far from their legend need several times that
+APART, APART_IN_GREY = 15.0, 7.0  # 2.3 is just visible side by side; thin lines far from a legend need several times that
 
 
 def linear(colour):
@@ -36,7 +36,7 @@ def seen(colour, cones):
 
 
 def ciede2000(one, other):
-    """CIE 142-2001 as Sharma, Wu and Dalal (2005) write it."""
+    """Returns the CIEDE2000 difference, CIE 142-2001, by the formulas of Sharma, Wu and Dalal (2005)."""
     (l1, a1, b1), (l2, a2, b2) = one, other
     c = (np.hypot(a1, b1) + np.hypot(a2, b2)) / 2
     g = 0.5 * (1 - np.sqrt(c ** 7 / (c ** 7 + 25.0 ** 7)))
@@ -80,7 +80,7 @@ class Colours(unittest.TestCase):
                 self.assertGreater(ciede2000(seen(colour, cones), seen(self.colours["face"], cones)), least, f"{state} on a block, {cones}")
 
     def test_pairs_that_were_alike_are_found(self):
-        """Slipped and crushed until this test came: blue and violet of one lightness."""
+        """A bad pair, blue and violet of one lightness, is detected."""
         self.assertLess(ciede2000(seen("#08519c", "no green"), seen("#7b1fa2", "no green")), 2.0)
 
     def test_quantities_grow_darker_both_ways(self):
@@ -93,7 +93,7 @@ class Colours(unittest.TestCase):
             header = re.findall(r'"(#[0-9a-f]{6})"', file.read())
         given = [*self.states.values(), *(self.colours[k] for k in ("face", "edge", "middle", "warm", "cold")), *self.colours["pens"]]
         self.assertEqual([c for c in header if c in given], given)
-        # No other file of the program, its pages or its package has one of the states'.
+        # No other file of the program, its pages or its package contains one of these colours.
         for folder, _, files in os.walk(os.path.join(SOURCE, "host")):
             for name in files:
                 if name == "colours.h" or not name.endswith((".h", ".cpp", ".js", ".css", ".html", ".py")):

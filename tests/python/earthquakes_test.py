@@ -12,7 +12,7 @@ DEFORMABLE = dict(rigid=False, divisions=[2, 2, 2])
 
 
 def stacked(cubes, deformable=False, stage=None, **ground):
-    """Cubes of 1 m on each other on a wide ground, under weight from the start, then in motion."""
+    """Returns cubes of 1 m on each other on a wide ground, under weight from the start, then with ground motion."""
     scene = quoin.Scene(title="stack")
     scene.materials["stone"] = quoin.BlockMaterial(density=DENSITY, young_modulus=3e9, poisson_ratio=0.2)
     scene.joints["joint"] = quoin.Joint(law="elastic", normal_stiffness=KN, shear_stiffness=KS)
@@ -30,8 +30,8 @@ def stacked(cubes, deformable=False, stage=None, **ground):
 
 
 def sway(normal, along):
-    """Lower mode of a cube on springs at its lower corners: frequency, Hz, and damping ratio, of viscosities over
-    stiffness, s. Springs act on u0 = u + theta/2 along the base and on theta/2 at the corners."""
+    """Returns frequency (Hz) and damping ratio of the lower mode of a cube on springs at its lower corners, for given ratios
+    of viscosity and stiffness, s. Springs act on u0 = u + theta/2 along the base and on theta/2 at the corners."""
     mass, inertia = DENSITY, DENSITY / 6
     k = np.array([[KS, 0.5 * KS], [0.5 * KS, 0.25 * (KS + KN)]])
     c = np.array([[along * KS, 0.5 * along * KS], [0.5 * along * KS, 0.25 * (along * KS + normal * KN)]])
@@ -52,11 +52,11 @@ class Earthquakes(Folder):
         return {key: np.array([float(row[key] or "nan") for row in rows]) for key in rows[0]}
 
     def test_damping_ratios_are_those_of_a_cube_on_its_joint(self):
-        """Weight takes m g h of the stiffness of rocking: 1e-4."""
+        """Weight reduces the rocking stiffness by m g h: a share of 1e-4."""
         results = self.run_scene(stacked(1, stage=dict(duration=0.2), direction=[1, 0, 0], time=[0, 0.2], acceleration=[0, 1]))
         modes = results.summary["damping_of_modes"]["shake"]
         used = results.summary["impact_damping_in_use"]
-        # A landing edge is 0.5 m from the centre across and below.
+        # The edge of an impact is 0.5 m beside and 0.5 m below the centre.
         landing = math.sqrt(0.5 * (1 / DENSITY + 0.25 / (DENSITY / 6)))
         normal, along = 2 * used / (landing * math.sqrt(KN)), used / (landing * math.sqrt(KS))
         frequency, ratio = sway(normal, along)
@@ -68,24 +68,24 @@ class Earthquakes(Folder):
         self.assertAlmostEqual(modes[2]["damping_ratio"], 0.5 * normal * upright, delta=1e-3 * normal * upright)
 
     def test_three_components_of_rigid_and_deformable_blocks(self):
-        """Under a constant acceleration the base carries m a; energies close to 1 % of the work of the ground."""
+        """Under a constant acceleration the base shear is m a; energies balance to 1 % of the work of the ground."""
         for deformable in (False, True):
             with self.subTest(deformable=deformable):
-                # Along a line no two components of which are alike; it is 1.5, 0.3 and -0.6 m/s2 for 0.5 s.
+                # A direction with three different components: 1.5, 0.3 and -0.6 m/s2 for 0.5 s.
                 scene = stacked(2, deformable, stage=dict(duration=0.5), direction=[1, 0.2, -0.4],
                                 time=[0, 0.5], acceleration=[1.5 * math.sqrt(1.2)] * 2)
                 scene.monitor = [quoin.Monitor(name="low", block="cube0", point=[0, 1, 0]),
                                  quoin.Monitor(name="top", block="cube1", point=[0, 2, 0], below="low")]
                 results = self.run_scene(scene)
                 history = results.history[results.history["stage"] == 2]
-                # Vibrations of the joints are over after 0.1 s.
+                # Vibrations of the joints have decayed after 0.1 s.
                 late = history[history["time_s"] > history["time_s"][0] + 0.2]
                 mass = 2 * DENSITY
                 for column, expected in (("base_shear_x_N", 1.5 * mass), ("base_shear_z_N", -0.6 * mass)):
                     self.assertAlmostEqual(abs(late[column].mean()), abs(expected), delta=0.01 * abs(expected))
                 self.assertLess(late["base_shear_x_N"].mean() * late["base_shear_z_N"].mean(), 0)
                 self.assertAlmostEqual(abs(late["base_vertical_N"].mean()), mass * (G + 0.3), delta=0.01 * mass * G)
-                # Of two cubes whose centre is 1 m above the base.
+                # The centre of the two cubes is 1 m above the base.
                 self.assertAlmostEqual(abs(late["overturning_moment_z_Nm"].mean()), 1.5 * mass, delta=0.01 * 1.5 * mass)
                 work = history["external_work_J"][-1] - history["external_work_J"][0]
                 self.assertLess(np.abs(history["energy_balance_error_J"]).max(), 0.01 * work)
@@ -99,7 +99,7 @@ class Earthquakes(Folder):
                 self.assertGreater(np.abs(columns["top_drift_x"]).max(), 1e-6)
 
     def test_groups_of_supports(self):
-        """A block of the ground that sinks by 2 mm takes its cube along, and not the other."""
+        """A block of the ground that settles by 2 mm moves its cube, and not the other."""
         scene = stacked(1, stage=dict(duration=0.3))
         for name, x, fixed in (("pier", 4.0, True), ("on_pier", 4.5, False)):
             scene.block.append(quoin.Block(name=name, material="stone", fixed=fixed, box=dict(

@@ -1,4 +1,4 @@
-"""The example of the README: what a user of NumPy writes first."""
+"""The example of the README."""
 import os
 import re
 import subprocess
@@ -24,8 +24,8 @@ class Examples(Folder):
         self.assertEqual(done.returncode, 0, done.stderr)
         peaks = [float(p) for p in re.findall(r"peak ([\d.]+) kN", done.stdout)]
         self.assertEqual(len(peaks), 4)
-        self.assertLess(peaks[0], peaks[2])  # more cohesion, more force
-        self.assertLess(peaks[2], peaks[3])  # and most without a strength
+        self.assertLess(peaks[0], peaks[2])  # a larger cohesion has a larger force
+        self.assertLess(peaks[2], peaks[3])  # an infinite strength has the largest force
         self.assertGreater(os.path.getsize(self.path("curve.png")), 5000)
 
     def test_an_arch_is_bisected_to_its_thinnest(self):
@@ -33,8 +33,8 @@ class Examples(Folder):
         done = subprocess.run([sys.executable, script, "14", "2"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         ratio = float(re.search(r"stands from ([\d.]+) of its radius", done.stdout)[1])
-        # Limit analysis: 0.1075 for many voussoirs, less for few, whose hinges find no joint where they would be; 0.0094: the
-        # last interval of the bisection.
+        # Limit analysis: 0.1075 for many voussoirs, less for few, since there is no joint at the positions of the hinges.
+        # 0.0094 is the last interval of the bisection.
         self.assertLess(ratio, 0.1075 + 0.0094)
         self.assertGreater(ratio, 0.09)
 

@@ -1,4 +1,4 @@
-"""What a run gives in Python beside the files of the same run, number by number, and its forces against each other."""
+"""Frames of a run in Python against the files of the same run, number by number, and equilibrium of its forces."""
 import unittest
 
 import quoin
@@ -6,7 +6,7 @@ from support import SCENES, SMALL_WALL, Folder
 import numpy as np  # after support, which tells where it is missing
 from vtu import Vtu, times_of
 
-# Of a frame's joints, and of the files.
+# Names of columns of a frame's joints, and of arrays of the files.
 SAME = dict(position="position", displacement="displacement_m", traction="traction_Pa", opening="opening_m", slip="slip_m",
             damage_tension="damage_tension", damage_shear="damage_shear", crack="crack", block_a="block_a",
             block_b="block_b", joint="family")
@@ -21,7 +21,7 @@ def wall(**solver):
 
 
 def slab():
-    """A block askew on a slope, and zones on it: blocks of any shape, of which some slide."""
+    """Returns the shipped arch with a short collapse: blocks of any shape, of which some slide."""
     scene = quoin.Scene.load(SCENES + "/arch.toml")
     scene.stage[1].collapse.rate = 0.2
     scene.stage[1].collapse.displacement = 0.1
@@ -30,7 +30,7 @@ def slab():
 
 
 def displacements(blocks, points, moved):
-    """By block and place at the start, whatever the order: a promotion numbers gridpoints anew."""
+    """Returns values by block and initial position, since a promotion changes the order of gridpoints."""
     return {(block, *np.round(x, 6)): tuple(u) for block, x, u in zip(blocks, points.astype("f4"), moved)}
 
 
@@ -52,9 +52,9 @@ class Frames(Folder):
             for name, of_file in SAME.items():
                 expected = joints[of_file]
                 np.testing.assert_array_equal(frame.joints[name].astype(expected.dtype), expected, f"{name}, frame {k}")
-            gap = joints["gap_m"] if "gap_m" in joints else np.zeros((len(frame.joints), 3))  # files of large motion alone
+            gap = joints["gap_m"] if "gap_m" in joints else np.zeros((len(frame.joints), 3))  # only files of large motion have it
             np.testing.assert_array_equal(frame.joints["gap"].astype("f4"), gap.astype("f4"), f"gap, frame {k}")
-        # Nothing is compared with nothing: the columns differ from point to point.
+        # The columns are not constant, so that the comparison is significant.
         last = run.frames[-1].joints
         for name in ("position", "traction", "opening", "block_a", "block_b"):
             self.assertGreater(len(np.unique(last[name])), 3, name)
@@ -78,8 +78,8 @@ class Frames(Folder):
         self.assert_frames_are_those_of_the_files(run)
 
     def test_tractions_add_up_to_the_forces_of_the_history(self):
-        """On the top beam, at the end: sums over its contact points of area times traction along the joint's axes, which
-        only the files have. 1e-5: areas in 24 bits."""
+        """Force on the top beam at the end: sum over its contact points of area times traction along the joint's axes, which
+        only the files have. Tolerance 1e-5: areas have 24 bits."""
         for kernels in ("lattice", "general"):
             run = self.run_both(wall(kernels=kernels))
             out, frame, last = self.path("out"), run.frames[-1], run.history[-1]
@@ -97,8 +97,7 @@ class Frames(Folder):
             self.assertGreater(abs(last["horizontal_force_N"]), 1e3)
             self.assertAlmostEqual(-force[0], last["horizontal_force_N"], delta=1e-5 * size)
             self.assertAlmostEqual(force[1], last["vertical_force_N"], delta=1e-5 * size)
-            # And each point for itself: what it carries across its joint is what its law lets through. An open one that
-            # has lost all strength carries nothing.
+            # Each single point: an open one that has lost all strength carries no traction.
             open_cracks = (joints["opening"] > 1e-5) & (joints["damage_tension"] == 1.0) & (joints["damage_shear"] == 1.0)
             self.assertLess(np.abs(traction[open_cracks]).max(initial=0.0), 1.0)
 

@@ -1,5 +1,5 @@
 """Random calls with random arguments: each returns or raises, none ends the interpreter. usage: fuzz_test.py [CALLS]
-[SEED]; an arithmetic fault of a law, a dead simulation and every wrong type are among what may be raised."""
+[SEED]. Allowed exceptions include an arithmetic fault of a law, a simulation that has failed, and wrong types."""
 import hashlib
 import os
 import random
@@ -56,7 +56,7 @@ def fuzz(calls, seed):
     sim, views, states = fresh(), [], []
     raised, told = 0, time.monotonic()
     for i in range(calls):
-        if time.monotonic() - told > 30.0:  # under a sanitizer it goes on for an hour
+        if time.monotonic() - told > 30.0:  # under a sanitizer the test takes an hour
             told = time.monotonic()
             print(f"{i} of {calls} calls, {raised} raised", file=sys.stderr, flush=True)
         choice = rng.random()
@@ -68,7 +68,7 @@ def fuzz(calls, seed):
                     arguments[rng.randrange(len(arguments))] = value()
                 elif rng.random() < 0.2:
                     arguments = [value() for _ in range(rng.choice([0, 1, 2, 3]))]
-                if name in ("step", "run"):  # not for hours
+                if name in ("step", "run"):  # few steps
                     arguments = [rng.choice([1, 2, 7, -1, 0, 1.5, "x", [], Odd(), np.zeros(4), float("nan")])]
                 result = getattr(sim, name)(*arguments)
                 if isinstance(result, quoin.simulation.View):
@@ -110,7 +110,7 @@ def fuzz(calls, seed):
                 where[key] = value()
                 scene.check()
             elif choice < 0.96:
-                # One argument is wrong, or none; no size is among the values that would take minutes.
+                # At most one argument is wrong; no size would take minutes.
                 name, arguments = rng.choice(list(GENERATORS.items()))
                 arguments = list(arguments)
                 arguments[rng.randrange(len(arguments))] = value() if rng.random() < 0.7 else arguments[0]
@@ -128,7 +128,7 @@ def fuzz(calls, seed):
                 for _ in range(rng.choice([0, 1, 5])):
                     state[rng.randrange(len(state))] = rng.randrange(256)
                 state = bytes(state[:rng.choice([len(state), len(state) // 2, 20])])
-                if rng.random() < 0.7:  # with a seal that fits: as somebody would write it
+                if rng.random() < 0.7:  # with a valid checksum
                     state = hashlib.blake2b(state[64:]).digest() + state[64:]
                 sim.restore(state)
             elif choice < 0.985:

@@ -1,4 +1,4 @@
-"""A run that is looked at while it goes on: quoin run --serve."""
+"""The live page of a run: quoin run --serve."""
 import contextlib
 import http.client
 import io
@@ -20,7 +20,7 @@ SLOW = ["--set", "stage.shear.velocity=0.00003", "--set", "output.plots=false", 
 
 class Live(Folder):
     def served(self, *options):
-        """A run, and the port of its page."""
+        """Starts a run and returns it with the port of its page."""
         run = subprocess.Popen([PROGRAM, "run", SMALL_WALL, "--out", "live", *SLOW, *options], cwd=self.folder,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         told = []
@@ -54,7 +54,7 @@ class Live(Folder):
                 if states[-1]["frames"] > len(parts[-1]["head"]["times"] if parts else []):
                     parts.append(json.loads(self.get(port, "/run")[2]))
             except (OSError, http.client.HTTPException):
-                break  # it has ended
+                break  # the run has ended
             time.sleep(0.05)
         words = run.communicate(timeout=120)
         self.assertEqual(run.returncode, 0, words)
@@ -69,7 +69,7 @@ class Live(Folder):
         self.assertEqual(head["summary"]["status"], "running")
         self.assertGreaterEqual(len(head["history"]["time_s"]), 2)
         self.assertIn(f"moved{len(head['times']) - 1}", head["arrays"])
-        # The same bits as without anybody who looks.
+        # Bitwise identical to a run without a page.
         done = self.command("run", SMALL_WALL, "--out", "alone", *SLOW)
         self.assertEqual(done.returncode, 0, done.stderr)
         names = sorted(n for n in os.listdir(self.path("alone")) if n.endswith((".csv", ".vtu", ".pvd")))
@@ -94,7 +94,7 @@ class Live(Folder):
 
 
 class Progress(unittest.TestCase):
-    """What quoin.run(progress=True) tells, and that it changes no number."""
+    """Output of quoin.run(progress=True), which changes no number."""
 
     def run_wall(self):
         told, plain = io.StringIO(), quoin.run(SMALL_WALL, threads=1)

@@ -1,4 +1,4 @@
-"""Members that are built in code: they hold, and their columns are in the history."""
+"""Members that are defined in Python: they carry loads, and their columns are in the history."""
 import unittest
 
 import quoin
@@ -6,7 +6,7 @@ from support import Folder
 
 
 def two_towers():
-    """Two rigid piers 2 m apart on a fixed base."""
+    """Returns two rigid piers at a distance of 2 m on a fixed base."""
     scene = quoin.Scene(title="two towers")
     scene.solver = dict(damping="viscous", mass_damping=10.0, stiffness_damping=1e-5)
     scene.materials.stone = quoin.BlockMaterial(density=2000.0, young_modulus=1e10, poisson_ratio=0.2)
@@ -51,7 +51,7 @@ class Members(Folder):
             self.assertIn(column, names)
         last = run.history[-1]
         self.assertGreater(last["spring_side_x_N"] ** 2, 0.0)
-        # Twelve pieces of 0.25 m on two walls, free over 2 m: a beam built in over its ends has w L^2/12.
+        # Twelve pieces of 0.25 m on two walls, free over 2 m: a beam with fixed ends has w L^2/12.
         w = 0.01 * 500.0 * 9.81
         self.assertGreater(last["beam_lintel_Nm"], 0.8 * w * 4 / 12)
         self.assertLess(last["beam_lintel_Nm"], 1.2 * w * 4 / 8)
@@ -66,7 +66,7 @@ class Members(Folder):
         scene.stage.append(quoin.Stage(name="crossing", gravity=[0, -9.81, 0], duration=0.5, moving_load=dict(
             {"from": [-1.75, 4.0, 1.0], "to": [-1.25, 4.0, 1.0]}, force=[20e3, -20e3, 0.0], positions=3)))
         limit = quoin.limit(scene, moving=True, associated=True)
-        # It comes down at 45 deg on the left pier's top, and turns it over its edge at x = 1 against its weight of 78.5 kN.
+        # The load acts at 45 deg on the left pier's top and rotates it about its edge at x = 1, against its weight of 78.5 kN.
         places = limit.summary["moving"]["positions"]
         for place in places:
             x, y, _ = place["at_m"]

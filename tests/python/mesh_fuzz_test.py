@@ -1,5 +1,5 @@
-"""Mutated meshes, PLY and gmsh's .msh, text and binary: each is read, or refused in words; none takes long, much memory or
-the interpreter. usage: mesh_fuzz_test.py [INPUTS [SEED]]; INPUTS mutations in all, shared by the files."""
+"""Mutated meshes, PLY and gmsh's .msh, text and binary: each is read, or refused with a message. None takes a long time or
+much memory, or ends the interpreter. usage: mesh_fuzz_test.py [INPUTS [SEED]]; INPUTS: number of mutations of all files."""
 import collections
 import os
 import random
@@ -19,13 +19,13 @@ except ImportError:
     print("skipped: meshio is not installed (python3-meshio)")
     sys.exit(77)
 
-SECONDS, BYTES = 10, 4 << 30  # what an input may take, as for the readers of tests/fuzz
+SECONDS, BYTES = 10, 4 << 30  # limits for an input, as for the readers of tests/fuzz
 NUMBERS = (b"0", b"-1", b"1", b"3", b"4", b"2147483647", b"-2147483648", b"4294967296", b"99999999999", b"1e308", b"nan", b"inf",
            b"0x10", b"1.5", b"")
 
 
 def seeds(folder):
-    """Two cubes, as tetrahedra and as surfaces, in every format that people bring: (name, bytes)."""
+    """Yields two cubes, as tetrahedra and as surfaces, in every format: (name, bytes)."""
     corners = [[i & 1, i >> 1 & 1, i >> 2] for i in range(8)]
     points = [[x + shift, y, z] for shift in (0.0, 2.0) for x, y, z in corners]
     five = [[0, 1, 2, 4], [3, 1, 2, 7], [5, 1, 4, 7], [6, 2, 4, 7], [1, 2, 4, 7]]
@@ -47,7 +47,7 @@ def seeds(folder):
 
 
 def mutated(data, other, rng):
-    """One to four changes: bytes, numbers, lines, pieces that go, come twice or come from another file."""
+    """Makes one to four changes: of bytes, numbers or lines; parts are removed, repeated or taken from another file."""
     data = bytearray(data)
     for _ in range(rng.choice((1, 1, 2, 4))):
         at = rng.randrange(len(data) + 1)
@@ -66,7 +66,7 @@ def mutated(data, other, rng):
             data[at:to] = rng.choice((b"\0", b"\xff", b"\x7f")) * (to - at)
         elif kind == 5:
             del data[at:]
-        else:  # the number that begins behind the next space
+        else:  # the number after the next space
             begin = data.find(b" ", at) + 1
             end = begin
             while end < len(data) and data[end:end + 1] not in (b" ", b"\n"):
@@ -76,7 +76,7 @@ def mutated(data, other, rng):
 
 
 class TooLong(BaseException):
-    """Not caught by what catches exceptions of a reader."""
+    """A BaseException, so that handlers of a reader's exceptions do not catch it."""
 
 
 def fuzz(inputs, seed):
@@ -102,7 +102,7 @@ def fuzz(inputs, seed):
                 end = "read" if blocks else "nothing"
             except quoin.BadInput as refused:
                 end = "refused" if len(str(refused)) > len(path) + 5 else "without words"
-            except BaseException as fault:  # noqa: B902  an end of the program is a fault as well
+            except BaseException as fault:  # noqa: B902  the end of the program is a fault, too
                 end = type(fault).__name__
             signal.alarm(0)
             slowest = max(slowest, time.monotonic() - start)

@@ -1,5 +1,5 @@
-"""Geometry of other programs: assemblies of COMPAS, meshes of gmsh. The files of COMPAS are written here in the layouts
-that compas_assembly and compas_dem publish, those of gmsh by gmsh itself where it is installed."""
+"""Geometry of other programs: assemblies of COMPAS, meshes of gmsh. The tests write files in the published layouts of
+compas_assembly and compas_dem; gmsh writes its files where it is installed."""
 import json
 import os
 import unittest
@@ -11,7 +11,7 @@ from support import SMALL_WALL, Folder
 
 
 def mesh_of(x, y, z, **attributes):
-    """A unit cube as COMPAS has a mesh."""
+    """Returns a unit cube as a mesh of COMPAS."""
     corners = [(i & 1, i >> 1 & 1, i >> 2) for i in range(8)]
     return {"attributes": attributes, "dva": {"x": 0.0, "y": 0.0, "z": 0.0}, "dea": {}, "dfa": {},
             "vertex": {str(i): {"x": x + a, "y": y + b, "z": z + c} for i, (a, b, c) in enumerate(corners)},
@@ -44,7 +44,7 @@ def compas_2(blocks):
 
 
 def before_compas_1(blocks):
-    """compas_assembly before COMPAS 1: blocks beside the graph, which has the supports; all are called Block."""
+    """compas_assembly before COMPAS 1: blocks beside the graph, which has the supports; all have the name Block."""
     return {"assembly": {"attributes": {"name": "Assembly"}, "node_attributes": {"is_support": False}, "edge": {},
                          "node": {str(i): {"x": 0, **({"is_support": True} if s else {})} for i, (_, s) in enumerate(blocks)}},
             "blocks": {str(i): mesh for i, (mesh, _) in enumerate(blocks)}}
@@ -65,7 +65,7 @@ class Compas(Folder):
         sim = quoin.Simulation(scene)
         self.assertEqual(sim.blocks, 2)
         sim.run()
-        # 1 m3 of 2000 kg/m3 weighs 19620 N on the joint's 1 m2; 1 %: what still swings.
+        # 1 m3 of 2000 kg/m3 weighs 19620 N on the joint's 1 m2. Tolerance 1 %, for remaining vibration.
         self.assertAlmostEqual(np.sum(sim.sigma("dry") * sim.area("dry")), -19620.0, delta=200.0)
         self.assertLess(sim.history["largest_displacement_m"].max(), 1e-4)
 
@@ -102,7 +102,7 @@ class Compas(Folder):
                                                      fixed=["Block#0"]))
 
     def test_warped_faces_are_one_joint(self):
-        """The same corners, one of them raised by 1 mm, are those of both blocks: a joint of 1 m2."""
+        """Both blocks have common corners, one of them raised by 1 mm: a joint of 1 m2."""
         self.floor["vertex"]["7"]["z"] = self.cube["vertex"]["3"]["z"] = 1.001
         scene = self.scene(compas_1([(self.floor, True), (self.cube, False)]))
         self.assert_stands_on_its_support(scene)
@@ -137,10 +137,10 @@ class Compas(Folder):
 
 
 class Obj(Folder):
-    """What Blender and Rhino write: normals, texture coordinates, objects with names."""
+    """OBJ files as Blender and Rhino write them: normals, texture coordinates, objects with names."""
 
     def write(self, corner):
-        """A slab and a post on it; corner: of faces, with {0} for the number."""
+        """Writes a slab and a post on it. corner: format of a face's corner, with {0} for the number."""
         text = "mtllib none.mtl\nvn 0 0 1\nvt 0.5 0.5\n"
         for name, (x, y, z), size in (("foundation", (-0.5, -0.2, -0.5), (2, 0.2, 2)), ("post 1", (0, 0, 0), (1, 1, 1))):
             text += f"o {name}\n" + "".join(f"v {x + size[0] * (i & 1)} {y + size[1] * (i >> 1 & 1)} {z + size[2] * (i >> 2)}\n"
@@ -192,7 +192,8 @@ class Obj(Folder):
 
 
 def mesh_boxes(test, name, boxes, edge, version=4.1):
-    """Boxes (corner, then size; m) meshed apart by gmsh into a file of the test's folder; the number of tetrahedra."""
+    """Meshes boxes (corner, then size; m) separately with gmsh into a file of the test's folder. Returns the number of
+    tetrahedra."""
     try:
         import gmsh
     except ImportError:
@@ -221,7 +222,7 @@ class Gmsh(Folder):
             self.skipTest("meshio is not installed (python3-meshio)")
 
     def mesh(self, version):
-        """A slab and a cube that stands on it, meshed apart by gmsh."""
+        """Writes a slab and a cube on it, meshed separately by gmsh."""
         mesh_boxes(self, "two.msh", [(-0.5, -0.2, -0.5, 2, 0.2, 2), (0, 0, 0, 1, 1, 1)], 0.5, version)
         return self.path("two.msh")
 
@@ -233,7 +234,7 @@ class Gmsh(Folder):
                 blocks[0].fixed = True
                 sim = quoin.Simulation(scene_of(blocks))
                 sim.run()
-                # 1 m3 of 2000 kg/m3 weighs 19620 N; 1 %: what still swings.
+                # 1 m3 of 2000 kg/m3 weighs 19620 N. Tolerance 1 %, for remaining vibration.
                 self.assertAlmostEqual(np.sum(sim.sigma("dry") * sim.area("dry")), -19620.0, delta=200.0)
         blocks = quoin.read_blocks(self.mesh(4.1), material="stone", rigid=False, zone_edge=0.5)
         self.assertGreater(quoin.Simulation(scene_of(blocks)).zones, 10)
@@ -258,7 +259,7 @@ class Gmsh(Folder):
             quoin.read_blocks(self.path("nowhere.msh"), material="stone")
 
     def test_what_readers_let_pass_is_refused(self):
-        """Found by mesh_fuzz_test: an endless loop, IndexError, and the last point for -1."""
+        """Invalid indices and counts cause neither an endless loop nor IndexError; -1 is not the last point."""
         head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
         faces = "element face 1\nproperty list uint8 int32 vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
         many = "element face 12000000000\nend_header\n0 0 0\n"
@@ -273,8 +274,8 @@ class Gmsh(Folder):
 
 
 def column_of_tetrahedra(width, height, across, along, seed=1):
-    """Points and tetrahedra of a column along y: a grid of six-tetrahedra boxes whose inner gridpoints are moved at random,
-    so that nothing in it is like our own zones."""
+    """Returns points and tetrahedra of a column along y: a grid of boxes of six tetrahedra, with randomly moved inner
+    gridpoints, so that the zones differ from those of make_zones."""
     counts = np.array([across, along, across])
     grid = np.array(list(np.ndindex(*(counts + 1))), dtype=float)
     inner = ((grid > 0) & (grid < counts)).all(axis=1)
@@ -309,8 +310,8 @@ class Tetrahedra(Folder):
         self.meshio = meshio
 
     def column(self, blocks):
-        """On a fixed base, under its weight. Poisson's ratio 0 and a joint without shear stiffness to speak of: every
-        fibre stands for itself."""
+        """Runs blocks on a fixed base under their weight. With Poisson's ratio 0 and a joint of low shear stiffness the stress
+        is uniaxial."""
         scene = scene_of([quoin.Block(name="base", material="stone", fixed=True,
                                       box=dict(lower=[-0.5, -0.2, -0.5], size=[1.5, 0.2, 1.5])), *blocks], duration=0.6)
         scene.materials.stone = quoin.BlockMaterial(density=self.DENSITY, young_modulus=self.MODULUS, poisson_ratio=0.0)
@@ -323,19 +324,19 @@ class Tetrahedra(Folder):
         sim.run()
         weight = self.DENSITY * 9.81 * self.HEIGHT  # Pa
         self.assertAlmostEqual(np.sum(sim.sigma("dry") * sim.area("dry")), -weight * self.WIDTH**2,
-                               delta=2e-3 * weight * self.WIDTH**2)  # at rest to this
+                               delta=2e-3 * weight * self.WIDTH**2)  # tolerance for remaining motion
         mesh = sim.mesh()
         own = mesh["points"][mesh["block"] == 1]
         top = np.isclose(own[:, 1], self.HEIGHT)
         sinks = -np.array(sim.displacement(1))[top, 1].mean()
-        # rho g h^2 / 2E, and the joint. Seen: 4e-4 more with 540 zones, 3e-4 with 1536.
+        # rho g h^2 / 2E, plus the joint. Measured: 4e-4 more with 540 zones, 3e-4 with 1536.
         expected = weight * self.HEIGHT / (2 * self.MODULUS) + weight / self.STIFFNESS
         self.assertAlmostEqual(sinks / expected, 1.0, delta=0.002)
 
     def test_a_column_of_them_sinks_by_its_weight(self):
         points, tetrahedra = column_of_tetrahedra(self.WIDTH, self.HEIGHT, 3, 10)
         cells = np.array(tetrahedra)
-        cells[::3, 2:] = cells[::3, :1:-1]  # some programs count the other way round
+        cells[::3, 2:] = cells[::3, :1:-1]  # some programs have the opposite orientation
         for version in ("gmsh22", "gmsh"):
             with self.subTest(version):
                 self.meshio.write(self.path("column.msh"), self.meshio.Mesh(points, [("tetra", cells)]),

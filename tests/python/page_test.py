@@ -1,4 +1,4 @@
-"""The numbers of the page of a run, beside its files. The page's own script runs in Node, with stubs for the browser."""
+"""Numbers of the page of a run against its files. The script of the page runs in Node, with stubs for the browser."""
 import json
 import os
 import shutil
@@ -12,20 +12,20 @@ from support import SCENES, SMALL_WALL, SOURCE, block_scene
 import numpy as np  # after support, which tells where it is missing
 from vtu import Vtu, history_of, times_of
 
-# As host/results/colours.h has them.
+# Colours of host/results/colours.h.
 COLD, MIDDLE, WARM = (np.array(c) / 255 for c in ([0x2c, 0x4f, 0xa3], [0xe9, 0xe2, 0xd0], [0xa5, 0x0f, 0x15]))
 TITLES = dict(damage="damage of joints [\u2013]", opening="opening of joints [mm]", slip="slip of joints [mm]",
               stress="smallest principal stress [MPa]", displacement="displacement [mm]")
 
 
 def colours_of(values, most):
-    """From blue over the middle to red; the scale ends at the largest value of the run, either side of nothing alike."""
+    """Returns colours from blue to red; the scale ends at the largest absolute value of the run, and is symmetric about 0."""
     t = np.clip(values / most, -1, 1)[:, None]
     return MIDDLE + np.abs(t) * (np.where(t < 0, COLD, WARM) - MIDDLE)
 
 
 class Shown:
-    """A scene, its files, and what its page shows of them. All of its gridpoints are vertices of the page."""
+    """A scene, its files, and the numbers of its page. All gridpoints are vertices of the page."""
 
     @classmethod
     def setUpClass(cls):
@@ -52,7 +52,7 @@ class Shown:
 
     def assert_curve(self, x, y, labels):
         curve = self.run_["curves"][0]
-        rows = self.history["stage"] == 2  # what the last stage is looked at by: no other stage is like it
+        rows = self.history["stage"] == 2  # the curve is that of the last stage
         np.testing.assert_allclose(curve["xs"], x[rows], rtol=1e-12)
         np.testing.assert_allclose(curve["lines"][0]["values"], y[rows], rtol=1e-12)
         self.assertEqual(curve["labels"], labels)
@@ -70,7 +70,7 @@ class Wall(Shown, unittest.TestCase):
         return scene
 
     def values(self, what, k):
-        """At the vertices in frame k, from the files alone."""
+        """Returns values at the vertices in frame k, from the files only."""
         blocks, joints = self.blocks[k], self.joints[k]
         if what == "displacement":
             return np.linalg.norm(blocks["displacement_m"].astype(float), axis=1)
@@ -95,7 +95,7 @@ class Wall(Shown, unittest.TestCase):
         return result
 
     def test_colours_are_those_of_the_values(self):
-        """Every vertex, frame and colour. 0.012: values are kept in 8 bits of their range, colours go by at most 0.82."""
+        """Checks every vertex, frame and colour. Tolerance 0.012: values have 8 bits, and colours have a range of 0.82."""
         for what in TITLES:
             values = [self.values(what, k) for k in range(len(self.times))]
             low, high = min(0.0, min(v.min() for v in values)), max(0.0, max(v.max() for v in values))
@@ -111,7 +111,7 @@ class Wall(Shown, unittest.TestCase):
                                            err_msg=f"{what}, frame {look['frame']}")
                 self.assertEqual(look["quantity"], TITLES[what])
                 np.testing.assert_allclose(look["range"], (low, high), rtol=1e-4)
-            # The largest value of all has the last colour, half of it the one half-way.
+            # The largest value has the last colour, half of it the colour in the middle.
             last = np.reshape(looks[len(self.times) - 1]["colour"], (-1, 3))
             v = np.abs(values[-1]).argmax()
             end = WARM if values[-1][v] > 0 else COLD
@@ -119,24 +119,24 @@ class Wall(Shown, unittest.TestCase):
             np.testing.assert_allclose(last[v], MIDDLE + min(1.0, share) * (end - MIDDLE), atol=0.012, err_msg=what)
 
     def test_robust_range_is_that_of_98_percent(self):
-        """Of the values that are not 0, at the moment that has the most, in two digits that hold it; a single place does not
-        set it."""
+        """The range of the scale is that of the values other than 0 in the frame with the largest ones, rounded up to two
+        digits. A single point does not determine it."""
         for what in ("opening", "slip", "displacement"):
             moments = [np.sort(v[v > 0]) for v in (self.values(what, k) for k in range(len(self.times))) if np.any(v > 0)]
             low, high = self.run_["robust"][what]
             self.assertEqual(low, 0.0)
             for values in moments:
-                self.assertGreater((values <= high).mean(), 0.95)  # 98 % of some 20 values are a whole number of them
+                self.assertGreater((values <= high).mean(), 0.95)  # 98 % of about 20 values is rounded to a number of values
             bound = max(values[int(0.98 * (len(values) - 1))] for values in moments)
-            self.assertLess(high, 1.12 * bound, what)  # two digits: 10 % at most, and what 16 bits round by
+            self.assertLess(high, 1.12 * bound, what)  # two digits: at most 10 %, plus rounding to 16 bits
             self.assertGreater(high, 0.98 * bound, what)
         low, high = self.run_["robust"]["stress"]
-        self.assertLess(low, 0.0)  # pressed
+        self.assertLess(low, 0.0)  # compression
         self.assertLess(abs(high), 0.2 * -low)
         self.assertEqual(self.run_["robust"]["damage"], [0, 1])
 
     def test_cracks_are_drawn_along_the_rims_of_joints(self):
-        """Edges of one quad alone, both ends of which have cracked, in the colour that the legend names."""
+        """Cracks are edges of a single quad whose ends have both cracked, in the colour of the legend."""
         for look in self.run_["looks"]:
             if look["what"] != "damage":
                 continue
@@ -155,7 +155,7 @@ class Wall(Shown, unittest.TestCase):
             for line, colour in expected:
                 off = np.minimum(abs(rim - line).max(axis=1), abs(rim[:, [3, 4, 5, 0, 1, 2]] - line).max(axis=1))
                 k = off.argmin()
-                self.assertLess(off[k], times * 1e-7 + 1e-6)  # what 16 bits of half a millimetre round by, and 24
+                self.assertLess(off[k], times * 1e-7 + 1e-6)  # rounding to 16 bits of half a millimetre, and to 24 bits
                 for end in (paint[k, :3], paint[k, 3:]):
                     self.assertEqual("#" + "".join(f"{round(255 * c):02x}" for c in end), colour)
         self.assertGreater(look["cracked"], 10)
@@ -167,14 +167,14 @@ class Wall(Shown, unittest.TestCase):
                        tension="dissipated_tension_J", cohesion="dissipated_cohesion_J", friction="dissipated_friction_J",
                        crushing="dissipated_crushing_J", damping="damping_work_J")
         columns["external work"] = "external_work_J"
-        # What stays nothing has no line.
+        # A quantity that is always 0 has no line.
         self.assertEqual([line["name"] for line in energies["lines"]], [name for name, c in columns.items() if np.any(h[c] != 0)])
         self.assertGreater(len(energies["lines"]), 5)
         for line in energies["lines"]:
             np.testing.assert_array_equal(line["values"], h[columns[line["name"]]], line["name"])
         self.assert_curve(1e3 * h["displacement_m"], 1e-3 * h["horizontal_force_N"],
                           ["horizontal displacement of top beam [mm]", "horizontal force [kN]"])
-        # On paper: from 62 pixels to 14 from the right, from 42 above the floor to the top, nothing included.
+        # Drawing area: from 62 pixels at the left to 14 at the right, from 42 pixels at the bottom to the top, including 0.
         for drawn in (curve, energies):
             xs = np.array(drawn["xs"])
             all_values = np.concatenate([line["values"] for line in drawn["lines"]])
@@ -189,7 +189,7 @@ class Wall(Shown, unittest.TestCase):
     def test_dots_stand_at_the_moment_of_the_frame(self):
         h, (curve, energies) = self.history, self.run_["curves"]
         paths = [np.array(path) for path in curve["strokes"]]
-        before = np.count_nonzero(h["stage"] == 1)  # rows that this curve leaves out
+        before = np.count_nonzero(h["stage"] == 1)  # rows that are not in this curve
         for look in self.run_["looks"]:
             row = np.abs(h["time_s"] - self.times[look["frame"]]).argmin() - before
             np.testing.assert_allclose(look["dots"][0][0], paths[0][min(max(row, 0), len(paths[0]) - 1)], atol=4)
@@ -203,14 +203,14 @@ class Wall(Shown, unittest.TestCase):
         row = np.abs(h["horizontal_force_N"]).argmax()
         peak = f"{abs(h['horizontal_force_N'][row]) / 1e3:.2f} kN at {1e3 * abs(h['displacement_m'][row]):.3f} mm"
         self.assertEqual(texts[texts.index("peak") + 1], peak)
-        blocks = len(np.unique(self.blocks[0]["block"][self.blocks[0]["unit"] >= 0]))  # but for the beams
+        blocks = len(np.unique(self.blocks[0]["block"][self.blocks[0]["unit"] >= 0]))  # without the beams
         zones, points = (self.blocks[0]["types"] == 10).sum(), len(self.joints[0]["position"])
         self.assertEqual(texts[texts.index("model") + 1], f"{blocks} blocks, {zones} zones, {points} contact points")
         self.assertTrue(texts[texts.index("run") + 1].startswith(f"{h['step'][-1]:.0f} steps of "), texts)
 
 
 class Arch(Shown, unittest.TestCase):
-    """Blocks of any shape, that have begun to fall."""
+    """Blocks of any shape at the beginning of their fall."""
 
     @staticmethod
     def scene():
@@ -240,7 +240,7 @@ class Arch(Shown, unittest.TestCase):
             for place, gap, crack in zip(joints["position"], joints["gap_m"], joints["crack"]):
                 if crack == 0:
                     continue
-                for side in (place, place + gap) if gap.any() else (place,):  # both, where blocks have come apart
+                for side in (place, place + gap) if gap.any() else (place,):  # both sides, where blocks have separated
                     k = np.abs(points - side).max(axis=1).argmin()
                     self.assertLess(np.abs(points[k] - side).max(), 1e-5)
                     expected.append(legend[crack - 1])
@@ -251,7 +251,7 @@ class Arch(Shown, unittest.TestCase):
 
 
 class Loaded(Shown, unittest.TestCase):
-    """A cube on another one, pressed at a corner."""
+    """A cube on another one, with a load at a corner."""
 
     @staticmethod
     def scene():

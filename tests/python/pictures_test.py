@@ -1,4 +1,4 @@
-"""quoin.open, and the pictures that runs draw."""
+"""quoin.open, and the pictures of runs."""
 import itertools
 import os
 import sys
@@ -24,7 +24,7 @@ def small_wall():
 
 
 def resting_cube():
-    """A cube of 1 m and 1000 kg that settles on another one, which is fixed."""
+    """Returns a cube of 1 m and 1000 kg that comes to rest on another one, which is fixed."""
     scene = block_scene(stage=[quoin.Stage(name="weight", gravity=[0, -9.81, 0], ramp_time=0.05, duration=0.4)],
                         output=dict(frames=1, plots=False), solver=dict(damping="local", local_damping=0.8))
     scene.block[1].box = dict(lower=[0, 1, 0], size=[1, 1, 1])
@@ -32,12 +32,12 @@ def resting_cube():
 
 
 def crossing(figure):
-    """Texts of a picture that cross each other, or leave it."""
+    """Returns texts of a picture that overlap each other or extend beyond it."""
     figure.canvas.draw()
     renderer, found = figure.canvas.get_renderer(), []
     texts = [t for t in figure.findobj(matplotlib.text.Text) if t.get_text().strip() and t.get_visible()]
     boxes = [(t.get_text(), t.get_window_extent(renderer)) for t in texts]
-    # Ticks beyond the ends of an axis are there and not drawn.
+    # Ticks beyond the ends of an axis exist but are not drawn.
     drawn = [(name, box) for name, box in boxes if any(np.allclose(box.bounds, b.bounds) for b in shown_boxes(figure, renderer))]
     paper = figure.bbox
     for name, box in drawn:
@@ -96,7 +96,7 @@ class Opened(Folder):
     def test_support_carries_the_weight(self):
         quoin.run(resting_cube(), out=self.path("cube"), threads=1)
         moment = quoin.open(self.path("cube")).frames[-1]
-        # 1000 kg m/s2 9.81 presses the base; 1 %: what still moves after 0.4 s.
+        # The base carries 1000 kg 9.81 m/s2. Tolerance 1 %, for motion after 0.4 s.
         np.testing.assert_allclose(moment.force_on(0), [0, -9810, 0], atol=98)
         np.testing.assert_allclose(moment.force_on(1), [0, 9810, 0], atol=98)
 

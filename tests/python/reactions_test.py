@@ -1,4 +1,4 @@
-"""What supports give, forces in joints, lines of thrust, frames of all stages: against statics, by the files of runs."""
+"""Reactions, forces in joints, lines of thrust and frames of all stages, against statics, from the files of runs."""
 import unittest
 from xml.etree import ElementTree
 
@@ -12,7 +12,7 @@ REST = dict(damping="local", local_damping=0.8)
 
 
 def column(cubes, push, **output):
-    """Cubes on each other and on a base; the topmost is pushed sideways at its centre."""
+    """Returns cubes on each other and on a base; the uppermost has a horizontal force at its centre."""
     scene = block_scene(solver=REST, output=dict(frames=1, **output))
     scene.block[1].box = dict(lower=[0, 1, 0], size=[1, 1, 1])
     for k in range(1, cubes):
@@ -34,13 +34,13 @@ class Reactions(Folder):
         run = self.run_scene(scene)
         last = run.history[run.history["stage"] == 1][-1]
         load = 0.3e6 * 0.44 * 0.1  # N: pressure times the bed
-        # As far as the stage goes to rest: an unbalanced force of 1e-3 of the mean at a point.
+        # Tolerance for the end of the stage at an unbalanced force of 1e-3 of the mean at a point.
         self.assertAlmostEqual(last["reaction_bottom_beam_y_N"], load, delta=1e-3 * load)
         self.assertEqual(last["reaction_top_beam_y_N"], 0.0)  # free along y
         self.assertAlmostEqual(last["reaction_y_N"], load, delta=1e-3 * load)
-        # The load is in the middle: its line is off by less than a thousandth of the length.
+        # The load acts at the centre: the error of its line is below a thousandth of the length.
         self.assertLess(abs(last["reaction_bottom_beam_mz_Nm"]), 1e-3 * load * 0.44)
-        # About the origin, which is the lower left corner of the wall.
+        # Moment about the origin, which is the lower left corner of the wall.
         self.assertAlmostEqual(last["reaction_mz_Nm"], 0.22 * load, delta=2e-3 * load * 0.44)
 
     def test_a_pushed_wall_is_held_by_both_beams(self):
@@ -48,7 +48,7 @@ class Reactions(Folder):
         h = run.history[run.history["stage"] == 2]
         np.testing.assert_array_equal(h["reaction_top_beam_x_N"], h["horizontal_force_N"])
         np.testing.assert_array_equal(h["reaction_x_N"], h["reaction_top_beam_x_N"] + h["reaction_bottom_beam_x_N"])
-        # What the beams do not give to each other moves the wall: next to nothing of the peak, as quasi_static says.
+        # The sum of the reactions of both beams is the inertia force: a small share of the peak in a quasi-static run.
         peak = h["horizontal_force_N"].max()
         self.assertLess(np.sqrt(np.mean(h["reaction_x_N"] ** 2)), 0.05 * peak)
         self.assertAlmostEqual(h["driven_top_beam_dx_m"][-1], 0.5e-3, delta=1e-5)
@@ -70,10 +70,10 @@ class Reactions(Folder):
         push = 0.05 * WEIGHT
         run = self.run_scene(column(3, push))
         h = run.history[-1]
-        # Statics; 1 %: what still moves after half a second of braking.
+        # By statics. Tolerance 1 %, for motion after half a second with damping.
         self.assertAlmostEqual(h["reaction_y_N"], 3 * WEIGHT, delta=0.01 * 3 * WEIGHT)
         self.assertAlmostEqual(h["reaction_base_x_N"], -push, delta=0.01 * WEIGHT)
-        # About the centre of the base, (0.5, 0.5, 0.5): the push acts 3 m above it.
+        # Moments about the centre of the base, (0.5, 0.5, 0.5): the force acts 3 m above it.
         self.assertAlmostEqual(h["reaction_base_mz_Nm"], push * 3.0, delta=0.01 * WEIGHT)
         self.assertAlmostEqual(h["reaction_base_my_Nm"], 0.0, delta=0.001 * WEIGHT)
 
@@ -83,17 +83,17 @@ class Reactions(Folder):
         above = np.array([3, 2, 1])  # cubes
         np.testing.assert_allclose(forces["normal_force_N"][order], -above * WEIGHT, rtol=0.01)
         np.testing.assert_allclose(forces["shear_force_N"][order], push, rtol=0.05)
-        # The resultant leans as the push turns it: its arm over the weight above, (0.5, 1.5, 2.5) m below the push.
+        # The eccentricity of the resultant is the moment of the force, (0.5, 1.5, 2.5) m above the joint, over the weight.
         arm = push * np.array([2.5, 1.5, 0.5]) / (above * WEIGHT)
         np.testing.assert_allclose(forces["position"][order, 0] - 0.5, arm, atol=0.01)
-        np.testing.assert_allclose(forces["force_N"][order, 0], push, rtol=0.05)  # of the upper block on the lower one
+        np.testing.assert_allclose(forces["force_N"][order, 0], push, rtol=0.05)  # force of the upper block on the lower one
         line = sorted(thrust_lines(run.frames[-1]), key=lambda piece: piece[0][1])
         self.assertEqual(len(line), 2)
         np.testing.assert_allclose(sorted({round(float(p[1]), 2) for piece in line for p in piece}), [1, 2, 3], atol=0.01)
 
     def test_a_wall_has_its_line_of_thrust_through_courses(self):
         run = self.run_scene(quoin.Scene.load(SMALL_WALL))
-        line = thrust_lines(run.frames[0])  # pressed alone: down the middle
+        line = thrust_lines(run.frames[0])  # under vertical load only: in the centre
         self.assertEqual(len(line), 2)  # three levels of bed joints
         for piece in line:
             for x, _, z in piece:
@@ -104,13 +104,13 @@ class Reactions(Folder):
         scene = quoin.Scene.load(SCENES + "/arch.toml")
         scene.stage = [scene.stage[0]]
         run = self.run_scene(scene)
-        self.assertEqual(len(thrust_lines(run.frames[-1])), 7)  # one piece a voussoir
+        self.assertEqual(len(thrust_lines(run.frames[-1])), 7)  # one piece for each voussoir
         forces = run.frames[-1].forces
         x = forces["position"][:, 0]
         np.testing.assert_allclose(np.sort(x), -np.sort(x)[::-1], atol=0.05)
 
     def test_a_vault_in_bond_thrusts_from_abutment_to_abutment(self):
-        """Rings of one block and of two by turns: the line is one, from springing to springing, and symmetric."""
+        """With rings alternately of one and two blocks there is one symmetric line, from springing to springing."""
         scene = quoin.Scene(solver=dict(damping="viscous", mass_damping=20.0, stiffness_damping=1e-4))
         scene.materials.stone = quoin.BlockMaterial(density=2000.0, young_modulus=1e10, poisson_ratio=0.2)
         scene.joints.dry = quoin.Joint(law="coulomb_slip", initial_state="dry", normal_stiffness=1e9, shear_stiffness=0.5e9,
@@ -120,11 +120,11 @@ class Reactions(Folder):
         scene.output = dict(frames=1, plots=False)
         run = self.run_scene(scene)
         line = thrust_lines(run.frames[-1])
-        self.assertEqual(len(line), 15)  # one piece a ring
+        self.assertEqual(len(line), 15)  # one piece for each ring
         for (_, end), (begin, _) in zip(line, line[1:]):
             np.testing.assert_array_equal(end, begin)
         places = np.array([line[0][0]] + [end for _, end in line])
-        # 20 mm of 0.5 m: what still moves.
+        # Tolerance 20 mm of 0.5 m, for remaining motion.
         np.testing.assert_allclose(places[:, :2], places[::-1, :2] * [-1, 1], atol=0.02)
         np.testing.assert_allclose(places[:, 2], 0.5, atol=0.02)  # m, the middle of the width
         radius = np.hypot(places[:, 0], places[:, 1])
@@ -143,7 +143,7 @@ class Reactions(Folder):
         for name in ("last", "all"):
             np.testing.assert_array_equal(told[name].history.tobytes(), told["none"].history.tobytes())
         self.assertEqual([f.stage for f in told["last"].frames], [2, 2, 2, 2])
-        # Begin and rest of the first stage, which ends at equilibrium; thirds of the second.
+        # Beginning and end of the first stage, which ends at equilibrium, and thirds of the second.
         self.assertEqual([f.stage for f in told["all"].frames], [1, 1, 2, 2, 2])
         rows = told["all"].history
         self.assertEqual(rows["time_s"][told["all"].frames[1].row], rows["time_s"][rows["stage"] == 1][-1])
@@ -174,7 +174,7 @@ class Reactions(Folder):
         scene.output = dict(frames=1)
         run = self.run_scene(scene)
         run.save_xdmf(self.path("wall.xdmf"))
-        corners = {6: 4, 9: 8, 5: 4, 1: None, 3: None}  # by the numbers of XDMF; None: the next word says
+        corners = {6: 4, 9: 8, 5: 4, 1: None, 3: None}  # by the cell types of XDMF; None: the next number has it
         with h5py.File(self.path("wall.h5")) as file:
             for collection in ElementTree.parse(self.path("wall.xdmf")).getroot().find("Domain"):
                 self.assertEqual([float(grid.find("Time").get("Value")) for grid in collection], [f.time for f in run.frames])

@@ -1,4 +1,4 @@
-"""The page of a run, opened by a browser from the disk. What the page does is asked by a script that is added to a copy."""
+"""The page of a run, opened by a browser from the disk. A script that is added to a copy tests the page."""
 import base64
 import http.server
 import json
@@ -15,7 +15,7 @@ import quoin
 from support import PROGRAM, SCENES, SMALL_WALL, Folder, block_scene
 import numpy as np  # after support, which tells where it is missing
 
-# Moves the slider, chooses every colour, and tells what was drawn: shares of pixels that are not background.
+# Moves the slider, selects every colour, and reports the picture: shares of pixels that are not background.
 ASK = """
 <script>
 const faults = [];
@@ -154,7 +154,7 @@ ask();
 
 
 class Ear(http.server.BaseHTTPRequestHandler):
-    """Takes what the page tells."""
+    """Receives the report of the page."""
 
     def do_POST(self):
         self.server.told = self.rfile.read(int(self.headers["Content-Length"]))
@@ -166,7 +166,7 @@ class Ear(http.server.BaseHTTPRequestHandler):
 
 
 def told_by(page):
-    """What a browser tells of the page; skips the test where there is none that draws."""
+    """Returns the report of the page in a browser; skips the test without a browser that draws."""
     browser = shutil.which("chromium") or shutil.which("chromium-browser")
     if not browser:
         raise unittest.SkipTest("chromium is not installed")
@@ -200,7 +200,7 @@ class Report(Folder):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def page_of(self, name):
-        """Head of the page of a run, and what gives its arrays."""
+        """Returns the head of the page of a run, and a function that returns its arrays."""
         with open(self.path(name + "/report.html"), encoding="utf-8") as file:
             html = file.read()
         head = json.loads(re.search(r'class="head">(.*?)</script>', html, re.S)[1])
@@ -220,7 +220,7 @@ class Report(Folder):
         for r in range(runs):
             self.assertEqual(frames[0][r][0], 0)
             for _, drawn, _, _, _, _ in (f[r] for f in frames):
-                self.assertGreater(drawn, 0.02)  # of the picture: something is there
+                self.assertGreater(drawn, 0.02)  # share of the picture that is drawn
             self.assertGreater(len({f[r][2] for f in frames}), 1, "the slider changes the picture")
             self.assertGreater(len({tuple(f[r][3]) for f in frames}), 1, "the slider moves the dot on the curve")
             self.assertEqual(len({f[r][5] for f in frames}), len({f[r][0] for f in frames}), "each frame has its moment")
@@ -254,7 +254,7 @@ class Report(Folder):
         page = self.path("wall/report.html")
         with open(page, encoding="utf-8") as file:
             html = file.read()
-        # Nothing is fetched: the page has no address in what loads.
+        # The page loads nothing: it has no addresses in its elements.
         self.assertIsNone(re.search(r"""<(script|link|img)[^>]*(src|href)=""", html.split("<script>")[0]))
         told = told_by(page)
         self.assert_works(told)
@@ -268,7 +268,7 @@ class Report(Folder):
         self.assertRegex(told["frames"][-1][0][5], r"stage 2 of 2 \w+, 0\.50?\d* mm, [0-9.]+ s")
 
     def test_large_models_are_drawn_without_what_is_covered(self):
-        """The same wall as if it were large: the same is seen, of fewer triangles."""
+        """With the settings for large models the picture of a wall is equal, with fewer triangles."""
         self.run_scene("wall", SMALL_WALL, "--report")
         with open(self.path("wall/report.html"), encoding="utf-8") as file:
             html = file.read()
@@ -279,15 +279,14 @@ class Report(Folder):
         self.assertEqual(large["faults"], [])
         self.assertLess(large["whole"], 0.75 * small["whole"])
         for a, b in zip(small["frames"], large["frames"]):
-            self.assertAlmostEqual(a[0][1], b[0][1], delta=0.003)  # of the picture: its edges are smooth, or not
+            self.assertAlmostEqual(a[0][1], b[0][1], delta=0.003)  # edges are smoothed in one of them
         for view in small["views"]:
             np.testing.assert_allclose(large["views"][view][:2], small["views"][view][:2], atol=0.01, err_msg=view)
 
     def test_displacements_are_those_of_the_run(self):
         self.run_scene("wall", SMALL_WALL, "--report")
         head, array = self.page_of("wall")
-        # The beam on top goes by what the stage asks for, 0.5 mm; two steps of 30 us at 50 mm/s more, and
-        # what 16 bits round by.
+        # The top beam moves by the 0.5 mm of the stage, plus two steps of 30 us at 50 mm/s, plus rounding to 16 bits.
         top = array("position")[:, 1].argmax()
         step = head["range"]["moved"] / 32767
         self.assertAlmostEqual(array("moved3")[top, 0] * step, 0.5e-3, delta=2 * 0.05 * 3e-5 + step)
@@ -300,9 +299,9 @@ class Report(Folder):
         self.run_scene("cube", scene, "--report")
         head, array = self.page_of("cube")
         block, step = array("block", 1)[:, 0], max(head["range"]["stress"][1], -head["range"]["stress"][0]) / 32767
-        # The mean of what hangs from the top, 0, and stands on the bottom, 9810 N over 1 m2; 1 %: what still moves.
+        # The mean stress of the top, 0, and the bottom, 9810 N over 1 m2. Tolerance 1 %, for remaining motion.
         np.testing.assert_allclose(array("stress1", 1)[block == 1] * step, -4905, rtol=0.01)
-        np.testing.assert_array_equal(array("stress1", 1)[block == 0], 0)  # what holds it is in no joint
+        np.testing.assert_array_equal(array("stress1", 1)[block == 0], 0)  # its support is not a joint
         pair = [array("joint_a", 1)[0, 0], array("joint_b", 1)[0, 0]]
         self.assertEqual(pair, [0, 1])
         self.assertAlmostEqual(array("joint_normal1", 1)[0, 0], -9810, delta=98)
@@ -310,7 +309,7 @@ class Report(Folder):
         self.assertAlmostEqual(array("joint_eccentricity1", 1)[0, 0], 0.0, delta=0.01)
 
     def test_rigid_blocks_on_the_lattice_have_their_cracks(self):
-        """A cube that is lifted off its base by 1 mm."""
+        """Lifts a cube off its base by 1 mm."""
         scene = block_scene(stage=[quoin.Stage(name="lift", duration=0.1, ramp_time=0.01, velocity=[
             dict(block="cube", velocity=[0.0, 0.01, 0.0])])], output=dict(frames=1))
         scene.block[1].box = dict(lower=[0, 1, 0], size=[1, 1, 1])
@@ -327,7 +326,7 @@ class Report(Folder):
         told = told_by(self.path("wall/report.html"))
         self.assert_works(told)
         print(f"ready after {told['seconds']:.2f} s")
-        self.assertLess(told["seconds"], 10)  # 2 s are wanted of a machine that does nothing else and draws in software
+        self.assertLess(told["seconds"], 10)  # the goal is 2 s on an idle machine that draws in software
 
     def test_shapes_of_modes_and_mechanisms_swing(self):
         done = self.command("modes", SMALL_WALL, "--count", "3", "--out", "modes")
@@ -335,7 +334,7 @@ class Report(Folder):
         head, array = self.page_of("modes")
         self.assertEqual(len(head["labels"]), 3)
         self.assertRegex(head["labels"][0], r"mode 1: [0-9.]+ Hz; effective mass [0-9.]+ % along x")
-        for k in range(3):  # each drawn as large as the others
+        for k in range(3):  # all are drawn with equal size
             largest = np.linalg.norm(array(f"moved{k}") * head["range"]["moved"] / 32767, axis=1).max()
             self.assertAlmostEqual(largest, 1.0, delta=1e-3)
         done = self.command("limit", SCENES + "/arch.toml", "--out", "limit")
@@ -352,7 +351,7 @@ class Report(Folder):
         self.assertEqual(done.stdout.strip(), "wall/report.html")
         told = told_by(self.path("wall/report.html"))
         self.assert_works(told, runs=2)
-        self.assertEqual([h.rsplit(" ", 1)[1] for h in told["headings"]], ["(wall)", "(brittle)"])  # of one title
+        self.assertEqual([h.rsplit(" ", 1)[1] for h in told["headings"]], ["(wall)", "(brittle)"])  # two runs with one title
 
     def test_without_frames_it_is_refused_before_the_run(self):
         done = self.command("run", SMALL_WALL, "--out", "none", "--set", "output.frames=0", "--report")
@@ -380,13 +379,13 @@ class Report(Folder):
         head, array = self.page_of("arch")
         cracks = 0
         for f in range(len(head["times"])):
-            # At the start, where they are drawn from: corners of voussoirs of 22.5 degrees, at 9.25 and 10.75 m.
+            # Initial positions are corners of voussoirs of 22.5 degrees, at 9.25 and 10.75 m.
             start, moved, crack = array(f"points{f}"), array(f"points_moved{f}"), array(f"point_crack{f}", 1)
             self.assertEqual(len(start), len(moved))
             self.assertEqual(len(start), len(crack))
             cracks += len(start)
             radius, turn = np.hypot(start[:, 0], start[:, 1]), np.degrees(np.arctan2(start[:, 1], start[:, 0]))
-            # But for the gap of a joint, since a point stands on one side and may be drawn with the other.
+            # Tolerance of the gap of a joint, since a point is on one side and may be drawn with the other.
             gap = 0.32  # m: corners of neighbours are up to 0.309 m apart at the end, by the meshes of the frames
             self.assertLess(np.minimum(abs(radius - 9.25), abs(radius - 10.75)).max(initial=0.0), gap)
             off = (turn - 11.25) / 22.5
@@ -394,7 +393,7 @@ class Report(Folder):
             self.assertLessEqual(abs(moved).max(initial=0.0), head["range"]["moved"])
         self.assertGreater(cracks, 4)
         self.assertAlmostEqual(head["range"]["opening"][1], 0.309, delta=0.005)
-        # The collapse ends when the centre of a block has moved by 0.6 m; its corners turn about it.
+        # The collapse ends when the centre of a block has moved by 0.6 m; its corners also rotate about it.
         self.assertGreater(head["range"]["moved"], 0.6)
         self.assertLess(head["range"]["moved"], 0.8)
 

@@ -152,7 +152,7 @@ class Scenes(Folder):
                     use(loaded)
         with self.assertRaisesRegex(quoin.BadInput, "is of another file cube.off"):
             quoin.Simulation.resume(self.path("scene.toml"), self.path("then.bin"))
-        # Where nothing has been loaded, it is read when it is needed.
+        # A mesh that has not been loaded is read when it is needed.
         scene.block[0].mesh = self.path("cube.off")
         for height in (1, 2):
             cube(height)

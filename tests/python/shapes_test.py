@@ -1,4 +1,4 @@
-"""Generators of masonry: what they fill, that nothing overlaps, that it stands."""
+"""Generators of masonry: volumes, no overlaps, stability."""
 import math
 import unittest
 from collections import Counter
@@ -11,7 +11,7 @@ MASONRY = dict(material="stone")
 
 
 def volume_of(block):
-    """Of a box, or of the hull of its vertices: pyramids over its faces, from the middle."""
+    """Returns the volume of a box, or of the hull of its vertices as pyramids from the centre to its faces."""
     if "box" in block:
         return math.prod(block.box.size)
     points = np.array(block.vertices)
@@ -23,7 +23,7 @@ def volume_of(block):
 
 
 def hull_faces(points):
-    """Planes through three points that have all others on one side, with their points in order. For few points."""
+    """Returns the faces of the hull of a few points: planes through three points with all others on one side."""
     faces, seen = [], set()
     for i in range(len(points)):
         for j in range(i + 1, len(points)):
@@ -65,15 +65,15 @@ class Shapes(Folder):
         self.assertEqual(len({b.name for b in blocks}), len(blocks))
 
     def assert_stands(self, blocks, sag):
-        """Under its weight nothing moves by more than `sag`, m; blocks that overlap are refused when the model is made."""
+        """Under weight no block moves by more than `sag`, m. Overlapping blocks are refused when the model is built."""
         sim = quoin.Simulation(scene_of(blocks))
         sim.run()
         history = sim.history
         self.assertLess(history["largest_displacement_m"].max(), sag)
-        self.assertGreater(history["largest_displacement_m"].max(), 1e-8)  # it does weigh
+        self.assertGreater(history["largest_displacement_m"].max(), 1e-8)  # weight acts
 
     def test_bonds_fill_their_wall(self):
-        # 1.1 m, 4 courses of 0.0625 m; one unit of 0.22 m or one width of 0.11 m thick.
+        # Length 1.1 m, 4 courses of 0.0625 m, thickness 0.22 m (a unit's length) or 0.11 m (its width).
         for bond in quoin.shapes.BONDS:
             with self.subTest(bond):
                 blocks = quoin.shapes.wall(bond, 4, 1.1, [0.22, 0.0625, 0.11], **MASONRY)
@@ -81,7 +81,7 @@ class Shapes(Folder):
                 self.assert_fills(blocks, 1.1 * 4 * 0.0625 * thickness)
 
     def test_bonds_bond(self):
-        # No joint across the wall stands above another in the course below, but in stack bond and at the ends.
+        # No head joint is above another one in the course below, except in stack bond and at the ends.
         def joints(blocks, course):
             return {round(b.box.lower[0], 6) for b in blocks if b.name.startswith(f"wall/{course}/")} - {0.0}
         for bond in quoin.shapes.BONDS:
@@ -95,7 +95,7 @@ class Shapes(Folder):
         self.assert_stands(base + quoin.shapes.wall("english", 5, 0.66, [0.22, 0.0625, 0.11], **MASONRY), 1e-4)
 
     def test_vaults_fill_their_rings(self):
-        # A wedge of a ring with straight chords: (ro2 - ri2) / 2 sin(step) a radian of it.
+        # Area of a sector with straight chords: (ro2 - ri2) / 2 sin(step).
         step = math.pi / 12
         free = [b for b in quoin.shapes.barrel_vault(2.0, 0.3, 3.0, 12, 3, **MASONRY) if not b.keys() & {"fixed"}]
         self.assert_fills(free, 12 * (2.15**2 - 1.85**2) / 2 * math.sin(step) * 3.0)
@@ -125,7 +125,7 @@ class Shapes(Folder):
         unit, gap = [0.22, 0.065, 0.105], 0.05
         blocks = quoin.shapes.two_leaf_wall(6, 1.32, unit, gap=gap, tie_every=3, tie_spacing=2, **MASONRY)
         headers = [b for b in blocks if b.box.size[2] > 0.2]
-        # Two tied courses: every second of six units, and of five with a half at each end.
+        # Two courses with ties: every second of six units, and of five units with a half at each end.
         self.assertEqual(len(headers), 6)
         self.assert_fills(blocks, 1.32 * 6 * 0.065 * 2 * 0.105 + 6 * 0.105 * 0.065 * gap)
         self.assert_stands(self.ground([-0.1, -0.1, -0.1], [1.6, 0.1, 0.5]) + blocks, 1e-4)
@@ -146,7 +146,7 @@ class Shapes(Folder):
         even = [volume_of(b) for b in quoin.shapes.rubble(size, stone, seed=3, relax=30, **MASONRY)]
         self.assertLess(np.std(even), 0.6 * volumes.std())
         self.assert_stands(self.ground([-0.2, -0.1, -0.2], [1.9, 0.1, 0.8]) + blocks, 1e-3)
-        for seed in (4, 10, 21):  # splinters too make a model (of seeds 1 to 29 all but 22: corners closer than told apart)
+        for seed in (4, 10, 21):  # thin splinters are accepted, too (of seeds 1 to 29 all but 22)
             wild = quoin.shapes.rubble(size, stone, seed=seed, relax=0, **MASONRY)
             self.assertEqual(quoin.Simulation(scene_of(wild)).blocks, 40)
 
@@ -163,7 +163,7 @@ class Shapes(Folder):
                     faces = [face for b in blocks for face in hull_faces(np.array(b.vertices))]
                     edges[shortest] = min(np.linalg.norm((face - np.roll(face, 1, axis=0)) / stone, axis=1).min()
                                           for face in faces)
-                self.assertLess(edges[0.0], 0.03)  # there was something to do
+                self.assertLess(edges[0.0], 0.03)  # there are short edges without merging
                 self.assertGreaterEqual(edges[0.15], 0.15)
                 corners = Counter(frozenset(map(tuple, np.round(face, 7) + 0.0)) for face in faces)
                 for face, times in corners.items():
@@ -181,7 +181,7 @@ class Shapes(Folder):
                                          zone_edge=0.15, **MASONRY)
             sim = quoin.Simulation(scene_of(blocks))
             steps[shortest] = sim.time_step
-        # Along an edge of 0.15 * 0.12 m a wave of sqrt(E/rho) = 2236 m/s runs for 8e-6 s; zones are flatter than that.
+        # A wave of sqrt(E/rho) = 2236 m/s needs 8e-6 s for an edge of 0.15 * 0.12 m; heights of zones are smaller.
         self.assertGreater(steps[0.15], 10 * steps[0.0])
         self.assertGreater(steps[0.15], 1.5e-6)
 
@@ -192,12 +192,12 @@ class Shapes(Folder):
         blocks = quoin.shapes.cross_vault(span, thickness, courses, **MASONRY)
         self.assertEqual(len(blocks), 4 * (courses + 2))
 
-        def web():  # of each course, its section times what it reaches from the groin, |x|, to the outer side
+        def web():  # volume: for each course, its section times the length from the groin, |x|, to the outer side
             for course in range(courses):
                 a, b = low + course * step, low + (course + 1) * step
                 section = [(r * math.cos(t), r * math.sin(t)) for r, t in
                            ((outer - thickness, a), (outer, a), (outer, b), (outer - thickness, b))]
-                if course == courses // 2:  # one half of it, twice
+                if course == courses // 2:  # half of the course, twice
                     section = [section[0], section[1], (0.0, section[1][1]), (0.0, section[0][1])]
                 area = moment = 0.0
                 for (x0, y0), (x1, y1) in zip(section, section[1:] + section[:1]):
@@ -214,8 +214,8 @@ class Shapes(Folder):
         blocks = quoin.shapes.arch_bridge(spans, span, rise, thickness, width, voussoirs, 0.9, 1.0, **MASONRY)
         top, weight = 1.0 + rise + thickness + 0.3, 18e3
         forces = quoin.shapes.fill_load(blocks, top, weight)
-        # Between the level top and the extrados, a polygon with its corners on a circle, over each whole arch; and over the
-        # middle of the pier, between the springings of the extrados. Exact.
+        # Exact area between the horizontal top and the extrados, a polygon with corners on a circle, over each arch, plus the
+        # area over the middle of the pier, between the springings of the extrados.
         radius = (span**2 / 4 + rise**2) / (2 * rise)
         half, outer = math.asin(span / 2 / radius), radius + thickness
         under = voussoirs * outer**2 / 2 * math.sin(2 * half / voussoirs) - outer**2 / 2 * math.sin(2 * half)
@@ -232,7 +232,7 @@ class Shapes(Folder):
             sim = quoin.Simulation(scene)
             sim.run()
             self.assertLess(sim.history["largest_displacement_m"].max(), 1e-3)
-            vertical = 0.0  # on what is fixed; the normal leads from a to b
+            vertical = 0.0  # force on fixed blocks, N; the normal is from a to b
             contacts = sim.contacts("dry")
             traction = np.array([sim.sigma("dry"), sim.tau_s("dry"), sim.tau_t("dry")]) * np.array(sim.area("dry"))
             force = sum(traction[k][:, None] * contacts[axis] for k, axis in enumerate(("normal", "s", "t")))
@@ -241,7 +241,7 @@ class Shapes(Folder):
                 if (a in fixed) != (b in fixed):
                     vertical -= f[1] if a in fixed else -f[1]
             return vertical
-        # What the supports carry grows by the weight of the fill; 1 %: what still swings.
+        # The reactions grow by the weight of the fill. Tolerance 1 %, for remaining vibration.
         self.assertAlmostEqual((thrust(True) - thrust(False)) / (weight * width * (2 * arch + pier)), 1.0, delta=0.01)
         with self.assertRaisesRegex(quoin.BadInput, "reaches .* above it"):
             quoin.shapes.fill_load(blocks, 1.5, weight)
@@ -262,7 +262,7 @@ class Shapes(Folder):
         below = (contacts["position"][:, 1] < 0.8 + 1e-6) & ((contacts["block_a"] == number) | (contacts["block_b"] == number))
         carried = -np.sum((np.array(sim.sigma("dry")) * np.array(sim.area("dry")))[below])
         own = 2000.0 * 9.81 * 1.32 * 0.2 * 0.22
-        over = 2000.0 * 9.81 * 1.32 * 0.4 * 0.22  # the column above it
+        over = 2000.0 * 9.81 * 1.32 * 0.4 * 0.22  # weight of the column above it, N
         self.assertGreater(carried, own)
         self.assertLess(carried, own + 1.5 * over)
         without = quoin.shapes.opening(wall, 0.66, 1.54, 0.2, 0.8, **MASONRY)
@@ -280,7 +280,7 @@ class Shapes(Folder):
         scene.joint_rule.append(quoin.JointRule(family="cast", between=["ring/", "ring/"]))
         sim = quoin.Simulation(scene)
         self.assertGreater(len(sim.area("cast")), 12)
-        sim.run()  # the two across hang on the others
+        sim.run()  # the two transverse blocks are carried by the others
         self.assertLess(sim.history["largest_displacement_m"].max(), 1e-3)
 
     def test_a_tie_stretches_as_steel_does(self):
@@ -291,7 +291,7 @@ class Shapes(Folder):
         self.assert_fills(blocks, 2 * (0.5 * 0.5 * 0.2 - hole) + 1.7 * 0.05**2 + 2 * 0.2**2 * 0.04)
         parts = {b.unit for b in blocks if "unit" in b}
         self.assertEqual(parts, {"front/0/0", "back/0/0"})
-        # One plate is held, the other pulled: F L / (E A) and the two joints of the bar.
+        # One plate is fixed, the other has a force: F L / (E A) plus the two joints of the bar.
         tie = [b for b in blocks if b.name.startswith("tie/")]
         bar, held, pulled = tie
         for plate in (held, pulled):
@@ -307,7 +307,7 @@ class Shapes(Folder):
         sim.run()
         area = 0.05**2
         expected = 1e5 * (1.7 / (200e9 * area) + 2 / (1e12 * area))
-        # The plates are rigid, the strain of the bar is uniform: exact but for what still swings.
+        # The plates are rigid, the strain of the bar is uniform: exact but for remaining vibration.
         self.assertAlmostEqual(np.array(sim.displacement(2))[:, 2].mean() / expected, 1.0, delta=0.01)
 
     def test_cuts_are_told_where_nothing_is_cut(self):

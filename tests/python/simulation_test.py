@@ -16,7 +16,7 @@ from support import SMALL_WALL, Folder, assert_same_history, block_scene
 
 
 def slow_scene():
-    """Some seconds of work."""
+    """Returns a scene that takes some seconds."""
     scene = quoin.Scene.load(SMALL_WALL)
     scene.stage[1].velocity = 1e-5
     return scene
@@ -30,7 +30,7 @@ class Views(unittest.TestCase):
         self.assertEqual(u.shape[1], 3)
         self.assertEqual(np.abs(sigma).max(), 0.0)
         sim.run(until="precompression")
-        # 0.3 MPa on 0.44 x 0.1 m, through two rows of units: every bed joint carries it. 1 %: of the equilibrium.
+        # Every bed joint carries 0.3 MPa on 0.44 x 0.1 m. Tolerance 1 %, for the equilibrium.
         bed = np.abs(np.array(sim.contacts("mortar")["normal"])[:, 1]) > 0.5
         beds = 3
         force = np.sum(sigma[bed] * sim.area("mortar")[bed]) / beds
@@ -56,7 +56,7 @@ class Views(unittest.TestCase):
         before, hashed = [np.array(v) for v in views], sim.hash
 
         class Sly(np.ndarray):
-            """Keeps what it is called with."""
+            """Stores its arguments."""
             given = []
 
             def __array_ufunc__(self, ufunc, method, *inputs, **named):
@@ -89,7 +89,7 @@ class Views(unittest.TestCase):
         for view, then in zip(views, before):
             np.testing.assert_array_equal(view, then)
         self.assertEqual(sim.hash, hashed)
-        np.add.at(before[0], slice(None), views[0])  # they may be added to others
+        np.add.at(before[0], slice(None), views[0])  # views may be added to other arrays
         np.testing.assert_array_equal(before[0], 2 * np.array(views[0]))
 
     def test_one_whose_simulation_is_gone_raises(self):
@@ -137,7 +137,7 @@ class Views(unittest.TestCase):
         self.assertEqual(velocity.shape, (1, 3))
         self.assertEqual(len(sigma), 0)
         sim.run(until=lambda s: s.time > 0.5 or len(sigma) > 0 and sigma.min() < 0.0, every=5)
-        # It has fallen 1 m, onto contacts that were not there: 2 %, as they give way.
+        # It has fallen by 1 m onto new contacts. Tolerance 2 %, since they deform.
         self.assertAlmostEqual(sim.time, (2 / 9.81) ** 0.5, delta=0.01)
         self.assertGreater(len(sigma), 0)
         self.assertEqual(len(sigma), len(sim.contacts("dry")))
@@ -171,7 +171,7 @@ class Steering(Folder):
             sim.sigma("dry")[...] = 1.0
 
     def test_a_velocity_moves_what_the_stage_holds(self):
-        # The base of the blocks is fixed, the beam of the wall is held.
+        # The base of the blocks and the beam of the wall are fixed.
         sim = quoin.Simulation(block_scene())
         sim.set_velocity("base", [0.0, 0.0, 0.1])
         sim.step(100)
@@ -182,7 +182,7 @@ class Steering(Folder):
         wall.set_velocity("top_beam", [-0.02, None, None])
         there = wall.measure()["displacement_m"]
         wall.step(200)
-        # Exact but for rounding, and for the step whose velocity was the stage's.
+        # Exact but for rounding, and for one step with the velocity of the stage.
         self.assertAlmostEqual(wall.measure()["displacement_m"] - there, -0.02 * 200 * wall.time_step,
                                delta=0.02 * 2 * wall.time_step)
 
@@ -273,14 +273,14 @@ class Interruptions(Folder):
             np.testing.assert_array_equal(sim.sigma("mortar"), before)
             sim.step(100)
         self.assertEqual(resumed.hash, straight.hash)
-        # A checkpoint of after the swap goes on with the law that was swapped in.
+        # A run resumed from a checkpoint after the swap has the new law.
         straight.checkpoint(self.path("later.bin"))
         later = quoin.Simulation.resume(SMALL_WALL, self.path("later.bin"))
         for sim in (straight, resumed, later):
             sim.run()
             self.assertEqual(sim.hash, straight.hash)
         assert_same_history(later.history, straight.history)
-        # And one of before goes back to the law of then.
+        # A run resumed from a checkpoint before the swap has the old law.
         sim = quoin.Simulation(SMALL_WALL)
         sim.step(300)
         state = sim.save()
@@ -299,7 +299,7 @@ class Interruptions(Folder):
         before = time.monotonic()
         with self.assertRaises(KeyboardInterrupt):
             sim.run()
-        self.assertLess(time.monotonic() - before, 30.0)  # and not when the run is over
+        self.assertLess(time.monotonic() - before, 30.0)  # not only at the end of the run
         there = sim.steps
         self.assertGreater(there, 0)
         sim.step(100)
@@ -321,7 +321,7 @@ class Interruptions(Folder):
         sim, told = quoin.Simulation(slow_scene(), threads=1), []
         runner = threading.Thread(target=lambda: sim.step(3000))
         runner.start()
-        while runner.is_alive() and len(told) < 5:  # this loop runs only when the lock is free
+        while runner.is_alive() and len(told) < 5:  # this loop needs the lock of the interpreter
             try:
                 sim.sigma("mortar")
             except RuntimeError as error:
@@ -339,7 +339,7 @@ class Interruptions(Folder):
         self.assertEqual(raised.exception.run.summary["status"], "failed")
 
 
-HOSTILE = os.environ.get("QUOIN_HOSTILE_LAW", "")  # tests/plugins: misbehaves as QUOIN_HOSTILE says
+HOSTILE = os.environ.get("QUOIN_HOSTILE_LAW", "")  # tests/plugins: a law with the fault of QUOIN_HOSTILE
 
 WATCHED = """
 import sys, quoin
@@ -355,10 +355,10 @@ except quoin.NumericalFailure as failure:
 
 
 class Laws(Folder):
-    """What misbehaves, and how it is watched: keyword arguments of run and Simulation."""
+    """Faulty laws, and the monitoring of laws by keyword arguments of run and Simulation."""
 
     def watched(self, fault, options):
-        """A run of another interpreter, with a law of that fault. Its exit code, output and errors."""
+        """Runs another interpreter with a law of that fault. Returns its exit code, output and errors."""
         done = subprocess.run([sys.executable, "-c", WATCHED, SMALL_WALL, HOSTILE, self.path("out"), repr(options)],
                               env=dict(os.environ, QUOIN_HOSTILE=fault), capture_output=True, text=True, timeout=120)
         return done.returncode, done.stdout, done.stderr
@@ -417,12 +417,12 @@ class Laws(Folder):
         except quoin.BadInput as missing:
             self.assertIn("three.js", str(missing))
             self.skipTest(f"no page: {missing}")
-        self.assertEqual(self.command("report", "out").returncode, 0)  # again, from the files
+        self.assertEqual(self.command("report", "out").returncode, 0)  # the page again, from the files
         self.assertGreater(os.path.getsize(self.path("out/report.html")), 1e5)
 
 
 class Starts(Folder):
-    """Damage before the first stage, and runs that begin where others have ended."""
+    """Initial damage, and runs that start from the end of others."""
 
     def whole(self):
         scene = quoin.Scene.load(SMALL_WALL)
@@ -451,10 +451,10 @@ class Starts(Folder):
         quoin.run(self.first(), threads=1, out=self.path("first"))
         for scene in (self.second(), self.moved()):
             rest = quoin.run(scene, threads=1)
-            assert_same_history(rest.history, driven.astype(rest.history.dtype))  # names of stages are as long as the longest
+            assert_same_history(rest.history, driven.astype(rest.history.dtype))  # widths of names differ
 
     def moved(self):
-        """Written to another folder, where start is found too."""
+        """A scene that is written to another folder still finds its start."""
         os.makedirs(self.path("elsewhere/deep"))
         self.second().write(self.path("elsewhere/deep/second.toml"))
         return quoin.Scene.load(self.path("elsewhere/deep/second.toml"))
@@ -467,7 +467,7 @@ class Starts(Folder):
             quoin.Simulation(self.second(cohesion=0.2e6))
         with self.assertRaisesRegex(quoin.BadInput, "give another one"):
             quoin.run(self.second(), out=self.path("first"))
-        # The program on the command line is another one, as long as nothing tells that it computes the same.
+        # The program on the command line counts as another one, since its results may differ.
         self.second().write(self.path("second.toml"))
         done = self.command("run", "second.toml", "--out", "second")
         self.assertEqual(done.returncode, 3)

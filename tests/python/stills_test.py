@@ -1,4 +1,4 @@
-"""Pictures that gnuplot draws for the command line: no text crosses another one or leaves the picture, colour bars have numbers."""
+"""Pictures of gnuplot for the command line: texts do not overlap or extend beyond the picture, colour bars have numbers."""
 import itertools
 import os
 import re
@@ -23,7 +23,7 @@ LONG = "A title that is far longer than any picture is wide, as titles of genera
 
 
 def texts_of(path):
-    """Width and height of a picture, and of each text in it (text, left, top, right, bottom), pixels."""
+    """Returns width and height of a picture, and its texts (text, left, top, right, bottom), in pixels."""
     root = ElementTree.parse(path).getroot()
     wide, tall = (float(v) for v in root.get("viewBox").split()[2:])
     found = []
@@ -45,11 +45,11 @@ def texts_of(path):
 
 
 def crossing(path):
-    """Texts that cross each other by more than a pixel, or leave the picture."""
+    """Returns texts that overlap by more than a pixel or extend beyond the picture."""
     wide, tall, texts = texts_of(path)
     found = [f"{words!r} leaves the picture" for words, left, top, right, bottom in texts
              if left < -1 or top < -1 or right > wide + 1 or bottom > tall + 1]
-    # A text on a ground of its own is written twice, before the ground and on it.
+    # A text with a background is written twice, before the background and on it.
     for a, b in itertools.combinations(dict.fromkeys(texts), 2):
         if min(a[3], b[3]) - max(a[1], b[1]) > 1 and min(a[4], b[4]) - max(a[2], b[2]) > 1:
             found.append(f"{a[0]!r} crosses {b[0]!r}")
@@ -66,7 +66,7 @@ class Stills(Folder):
         return done
 
     def assert_fine(self, name, pictures):
-        """Each picture is there, and fine; the words of all."""
+        """Checks that each picture exists and has no faults. Returns the words of all."""
         words = []
         for picture in pictures:
             path = self.path(f"{name}/{picture}.svg")
@@ -125,7 +125,7 @@ class Stills(Folder):
         self.assertTrue(any(re.fullmatch(r"[\d.]+ m", w) for w in words), "a scale bar")
 
     def test_joints_are_drawn_where_they_are_seen(self):
-        """Two cubes slide on a larger one: of each joint the front and the right edge are seen, and nothing of what is behind."""
+        """Two cubes slide on a larger one: the front and the right edge of each joint are visible, but no edge behind a cube."""
         scene = block_scene(title="sliding", stage=[quoin.Stage(name="tilt", gravity=[9.81, -9.81, 0], duration=0.1)])
         scene.block[0].box = dict(lower=[0, 0, 0], size=[1, 1, 1])
         scene.block[1].box = dict(lower=[0.1, 1, 0.1], size=[0.2, 0.2, 0.2])
@@ -134,7 +134,7 @@ class Stills(Folder):
         self.assert_fine("cube", ("cracks",))
         with open(self.path("cube/plots/cracks.gp"), encoding="utf-8") as file:
             lines = re.findall(r"polygon from (\S+) to (\S+) to \S+ fillstyle empty border", file.read())
-        # 0.2 m along x and along z, from above to the right: (0.55, 0.45, 1).
+        # 0.2 m along x and along z, seen from (0.55, 0.45, 1).
         towards = np.array([0.55, 0.45, 1.0]) / np.linalg.norm([0.55, 0.45, 1.0])
         right = np.cross([0, 1, 0], towards)
         right /= np.linalg.norm(right)
@@ -144,7 +144,7 @@ class Stills(Folder):
         np.testing.assert_allclose(lengths, np.repeat(sides, 2), rtol=0.01)
 
     def test_ground_that_moves_along_z(self):
-        """A cube on a rough base goes with it: the picture shows what it has moved against the ground, not the 20 mm of both."""
+        """A cube moves with a rough base: the picture has its displacement relative to the ground, not the 20 mm of both."""
         scene = block_scene(title="shaken")
         scene.solver = dict(damping="viscous", mass_damping=2.0)
         scene.block[1].box = dict(lower=[0, 1, 0], size=[1, 1, 1])
@@ -169,9 +169,9 @@ class Stills(Folder):
         drawn = sorted({float(v) for v in re.findall(r"palette cb ([-\d.e+]+) fill", script)})
         relative = np.linalg.norm([last[f"monitor_relative_d{c}_m"] * 1e3 for c in "xyz"])
         self.assertEqual(drawn[0], 0.0, "the base is the ground")
-        self.assertAlmostEqual(drawn[-1], relative, delta=0.05 * relative)  # the row is a step older
+        self.assertAlmostEqual(drawn[-1], relative, delta=0.05 * relative)  # the row is one step before
         self.assertLess(drawn[-1], 0.1 * abs(last["ground_dz_m"]) * 1e3)
-        # The history and the screen are along z then, as in a stage that drives bodies along z.
+        # The history and the output are then along z, as in a stage with velocities along z.
         np.testing.assert_array_equal(history["displacement_m"][shaken], history["monitor_dz_m"][shaken])
         np.testing.assert_array_equal(history["horizontal_force_N"][shaken], -history["monitor_fz_N"][shaken])
         np.testing.assert_array_equal(history["displacement_m"][~shaken], history["monitor_dx_m"][~shaken])

@@ -1,4 +1,4 @@
-"""What the tests of the package share. Exit 77: skipped, with the reason."""
+"""Common parts of the tests of the package. Exit code 77, with the reason: skipped."""
 import os
 import subprocess
 import sys
@@ -18,7 +18,7 @@ SCENES = os.path.join(SOURCE, "host/scenes")
 
 
 class Folder(unittest.TestCase):
-    """Tests with a folder of their own."""
+    """Tests with a separate folder."""
 
     def setUp(self):
         holder = tempfile.TemporaryDirectory(dir=os.environ.get("QUOIN_WORK"))
@@ -33,14 +33,14 @@ class Folder(unittest.TestCase):
 
 
 def assert_same_history(a, b):
-    """Bit by bit; nothing (not a number) equals nothing."""
+    """Compares bit by bit; NaN is equal to NaN."""
     assert a.dtype == b.dtype, (a.dtype, b.dtype)
     for name in a.dtype.names:
         np.testing.assert_array_equal(a[name], b[name], err_msg=name)
 
 
 def block_scene(**changes):
-    """Two rigid cubes of 1 m and 1000 kg, one fixed, one 1 m above it: nothing touches, nothing damps."""
+    """Returns two rigid cubes of 1 m and 1000 kg, one fixed, one 1 m above it, without contact and damping."""
     scene = quoin.Scene(title="two cubes")
     scene.solver = dict(damping="none")
     scene.materials["stone"] = quoin.BlockMaterial(density=1000.0, young_modulus=1e10, poisson_ratio=0.2)

@@ -1,4 +1,4 @@
-"""Frames of a run as files have them, read without the package and without VTK."""
+"""Reads the files of frames of a run without the package and without VTK."""
 import re
 import struct
 
@@ -31,7 +31,7 @@ class Vtu:
         return name in self._arrays
 
     def block_of_point(self):
-        """Of the blocks of a frame: which block each point is of, by the cells around it."""
+        """Returns the block of each point of a frame, by the cells of the point."""
         block = np.full(len(self["position"]), -1)
         sizes = np.diff(self["offsets"], prepend=0)
         block[self["connectivity"]] = np.repeat(self["block"], sizes)
@@ -39,13 +39,13 @@ class Vtu:
 
 
 def times_of(folder, kind="blocks"):
-    """s, of the frames of a run."""
+    """Returns the times of the frames of a run, s."""
     with open(f"{folder}/{kind}.pvd", encoding="utf-8") as file:
         return [float(t) for t in re.findall(r'timestep="([^"]*)"', file.read())]
 
 
 def history_of(folder):
-    """history.csv by column; empty cells are not a number."""
+    """Returns history.csv by column; empty cells are NaN."""
     with open(f"{folder}/history.csv", encoding="utf-8") as file:
         names, *rows = (line.rstrip("\n").split(",") for line in file)
     columns = {}

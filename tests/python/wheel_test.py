@@ -1,4 +1,4 @@
-"""What pip is told, and when: with a stand-in for CMake, as the build itself takes minutes."""
+"""Messages of the build by pip, with a stand-in for CMake, since the build itself takes minutes."""
 import importlib.util
 import os
 import subprocess
@@ -17,7 +17,7 @@ class Wheel(Folder):
         spec.loader.exec_module(self.backend)
 
     def stand_in(self, script):
-        """A cmake that notes what it is asked for. The environment that finds it first."""
+        """Writes a cmake that records its arguments. Returns the environment in which it is found first."""
         with open(self.path("cmake"), "w", encoding="utf-8") as file:
             file.write(f'#!/bin/sh\necho "$@" >> {self.path("asked")}\n{script}\n')
         os.chmod(self.path("cmake"), 0o755)
@@ -48,7 +48,7 @@ class Wheel(Folder):
                 self.backend.prepare_metadata_for_build_wheel(self.folder)
 
     def test_pip_looks_for_numpy_before_it_compiles(self):
-        # An empty target and no index: NumPy is nowhere to be had.
+        # An empty target and no index, so that NumPy is not available.
         if subprocess.run([sys.executable, "-m", "pip", "--version"], capture_output=True).returncode != 0:
             self.skipTest("pip is not installed (python3-pip)")
         done = subprocess.run([sys.executable, "-m", "pip", "install", "--no-index", "--no-build-isolation",

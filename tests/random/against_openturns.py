@@ -26,7 +26,7 @@ for row in rows:
     shape, *numbers = row.split()
     mean, scatter, lower, upper, p, quantile, mean_value = map(float, numbers)
     known = of(shape, mean, scatter, lower, upper)
-    # OpenTURNS finds quantiles of truncated distributions and parameters of Weibull by iteration to about 1e-9.
+    # OpenTURNS computes quantiles of truncated distributions and parameters of Weibull by iteration, to about 1e-9.
     for what, ours, theirs in [("quantile", quantile, known.computeQuantile(p)[0]), ("mean", mean_value, known.getMean()[0])]:
         error = abs(ours / theirs - 1)
         worst = max(worst, error)

@@ -15,7 +15,7 @@ TEST(Correlation, MixedVariablesHaveTheCorrelationsGiven) {
   const std::vector<double> wanted{1, 0.8, -0.3, 0.8, 1, 0.1, -0.3, 0.1, 1};
   const std::vector<double> mix = mix_of(wanted, 3);
   ASSERT_EQ(mix.size(), 9u);
-  constexpr int kDraws = 300000;  // of three
+  constexpr int kDraws = 300000;  // draws of three numbers
   std::vector<double> found(9, 0.0);
   for (int i = 0; i < kDraws; ++i) {
     double z[3] = {}, fresh[3];
@@ -24,13 +24,14 @@ TEST(Correlation, MixedVariablesHaveTheCorrelationsGiven) {
       for (std::size_t m = 0; m <= k; ++m) z[k] += mix[3 * k + m] * fresh[m];
     for (std::size_t k = 0; k < 9; ++k) found[k] += z[k / 3] * z[k % 3] / kDraws;
   }
-  // 5 standard errors: that of a product's mean is sqrt((1 + r^2)/N).
+  // Tolerance of 5 standard errors; that of the mean of a product is sqrt((1 + r^2)/N).
   for (std::size_t k = 0; k < 9; ++k)
     EXPECT_NEAR(found[k], wanted[k], 5.0 * std::sqrt((1 + wanted[k] * wanted[k]) / kDraws)) << k;
   EXPECT_TRUE(mix_of({1, 0.9, -0.9, 0.9, 1, 0.9, -0.9, 0.9, 1}, 3).empty());
 }
 
-// Correlated lognormal values: (exp(r s1 s2) - 1)/sqrt((exp(s1^2) - 1)(exp(s2^2) - 1)) for r of the normal ones.
+// Correlation of lognormal values: (exp(r s1 s2) - 1)/sqrt((exp(s1^2) - 1)(exp(s2^2) - 1)), r: that of the normal
+// values.
 TEST(Correlation, LognormalValuesAreCorrelatedAsInClosedForm) {
   const Sampler d({Shape::lognormal, 2.0, 1.0, -kNone, kNone});
   const double s2 = std::log1p(0.25), r = 0.7;
@@ -42,11 +43,11 @@ TEST(Correlation, LognormalValuesAreCorrelatedAsInClosedForm) {
     const double a = normal({1, 1, 1}, element), b = mix.share * a + mix.fresh * normal({1, 1, 2}, element);
     product += (d.at_normal(a) - 2.0) * (d.at_normal(b) - 2.0) / kDraws;
   }
-  // Measured standard error of this estimate over seeds 1 to 20: 0.004; allowed five of them.
+  // Tolerance of 5 standard errors; measured over seeds 1 to 20 that is 0.004.
   EXPECT_NEAR(product, (std::exp(r * s2) - 1) / (std::exp(s2) - 1), 0.02);
 }
 
-// 1e6 numbers along lines of 20 places, unevenly apart.
+// 1e6 numbers along lines of 20 unequally spaced positions.
 TEST(Correlation, AFieldHasItsCorrelationLengthAndItsMeansTheVarianceFunction) {
   constexpr int kLines = 50000;
   constexpr std::size_t kPlaces = 20;
@@ -68,8 +69,8 @@ TEST(Correlation, AFieldHasItsCorrelationLengthAndItsMeansTheVarianceFunction) {
     const double r = std::exp(-kStep * static_cast<double>(k) / kLength);
     EXPECT_NEAR(pair[k], r, 5.0 * std::sqrt((1 + r * r) / kLines)) << k;
   }
-  // The mean over 20 places of 0.05 m is that over 1 m, each place for its 0.05 m, up to the variance lost inside
-  // these: 5.4 %, of variance_of_mean(0.05, 0.3) = 0.946.
+  // The mean over 20 positions with 0.05 m each is that over 1 m, up to the variance within 0.05 m: 5.4 %, by
+  // variance_of_mean(0.05, 0.3) = 0.946.
   const double of_line = variance_of_mean(kStep * kPlaces, kLength);
   EXPECT_NEAR(of_line, 2 * 0.09 * (1 / 0.3 - 1 + std::exp(-1 / 0.3)), 1e-12);
   EXPECT_NEAR(mean_of_mean, 0.0, 5.0 * std::sqrt(of_line / kLines));
@@ -78,15 +79,15 @@ TEST(Correlation, AFieldHasItsCorrelationLengthAndItsMeansTheVarianceFunction) {
 
 TEST(Correlation, VarianceOfAMeanOfAShortIntervalIsThatOfAPoint) {
   EXPECT_DOUBLE_EQ(variance_of_mean(0.0, 1.0), 1.0);
-  EXPECT_NEAR(variance_of_mean(0.99e-3, 1.0), variance_of_mean(1.01e-3, 1.0), 1e-5);  // where the forms meet
+  EXPECT_NEAR(variance_of_mean(0.99e-3, 1.0), variance_of_mean(1.01e-3, 1.0), 1e-5);  // at the limit of both formulas
   EXPECT_NEAR(variance_of_mean(1e4, 1.0), 2e-4, 1e-7);                                // scale of fluctuation over T
 }
 
-// Mean and scatter of the mean over a joint are those requested.
+// Mean and standard deviation of the average over a joint are those requested.
 TEST(Correlation, PointsScatterMoreSoThatTheirMeanScattersAsGiven) {
   const std::vector<double> x{0.0, 0.0275, 0.055, 0.0825, 0.11}, weight{0.125, 0.25, 0.25, 0.25, 0.125};
   constexpr double kLength = 0.05;
-  constexpr int kDraws = 200000;  // of five: 1e6 numbers
+  constexpr int kDraws = 200000;  // draws of five numbers
   for (const Shape shape : {Shape::normal, Shape::lognormal}) {
     const Distribution of_mean{shape, 0.2e6, 0.06e6, -kNone, kNone};
     const Distribution points = of_points(of_mean, kLength, x, weight);
@@ -104,7 +105,7 @@ TEST(Correlation, PointsScatterMoreSoThatTheirMeanScattersAsGiven) {
       squares += (mean - 0.2e6) * (mean - 0.2e6) / kDraws;
     }
     EXPECT_NEAR(sum, 0.0, 5.0 * 0.06e6 / std::sqrt(kDraws)) << shape_name(shape);
-    // Standard error of a scatter, with a kurtosis of 5 allowed for.
+    // Tolerance of 5 standard errors of a standard deviation, for a kurtosis up to 5.
     EXPECT_NEAR(std::sqrt(squares), 0.06e6, 5.0 * 0.06e6 / std::sqrt(kDraws)) << shape_name(shape);
   }
 }

@@ -10,7 +10,7 @@ namespace {
 
 using Words = std::array<std::uint64_t, 4>;
 
-// Known answers of Philox 4x64-10: kat_vectors of Random123 1.14.
+// Reference values of Philox 4x64-10: kat_vectors of Random123 1.14.
 TEST(Counter, PhiloxGivesTheKnownAnswers) {
   constexpr std::uint64_t kOnes = ~std::uint64_t{0};
   EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}),
@@ -22,7 +22,7 @@ TEST(Counter, PhiloxGivesTheKnownAnswers) {
             (Words{0xa528f45403e61d95, 0x38c72dbd566e9788, 0xa5a1610e72fd18b5, 0x57bd43b5e52b7fe6}));
 }
 
-// The reference of FNV-1a, 64 bits.
+// Reference values of FNV-1a, 64 bits.
 TEST(Counter, NamesAreFnv1a) {
   EXPECT_EQ(name_of(""), 0xcbf29ce484222325u);
   EXPECT_EQ(name_of("foobar"), 0x85944171f73967e8u);
@@ -37,8 +37,8 @@ TEST(Counter, EveryPartOfTheKeyCounts) {
   EXPECT_EQ(drawn.size(), 8u);
 }
 
-// Tolerances: 5 standard errors of the estimates from 1e6 draws. A fault of one in 2 million by chance, and the draws
-// are the same ones at every run.
+// Tolerances: 5 standard errors of the estimates from 1e6 draws. A random failure has a probability of one in 2
+// million, and the draws are equal in every run.
 TEST(Counter, NormalNumbersHaveTheMomentsOfTheNormalDistribution) {
   constexpr int kDraws = 1000000;
   double moment[4] = {}, lag = 0.0, before = 0.0;

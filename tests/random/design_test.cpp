@@ -21,7 +21,7 @@ TEST(Design, LatinHypercubeHasOneSampleInEveryStratum) {
   EXPECT_NE(std::floor(50 * design.at(1, 0)), std::floor(50 * design.at(1, 1)));
 }
 
-// The mean of a sum over 64 samples: independent ones have the variance n/12/64, strata a variance of about n/12/64^3.
+// Variance of the mean of a sum over 64 samples: n/12/64 for independent samples, about n/12/64^3 for strata.
 TEST(Design, TheirMeansAreAsCloseAsTheirMethod) {
   const auto error = [](Method method) {
     double squares = 0.0;
@@ -35,20 +35,21 @@ TEST(Design, TheirMeansAreAsCloseAsTheirMethod) {
     return std::sqrt(squares);
   };
   const double independent = std::sqrt(3.0 / 12 / 64);
-  EXPECT_NEAR(error(Method::monte_carlo), independent, 0.5 * independent);  // 40 trials: 11 % of standard error
+  EXPECT_NEAR(error(Method::monte_carlo), independent, 0.5 * independent);  // 40 trials: a standard error of 11 %
   EXPECT_NEAR(error(Method::latin_hypercube), independent / 64, 0.5 * independent / 64);
-  // A shifted sequence: half a cell of 1/64 at random in each dimension, and the point 0 that Boost leaves out.
+  // A shifted sequence has a random error of half a cell of 1/64 in each dimension; Boost omits the point 0.
   EXPECT_LT(error(Method::sobol), independent / 4);
 }
 
-// Of 2^k points in a row one lies in every 2^-k-th of each side, wherever the shift has moved them (modulo 1). Every
-// quarter of any two sides has as many as another.
+// Of 2^k consecutive points one is in every 2^-k-th of each side, for any shift (modulo 1). All quarters of any two
+// sides have equal numbers of points.
 TEST(Design, SobolFillsTheCubeEvenly) {
   const Design design{Method::sobol, 5, 0, 6}, still{Method::sobol, 6, 0, 6};
   for (std::uint64_t d = 0; d < 6; ++d) {
     std::set<long> cells;
     for (std::uint64_t i = 1; i <= 64; ++i) {
-      double unmoved = design.at(i, d) - design.at(1, d);  // from the first point
+      double unmoved =
+          design.at(i, d) - design.at(1, d);  // distance from the first point, which does not depend on the shift
       if (unmoved < 0.0) unmoved += 1.0;
       cells.insert(std::lround(unmoved * 64) % 64);
     }

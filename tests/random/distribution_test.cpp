@@ -31,7 +31,8 @@ Moments drawn(const Distribution& d) {
   return m;
 }
 
-// Closed forms. Tolerances: 5 standard errors of 1e6 draws; that of the scatter s is s sqrt((kurtosis - 1)/(4 N)).
+// Compares with closed forms. Tolerances: 5 standard errors of 1e6 draws; that of the standard deviation s is
+// s sqrt((kurtosis - 1)/(4 N)).
 void expect_moments(const Distribution& d, double mean, double scatter, double kurtosis) {
   ASSERT_EQ(d.fault(), "");
   const Moments m = drawn(d);
@@ -48,7 +49,7 @@ TEST(Distribution, DrawsHaveTheirMeanAndScatter) {
   expect_moments({Shape::weibull, 3.0, 0.9, -kNone, kNone}, 3.0, 0.9, 3.0);
 }
 
-// Shape 2 is Rayleigh's distribution: scatter/mean = sqrt(4/pi - 1).
+// Shape 2 is Rayleigh's distribution: standard deviation/mean = sqrt(4/pi - 1).
 TEST(Distribution, WeibullFindsShapeAndScale) {
   const double mean = std::sqrt(M_PI) / 2;
   const Weibull w = weibull_of(mean, mean * std::sqrt(4 / M_PI - 1));
@@ -59,7 +60,7 @@ TEST(Distribution, WeibullFindsShapeAndScale) {
   EXPECT_NEAR(exponential.scale, 3.0, 1e-11);
 }
 
-// Of a normal distribution: mean + s (phi(a) - phi(b))/Z, variance s^2 (1 + (a phi(a) - b phi(b))/Z - (..)^2).
+// Truncated normal distribution: mean + s (phi(a) - phi(b))/Z, variance s^2 (1 + (a phi(a) - b phi(b))/Z - (..)^2).
 TEST(Distribution, TruncatedDrawsKeepTheirBoundsAndClosedForms) {
   const Distribution d{Shape::normal, 1.0, 0.5, 0.2, 1.8};
   const auto phi = [](double z) { return std::exp(-0.5 * z * z) / std::sqrt(2 * M_PI); };
@@ -71,7 +72,7 @@ TEST(Distribution, TruncatedDrawsKeepTheirBoundsAndClosedForms) {
   EXPECT_LE(m.most, 1.8);
   const Distribution one_sided{Shape::normal, 1.0, 0.5, 0.2, kNone};
   const double expected = 1.0 + 0.5 * phi(a) / normal_probability(1.6);
-  EXPECT_NEAR(Sampler(one_sided).mean(), expected, 1e-7);  // of the quadrature
+  EXPECT_NEAR(Sampler(one_sided).mean(), expected, 1e-7);  // tolerance of the quadrature
 }
 
 TEST(Distribution, QuantilesAreThoseOfTheTables) {
@@ -81,14 +82,14 @@ TEST(Distribution, QuantilesAreThoseOfTheTables) {
   EXPECT_NEAR(Sampler(d).quantile(0.05), 10.0 - 2.0 * 1.6448536269514722, 1e-12);
 }
 
-// Far in the tails too the detour by the probability loses nothing.
+// The conversion by the probability is exact also far in the tails.
 TEST(Distribution, TailsOfWeibullAreExact) {
   const Distribution d{Shape::weibull, 3.0, 3.0, -kNone, kNone};  // exponential of mean 3
   EXPECT_NEAR(Sampler(d).at_normal(7.0), -3.0 * std::log(normal_probability(-7.0)), 1e-10);
   EXPECT_NEAR(Sampler(d).at_normal(-7.0) / (-3.0 * std::log1p(-normal_probability(-7.0))), 1.0, 1e-10);
 }
 
-// Of any numbers that a user may write: refused with words, or draws within the bounds and a mean.
+// Extreme parameters are refused with a message, or have draws within the bounds and a mean.
 TEST(Distribution, ExtremeNumbersAreRefusedOrDrawn) {
   int drawn = 0, refused = 0;
   const auto tried = [&](const Distribution& d) {
@@ -122,11 +123,11 @@ TEST(Distribution, ExtremeNumbersAreRefusedOrDrawn) {
   EXPECT_GT(refused, 1000);
 }
 
-// Far out in the upper tail too, where 1 less a probability has no digits: z is 8.3, of 5e-17.
+// Draws are accurate far in the upper tail, where 1 minus a probability has no digits: z = 8.3 has 5e-17.
 TEST(Distribution, DrawsOfTheUpperTailKeepTheirDigits) {
   const Distribution d{Shape::normal, 10.0, 1.0, 10.0, kNone};
   ASSERT_EQ(d.fault(), "");
-  // Half of the draws are left, so that the probability above is half as much, and the mean that of a folded normal.
+  // Half of the draws remain, so that the probability above is half as large, and the mean is that of a folded normal.
   const double above = 0.5 * normal_probability(-8.3);
   EXPECT_NEAR(Sampler(d).at_normal(8.3), 10.0 - normal_quantile(above), 1e-9);
   EXPECT_NEAR(Sampler(d).mean(), 10.0 + std::sqrt(2 / std::acos(-1.0)), 1e-9);

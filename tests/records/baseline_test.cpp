@@ -12,7 +12,7 @@ namespace {
 
 using std::numbers::pi;
 
-// Least squares give back a polynomial that was added, to rounding.
+// The least-squares correction removes an added polynomial, to rounding.
 TEST(Baseline, PolynomialThatWasAddedIsRemoved) {
   TimeSeries drift;
   for (int i = 0; i <= 4000; ++i) {
@@ -24,7 +24,8 @@ TEST(Baseline, PolynomialThatWasAddedIsRemoved) {
   for (const double value : left.value) EXPECT_NEAR(value, 0.0, 1e-12);
 }
 
-// Two passes of a Butterworth filter of order n: gain 1/(1 + (fc/f)^(2n)), no shift of phase. Middle of a long sine.
+// Two passes of a Butterworth filter of order n: gain 1/(1 + (fc/f)^(2n)), no phase shift. In the middle of a long
+// sine.
 TEST(Baseline, HighPassHasItsGainAndNoShiftOfPhase) {
   const double corner = 0.5, step = 0.005;
   for (const int order : {1, 2, 3, 4}) {
@@ -33,7 +34,7 @@ TEST(Baseline, HighPassHasItsGainAndNoShiftOfPhase) {
       for (int i = 0; i <= 16000; ++i)
         sine.time.push_back(step * i), sine.value.push_back(std::sin(2 * pi * f * step * i));
       const TimeSeries out = correct_baseline(sine, {BaselineCorrection::Kind::high_pass, order, corner});
-      // The bilinear transform bends frequencies: tan(pi f h) stands for f.
+      // The bilinear transform distorts frequencies: tan(pi f h) replaces f.
       const double ratio = std::tan(pi * corner * step) / std::tan(pi * f * step);
       const double gain = 1.0 / (1.0 + std::pow(ratio, 2 * order));
       double in_phase = 0.0, out_of_phase = 0.0;

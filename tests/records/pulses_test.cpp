@@ -1,4 +1,4 @@
-// Pulses against the integrals of their closed forms. Chords over steps of 1/1000 of a period lose about 1e-5.
+// Pulses against the integrals of their closed forms. Chords over steps of 1/1000 of a period have an error of 1e-5.
 #include "records/pulses.h"
 
 #include <gtest/gtest.h>

@@ -14,8 +14,8 @@ namespace {
 
 using std::numbers::pi;
 
-// A sine pulse: v(T/2) = A T/pi, v(T) = 0, u(T) = A T^2/(2 pi). Chords of a sine lose (pi h/T)^2/3 = 3e-6 at T/h =
-// 1000.
+// A sine pulse: v(T/2) = A T/pi, v(T) = 0, u(T) = A T^2/(2 pi). Chords of a sine have an error of (pi h/T)^2/3 = 3e-6
+// at T/h = 1000.
 TEST(Record, SinePulseHasItsClosedFormMeasures) {
   const double a = 3.0, period = 0.8;
   const RecordMeasures m = measure_record(sine_pulse(a, period, period / 1000));
@@ -42,7 +42,7 @@ TEST(Record, SignificantDurationOfConstantAcceleration) {
   EXPECT_NEAR(measure_record(a).significant_duration, 9.0, 1e-9);
 }
 
-// u = sin(w t), v = w cos(w t), a = -w^2 sin(w t): differences are off by (w h)^2/6 and (w h)^2/12.
+// u = sin(w t), v = w cos(w t), a = -w^2 sin(w t): differences have errors of (w h)^2/6 and (w h)^2/12.
 TEST(Record, VelocitiesAndDisplacementsBecomeAccelerations) {
   const double w = 2.0 * pi, h = 0.002;
   GroundRecord velocity{"", MotionKind::velocity, {}, {{"v", {}}}, {}};

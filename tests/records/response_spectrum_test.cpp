@@ -20,7 +20,7 @@ SpectralOrdinates ordinates(const TimeSeries& a, double damping, double period) 
   return response_spectrum(a, damping, std::array{period})[0];
 }
 
-// Undamped, under a step of acceleration that lasts: u = -(a/w^2)(1 - cos wt). Extremes are seen within 0.05 %.
+// Undamped, under a constant acceleration: u = -(a/w^2)(1 - cos wt). Extremes are accurate to 0.05 %.
 TEST(ResponseSpectrum, StepDoublesTheStaticResponse) {
   const TimeSeries step{{0.0, 10.0}, {1.5, 1.5}};
   for (const double period : {0.05, 0.4, 2.0}) {
@@ -31,8 +31,8 @@ TEST(ResponseSpectrum, StepDoublesTheStaticResponse) {
   }
 }
 
-// Undamped, under one full sine of period P: u = (A/w^2)/(1 - r^2) (sin Ot - r sin wt) to its end (r = O/w). It is free
-// after it.
+// Undamped, under one full sine of period P: u = (A/w^2)/(1 - r^2) (sin Ot - r sin wt) until its end, r = O/w. Then the
+// vibration is free.
 TEST(ResponseSpectrum, SinePulseHasItsClosedForm) {
   const double a = 1.0, pulse = 0.5;
   const TimeSeries series = sine_pulse(a, pulse, pulse / 2000);
@@ -50,8 +50,8 @@ TEST(ResponseSpectrum, SinePulseHasItsClosedForm) {
   }
 }
 
-// Steady state under a long sine: sqrt((1 + (2 z r)^2)/((1 - r^2)^2 + (2 z r)^2)) of the base, the transient being
-// damped away at r = 1 with 5 %: 10.0499 (absolute), 10 (relative).
+// Steady state under a long sine: sqrt((1 + (2 z r)^2)/((1 - r^2)^2 + (2 z r)^2)) of the base, after the transient has
+// decayed. At r = 1 with 5 %: 10.0499 (absolute), 10 (relative).
 TEST(ResponseSpectrum, ResonanceAmplifiesByOneOverTwiceTheDamping) {
   const double period = 0.5;
   TimeSeries series;
@@ -64,7 +64,8 @@ TEST(ResponseSpectrum, ResonanceAmplifiesByOneOverTwiceTheDamping) {
   EXPECT_NEAR(o.absolute_acceleration, std::sqrt(1.0 + 100.0), 10.0 * 1e-3);
 }
 
-// Runge and Kutta's method with steps of 0.2 ms, a tenth of the shortest between samples, which lie at unequal times.
+// Against the Runge-Kutta method with steps of 0.2 ms, a tenth of the shortest interval of the unequally spaced
+// samples.
 TEST(ResponseSpectrum, AgreesWithAnIndependentIntegration) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
@@ -91,11 +92,11 @@ TEST(ResponseSpectrum, AgreesWithAnIndependentIntegration) {
   }
 }
 
-// Short periods follow the ground, long ones stand still in space.
+// Oscillators of short period move with the ground, those of long period are at rest in space.
 TEST(ResponseSpectrum, LimitsArePeakAccelerationAndPeakDisplacement) {
   const TimeSeries pulse = ricker_pulse(2.0, 0.6, 0.001);
   EXPECT_NEAR(ordinates(pulse, 0.05, 0.005).pseudo_acceleration, 2.0, 2e-3);
-  // u = integral of the Ricker acceleration twice: A T^2/(2 pi^2) exp(-x^2).
+  // u, the double integral of the Ricker acceleration: A T^2/(2 pi^2) exp(-x^2).
   EXPECT_NEAR(ordinates(pulse, 0.0, 200.0).displacement, 2.0 * 0.36 / (2.0 * pi * pi), 2e-4);
 }
 

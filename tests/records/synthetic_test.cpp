@@ -10,7 +10,7 @@
 namespace quoin {
 namespace {
 
-// Values by hand from EN 1998-1:2004 (3.2) to (3.5), table 3.2.
+// Values computed by hand from EN 1998-1:2004 (3.2) to (3.5), table 3.2.
 TEST(DesignSpectrum, HasTheValuesOfTheCode) {
   const DesignSpectrum b{2.0, 'B', 1, 0.05};
   EXPECT_NEAR(b.acceleration(0.0), 2.4, 1e-12);
@@ -23,7 +23,8 @@ TEST(DesignSpectrum, HasTheValuesOfTheCode) {
   EXPECT_ANY_THROW((DesignSpectrum{1.0, 'F'}.acceleration(0.2)));
 }
 
-// EN 1998-1, 3.2.3.1.2(4): no value below 90 % of the target. Rest at both ends. Found independently of the generator.
+// EN 1998-1, 3.2.3.1.2(4): no value below 90 % of the target. Rest at both ends. Computed independently of the
+// generator.
 TEST(SyntheticRecord, FollowsItsSpectrumAndRestsAtTheEnd) {
   const DesignSpectrum target{2.0, 'B', 1, 0.05};
   const SyntheticRecord made = synthetic_record(target, {});
@@ -56,7 +57,7 @@ TEST(SyntheticRecord, SeedAndNumberDecideEveryBit) {
   EXPECT_NE(first, synthetic_record(target, other).record.components[0].value);
 }
 
-// The record that ships is the first of its suite, in six decimals.
+// The shipped record is the first of its suite, with six decimals.
 TEST(SyntheticRecord, TheOneThatShipsIsTheFirstOfItsSuite) {
   const GroundRecord shipped = read_record(QUOIN_SCENES "/synthetic_record.csv");
   const GroundRecord made = synthetic_record({2.0, 'B', 1, 0.05}, {}).record;

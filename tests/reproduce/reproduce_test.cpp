@@ -1,4 +1,5 @@
-// The studies: the list, a study without runs, a tiny study with runs, and the curves that verdicts are read from.
+// The studies: the list, a study without runs, a small study with runs, and the curves from which verdicts are
+// computed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -95,7 +96,7 @@ TEST_F(Reproduce, OneProgramAtATimeWritesAFolder) {
   EXPECT_EQ(quoin("law " + results()), 0) << error_;
 }
 
-// Messages quote names of folders and texts of programs; a legend may quote what a scene says.
+// Names of folders, texts of programs and texts of scenes in messages and legends are neither markup nor commands.
 TEST_F(Reproduce, TextIsNeitherMarkupNorCommand) {
   using namespace quoin::reproduce;
   const std::string hostile =
@@ -129,7 +130,7 @@ TEST_F(Reproduce, TextIsNeitherMarkupNorCommand) {
   }
 }
 
-// Two courses of one unit, moved by 20 micrometres: seconds. What the verdicts say does not matter here.
+// Two courses of one unit, moved by 20 micrometres, which takes seconds. The verdicts have no meaning here.
 TEST_F(Reproduce, RunsAreComputedOnceAndUnfinishedOnesAgain) {
   const std::string tiny =
       "energy --quality fast --set wall.courses=2 --set wall.units_per_course=1 "
@@ -152,19 +153,19 @@ TEST_F(Reproduce, RunsAreComputedOnceAndUnfinishedOnesAgain) {
   ASSERT_EQ(quoin(tiny), 0) << error_;
   EXPECT_THAT(error_, Not(HasSubstr("done before")));  // nothing was left to do
 
-  // As after Ctrl-C: that run alone starts again.
+  // As after Ctrl-C: only that run starts again.
   std::ofstream(one / "summary.json") << R"({"status": "interrupted", "interrupted": true})";
   ASSERT_EQ(quoin(tiny), 0) << error_;
   EXPECT_THAT(error_, HasSubstr("4 runs, 3 of them done before"));
 
-  // A study that is added keeps the page and the verdicts of the other.
+  // An additional study does not change the page and the verdicts of the first one.
   ASSERT_EQ(quoin("law " + results()), 0) << error_;
   const std::string page = read_all(folder_ / "results/index.html");
   EXPECT_THAT(page, HasSubstr("Fracture energies"));
   EXPECT_THAT(page, HasSubstr("The law of a joint"));
   EXPECT_EQ(nlohmann::json::parse(read_all(folder_ / "results/verdict.json")).size(), 12u);
 
-  // Another binary of the law: nothing that the old one computed counts.
+  // With another binary of the law all runs are computed again.
   const fs::path law = folder_ / "laws/fracture_energy.so";
   fs::create_directories(law.parent_path());
   fs::copy_file(QUOIN_FRACTURE_ENERGY, law);
@@ -175,7 +176,7 @@ TEST_F(Reproduce, RunsAreComputedOnceAndUnfinishedOnesAgain) {
   EXPECT_THAT(error_, HasSubstr("4 runs, 0 of them done before"));
 }
 
-// The same tiny wall: the run at the step of eq. 3 fails, which is its result, and is not made again.
+// This small wall at the time step of eq. 3: the run fails, which is its result, and is not repeated.
 TEST_F(Reproduce, RunsThatMayFailAreResults) {
   const std::string tiny =
       "rate --quality fast --set wall.courses=2 --set wall.units_per_course=1 "
@@ -210,25 +211,25 @@ TEST(Curve, ReadsWhatPeopleRead) {
   EXPECT_DOUBLE_EQ(curve.largest_fall(2.0), 0.0);
   EXPECT_NEAR(curve.largest_fall(3.0), 0.25, 1e-9);
   EXPECT_LT(curve.roughness(0.05, 0.1, 1.9), 1e-12);
-  // 0.1 to 1 mm, 0.3 from there to 2 mm, with one row before anything bears: 50 and 100 rows, both ends counted.
+  // 0.1 up to 1 mm, 0.3 from there to 2 mm, with one row before the first load: 50 and 100 rows, including both ends.
   for (std::size_t i = 101; i <= 200; ++i) curve.unbalanced[i] = 0.3;
   curve.unbalanced[60] = HUGE_VAL;
   EXPECT_NEAR(curve.mean_unbalanced(0.505, 2.005), (49 * 0.1 + 100 * 0.3) / 149, 1e-12);
   EXPECT_EQ(curve.mean_unbalanced(5.0, 6.0), 0.0);
-  // A wave of amplitude a, much shorter than the window, is what is left: a / sqrt(2).
+  // The rest is a wave of amplitude a, much shorter than the window: a / sqrt(2).
   for (std::size_t i = 0; i < curve.size(); ++i)
     curve.force[i] += 0.2 * std::sin(2 * M_PI * curve.displacement[i] / 0.05);
   EXPECT_NEAR(curve.roughness(0.05, 0.1, 1.9), 0.2 / std::sqrt(2.0) / curve.peak(), 0.1 * 0.2 / curve.peak());
 }
 
-// Every layout that is run is a scene, which has the blocks and half units that the layout was chosen for. Corners
-// count one half unit in the layout and have half of its zones in the scene.
+// Every layout of the runs is a scene with the numbers of blocks and half units of the layout. Corners count as one
+// half unit in the layout and have half of its zones in the scene.
 TEST(Layouts, AreScenesWithTheNumbersOfTable2) {
   using namespace quoin::reproduce;
   const auto blocks_and_zones = [](const std::string& scene, const std::vector<std::string>& overrides) {
     const quoin::Assembly assembly =
         quoin::assemble(quoin::read_scene(std::string(QUOIN_SCENES "/") + scene, overrides));
-    std::pair<int, int> count{-1, 0};  // the beam below everything
+    std::pair<int, int> count{-1, 0};  // without the bottom beam
     for (const quoin::Brick& b : assembly.bricks) {
       ++count.first;
       if (!b.rigid) count.second += 5 * b.zones[0] * b.zones[1] * b.zones[2];
@@ -253,7 +254,7 @@ TEST(Layouts, AreScenesWithTheNumbersOfTable2) {
     if (!why_not(layout).empty()) continue;
     ++fitting;
     const auto [blocks, zones] = blocks_and_zones("pavia_window.toml", layout.overrides());
-    // Where beams count besides, 22 half units became beams: they are in the wall and not beside it.
+    // In layouts in which beams count separately, 22 half units of the wall are beams.
     const int besides = layout.beams_besides ? 22 : 0;
     EXPECT_EQ(blocks, count.blocks - besides) << layout.name();
     EXPECT_EQ(zones, kZonesPerHalfUnit * (count.half_units - 2 * besides - 40)) << layout.name();
@@ -286,7 +287,7 @@ TEST(Curve, DistanceIsTheLargestGapOverThePeakOfTheSecond) {
   EXPECT_NEAR(quoin::reproduce::curve_distance(low, high, 0.1, 0.9), 100.0 * 2.0 / 12.0, 1e-9);
 }
 
-// Eq. 1 as printed, whatever a quality says; only steps above 1/sqrt(1.8) of 2/omega_max may fail.
+// "As printed" runs have eq. 1 for all qualities; only those with steps above 1/sqrt(1.8) of 2/omega_max may fail.
 TEST(Studies, PrintedRunsAreEquation1) {
   using quoin::reproduce::printed_run;
   const auto sound = printed_run("a", "solid_wall_121", 0.01, 0.0025, 0.74);

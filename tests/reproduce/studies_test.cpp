@@ -1,5 +1,5 @@
-// What the studies read from their runs: curves of known shape in, verdicts, tables and sentences in closed form out.
-// No simulation and no picture; reference values as host/reproduce/REFERENCE_DATA.md and the scenes print them.
+// Evaluation of the studies: verdicts, tables and sentences for curves of known shape, against closed forms. Without
+// simulations and pictures; reference values are those of host/reproduce/REFERENCE_DATA.md and of the scenes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Up to the peak and on to the end in straight lines; points every 0.005 mm. kN, mm.
+// Linear up to the peak and from there to the end; points every 0.005 mm. kN, mm.
 struct Shape {
   double peak = 50.0, at = 2.0, end_force = 40.0, end = 5.0;
 };
@@ -46,7 +46,7 @@ Curve curve_of(
   return c;
 }
 
-// Of an elastic and perfectly plastic spring that goes through cycles: kN/mm, kN. More: what is added at a
+// Returns the curve of an elastic and perfectly plastic spring in cycles: kN/mm, kN. more: additional force at a
 // displacement.
 Curve spring_curve(
     const quoin::Cycles& cycles, double stiffness, double yield,
@@ -71,14 +71,14 @@ class Verdicts : public ::testing::Test {
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("quoin_studies_" + std::to_string(getpid()));
     if (const char* path = std::getenv("PATH")) path_ = path;
-    setenv("PATH", "/nonexistent", 1);  // no gnuplot: a chart is then a notice
+    setenv("PATH", "/nonexistent", 1);  // without gnuplot: a notice in place of a chart
   }
   void TearDown() override {
     setenv("PATH", path_.c_str(), 1);
     fs::remove_all(folder_);
   }
 
-  // Every run of the study is complete, and the same until a test changes it.
+  // Makes every run of the study complete, with equal curves until a test changes them.
   void start(const std::string& id, const std::string& quality = "standard") {
     study_ = find_study(id);
     ASSERT_NE(study_, nullptr);
@@ -108,14 +108,14 @@ class Verdicts : public ::testing::Test {
       if (v.claim.starts_with(beginning)) return v;
     throw std::runtime_error("no verdict " + beginning);
   }
-  // The row of any table that begins so.
+  // Returns the row that begins with this text, of any table.
   std::vector<std::string> row(const std::string& first) const {
     for (const Table& t : report_.tables)
       for (const auto& r : t.rows)
         if (r[0] == first) return r;
     return {};
   }
-  // The value of an override of a run.
+  // Returns the value of an override of a run.
   std::string set(const std::string& name, const std::string& key) {
     for (const std::string& o : run(name).spec.overrides)
       if (o.starts_with(key + "=")) return o.substr(key.size() + 1);
@@ -150,7 +150,7 @@ TEST_F(Verdicts, LawMeetsTable1ToAThousandth) {
   }
 }
 
-// Peaks of the tests: the printed regression times 0.099 m2.
+// Peaks of the tests are the printed regression times 0.099 m2.
 TEST_F(Verdicts, WallsAreHeldAgainstTheRegression) {
   start("walls");
   const std::pair<const char*, double> walls[] = {{"0.30 MPa", 0.30}, {"1.21 MPa", 1.21}, {"2.12 MPa", 2.12}};
@@ -185,7 +185,7 @@ TEST_F(Verdicts, WallsAreHeldAgainstTheRegression) {
   EXPECT_FALSE(verdict("strength grows").reproduced);
 }
 
-// Peaks on tau = 0.40 + 0.30 sigma at a stress at the peak of 1.5 times the initial one.
+// Peaks on the line tau = 0.40 + 0.30 sigma, with a stress at the peak of 1.5 times the initial one.
 TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
   start("envelope");
   for (const auto& [name, pressure] : {std::pair{"0.30 MPa", 0.30}, {"1.21 MPa", 1.21}, {"2.12 MPa", 2.12}}) {
@@ -210,7 +210,7 @@ TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
                                        {"Mann-Mueller friction", 0.52},
                                        {"linear regressions", 0.99}})
     EXPECT_EQ(verdict(claim).reference, printed) << claim;
-  // Points of the tests in the chart: their regression, whose peaks are printed to 0.1 kN on 99 000 mm2.
+  // Points of the tests in the chart are their regression, whose peaks are printed to 0.1 kN on 99 000 mm2.
   std::ifstream points(folder_ / "envelope/plots/envelope_3.dat");
   for (const double pressure : {0.30, 1.21, 2.12}) {
     double sigma = 0.0, tau = 0.0;
@@ -221,7 +221,7 @@ TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
   EXPECT_TRUE(verdict("cohesion of the wall, initial").reproduced);   // 11 % off
   EXPECT_FALSE(verdict("friction of the wall, initial").reproduced);  // 25 % off
 
-  // Its lines in the chart, to 2.4 MPa: the model's two, the tests' two, and that of Mann and Mueller.
+  // Lines in the chart, to 2.4 MPa: two of the model, two of the tests, and that of Mann and Mueller.
   const double mann = 1 + 0.7 * 2 * 50.0 / 204.0;
   const std::pair<double, double> lines[] = {
       {0.40, 0.30}, {0.40, 0.20}, {0.45, 0.24}, {0.25, 0.36}, {0.3 / mann, 0.7 / mann}};
@@ -235,8 +235,8 @@ TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
     EXPECT_NEAR(y1, lines[i].first + 2.4 * lines[i].second, 1e-5) << i;
   }
 
-  // Off the line: R2 is 1 - (squares that are left)/(squares about the mean), which least squares makes the square of
-  // the correlation.
+  // A point off the line: R2 is 1 - (sum of squared residuals)/(sum of squares about the mean), for least squares the
+  // square of the correlation.
   run("1.21 MPa").curve.force.assign(run("1.21 MPa").curve.size(), 99.0 * 1.0);
   read();
   const double x[] = {1.5 * 0.30, 1.5 * 1.21, 1.5 * 2.12}, y[] = {0.40 + 0.30 * 0.30, 1.0, 0.40 + 0.30 * 2.12};
@@ -252,11 +252,11 @@ TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
   EXPECT_FALSE(verdict("linear regressions").reproduced);
 }
 
-// Falls of the force of 5 % of the peak before 1.2 mm are an oscillation; 1 % is none.
+// Drops of the force by 5 % of the peak before 1.2 mm count as an oscillation; drops by 1 % do not.
 TEST_F(Verdicts, RateReadsOscillationsAndDistances) {
   start("rate");
   for (const auto& [name, r] : runs_) EXPECT_EQ(set(name, "stage.shear.displacement"), "0.0025") << name;
-  // The same distance in the ramp: 0.05 mm, while it is no longer than 50 ms.
+  // Ramps have an equal distance of 0.05 mm, if they are not longer than 50 ms.
   EXPECT_EQ(set("10 mm/s", "stage.shear.ramp_time"), "0.01");
   EXPECT_EQ(set("1 mm/s", "stage.shear.ramp_time"), "0.05");
   EXPECT_EQ(set("320 mm/s", "stage.shear.ramp_time"), "0.0003125");
@@ -276,16 +276,17 @@ TEST_F(Verdicts, RateReadsOscillationsAndDistances) {
   EXPECT_THAT(verdict("10 mm/s oscillates").text, HasSubstr("begins at 160 mm/s"));
   EXPECT_NEAR(verdict("unbalanced ratio").number, 16.0, 1e-9);
   EXPECT_FALSE(verdict("unbalanced ratio").reproduced) << "20 mm/s has as much as 10 mm/s";
-  // Largest at 2.45 mm, over the peak of the slower: down by 20 and 10/3 kN/mm from 2 mm on, with 3 kN between them.
+  // The distance is largest at 2.45 mm, relative to the peak of the slower run. From 2 mm on the curves fall by 20 and
+  // 10/3 kN/mm, with 3 kN between them.
   EXPECT_NEAR(verdict("10 mm/s and 1 mm/s agree").number, 100.0 * (0.45 * (20.0 - 10.0 / 3.0) - 3.0) / 50.0, 0.35);
   EXPECT_THAT(report_.differs, Not(Contains(HasSubstr("10 mm/s does oscillate"))));
 
-  // A step in time: the wave into the wall, A v sqrt(5 rho G), of bricks and bed joints in series (Table 1).
+  // A sudden velocity causes a wave into the wall, A v sqrt(5 rho G), with bricks and bed joints in series (Table 1).
   run("10 mm/s, at once").curve = curve_of({50.0, 2.0, 40.0, 2.5}, fall(0.01));
   read();
   EXPECT_FALSE(verdict("10 mm/s oscillates").reproduced);
   const double shear_modulus = 16.7e9 / (2 * 1.15), joints = 36e9 / 16, series = 1 / (1 / shear_modulus + 1 / joints);
-  const double wave = 0.099 * 0.01 * std::sqrt(5 * 1900.0 * series) / 1e3;  // 16 joints a metre
+  const double wave = 0.099 * 0.01 * std::sqrt(5 * 1900.0 * series) / 1e3;  // 16 joints in a metre
   EXPECT_THAT(report_.differs, Contains(AllOf(HasSubstr("10 mm/s does oscillate"), HasSubstr("the 2 %"),
                                               HasSubstr(fmt::format("rho G): {:.1f} kN", wave)))));
   EXPECT_THAT(row("10 mm/s, at once")[1], "0.60");
@@ -318,7 +319,7 @@ TEST_F(Verdicts, BrittleIsLowerAndRougher) {
       EXPECT_EQ(set(name, "stage.shear.velocity"), name.ends_with("0.8") ? "0.01" : "0.001") << name;
       EXPECT_EQ(set(name, "solver.time_step_fraction"), name.ends_with("0.8") ? "0.8" : "0.6") << name;
     }
-  // Level from 0.05 mm on, with waves of ten points each, whose highest is at 72 degrees.
+  // Constant from 0.05 mm on, with waves of ten points each, whose highest point is at 72 degrees.
   const auto level = [](double force, double amplitude, double end = 5.0) {
     return curve_of({force, 0.05, force, end}, [=](double d) { return amplitude * std::sin(2 * M_PI * d / 0.05); });
   };
@@ -340,7 +341,7 @@ TEST_F(Verdicts, BrittleIsLowerAndRougher) {
   EXPECT_NEAR(verdict("brittle is irregular at 0.30").number, rough(50.0, 0.5) / rough(50.0, 0.1), 0.05)
       << "as printed";
   EXPECT_THAT(verdict("brittle is irregular at 0.30").text, HasSubstr("of this quality, at 20 mm/s"));
-  // Waves of the same share of their peaks at both velocities.
+  // Waves with equal shares of their peaks at both velocities.
   EXPECT_THAT(verdict("brittle is irregular at 0.30").text,
               AllOf(HasSubstr("roughness 0.74 against 0.15 % of the peak at 1 mm/s"),
                     HasSubstr("at 20 mm/s, 0.74 against 0.15 %,")));
@@ -353,7 +354,7 @@ TEST_F(Verdicts, BrittleIsLowerAndRougher) {
   EXPECT_THAT(report_.differs, Contains(HasSubstr("crushing alone does not explain it")));
 }
 
-// An opening stands in the middle of 9 half bricks and 16 courses, or half a half brick beside it.
+// An opening is in the middle of 9 half bricks and 16 courses, or half of a half brick beside it.
 TEST_F(Verdicts, HollowWallsHaveOpeningsInTheMiddle) {
   start("hollow");
   int openings = 0;
@@ -381,7 +382,7 @@ TEST_F(Verdicts, HollowWallsHaveOpeningsInTheMiddle) {
         << name;
   }
   EXPECT_EQ(openings, 8);
-  // An even one stands half a half brick beside the middle, and its neighbour on the other side of it.
+  // One of even width is half of a half brick beside the middle, and its variant on the other side.
   EXPECT_EQ(set("2 half bricks", "wall.opening.1.first_half_unit"), "4");
   EXPECT_EQ(set("2 half bricks, the other way", "wall.opening.1.first_half_unit"), "3");
 
@@ -417,13 +418,13 @@ TEST_F(Verdicts, ContactPointsAreComparedWithTheFinest) {
   EXPECT_TRUE(verdict("moderate equals fine").reproduced);
   EXPECT_NEAR(verdict("few points").number, 12.0, 1e-9);
   EXPECT_TRUE(verdict("few points").reproduced);
-  // Points along the edge of a half brick: one more than hexahedra.
+  // The number of points along the edge of a half brick is one more than that of hexahedra.
   EXPECT_EQ(set("B2T4", "wall.zones"), "[2, 1, 1]");
   EXPECT_EQ(set("B2T16", "wall.zones"), "[8, 4, 2]");
   EXPECT_EQ(row("B2T4")[2], "3");
   EXPECT_EQ(row("B2T8")[2], "5");
   EXPECT_EQ(row("B2T16")[2], "9");
-  // By more than 5 % of the 50 kN of the finest.
+  // A difference of more than 5 % of the 50 kN of the finest zones.
   run("B2T4").curve = curve_of({52.25, 2.0, 40.0, 5.0});
   read();
   EXPECT_FALSE(verdict("few points").reproduced);
@@ -446,8 +447,8 @@ TEST_F(Verdicts, StiffnessIsATimesThatOfTheMortarJoint) {
     }
   run("1").curve = curve_of({45.0, 2.0, 40.0, 5.0});
   run("3").curve = curve_of({90.0, 2.0, 40.0, 5.0});
-  run("4").curve = curve_of({50.5, 2.0, 40.4, 5.0});                             // 1 % more all the way
-  run("6").curve = curve_of({}, [](double d) { return d > 2.2 ? -3.0 : 0.0; });  // past the peak alone
+  run("4").curve = curve_of({50.5, 2.0, 40.4, 5.0});                             // 1 % more everywhere
+  run("6").curve = curve_of({}, [](double d) { return d > 2.2 ? -3.0 : 0.0; });  // only after the peak
   run("4, as printed").curve = curve_of({}, [](double d) { return d > 2.1 && d < 2.25 ? -4.0 : 0.0; });
   run("6, as printed").curve = curve_of({}, [](double d) { return d > 2.3 ? -2.0 : 0.0; });
   run("4, as printed, step 0.8").complete = false;
@@ -487,7 +488,7 @@ TEST_F(Verdicts, BlockSizesSpreadAndFall) {
   EXPECT_NEAR(verdict("time for the 576-block wall").number, 10.0, 1e-12);
   EXPECT_THAT(verdict("time for the 576-block wall").text, HasSubstr("14.0 times as fast"));
   EXPECT_THAT(row("0")[6], "60 s");
-  peaks(100.0, 100.9, 101.8, 102.7);  // each above the one before by less than its error of 1 %
+  peaks(100.0, 100.9, 101.8, 102.7);  // each is above the last one by less than its error of 1 %
   read();
   EXPECT_TRUE(verdict("the peak falls").reproduced);
   peaks(100.0, 101.1, 100.0, 106.5);
@@ -505,7 +506,7 @@ TEST_F(Verdicts, EnergiesAreFactorsOnTable1) {
     EXPECT_DOUBLE_EQ(std::stod(set(name, "joints.mortar.fracture_energy_shear")), 125 * f);
   }
   EXPECT_EQ(set("x 1", "joints.mortar.fracture_energy_shear"), "") << "as in the scene";
-  // To 80 % of the peak on a line from the peak at 2 mm to half of it.
+  // 80 % of the peak is on a line from the peak at 2 mm to half of the peak.
   const auto shape = [](double peak, double end) { return curve_of({peak, 2.0, 0.5 * peak, end}); };
   run("x 0.5").curve = shape(46.0, 3.0);  // at 2.4 mm
   run("x 1").curve = shape(50.0, 4.0);
@@ -527,7 +528,7 @@ TEST_F(Verdicts, EnergiesAreFactorsOnTable1) {
 
 TEST_F(Verdicts, BuildingIsHeldAgainstTheTestAndTable2) {
   start("building");
-  // The slowest run is the converged one; runs cost in proportion to their time.
+  // The slowest run is the converged one; the cost of runs is proportional to their time.
   const char* slow_d = "wall D, 2.5 mm/s";
   const char* slow_abc = "walls A + B + C, 2.5 mm/s";
   EXPECT_DOUBLE_EQ(run(slow_d).spec.cost, 8.0 * run("wall D").spec.cost);
@@ -535,7 +536,7 @@ TEST_F(Verdicts, BuildingIsHeldAgainstTheTestAndTable2) {
   EXPECT_EQ(set(slow_d, "stage.push.velocity"), "0.0025");
   EXPECT_EQ(set(slow_d, "stage.push.displacement"), "0.018");
   EXPECT_EQ(set("wall D", "stage.push.displacement"), "");
-  // Lintels by their factor on the 2.4 GPa of units; every opening of wall D (4) and of wall B (6) has one.
+  // Lintels have a factor on the 2.4 GPa of units; every opening of wall D (4) and of wall B (6) has one.
   for (const auto& [name, factor, openings] : {std::tuple{"wall D, lintels x 3", 3.0, 4},
                                                {"wall D, lintels x 12", 12.0, 4},
                                                {"walls A + B + C, lintels x 12", 12.0, 6}}) {
@@ -583,7 +584,7 @@ TEST_F(Verdicts, BuildingIsHeldAgainstTheTestAndTable2) {
                                                                   "187 kN at 10.0 mm", "+10 %"}))));  // 187 on 170 kN
 }
 
-// Widths within half a half unit of 0.94 m; doors of 1.7 m and windows of 0.7 m at least; courses of 0.16 m.
+// Widths within half of a half unit of 0.94 m; doors of at least 1.7 m, windows of at least 0.7 m; courses of 0.16 m.
 TEST(LayoutRules, AreGeometry) {
   EXPECT_EQ(why_not(DoorLayout{5, 12, 5, 6}), "");
   EXPECT_THAT(why_not(DoorLayout{4, 12, 5, 6}), HasSubstr("openings 0.8 m wide"));
@@ -607,7 +608,8 @@ TEST(LayoutRules, AreGeometry) {
   EXPECT_NEAR((WindowLayout{28, 19, 6, false}.depth()), 4.0, 1e-12);
 }
 
-// Windows of 5 half units on two floors: outer piers equal, the others within one column of them and of each other.
+// Windows of 5 half units on two floors: the outer piers are equal, the others within one column of them and each
+// other.
 TEST(LayoutRules, PiersBetweenWindowsAreAlike) {
   for (int columns = 24; columns <= 32; ++columns) {
     const auto settings = WindowLayout{columns, 19, 6, false}.overrides();
@@ -638,12 +640,13 @@ TEST_F(Verdicts, PiersAreBetweenTheirTwoDirections) {
   EXPECT_TRUE(verdict("peak of ISP1").reproduced);
   EXPECT_FALSE(verdict("peak of ISP3").reproduced);
   EXPECT_THAT(verdict("peak of ISP1").text, HasSubstr("+14 %"));
-  // Rigid rocking: the load at mid length, less half of the crushed toe of 0.6/(0.85 fc) of the length.
+  // Rigid rocking: lever arm to the middle, less half of the crushed toe of 0.6/(0.85 fc) of the length.
   for (const auto& [pier, height] : {std::pair{"ISP1", 1.35}, {"ISP3", 2.0}})
     EXPECT_EQ(row(pier)[7], fmt::format("{:.1f} kN", 150.0 / height * (1 - 0.6 / (0.85 * 6.2)))) << pier;
 }
 
-// Six half cycles, elastic but the last, which is a rectangle; none has more than one way but the first, by 2 %.
+// Six half cycles, elastic except for the last, which is a rectangle. Only the first exceeds the monotonic curve, by 2
+// %.
 TEST_F(Verdicts, CyclesLoseWorkAndDoNotExceedOneWay) {
   start("cyclic");
   for (const char* name : {"solid wall", "pier ISP1"}) {
@@ -657,7 +660,7 @@ TEST_F(Verdicts, CyclesLoseWorkAndDoNotExceedOneWay) {
       add(half, 0.0, half == 5 ? sign * force : 0.0);
       add(half, sign * 1.0, sign * force);
       add(half, sign * 1.0, half == 5 ? sign * force : sign * force);
-      // Of the other direction, and not at its end: what goes from there to the next half cycle is of neither.
+      // In the other direction before its end: the part from there to the next half cycle belongs to neither.
       if (half < 5) add(half, half == 4 ? 0.1 * sign : 0.0, -sign * 60.0);
     }
     run(name).curve = c;
@@ -678,8 +681,8 @@ TEST_F(Verdicts, CyclesLoseWorkAndDoNotExceedOneWay) {
   EXPECT_EQ(set("solid wall", "stage.cycles.velocity"), "0.02");
 }
 
-// Springs in place of walls and piers: secant F/a, residual a - F/k, dissipated 4 F (a - F/k), each loop in closed
-// form.
+// Springs in place of walls and piers, with loops in closed form: secant F/a, residual a - F/k, dissipated 4 F (a -
+// F/k).
 class LoopVerdicts : public Verdicts {
  protected:
   static double damping(double stiffness, double yield, double amplitude) {
@@ -724,7 +727,7 @@ TEST_F(LoopVerdicts, WallsInCycles) {
                 fmt::format("{:.1f} %", 100 * damping(100.0, 40.0, 3.0)), "13.3 kN/mm", "2.60 mm"}));
   EXPECT_THAT(report_.notes, Contains(HasSubstr("with fracture_energy: 0.0 % at 2 mm, 0.0 % at 3 mm")));
 
-  // Stiffer the farther it goes, and stronger than one way; the other law leaves less behind.
+  // Stiffer with displacement, and stronger than the monotonic curve; the other law has a smaller residual.
   run("solid wall, fracture_energy").curve =
       spring_curve(cycles_, 100.0, 40.0, [](double d) { return 10 * d * std::abs(d); });
   swing("solid wall, cyclic_joint", 100.0, 60.0);
@@ -760,7 +763,7 @@ TEST_F(LoopVerdicts, PiersInCyclesAreHeldAgainstTheTests) {
   EXPECT_NEAR(*more.reference, 100 * damping(80.0, 72.05, 3.0), 0.05);
   EXPECT_TRUE(more.reproduced);
   EXPECT_FALSE(verdict("cyclic_joint: the pier that sheared damps more").reproduced);
-  // Drifts on the heights of the piers, 1.35 and 2.002 m.
+  // Drifts over the heights of the piers, 1.35 and 2.002 m.
   EXPECT_EQ(report_.tables.at(0).rows[2][3], "+3.00 / -3.00 mm (0.22 %)");
   EXPECT_EQ(report_.tables[0].rows[8][3], "+3.00 / -3.00 mm (0.15 %)");
 }
@@ -816,8 +819,8 @@ TEST_F(LoopVerdicts, RestrainedDilationIsReadFromPeaksAndThrusts) {
                                       fmt::format("{:.0f} J", 4 * 40.6 * (3.0 - 40.6 / 80.0))}));
 }
 
-// A loop ends where the next half cycle passes zero; the row after that is of the next loop. Few rows show it: a spring
-// of 10 kN/mm, and 99 kN after the end.
+// A loop ends where the next half cycle passes zero; the row after that belongs to the next loop. Tested with few rows:
+// a spring of 10 kN/mm, and 99 kN after the end.
 TEST(Loops, EndWhereTheNextHalfCyclePassesZero) {
   const quoin::Cycles cycles{{0.001}, {1}, 0.01, 0.0, {}};
   Curve c;
@@ -851,7 +854,7 @@ TEST(Loops, AreThoseOfAnElasticPlasticSpring) {
     EXPECT_NEAR(loops[i].stiffness, 40.0 / a, 1e-6);
     EXPECT_NEAR(loops[i].residual(), a - 0.5, 1e-3);
     EXPECT_NEAR(loops[i].damping(), loops[i].dissipated / (2 * M_PI * 40.0 * a), 1e-9);
-    // A parallelogram of height 80 kN and base 2 (a - 0.5 mm), whatever came before it.
+    // A parallelogram of height 80 kN and base 2 (a - 0.5 mm), for any earlier cycles.
     EXPECT_NEAR(loops[i].dissipated, 80.0 * 2 * (a - 0.5), 0.1);
   }
   const Curve envelope = envelope_of(c, cycles);
@@ -860,7 +863,7 @@ TEST(Loops, AreThoseOfAnElasticPlasticSpring) {
   EXPECT_NEAR(envelope.force[3], 40.0, 1e-9);
   EXPECT_LT(envelope.displacement[0], envelope.displacement[1]);
 
-  // The other way round, with less force at 3 mm: each amplitude with its own force on both sides.
+  // In the opposite direction, with less force at 3 mm: each amplitude has its force on both sides.
   quoin::Cycles backwards = cycles;
   backwards.velocity = -cycles.velocity;
   const Curve other = envelope_of(

@@ -1,7 +1,7 @@
-// All that a study requests and says, word for word. Its runs with their overrides; from curves that are made up its
-// verdicts, tables, sentences and the scripts of its charts. Single numbers are compared with closed forms in
-// studies_test.cpp; this one sees the words, labels, orders and constants between them. The texts were read by people
-// (approved/STUDY.txt, STUDY_brittle.txt, STUDY_reference.txt); no simulation, no gnuplot.
+// Complete texts of studies: runs with their overrides; for invented curves verdicts, tables, sentences and scripts of
+// charts. studies_test.cpp compares single numbers with closed forms; this test checks words, labels, orders and
+// constants. The texts are approved by people (approved/STUDY.txt, STUDY_brittle.txt, STUDY_reference.txt). Without
+// simulations and gnuplot.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -32,15 +32,16 @@ bool in_cycles(const RunSpec& spec) {
   return spec.scene.starts_with("cyclic_");
 }
 
-// What walls may do: soften slowly, or lose nearly all in a drop after they have differed most at the beginning.
+// Behaviour of walls: slow softening, or an abrupt loss of nearly all strength, with large differences at the
+// beginning.
 enum class Walls { ductile, brittle, brittle_by_reference };
 
-// Each at another quality: standard, fast and reference, which has runs that the others leave out.
+// Returns the quality of each: standard, fast, and reference, which has additional runs.
 int quality_of(Walls walls) { return std::array{1, 0, 2}[static_cast<std::size_t>(walls)]; }
 const char* suffix_of(Walls walls) { return std::array{"", "_brittle", "_reference"}[static_cast<std::size_t>(walls)]; }
 
-// Every run another curve, so that no two can be exchanged unseen: number is its place in the study. Softening with a
-// ripple after the peak, or a drop; in cycles an elastic and plastic spring.
+// Returns the curve of a run, different for each run, so that an exchange is detected. number: index of the run in the
+// study. Softening with a ripple after the peak, or a drop; in cycles an elastic-plastic spring.
 Curve curve_of(int number, bool cycles, Walls walls) {
   Curve c;
   const bool brittle = walls != Walls::ductile;
@@ -104,7 +105,7 @@ std::string in_words(const StudyReport& report) {
   return text;
 }
 
-// Scripts whole; of data every 397th line, in which curves and columns differ.
+// Returns whole scripts, and every 397th line of data, in which curves and columns differ.
 std::string files_of(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -129,7 +130,7 @@ class WholeStudies : public ::testing::TestWithParam<std::tuple<std::string, Wal
     folder_ = fs::temp_directory_path() / ("quoin_whole_studies_" + std::to_string(getpid()));
     fs::create_directories(folder_);
     if (const char* path = std::getenv("PATH")) path_ = path;
-    setenv("PATH", "/nonexistent", 1);  // no gnuplot: the script of a chart remains
+    setenv("PATH", "/nonexistent", 1);  // without gnuplot the script of a chart is kept
   }
   void TearDown() override {
     setenv("PATH", path_.c_str(), 1);
@@ -167,7 +168,7 @@ TEST_P(WholeStudies, SayWhatWasApproved) {
   }
   for (std::size_t at; (at = text.find(folder_.string())) != std::string::npos;)
     text.replace(at, folder_.string().size(), "DIR");
-  // The law is evaluated by the kernels of the machine at hand, which round differently.
+  // The kernels of the law depend on the machine and have different rounding.
   quoin_test::expect_approved({fs::path(QUOIN_APPROVED) / (study.id + suffix_of(walls) + ".txt"), 1e-6}, text);
 }
 

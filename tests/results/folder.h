@@ -1,4 +1,4 @@
-// A folder of a test's own.
+// A separate folder for a test.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Frames of a run: their estimated size beside the files of one; their times, read back.
+// Frames of a run: their estimated size against the files of a frame; their times, read from files.
 #include <gtest/gtest.h>
 
 #include <clocale>
@@ -25,15 +25,15 @@ TEST_F(Frames, AreAsLargeAsWasTold) {
     VtkSeries(folder_, surfaces).add_frame(simulation);
     const double bytes = static_cast<double>(std::filesystem::file_size(folder_ / "blocks_0000.vtu") +
                                              std::filesystem::file_size(folder_ / "joints_0000.vtu"));
-    // Never too little. 10 kB are set aside for the heads of the two files, of which some 5 kB are used. Every state of
-    // a law counts, though some are not kept: one or two of some 40 numbers a point.
+    // The estimate is never too small. It has 10 kB for the heads of the two files, which use about 5 kB. It includes
+    // every state of a law, although one or two of about 40 numbers of a point are not written.
     EXPECT_GE(frame_bytes(simulation, surfaces), bytes) << scene;
     EXPECT_LE(frame_bytes(simulation, surfaces), 1.05 * bytes + 8000.0) << scene;
   }
 }
 
-// What four courses more take in both files is estimated to the last byte, but for digits in their heads. Of a law
-// without states, for every kind of block.
+// The estimated growth of both files by four courses is exact, except for digits in their heads. With a law without
+// states, for every kind of block.
 TEST_F(Frames, GrowAsWasTold) {
   const std::string begin = R"([materials.brick]
 density = 1900
@@ -87,7 +87,7 @@ kernels = "general"
   }
 }
 
-// A program that embeds us may write 0,5 for a half; files have points.
+// Files have decimal points also if the locale of the program has decimal commas.
 TEST_F(Frames, HaveTheSameTimesWhereDecimalsHaveAComma) {
   const std::string locale = (folder_ / "comma").string();
   if (std::system(("localedef -i de_DE -f UTF-8 '" + locale + "' >/dev/null 2>&1").c_str()) != 0)

@@ -1,5 +1,4 @@
-// Titles and names that try to run commands, against the real gnuplot: it must print each as it is, draw, and start
-// nothing.
+// Titles and names with commands, in gnuplot itself: it must print them unchanged, draw, and start no program.
 #include "files/gnuplot.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +35,7 @@ class Gnuplot : public InFolder {
   }
   std::string touch() const { return "touch " + canary_.string(); }
 
-  // Written for gnuplot's own grammar: each would run touch() in some kind of quotes, macro, line or markup.
+  // Texts for gnuplot's grammar: each would run touch() in some kind of quotes, macro, line or markup.
   std::vector<std::string> hostile() const {
     std::string control;
     for (char c = 1; c < 32; ++c) control += c;
@@ -78,7 +77,7 @@ class Gnuplot : public InFolder {
   fs::path canary_;
 };
 
-// The same picture in words: what the titles and labels say is in it.
+// The SVG picture contains the texts of titles and labels.
 TEST_F(Gnuplot, DrawsThePictureAsSvgToo) {
   const std::string script =
       "set terminal pngcairo size 600,400\nset title " + gnuplot_text("Pushed & held") + " noenhanced\nplot x\n";
@@ -135,7 +134,7 @@ TEST_F(Gnuplot, DrawsInFoldersOfAnyName) {
     draw_picture_alone(folder_ / name / (name + ".png"), "set terminal pngcairo size 300,200\nplot 1\n");
     EXPECT_TRUE(fs::exists(folder_ / name / (name + ".png")));
   }
-  // With slashes, as people give them: folders below each other.
+  // With slashes: nested folders.
   const fs::path deep = folder_ / ("`" + touch() + "`\n!" + touch() + "\n$(" + touch() + ")';\"");
   EXPECT_EQ(draw_picture(deep, "test", "set terminal pngcairo size 300,200\nplot 1\n"), "");
   EXPECT_TRUE(fs::exists(deep / "test.png"));
@@ -155,7 +154,7 @@ TEST_F(Gnuplot, FaultsLeaveNoPicture) {
               HasSubstr("gnuplot failed"));
   EXPECT_THAT(read_all(folder_ / "plots/test.log"), HasSubstr("no_such_thing"));
   EXPECT_THROW(draw_picture_alone(folder_ / "alone.png", "plot no_such_thing\n"), Error);
-  // Content with the script, but nothing drawn.
+  // A valid script that draws nothing.
   EXPECT_THAT(draw_picture(folder_, "test", "set terminal pngcairo\n"), HasSubstr("gnuplot failed"));
 
   const std::string path = std::getenv("PATH");

@@ -1,4 +1,4 @@
-// Joints that have opened wider than contact points bridge, in large motion: they are cracks all the same.
+// Joints in large motion that have opened beyond the range of contact points: they are still drawn as cracks.
 #include "results/parted_joints.h"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ class PartedJoints : public InFolder {};
 
 constexpr double kPulled = 0.01;  // m; points bridge a millimetre or two
 
-// A wall whose top beam is pulled up, with a bed below that holds nothing.
+// A wall whose top beam moves up, with a bed joint below without strength.
 const std::string kScene =
     "[materials.brick]\nyoung_modulus = 16.7e9\npoisson_ratio = 0.15\ndensity = 1900.0\n"
     "[joints.mortar]\nlaw = \"fracture_energy\"\nnormal_stiffness = 82e9\nshear_stiffness = 36e9\n"
@@ -54,8 +54,8 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   Observer nobody;
   simulation.run(nobody);
 
-  // Every joint of the start either touches still or has parted. The wall hangs on the beam: the opening is what that
-  // has moved, and what the bricks still swing by.
+  // Every initial joint either has contact or has separated. The wall hangs on the beam: the opening is the
+  // displacement of the beam plus the vibration of bricks.
   Pairs all = touching(simulation), parted;
   const std::vector<PartedPoint> points = parted_points(simulation);
   ASSERT_FALSE(points.empty());
@@ -82,8 +82,8 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   EXPECT_GE(gaps, static_cast<long>(2 * parted.size()));  // both sides of each
 }
 
-// Of a file of joints. They are the points that have lost more than 0.9 of their bond, the widest opening, and the
-// place of each joint of the start.
+// Contents of a file of joints: number of points that have lost more than 0.9 of their bond, and their area; widest
+// opening.
 struct Damaged {
   long points = 0;
   double opening = 0.0, area = 0.0;  // m, m2
@@ -119,8 +119,7 @@ class Frames : public Observer {
   VtkSeries series_;
 };
 
-// 134 points of a stair crack were damaged in one frame, and 39 at the end. Those whose blocks had come apart were
-// written no more, and the widest gap with them.
+// Points of blocks that have separated stay in the frames, with their damage and their gap.
 TEST_F(PartedJoints, StayInFramesWithTheirDamageAndTheirGap) {
   Simulation simulation(read_scene_text(kScene, "parted.toml", {"output.frames=5"}), 1);
   Frames frames(folder_);
@@ -133,12 +132,12 @@ TEST_F(PartedJoints, StayInFramesWithTheirDamageAndTheirGap) {
     EXPECT_GE(now.opening, before.opening) << frame;
     before = now;
   }
-  // The bed of 0.44 m x 0.1 m at least, as far as the wall is pulled.
+  // At least the bed of 0.44 m x 0.1 m, open by the displacement of the beam.
   EXPECT_GE(before.area, 0.044 - 1e-6);
   EXPECT_NEAR(before.opening, kPulled, 0.05 * kPulled);
 }
 
-// What a run that goes on writes is what one run would have written, gaps of joints that had parted before included.
+// A resumed run writes the files of one run, including the gaps of joints that had separated before.
 TEST_F(PartedJoints, AreTheSameAfterARunGoesOn) {
   const Scene scene = read_scene_text(kScene, "parted.toml", {"output.frames=5"});
   std::filesystem::create_directories(folder_ / "whole");
@@ -167,7 +166,7 @@ TEST_F(PartedJoints, AreTheSameAfterARunGoesOn) {
     EXPECT_TRUE(read_all(folder_ / name) == read_all(folder_ / "whole" / name)) << name;
 }
 
-// A law that replaces another one takes over what has parted before by the names of its states.
+// After a law swap separated joints keep their damage, by the ids of states.
 TEST_F(PartedJoints, KeepTheirDamageWhenTheLawIsReplaced) {
   const std::string later =
       kScene +
@@ -184,8 +183,8 @@ TEST_F(PartedJoints, KeepTheirDamageWhenTheLawIsReplaced) {
 
 class BlockPicture : public InFolder {};
 
-// Blocks that do not stand in one plane are seen from above and from the right, (0.55, 0.45, 1). What is nearer hides
-// what is behind, whatever was named first, and the ground hides nothing.
+// Blocks that are not in one plane are drawn from the direction (0.55, 0.45, 1). Nearer blocks hide those behind, for
+// any order of the blocks, and the ground hides nothing.
 TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
   const std::string head =
       "[materials.stone]\nyoung_modulus = 1e10\npoisson_ratio = 0.2\ndensity = 2000\n"
@@ -200,7 +199,7 @@ TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
                         1);
   plot_block_cracks(folder_, simulation, Surfaces(), {}, "");
   std::istringstream script(read_all(folder_ / "plots" / "cracks.gp"));
-  // Left and right end on paper, m, of each polygon by its number: the order in which gnuplot draws.
+  // Left and right ends of each polygon in the picture, m, by its number, which is the order of drawing.
   std::map<int, std::array<double, 2>> by_number;
   for (std::string line; std::getline(script, line);) {
     if (!line.starts_with("set object ")) continue;
@@ -215,7 +214,7 @@ TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
   for (const auto& [number, ends] : by_number) across.push_back(ends);
   ASSERT_GE(across.size(), 7u) << "three faces of each stone, and the top of the ground";
   EXPECT_GT(across[0][1] - across[0][0], 0.5) << "the ground, as far as the picture goes";
-  // 2 m nearer is 2 m 0.55/sqrt(0.55^2 + 1) further to the left; a stone is 0.3 m across.
+  // A stone that is 2 m nearer is 2 m 0.55/sqrt(0.55^2 + 1) further to the left; its width is 0.3 m.
   const std::size_t first = across.size() - 6;
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_LT(across[first + i][1] - across[first + i][0], 0.3);

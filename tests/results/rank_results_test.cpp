@@ -1,5 +1,5 @@
-// What rank 0 writes of the data of other ranks: the bytes of one process, and no rank waits for ever where it cannot.
-// Ranks are threads here.
+// Files that rank 0 writes with data of other ranks are equal to those of one process. If rank 0 fails no rank waits
+// without end. Ranks are threads here.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -37,10 +37,10 @@ const Case kFree{QUOIN_SCENES "/mixed.toml",
                  {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
                   "stage.push.duration=0.004", "output.frames=2"}};
 
-// A wall whose joints part in large motion: 26 points end without a contact.
+// A wall whose joints separate in large motion: 26 points have no contact at the end.
 const Case kParted{QUOIN_TESTS "/results/settling_wall.toml", {}};
 
-// Writes frames, as the first of several ranks or alone.
+// Writes frames, on rank 0 of several ranks or in one process.
 class Writer : public Observer {
  public:
   explicit Writer(const std::filesystem::path& folder) : frames_(folder, surfaces_) {}
@@ -119,7 +119,7 @@ TEST_F(RankResults, HaveTheBytesOfOneProcess) {
   }
 }
 
-// Each piece has the joints that begin at blocks of its rank, also those whose other block another rank has by now.
+// Each piece has the joints whose first block is of its rank, also if the other block is of another rank.
 TEST_F(RankResults, PiecesHaveTheJointsThatHaveParted) {
   const auto parted_in = [](const std::filesystem::path& file) {
     const VtuFile joints(file);
@@ -155,7 +155,7 @@ TEST_F(RankResults, PiecesHaveTheJointsThatHaveParted) {
   EXPECT_EQ(all, whole);
 }
 
-// A wall of so little strength that points are crushed out, on every rank.
+// A wall of low strength, with crushed-out points on every rank.
 TEST_F(RankResults, CountTheCrushedPointsOfAll) {
   Case crushed = kWall;
   for (const char* more : {"joints.mortar.compressive_strength=1e4", "joints.mortar.fracture_energy_compression=0.5",

@@ -1,4 +1,4 @@
-// The page of a run: what it shows, and what it says of damaged results.
+// The page of a run: its contents, and messages for damaged results.
 #include "results/report.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Two stones of which one slides on the other: rigid, in large motion.
+// Two rigid stones in large motion, of which one slides on the other.
 const std::string kStones =
     "[materials.stone]\nyoung_modulus = 1e10\npoisson_ratio = 0.2\ndensity = 2000\n[joints.dry]\nlaw = "
     "\"coulomb_slip\"\n"
@@ -36,7 +36,7 @@ const std::string kStones =
     "[solver]\nlarge_motion = \"always\"\n[output]\nmonitor = \"stone\"\nframes = 1\n"
     "[[stage]]\ngravity = [0, -9.81, 0]\nduration = 0.002\n";
 
-// A half unit between two beams, whose upper one is moved up: on the lattice.
+// Returns a half unit between two beams on the lattice; the upper beam moves up.
 std::string pulled_wall(const std::string& stage) {
   return "[materials.brick]\nyoung_modulus = 16.7e9\npoisson_ratio = 0.15\ndensity = 1900.0\n"
          "[joints.mortar]\nlaw = \"fracture_energy\"\nnormal_stiffness = 82e9\nshear_stiffness = 36e9\n"
@@ -62,7 +62,7 @@ class Report : public InFolder {
     setenv("QUOIN_THREE_JS", (folder_ / "three").c_str(), 1);
   }
 
-  // Runs it and writes what a page is made of.
+  // Runs a scene and writes the files of a page.
   struct Recorder : Observer {
     History history;
     VtkSeries frames;
@@ -82,7 +82,7 @@ class Report : public InFolder {
     rows_ = recorder.history.rows();
   }
 
-  // The page, or the words of a refusal; anything else fails.
+  // Returns the page or the message of a refusal; other exceptions fail the test.
   std::string outcome() {
     try {
       return read_all(write_report({folder_}));
@@ -95,7 +95,7 @@ class Report : public InFolder {
     }
   }
 
-  // One byte in seven otherwise, as quick as a test must be, and cut off at some places: how many of these are refused.
+  // Changes one byte in seven, for speed, and truncates the file at some positions. Returns the number of refusals.
   static constexpr std::size_t kStride = 7;
   long damage(const std::string& file) {
     const fs::path path = folder_ / file;
@@ -121,7 +121,7 @@ class Report : public InFolder {
   std::vector<HistoryRow> rows_;
 };
 
-// 15 of 255 damaged bytes ended in SIGSEGV, and one never: numbers of points, cells and blocks were taken for granted.
+// Damaged files are refused or drawn: numbers of points, cells and blocks are checked.
 TEST_F(Report, RefusesDamagedFramesOrDrawsThem) {
   write_run(kStones);
   for (const char* file : {"blocks_0001.vtu", "joints_0001.vtu"}) EXPECT_GT(damage(file), 20) << file;
@@ -145,7 +145,7 @@ nlohmann::json head_of(const std::string& page) {
   return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
 }
 
-// cracks.png has blue for sliding and warm colours for opening; the page had them the other way round.
+// The page has the colours of cracks.png: blue for sliding and warm colours for opening.
 TEST_F(Report, HasTheColoursOfThePictures) {
   write_run(kStones);
   const std::string page = outcome();
@@ -159,7 +159,7 @@ TEST_F(Report, HasTheColoursOfThePictures) {
   EXPECT_EQ(page.find("'sliding begun'"), std::string::npos) << "a second table";
 }
 
-// A beam that is moved up was reported as one that had moved by 0.00 mm, with an empty curve.
+// For a beam that moves up the curve and the reported displacement are vertical.
 class UprightReport : public Report, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(UprightReport, ShowsTheWayThatTheBeamIsDriven) {
@@ -170,7 +170,7 @@ TEST_P(UprightReport, ShowsTheWayThatTheBeamIsDriven) {
     if (std::abs(row.joint_force[1]) > largest)
       largest = std::abs(row.joint_force[1]), there = row.monitor_displacement[1];
   }
-  // 0.2 MPa over 0.22 m x 0.1 m; beams that are held carry no more.
+  // 0.2 MPa over 0.22 m x 0.1 m is the largest force of the beams.
   ASSERT_NEAR(largest, 4.4e3, 0.1 * 4.4e3);
   const Peak peak = find_peak(rows_, scene);
   EXPECT_EQ(peak.force, largest);
@@ -181,7 +181,7 @@ TEST_P(UprightReport, ShowsTheWayThatTheBeamIsDriven) {
   EXPECT_TRUE(summary.at("peak_horizontal_force_N").is_null());
   EXPECT_EQ(summary.at("displacement_at_peak_m"), there);
 
-  plot_curve(folder_, rows_, scene, "law", "");  // the script stays, also without gnuplot
+  plot_curve(folder_, rows_, scene, "law", "");  // the script is kept, also without gnuplot
   EXPECT_NE(read_all(folder_ / "plots/curve.gp").find("vertical displacement of the top beam"), std::string::npos);
   std::istringstream curve(read_all(folder_ / "plots/curve.dat"));
   std::string line;
@@ -194,7 +194,7 @@ TEST_P(UprightReport, ShowsTheWayThatTheBeamIsDriven) {
 }
 INSTANTIATE_TEST_SUITE_P(Stages, UprightReport, ::testing::Values(kMeasuredUpright, kDrivenUpright));
 
-// In large motion a building was one without beams, and its push kept a row every 200 steps.
+// The report of a building in large motion is that of the lattice, with beams and equal intervals of rows.
 TEST_F(Report, OfABuildingInLargeMotionIsThatOfTheLattice) {
   std::map<std::string, nlohmann::json> summaries;
   std::map<std::string, std::size_t> rows;
@@ -218,7 +218,7 @@ TEST_F(Report, OfABuildingInLargeMotionIsThatOfTheLattice) {
   EXPECT_EQ(summaries["always"].at("beams"), 3) << "below everything, and two of the floor";
   // Walls of 7 and 3 half units of 0.2 m, 0.25 m thick, and their corner.
   EXPECT_NEAR(summaries["always"].at("bed_area_m2").get<double>(), 10 * 0.2 * 0.25 + 0.25 * 0.25, 1e-12);
-  // Rows are as far apart, give or take what the time steps differ by.
+  // Intervals of rows are equal but for the difference of the time steps.
   const auto never = static_cast<double>(rows["never"]);
   EXPECT_GT(never, 100.0);
   EXPECT_NEAR(static_cast<double>(rows["always"]), never, 0.2 * never);

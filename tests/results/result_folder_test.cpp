@@ -1,4 +1,4 @@
-// Whose a folder is, and what in it may be removed.
+// Ownership of a result folder, and the files that may be removed.
 #include "files/result_folder.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ class Folder : public InFolder {
     fs::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << text;
   }
-  // The message of the refusal, or nothing.
+  // Returns the message of the refusal, or an empty text.
   std::string refusal() const {
     try {
       const ResultFolder results(folder_);
@@ -55,7 +55,7 @@ TEST_F(Folder, LockDiesWithItsProcessThoughItsChildrenLive) {
     const FolderLock lock(folder_);
     const pid_t child = fork();
     if (child == 0) {
-      usleep(300000);  // a slow machine: the child has the lock until its exec
+      usleep(300000);  // as on a slow machine: the child has the lock until its exec
       execlp("sleep", "sleep", "1000", nullptr);
       _exit(127);
     }
@@ -82,7 +82,7 @@ TEST_F(Folder, LosesWhatTheLastRunWroteAndNothingElse) {
     const ResultFolder results(folder_);
     fs::create_directories(folder_ / "plots");
     for (const std::string& name : ours) write_file(folder_ / name, "ours");
-    part = begin_file(folder_ / "history.csv");  // as of a run that was killed
+    part = begin_file(folder_ / "history.csv");  // as after a run that was killed
     std::ofstream(part) << "half a row";
   }
   for (const std::string& name : theirs) write(name, "theirs");
@@ -91,7 +91,7 @@ TEST_F(Folder, LosesWhatTheLastRunWroteAndNothingElse) {
   for (const std::string& name : ours) EXPECT_FALSE(fs::exists(folder_ / name)) << name;
   EXPECT_FALSE(fs::exists(part));
   for (const std::string& name : theirs) EXPECT_EQ(read_all(folder_ / name), "theirs") << name;
-  // The run that cleared the folder wrote nothing, so a file of such a name is not from a run and must be kept.
+  // The run that cleared the folder wrote nothing, so a file with such a name is not of a run and must be kept.
   write("summary.json", "theirs");
   EXPECT_THAT(refusal(), HasSubstr("summary.json"));
   EXPECT_EQ(read_all(folder_ / "summary.json"), "theirs");
@@ -134,7 +134,7 @@ TEST_F(Folder, BelievesNoManifestBeyondTheNamesOfResults) {
   EXPECT_EQ(read_all(outside / "plots/curve.gp"), "theirs");
 }
 
-// A program that was started without standard input gets its descriptor, 0, for the first file that it opens.
+// In a program without standard input the first open file has its descriptor, 0.
 TEST_F(Folder, DurableFilesNeedNoStandardInput) {
   const int input = dup(STDIN_FILENO);
   close(STDIN_FILENO);

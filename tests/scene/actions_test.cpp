@@ -1,4 +1,4 @@
-// Every action of a stage (host/scene/actions): its reader, words, text and page.
+// Every action of a stage (host/scene/actions): its reader, messages, text and page.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ box = { lower = [0, 0, 0], size = [1, 1, 1] }
 duration = 0.1
 )";
 
-// Of each action, and the same with another number.
+// A sample of each action, and the sample with another number.
 const std::map<std::string, std::array<std::string, 2>> kSamples = {
     {"ground_motion",
      {"{ direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }",
@@ -63,7 +63,7 @@ TEST(StageActions, AreReadNamedAndToldApart) {
     const Stage stage = read(action.key, one);
     EXPECT_EQ(beyond_lattice(stage), action.has);
     ASSERT_EQ(action_texts(stage).size(), 1u) << action.key;
-    // Checkpoints of one belong to no run of the other.
+    // Different texts, so that a checkpoint of one is refused by a run of the other.
     EXPECT_THAT(action_texts(read(action.key, another)), Not(ElementsAre(action_texts(stage).front()))) << action.key;
   }
 }

@@ -1,4 +1,4 @@
-// Cycles: their closed form, the loss of force, and scenes that request them.
+// Cycles: their closed form, the loss of force, and scenes with cycles.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ using ::testing::HasSubstr;
 
 const Cycles kCycles{{0.001, 0.003}, {2, 1}, 0.01, 0.05, {}};
 
-// One half cycle of a way L at v with ramps of r lasts L/v + r. Either ramp covers half of what v would. Ways: 1, 2,
-// 2, 2, then 4 (from -1 to 3), 6 and 3 mm.
+// A half cycle of distance L at velocity v with ramps of time r takes L/v + r. Each ramp covers half of v r.
+// Distances: 1, 2, 2, 2, then 4 (from -1 to 3), 6 and 3 mm.
 TEST(CyclicMotion, LastsAsLongAsItsWays) {
   const CyclicMotion motion(kCycles);
   ASSERT_EQ(motion.half_cycles(), 7);
@@ -38,8 +38,8 @@ TEST(CyclicMotion, LastsAsLongAsItsWays) {
   EXPECT_EQ(motion.position(2 * motion.duration()), 0.0);
 }
 
-// Against a velocity written down apart from it and integrated by Simpson's rule. It is v s(t/r), with the smooth step
-// whose derivative is 30 x^2 (1 - x)^2.
+// Against an independent velocity, integrated by Simpson's rule: v s(t/r), with the smooth step s whose derivative is
+// 30 x^2 (1 - x)^2.
 TEST(CyclicMotion, IsTheIntegralOfASmoothVelocity) {
   const CyclicMotion motion(kCycles);
   constexpr int kSteps = 200000;
@@ -70,12 +70,12 @@ TEST(CyclicMotion, IsTheIntegralOfASmoothVelocity) {
     before = now;
   }
   EXPECT_LE(largest, 0.01 * (1 + 1e-9));
-  // The steepest rise of the smooth step is 15/8 a ramp.
+  // The largest slope of the smooth step is 15/8 over the ramp.
   EXPECT_LE(jump, 0.01 * 15 / 8 / 0.05 * dt * 1.001);
 }
 
 TEST(CyclicMotion, WaysTooShortForTheRampsAreSlower) {
-  const CyclicMotion motion({{1e-4}, {1}, 0.01, 0.05, {}});  // 0.1, 0.2 and 0.1 mm; the ramps alone cover 0.5 mm
+  const CyclicMotion motion({{1e-4}, {1}, 0.01, 0.05, {}});  // 0.1, 0.2 and 0.1 mm; full ramps would cover 0.5 mm
   EXPECT_NEAR(motion.duration(), 3 * 0.1, 1e-15);
   EXPECT_NEAR(motion.position(0.1), 1e-4, 1e-18);
   EXPECT_NEAR(motion.position(0.2), -1e-4, 1e-18);
@@ -96,13 +96,13 @@ TEST(CyclicMotion, WhatStillMovesComesBackInTheFirstRamp) {
   EXPECT_EQ(motion.position(0.15, kVelocity), motion.position(0.15));
 }
 
-// Half cycles of largest force 10, -9, 12, -7, each reached half way.
+// Half cycles with largest forces of 10, -9, 12, -7, each in the middle of the half cycle.
 TEST(ForceLoss, HoldsHalfCyclesAgainstThoseOfTheirSide) {
   ForceLoss loss;
   const double forces[] = {10, -9, 12, -7};
   for (int half_cycle = 0; half_cycle < 5; ++half_cycle) {
     const double target = half_cycle % 2 == 0 ? 1e-3 : -1e-3;
-    // What is left from the side before is no force of this half cycle.
+    // A remaining force of the last half cycle does not count for this one.
     const double before = half_cycle > 0 ? forces[half_cycle - 1] : 0.0;
     EXPECT_EQ(loss.see(before, half_cycle, target, 0.8), half_cycle == 4) << half_cycle;
     if (half_cycle == 4) break;

@@ -46,14 +46,14 @@ std::string fault_of(const std::vector<std::string>& settings) {
   return "";
 }
 
-// Another value than by default, as a scene has it.
+// Returns a value other than the default, as text of a scene.
 std::string other_value(const DampingNumber& number) {
   if (std::holds_alternative<bool>(number.value)) return "true";
   if (std::holds_alternative<double>(number.value)) return std::to_string(0.5 * std::get<double>(number.value) + 0.01);
   return "[1, 50]";
 }
 
-// The kind with what the key asks for beside it.
+// Returns the settings of a kind of damping, with other keys that this key requires.
 std::vector<std::string> base_of(const std::string& kind, const std::string& key) {
   std::vector<std::string> settings{"damping=" + kind};
   if (key == "maxwell_band") settings.push_back("maxwell_damping=0.01");
@@ -71,7 +71,7 @@ TEST(Damping, EveryKindHasItsNameTextAndTerms) {
   }
 }
 
-// A key without a use in text or coefficients, or without a kind, would be read in vain.
+// Every key changes the text or the coefficients of its kinds of damping, and is refused with other kinds.
 TEST(Damping, EveryKeyActsWithItsKindsAndIsRefusedWithOthers) {
   for (const DampingNumber& number : damping_numbers({})) {
     int kinds = 0;
@@ -109,7 +109,7 @@ TEST(Damping, ThePageHasEveryKindAndKey) {
   for (const DampingNumber& number : damping_numbers({})) EXPECT_THAT(page.str(), HasSubstr(number.key));
 }
 
-// dt (omega_max/2) with damping ratio z is the root of x^2 + 2 z x = 1 (Belytschko): what is left of it.
+// The limit dt omega_max/2 with damping ratio z is the root of x^2 + 2 z x = 1 (Belytschko).
 TEST(Damping, ShortensTheStepOfCentralDifferences) {
   for (const double z : {0.0, 0.2, 1.0}) {
     const double x = step_left(z);

@@ -1,4 +1,4 @@
-// Dry walls of the general path: where their units end, in closed form.
+// Dry walls for the general kernels: ends of their units in closed form.
 #include "scene/generate_blocks.h"
 
 #include <gmock/gmock.h>
@@ -51,7 +51,7 @@ std::vector<Vector> corners(const Assembly& wall, const Block& block) {
   return result;
 }
 
-// x of the ends of the pieces of one course, in units, from the left.
+// Returns the x of the ends of the pieces of one course, from the left, in lengths of a unit.
 std::vector<double> ends(const Assembly& wall, int course) {
   std::vector<double> result;
   for (const Block& block : wall.blocks) {
@@ -65,7 +65,7 @@ std::vector<double> ends(const Assembly& wall, int course) {
   return result;
 }
 
-// Of a course whose units are moved to the left by a share of a unit.
+// Returns the ends of a course whose units are shifted to the left by a share of a unit.
 std::vector<double> moved_by(double shift) {
   std::vector<double> result{0.0};
   for (int i = 1; i <= kUnits; ++i) result.push_back(i - shift);
@@ -90,7 +90,7 @@ TEST(DryWall, UnitsOverlapAsTheirBondSays) {
   }
 }
 
-// Units are cut in their own middle, wherever the wall ends; what would be shorter than a tenth of a unit stays whole.
+// Units are cut in their middle, for any end of the wall; there are no pieces shorter than a tenth of a unit.
 TEST(DryWall, HalvesMeetInTheMiddleOfTheirUnit) {
   const Assembly wall = wall_with("bond = \"third\"\nmid_unit_joints = true\n");
   for (int c = 0; c < kCourses; ++c) {
@@ -104,8 +104,8 @@ TEST(DryWall, HalvesMeetInTheMiddleOfTheirUnit) {
   }
 }
 
-// The estimate before it is made. A course of n units has one more where its bond cuts them at both ends: 7 (4 + 1)
-// units, or 10 halves a course.
+// The estimated size. A course of n units has one more if its bond cuts units at both ends: 7 (4 + 1) units, or 10
+// halves in a course.
 TEST(DryWall, ItsSizeCountsTheUnitsThatABondCuts) {
   const std::string third = "rigid = true\nbond = \"third\"\n";
   for (const auto& [keys, blocks] : {std::pair{third, 35.0}, {third + "mid_unit_joints = true\n", 70.0}}) {
@@ -116,7 +116,8 @@ TEST(DryWall, ItsSizeCountsTheUnitsThatABondCuts) {
   }
 }
 
-// An end that is trimmed and the edge of an opening stay where they are, however close; other cuts give way. In units.
+// A trimmed end and the edge of an opening keep their positions for any distance; other cuts are moved. Lengths in
+// units.
 TEST(DryWall, SliversBetweenGivenEndsStay) {
   const Assembly wall = wall_with(
       "trim_start = [0.285, 0.0]\ntrim_end = [0.0, 0.29]\nopening = [{ from = 0.306, to = 0.606, sill = 0.0, head = "
@@ -140,8 +141,8 @@ TEST(DryWall, SliversBetweenGivenEndsStay) {
   EXPECT_THAT(pieces(2), are({0.95, 2.0, 2.0, 3.0, 3.0, 4.0}));
 }
 
-// A lintel from 0.53 to 1.47 units' lengths. Head joints of the course at 0.5 and 1.5, closer to its ends than a tenth
-// of a unit, give way to them.
+// A lintel from 0.53 to 1.47 lengths of a unit. Head joints of the course at 0.5 and 1.5, closer to its ends than a
+// tenth of a unit, move to these ends.
 TEST(DryWall, LintelsKeepTheirEnds) {
   const Assembly wall =
       wall_with("opening = [{ from = 0.201, to = 0.399, sill = 0.0, head = 0.1, bearing = 0.042 }]\n");
@@ -152,7 +153,7 @@ TEST(DryWall, LintelsKeepTheirEnds) {
 TEST(DryWall, StandsInItsDirectionFromXTowardsZ) {
   const double angle = 30 * std::numbers::pi / 180;
   const Assembly wall = wall_with("direction = 30\norigin = [1, 2, 3]\n");
-  Vector low{1e9, 1e9, 1e9}, high = -low;  // along the wall, up, through it
+  Vector low{1e9, 1e9, 1e9}, high = -low;  // along the length, height and thickness of the wall
   for (const Block& block : wall.blocks) {
     for (const Vector& p : corners(wall, block)) {
       const Vector q = p - Vector{1, 2, 3};

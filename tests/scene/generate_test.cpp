@@ -1,4 +1,4 @@
-// The wall generator: counts that the paper prints, bonds, openings and conforming diagonals.
+// The wall generator: numbers of the paper, bonds, openings and conforming diagonals.
 #include "scene/generate.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ struct Counts {
   int blocks = 0, zones = 0, unit_points = 0, head_points = 0, bed_points = 0;
 };
 
-// Contact points of joints between blocks of equal size: one for each gridpoint of the face.
+// Counts contact points of joints between blocks of equal size: one for each gridpoint of the face.
 Counts count(const Assembly& a) {
   Counts c;
   for (const Brick& b : a.bricks) {
@@ -48,7 +48,7 @@ TEST(GenerateWall, SolidWallHasThePapersSizes) {
   EXPECT_EQ(c.zones, 11520);
   EXPECT_EQ(c.unit_points + c.head_points, 1152);
   EXPECT_EQ(c.bed_points, 2295);
-  EXPECT_EQ(a.bricks.size(), 146u);  // and two beams
+  EXPECT_EQ(a.bricks.size(), 146u);  // including two beams
   EXPECT_EQ(a.bricks[144].body, "bottom_beam");
   EXPECT_EQ(a.bricks[145].body, "top_beam");
   EXPECT_DOUBLE_EQ(a.bricks[145].origin[1], 1.0);
@@ -67,7 +67,7 @@ TEST(GenerateWall, ScenesDifferOnlyInPressure) {
   }
 }
 
-// Running bond: 4 whole units and a half; the half at the right end of even courses, at the left of odd ones.
+// Running bond: 4 whole units and a half, which is at the right end of even courses and at the left end of odd ones.
 TEST(GenerateWall, RunningBondMovesByHalfAUnit) {
   const Assembly a = assemble(solid_wall({"wall.mid_unit_joints=false"}));
   EXPECT_EQ(count(a).blocks, 16 * 5);
@@ -80,7 +80,7 @@ TEST(GenerateWall, RunningBondMovesByHalfAUnit) {
       EXPECT_NEAR(b.origin[0], b.course % 2 == 0 ? 0.88 : 0.0, 1e-12);
     }
   }
-  // Each bed of 9 half units is cut into 9 overlaps, the beams' beds into 5 units.
+  // Each bed of 9 half units has 9 overlaps; the beams' beds have 5 units.
   int beds = 0;
   std::set<std::pair<int, int>> pairs;
   for (const Joint& j : a.joints) {
@@ -119,7 +119,7 @@ TEST(GenerateWall, OpeningsLeaveHalfUnits) {
   }
 }
 
-// Area of the horizontal joints below a course, from the overlap of their blocks: independent of the joints' points.
+// Returns the area of the bed joints below a course, m2, from the overlap of blocks, independent of the contact points.
 double bed_area_below(const Assembly& a, double y) {
   double area = 0.0;
   for (const Joint& j : a.joints) {
@@ -137,7 +137,8 @@ double bed_area_below(const Assembly& a, double y) {
 const char* const kLintel =
     "wall.opening=[{first_half_unit = 2, half_units = 5, first_course = 5, courses = 6, bearing = 0.11}]";
 
-// An opening of 5 half units, borne by one on each side: one block 7 half units long in place of 7.
+// An opening of 5 half units whose lintel has a bearing of one half unit at each end: one block in place of 7 half
+// units.
 TEST(GenerateWall, ALintelIsOneBlock) {
   const Assembly a = assemble(solid_wall({kLintel}));
   const Counts c = count(a);
@@ -156,7 +157,7 @@ TEST(GenerateWall, ALintelIsOneBlock) {
   EXPECT_EQ(lintel.zones, (std::array<int, 3>{28, 2, 2}));
   EXPECT_EQ(a.materials[static_cast<size_t>(lintel.material)].name, solid_wall().wall->unit_material);
 
-  // Mortar all round: a joint with each half unit that touches it, none of them inside a unit.
+  // Mortar on all sides: a joint with each half unit in contact, none of them inside a unit.
   int beds = 0, heads = 0;
   std::set<std::pair<int, int>> pairs;
   for (const Joint& j : a.joints) {
@@ -174,7 +175,7 @@ TEST(GenerateWall, ALintelIsOneBlock) {
   EXPECT_NEAR(bed_area_below(a, 12 * 0.0625), 0.99 * 0.1, 1e-12);
 }
 
-// Half units beside a lintel do not grow together across it, and units keep their place in the bond.
+// Half units on both sides of a lintel are not one unit, and units keep their position in the bond.
 TEST(GenerateWall, ALintelCutsUnits) {
   for (const char* mid : {"true", "false"}) {
     const Assembly a = assemble(solid_wall({kLintel, std::string("wall.mid_unit_joints=") + mid}));
@@ -187,7 +188,7 @@ TEST(GenerateWall, ALintelCutsUnits) {
       unit_length[b.unit] += b.size[0];
     }
     EXPECT_NEAR(length, 0.99, 1e-12);
-    // Course 11 starts with a half; the lintel takes half units 1 to 7.
+    // Course 11 starts with a half; the lintel replaces half units 1 to 7.
     EXPECT_EQ(unit_length.size(), 3u) << mid;
     for (const auto& [unit, of_unit] : unit_length) EXPECT_TRUE(of_unit < 0.12 || of_unit > 0.76) << mid;
   }
@@ -230,8 +231,7 @@ TEST(GenerateWall, HalfThickness) {
   EXPECT_DOUBLE_EQ(a.bricks[0].size[2], 0.05);
 }
 
-// What touches a beam is bedded in the beams' family, what lies between units in that of beds: seen by where blocks
-// stand.
+// Joints with a beam have the family of beams, bed joints between units that of beds; found by positions of blocks.
 TEST(GenerateWall, JointsOfBeamsHaveAFamilyOfTheirOwn) {
   const std::vector<std::string> families{
       "joints.beds={law = \"elastic\", normal_stiffness = 1e9, shear_stiffness = 1e9}",
@@ -243,7 +243,7 @@ TEST(GenerateWall, JointsOfBeamsHaveAFamilyOfTheirOwn) {
     return assemble(read_scene(std::string(QUOIN_SCENES) + scene, settings));
   };
   for (const Assembly& a : {with("/solid_wall_030.toml", "wall"), with("/pavia_door.toml", "building")}) {
-    double top = 0.0;  // of the masonry
+    double top = 0.0;  // height of the masonry, m
     for (const Brick& b : a.bricks) {
       if (b.unit >= 0) top = std::max(top, b.origin[1] + b.size[1]);
     }
@@ -274,8 +274,8 @@ TEST(GenerateWall, RigidUnitsAreWholeAndNamedByRow) {
   }
 }
 
-// Hexahedra of the whole wall are coloured like a chessboard, whatever the number of layers: the diagonals of facing
-// patterns coincide.
+// Hexahedra of the whole wall alternate like a chessboard, for any number of layers, so that the diagonals of adjacent
+// faces coincide.
 TEST(GenerateWall, PatternsOfFacingBlocksConform) {
   for (const char* zones : {"[4, 2, 2]", "[3, 1, 1]", "[3, 2, 1]", "[2, 1, 1]"}) {
     for (const char* mid : {"true", "false"}) {
@@ -301,7 +301,7 @@ TEST(MasonryPlace, HalvesOfAUnitHaveOneNumberAndLooseBlocksTheirOwn) {
   EXPECT_NE(joint_key(3, 5), joint_key(3, 6));
 }
 
-// Half units of transverse walls lie along z: their zones turn with them, and none stands beside its corner.
+// Half units of transverse walls are along z: their zones are rotated with them, and none is beside its corner.
 TEST(GenerateBuilding, TransverseWallsAreTheSameBricksTurned) {
   const Scene scene = read_scene(QUOIN_SCENES "/pavia_window.toml");
   const BuildingSpec& spec = *scene.building;
@@ -323,7 +323,7 @@ TEST(GenerateBuilding, TransverseWallsAreTheSameBricksTurned) {
     EXPECT_EQ(b.zones[2 - length], spec.zones[2]);
     (thick_z ? along_x : along_z) += b.zones[length] / spec.zones[0];
   }
-  // Wall B less six windows of 5 half units by 6 courses; walls A and C whole.
+  // Wall B less six windows of 5 half units by 6 courses; walls A and C without openings.
   EXPECT_EQ(along_x, 28 * 40 - 6 * 5 * 6);
   EXPECT_EQ(along_z, 2 * 19 * 40);
 }

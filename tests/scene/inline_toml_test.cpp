@@ -1,4 +1,4 @@
-// Lines of TOML read back to the table that they were written from; the parser is that of toml++.
+// Lines of TOML that are written from a table give this table when toml++ reads them.
 #include "scene/inline_toml.h"
 
 #include <gtest/gtest.h>

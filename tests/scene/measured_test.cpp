@@ -1,4 +1,4 @@
-// What the errors of the qualities speak of: the walls that they were measured on, and no others.
+// Range of the measured errors of the qualities: the walls of the measurements are inside, other walls are not.
 #include "scene/measured.h"
 
 #include <fmt/format.h>
@@ -67,10 +67,10 @@ TEST(Measured, OutsideTheFirstReasonIsNamed) {
   EXPECT_THAT(outside("cyclic_wall_121"), HasSubstr("settings of quality standard changed"));
 }
 
-// The table of host/scenes/README.md: its ends are inside, 2 % beyond them is not.
+// The ranges of the table of host/scenes/README.md: their ends are inside, 2 % beyond is not.
 TEST(Measured, RangesAreThoseOfTheTable) {
   const struct {
-    const char* key;  // of the scene; units by the place of their length in wall.unit
+    const char* key;  // key of the scene; for lengths of units the index in wall.unit
     double low, high;
     const char* named;
   } ranges[] = {

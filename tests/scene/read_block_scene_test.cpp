@@ -1,4 +1,4 @@
-// Scenes of blocks as they are read, and the records of ground motion that they name.
+// Reader of scenes of blocks, and of their records of ground motion.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -142,7 +142,8 @@ TEST_F(ReadBlockScene, RecordsStandBesideTheScene) {
               AllOf(HasSubstr("ground_motion.time"), HasSubstr("only without file")));
 }
 
-// A file that states its unit is read in it: who converts g once more has ten times the earthquake, and gets a message.
+// A file with a unit is read in this unit. A second conversion from g would be ten times the earthquake, and has a
+// message.
 TEST_F(ReadBlockScene, RecordsThatStateTheirUnitAreConvertedOnce) {
   write("stated.csv", "time (s), x (g)\n0, 0\n1, 0.1\n");
   const auto keys = [](const std::string& scale) {
@@ -153,7 +154,7 @@ TEST_F(ReadBlockScene, RecordsThatStateTheirUnitAreConvertedOnce) {
   EXPECT_NEAR(read({keys("9.0")}).stages[0].ground->components.at(0).acceleration.value.at(1), 0.9 * 9.80665, 1e-12);
 }
 
-// Pulses of the literature and synthetic records in place of a file.
+// Pulses and synthetic records in place of a file.
 TEST_F(ReadBlockScene, GroundMotionIsMadeWithoutAFile) {
   const auto of = [&](const std::string& keys) {
     return read({"stage.1.ground_motion={direction=[1,0,0]," + keys + "}"})
@@ -183,20 +184,21 @@ TEST_F(ReadBlockScene, GroundMotionIsMadeWithoutAFile) {
   EXPECT_THAT(refused("synthetic={duration=1}"), HasSubstr("synthetic.duration"));
 }
 
-// A file of several components, by their names; files of one each; which part, how strong, what comes after.
+// A file of several components by their names; files of one component each; part, strength and end of a record.
 TEST_F(ReadBlockScene, RecordsHaveComponentsPartsAndTargets) {
   write("three.csv", "time (s), x (g), up (g), z (g)\n0, 0, 0, 0\n1, 0.1, 0.2, 0.3\n2, 0, 0, 0\n");
   const auto of = [&](const std::string& keys) {
     return *read({"stage.1.ground_motion={" + keys + "}"}).stages[0].ground;
   };
   const auto fault_of = [&](const std::string& keys) { return fault("stage.1.ground_motion={" + keys + "}"); };
-  const GroundMotion named = of("file='three.csv'");  // the columns that are called as axes are
+  const GroundMotion named = of("file='three.csv'");  // the columns with names of axes
   ASSERT_EQ(named.components.size(), 2u);
   EXPECT_EQ(named.components[1].direction, (Vec3{0, 0, 1}));
   EXPECT_NEAR(named.components[1].acceleration.value[1], 0.3 * 9.80665, 1e-12);
   const GroundMotion all = of("file='three.csv',x='z',y='up',z='x',pga=1.0,scale=2");
   ASSERT_EQ(all.components.size(), 3u);
-  EXPECT_NEAR(all.components[0].acceleration.value[1], 2.0, 1e-12);  // the strongest has the target, times scale
+  EXPECT_NEAR(all.components[0].acceleration.value[1], 2.0,
+              1e-12);  // the strongest component has the target, times scale
   EXPECT_NEAR(all.components[2].acceleration.value[1], 2.0 / 3, 1e-12);
   EXPECT_THAT(fault_of("direction=[1,0,0],file='three.csv'"), HasSubstr("x, up, z"));
   EXPECT_EQ(of("direction=[1,0,0],file='three.csv',column='up'").components.size(), 1u);
@@ -209,7 +211,7 @@ TEST_F(ReadBlockScene, RecordsHaveComponentsPartsAndTargets) {
   EXPECT_THAT(part.time, ElementsAre(0.0, 0.5, 1.0));
   EXPECT_THAT(part.value, ElementsAre(1.0, 2.0, 1.0));
   EXPECT_THAT(fault_of("direction=[1,0,0],file='a.csv',start=3"), HasSubstr("0 to 2 s"));
-  // 2 m/s at its end, ramped to rest over 1 s.
+  // 2 m/s at the end of the record, which falls to rest over 1 s.
   const GroundMotion::Component rest = of("direction=[1,0,0],file='a.csv',after='rest',rest_time=1").components[0];
   EXPECT_NEAR(rest.velocity.at(rest.acceleration, 2.0), 2.0, 1e-12);
   EXPECT_NEAR(rest.velocity.at(rest.acceleration, 3.0), 0.0, 1e-12);
@@ -286,7 +288,7 @@ TEST_F(ReadBlockScene, VerticesAndFaces) {
   }
 }
 
-// Found by fuzzing (tests/fuzz/corpus/model: no_joints.toml, no_stages.toml): both crashed `quoin check`.
+// Empty tables are refused (also in tests/fuzz/corpus/model: no_joints.toml, no_stages.toml).
 TEST_F(ReadBlockScene, TablesOfNothingAreRefused) {
   for (const std::string kind : {"joints", "materials"}) {
     std::string text = kScene;
@@ -334,7 +336,7 @@ TEST_F(ReadBlockScene, LargeMotionFromTheStartIsNoLattice) {
   EXPECT_EQ(read({"contact.small_displacement=0"}).blocks->contact.small_displacement, 0.0);
 }
 
-// host/scenes/BLOCKS.md, the column of defaults.
+// Defaults are those of host/scenes/BLOCKS.md.
 TEST_F(ReadBlockScene, WhatIsLeftOutIsAsThePageSays) {
   const Scene least = read_scene(write("least.toml", std::string(kScene) + R"(collapse = { displacement = 0.1 }
 [[dry_wall]]
@@ -411,7 +413,7 @@ TEST_F(ReadBlockScene, AMeshInMillimetresIsScaled) {
   EXPECT_THAT(fault("block.1.scale=0.001"), HasSubstr("only with mesh; remove it"));
 }
 
-// The inner radius of an arch is more than nothing.
+// The inner radius of an arch must be above 0.
 TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
   const auto arch = [&](const char* thickness) {
     return read_scene(

@@ -1,4 +1,4 @@
-// Scenes as they are read, and every kind of fault: the message has file:line, key, value and what is allowed.
+// Reader of scenes, and every kind of fault: the message has file:line, key, value and the allowed values.
 #include "scene/read_scene.h"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Lines are numbered by hand: tests name them.
+// Tests expect the line numbers of this text.
 const char* const kScene = R"(title = "small"
 [materials.brick]
 young_modulus = 16.7e9
@@ -67,7 +67,7 @@ class ReadScene : public ::testing::Test {
     return read_scene(file, overrides);
   }
 
-  // The message about the scene with `from` replaced by `to`.
+  // Returns the message for the scene with `from` replaced by `to`.
   std::string fault(const std::string& from, const std::string& to, const std::vector<std::string>& overrides = {}) {
     std::string text = kScene;
     const size_t at = text.find(from);
@@ -110,7 +110,7 @@ TEST_F(ReadScene, FillsTheStructs) {
   EXPECT_EQ(s.solver.deformation_inertia, 64.0);
   EXPECT_EQ(s.solver.unit_inertia, 16.0);
   EXPECT_EQ(s.solver.settling_damping, 0.5);
-  EXPECT_FALSE(s.quality_as_is);  // the shear stage has a velocity of its own
+  EXPECT_FALSE(s.quality_as_is);  // the shear stage has its own velocity
   EXPECT_EQ(s.wall->zones, (std::array<int, 3>{4, 2, 2}));
   const JointFamily& mortar = s.joints.at("mortar");
   ASSERT_EQ(mortar.properties.size(), 2u);
@@ -207,7 +207,7 @@ TEST_F(ReadScene, OutOfRange) {
               AllOf(HasSubstr("--set: solver.time_step_fraction = 1.5"), HasSubstr("more than 0 and at most 1")));
 }
 
-// 2^53 + 1 lies halfway between two doubles and rounds to the even one, 2^53, as strtod rounds the same digits.
+// 2^53 + 1 is halfway between two doubles and rounds to the even one, 2^53, as in strtod.
 TEST_F(ReadScene, IntegersThatNoDoubleEqualsAreRounded) {
   const double rounded = 9007199254740992.0;
   const Scene s =
@@ -246,7 +246,7 @@ TEST_F(ReadScene, PropertiesThatAreNoNumbers) {
     EXPECT_THAT(message(kScene, {std::string("joints.mortar.softening_table=") + table}),
                 AllOf(HasSubstr("--set: joints.mortar.softening_table"), HasSubstr("nan")));
   }
-  // Flattened, these would be [0, 1, 1, 0].
+  // As a flat list these would be [0, 1, 1, 0].
   EXPECT_THAT(message(kScene, {"joints.mortar.softening_table=[[0], [1, 1, 0]]"}), HasSubstr("a list of pairs"));
 }
 
@@ -276,7 +276,7 @@ TEST(ReadBuilding, WallsAndFloorsHaveNamesOfTheirOwn) {
               HasSubstr("building.floor.2.name = 'floor_1': allowed: a name that"));
 }
 
-// Found by fuzzing: the stage that moves the ground took the first beam of the last floor as its monitor.
+// The default monitor of a stage with ground motion is a beam of the last floor, so a floor without beams is refused.
 TEST(ReadBuilding, FloorWithoutBeamsIsNamedWhereTheGroundMoves) {
   try {
     read_scene(QUOIN_SCENES "/pavia_floors.toml", {"building.floor.2.half_units=[]"});
@@ -287,7 +287,7 @@ TEST(ReadBuilding, FloorWithoutBeamsIsNamedWhereTheGroundMoves) {
   }
 }
 
-// The page's column of defaults, host/scenes/README.md.
+// Defaults are those of host/scenes/README.md.
 TEST_F(ReadScene, WhatIsLeftOutIsAsThePageSays) {
   const Scene s = read(std::string(kScene) +
                        "[[wall.opening]]\nfirst_half_unit = 1\nhalf_units = 1\nfirst_course = 0\n"
@@ -380,7 +380,7 @@ TEST(ReadBuilding, WhatIsLeftOutIsAsThePageSays) {
   for (const Stage& stage : s.stages) EXPECT_EQ(stage.gravity, (Vec3{0, -9.81, 0})) << stage.name;
 }
 
-// Of 3 half units.
+// A wall of 3 half units.
 TEST_F(ReadScene, CutsOfTheBeamAreInsideTheWallAndGrow) {
   const auto cuts = [&](const std::string& list) { return std::vector<std::string>{"wall.bottom_beam_cuts=" + list}; };
   EXPECT_EQ(read(kScene, cuts("[1, 2]")).wall->bottom_beam_cuts, (std::vector<int>{1, 2}));
@@ -388,7 +388,7 @@ TEST_F(ReadScene, CutsOfTheBeamAreInsideTheWallAndGrow) {
     EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("whole half units that grow, 1 to 2, where")) << wrong;
 }
 
-// Of 2 courses of 1.5 units: 3 half units.
+// A wall of 2 courses of 1.5 units: 3 half units.
 TEST_F(ReadScene, ChangedUnitsAreInTheWall) {
   const auto changed = [](int course, int half_unit) {
     return std::string(kScene) +
@@ -479,7 +479,7 @@ TEST_F(ReadScene, LintelsNeedRoom) {
   EXPECT_THAT(fault_of({opening(1, 2, 1, 2, "0.1"), opening(4, 2, 1, 2, "0.1")}),
               AllOf(HasSubstr("wall.opening.2.bearing"), HasSubstr("half units 3 to 6 of course 3, runs into that of "
                                                                    "opening 1")));
-  // Every fault at once.
+  // All faults together.
   const std::string both = fault_of({opening(1, 2, 1, 2, "0.2"), opening(4, 2, 1, 5, "0.1")});
   EXPECT_THAT(both, AllOf(HasSubstr("wall.opening.1.bearing"), HasSubstr("wall.opening.2.bearing")));
 }
@@ -505,8 +505,8 @@ TEST_F(ReadScene, StagesThatNeverEndAreRefused) {
   EXPECT_THAT(fault("velocity = 0.01", "velocity = 0"), HasSubstr("never reach its displacement"));
 }
 
-// A shear stage keeps the force of the pressing, 1e5 Pa on 0.3 x 0.1 m, when `vertical` says so; else it holds the
-// place.
+// A shear stage with vertical = "pressure" keeps the force of the first stage, 1e5 Pa on 0.3 x 0.1 m; otherwise it
+// fixes the height.
 TEST_F(ReadScene, ShearKeepsTheForceOrTheHeight) {
   for (const bool free : {false, true}) {
     const Scene s = read(kScene, {std::string("stage.2.vertical=") + (free ? "pressure" : "held")});
@@ -554,7 +554,7 @@ TEST_F(ReadScene, CustomStages) {
               AllOf(HasSubstr("stage.3.control.1.body = 'roof'"), HasSubstr("top_beam"), HasSubstr("control.1.force")));
 }
 
-// Rigid units need no elasticity, and offer their outer courses to be moved.
+// Rigid units need no elastic moduli, and stages can move their outer courses.
 TEST_F(ReadScene, RigidUnits) {
   std::string text = kScene;
   text.replace(text.find("young_modulus"), std::string("young_modulus = 16.7e9\npoisson_ratio = 0.15\n").size(), "");

@@ -1,4 +1,4 @@
-// Sizes that are estimated before a model is made, beside those that `quoin check` counts in the model.
+// Estimated sizes of a model before it is built, against the numbers of `quoin check` in the model.
 #include "scene/size.h"
 
 #include <gtest/gtest.h>
@@ -17,22 +17,22 @@ TEST(Size, OfAWallIsCountedBeforeItIsMade) {
   EXPECT_EQ(wall.blocks, 144);
   EXPECT_EQ(wall.zones, 11520);
   EXPECT_EQ(wall.points, 144 * (3 * 3 + 5 * 3)) << "a head and a bed joint of each; 3447 of the model, which has ends";
-  // Twice as many of all in each direction.
+  // Twice the number of courses and units.
   const SceneSize larger = size_with("solid_wall_030", {"wall.courses=32", "wall.units_per_course=9"});
   EXPECT_EQ(larger.blocks, 4 * wall.blocks);
   EXPECT_NEAR(larger.bytes, 4 * wall.bytes, 1e-9 * larger.bytes);
   EXPECT_EQ(size_with("solid_wall_030", {"wall.zones=[8,4,4]"}).zones, 8 * wall.zones);
   EXPECT_EQ(size_with("solid_wall_030", {"wall.half_thickness=true"}).zones, wall.zones / 2);
-  // Whole units: half as many blocks with twice the hexahedra along them.
+  // Whole units: half the number of blocks, with twice the hexahedra along them.
   const SceneSize whole = size_with("solid_wall_030", {"wall.mid_unit_joints=false"});
   EXPECT_EQ(whole.blocks, 72);
   EXPECT_EQ(whole.zones, wall.zones);
   EXPECT_EQ(whole.points, 72 * (3 * 3 + 2 * 5 * 3)) << "a head joint, and a bed joint on each half of the unit below";
-  // 28 half units and two corners in 40 courses, openings not taken off.
+  // 28 half units and two corners in 40 courses, without subtraction of openings.
   const SceneSize building = size_with("pavia_door");
   EXPECT_EQ(building.blocks, 30 * 40);
   EXPECT_EQ(building.zones, 30 * 40 * 80);
-  // Beyond any machine, and beyond any integer.
+  // Too large for any machine and any integer.
   const SceneSize huge =
       size_with("solid_wall_030", {"wall.courses=10000", "wall.units_per_course=10000", "wall.zones=[64,64,64]"});
   EXPECT_EQ(huge.zones, 2e8 * 5 * 64 * 64 * 64);
@@ -48,12 +48,12 @@ TEST(Size, OfBlocksFollowsTheirEdgesAndPoints) {
   EXPECT_GT(dense.points, 100 * arch.points);
   EXPECT_EQ(dense.blocks, arch.blocks);
   const SceneSize zoned = size_with("arch", {"arch.arch.rigid=false", "arch.arch.zone_edge=0.01"});
-  // A voussoir is 157.5/7 degrees at 10.75 m long, 1.5 m thick, 1 m deep: 422, 150 and 100 hexahedra of 5 zones.
+  // A voussoir has 157.5/7 degrees at 10.75 m, is 1.5 m thick and 1 m deep: 423, 150 and 100 hexahedra of 5 zones.
   EXPECT_EQ(zoned.blocks, 7);
   EXPECT_EQ(zoned.zones, 7.0 * 5 * 423 * 150 * 100);
 }
 
-// Hexahedra by hand: a dry wall of halves and whole units, blocks with extents given in each way.
+// Numbers of hexahedra by hand: a dry wall of halves and whole units, and blocks with sizes given in each way.
 TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
   const std::string begin =
       "[materials.stone]\ndensity = 2000\nyoung_modulus = 1e10\npoisson_ratio = 0.2\n[joints.dry]\nlaw = "
@@ -70,8 +70,8 @@ TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
   };
   const std::string wall =
       "[[dry_wall]]\nmaterial = \"stone\"\ncourses = 3\nunits_per_course = 4\nunit = [0.4, 0.2, 0.3]\n";
-  // A course of 4 units is cut into 5 at most. Head joints, and bed joints: whole units lie on two.
-  // Elastic: each of them may have the 17 points that integrate bending, unless corners are requested.
+  // A course of 4 units has at most 5 pieces, with head joints, and two bed joints for each unit. Elastic joints may
+  // have the 17 points that integrate bending, unless corners are requested.
   expect(size(wall), 15, 0, 15 * (17 + 2 * 17));
   expect(size(wall + end + "[contact]\ncubic_points = false\n"), 15, 0, 15 * (4 + 2 * 4));
   expect(size(wall + "rigid = false\nzones = [2, 3, 4]\n"), 15, 15 * 5 * 4 * 3 * 4, 15 * (4 * 5 + 2 * 3 * 5));
@@ -89,9 +89,9 @@ TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
   expect(size(block + corners + soft + "tetrahedra = [[0, 1, 2, 3]]\n"), 1, 1, 4);
 }
 
-// Against the most memory that runs took beside that of a run of six blocks. (VmHWM, one thread, of a few steps, on a
-// machine with pages of 4 kB; benchmarks/RANKS.md has the list.) By a third: the program changes, and this test says
-// when the estimate has to follow.
+// Against the measured peak memory of runs, less that of a run of six blocks. (VmHWM, one thread, a few steps, on a
+// machine with pages of 4 kB; benchmarks/RANKS.md has the list.) Tolerance of a third, beyond which the estimate must
+// be updated.
 TEST(Size, OfMemoryIsWhatRunsTake) {
   const auto reported = [](const std::vector<std::string>& overrides) {
     return size_of(read_scene(std::string(QUOIN_SCENES) + "/../../tests/cli/small_wall.toml", overrides)).bytes / 1e6;
@@ -108,7 +108,7 @@ TEST(Size, OfMemoryIsWhatRunsTake) {
   expect(69, {"wall.courses=30", "wall.units_per_course=30", "wall.zones=[4, 2, 2]", "solver.large_motion='always'"});
 }
 
-// A rank on the lattice has its part and the outline of all; in large motion all ranks have all.
+// A rank on the lattice has its part and the outline of the whole model.
 TEST(Size, OfARankIsItsPartAndTheOutline) {
   const std::vector<std::string> wall{"wall.courses=200", "wall.units_per_course=200"};
   const auto size = [&](std::vector<std::string> overrides) {
@@ -117,12 +117,12 @@ TEST(Size, OfARankIsItsPartAndTheOutline) {
   };
   const SceneSize lattice = size({}), in_motion = size({"solver.large_motion='always'"});
   EXPECT_EQ(lattice.bytes_of_rank(1), lattice.bytes);
-  // Measured: the rank with the most of 2, 4 and 8, less what a rank has of a wall of six blocks.
+  // Measured: the rank with the largest memory of 2, 4 and 8, less that of a rank with a wall of six blocks.
   EXPECT_NEAR(lattice.bytes_of_rank(2) / 180e6, 1.0, 0.25);
   EXPECT_NEAR(lattice.bytes_of_rank(4) / 116e6, 1.0, 0.25);
   EXPECT_NEAR(lattice.bytes_of_rank(8) / 86e6, 1.0, 0.25);
   EXPECT_LT(in_motion.bytes_of_rank(8), 0.5 * in_motion.bytes);
-  // The same of a quarter of the wall in large motion, 2 and 4 ranks.
+  // A quarter of the wall in large motion, 2 and 4 ranks.
   const SceneSize quarter =
       size_of(read_scene(std::string(QUOIN_SCENES) + "/../../tests/cli/small_wall.toml",
                          {"wall.courses=100", "wall.units_per_course=100", "solver.large_motion='always'"}));

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Kills runs with SIGKILL at random moments and resumes them, a wall, a building and two collapses: history.csv and
-summary.json (times apart) and the frames must be, byte for byte, those of the run that was left alone. After each kill
-what stands under its final name must be whole.
+"""Kills runs with SIGKILL at random times and resumes them: a wall, a building and two collapses. history.csv, summary.json
+(without times) and the frames must be equal, byte for byte, to those of the uninterrupted run. After each kill files with
+final names must be complete.
 
   tests/stress/kill_and_resume.py build/release/quoin                   50 moments of each kind, some minutes
   tests/stress/kill_and_resume.py build/release/quoin --moments 5 --seed 2 --only arch
@@ -26,7 +26,7 @@ SCENES = {
     "building": [ROOT / "tests/host/small_building.toml", "--set", "stage.push.displacement=0.02",
                  "--set", "stage.weight.equilibrium_ratio=0.1"],
     "arch": [ROOT / "host/scenes/arch.toml", "--set", "output.energy=true"],
-    # Pushed until it falls: crack by crack on the lattice, then in large motion.
+    # Pushed until it falls: cracks on the lattice, then large motion.
     "falling_wall": [ROOT / "tests/cli/small_wall.toml", "--set", "stage.shear.velocity=0.5", "--set",
                      "stage.shear.displacement=0.3"],
 }
@@ -34,7 +34,7 @@ COMMON = ["--set", "output.plots=false"]
 
 
 def results(folder):
-    """What must be the same: name -> bytes, or the summary without its time."""
+    """Returns the results that must be equal: name -> bytes, or the summary without its time."""
     summary = json.loads((folder / "summary.json").read_text())
     del summary["wall_clock_s"]
     found = {"summary.json": summary}
@@ -45,7 +45,7 @@ def results(folder):
 
 
 def start(program, scene, folder, every):
-    """A new run, or the one of the folder goes on."""
+    """Starts a new run, or resumes the run of the folder."""
     what = ["--resume", folder] if (folder / "run.json").exists() else [*scene, *COMMON, "--out", folder]
     command = [program, "run", *what, "--checkpoint-every", every, "--threads", "1"]
     return subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)

@@ -1,7 +1,7 @@
-/* In front of the C library: one call fails, once. QUOIN_FAULT names it, "CALL NUMBER HOW": CALL is malloc, write,
- * rename or fsync; NUMBER counts such calls from 1 on; HOW is an errno (28: no space, 5: broken disk, 4: interrupted),
- * 0 a write that takes half of what it is given, or minus the number of a signal, which is sent to the process before.
- * With QUOIN_FAULT_COUNTS, a file, the numbers of calls are written there at the end. */
+/* Preloaded before the C library: one call fails, once. QUOIN_FAULT selects it by "CALL NUMBER HOW". CALL: malloc,
+ * write, rename or fsync. NUMBER: index of the call, from 1 on. HOW: an errno (28: no space, 5: broken disk, 4:
+ * interrupted); 0: a write of half of the bytes; negative: a signal that is sent to the process before the call. At the
+ * end the numbers of calls are written to the file QUOIN_FAULT_COUNTS. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -40,7 +40,7 @@ __attribute__((destructor)) static void end(void) {
   fclose(to);
 }
 
-/* Whether this call is the one. */
+/* True if this is the selected call. */
 static int is_due(int which) {
   if (!ready) return 0;
   if (__atomic_add_fetch(&counts[which], 1, __ATOMIC_RELAXED) != number || which != call) return 0;

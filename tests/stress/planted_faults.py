@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Faults planted into runs: each allocation fails once, each write, rename and fsync fails once (no space, broken disk,
-interrupted, half written), and signals arrive at each of them. Whatever comes, the program ends in time, with a
-documented exit code and a message; what stands under a final name is whole, and a run that says that it is done has the
-results of the undisturbed one.
+interrupted, half written), and signals arrive at each of them. For each fault the program ends in time, with a documented
+exit code and a message. Files with final names are complete, and a run with exit code 0 has the results of the undisturbed
+one.
 
   tests/stress/planted_faults.py build/release/quoin build/release/tests/stress/planted_fault.so
   tests/stress/planted_faults.py ... --share 0.02          a sample of the faults, of each kind some: seconds
@@ -39,7 +39,7 @@ def run(program, shim, out, fault="", counts=None, more=(), timeout=60):
 
 
 def not_whole(folder):
-    """Files under their final names that are not what they should be."""
+    """Yields files with final names that are not complete."""
     for path in folder.rglob("*"):
         if not path.is_file() or path.name.startswith(".") or path.suffix == ".part":
             continue
@@ -59,7 +59,7 @@ def not_whole(folder):
 
 
 def faults_of(done, out, expected, interrupted):
-    """What is wrong with the end of a run."""
+    """Yields faults of the end of a run."""
     code, said = done.returncode, done.stderr.decode(errors="replace") + done.stdout.decode(errors="replace")
     if code not in (0, 3, 4, 5, 130) and not (interrupted and code in (-9, -1, -13, -15)):
         yield f"exit code {code}: {said[-300:]}"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Stress of the solver's stability: each case must come out right, or be warned of with its measured error, or stop with
-a clear reason. Nothing may hang, crash or quietly be wrong.
+"""Stress of the solver's stability: each case must have right results, or a warning with the measured error, or stop with a
+clear reason. No case may hang, crash or be wrong without a message.
 
   tests/stress/stability.py build/release/quoin                  short: a small wall, a minute or two
   tests/stress/stability.py build/release/quoin --long           all cases on the solid wall
@@ -17,15 +17,15 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENE = ROOT / "host" / "scenes" / "solid_wall_030.toml"
 SMALL = ["wall.courses=4", "wall.units_per_course=2", "stage.shear.displacement=0.0015"]
-PEAK = 0.05  # a run within this of the slow one is right: quality standard promises 1 %
-BALANCE = 1e-3  # energies are sums over all steps; what is missing is the law's first-order work
+PEAK = 0.05  # tolerance relative to the slow run; the measured error of quality standard is 1 %
+BALANCE = 1e-3  # energies are sums over all steps; the balance error is the law's first-order work
 
-# name, settings, what the run is held against (settings of the slow run), what may happen.
+# name, settings, settings of the slow run for comparison, allowed outcomes.
 SLOW = ["solver.quality=reference", "stage.shear.velocity=0.01"]
 
 
 def brittle(factor):
-    """Fracture energies as a multiple of the least that the law takes: ft^2/(2 kn), c0^2/(2 ks)."""
+    """Returns fracture energies as multiples of the smallest admissible ones, ft^2/(2 kn) and c0^2/(2 ks)."""
     return [f"joints.mortar.fracture_energy_tension={factor * 0.2e6**2 / (2 * 82e9)}",
             f"joints.mortar.fracture_energy_shear={factor * 0.3e6**2 / (2 * 36e9)}"]
 
@@ -54,7 +54,7 @@ CASES = [
     ("sliver blocks, 1 : 11", SLIVER, SLIVER, {"right", "warned"}),
 ]
 
-# Minutes each on a shared machine: only with --long.
+# Cases that take minutes on a shared machine: only with --long.
 LONG = {"stiffness ratio 1e4", "joints of very different kinds", "time step 0.3 of critical", "time step 0.6 of critical",
         "eq. 1, time step 0.3 of critical", "sliver blocks, 1 : 11"}
 
@@ -74,7 +74,7 @@ def run(program, settings, timeout):
 
 
 def energy_error(folder):
-    """Largest imbalance of the energies over the work put in."""
+    """Returns the largest energy balance error over the external work."""
     path = pathlib.Path(folder) / "history.csv"
     rows = list(csv.DictReader(open(path))) if path.exists() else []
     work = max((abs(float(r["external_work_J"])) for r in rows), default=0.0)

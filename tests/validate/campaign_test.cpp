@@ -1,4 +1,4 @@
-// `quoin validate` as its users meet it: files, columns, exit codes, what is not computed twice.
+// `quoin validate` through its command line: files, columns, exit codes, reuse of computed samples.
 #include "validate/campaign.h"
 
 #include <gmock/gmock.h>
@@ -44,7 +44,7 @@ TEST_F(Validate, WritesWhatItPromisesAndComputesNothingTwice) {
   ASSERT_EQ(validate({first, second, bad}), 0) << error_;
   EXPECT_THAT(error_, Not(HasSubstr("[1/")));
   EXPECT_EQ(csv(), csv_text);
-  // The scene that it leaves runs as it is.
+  // The written scene can be used with `quoin check` and `quoin run`.
   EXPECT_EQ(quoin({"check", (folder_ / "out" / "scenes" / "1_test_dry.toml").string()}), 0) << error_;
 }
 
@@ -59,12 +59,12 @@ TEST_F(Validate, NoRowThatRanIsBadInput) {
 TEST_F(Validate, InCyclesBothSidesCount) {
   ASSERT_EQ(validate({dry_wall()}, {"--cyclic"}), 0) << error_;
   EXPECT_THAT(read_all(folder_ / "out" / "scenes" / "1_test_dry_cyclic.toml"), HasSubstr("cyclic_joint"));
-  EXPECT_THAT(csv(), HasSubstr("\n1,test,dry,1"));  // 16 kN: rigid 16.0 and the weight
+  EXPECT_THAT(csv(), HasSubstr("\n1,test,dry,1"));  // 16 kN: 16.0 of the rigid wall, plus the weight
   EXPECT_THAT(read_all(folder_ / "out" / "index.html"), HasSubstr("equivalent damping"));
 }
 
-// A dry wall that rocks: its force is statics, so the band is narrow about the wall's own prediction. Samples done are
-// not computed again.
+// A dry wall that rocks: its force follows from statics, so the band about the prediction is narrow. Computed samples
+// are not computed again.
 TEST_F(Validate, BandsHoldThePrediction) {
   ASSERT_EQ(validate({dry_wall()}, {"--bands", "3"}), 0) << error_;
   const std::string bands = read_all(folder_ / "out" / "bands.csv");
@@ -83,7 +83,7 @@ TEST_F(Validate, BandsHoldThePrediction) {
   EXPECT_THAT(error_, Not(HasSubstr("[1/")));
 }
 
-// Bounds of the whole campaign, wide enough for the scatter of four walls: mean ratio 1.08 and CV 0.15 when written.
+// Bounds of the whole campaign, for four walls: mean ratio 1.08 and coefficient of variation 0.15 were measured.
 TEST_F(Validate, FourWallsOfTheTable) {
   ASSERT_EQ(quoin({"validate", "--walls", QUOIN_WALLS "/brick_walls.csv", "--short", "--out", out()}), 0) << error_;
   std::stringstream rows(csv());
@@ -108,7 +108,8 @@ TEST_F(Validate, FourWallsOfTheTable) {
   EXPECT_GE(met, 3);
 }
 
-// Mean 1 and the coefficient of variation that was requested; 4000 draws know them to 1 and 2 %, three times that here.
+// Mean 1 and the requested coefficient of variation; 4000 draws have standard errors of 1 and 2 %, tolerance three of
+// them.
 TEST(Bands, FactorsAreLognormalOfMeanOne) {
   quoin::validate::WallRow row;
   row.number = "7";

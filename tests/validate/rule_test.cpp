@@ -1,4 +1,4 @@
-// The rule from tests to properties, compared with the paper's tables and with codes by hand.
+// The rule that derives properties from tests, against the paper's tables and values of codes computed by hand.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ TEST(Rule, MeetsTableOneOfThePaperWhereItRestsOnIt) {
   EXPECT_NEAR(n.bed.tension_energy, 15.0, 1e-9);
   EXPECT_NEAR(n.bed.compression_energy, 8000.0, 1e-6);
   EXPECT_NEAR(n.inside_units.tensile_strength, 2e6, 1.0);
-  // Mohr's envelope between 40 and 2 MPa; Table 1 has 3 MPa, Table 3 1.5 MPa where it gives 1.94.
+  // Mohr's envelope for 40 and 2 MPa; Table 1 has 3 MPa, Table 3 has 1.5 MPa where the envelope gives 1.94.
   EXPECT_NEAR(n.inside_units.cohesion, std::sqrt(40.0 * 2.0) / 2 * 1e6, 1.0);
   EXPECT_NEAR(n.bed.friction_angle, 35.0, 0.1);
 }
@@ -55,7 +55,7 @@ TEST(Rule, WhatFollowsFromAScatteredNumberFollowsIt) {
   EXPECT_EQ(twice.bed.tensile_strength, 2 * n.bed.tensile_strength);
   EXPECT_EQ(twice.bed.friction_angle, n.bed.friction_angle);
   EXPECT_EQ(twice.inside_units.cohesion, n.inside_units.cohesion);
-  // No number that a law refuses, however unlikely: tension within the cohesion's cone, no joint that snaps back.
+  // Properties are admissible also for extreme factors: tensile strength within the friction cone, no snap-back.
   const MasonryNumbers odd = properties_of(eindhoven(), [](const std::string& name, double) {
     return name.ends_with("tensile strength") ? 20.0 : name.find("energy") != std::string::npos ? 1e-3 : 1.0;
   });
@@ -97,7 +97,7 @@ TEST(Rule, BondIsNeverAboveTheApexOfCoulombsLine) {
   EXPECT_LE(n.bed.tensile_strength * 1.9, n.bed.cohesion * (1 + 1e-12));
 }
 
-// A law refuses a joint that releases more than it can spend: 2 G above ft^2/kn and c^2/ks.
+// Fracture energies are raised above the bounds of snap-back: 2 G above ft^2/kn and c^2/ks.
 TEST(Rule, StrongBondDoesNotSnapBack) {
   TestedMasonry t = eindhoven();
   t.masonry_strength = 3e6, t.unit_strength = 8e6, t.cohesion = 2.5e6;

@@ -1,4 +1,4 @@
-// Tables of walls: blank cells are legal, rows at fault are named with line and column.
+// Tables of walls: blank cells are allowed; messages about faults have line and column.
 #include "validate/wall_table.h"
 
 #include <gmock/gmock.h>
@@ -50,7 +50,7 @@ TEST_F(WallTables, TheShippedOneAgainstRigidEquilibrium) {
   EXPECT_NEAR(wall("24").peak() / rocking_force(wall("24")), 1.41, 0.01);
   EXPECT_GT(wall("29").peak() / rocking_force_with_weight(wall("29")), 1.3);
   EXPECT_GT(wall("39").peak() / rocking_force_with_weight(wall("39")), 1.15);
-  // Weight of MI4: 1800 x 9.81 x 1.5 x 0.38 x 3 = 30.2 kN, times L/(2 H) with both toes at work.
+  // Weight of MI4: 1800 x 9.81 x 1.5 x 0.38 x 3 = 30.2 kN, times L/(2 H), with rocking about both toes.
   EXPECT_NEAR(rocking_force_with_weight(wall("24")) - rocking_force(wall("24")), 30.2 * 1.5 / 6, 0.01);
 }
 
@@ -93,11 +93,11 @@ TEST(Modes, AreToldFromWhatMoves) {
   const double top = 0.01;
   EXPECT_EQ(mode_of({0.0, 0.0, 0.0, top}), "F");
   EXPECT_EQ(mode_of({0.5 * top, 0.0, 0.0, top, 0.5}), "S");
-  EXPECT_EQ(mode_of({0.5 * top, 0.0, 0.0, top, 0.95}), "H-FS");  // gapes, and carries on
+  EXPECT_EQ(mode_of({0.5 * top, 0.0, 0.0, top, 0.95}), "H-FS");  // joints open, but the force does not decrease
   EXPECT_EQ(mode_of({0.0, 0.9 * top, 0.0, top}), "SL");
   EXPECT_EQ(mode_of({0.15 * top, 0.0, 0.0, top}), "H-FS");
   EXPECT_EQ(mode_of({0.0, 0.3 * top, 0.0, top}), "H-FSL");
-  // A hybrid is right when its first letter is met; sliding is no diagonal crack.
+  // A hybrid mode agrees if its first letter does; sliding is not a diagonal crack.
   EXPECT_EQ(leading_mode("H-FSL"), leading_mode("F"));
   EXPECT_NE(leading_mode("SL"), leading_mode("S"));
 }

@@ -17,7 +17,7 @@ inline std::vector<std::string> wall_columns() {
   return columns;
 }
 
-// One line a row; cells that are not named stay blank.
+// Writes one line for each row; cells without a value are blank.
 inline void write_walls(const std::filesystem::path& file,
                         const std::vector<std::map<std::string, std::string>>& rows) {
   const std::vector<std::string> columns = wall_columns();
@@ -31,7 +31,7 @@ inline void write_walls(const std::filesystem::path& file,
   }
 }
 
-// A wall of dry blocks of stone, 0.8 m long, 0.8 m high, 0.2 m thick under 0.2 MPa.
+// Returns a wall of dry stone blocks, 0.8 m long, 0.8 m high, 0.2 m thick, under 0.2 MPa.
 inline std::map<std::string, std::string> dry_wall() {
   return {{"number", "1"},
           {"campaign", "test"},

@@ -1,4 +1,4 @@
-// Collapse to the floor, cost against the number of blocks, refusal of bad input, modes of displacement.
+// Collapse to the floor, cost against the number of blocks, refusal of bad input, shapes of displacement.
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -9,8 +9,8 @@
 namespace quoin::verification {
 namespace {
 
-// A mortared wall on a floor is shaken down. Nothing may become not-a-number, fall through the floor, pass through
-// another block, or gain energy.
+// A mortared wall on a floor collapses. All values stay finite, no block passes through the floor or another block, and
+// the energy does not grow.
 void collapse(int courses, int width, double rest) {
   Scene scene(mortar("bonded"), 1800);
   const double length = 0.4, height = 0.2, depth = 0.2;
@@ -27,7 +27,7 @@ void collapse(int courses, int width, double rest) {
   m->set_gravity({0, -gravity, 0}, {{0, 0.1}, {0, 1}});
   m->run(0.2);
   const auto started = std::chrono::steady_clock::now();
-  // a push out of plane and along, then left alone
+  // horizontal gravity out of plane and in plane for some time, then only vertical gravity
   m->set_gravity({0.35 * gravity, -gravity, 0.6 * gravity});
   EnergyCurves curves;
   for (double next = 0.0, end = m->stepping.time + 0.6; m->stepping.time < end - 0.5 * m->stepping.dt;) {
@@ -84,7 +84,7 @@ void collapse(int courses, int width, double rest) {
 TEST(Collapse, SmallWallToTheFloor) { collapse(6, 3, 2.5); }
 TEST(Collapse, DISABLED_WallToTheFloor) { collapse(14, 6, 4.0); }
 
-// Dry stack: time and memory a block from a hundred to a hundred thousand blocks.
+// Dry stack: time and memory for each block from a hundred to a hundred thousand blocks.
 double stack_cost(int n, bool moving) {
   Scene scene(dry_joint(1e9, 5e8, 33));
   scene.assembly.shapes.push_back(box({0, 0, 0}, {0.4, 0.2, 0.2}));
@@ -101,7 +101,7 @@ double stack_cost(int n, bool moving) {
     }
   }
   if (moving) scene.assembly.contact.small_displacement = 0;
-  // processor time: other programs may be running
+  // processor time, since other programs may be running
   const auto now = [] { return double(std::clock()) / CLOCKS_PER_SEC; };
   const double t0 = now();
   auto m = scene.model(local(0.8));

@@ -1,5 +1,6 @@
-// Blocks whose inner forces come from a stiffness in their own frame (host/step/deformable_kernels.h). Three or more
-// congruent blocks share one, others have their own. Beside them the same blocks zone by zone (zone_kernels.h).
+// Blocks whose internal forces are computed with a stiffness matrix in the co-rotational frame
+// (host/step/deformable_kernels.h). Three or more congruent blocks share one matrix, others have their own. For
+// comparison, equal blocks computed zone by zone (zone_kernels.h).
 #include <cstring>
 
 #include "../momentum.h"
@@ -15,7 +16,7 @@ enum class Kind { congruent, distinct };
 constexpr Kind kKinds[] = {Kind::congruent, Kind::distinct};
 std::string name_of(Kind kind) { return kind == Kind::congruent ? "blocks of one shape" : "blocks of unlike shapes"; }
 
-// `count` bricks apart from each other, each turned otherwise; unlike ones of other lengths and numbers of gridpoints.
+// Returns `count` separate bricks with different rotations; those of other kinds differ in lengths and gridpoints.
 Scene bricks_apart(int count, Kind kind = Kind::congruent) {
   Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
   for (int i = 0; i < count; ++i) {
@@ -38,7 +39,7 @@ SolverSettings zone_by_zone(SolverSettings solver) {
   return solver;
 }
 
-// The same velocities in the frame of each block, m/s, whatever its place.
+// Sets equal velocities in the frame of each block, m/s.
 void shake(Model& m, double size) {
   for (int i = 0; i < m.block_count(); ++i) {
     uint64_t random = 88172645463325252u;
@@ -55,7 +56,7 @@ void shake(Model& m, double size) {
   }
 }
 
-// Displacements of block 0 in its own frame.
+// Returns the displacements of a block in its own frame.
 std::vector<Vector> displacements(const Model& m, int block) {
   const ModelBlock& b = m.blocks[block];
   const Matrix turned = geometry::matrix(m.assembly.blocks[size_t(block)].orientation);
@@ -72,7 +73,8 @@ double largest_difference(const std::vector<Vector>& a, const std::vector<Vector
 }
 double largest(const std::vector<Vector>& a) { return largest_difference(a, std::vector<Vector>(a.size())); }
 
-// Motion of the two ways differs by the square of the strain: a hundredth of the motion gives a ten thousandth.
+// The motions by both methods differ by the square of the strain: a hundredth of the motion has a ten thousandth of the
+// difference.
 TEST(BlocksInFrames, AreThoseZoneByZoneForSmallStrain) {
   for (const Kind kind : kKinds) {
     for (const auto& [what, solver] : {std::pair{"undamped", undamped(0.7)}, {"viscous", viscous(0, 2e-5, 0.7)}}) {
@@ -89,7 +91,7 @@ TEST(BlocksInFrames, AreThoseZoneByZoneForSmallStrain) {
         for (int block = 0; block < 4; ++block) {
           const std::vector<Vector> u = displacements(*other, block);
           difference[i] = std::max(difference[i], largest_difference(displacements(*framed, block), u) / largest(u));
-          // In whatever direction a block is turned; places to 6 m.
+          // For any rotation of a block; positions are up to 6 m.
           if (kind == Kind::congruent) {
             EXPECT_LT(largest_difference(displacements(*framed, block), displacements(*framed, 0)), 1e-13);
           }
@@ -102,9 +104,9 @@ TEST(BlocksInFrames, AreThoseZoneByZoneForSmallStrain) {
   }
 }
 
-// The time step of blocks in frames has another product with K than that of blocks zone by zone. Undeformed they are
-// the same but for rounding, which Lanczos' method makes larger. Turning changes only its start, and it ends when the
-// eigenvalue has settled to 1e-6.
+// Blocks in co-rotational frames have another product with K than blocks computed zone by zone. Without deformation
+// both agree to rounding, which Lanczos' method amplifies. A rotation changes only its start vector; it ends when the
+// eigenvalue has converged to 1e-6.
 TEST(BlocksInFrames, HighestFrequencyIsThatZoneByZoneHoweverTurned) {
   for (const Kind kind : kKinds) {
     auto framed = bricks_apart(4, kind).model(undamped(0.7)),
@@ -113,7 +115,7 @@ TEST(BlocksInFrames, HighestFrequencyIsThatZoneByZoneHoweverTurned) {
     for (Model* m : {framed.get(), other.get()}) {
       const Matrix turned = geometry::matrix(geometry::rotation(1.9 * kAxis));
       for (Vector& x : change_node_positions(*m)) x = turned * x;
-      m->hold_by_springs(0.0);  // and chooses it again
+      m->hold_by_springs(0.0);  // computes the time step again
     }
     const double found = framed->stepping.critical_dt;
     check_error(name_of(kind) + ", 2/omega_max beside zone by zone", std::abs(found / other->stepping.critical_dt - 1),
@@ -122,7 +124,7 @@ TEST(BlocksInFrames, HighestFrequencyIsThatZoneByZoneHoweverTurned) {
   }
 }
 
-// Free, vibrating and tumbling: momenta to rounding, energy without drift.
+// A free block that vibrates and rotates: momenta are constant to rounding, energy has no drift.
 TEST(BlocksInFrames, TumblingKeepsMomentumAndEnergy) {
   for (const Kind kind : kKinds) {
     auto m = bricks_apart(3, kind).model(undamped(0.5));
@@ -152,7 +154,7 @@ TEST(BlocksInFrames, TumblingKeepsMomentumAndEnergy) {
   }
 }
 
-// Viscosity of zones takes nothing from steady spin, and the stretch is that of zone by zone.
+// Viscosity of zones does not brake steady rotation, and the extension is that of the zone-by-zone computation.
 TEST(BlocksInFrames, ViscositySeesNoRigidMotion) {
   const double omega = 60.0;
   const auto spin = [&](int count, Kind kind, const SolverSettings& solver, double* lost) {
@@ -161,7 +163,7 @@ TEST(BlocksInFrames, ViscositySeesNoRigidMotion) {
       const Vector axis = geometry::matrix(m->assembly.blocks[size_t(i)].orientation) * Vector{0, 1, 0};
       m->set_velocity(i, {}, omega * axis);
     }
-    m->run(2 * 2 * pi / omega);  // vibrations of the start fade
+    m->run(2 * 2 * pi / omega);  // initial vibrations decay
     const double before = kinetic_energy_of_all(*m);
     m->run(10 * 2 * pi / omega);
     *lost = 1 - kinetic_energy_of_all(*m) / before;
@@ -184,11 +186,12 @@ TEST(BlocksInFrames, ViscositySeesNoRigidMotion) {
   }
 }
 
-// A block that deforms by more than its frame may leave out goes on zone by zone; energy stays.
+// A block with a strain too large for a co-rotational frame changes to the zone-by-zone computation; energy is
+// constant.
 TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
   auto congruent = bricks_apart(3).model(undamped(0.5)), alone = bricks_apart(1).model(zone_by_zone(undamped(0.5)));
   for (Model* m : {congruent.get(), alone.get()}) {
-    // Stretched along its length, 3 % at most.
+    // Extended along its length, 3 % at most.
     for (int i = 0; i < m->block_count(); ++i) {
       const ModelBlock& b = m->blocks[i];
       for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
@@ -215,7 +218,7 @@ TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
   EXPECT_LT(largest_difference(displacements(*congruent, 0), displacements(*alone, 0)), 0.03 * furthest);
 }
 
-// What a block does is the same to the last bit whatever its neighbours in a vector do.
+// The motion of a block is bitwise independent of its neighbours in a SIMD group.
 TEST(BlocksInFrames, CompanyChangesNoBit) {
   for (const Kind kind : kKinds) {
     std::vector<Vector> of[2];

@@ -5,7 +5,7 @@
 namespace quoin::verification {
 namespace {
 
-// A free deformable block turning a hundred times: no drift of momentum or energy, no shear stress in its own frame.
+// A free deformable block in a hundred revolutions: no drift of momentum or energy, no shear stress in its own frame.
 TEST(Objectivity, SpinningDeformableBlock) {
   Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
   scene.soft({-0.2, -0.1, -0.1}, {0.4, 0.2, 0.2}, {2, 1, 1});
@@ -27,7 +27,7 @@ TEST(Objectivity, SpinningDeformableBlock) {
   check_error("spinning deformable block, 100 turns: energy", worst, 2e-4, "-", "relative, oscillating, no drift");
 }
 
-// Steadily spinning (vibrations damped): the stress in the block's own frame does not change with the angle.
+// A steadily rotating block (vibrations damped): the stress in its own frame does not change with the angle.
 TEST(Objectivity, StressTurnsWithTheBlock) {
   Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
   scene.soft({-0.2, -0.1, -0.1}, {0.4, 0.2, 0.2}, {4, 2, 2});
@@ -56,8 +56,7 @@ TEST(Objectivity, StressTurnsWithTheBlock) {
               "relative to the largest");
 }
 
-// Two blocks held together by an elastic joint, turning a hundred times about the joint's centre: tension m omega^2 r /
-// A.
+// Two blocks with an elastic joint in a hundred revolutions about the joint's centre: tension m omega^2 r / A.
 void spinning_pair(bool soft) {
   const double a = 0.2, omega = 200.0;
   Scene scene(elastic_joint(1e11, 5e10), 2000, 5e9, 0.0);
@@ -68,7 +67,7 @@ void spinning_pair(bool soft) {
       scene.brick({x, -a / 2, -a / 2}, {a, a, a});
   }
   auto m = scene.model(viscous(0, 4e-6, 0.6));
-  // about an axis that is no symmetry axis of the frame (s, t): the frame turns about its own normal too
+  // about an axis that is not a symmetry axis of the frame (s, t): the frame rotates also about its normal
   const Vector axis = normalized(Vector{0.0, 0.6, 0.8});
   for (int i = 0; i < 2; ++i) {
     m->set_velocity(i, cross(omega * axis, position_of(*m, i)), omega * axis);
@@ -95,9 +94,9 @@ void spinning_pair(bool soft) {
 TEST(Objectivity, SpinningPairRigid) { spinning_pair(false); }
 TEST(Objectivity, SpinningPairDeformable) { spinning_pair(true); }
 
-// Two blocks on a soft elastic joint, thrown about. The joint opens and slides by millimetres, so that its shear acts
-// beside the surface that it was found on. Momenta of the two stay to rounding, whichever of them the plane of the
-// joint belongs to. What the one gains at an arm the other loses at the same.
+// Two free blocks with initial velocities on a soft elastic joint. The joint opens and slides by millimetres, so that
+// its shear force has a distance from the initial surface. Momenta of the pair are constant to rounding, for a joint
+// plane of either block: both forces act at one point.
 void free_pair(const char* name_of_pair, bool first_rigid, bool second_rigid) {
   const double a = 0.2;
   Scene scene(elastic_joint(2e7, 1e7), 2000, 1e9, 0.2);
@@ -135,7 +134,7 @@ TEST(Conservation, DeformableOnRigidBlock) { free_pair("deformable and rigid blo
 TEST(Conservation, DeformableBlocks) { free_pair("two deformable blocks", false, false); }
 TEST(Conservation, RigidBlocks) { free_pair("two rigid blocks", true, true); }
 
-// A smooth pulse runs along a bar held against lateral motion; its peak passes two stations.
+// Returns the wave speed of a smooth pulse along a bar without lateral motion, from its peak at two stations.
 double wave_speed(bool p_wave, int elements, double speed) {
   const double length = 4.0, h = length / elements;
   Scene scene(elastic_joint(1e9, 1e9), 2000, 10e9, 0.25);
@@ -203,7 +202,8 @@ TEST(Waves, SpeedsConverge) {
   }
 }
 
-// A harmonic wave through an elastic joint between two bars: |T| = (1 + (omega z / 2k)^2)^(-1/2).
+// Returns the transmission of a harmonic wave through an elastic joint between two bars:
+// |T| = (1 + (omega z / 2k)^2)^(-1/2).
 std::pair<double, double> transmission(double ratio, int per_wave) {
   const double e = 10e9, rho = 2000, c = std::sqrt(e / rho), z = rho * c, frequency = 1000, omega = 2 * pi * frequency;
   const double k = omega * z / (2 * ratio), wave = c / frequency, h = wave / per_wave;
@@ -220,7 +220,7 @@ std::pair<double, double> transmission(double ratio, int per_wave) {
     if (std::abs(x - (waves + 1) * wave) < 1e-6) far.push_back(int(i));
     if (std::abs(x - wave) < 1e-6) near.push_back(int(i));
   }
-  // steady by about the joint plus three periods; read before the far end answers
+  // steady about three periods after the arrival at the joint; measured before the reflection of the far end
   double sine = 0, cosine = 0;
   const double start = (waves + 1 + 3) / frequency, end = start + 2 / frequency;
   double incident_sine = 0, incident_cosine = 0;
@@ -234,7 +234,7 @@ std::pair<double, double> transmission(double ratio, int per_wave) {
       for (int i : far)
         sine += m->nodes.v[i].x * std::sin(omega * now), cosine += m->nodes.v[i].x * std::cos(omega * now);
     }
-    // the incident wave alone, before the reflection comes back
+    // the incident wave only, before the reflection of the joint
     if (now >= 4 / frequency && now < 6 / frequency) {
       for (int i : near)
         incident_sine += m->nodes.v[i].x * std::sin(omega * now),
@@ -265,7 +265,7 @@ TEST(Waves, TransmissionAtElasticJoint) {
                 reflected});
 }
 
-// Cantilever: tip deflection under a tip load (Timoshenko) and first frequency of the freed beam.
+// Cantilever: tip deflection under a tip load (Timoshenko), and first frequency after release of the load.
 struct Beam {
   double deflection, frequency;
 };
@@ -323,7 +323,7 @@ Beam cantilever(std::array<int, 3> n) {
   return {deflection, count / (last - first)};
 }
 
-// The relative error of its deflection.
+// Returns the relative error of the deflection of a cantilever.
 double cantilever_at(std::array<int, 3> n, double tolerance_w, double tolerance_f) {
   const double length = 1.0, depth = 0.2, width = 0.1, e = 1e9, rho = 2000, load = 1000;
   const double inertia = width * depth * depth * depth / 12, area = width * depth;
@@ -351,7 +351,7 @@ TEST(Cantilever, DISABLED_Fine) {
                {reference("second order", 2, 12, [&](double n) { return error.points[2][1] * 64 / (n * n); }), error});
 }
 
-// Constant stress passes a joint between meshes that do not match, at any orientation: the patch test.
+// Patch test: constant stress across a joint between non-matching meshes, for any orientation.
 void patch(bool turned, bool with_rigid) {
   const double p = 1e6;
   Scene scene(elastic_joint(1e11, 1e11), 2000, 1e9, with_rigid ? 0.0 : 0.3);
@@ -367,7 +367,7 @@ void patch(bool turned, bool with_rigid) {
   const int right = add({0.13, 0.1, 0}, {0.17, 0.1, 0.2}, {1, 1, 1}, !with_rigid);
   scene.assembly.family_of = [&](const Meeting& meet) {
     const bool between = (meet.block_a == left && meet.block_b == right);
-    return between ? -1 : 0;  // the head joint is left out, so that each column is in uniaxial stress
+    return between ? -1 : 0;  // without the head joint, so that each column is in uniaxial stress
   };
   auto m = scene.model(local(0.8, 0.7));
   // faces of geometry::box: -x +x -y +y

@@ -1,10 +1,9 @@
-// Contact points that are placed again in large motion: what energy they take or give, and that they are no stiffer
-// than what touches.
+// Contact detection in large motion, which replaces contact points: its energy, and the stiffness of new points.
 //
-// The balance of a run closes up to the second order of the step. Central differences do the work of the mean of two
-// forces over a step, which is exact while a contact stays elastic. It is off by k d1 d2 / 2 where it closes, opens or
-// begins to slip within a step. Parts of the motion before and after are d1 and d2. A blow of a few steps is made of
-// that. So the bounds below are for the steps of the runs, and fall by 25 when the step is a fifth.
+// The energy balance of a run has an error of second order in the step. Central differences use the mean of two forces
+// for the work of a step, which is exact while a contact is elastic. The error is k d1 d2 / 2 where a contact closes,
+// opens or begins to slip within a step. Here d1 and d2 are the motions before and after. Impacts of a few steps have
+// such errors. So the bounds below are for the steps of these runs, and fall by 25 with a fifth of the step.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,10 +15,10 @@ namespace quoin::verification {
 namespace {
 
 struct Bounds {
-  double balance, detection;  // of the energy that the run begins with or gains
+  double balance, detection;  // bounds relative to the energy that the run has at the start or gains
 };
 
-// energy: what the run turns over, J. start: balance_error(0) of the velocities that it begins with.
+// energy: scale of the errors, J. start: balance_error(0) of the initial velocities, J.
 void check_balance(const std::string& what, const Model& m, double start, double energy, const Bounds& bounds) {
   const Energies& e = m.step_sums.energies;
   EXPECT_GT(m.detection.count, 100) << "nothing is placed anew: nothing is tested";
@@ -27,7 +26,7 @@ void check_balance(const std::string& what, const Model& m, double start, double
   check_error(what + ": energy of points placed anew", e.detection / energy, bounds.detection, "-");
 }
 
-// Lands on a corner, then on an edge and a face of a block that lies on the ground.
+// Drops a block, which lands on a corner, then on an edge and a face, on another block on the ground.
 void drop(const JointFamily& family, double fraction, const Bounds& bounds) {
   Scene scene(family);
   scene.brick({-1, -0.2, -1}, {2, 0.2, 2}, true);
@@ -44,7 +43,7 @@ void drop(const JointFamily& family, double fraction, const Bounds& bounds) {
   check_balance("dropped block, " + family.law, *m, 0.0, 2000 * 0.4 * 0.2 * 0.3 * gravity * 0.15, bounds);
 }
 TEST(EnergyBalance, BlockDroppedOnAnother) {
-  // New points with less pressure give up the shear that it cannot hold: 0.007 in these steps, 4e-5 in short ones.
+  // New points with less pressure lose shear stress above their friction: 0.007 with this step, 4e-5 with short steps.
   drop(mortar("dry"), 0.5, {0.05, 0.01});
   drop(dry_joint(2e9, 1e9, 33), 0.5, {0.05, 0.01});
 }
@@ -85,9 +84,9 @@ TEST(EnergyBalance, BlockSlidingOverAGap) {
   check_balance("block sliding over a gap", *m, start, start, {0.006, 0.012});
 }
 
-// A block carried sideways in the air, let go, and caught again in its fall. Imposed motion is no kinetic energy: m
-// v^2/2 comes from the support when it lets go, and goes to it when it catches. Gravity alone works in between, and the
-// balance closes to rounding.
+// A block with prescribed horizontal velocity in the air is released, and fixed again during its fall. Prescribed
+// motion does not count as kinetic energy: the support supplies m v^2/2 at the release and takes the energy when it
+// fixes the block. Between, only gravity does work, and the energy balance has only rounding errors.
 TEST(EnergyBalance, BlockCarriedLetGoAndCaught) {
   Scene scene(mortar("dry"));
   scene.brick({-1, -0.2, -1}, {2, 0.2, 2}, true);
@@ -109,11 +108,11 @@ TEST(EnergyBalance, BlockCarriedLetGoAndCaught) {
   m->prescribe(b, {});
   run_steps(*m, 2);
   EXPECT_DOUBLE_EQ(m->step_sums.energies.kinetic, 0.0);
-  // The block is held from half a step after the time of the energies.
+  // The block is fixed from half a step after the time of the energies.
   EXPECT_NEAR(m->step_sums.energies.balance_error(0.0), 0.0, 2 * mass * gravity * 3 * m->stepping.dt);
 }
 
-// Pushed out of its plane: first as one, then in pieces that fall on each other and on the ground.
+// A wall pushed out of its plane: it moves first as one body, then as blocks that fall on each other and on the ground.
 void wall(const std::string& what, const JointFamily& family, int courses, int width, const Vector& push, double end,
           const Bounds& bounds) {
   Scene scene(family, 1800);
@@ -142,8 +141,8 @@ TEST(EnergyBalance, CrackedWallPushedToCollapse) {
        {0.02, 0.02});
 }
 
-// Where nothing has changed, points that are placed again change nothing. A block bounces with stiffness damping as it
-// does on points that stay, up to rounding. (Points that forgot the rate of their traction were not damped.)
+// Contact detection at unchanged positions changes nothing: a block with stiffness damping bounces as without
+// detection, to rounding. New points need the rate of traction of the old ones, or they would have no damping.
 TEST(PlacedAnew, SameBounceAsOnPointsThatStay) {
   double height[2];
   for (const bool placed_again : {false, true}) {
@@ -164,7 +163,7 @@ TEST(PlacedAnew, SameBounceAsOnPointsThatStay) {
   EXPECT_NEAR(height[1], height[0], 1e-9 * height[0]);
 }
 
-// Half units 110 x 62.5 x 100 mm that meet at a corner, two on two, as in a wall of halves.
+// Half units of 110 x 62.5 x 100 mm that meet at an edge, two on two, as in a wall of half units.
 struct FourHalfUnits {
   const Vector size{0.11, 0.0625, 0.1};
   Scene scene;
@@ -179,9 +178,10 @@ struct FourHalfUnits {
   }
 };
 
-// Pushed sideways by 1 mm, the right one above stands on its own joint and, by a strip of 1 mm, on the unit beside it.
-// Pressed down it gives by F / (kn (110 + 1) x 100 mm2). A nominal area of the corner (1000 mm2 in place of 100) makes
-// it 8 % stiffer, and a wall whose top is held stronger. The joint keeps its area of the start: 1 % too much.
+// The upper right unit, displaced laterally by 1 mm, stands on its joint and, by a strip of 1 mm, on the neighbouring
+// unit. Under pressure it closes by F / (kn (110 + 1) x 100 mm2). A nominal area of the edge contact (1000 mm2 in place
+// of 100) would make it 8 % stiffer, and a wall with a fixed top stronger. The joint has its initial area: 1 % too
+// much.
 TEST(PlacedAnew, HalfUnitsStandOnWhatTheyTouchWhereFourMeet) {
   const double kn = 82e9, pressed = 3e3, slid = 1e-3, speed = 0.05;
   FourHalfUnits wall(dry_joint(kn, kn, 0), false);
@@ -202,9 +202,9 @@ TEST(PlacedAnew, HalfUnitsStandOnWhatTheyTouchWhereFourMeet) {
   check("four half units: pressed down", pressed / (kn * (wall.size.x + slid) * wall.size.z), given, 0.01, "m");
 }
 
-// States of a law that are a vector keep their direction in space, as tractions do. It does not matter on which
-// triangle of the block a new point stands. Faces that have slid along x stand on their seat at a place along x. (They
-// kept the components, which is another vector: the first edges of two triangles of a face stand at 45 or 90 degrees.)
+// Vector states of a law keep their direction in space at a contact detection, as tractions do, for any triangle of a
+// new point. Faces that have slid along x have a seat displaced along x. Equal components would be another vector,
+// since the first edges of two triangles of a face are at 45 or 90 degrees.
 TEST(PlacedAnew, VectorsAmongTheStatesKeepTheirDirection) {
   JointFamily rough = joint("cyclic_joint", {{"normal_stiffness", 1e10},
                                              {"shear_stiffness", 1e10},
@@ -241,7 +241,7 @@ TEST(PlacedAnew, VectorsAmongTheStatesKeepTheirDirection) {
   check_error("four half units that slide: seats off their line", across / along, 0.01, "-");
 }
 
-// Gridpoints at a corner carry less than a nominal contact of the whole block would give them.
+// Contact points at an edge have a small area, so they do not reduce the time step, as a nominal area would.
 TEST(PlacedAnew, TimeStepStaysWhereFourHalfUnitsMeet) {
   FourHalfUnits wall(dry_joint(1e12, 1e12, 0), true);
   auto m = wall.scene.model(local(0.0));

@@ -1,4 +1,4 @@
-// Contact points on gridpoints of both blocks, in axes that turn with the frame of block a
+// Contact points between gridpoints of both blocks, with axes that rotate with the co-rotational frame of block a
 // (host/step/gridpoint_kernels.h).
 #include "../momentum.h"
 #include "support.h"
@@ -8,12 +8,12 @@ namespace {
 
 enum class Zones { same, own };
 
-// Three bricks in a row along x, whose joints give way along themselves; unlike ones differ in their zones.
+// Returns three bricks in a row along x, with joints of low shear stiffness. Zones::own: their zones differ.
 Scene row_of_bricks(Zones zones) {
   Scene scene(elastic_joint(1e8, 1e6), 2000, 1e10, 0.2);
   for (int i = 0; i < 3; ++i) scene.soft({0.2 * i, 0.0, 0.0}, {0.2, 0.2, 0.2}, {zones == Zones::own ? 1 + i : 2, 2, 2});
   scene.assembly.contact.small_displacement = 1e-9;
-  scene.assembly.contact.joint_motion = 10.0;  // points are never placed again
+  scene.assembly.contact.joint_motion = 10.0;  // no contact detection during the run
   return scene;
 }
 
@@ -27,8 +27,8 @@ int points_on_gridpoints(const Model& m) {
 
 }  // namespace
 
-// The middle brick slides by a third of its side while all turn. Gridpoints are then far from those of the other side.
-// Without the moment on the frame of a, angular momentum would change by slip times force.
+// The middle brick slides by a third of its side while all bricks rotate. Gridpoints are then far from those of the
+// other side. Without a moment on the frame of block a angular momentum would change by slip times force.
 TEST(PointsOnGridpoints, KeepMomentaAndEnergyHoweverFarTheySlide) {
   for (const Zones zones : {Zones::same, Zones::own}) {
     const std::string what = zones == Zones::same ? "bricks of one mesh" : "bricks of unlike meshes";
@@ -43,7 +43,7 @@ TEST(PointsOnGridpoints, KeepMomentaAndEnergyHoweverFarTheySlide) {
     const Vector linear = linear_momentum(*m), angular = angular_momentum(*m);
     const double start = m->step_sums.energies.kinetic;
     double slid = 0.0, worst = 0.0, early = 0.0;
-    constexpr double kEnd = 0.4;  // s, some five swings and a quarter of a turn
+    constexpr double kEnd = 0.4;  // s, about five vibrations and a rotation of 90 degrees
     while (m->stepping.time < kEnd) {
       m->step();
       const Energies& e = m->step_sums.energies;
@@ -55,7 +55,7 @@ TEST(PointsOnGridpoints, KeepMomentaAndEnergyHoweverFarTheySlide) {
     EXPECT_EQ(points_on_gridpoints(*m), 2 * 9) << what;
     check_error(what + " that slide on gridpoints: momentum", norm(linear_momentum(*m) - linear) / norm(angular), 1e-11,
                 "-", "relative");
-    // K u of unlike bricks comes from strains of zones, which are rounded at every step.
+    // K u of bricks with different zones is computed from strains of zones, which have rounding at every step.
     check_error(what + " that slide on gridpoints: angular momentum",
                 norm(angular_momentum(*m) - angular) / norm(angular), 1e-9, "-", "relative");
     check_error(what + " that slide on gridpoints: energy", worst, 2e-3, "-", "relative, swinging");

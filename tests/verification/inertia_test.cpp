@@ -1,4 +1,4 @@
-// Inertia scaled apart from rigid motion, and damping by block, in large motion (host/model/block_inertia.h).
+// Added inertia without change of rigid motion, and damping by block, in large motion (host/model/block_inertia.h).
 #include <array>
 #include <cmath>
 #include <map>
@@ -22,8 +22,8 @@ SolverSettings by_block(double deformation, double unit = 1.0, double fraction =
   return s;
 }
 
-// One block, or the two halves of a unit on an elastic joint; turned about the origin. Contacts as those of walls in
-// large motion: points of the joint move with their blocks.
+// Returns one block, or the two halves of a unit on an elastic joint, rotated about the origin. Contacts are those of
+// walls in large motion: points of the joint move with their blocks.
 Scene unit_scene(int halves, const Quaternion& turn = {}, const JointFamily& joint = elastic_joint(1e11, 5e10)) {
   Scene scene(joint, 2000, 1e9, 0.2);
   scene.assembly.contact.small_displacement = 0.0, scene.assembly.contact.joint_motion = 0.05;
@@ -52,12 +52,12 @@ double energy_of(const Model& m) {
   return e.kinetic + e.strain + e.contact_stored;
 }
 
-// All deformable blocks turning about the origin with the spin `omega`.
+// Sets velocities of all deformable blocks: rotation about the origin with `omega`, plus `velocity`.
 void spin(Model& m, const Vector& omega, const Vector& velocity = {}) {
   for (int i = 0; i < m.block_count(); ++i) m.set_velocity(i, velocity + cross(omega, position_of(m, i)), omega);
 }
 
-// Free, vibrating and tumbling about no principal axis: momenta stand, energy swings but does not drift.
+// Free vibration and rotation about an axis that is not a principal one: momenta are constant, energy has no drift.
 TEST(ScaledInertia, TumblingKeepsMomentumAndEnergy) {
   const Vector omega{13.0, 33.0, 20.0};
   for (const int halves : {1, 2}) {
@@ -83,7 +83,7 @@ TEST(ScaledInertia, TumblingKeepsMomentumAndEnergy) {
   }
 }
 
-// Steadily turning about a principal axis, vibrations damped: stretch and joint traction are those of the true mass.
+// Steady rotation about a principal axis, vibrations damped: extension and joint traction are those of the true mass.
 // Without the convective terms they would be s times larger.
 TEST(ScaledInertia, CentrifugalStretchIsThatOfTheTrueMass) {
   for (const int halves : {1, 2}) {
@@ -117,7 +117,7 @@ TEST(ScaledInertia, CentrifugalStretchIsThatOfTheTrueMass) {
   }
 }
 
-// A free block falls and turns as a rigid body whatever the factors; the spin of a symmetric top stands.
+// A free block falls and rotates as a rigid body for all factors; the angular velocity of a symmetric top is constant.
 TEST(ScaledInertia, FreeFallIsExact) {
   for (const int halves : {1, 2}) {
     SolverSettings solver = by_block(100.0, 30.0);
@@ -137,11 +137,10 @@ TEST(ScaledInertia, FreeFallIsExact) {
   }
 }
 
-// Where a face of a cube may not leave its plane, the cube turns about the normal of that alone. That holds for each
-// axis, and in a mirror. One hexahedron of five tetrahedra is the same along every axis and in the mirrors between
-// them.
+// A cube with a face that must stay in its plane rotates only about the normal of the face. The results are equal for
+// each axis and for mirror images, since a hexahedron of five tetrahedra has these symmetries.
 TEST(ScaledInertia, APlaneHoldsTheSameAlongEveryAxis) {
-  std::map<std::array<long, 3>, Vector> first;  // by place in mm; the first axis is the normal
+  std::map<std::array<long, 3>, Vector> first;  // by position in mm; the first axis is the normal
   for (const auto& axes : {std::array{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}}) {
     Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
     scene.soft({0, 0, 0}, {0.2, 0.2, 0.2}, {1, 1, 1});
@@ -198,14 +197,15 @@ double first_frequency(const SolverSettings& solver) {
   return count / (last - first);
 }
 
-// A held block has no rigid motion: all of it is deformation, slowed by sqrt(s_b). Both runs have 2/omega_max in the
-// same proportion, so their errors in time are the same.
+// A fixed block has no rigid motion: its vibration is deformation, slower by sqrt(s_b). Both runs have one fraction of
+// 2/omega_max, so their errors of time integration are equal.
 TEST(ScaledInertia, CantileverIsSlowedByTheRoot) {
   const double free = first_frequency(scaled(1.0)), slow = first_frequency(scaled(64.0));
   check("first frequency of a cantilever, s_b = 64, times 8", free, 8 * slow, 1e-4, "Hz", "slowed by sqrt(s_b)");
 }
 
-// Turned by any rotation, the step is the same; just below it vibrations stay, just above they grow.
+// The critical step does not depend on the rotation of a block; just below it vibrations are bounded, just above they
+// grow.
 TEST(ScaledInertia, StableJustBelowTheLimitUnstableJustAbove) {
   std::vector<Curve> curves;
   for (const int halves : {1, 2}) {
@@ -239,8 +239,8 @@ TEST(ScaledInertia, StableJustBelowTheLimitUnstableJustAbove) {
   write_figure("step_limit", "steps, -", "largest velocity so far, m/s", curves);
 }
 
-// Kinetic energy counts M', and what damping takes is counted: in zones, on rigid motion of blocks and of units. The
-// half step of damping with which a run begins is in `start`. What is left is of the second order in the step.
+// Kinetic energy includes M'. The work of damping includes that in zones and that on rigid motions of blocks and units.
+// `start` has the first half step of damping. The remaining error is of second order in the step.
 TEST(ScaledInertia, EnergyBalanceCloses) {
   const auto error = [](bool block, int halves, double fraction) {
     SolverSettings solver = block ? by_block(16.0, 5.0, fraction) : viscous(300.0, 2e-6, fraction);
@@ -275,8 +275,9 @@ TEST(ScaledInertia, EnergyBalanceCloses) {
   write_figure("balance_over_step", "step over the limit, -", "energy out of balance / kinetic energy, -", curves);
 }
 
-// Halves on a dry joint fly apart at 1 m/s each. Once no point of their joint is closer than 0.01 of their height they
-// are two blocks. Momenta stay, the energy of the inertia that goes, (s_u - 1)/2 m v^2 of both, is booked.
+// Halves on a dry joint separate at 1 m/s each. When no point of their joint is closer than 0.01 of their height they
+// become two blocks. Momenta are constant, and the balance includes the energy of the inertia that is removed,
+// (s_u - 1)/2 m v^2 of both.
 TEST(ScaledInertia, HalvesThatComeApartAreTwoBlocks) {
   auto m = unit_scene(2, {}, dry_joint(1e11, 5e10, 30)).model(scaled(64.0, 16.0));
   m->set_velocity(0, {-1.0, 0.2, 0.0}, {0.0, 0.0, 0.5});
@@ -304,9 +305,9 @@ TEST(ScaledInertia, HalvesThatComeApartAreTwoBlocks) {
   EXPECT_EQ(m->stepping.dt, step);
 }
 
-// What comes back has its inertia again before it touches, and what bounces off gives it back: the energies of both
-// changes are booked. It leaves no faster than it came. No time step is shorter than the first one, which a joint that
-// closed without the added inertia would make four times shorter (sqrt(s_u)).
+// Halves that return have added inertia again before they touch, and lose it when they separate; the balance includes
+// both changes. They do not separate faster than they approached. No time step is shorter than the first one; without
+// added inertia a closing joint would make it four times shorter (sqrt(s_u)).
 TEST(ScaledInertia, HalvesThatMeetAgainBounce) {
   auto m = unit_scene(2, {}, dry_joint(1e11, 5e10, 30)).model(scaled(64.0, 16.0, 0.1));
   const double v = 0.1, mass = 2000 * 0.2 * 0.12 * 0.2;
@@ -339,7 +340,7 @@ TEST(ScaledInertia, HalvesThatMeetAgainBounce) {
   m->step();
   const double after = 0.5 * (opening() - then) / m->stepping.dt;
   EXPECT_LE(after, v * (1 + 1e-3));
-  EXPECT_GT(after, 0.1 * v);  // 0.3 of it: much goes into vibration of blocks as soft as these
+  EXPECT_GT(after, 0.1 * v);  // measured: 0.3, since much energy goes into vibration of such soft blocks
   check("halves that meet and part, s_u = 16: energy booked", 15 * mass * (after * after - v * v),
         m->step_sums.energies.detection, 2e-2, "J", "(s_u - 1) m (v'^2 - v^2)", 15 * mass * v * v);
   check_error("halves that meet and part, s_u = 16: energy balance",
@@ -351,8 +352,8 @@ TEST(ScaledInertia, HalvesThatMeetAgainBounce) {
   EXPECT_NEAR(m->stepping.dt, step, 1e-6 * step);
 }
 
-// Halves that gape but touch along an edge, or have slid on each other, keep the added inertia and so the time step. In
-// wall_2m_576 eight pairs that had turned by more than the bound of small motion once took it from 22.3 to 8.8 us.
+// Halves that touch along an edge only, or have slid on each other, keep the added inertia and so the time step. In
+// wall_2m_576 without it, eight rotated pairs would reduce the step from 22.3 to 8.8 us.
 TEST(ScaledInertia, HalvesThatTurnOnAnEdgeKeepTheTimeStep) {
   auto m = unit_scene(2, {}, dry_joint(1e11, 5e10, 30)).model(scaled(64.0, 16.0));
   m->set_velocity(0, {-0.12, 0.2, 0.0}, {0.0, 0.0, -2.0});  // both about the upper edge of their joint
@@ -368,7 +369,7 @@ TEST(ScaledInertia, HalvesThatTurnOnAnEdgeKeepTheTimeStep) {
   EXPECT_GT(m->stepping.dt, 0.99 * step);
 }
 
-// A block at rest under load feels nothing when its damping becomes viscous: the rate of strain is that of its
+// A change to viscous damping does not move a block at rest under load, since the strain rate is that of its
 // velocities.
 TEST(ScaledInertia, AChangeOfDampingIsNoJolt) {
   Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
@@ -384,7 +385,7 @@ TEST(ScaledInertia, AChangeOfDampingIsNoJolt) {
               kinetic_energy_of_all(*m) / strain_energy(*m), 1e-15, "-");
 }
 
-// Vibration brakes no motion under damping by block.
+// Under damping by block vibration does not brake rigid motion.
 TEST(ScaledInertia, VibrationBrakesNoMotion) {
   for (const int halves : {1, 2}) {
     auto m = unit_scene(halves).model(by_block(16.0, 16.0));
@@ -401,7 +402,7 @@ TEST(ScaledInertia, VibrationBrakesNoMotion) {
   }
 }
 
-// Eq. 1 on rigid motion in free fall: (1 - gamma) g, whichever way the block is turned.
+// Local damping (eq. 1) on rigid motion in free fall: (1 - gamma) g, for any rotation of the block.
 TEST(ScaledInertia, DampedFallIsTheSameHoweverTheBlockIsTurned) {
   std::vector<Curve> curves{
       reference("(1 - gamma) g t^2/2", 0, 0.21, [](double t) { return 1e3 * 0.5 * 0.7 * 9.81 * t * t; })};

@@ -1,5 +1,5 @@
-// Laws swapped while blocks of any shape move. Tractions stay bit for bit, the run goes on, and the energy balance
-// closes with the jump that is reported.
+// Law swaps during runs of blocks of any shape. Tractions do not change by a bit, the run continues, and the energy
+// balance includes the reported jump.
 #include "step/law_swap.h"
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace {
 struct SwapRecorder : Observer {
   std::vector<LawSwap> swaps;
   std::vector<std::vector<ContactPoint>> at_begin, at_end;
-  std::vector<double> balance;   // of energies at the end of each stage, J
-  std::vector<double> least_xi;  // at the end of each stage, of all points whose law has it
+  std::vector<double> balance;   // energy balance at the end of each stage, J
+  std::vector<double> least_xi;  // smallest xi at the end of each stage, of all points whose law has one
   std::vector<long> detections;
   void on_stage_begin(const Simulation& s, int) override { at_begin.push_back(contact_points(s)); }
   void on_law_swap(const LawSwap& swap) override { swaps.push_back(swap); }
@@ -31,7 +31,7 @@ struct SwapRecorder : Observer {
     detections.push_back(s.large_motion()->detection.count);
   }
 
-  // Every stage begins with the tractions that the one before has left.
+  // Expects that every stage begins with the tractions at the end of the last one.
   void expect_continuous_tractions() const {
     for (size_t stage = 1; stage < at_begin.size(); ++stage) {
       const auto &before = at_end[stage - 1], &after = at_begin[stage];
@@ -48,8 +48,8 @@ struct SwapRecorder : Observer {
   }
 };
 
-// The arch stands under its weight, changes its law there and back and there again, and is pushed over. Dry joints are
-// the same to both laws, so it falls where it falls without a swap.
+// The arch stands under its weight, has three law swaps between two laws, and is pushed until it falls. Dry joints are
+// equal in both laws, so it falls at the multiplier without a swap.
 TEST(BlockLawSwap, ArchFallsUnderTheSameForceWhicheverLawHoldsItsDryJoints) {
   quoin::Scene scene = read_scene(QUOIN_SCENES "/arch.toml");
   Stage standing = scene.stages[0];
@@ -68,19 +68,19 @@ TEST(BlockLawSwap, ArchFallsUnderTheSameForceWhicheverLawHoldsItsDryJoints) {
   ASSERT_EQ(recorder.swaps.size(), 3u);
   recorder.expect_continuous_tractions();
   for (const LawSwap& swap : recorder.swaps) {
-    EXPECT_EQ(swap.points, 8 * 4);  // joints, until hinges open
+    EXPECT_EQ(swap.points, 8 * 4);  // points of 8 joints, before hinges open
     EXPECT_EQ(swap.limited, 0);
     EXPECT_GT(swap.stored_before, 0.0);
     EXPECT_LT(std::abs(swap.energy_jump), 1e-9 * swap.stored_before);
   }
   ASSERT_TRUE(swapped.outcome().collapse_multiplier.has_value());
-  // The laws round differently; what follows from that grows while the arch falls.
+  // The laws have different rounding, which is amplified while the arch falls.
   check("arch, law swapped three times: multiplier as without a swap", *unswapped.outcome().collapse_multiplier,
         *swapped.outcome().collapse_multiplier, 1e-4, "-", "dry joints are the same to both laws");
 }
 
-// Laws change while the wall topples and its units slide and turn on each other, before the first of them strikes the
-// ground. A blow alone puts single steps out of balance by a part of a percent, whatever the law.
+// Returns a wall with law swaps while it overturns and its units slide and rotate on each other, before the first
+// impact on the ground. An impact has a balance error of a part of a percent in single steps, for any law.
 quoin::Scene falling_wall() {
   constexpr double kOneStep = 1e-6;  // s, less than a step
   const auto stage = [](const char* gravity, double duration, const char* law) {
@@ -101,7 +101,7 @@ energy = true
 )" + stage(rest, 0.1, "") + stage(push, 0.5, "") +
                                 stage(push, kOneStep, "fracture_energy") + stage(push, 0.1, "") +
                                 stage(rest, kOneStep, "coulomb_slip") + stage(rest, 0.5, ""));
-  scene.solver.time_step_fraction = 0.3;  // blows gain 0.011 of m g h at 0.6, 0.0038 at 0.3, 0.0014 at 0.15
+  scene.solver.time_step_fraction = 0.3;  // error of impacts over m g h: 0.011 at 0.6, 0.0038 at 0.3, 0.0014 at 0.15
   return scene;
 }
 
@@ -120,14 +120,14 @@ TEST(BlockLawSwap, FallingWallGoesOnWithItsEnergiesInBalance) {
   const double scale = (whole_mass(*simulation.large_motion()) - ground) * gravity * height / 2;
   double jumps = 0.0;
   for (size_t stage = 0; stage < recorder.balance.size(); ++stage) {
-    if (stage == 2 || stage == 4) {  // the single steps that follow a swap
+    if (stage == 2 || stage == 4) {  // stages of one step after a swap
       const double jump = recorder.swaps[stage / 2 - 1].energy_jump;
       check_error("falling dry wall, step after a swap: energy out of balance / m g h",
                   (recorder.balance[stage] - recorder.balance[stage - 1] - jump) / scale, 1e-4, "-",
                   "less the jump that is reported");
       jumps += jump;
     }
-    // as the walls of collapse_test.cpp
+    // bound as for the walls of collapse_test.cpp
     check_error("falling dry wall, stage " + std::to_string(stage) + ": energy from nothing / m g h",
                 std::max(0.0, recorder.balance[stage] - jumps) / scale, 1e-2, "-", "less the jumps at swaps");
   }
@@ -137,9 +137,9 @@ TEST(BlockLawSwap, FallingWallGoesOnWithItsEnergiesInBalance) {
   EXPECT_EQ(wide.hash(), simulation.hash()) << "4 threads have other bits";
 }
 
-// A joint that is pulled until it has softened by half has a secant far below kn. A law without that history goes on at
-// kn. Had the zero of the opening not moved along, traction would go to 0 in the first step. Both sorts of plane: of
-// rigid blocks, and of triangles of deformable ones.
+// A joint in tension that has softened by half has a secant stiffness far below kn. A law without this history
+// continues with kn. Without a normal shift its traction would change abruptly in the first step. For joint planes of
+// rigid blocks, and for those of triangles of deformable ones.
 void softened_joint(const std::string& base) {
   constexpr double kn = 1e10, velocity = 1e-3;
   const quoin::Scene scene = scene_of(R"(
@@ -200,13 +200,13 @@ energy = true
     EXPECT_LT(sigma, 0.15e6);
     EXPECT_EQ(sigma, swapped[i].traction[0]);
     EXPECT_NEAR(swapped[i].jump[0], sigma / kn, 1e-18);
-    // The stage has one step, and the one after it that completes its last row.
+    // The stage has one step, and another step that completes its last row.
     const double opening = 2.0 * velocity * simulation.large_motion()->stepping.dt;
     EXPECT_NEAR(after[i].traction[0] - sigma, kn * opening, 1e-6 * sigma + 0.01 * kn * opening);
     jump += before[i].area * (0.5 * sigma * sigma / kn - 0.5 * sigma * before[i].jump[0]);
   }
   EXPECT_NEAR(recorder.swaps[0].energy_jump, jump, 1e-9 * std::abs(jump));
-  // The driven block works against the traction of the step; the trapezoid of that work is off by kn (v dt)^2 / 2.
+  // The work of the block with prescribed velocity has an error of kn (v dt)^2 / 2 in a step, by the trapezoidal rule.
   const double step = velocity * simulation.large_motion()->stepping.dt;
   EXPECT_NEAR(recorder.balance[1] - recorder.balance[0], recorder.swaps[0].energy_jump, 2.0 * kn * step * step);
 }
@@ -215,7 +215,7 @@ TEST(BlockLawSwap, SoftenedJointOnADeformablePlaneKeepsItsTraction) {
   softened_joint("rigid = false\ndivisions = [1, 1, 1]");
 }
 
-// A block that has not landed yet: points that are born after the swap begin dry, though joints of the start would be
+// A block that has not landed yet: contact points that are new after the swap are dry, although initial joints would be
 // bonded.
 TEST(BlockLawSwap, PointsBornLaterStartDry) {
   const JointFamily mortar = joint("fracture_energy", {{"normal_stiffness", 1e9},
@@ -234,14 +234,14 @@ TEST(BlockLawSwap, PointsBornLaterStartDry) {
   m->set_gravity({0, -gravity, 0});
   ASSERT_EQ(m->point_count(), 0u);
   m->replace_law(0, successor(mortar, "fracture_energy"), {}, {});
-  // Looked at before their law is called for the first time: it breaks what is bonded across a gap.
+  // The state is checked before the first call of the law, which would break a bond across a gap.
   while (m->point_count() == 0 && m->stepping.time < 0.1) m->step();
   ASSERT_GT(m->point_count(), 0u);
   const Family& f = m->contacts.families[0];
   for (double xi : f.state[size_t(f.material->law().state_index("xi_t"))]) EXPECT_GE(xi, 1.0);
 }
 
-// A law four times as stiff halves the step; a softer one leaves it.
+// A law four times as stiff halves the time step; a softer one does not change it.
 TEST(BlockLawSwap, StifferLawShortensTheStep) {
   Scene scene(elastic_joint(1e9, 5e8));
   scene.brick({0, 0, 0}, {1, 1, 1}, true);
@@ -274,7 +274,7 @@ TEST(BlockLawSwap, RefusedWithTheReason) {
   };
   EXPECT_NE(refusal("no_such_law").find("no_such_law"), std::string::npos);
 
-  // Elastic joints that carry tension, to a law that has no strength.
+  // A swap of elastic joints in tension to a law without tensile strength.
   const quoin::Scene scene = scene_of(R"(
 [materials.stone]
 young_modulus = 1e10

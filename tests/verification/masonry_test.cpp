@@ -1,4 +1,4 @@
-// Structures of rigid blocks with known strength: rocking, toppling, piers, triplet, arch, dry-joint walls.
+// Structures of rigid blocks with known strength: rocking, overturning, piers, triplet, arch, dry-joint walls.
 #include <cstdio>
 
 #include "support.h"
@@ -8,15 +8,16 @@ namespace {
 
 using geometry::rotation;
 
-// Rocking block on a stiff base, released at an angle. Time to the first impact against the exact solution of theta'' =
-// -p^2 sin(alpha - theta), by quadrature. Also against Housner's slender formula T/4 = acosh(1/(1 - theta0/alpha)) / p.
+// Rocking block on a stiff base, released at an angle. Compares the time to the first impact with two solutions. These
+// are the exact one of theta'' = -p^2 sin(alpha - theta), by quadrature, and Housner's for slender blocks:
+//   T/4 = acosh(1/(1 - theta0/alpha)) / p
 double quarter_period(double ratio, double kn) {
   const double b = 0.1, h = 0.5, depth = 0.2, alpha = std::atan2(b, h);
   Scene scene(dry_joint(kn, kn, 60));
   scene.brick({-1, -0.2, -1}, {2, 0.2, 2}, true);
   const double theta0 = ratio * alpha;
   Block block;
-  // turned about the edge at the origin, leaning back over the base: the block extends to negative x
+  // rotated about the edge at the origin, above the base: the block extends to negative x
   block.orientation = rotation({0, 0, -theta0});
   const int i = scene.assembly.add(box({-2 * b, 0, -depth / 2}, {2 * b, 2 * h, depth}), block);
   auto m = scene.model(viscous(0, 0, 0.3));
@@ -26,7 +27,7 @@ double quarter_period(double ratio, double kn) {
     m->step();
     const Matrix o = orientation_of(*m, i);
     const double angle = -std::atan2(o.row[1].x, o.row[0].x);
-    // orientation counts from the start: impact when it has turned back by theta0
+    // orientation is relative to the start: impact after a rotation by theta0
     if (-angle >= theta0) landed = m->stepping.time;
   }
   return landed;
@@ -66,8 +67,8 @@ TEST(Rocking, QuarterPeriodAgainstAmplitude) {
                 measured[0], measured[1]});
 }
 
-// Angular velocity after over that before the first impact of a block that rocks on kn = 1e10 Pa/m, released at half of
-// alpha.
+// Returns the ratio of angular velocities after and before the first impact of a rocking block, released at half of
+// alpha. kn = 1e10 Pa/m.
 double restitution(double slenderness, double stiffness_damping) {
   const double h = 0.5, b = h / slenderness, depth = 0.2, theta0 = 0.5 * std::atan2(b, h);
   Scene scene(dry_joint(1e10, 1e10, 60));
@@ -78,7 +79,7 @@ double restitution(double slenderness, double stiffness_damping) {
   auto m = scene.model(viscous(0, stiffness_damping, 0.3));
   m->set_gravity({0, -gravity, 0});
   double before = 0, turned = 0;
-  while (turned < 1.05 * theta0 && m->stepping.time < 2) {  // up to where vibration of the joint is over
+  while (turned < 1.05 * theta0 && m->stepping.time < 2) {  // until vibration of the joint has decayed
     m->step();
     const Matrix o = orientation_of(*m, i);
     turned = std::atan2(o.row[1].x, o.row[0].x);
@@ -86,8 +87,8 @@ double restitution(double slenderness, double stiffness_damping) {
   }
   return spin_of(*m, i).z / before;
 }
-// Housner's block turns about its other edge with the angular momentum that it has about it: 1 - 1.5 sin(alpha)^2. Here
-// the joint loses what its stiffness damping takes: nothing without it, as much as Housner's at 2e-4 s.
+// Housner's block conserves the angular momentum about its other edge: ratio 1 - 1.5 sin(alpha)^2. Here only stiffness
+// damping of the joint dissipates: without it the ratio is 1, with 2e-4 s it is near Housner's.
 TEST(Rocking, VelocityOverTheImpact) {
   const auto housner = [](double slenderness) { return 1 - 1.5 / (1 + slenderness * slenderness); };
   std::vector<Curve> curves{reference("Housner: 1 - 1.5 sin(alpha)^2", 2, 8, housner),
@@ -105,7 +106,7 @@ TEST(Rocking, VelocityOverTheImpact) {
   write_figure("rocking_impact", "slenderness h/b, -", "velocity after / before the impact, -", curves);
 }
 
-// Turning gravity slowly: a block with much friction topples when tan(theta) passes b/h.
+// Slowly rotated gravity: a block with high friction overturns when tan(theta) exceeds b/h.
 TEST(Toppling, Threshold) {
   const double b = 0.1, h = 0.3;
   std::vector<Curve> curves{{"tan(theta) = b/h", CurveKind::reference, {{b / h, 0}, {b / h, 2}}}};
@@ -118,7 +119,7 @@ TEST(Toppling, Threshold) {
     double theta = 0.98 * std::atan(b / h);
     m->set_gravity(gravity * Vector{std::sin(theta), -std::cos(theta), 0}, {{0, 0.2}, {0, 1}});
     m->run(0.4);
-    // after the threshold the block falls away with p^2 rate t^3 / 6: at 0.005 rad/s the lag is 0.7 % of the angle
+    // after the threshold the rotation is p^2 rate t^3 / 6: at 0.005 rad/s the lag is 0.7 % of the angle
     while (theta < 1.2 * std::atan(b / h)) {
       theta += 1e-5;
       m->set_gravity(gravity * Vector{std::sin(theta), -std::cos(theta), 0});
@@ -134,9 +135,9 @@ TEST(Toppling, Threshold) {
   write_figure("toppling", "slope, tan(theta), -", "rotation of the block, 1e-3 rad", curves);
 }
 
-// A dry pier of rigid courses between a fixed base and a driven cap: V = N D / (2 H0), less the finite stiffness of the
-// joint. A triangular stress block of length c = sqrt(2 N / (kn theta depth)) moves the pivot in by c/3, and the cap's
-// travel u moves N.
+// A dry pier of rigid courses between a fixed base and a cap with prescribed velocity. V = N D / (2 H0), with
+// corrections for the finite stiffness of the joint. A triangular stress block of length c = sqrt(2 N / (kn theta
+// depth)) moves the pivot inwards by c/3, and the cap's displacement u moves N.
 struct Pier {
   double force, ideal, expected;  // N
   std::vector<Curve> curves;      // kN over mm
@@ -156,7 +157,8 @@ Pier pier(bool fixed_fixed, double kn) {
   l.factor = {{0, 0.02}, {0, 1}};
   m->add(l);
   m->run(0.04);
-  // driven along x, free along y; turning held when the head is fixed. The cap's centre is 0.05 m above the pier.
+  // velocity prescribed along x, free along y; no rotation with a fixed head. The cap's centre is 0.05 m above the
+  // pier.
   const double v = 0.01, x0 = position_of(*m, cap).x;
   const uint8_t held = fixed_fixed ? 0x3d : 0x05;
   double force = 0.0;
@@ -177,7 +179,7 @@ Pier pier(bool fixed_fixed, double kn) {
     curve.add(1e3 * (position_of(*m, cap).x - x0), 1e-3 * force);
   }
   const double u = position_of(*m, cap).x - x0;
-  // From where half of the joint is open.
+  // From the displacement at which half of the joint is open.
   const double begin = 2 * load * h0 / (kn * depth * 0.25 * width * width);
   return {force,
           load * width * hinges / (2 * h0),
@@ -203,7 +205,7 @@ TEST(Pier, RockingStrength) {
   }
 }
 
-// Triplet: the middle brick is pushed out between two held ones under confinement; two joints share the force.
+// Triplet: the middle brick is pushed out between two fixed ones under confinement; two joints share the force.
 double triplet(double confinement, double c, double angle, double& residual) {
   Scene scene(joint("fracture_energy", {{"normal_stiffness", 8e10},
                                         {"shear_stiffness", 3.6e10},
@@ -253,7 +255,7 @@ TEST(Triplet, RecoversCohesionAndFriction) {
   }
 }
 
-// Semicircular arch of dry voussoirs under its own weight: stands or falls with thickness / mean radius; limit 0.1075.
+// Semicircular arch of dry voussoirs under its weight: stands if thickness / mean radius is above 0.1075.
 bool arch_stands(double ratio, int voussoirs, double kn, Curve& settlement) {
   Scene scene(dry_joint(kn, kn, 50));
   const double radius = 1.0, t = ratio * radius, depth = 0.2;
@@ -271,7 +273,7 @@ bool arch_stands(double ratio, int voussoirs, double kn, Curve& settlement) {
   for (int i = 0; i < voussoirs; ++i) scene.block(wedge(step * i, step * (i + 1)));
   scene.block(wedge(pi, pi + step), true);
   auto m = scene.model(local(0.5, 0.6));
-  // weight grows in, so that the arch is not shaken
+  // weight grows over a ramp, to avoid vibration
   m->set_gravity({0, -gravity, 0}, {{0, 0.2}, {0, 1}});
   const int crown = 1 + voussoirs / 2;
   const double y0 = position_of(*m, crown).y;
@@ -280,7 +282,7 @@ bool arch_stands(double ratio, int voussoirs, double kn, Curve& settlement) {
     settlement.add(m->stepping.time, 1e3 * (y0 - position_of(*m, crown).y));
     if (y0 - position_of(*m, crown).y > 0.05 * radius) return false;
   }
-  // at rest, or creeping down still
+  // true at rest, false while it still sinks
   return norm(velocity_of(*m, crown)) < 1e-4;
 }
 TEST(Arch, LeastThickness) {
@@ -296,8 +298,8 @@ TEST(Arch, LeastThickness) {
 // Dry-joint walls of Ferris and Tin-Loi: running bond of blocks 0.4 x 0.175 m, five wide, friction 0.65; the bottom
 // course starts with a half block. A horizontal body force alpha * weight grows until the wall fails.
 struct DryWall {
-  double multiplier;      // when some block has moved by `mark`
-  double slip_at_uplift;  // of the bottom course on the base when a joint first opens by 0.1 mm
+  double multiplier;      // multiplier at which the first block has moved by `mark`
+  double slip_at_uplift;  // slip of the bottom course on the base when a joint first opens by 0.1 mm
   Curve path;             // multiplier over the largest displacement, mm
 };
 DryWall ferris_tin_loi(int courses, double rate, double kn, double start, bool head_friction = true,
@@ -325,7 +327,7 @@ DryWall ferris_tin_loi(int courses, double rate, double kn, double start, bool h
   for (int i = 0; i < m->block_count(); ++i) rest.push_back(position_of(*m, i));
   double alpha = 0.0, slip_at_uplift = -1;
   Curve path{"measured"};
-  // fast to `start`, then at the rate requested
+  // fast up to `start`, then at the given rate
   while (alpha < 1.0) {
     alpha += (alpha < start ? 0.2 : rate) * 0.002;
     m->set_gravity({alpha * gravity, -gravity, 0});

@@ -1,5 +1,5 @@
-// When contacts are found again (model/motion_checks.cpp). No pair of rigid blocks moves further than its bound between
-// checks, however long they are apart and whatever hits it.
+// The time of the next contact detection (model/motion_checks.cpp). No pair of rigid blocks moves by more than its
+// bound between checks, for any interval of checks and any impact.
 #include "model/motion_checks.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace quoin::verification {
 namespace {
 
-// Motion of the pair that has moved furthest since its contact was found, over what it may.
+// Returns the largest motion of a pair since its last contact detection, relative to its bound.
 double furthest_of(const Model& m) {
   double most = 0.0;
   for (size_t i = 0; i < m.contacts.list.size(); ++i) {
@@ -23,7 +23,7 @@ double furthest_of(const Model& m) {
   return most;
 }
 
-// When the pairs of this block are checked next, the earliest of them, steps.
+// Returns the step of the next check of any pair of this block.
 long next_check_of(const Model& m, int block) {
   long first = std::numeric_limits<long>::max();
   for (const PairCheck& check : m.checks.pair) {
@@ -41,7 +41,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   Model m(scene.assembly, viscous(0, 4e-5));
   m.set_gravity({0, -gravity, 0});
   m.prescribe(ball, {});
-  run_steps(m, 500);  // the stack settles
+  run_steps(m, 500);  // the stack comes to rest
 
   constexpr int kQuiet = 500;
   int looks = 0;
@@ -63,13 +63,13 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   EXPECT_GT(norm(velocity_of(m, stack[2])) + norm(velocity_of(m, stack[3])), 0.1)
       << "nothing was hit: nothing is tested";
   EXPECT_GT(m.detection.count, detections + 10);
-  // Beyond it, contacts are found again at the end of the same step, from where motion counts again. Rounding aside.
+  // Above the bound contacts are detected at the end of this step, which resets the motion. 1e-12 is for rounding.
   EXPECT_LE(furthest, 1.0 + 1e-12);
 }
 
-// Two neighbours alone, 4 mm apart: towards each other, past each other, turning the same way and against each other,
-// one round the other. Their way to each other follows from both motions, whose parts may cancel. The last two blocks
-// turn as one body; then, flying straight on, they are apart by second order in the turn.
+// Two neighbours at 4 mm: they move towards each other or past each other, rotate in equal or opposite directions, or
+// one about the other. Their relative motion follows from both motions, parts of which may cancel. The last two blocks
+// rotate as one body. Moving straight on, their distance is of second order in the rotation.
 TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
   const struct {
     Vector va, wa, vb, wb;
@@ -101,8 +101,8 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
   }
 }
 
-// A deformable block slides along a floor on which others stand. Its pairs are checked often, theirs seldom, and none
-// comes further than it may: accelerations stay below the 10 g that the rule reckons with.
+// A deformable block slides along a floor on which others stand. Its pairs are checked often, those of the others
+// rarely. No pair exceeds its bound, since accelerations are below the 10 g that the rule assumes.
 TEST(MotionLooks, DeformableBlocksAreCheckedByTheirOwnSpeed) {
   Scene scene(dry_joint(2e8, 1e8, 5), 2000, 1e9, 0.2);
   scene.brick({-5, -0.2, -5}, {20, 0.2, 10}, true);
@@ -110,7 +110,7 @@ TEST(MotionLooks, DeformableBlocksAreCheckedByTheirOwnSpeed) {
   const int standing = scene.soft({0, 0, 1}, {0.2, 0.1, 0.2}, {2, 1, 2});
   Model m(scene.assembly, viscous(0, 4e-5));
   m.set_gravity({0, -gravity, 0});
-  run_steps(m, 4000);  // both settle
+  run_steps(m, 4000);  // both come to rest
   m.set_velocity(slider, {2, 0, 0});
   const Vector start = position_of(m, slider);
   constexpr int kSteps = 4000;

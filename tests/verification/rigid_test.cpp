@@ -1,4 +1,4 @@
-// One or a few rigid blocks: free motion, incline, bouncing, stacking, friction work, rocking, toppling.
+// One or a few rigid blocks: free motion, incline, bouncing, stacking, friction work.
 #include "support.h"
 
 namespace quoin::verification {
@@ -26,7 +26,7 @@ TEST(FreeMotion, SymmetricTop) {
   const double energy = m->step_sums.energies.kinetic;
   const double rate = (i3 - i1) * start[axis] / i1;
   double phase = std::atan2(start[q], start[p]), turned = 0.0, energy_error = 0.0;
-  const double duration = 100 * 2 * pi / 20.0;  // a hundred turns
+  const double duration = 100 * 2 * pi / 20.0;  // a hundred revolutions
   const double t0 = m->stepping.time;
   Curve across{"measured"};
   while (m->stepping.time < duration) {
@@ -34,7 +34,7 @@ TEST(FreeMotion, SymmetricTop) {
     const Vector w = geometry::transposed_times(body.r, body.omega);
     const double now = std::atan2(w[q], w[p]);
     turned += std::remainder(now - phase, 2 * pi);
-    const double t = m->stepping.time + 0.5 * m->stepping.dt;  // of the spin
+    const double t = m->stepping.time + 0.5 * m->stepping.dt;  // time of the angular velocity
     if (t < 1.0) across.add(t, w[p]);
     phase = now;
     energy_error = std::max(energy_error, std::abs(m->step_sums.energies.kinetic / energy - 1));
@@ -52,8 +52,9 @@ TEST(FreeMotion, SymmetricTop) {
   check_error("free symmetric top: energy, largest relative", energy_error, 1e-6, "-");
 }
 
-// Pressure on a short side of a right-angled prism, whose centre is a third of its sides off the corner. m a = p A, I
-// alpha = p A (h/2 - h/3) with I = m (b^2 + h^2)/18. Its work is what the block moves with.
+// Pressure on a short side of a right-angled prism, whose centre is at a third of its sides from the corner:
+//   m a = p A, I alpha = p A (h/2 - h/3) with I = m (b^2 + h^2)/18.
+// The work is the kinetic energy of the block.
 TEST(FreeMotion, PressureMovesAndTurnsAPrism) {
   const double b = 0.3, h = 0.4, depth = 0.2, p = 100.0;
   Scene scene(elastic_joint(1e9, 1e9));
@@ -79,7 +80,7 @@ TEST(FreeMotion, PressureMovesAndTurnsAPrism) {
               1e-6 * m->step_sums.energies.kinetic, "J");
 }
 
-// And that of loads and pressures on gridpoints: nothing is missing of what moves and strains a free block.
+// The work of loads and pressures on gridpoints is the kinetic and strain energy of a free block.
 TEST(FreeMotion, WorkOfLoadsOnGridpointsIsItsEnergy) {
   Scene scene(elastic_joint(1e9, 1e9));
   scene.soft({0, 0, 0}, {0.2, 0.1, 0.1}, {2, 1, 1});
@@ -96,7 +97,7 @@ TEST(FreeMotion, WorkOfLoadsOnGridpointsIsItsEnergy) {
   check_error("loads on gridpoints: strain energy beside kinetic", e.strain, 0.01 * e.kinetic, "J");
 }
 
-// Dzhanibekov: rotation about the middle axis tumbles; momentum and energy stay.
+// Dzhanibekov effect: rotation about the intermediate axis is unstable; momentum and energy are constant.
 TEST(FreeMotion, UnstableAxisKeepsMomentumAndEnergy) {
   Scene scene(elastic_joint(1e9, 1e9));
   scene.brick({0, 0, 0}, {0.1, 0.25, 0.6});
@@ -139,10 +140,10 @@ TEST(FreeMotion, UnstableAxisKeepsMomentumAndEnergy) {
   EXPECT_GT(flips, 0);
 }
 
-// A block on an incline of angle theta: gravity turns slowly instead of the plane.
+// A block on an incline of angle theta: gravity rotates slowly in place of the plane.
 struct Slide {
-  double creep;         // m between 0.6 and 1 s after the turn
-  double acceleration;  // between 0.2 and 0.6 s after the turn
+  double creep;         // displacement between 0.6 and 1 s after the rotation, m
+  double acceleration;  // between 0.2 and 0.6 s after the rotation, m/s2
 };
 Slide incline(double theta, double mu) {
   Scene scene(dry_joint(1e9, 1e9, std::atan(mu) * 180 / pi));
@@ -183,7 +184,7 @@ TEST(Incline, SticksBelowSlidesAbove) {
                {reference("g (sin - mu cos)", 0.9, 1.4, expected), measured});
 }
 
-// Elastic bounce of a flat block without damping: the height returns; contact time pi sqrt(m / (kn A)).
+// Elastic bounce of a flat block without damping: it returns to its height; contact time pi sqrt(m / (kn A)).
 TEST(Bouncing, HeightAndContactTime) {
   std::vector<Curve> curves;
   for (double fraction : {0.4, 0.1}) {
@@ -221,13 +222,13 @@ TEST(Bouncing, HeightAndContactTime) {
   write_figure("bounce", "time, s", "height above the floor, mm", curves);
 }
 
-// A spike so steep that no face of it overlaps the floor. Its tip alone bears, at 5 m, with the area of a corner, a
-// third of the surface over the corners. It sinks in by x with m g (h + x) = k x^2/2, and some of a step of contact
-// search more; then it flies back.
+// A spike so steep that none of its faces is above the floor within contact distance. Only its tip has contact, at 5 m,
+// with the area of a corner: a third of the surface over the corners. It penetrates by x with m g (h + x) = k x^2/2,
+// plus part of an interval of contact detection; then it rebounds.
 TEST(Bouncing, ATipBetweenSteepFacesBears) {
   Scene scene(dry_joint(1e7, 1e7, 30));
   scene.brick({-1, 4, -1}, {2, 1, 2}, true);
-  const double drop = 0.05, wide = 0.02, tall = 1.0;  // m; faces 1.1 degrees from upright
+  const double drop = 0.05, wide = 0.02, tall = 1.0;  // m; faces at 1.1 degrees from the vertical
   std::vector<Vector> corners{{0.3, 5 + drop, 0.2}};
   for (const auto& [x, z] : {std::pair{-wide, -wide}, {wide, -wide}, {wide, wide}, {-wide, wide}})
     corners.push_back({0.3 + x, 5 + drop + tall, 0.2 + z});
@@ -281,7 +282,7 @@ TEST(Stacking, JointForcesAreWeightsAbove) {
   check_error("stack of 10: joint force against weight above, worst relative", worst, 1e-6, "-");
 }
 
-// A block thrown along a plane: the friction dissipated is the kinetic energy lost; distance v^2 / (2 mu g).
+// A block with an initial velocity along a plane: friction dissipates its kinetic energy; distance v^2 / (2 mu g).
 TEST(Friction, SlidingWork) {
   const double mu = 0.5, v = 1.0;
   Scene scene(dry_joint(1e9, 1e9, std::atan(mu) * 180 / pi));

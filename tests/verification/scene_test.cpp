@@ -116,13 +116,13 @@ between = ["hull", "mesh"]
       wall += geometry::mass_properties(a.shapes[a.blocks[i].shape]).volume;
     }
   }
-  // two walls, corner counted once, less the opening (0.6 x 0.6)
+  // two walls, with the corner counted once, less the opening (0.6 x 0.6)
   expected = (2.0 * 1.2 + 1.6 * 1.2 - 0.2 * 1.2 - 0.36) * 0.2;
   EXPECT_NEAR(wall, expected, 1e-9);
   EXPECT_EQ(find_blocks(a, "arch/5", "test").size(), 1u);
   EXPECT_THROW(find_blocks(a, "arch/55", "test"), Error);
   run_through(run);
-  // the free hull, wedge and soft block rest on the floor; the corner holds together
+  // the free hull, wedge and soft block rest on the floor; the corner does not separate
   EXPECT_LT(run.measure().largest_displacement, 0.02);
 }
 
@@ -165,7 +165,7 @@ vertices = [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]
   }
 }
 
-// Two blocks that touch nothing, so that no contact law sees that one of them is nowhere.
+// Two blocks without contacts, so that no contact law detects a position that is not finite.
 const char* const two_free_blocks = R"(
 [[block]]
 name = "here"
@@ -223,7 +223,7 @@ omega = [0, 1e300, 0]
   expect_words(failure([&] { m.step(); }, Exit::numerical), {"block #1 'there'", "no finite number at step 4"});
 }
 
-// The point is the one that the law names: its jumps are finite, only the traction that follows from them is not.
+// The message has the point that the law has failed: its jumps are finite, but their traction is not.
 TEST(BlockScenes, AFailedContactPointIsNamedWithItsPlace) {
   std::string three = R"(
 [[block]]
@@ -297,8 +297,7 @@ TEST(BlockScenes, BlocksHaveNoMoreZonesThanMemory) {
   }
 }
 
-// Ground motion: a stiff block stuck to the ground follows it; the ground velocity is the integral of the acceleration
-// given.
+// Ground motion: a stiff block bonded to the ground follows it; the ground velocity is the integral of the record.
 TEST(BlockScenes, GroundMotionIsIntegratedExactly) {
   const std::string path = scene_file(R"(
 [[block]]
@@ -334,7 +333,7 @@ monitor = "block"
     }
   } recorder;
   run.run(recorder);
-  // Twice the integral of each corner of the record, a ramp from there on.
+  // Double integral of the record: each of its corners begins a linear part, whose double integral is cubic.
   const auto moved = [](double t) {
     const auto ramp = [t](double from) { return std::pow(std::max(0.0, t - from), 3) / 6; };
     return 20 * ramp(0) - 60 * ramp(0.1) + 60 * ramp(0.2) - 20 * ramp(0.3);
@@ -351,8 +350,8 @@ monitor = "block"
   check("ground motion: the block rides along", expected, position_of(*run.large_motion(), 1).x - 0.25, 2e-3, "m");
 }
 
-// Least horizontal body force, over weight, that turns the arch into three links on four hinges. Every choice of hinges
-// at the edges of its joints is tried (kinematic theorem of limit analysis). The x-y plane is that of complex numbers.
+// Returns the smallest horizontal body force, over weight, of all mechanisms of three links with four hinges at edges
+// of joints (kinematic theorem). The x-y plane is that of complex numbers.
 double arch_multiplier(const ArchSpec& arch) {
   using Point = std::complex<double>;
   const int n = arch.voussoirs;
@@ -362,7 +361,7 @@ double arch_multiplier(const ArchSpec& arch) {
                       to_radians * (arch.angles[0] + (arch.angles[1] - arch.angles[0]) * double(joint) / n));
   };
   const auto turned = [](Point a, Point b) { return a.real() * b.imag() - a.imag() * b.real(); };
-  std::vector<Point> centroids;  // of flat voussoirs, all of one area
+  std::vector<Point> centroids;  // of the voussoirs, which have equal areas
   for (int i = 0; i < n; ++i) {
     const Point a = edge(i, 0), b = edge(i, 1), c = edge(i + 1, 1), d = edge(i + 1, 0);
     const double abc = turned(b - a, c - a), acd = turned(c - a, d - a);
@@ -372,7 +371,8 @@ double arch_multiplier(const ArchSpec& arch) {
   const auto try_hinges = [&](const std::array<int, 4>& joint, int sides) {
     std::array<Point, 4> hinge;
     for (int h = 0; h < 4; ++h) hinge[h] = edge(joint[h], sides >> h & 1);
-    // The first and the last link turn about their outer hinges, the one between about where the lines of both meet.
+    // The first and the last link rotate about their outer hinges, the middle one about the intersection of their
+    // lines.
     const Point first = hinge[1] - hinge[0], last = hinge[2] - hinge[3];
     const double parallel = turned(first, last);
     if (std::abs(parallel) < 1e-9 * arch.radius * arch.radius) return;
@@ -389,7 +389,7 @@ double arch_multiplier(const ArchSpec& arch) {
       }
     }
     const double way = along > 0 ? 1 : -1;
-    for (int h = 0; h < 4; ++h) {  // a joint that turns about its outer edge opens inside, and the other way round
+    for (int h = 0; h < 4; ++h) {  // a joint that rotates about its outer edge opens at the inner one, and vice versa
       const double opening = (h < 3 ? spin[h] : 0.0) - (h > 0 ? spin[h - 1] : 0.0);
       if (way * opening * ((sides >> h & 1) != 0 ? -1 : 1) < 0) return;
     }
@@ -403,7 +403,7 @@ double arch_multiplier(const ArchSpec& arch) {
   return least;
 }
 
-// The arch that is shipped: Oppenheim (1992) prints 0.37.
+// The shipped arch; Oppenheim (1992) has 0.37.
 TEST(BlockScenes, ArchFallsAtTheMultiplierOfLimitAnalysis) {
   const quoin::Scene scene = read_scene(QUOIN_SCENES "/arch.toml");
   const double expected = arch_multiplier(scene.blocks->arches.at(0));
@@ -412,7 +412,7 @@ TEST(BlockScenes, ArchFallsAtTheMultiplierOfLimitAnalysis) {
   struct Recorder : Observer {
     Curve push{"measured, 0.001 /s"};
     void on_row(const HistoryRow& row) override {
-      // Rows of the rise are many, those of the fall few.
+      // There are many rows before the collapse and few during it.
       const double way = 1e3 * row.largest_displacement;
       if (row.multiplier < 0.35) return;
       if (push.points.empty() || way > push.points.back()[0] + 5 || row.multiplier > push.points.back()[1] + 2e-4)
@@ -425,7 +425,7 @@ TEST(BlockScenes, ArchFallsAtTheMultiplierOfLimitAnalysis) {
       "arch_multiplier", "largest displacement of a voussoir, mm", "multiplier of the horizontal force, -",
       {{"four hinges, limit analysis", CurveKind::reference, {{0, expected}, {600, expected}}}, recorder.push});
   ASSERT_TRUE(outcome.collapse_multiplier.has_value());
-  // Never below; above by what the multiplier grows in the 2 or 3 s that the falling arch needs for its 0.6 m.
+  // Not below; above by the growth of the multiplier in the 2 or 3 s in which the falling arch moves by 0.6 m.
   EXPECT_GT(*outcome.collapse_multiplier, expected);
   check("arch of Oppenheim, 7 voussoirs: multiplier, 0.001 /s", expected, *outcome.collapse_multiplier, 0.01, "-",
         "four hinges, by enumeration");

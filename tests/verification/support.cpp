@@ -14,7 +14,8 @@ namespace quoin::verification {
 namespace {
 const std::filesystem::path kRecords = "verification_records";
 
-// Of the running test, without the mark of the long ones. Its first line takes the place of what an earlier run wrote.
+// Returns the record of the running test, named without the mark of long tests. The first line of a test overwrites the
+// file of an earlier run.
 std::ofstream record() {
   static std::string last;
   const ::testing::TestInfo& test = *::testing::UnitTest::GetInstance()->current_test_info();
@@ -151,7 +152,7 @@ int Scene::brick(const Vector& lower, const Vector& size, bool fixed, const Quat
   Block b;
   b.fixed = fixed, b.orientation = turn;
   if (turn.w == 1.0) return assembly.add(box(lower, size), b);
-  // turned about the origin of space
+  // rotated about the origin
   return assembly.add(box(lower, size), b);
 }
 int Scene::block(const ConvexPolyhedron& shape, bool fixed) {

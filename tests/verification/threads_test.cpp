@@ -1,4 +1,4 @@
-// Blocks of any shape have the same bits at any number of threads, and in whichever loop their steps are taken.
+// Blocks of any shape are bitwise identical for any number of threads, and for both loops of steps.
 #include "scene/generate_blocks.h"
 #include "scene/read_scene.h"
 #include "step/simulation.h"
@@ -7,7 +7,7 @@
 namespace quoin::verification {
 namespace {
 
-// No ramp: the forces of the first step are those of every step.
+// A stage without ramp: the loads are constant from the first step on.
 const char* const pushed = R"(
 [[stage]]
 gravity = [3.4, -9.81, 5.9]
@@ -43,7 +43,7 @@ quoin::Scene deformable() {
 quoin::Scene arch() {
   quoin::Scene scene = read_scene(QUOIN_SCENES "/arch.toml");
   scene.stages[0].duration = 0.3;
-  scene.stages[1].collapse->start = 0.5;  // falls at once
+  scene.stages[1].collapse->start = 0.5;  // above the multiplier of collapse
   scene.stages[1].ramp_time = 0.1;
   return scene;
 }
@@ -79,7 +79,7 @@ TEST(BlockThreads, DeformableBlocksUnderDampingByBlock) {
 }
 TEST(BlockThreads, Arch) { same_at_any_number_of_threads(arch(), true); }
 
-// The model's own loop, alone and with threads of its own, and the loop of a simulation.
+// Compares the loop of the model, with one and several threads, with the loop of a simulation.
 TEST(BlockThreads, TheModelsLoopIsThatOfASimulation) {
   constexpr long kSteps = 1000;
   for (const quoin::Scene& scene : {collapse(), deformable()}) {

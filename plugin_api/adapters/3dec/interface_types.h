@@ -1,13 +1,13 @@
-// The types of 3DEC's interface, read off its own declarations. 3DEC 7 has wide String, UInt, UByte for a dimension,
-// Variant with toDouble(). 3DEC 9 has string, uint32 for both, base::Property with to<double>(). QUOIN_3DEC_VERSION
-// says which of them it is; beyond this file only the version number and the stiffness that is requested depend on it.
+// Types of 3DEC's interface, deduced from its declarations. 3DEC 7 has a wide String, UInt, UByte for a dimension, and
+// Variant with toDouble(). 3DEC 9 has string, uint32 for both integers, and base::Property with to<double>().
+// QUOIN_3DEC_VERSION is the version. Outside this file only the version number and getMaxNormalStiffness depend on it.
 #pragma once
 
 #include <string_view>
 #include <tuple>
 
 #include "jointmodel.h"
-#include "state.h"  // jointmodel.h only names State
+#include "state.h"  // jointmodel.h only declares State
 
 namespace quoin::threedec {
 

@@ -1,5 +1,5 @@
-// The four functions that 3DEC looks up in a plug-in. One build serves every law. The file's own name says which,
-// jmodelNAME007.dll for the law NAME, as 3DEC's naming of plug-ins has it: three digits of the interface's version.
+// The four functions that 3DEC looks up in a plug-in. One build serves every law; the law is that of the file name. By
+// 3DEC's naming of plug-ins, law NAME is jmodelNAME007.dll, with three digits for the version of the interface.
 #include <algorithm>
 #include <cctype>
 #include <exception>
@@ -14,7 +14,7 @@ namespace {
 const std::string& law_name() {
   static const std::string name = [] {
     std::string stem = quoin::adapters::own_file().stem().string();
-    constexpr std::size_t digits = 3;  // not more: a law's own name may end with one
+    constexpr std::size_t digits = 3;  // exactly three, since the name of a law may end with a digit
     const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
     if (stem.size() > digits && std::all_of(stem.end() - digits, stem.end(), is_digit))
       stem.resize(stem.size() - digits);
@@ -25,8 +25,8 @@ const std::string& law_name() {
 
 }  // namespace
 
-// No exception crosses extern "C": 3DEC may be built by another compiler there. A law that cannot be served becomes a
-// joint model that says why as soon as it is used.
+// No exception crosses extern "C", since 3DEC may be built by another compiler. A law that is missing or refused
+// becomes a joint model that throws the reason when it is used.
 extern "C" {
 
 QUOIN_EXPORT const char* getName() {

@@ -1,5 +1,5 @@
-// Names of a law's properties in 3DEC's own joint models, and in published ones with fracture energies. A data file
-// written for them runs with a Quoin law.
+// Names of properties in 3DEC's joint models and in published models with fracture energies. Data files with these
+// names run with a Quoin law.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 12> p
     {"fracture_energy_compression", "G_c"},
 }};
 
-// Empty: none.
+// Returns the 3DEC name of a law's property; empty if it has none.
 constexpr std::string_view synonym(std::string_view property) {
   for (const auto& [id, name] : property_synonyms)
     if (id == property) return name;

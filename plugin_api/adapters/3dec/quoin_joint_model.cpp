@@ -13,7 +13,7 @@ namespace quoin::threedec {
 
 namespace {
 
-// The first four bits as in 3DEC's own models, which its commands and plots know; the cap's as in published models.
+// State bits: the first four as in 3DEC's models, for its commands and plots; those of the cap as in published models.
 constexpr Index slip_now = 1, tension_now = 2, slip_past = 4, tension_past = 8, crush_now = 16, crush_past = 32;
 
 Index state_bits(Index before, Index now) {
@@ -25,7 +25,7 @@ Index state_bits(Index before, Index now) {
   return past | (now & all_now);
 }
 
-constexpr std::uint64_t save_format = 0x6a6f696e74320000;  // another one whenever Memory changes
+constexpr std::uint64_t save_format = 0x6a6f696e74320000;  // changes whenever Memory changes
 
 template <class T>
 void write(std::ostream& stream, const T* data, std::size_t count) {
@@ -64,7 +64,7 @@ Text QuoinJointModel::getProperties() const {
   return text(names);
 }
 
-// 3DEC saves what it reads here and sets it again when it restores: the default that is in force, not that it is one.
+// Returns the value, given or default. 3DEC saves it and sets it at a restore: a restored default is a given value.
 Value QuoinJointModel::getProperty(Index index) const {
   const std::size_t i = index - 1, count = values_.size();  // index 0 becomes too large
   if (i < count) return adapters::value_in_force(served_.properties, values_, i);
@@ -124,7 +124,7 @@ void QuoinJointModel::copy(const JointModel* other) {
   energy_activated_ = from->energy_activated_;
 }
 
-// Null: what has been set so far makes no material. What is missing or wrong, initialize and run say.
+// Returns the material of the properties set so far, or null if they make none. initialize and run throw the reason.
 const adapters::Material* QuoinJointModel::known_material() const {
   if (material_ != nullptr) return material_;
   try {
@@ -134,14 +134,14 @@ const adapters::Material* QuoinJointModel::known_material() const {
   }
 }
 
-// The slope of the law where the point stands.
+// Returns d sigma / d d_n at the current state, Pa/m.
 double QuoinJointModel::normal_stiffness_now(const adapters::Material& material) const {
   const double bound = material.stiffness().normal;
   if (!memory_.started || (law_.capabilities & QUOIN_CAN_TANGENT) == 0) return bound;
   return std::clamp(standing(material, adapters::outputs::tangent).tangent[0], 0.0, bound);
 }
 
-// Called before the first step and before all properties are set, too.
+// 3DEC calls this also before the first step and before all properties are set.
 double QuoinJointModel::getMaxNormalStiffness() const {
   const adapters::Material* const material = known_material();
   if (material == nullptr) return 0.0;
@@ -158,14 +158,14 @@ void QuoinJointModel::initialize(Dimension dim, jmodels::State* state) {
   if (material_ == nullptr) material_ = &adapters::shared_material(law_, values_);
 }
 
-// Forces that are there before the first step (gravity, in-situ stress) are taken as elastic: they fix d_n.
+// Sets the initial state. Normal force before the first step (gravity, in-situ stress) counts as elastic and gives d_n.
 void QuoinJointModel::start(const jmodels::State& state) {
   states_ = material_->initial_state(law_.initial_states[initial_state_]);
   memory_.jump = -state.normal_force_ / state.area_ / material_->stiffness().normal;
   memory_.started = true;
 }
 
-// A step by `sliding` to memory_.jump from the traction and states that are remembered; its states go to `to`.
+// Evaluates a step to memory_.jump with slip `sliding`, from memory_.traction and states_. Writes new states to `to`.
 void QuoinJointModel::evaluate(adapters::PointBatch& point, const adapters::Material& material,
                                const std::array<double, 2>& sliding, double* to) const {
   point.normal_jump = memory_.jump;
@@ -177,7 +177,7 @@ void QuoinJointModel::evaluate(adapters::PointBatch& point, const adapters::Mate
                              " m or the force before the step is not finite; the time step may be unstable");
 }
 
-// The outputs `asked` for where the point stands: of a step that does not move.
+// Evaluates a step without motion for the outputs `asked`, at the current state.
 const adapters::PointBatch& QuoinJointModel::standing(const adapters::Material& material, unsigned asked) const {
   adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, asked);
   std::array<double, adapters::max_states> unused;
@@ -185,8 +185,8 @@ const adapters::PointBatch& QuoinJointModel::standing(const adapters::Material& 
   return point;
 }
 
-// Replaces what is remembered by the end of the step; returns the bits of now. These follow from the forces, as in
-// 3DEC's own models: a law's flags would cost several times the step.
+// Updates memory_ and states_ to the end of the step and returns the bits of this step. The bits are computed from the
+// forces, as in 3DEC's models: the law's flags would multiply the cost of the step.
 Index QuoinJointModel::step(const std::array<double, 2>& sliding, const jmodels::State& state) {
   using namespace adapters;
   const bool energies = (energy_activated_ || state.trackEnergy()) && (law_.capabilities & QUOIN_CAN_ENERGY) != 0;
@@ -217,7 +217,8 @@ Index QuoinJointModel::step(const std::array<double, 2>& sliding, const jmodels:
   return now;
 }
 
-// The shear force that 3DEC hands over is the one of the last step, unless the contact has turned or its area changed.
+// Sets memory_ from 3DEC's forces. Its shear force is that of the last step, unless the contact has rotated or its area
+// has changed.
 void QuoinJointModel::take_forces(const jmodels::State& s) {
   memory_.traction[0] = -s.normal_force_ / s.area_;
   if (same(s.shear_force_, memory_.shear_force()) && s.area_ == memory_.area) return;
@@ -227,7 +228,7 @@ void QuoinJointModel::take_forces(const jmodels::State& s) {
   memory_.area = s.area_;
 }
 
-// Forces, their increments and dnop_ of the step; without an area, none.
+// Writes the forces of the step, their increments and dnop_ to s.
 void QuoinJointModel::give_forces(double normal_force, const DVect3& shear_force, jmodels::State& s) {
   s.normal_force_inc_ = normal_force - s.normal_force_;
   s.shear_force_inc_ = shear_force - s.shear_force_;
@@ -242,7 +243,7 @@ void QuoinJointModel::give_forces(double normal_force, const DVect3& shear_force
 void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
   JointModel::run(dim, state);
   jmodels::State& s = *state;
-  if (s.area_ <= 0.0) {  // nothing carries: the joint goes on from its opening and states where there is an area again
+  if (s.area_ <= 0.0) {  // no forces; opening and states are kept for a later step with an area
     if (memory_.started) memory_.jump += s.normal_disp_inc_;
     memory_.area = 0.0;
     give_forces(0.0, DVect3(0.0), s);
@@ -269,7 +270,7 @@ void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
 
 bool QuoinJointModel::isSliding(const jmodels::State& state) { return (state.state_ & slip_now) != 0; }
 
-// By the law's flags.
+// True unless the law's flags report complete tension or shear softening.
 bool QuoinJointModel::isBonded(const jmodels::State&) {
   const adapters::Material* const material = known_material();
   if (!memory_.started || material == nullptr) return true;
@@ -292,7 +293,7 @@ void QuoinJointModel::setEnergy(Index key, const double& value) {
   if (key >= 1 && key <= energy_count) memory_.energies[key - 1] = value;
 }
 
-// A law says what is stored as one number: the elastic shear part of it is known, the rest is normal.
+// A law gives the stored energy as one number: its shear part is the elastic one, the rest is the normal part.
 void QuoinJointModel::book_energies(double area, double stored, const double* dissipated) {
   const std::array<double, 3>& traction = memory_.traction;
   std::array<double, energy_count>& e = memory_.energies;

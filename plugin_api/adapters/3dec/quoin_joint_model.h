@@ -1,4 +1,4 @@
-// Any Quoin law as a 3DEC joint model: one object a contact point, which holds the law's state.
+// A Quoin law as a 3DEC joint model: one object for each contact point, with the law's states.
 #pragma once
 
 #include <array>
@@ -15,24 +15,24 @@ namespace quoin::threedec {
 
 // The law that a plug-in serves, shared by all of its models.
 struct ServedLaw {
-  // The law by name, see shared/law_library.h. Throws std::runtime_error: it is not there, or not one for 3DEC.
+  // Finds the law by name, see shared/law_library.h. Throws std::runtime_error if it is missing or not usable in 3DEC.
   explicit ServedLaw(const std::string& law_name);
 
   std::string name;
   const quoin_law& law;
-  std::vector<const quoin_property_info*> properties;  // those that one number can give
+  std::vector<const quoin_property_info*> properties;  // adapters::scalar_properties of the law
 };
 
 class QuoinJointModel final : public jmodels::JointModel {
  public:
-  // The law outlives the model.
+  // The law must outlive the model.
   explicit QuoinJointModel(const ServedLaw& law);
 
   Text getName() const override;
   Text getFullName() const override;
   Index getMinorVersion() const override { return 1; }
-  // The law's numbers and choices (by index) in its order, defaults included; initial_state (by index); the states, to
-  // be read only.
+  // Names of the law's numbers and choices (by index) in its order, then initial_state (by index), then the states,
+  // which are read-only.
   Text getProperties() const override;
   Text getStates() const override { return text("slip-n,tension-n,slip-p,tension-p,cap-n,cap-p"); }
   Value getProperty(Index index) const override;
@@ -40,7 +40,8 @@ class QuoinJointModel final : public jmodels::JointModel {
   void save(std::ostream& stream) const override;
   void restore(std::istream& stream, Index restore_version) override;
   jmodels::JointModel* clone() const override { return new QuoinJointModel(served_); }
-  // Pa/m. 0 as long as the properties make no material. 3DEC 9 damps by it (Maxwell): the stiffness of now, see README.
+  // Pa/m. 0 while the properties make no material. For 3DEC 9, whose Maxwell damping uses it, the current stiffness:
+  // see README.
   double getMaxNormalStiffness() const override;
   double getMaxShearStiffness() const override;
   void copy(const jmodels::JointModel* other) override;
@@ -64,13 +65,13 @@ class QuoinJointModel final : public jmodels::JointModel {
   struct Memory {
     bool started = false;
     double jump = 0.0;                 // d_n, m
-    double closure = 0.0;              // m, what the joint last closed by without pressure: crushed, less uplifted
-    double reach = 0.0;                // m, the largest |d_n| so far: what lengths are rounded from
-    std::array<double, 3> traction{};  // Pa, the shear along the axes, as the states that are vectors are
+    double closure = 0.0;              // m, last closure at zero pressure: crushing less uplift
+    double reach = 0.0;                // m, largest |d_n| so far, the scale of rounding of lengths
+    std::array<double, 3> traction{};  // Pa, its shear along the axes, as the vector states
     std::array<double, energy_count> energies{};
     ShearAxes axes;
-    double area = 0.0;                  // m2, of the last step that had one
-    double force[3] = {0.0, 0.0, 0.0};  // N, the shear force of the last step
+    double area = 0.0;                  // m2, area of the last step with an area
+    double force[3] = {0.0, 0.0, 0.0};  // N, shear force of the last step
     DVect3 shear_force() const { return {force[0], force[1], force[2]}; }
     void keep_shear_force(const DVect3& f) { force[0] = f.x(), force[1] = f.y(), force[2] = f.z(); }
   };
@@ -90,7 +91,7 @@ class QuoinJointModel final : public jmodels::JointModel {
   const quoin_law& law_;
   std::vector<double> values_;  // NaN: the law's default
   std::size_t initial_state_ = 0;
-  const adapters::Material* material_ = nullptr;  // null: a property has changed since
+  const adapters::Material* material_ = nullptr;  // null: to be made from values_, which have changed
   Memory memory_;
   std::vector<double> states_;
   bool energy_activated_ = false;

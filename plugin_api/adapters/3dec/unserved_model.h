@@ -1,4 +1,4 @@
-// What a plug-in makes when its law cannot be served: it is not found, or refused.
+// Joint model of a plug-in whose law is missing or refused.
 #pragma once
 
 #include <stdexcept>
@@ -9,7 +9,7 @@
 
 namespace quoin::threedec {
 
-// A joint model without properties that throws std::runtime_error with the reason in `initialize` and `run`.
+// Has no properties; `initialize` and `run` throw std::runtime_error with the reason.
 class UnservedModel final : public jmodels::JointModel {
  public:
   UnservedModel(std::string law, std::string reason) : law_(std::move(law)), reason_(std::move(reason)) {}

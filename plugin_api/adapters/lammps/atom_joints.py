@@ -1,10 +1,10 @@
-"""A Quoin law between atoms of LAMMPS, by `fix external`. Atoms of one rigid body are the places of its contact points;
-`fix rigid` makes forces and moments of the forces on them.
+"""A Quoin law between atoms of LAMMPS, by `fix external`. The contact points of a rigid body are atoms; `fix rigid` sums
+the forces on them to forces and moments of the body.
 
     lmp.command("fix law all external pf/callback 1 1")
     AtomJoints(material, atom_a, atom_b, normal, area, lmp).attach("law")
 
-Atoms keep their order: one process, `atom_modify sort 0 0`. Positions and forces are LAMMPS's own arrays.
+Atoms must keep their order: one process, `atom_modify sort 0 0`. Positions and forces are LAMMPS's arrays, without copies.
 """
 import numpy as np
 
@@ -12,7 +12,7 @@ from joint_points import JointPoints, frames
 
 
 class AtomJoints(JointPoints):
-    """Points from atom a to atom b, indices from 0."""
+    """Contact points between atoms a and b, whose indices begin at 0; normals point from a to b."""
 
     def __init__(self, material, atom_a, atom_b, normal, area, lmp, initial_state=None):
         super().__init__(material, area, initial_state)
@@ -28,7 +28,7 @@ class AtomJoints(JointPoints):
         f[:] = self.forces(x - self.reference)
 
     def forces(self, displacement):
-        """On every atom; the states go one step on."""
+        """Returns the force on every atom and updates the states by one step."""
         jump = displacement[self.atom_b] - displacement[self.atom_a]
         force = np.einsum("kn,nki->ni", self.forces_on_a(np.einsum("nki,ni->kn", self.axes, jump)), self.axes)
         parts = np.concatenate([force, -force])

@@ -20,15 +20,15 @@ CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)
 
 
 class Cubes:
-    """What forces and velocities of eight corners are to a cube as one body: (cubes, 3) each."""
+    """Force, moment, velocity and rotation rate of cubes from values at their eight corners: (cubes, 3) each."""
 
     def __init__(self, size):
         self.arm = CORNERS * size
-        # Corners that turn by w move by w x r, and the sum of r x (w x r) is `turn` w along each axis.
+        # A rotation w moves a corner at r by w x r. The sum of r x (w x r) over the corners is `turn` w along each axis.
         self.turn = np.sum(np.sum(self.arm**2, 1)[:, None] - self.arm**2, 0)
 
     def sums(self, at_corners):
-        """Sum, and sum of r x it."""
+        """Returns the sum of the values at the corners, and the sum of r x value."""
         at_corners = at_corners.reshape(-1, 8, 3)
         return at_corners.sum(1), np.cross(self.arm, at_corners).sum(1)
 
@@ -41,7 +41,7 @@ class Cubes:
 
 
 class Test(AtomJoints):
-    """Adds to the law's forces what LAMMPS does not have: local damping of rigid bodies, and a body that is driven."""
+    """Adds to the law's forces local damping of rigid bodies and a driven body, which LAMMPS does not have."""
 
     def __init__(self, options):
         self.wall = wall = cube_scene.CubeWall(options)
@@ -62,14 +62,14 @@ class Test(AtomJoints):
         lmp.command("fix law all external pf/callback 1 1")
 
         def atom(body):
-            """Of a body's corner at a point's position."""
+            """Returns the atom at the corner of a body nearest to each point."""
             return body * 8 + np.abs(corner[body] - wall.position[:, None]).sum(2).argmin(1)
 
         super().__init__(wall.material, atom(wall.body_a), atom(wall.body_b), wall.normal, wall.area, lmp)
         self.attach("law")
 
     def make_bodies(self):
-        """The bottom course belongs to no fix that moves it. The top course keeps what its forces do along x and y."""
+        """Defines the rigid bodies. No fix moves the bottom course. The top course moves by forces along x and y only."""
         wall, first = self.wall, len(self.wall.bottom)
         rigid = range(first, len(wall.centre))
         self.body_file = tempfile.NamedTemporaryFile("w", suffix=".rigid")  # read when the run begins
@@ -85,7 +85,7 @@ class Test(AtomJoints):
                                 f"torque {top} off off off"])
 
     def callback(self, _, step, atom_count, tag, x, f):
-        """At x(t); velocities are those of t - dt/2, as in Quoin's host."""
+        """Returns damping forces at the positions x(t); velocities are those at t - dt/2, as in Quoin's host."""
         wall, top = self.wall, self.wall.top
         displacement = x - self.reference
         moved = displacement.reshape(-1, 8, 3)[top, :, 0].mean()
@@ -103,7 +103,7 @@ class Test(AtomJoints):
         f[:] = at_corners + self.cubes.corner_forces(damping, turning)
 
     def run(self):
-        path, steps = 0.0, 0  # displacement of the top course after so many steps
+        path, steps = 0.0, 0  # displacement of the top course, m, after `steps` steps
         while path < self.wall.end:
             path += self.wall.speed(steps) * self.wall.options.time_step
             steps += 1
@@ -112,7 +112,7 @@ class Test(AtomJoints):
         self.wall.write(time.perf_counter() - start, self)
 
     def print_cost(self):
-        """Of the adapter's parts, ns a point and step."""
+        """Measures the cost of the adapter's parts, ns for each point and step."""
         x, f = (self.lmp.numpy.extract_atom(name)[:len(self.reference)] for name in "xf")
         everything, law = (min(timeit.repeat(part, number=100, repeat=5)) / 100 / len(self.area) * 1e9
                            for part in (lambda: AtomJoints.callback(self, None, 0, len(x), None, x, f), self.step))

@@ -20,7 +20,7 @@ int fail(const BehaviourData& data, const char* reason) {
   return integration_failed;
 }
 
-// Row by row.
+// Sets K to the elastic stiffness, row by row.
 void elastic_operator(const quoin_stiffness_bounds& stiffness, int components, double* K) {
   std::fill_n(K, components * components, 0.0);
   for (int k = 0; k < components; ++k) K[k * components + k] = k == 0 ? stiffness.normal : stiffness.shear;
@@ -34,14 +34,14 @@ std::uint32_t evaluate(adapters::PointBatch& point, const PointMaterial& of) {
   return point.evaluate(*of.material, of.column_count, of.columns);
 }
 
-// In plane strain the third component stays 0. states: memory for the states at the end of the step.
+// Sets point to the start of the step. In plane strain its third components are 0. states: memory for the new states.
 void put_start(const BehaviourData& data, int components, double* states, adapters::PointBatch& point) {
   point.slip[1] = point.traction[2] = 0.0;
   std::copy_n(data.s0.thermodynamic_forces, components, point.traction);
   point.states(data.s0.internal_state_variables, states);
 }
 
-// Why the law fails a point: its own properties are refused, or something is not finite. Throws.
+// Throws the reason why the law fails a point: its own properties are refused, or a value is not finite.
 [[noreturn]] void throw_reason(const BehaviourData& data, int components, const PropertySets& sets,
                                const PointMaterial& of) {
   if (of.column_count > 0) sets.make(data.s1.material_properties);
@@ -59,7 +59,7 @@ void put_start(const BehaviourData& data, int components, double* states, adapte
   throw std::runtime_error(reason + ") m, or the state at the start of the step, is not finite");
 }
 
-// The tangent of a step that does not move: outputs other than the operator go nowhere.
+// Computes the tangent of a step without motion. Only the operator is written to data.
 void prediction_operator(const PropertySets& sets, const PointMaterial& of, const BehaviourData& data, int components) {
   adapters::PointBatch& point = adapters::PointBatch::of_thread(sets.law(), adapters::outputs::tangent);
   point.normal_jump = data.s0.gradients[0];
@@ -137,7 +137,7 @@ int Behaviour::initialize(BehaviourData& data, const char* initial_state) const 
   }
 }
 
-// Sought once: reading the environment and the file system costs a thousand times as much as a step.
+// Finds the law at the first call only: reading the environment and the file system costs as much as a thousand steps.
 const quoin_law& Behaviour::law() const {
   const quoin_law* known = law_.load(std::memory_order_acquire);
   if (known == nullptr) {

@@ -1,7 +1,7 @@
-// A Quoin law as a cohesive zone model of MFront's generic interface. Gradient: opening displacement (n, t1, t2),
-// total; thermodynamic force: cohesive force (n, t1, t2), tension positive. Both are Quoin's d_n, d_s, d_t and sigma,
-// tau_s, tau_t with the same signs. The slip of a step is the difference of the total openings. In plane strain nothing
-// slides out of the plane: both are (n, t1), and K has 2 x 2 numbers.
+// A Quoin law as a cohesive zone model of MFront's generic interface. The gradient is the total opening displacement
+// (n, t1, t2), Quoin's d_n, d_s, d_t. The thermodynamic force is the cohesive force (n, t1, t2), tension positive,
+// Quoin's sigma, tau_s, tau_t. The slip of a step is the difference of the total displacements. In plane strain there
+// is no slip out of the plane: both are (n, t1), and K has 2 x 2 numbers.
 #pragma once
 
 #include <atomic>
@@ -18,8 +18,8 @@ enum class Hypothesis { plane_strain = 2, tridimensional = 3 };  // the number o
 // One behaviour of a generated library. The law is loaded at the first call and kept.
 class Behaviour {
  public:
-  // state_schema, properties: of the law when the symbols were generated. energies: computed where the host gives them
-  // a place; else never.
+  // state_schema, properties: those of the law when the symbols were generated. energies: true if energies are computed
+  // where the host provides memory for them.
   constexpr Behaviour(const char* law, std::uint64_t state_schema, const char* const* properties,
                       std::size_t property_count, bool energies)
       : law_name_(law),
@@ -28,9 +28,9 @@ class Behaviour {
         property_count_(property_count),
         energies_(energies) {}
 
-  // Any thread, as long as the data differ.
+  // Computes one step; may be called from several threads with different data.
   int integrate(BehaviourData& data, Hypothesis hypothesis) const noexcept;
-  // Fills the internal state variables of s1.
+  // Fills in the internal state variables of data.s1.
   int initialize(BehaviourData& data, const char* initial_state) const noexcept;
 
  private:

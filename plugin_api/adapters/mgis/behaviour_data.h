@@ -1,6 +1,6 @@
-// What an MGIS-based host passes to a behaviour, declared by ourselves from its public headers. It is version 1 of
-// MFront's generic behaviour interface (TFEL 3.4.1 and later, 4.x; MGIS 1.2.1 and later, 2.x). The host owns all
-// memory.
+// Data that an MGIS-based host passes to a behaviour, declared here from the public headers of MGIS. The layout is
+// version 1 of MFront's generic behaviour interface (TFEL 3.4.1 and later, 4.x; MGIS 1.2.1 and later, 2.x). The host
+// owns all memory.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 namespace quoin::mgis {
 
 constexpr unsigned short api_version = 1;
-constexpr std::size_t error_message_size = 512;  // what the host provides at least
+constexpr std::size_t error_message_size = 512;  // bytes that the host provides at least
 
-// At the start of the step.
+// State at the start of the step, from the host.
 struct InitialState {
   const double* gradients;
   const double* thermodynamic_forces;
@@ -22,7 +22,7 @@ struct InitialState {
   const double* external_state_variables;
 };
 
-// At its end: the host gives gradients and properties, the behaviour the rest.
+// State at the end of the step: gradients and properties from the host, all else from the behaviour.
 struct State {
   const double* gradients;
   double* thermodynamic_forces;
@@ -59,7 +59,7 @@ static_assert(sizeof(void*) != 8 || offsetof(BehaviourData, s0) == 40);
 static_assert(sizeof(void*) != 8 || offsetof(BehaviourData, s1) == 104);
 static_assert(sizeof(void*) != 8 || sizeof(BehaviourData) == 168);
 
-// What a behaviour returns.
+// Return values of a behaviour.
 constexpr int integration_failed = -1;
 constexpr int results_unreliable = 0;
 constexpr int results_reliable = 1;

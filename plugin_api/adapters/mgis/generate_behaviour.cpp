@@ -1,4 +1,4 @@
-// Prints the source of a behaviour library: the symbols that an MGIS-based host reads, from the metadata of a law.
+// Prints the source of a behaviour library, whose symbols describe a law to an MGIS-based host.
 // usage: quoin-generate-behaviour LAW_FILE > source.cpp
 #include <cmath>
 #include <exception>
@@ -26,7 +26,7 @@ class Writer {
   void text(const std::string& symbol, const std::string& value) const {
     std::cout << "QUOIN_EXPORT const char* " << behaviour_ << "_" << symbol << " = \"" << value << "\";\n";
   }
-  // The pair n<symbol> and <symbol> that hosts read a list by.
+  // Prints the pair of symbols from which hosts read a list: its length n<symbol> and its names <symbol>.
   void list(const std::string& symbol, const Names& names) const {
     flag("n" + symbol, static_cast<unsigned>(names.size()));
     std::cout << "QUOIN_EXPORT const char* " << behaviour_ << "_" << symbol << "[] = {";
@@ -48,8 +48,8 @@ class Writer {
   std::string behaviour_;
 };
 
-// energies: whether the behaviour computes them. Hosts of MGIS hand over memory for the energies of every behaviour
-// that says it does, whether anybody reads them. Energies cost several times the step.
+// Prints one behaviour. energies: true if it computes energies, which multiply the cost of a step. MGIS provides memory
+// for them to every behaviour that declares them, also where the host does not use them, so there is one without.
 void print_behaviour(const quoin_law& law, const std::string& name, bool energies) {
   constexpr int scalar = 0, vector = 2;
   const Writer write(name);
@@ -72,7 +72,7 @@ void print_behaviour(const quoin_law& law, const std::string& name, bool energie
   write.flag("UsableInPurelyImplicitResolution", 1);
   write.flag("requiresStiffnessTensor", 0);
   write.flag("requiresThermalExpansionCoefficientTensor", 0);
-  write.flag("TemperatureRemovedFromExternalStateVariables", 0);  // there is no temperature
+  write.flag("TemperatureRemovedFromExternalStateVariables", 0);  // no temperature
   write.flag("ComputesInternalEnergy", energies);
   write.flag("ComputesDissipatedEnergy", energies);
   write.list("ModellingHypotheses", {"PlaneStrain", "Tridimensional"});

@@ -42,12 +42,13 @@ PointMaterial PropertySets::find(const double* values) {
   return {latest_->second, 0, nullptr};
 }
 
-// A column for every number that can have one; the material only says the rest, whatever its own numbers are.
+// Gives every per-point number a column. The material gives only the other properties; its own values of the numbers
+// with columns have no effect.
 PointMaterial PropertySets::shared_with_columns(const double* values) {
   columns_.clear();
   for (std::size_t i = 0; i < infos_.size(); ++i) {
     const quoin_property_info& info = *infos_[i];
-    if ((info.flags & QUOIN_PROPERTY_REQUIRED) != 0 && std::isnan(values[i])) make(values);  // throws and says so
+    if ((info.flags & QUOIN_PROPERTY_REQUIRED) != 0 && std::isnan(values[i])) make(values);  // throws
     in_force_[i] = adapters::value_in_force(infos_, {values, infos_.size()}, i);
     const bool column = info.kind == QUOIN_PROPERTY_NUMBER && (info.flags & QUOIN_PROPERTY_PER_POINT) != 0 &&
                         std::isfinite(in_force_[i]);

@@ -1,5 +1,5 @@
-// From a point's property values to a material of the law. MGIS hands the values over again at every call, and a field
-// of them may differ from point to point.
+// Materials of the law for the property values of points. MGIS passes the values at every call, and they may differ
+// from point to point.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,26 @@
 
 namespace quoin::mgis {
 
-// A material, and what of it holds for this point alone. Valid until the next find of the thread.
+// A material with property columns for one point. Valid until the next find of the thread.
 struct PointMaterial {
   const adapters::Material* material;
-  std::uint64_t column_count;  // 0: the material is exactly that of the values
+  std::uint64_t column_count;  // 0: the material has exactly the values
   const quoin_property_column* columns;
 };
 
-// Those of one thread. The first sets of values get a material each, which is found again by its values. Further ones
-// share a material and give what they have of their own as property columns. So a field in which every point differs
-// costs no memory. By C6.9 both give the same result.
+// Property sets of one thread. Each of the first `kept` sets has its own material, which is found by its values.
+// Further sets share a material and have their values as property columns, so that memory is bounded for a field in
+// which every point differs. By C6.9 of the contract both have the same results.
 class PropertySets {
  public:
   static constexpr std::size_t kept = 1024;
 
   static PropertySets& of_thread(const quoin_law& law);
-  explicit PropertySets(const quoin_law& law);  // use of_thread
-  // values: of adapters::scalar_properties, NaN for the law's default. Throws std::runtime_error as Material does;
-  // values that a column carries, the law refuses at the point.
+  explicit PropertySets(const quoin_law& law);  // for of_thread only
+  // Returns the material of values, in the order of adapters::scalar_properties, NaN for the law's default. Throws
+  // std::runtime_error as Material does. A refused value in a column does not throw: the point fails in evaluate.
   PointMaterial find(const double* values);
-  // A new material of exactly these values. Throws as find does.
+  // Returns a new material of these values. Throws std::runtime_error as Material does.
   std::unique_ptr<adapters::Material> make(const double* values) const;
   const quoin_law& law() const { return law_; }
 
@@ -42,7 +42,7 @@ class PropertySets {
     std::size_t operator()(std::string_view bytes) const { return std::hash<std::string_view>{}(bytes); }
   };
   struct Base {
-    std::vector<double> own;  // what no column carries, in pairs: whether a column does, the value
+    std::vector<double> own;  // for each property a pair: 1 if it has a column, and its value without one
     const adapters::Material* material;
   };
 
@@ -50,7 +50,7 @@ class PropertySets {
 
   const quoin_law& law_;
   std::vector<const quoin_property_info*> infos_;
-  // By the bytes of the values: NaN is a value here.
+  // Materials by the bytes of their values, since NaN is a valid value.
   std::unordered_map<std::string, const adapters::Material*, BytesHash, std::equal_to<>> materials_;
   const std::pair<const std::string, const adapters::Material*>* latest_ = nullptr;
   std::vector<Base> bases_;

@@ -1,5 +1,5 @@
-// What K[0] requests: its sign whether the step is integrated or only a prediction operator is due, its size which
-// operator. Above 50 it requests the speed of sound as well (K[0] = 100 + request).
+// The request in K[0]. Negative: only a prediction operator; else the step is integrated. The absolute value selects
+// the operator. Above 50 the request includes the speed of sound (K[0] = 100 + request).
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ struct Request {
     const double code = speed_of_sound ? k0 - 100.0 : k0;
     integration = code > -0.5;
     const double size = std::abs(code);
-    // 2 secant, 3 tangent, 4 consistent tangent: a Quoin law has the consistent tangent alone.
+    // 2 secant, 3 tangent, 4 consistent tangent: a Quoin law has only the consistent tangent.
     wanted = size < 0.5 ? Operator::none : size < 1.5 ? Operator::elastic : Operator::tangent;
   }
 };

@@ -2,10 +2,10 @@
 
     python3 compare.py yade|lammps --build build/release --out out/yade [--ablation]
 
-Writes curves.csv and curves.png; fails when the peaks differ by more than 2 %, or when a swap of the law in mid-run
-changes the force at once. Exit 77, with the reason: skipped. --ablation adds what tells causes apart: the band that
-each code fills when its step is changed by parts in 1e9, since cracking is chaotic; both codes with the law elastic,
-without cracks; in Yade the host's form of damping.
+Writes curves.csv and curves.png. Fails when the peaks differ by more than 2 %, or when a law swap in mid-run changes the
+force abruptly. Exit code 77, with the reason: skipped. --ablation adds runs that separate the causes of differences.
+Cracking is chaotic: runs whose time step differs by parts in 1e9 show the scatter of each code. Runs with the elastic law
+have no cracks. In Yade there are runs with the host's form of damping.
 """
 import argparse
 import json
@@ -88,7 +88,7 @@ def print_difference(ours, curve):
 
 
 class Band:
-    """Curves of one code whose steps differ in the ninth digit: `unchanged` is that of the step itself."""
+    """Curves of one code with time steps that differ in the ninth digit; `unchanged` is the curve of the given step."""
 
     def __init__(self, name, unchanged, others):
         curves = [unchanged, *others]
@@ -104,7 +104,7 @@ class Band:
               f"{min(largest):.3g} to {max(largest):.3g} N, rms {min(typical):.3g} to {max(typical):.3g} N")
 
     def print_outside(self, other):
-        """What of another code's curves lies outside this band: of the code's own, 2 of each further 10 would."""
+        """Compares another code's curves with this band. Of ten further curves of this code two would be outside it."""
         theirs = np.array([np.interp(self.displacement, other.displacement, f) for f in other.forces])
         outside = np.maximum(theirs - self.forces.max(0), self.forces.min(0) - theirs).clip(0)
         mean = theirs.mean(0) - self.forces.mean(0)
@@ -126,7 +126,7 @@ def write(options, curves):
     np.savetxt(csv, table, delimiter=",", comments="", header=",".join(header))
     if not shutil.which("gnuplot"):
         return print(f"wrote {csv}; not plotted: gnuplot is not installed")
-    # In the folder itself: gnuplot sees no text of the user's.
+    # Runs in the output folder, so that no path of the user is part of the gnuplot script.
     lines = ", ".join(f"'curves.csv' using ($1*1e3):(${k + 2}/1e3) with lines lw 2 title '{c.name}'"
                       for k, c in enumerate(curves))
     run(["gnuplot", "-e", "set terminal pngcairo noenhanced size 1200,800 font ',13'; set output 'curves.png'; set "

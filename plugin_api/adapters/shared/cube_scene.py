@@ -1,6 +1,6 @@
 """host/scenes/cube_wall_*.toml for other programs: the scene in arrays, its loading, the law by name, the curve.
 
-The bottom course is held; the top course moves along x and may rise, without turning. Everything else is free, under
+The bottom course is fixed. The top course moves along x and may rise, without rotation. All other cubes are free, with
 local damping of 0.8."""
 import argparse
 import os
@@ -48,7 +48,7 @@ class CubeWall:
         self.rows, self.swapped = [], options.swap_law is None
 
     def make_points(self, pairs):
-        """Four a face, at its corners, a quarter of its area each."""
+        """Returns four contact points for each face, at its corners, with a quarter of its area each."""
         points = []
         for a, b, axis in pairs:
             s, t = (axis + 1) % 3, (axis + 2) % 3
@@ -60,13 +60,13 @@ class CubeWall:
         self.body_a, self.body_b, self.position, self.normal, self.area = (np.array(c) for c in zip(*points))
 
     def make_material(self, name):
-        """The law of that name, with those of the properties that it knows."""
+        """Returns a material of the law of that name, with those properties of the scene that the law has."""
         law = quoin.load(os.path.join(self.options.laws, name + ".so"))[0]
         known = {p.id.decode() for p in law.properties}
         return law.material(**{k: v for k, v in self.properties.items() if k in known})
 
     def speed(self, step):
-        """Of the top course between this step and the next; smooth over the ramp."""
+        """Returns the speed of the top course between this step and the next, m/s; smooth over the ramp."""
         t = min(1.0, (step + 0.5) * self.options.time_step / self.ramp)
         return self.velocity * t * t * t * (10 + t * (-15 + 6 * t))
 
@@ -76,7 +76,7 @@ class CubeWall:
             self.swapped = True
 
     def record(self, displacement, resistance):
-        """Of the top course. True at the end of the test."""
+        """Records displacement and resistance of the top course. Returns True at the end of the test."""
         self.rows.append((displacement, resistance))
         return displacement >= self.end
 

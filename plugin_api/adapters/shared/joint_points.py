@@ -1,10 +1,11 @@
-"""Contact points under one Quoin law, in NumPy arrays, for any program that is driven from Python: jumps in, forces
-out, swap of the law. Displacements and rotations are small: frames stay as built."""
+"""Contact points with one Quoin law, in NumPy arrays, for any program with a Python interface: forces from jumps, and law
+swaps. Displacements and rotations are small: frames do not rotate."""
 import numpy as np
 
 
 def frames(normal):
-    """(N, 3, 3): rows n, s, t, right-handed; s is the axis after the one that n is nearest to, made square to n."""
+    """Returns (N, 3, 3): rows n, s, t, right-handed. s is the part perpendicular to n of the axis after the one that is
+    nearest to n."""
     axis = np.eye(3)[(np.abs(normal).argmax(1) + 1) % 3]
     s = axis - np.sum(axis * normal, 1)[:, None] * normal
     s /= np.linalg.norm(s, axis=1)[:, None]
@@ -21,7 +22,7 @@ class JointPoints:
         self.step = material.prepare(self.opening, self.slip, self.traction, self.state)
 
     def forces_on_a(self, jump):
-        """(3, N) along n, s, t from the jumps u_B - u_A along them, now; the states go one step on."""
+        """Returns forces (3, N) along n, s, t from the current jumps u_B - u_A, and updates the states by one step."""
         np.add(jump[0], self.normal_shift, out=self.opening)
         np.subtract(jump[1:], self.jump[1:], out=self.slip)
         self.jump = jump
@@ -31,7 +32,7 @@ class JointPoints:
         return self.traction * self.area
 
     def swap(self, material):
-        """Another law from now on, with every traction kept; refused with the law's reason where it cannot be."""
+        """Changes to another law at constant traction. Raises with the law's reason where it cannot keep a traction."""
         self.state, shift = material.take_over(self.material, self.opening, self.traction, self.state)
         self.normal_shift += shift
         self.material = material

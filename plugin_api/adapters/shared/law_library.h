@@ -1,4 +1,5 @@
-// Laws for the adapters: found by name, opened once a process, never unloaded (a host may hold points until it exits).
+// Laws for the adapters: found by name, opened once in a process, never unloaded, since a host may have contact points
+// until it exits.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +9,15 @@
 
 namespace quoin::adapters {
 
-// The shared library or program that holds this code.
+// Returns the path of the shared library or program that contains this code.
 std::filesystem::path own_file();
 
-// The law of this name (NAME.so, on Windows NAME.dll). It is sought in the folders of QUOIN_LAW_PATH (separated by ':',
-// on Windows by ';'), in the adapter's own folder and in laws/ beside that. Throws std::runtime_error saying where it
-// was sought, or why the library was refused. Any thread.
+// Returns the law of this name, from NAME.so or on Windows NAME.dll. The search path is the folders of QUOIN_LAW_PATH
+// (separated by ':', on Windows by ';'), the adapter's folder, and laws/ beside it. Throws std::runtime_error with the
+// searched folders, or with the reason why the library is refused. May be called from any thread.
 const quoin_law& law_by_name(const std::string& name);
 
-// The first law of a library file.
+// Returns the first law of a library file.
 const quoin_law& law_in_file(const std::filesystem::path& file);
 
 }  // namespace quoin::adapters

@@ -48,7 +48,7 @@ std::unique_ptr<Material> scalar_material(const quoin_law& law, std::span<const 
 const Material& shared_material(const quoin_law& law, std::span<const double> scalars) {
   static std::mutex mutex;
   static std::map<std::pair<const quoin_law*, std::string>, std::unique_ptr<Material>> materials;
-  // By the bytes of the values: NaN is a value here.
+  // Materials by the bytes of their values, since NaN is a valid value.
   std::string bytes(reinterpret_cast<const char*>(scalars.data()), scalars.size_bytes());
   const std::lock_guard lock(mutex);
   std::unique_ptr<Material>& entry = materials[{&law, std::move(bytes)}];

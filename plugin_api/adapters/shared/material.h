@@ -1,4 +1,4 @@
-// A material from the plain numbers and words that foreign programs hand over.
+// Materials from plain numbers, as other programs pass them.
 #pragma once
 
 #include <memory>
@@ -13,23 +13,23 @@ namespace quoin::adapters {
 using PropertyValue = api::Value;
 using Material = api::Material;
 
-// The properties that one number can give, in the law's order: numbers, and choices by their index. Tables are left
-// out: a law takes its default for them.
+// Returns the properties that one number can give, in the law's order: numbers, and choices by their index. Tables are
+// excluded: they have the law's default.
 std::vector<const quoin_property_info*> scalar_properties(const quoin_law& law);
 
-// The value that holds for property i of scalar_properties, given all of their values, NaN for the law's default. It is
-// 0 for one that is required and not given.
+// Returns the value of property i, given or default. values: of all scalar_properties, NaN for the law's default. 0 for
+// a required property that is not given.
 double value_in_force(std::span<const quoin_property_info* const> properties, std::span<const double> values,
                       std::size_t i);
 
-// A value of scalar_properties. Throws std::runtime_error for the index of a choice that there is not.
+// Returns the property value for a number. Throws std::runtime_error for the index of a choice that does not exist.
 PropertyValue scalar_value(const quoin_property_info& property, double number);
 
-// The material of these values of scalar_properties, NaN for the law's default. Throws as Material does.
+// Returns a new material of the values of scalar_properties, NaN for the law's default. Throws as Material does.
 std::unique_ptr<Material> scalar_material(const quoin_law& law, std::span<const double> scalars);
 
-// The same: one a process for equal values, shared by all points, and kept to the end. Throws as Material does. Any
-// thread.
+// Returns the material of these values that all points of the process share; it is never freed. Throws as Material
+// does. May be called from any thread.
 const Material& shared_material(const quoin_law& law, std::span<const double> scalars);
 
 }  // namespace quoin::adapters

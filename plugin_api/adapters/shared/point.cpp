@@ -13,8 +13,8 @@ struct LawBatches {
   std::array<std::unique_ptr<PointBatch>, outputs::all + 1> by_outputs;
 };
 
-// A plain pointer: a thread_local with a constructor costs a test at every use. Of a fixed place where the loader has
-// room for it: else it is looked up by a call.
+// A plain pointer, since a thread_local with a constructor costs a test at every use. The TLS model initial-exec places
+// it at a fixed offset in the thread's memory, which avoids a function call at every use.
 #if defined(__ELF__)
 [[gnu::tls_model("initial-exec")]]
 #endif

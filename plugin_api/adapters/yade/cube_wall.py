@@ -5,9 +5,9 @@ import time
 import timeit
 
 import numpy as np
-from yade import *  # Yade gives scripts its names anyway; this line says so
+from yade import *  # Yade defines its names in scripts also without this line
 
-here = os.path.dirname(os.path.abspath(sys.argv[0]))  # __file__ is Yade's own
+here = os.path.dirname(os.path.abspath(sys.argv[0]))  # __file__ is a file of Yade
 sys.dont_write_bytecode = True
 sys.path[:0] = [os.path.join(here, p) for p in (".", "../shared", "../../python")]  # an installed quoin is found by itself
 import cube_scene
@@ -16,7 +16,7 @@ from joints import Joints
 
 
 class HostDampedEngine(QuoinEngine):
-    """Local damping as Quoin's host has it: by the sign of the velocity of half a step ago."""
+    """Local damping as in Quoin's host: by the sign of the velocity half a step before."""
 
     def apply(self, force):
         velocity = np.array([(v[0], v[1], v[2], w[0], w[1], w[2])
@@ -63,7 +63,7 @@ class Test:
             O.pause()
 
     def print_cost(self):
-        """Of the adapter's parts, ns a point and step."""
+        """Measures the cost of the adapter's parts, ns for each point and step."""
         motion = self.engine.motion()
         cost = {name: min(timeit.repeat(part, number=100, repeat=5)) / 100 / len(self.joints.area) * 1e9
                 for name, part in (("read", self.engine.motion), ("arrays", lambda: self.joints.forces(motion)),

@@ -8,12 +8,12 @@ import numpy as np
 
 
 class QuoinEngine:
-    """`joints` numbers its bodies from 0; `ids` are those of Yade."""
+    """`joints` numbers its bodies from 0; `ids` are their numbers in Yade."""
 
     def __init__(self, omega, joints, ids):
         self.joints, self.ids, self.container = joints, ids, omega.forces
         self.states = [omega.bodies[i].state for i in ids]
-        self.force = np.zeros((len(ids), 6))  # of the last step
+        self.force = np.zeros((len(ids), 6))  # forces and moments of the last step, N, N m
 
     def motion(self):
         return np.array([(u[0], u[1], u[2], w[0], w[1], w[2])

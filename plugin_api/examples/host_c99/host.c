@@ -1,4 +1,4 @@
-/* A host in C99: loads a law, opens a joint by hand and prints the traction.
+/* A host in C99: loads a law, opens and slides four contact points and prints their traction.
  *   cc -std=c99 -I plugin_api/include host.c -ldl -o host && ./host laws/elastic.so normal_stiffness=4e10 */
 #include <dlfcn.h>
 #include <stdio.h>
@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     fprintf(stderr, "usage: %s LIB [property=value]...\n", argv[0]);
     return 2;
   }
-  /* 1. Load, and check the version in both directions. */
+  /* 1. Load the law. The library checks the version of the host, and the host that of the library. */
   handle = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
   symbol = handle != NULL ? dlsym(handle, QUOIN_LIBRARY_SYMBOL) : NULL;
   if (symbol == NULL) {
@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
     return 1;
   }
 
-  /* 3. State is the host's: one array a variable, from the law's initial state. */
+  /* 3. States belong to the host: one array for each state, filled with the law's initial state. */
   if (law->state_count > MAX_STATES || law->initial_state(material, law->initial_states[0], initial) != QUOIN_OK)
     return 1;
   for (s = 0; s < law->state_count; ++s) {
@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
     state_old[s].stride = state_new[s].stride = 1;
   }
 
-  /* 4. A batch, once; old and new are the same arrays. */
+  /* 4. One batch for all steps. Old and new columns are the same arrays. */
   memset(&batch, 0, sizeof batch);
   batch.struct_size = sizeof batch;
   batch.count = POINTS;
@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
   batch.state_old = state_old;
   batch.state_new = state_new;
 
-  /* 5. Steps: point i opens to i micrometres, all slide a micrometre. */
+  /* 5. Steps: point i opens by i micrometres, and all points slide by one micrometre. */
   for (step = 1; step <= STEPS; ++step) {
     for (i = 0; i < POINTS; ++i) {
       jump[i] = 1e-6 * i * step / STEPS;

@@ -1,5 +1,5 @@
-/* Loads a law with dlopen or LoadLibrary, drives 257 points along fixed paths and prints every traction and state with
- * all digits: the same program on two systems shows whether a law gives the same answers on both.
+/* Loads a law with dlopen or LoadLibrary, drives 257 points along fixed paths and prints tractions and states with all
+ * digits every 20 steps. Its outputs on two systems show whether a law gives the same results on both.
  * usage: print_path LIB [property=value]... */
 #include <math.h>
 #include <stdio.h>
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
   batch.state_old = state_old;
   batch.state_new = state_new;
   for (step = 0; step < STEPS; ++step) {
-    for (i = 0; i < COUNT; ++i) { /* multiplications and additions only: the inputs have the same bits everywhere */
+    for (i = 0; i < COUNT; ++i) { /* only exactly rounded operations: the inputs are bitwise identical on all systems */
       const double phase = (double)((step + i) % 100) / 50 - 1, ramp = phase < 0 ? -phase : phase;
       jump[i] = (ramp - 0.5) * 1e-6 * (1 + i);
       slip[0][i] = 2e-8 * (1 + i % 17) * (step < STEPS / 2 ? 1 : -1);

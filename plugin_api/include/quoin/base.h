@@ -1,16 +1,16 @@
 /* Quoin contact-law ABI: versions, status codes and text buffers.
  * C99 and C++11 or later; no dependency but <stdint.h>.
  *
- * Rules that hold for every header of this folder (a change that breaks one is a new major version):
- *   - every struct that crosses the boundary begins with its size in bytes, set by whoever allocates it;
- *     fields are only ever appended, and a reader never touches a field beyond the size it was given (the column
- *     types of batch.h have no size: they are embedded by value and never change within a major version);
- *   - whoever reads a struct refuses (QUOIN_ERROR_ARGUMENT, or null from quoin_library_v1) one that is shorter than
- *     version 1.0's; a quoin_text that is too short is treated as null;
- *   - fixed-width integers and double only: no enum, bool, long, bit-field or C++ type in a layout;
- *   - no exception, longjmp, signal, stdio or change of floating-point mode crosses the boundary;
- *   - SI units (m, Pa, Pa/m, J/m2); degrees only for properties whose unit says "deg".
- * Tags on functions: [thread-safe] any thread, any time; [material lifetime] until destroy_material. */
+ * Rules for every header of this folder (a change that breaks one is a new major version):
+ *   - Every struct that crosses the boundary begins with its size in bytes, which its allocator sets. New fields are
+ *     appended, and a reader accesses no field beyond that size. The column types of batch.h have no size: they are
+ *     embedded by value and do not change within a major version.
+ *   - A struct that is shorter than in version 1.0 is refused: QUOIN_ERROR_ARGUMENT, or null from quoin_library_v1.
+ *     A quoin_text that is too short counts as null.
+ *   - Layouts have only fixed-width integers, doubles and pointers: no enum, bool, long, bit-field or C++ type.
+ *   - No exception, longjmp, signal, stdio or change of floating-point mode crosses the boundary.
+ *   - Units are SI (m, Pa, Pa/m, J/m2); degrees only for properties with the unit "deg".
+ * Tag on functions: [thread-safe] may be called from any thread at any time. */
 #ifndef QUOIN_BASE_H
 #define QUOIN_BASE_H
 
@@ -20,8 +20,8 @@
 extern "C" {
 #endif
 
-/* Major: layouts or meanings changed; minor: something was appended. Hosts and laws work together when the
- * majors agree; each side uses only what the smaller minor knows. */
+/* A new major version changes layouts or meanings; a new minor version appends fields or constants. A host and a law
+ * work together if their majors are equal; both then use only the features of the smaller minor. */
 #define QUOIN_ABI_MAJOR 1u
 #define QUOIN_ABI_MINOR 1u
 
@@ -35,17 +35,17 @@ extern "C" {
 
 typedef int32_t quoin_status;
 #define QUOIN_OK ((quoin_status)0)
-#define QUOIN_ERROR_ARGUMENT ((quoin_status)1)    /* the caller broke the contract: null, short struct, stride */
-#define QUOIN_ERROR_PROPERTY ((quoin_status)2)    /* property values refused; the text lists every fault */
-#define QUOIN_ERROR_VERSION ((quoin_status)3)     /* no common ABI version, or a foreign state schema */
-#define QUOIN_ERROR_UNSUPPORTED ((quoin_status)4) /* this law does not offer what was asked */
+#define QUOIN_ERROR_ARGUMENT ((quoin_status)1)    /* the call breaks the contract: null, short struct, stride */
+#define QUOIN_ERROR_PROPERTY ((quoin_status)2)    /* property values are refused; the text lists every fault */
+#define QUOIN_ERROR_VERSION ((quoin_status)3)     /* no common ABI version, or another state schema */
+#define QUOIN_ERROR_UNSUPPORTED ((quoin_status)4) /* the law does not offer the request */
 #define QUOIN_ERROR_MEMORY ((quoin_status)5)
 #define QUOIN_ERROR_INTERNAL ((quoin_status)6) /* a fault inside the law, caught at the boundary */
 
-/* Caller-owned text buffer. A law writes at most capacity bytes including the final zero, cutting the message if it
- * must, and sets length to the bytes that the whole message takes without the zero. A null quoin_text, or null
- * data with capacity 0, is allowed everywhere and means that no text is wanted (length is set all the same when there
- * is a quoin_text). A function that has nothing to say sets length 0 and, if capacity > 0, data[0] = 0. */
+/* Text buffer of the caller. A law writes at most capacity bytes including the final zero and truncates a longer
+ * message. It sets length to the size of the whole message in bytes, without the zero. A null quoin_text, or null data
+ * with capacity 0, is allowed everywhere and means that the caller requests no text. In the second case length is still
+ * set. Without a message length is 0 and, if capacity > 0, data[0] = 0. */
 typedef struct quoin_text {
   uint64_t struct_size;
   char* data;

@@ -1,6 +1,6 @@
-/* The layout of ABI version 1.1 on 64-bit platforms, checked wherever this file is included: include it in one source
- * of a host or a law that must not be built with other packing or pointer sizes. Appending a field changes the size
- * line of its struct and adds a line; any other edit is a new major version. */
+/* Compile-time checks of the layout of ABI version 1.1 on 64-bit platforms. Include this file in one source file of a
+ * host or law: a build with other packing or pointer sizes then fails. An appended field changes the size line of its
+ * struct and adds a line. Any other edit is a new major version. */
 #ifndef QUOIN_LAYOUT_ASSERTS_H
 #define QUOIN_LAYOUT_ASSERTS_H
 

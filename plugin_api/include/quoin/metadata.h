@@ -1,5 +1,5 @@
-/* What a law says about itself, as data. Hosts match properties and states by id, never by position.
- * All metadata is constant and lives as long as the library stays loaded. [thread-safe] */
+/* Metadata of a law: properties, states, sign convention, capabilities. Hosts match properties and states by id, never
+ * by position. All metadata is constant and valid while the library is loaded. [thread-safe] */
 #ifndef QUOIN_METADATA_H
 #define QUOIN_METADATA_H
 
@@ -23,13 +23,13 @@ extern "C" {
 typedef struct quoin_property_info {
   uint64_t struct_size;
   const char* id;          /* lower case with underscores, unique within the law */
-  const char* symbol;      /* as in the law's equations */
+  const char* symbol;      /* symbol in the law's equations */
   const char* unit;        /* "Pa/m", "Pa", "deg", "J/m2", "-" */
   const char* description; /* one line */
   uint32_t kind;
   uint32_t flags;
-  double default_value;     /* numbers without REQUIRED and without default_from */
-  double lower, upper;      /* numbers: allowed interval, infinite where there is none */
+  double default_value;     /* default of a number without REQUIRED and without default_from */
+  double lower, upper;      /* numbers: allowed interval; infinite: no bound */
   const char* default_from; /* id of the property whose value is the default, or null */
   const char* default_text; /* choices and tables: the default as text, or null */
   uint64_t choice_count;
@@ -37,10 +37,10 @@ typedef struct quoin_property_info {
 } quoin_property_info;
 
 /* quoin_state_info.role */
-#define QUOIN_ROLE_HISTORY 1u    /* the law needs it back at the next step */
-#define QUOIN_ROLE_DIAGNOSTIC 2u /* accumulated for people; its columns may be null, and then it is not computed */
+#define QUOIN_ROLE_HISTORY 1u    /* input of the next step */
+#define QUOIN_ROLE_DIAGNOSTIC 2u /* output for plots; not computed if its columns have null data */
 
-/* quoin_state_info.kind: how a host turns it when the (s, t) frame turns about n */
+/* quoin_state_info.kind: how a host rotates the state when the (s, t) frame rotates about n */
 #define QUOIN_STATE_SCALAR 1u
 #define QUOIN_STATE_PAIR_S 2u /* s component of a vector; the next state is its t component */
 #define QUOIN_STATE_PAIR_T 3u
@@ -60,9 +60,9 @@ typedef struct quoin_state_info {
   double lower, upper; /* every value that the law writes lies in [lower, upper] */
 } quoin_state_info;
 
-/* The sign and frame convention, machine-readable so that an adapter can be generated or checked. Version 1 has
- * one: local frame (n, s, t), n from block A to block B; jump = u_B - u_A, d_n > 0 opens; sigma > 0 is tension; the
- * force on A is +traction * area, on B -traction * area; traction is force per area. */
+/* Sign and frame convention, as numbers with which an adapter can be generated or checked. Version 1 has one: local
+ * frame (n, s, t), n from block A to block B; jump = u_B - u_A, d_n > 0 opens; sigma > 0 is tension. Traction is force
+ * per area; the force on A is +traction * area, the force on B -traction * area. */
 typedef struct quoin_convention {
   uint64_t struct_size;
   int32_t tension_sign;         /* +1: sigma > 0 is tension */

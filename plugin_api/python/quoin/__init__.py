@@ -5,13 +5,13 @@
     run = quoin.run(scene)
     run.history["horizontal_force_N"].max()
 
-host/python/README.md shows all of it. Where Quoin was built without the host, or without pybind11, there are laws alone.
+host/python/README.md describes all of it. A build without the host, or without pybind11, has only laws.
 """
 from .law import Law, LawInfo, Material, NotReached, Path, Refused, load  # noqa: F401
 
 try:
     from .errors import BadInput, Error, Gone, LawRefused, NumericalFailure  # noqa: F401
-except ModuleNotFoundError:  # laws alone
+except ModuleNotFoundError:  # a build with laws only
     pass
 else:
     try:

@@ -8,8 +8,8 @@
     path.plot("sliding.png")
     law = quoin.load("laws/fracture_energy.so")[0]                            # of a library, and law.material(...)
 
-Arrays go to the law in place: any float64 array, any stride, is a column without a copy. Lengths in m, stresses in Pa,
-energies in J/m2; opening and tension are positive.
+The law reads and writes arrays in place: any float64 array with any stride is a column without a copy. Lengths in m,
+stresses in Pa, energies in J/m2; opening and tension are positive.
 """
 import ctypes as c
 import os
@@ -77,7 +77,7 @@ _Batch.__repr__ = lambda b: (f"<batch of {b.count} points: {b.failed_count} fail
 
 
 class Refused(Exception):
-    """The law's own message: every fault, one a line."""
+    """The law refuses property values or a law swap. The text is its message: every fault, one a line."""
 
 
 class NotReached(Exception):
@@ -94,7 +94,7 @@ class _Message:
 
 
 def _column(name, array, count, dtype=np.float64, writable=False):
-    """An array (or None) as a column of count elements, in place. The name is for messages."""
+    """Returns an array (or None) as a column of count elements, in place. name: for error messages."""
     if array is None:
         return _Column(None, 0)
     if not isinstance(array, np.ndarray) or array.dtype != dtype or array.ndim != 1:
@@ -110,7 +110,7 @@ def _column(name, array, count, dtype=np.float64, writable=False):
 
 
 def _columns(name, arrays, number, count, writable=False):
-    """So many arrays as columns; arrays may be None for none of them."""
+    """Returns `number` arrays as columns; arrays = None: columns with null data."""
     if arrays is None:
         return (_Column * number)()
     if not isinstance(arrays, (list, tuple, np.ndarray)):
@@ -122,10 +122,10 @@ def _columns(name, arrays, number, count, writable=False):
 
 
 class LawInfo:
-    """A law of a library: what it is called, its properties and states."""
+    """A law of a library: its names, properties and states."""
 
     def __init__(self, library, raw):
-        self._library, self._raw = library, raw  # the library stays loaded as long as one of its laws is in use
+        self._library, self._raw = library, raw  # the reference keeps the library loaded
         for field in ("id", "name", "version", "citation", "description"):
             setattr(self, field, getattr(raw, field).decode())
         self.capabilities = raw.capabilities
@@ -151,7 +151,7 @@ class LawInfo:
 
 
 class Material:
-    """Immutable; freely shared by threads."""
+    """A law with property values. Immutable, so threads may share it."""
 
     def __init__(self, law, properties):
         self.law, self._raw, self._given = law, law._raw, properties
@@ -195,7 +195,7 @@ class Material:
         return bounds.normal, bounds.shear
 
     def initial_state(self, count, name=None):
-        """state_count arrays of count values."""
+        """Returns the initial states: state_count arrays of count values."""
         values = (_f64 * max(1, len(self.law.state_ids)))()
         name = self.law.initial_states[0] if name is None else name
         if self._raw.initial_state(self._handle, name.encode(), values) != OK:
@@ -203,15 +203,15 @@ class Material:
         return [np.full(count, values[k]) for k in range(len(self.law.state_ids))]
 
     def evaluate(self, *arrays, **outputs):
-        """One step of N points: see prepare. Returns the batch with its summary."""
+        """Computes one step of N points, with the arguments of prepare. Returns the batch with its summary."""
         return self.prepare(*arrays, **outputs)()
 
     def prepare(self, normal_jump, slip, traction, state, *, traction_new=None, state_new=None, energy_stored=None,
                 dissipated=None, tangent=None, flags=None, status=None, columns=None, damage=None):
-        """A step of N points that can be taken again and again on the same arrays by calling it: describing them costs
-        more than a small batch. Outputs that are not given are not computed; without traction_new and state_new the old
-        arrays are overwritten. A point whose inputs are not finite keeps its stress and state: the batch that each call
-        returns counts them in failed_count, and status tells which."""
+        """Returns a callable that computes a step of N points on the same arrays at every call. Preparation costs more than
+        the step of a small batch. Outputs that are not given are not computed. Without traction_new and state_new the old
+        arrays are overwritten. A point whose inputs are not finite keeps its stress and state. The batch that each call
+        returns has the number of such points in failed_count; the array status has their status."""
         traction_new = traction if traction_new is None else traction_new
         state_new = state if state_new is None else state_new
         if not isinstance(normal_jump, np.ndarray) or normal_jump.ndim != 1:
@@ -239,8 +239,8 @@ class Material:
         return _Step(self, batch, arrays)
 
     def take_over(self, old, normal_jump, traction, state):
-        """The state of another material, with every traction kept. Returns this law's state and what is to be added to
-        the normal jump from now on."""
+        """Converts the state of another material at constant traction. Returns the states of this law and the shift of the
+        normal jump, m, for all later steps."""
         if not self._raw.migrate_state:
             raise Refused(f"{self.law.id}: cannot take over the state of law {old.law.id}")
         count = len(normal_jump)
@@ -261,14 +261,14 @@ class Material:
         return state_new, shift
 
     def drive(self, normal=None, s=None, t=None, initial_state=None, *, sigma=None, tau_s=None, tau_t=None):
-        """One point along a path. Along each of n, s, t either the total displacement is prescribed (normal, s, t; m; 0
-        when not given) or the stress (sigma, tau_s, tau_t; Pa), as arrays of equal length or as numbers that stay.
+        """Computes one point along a path. Along each of n, s, t either the total displacement is prescribed (normal, s, t;
+        m; 0 when not given) or the stress (sigma, tau_s, tau_t; Pa). Values are arrays of equal length or constant numbers.
 
-        A displacement under a prescribed stress is found to 1e-10 of the stress, or as closely as the last digit of the
-        displacement allows, by Newton on the law's tangent and then bisection, on the rising branch from the old point.
-        NotReached tells the step where the joint cannot carry the stress, because it has softened, slips or is crushed:
-        prescribe the displacement there. ValueError names the parameter of a wrong length or with a value that is not
-        finite, ArithmeticError the step at which the law itself reports the point as failed."""
+        A displacement under a prescribed stress is accurate to 1e-10 of the stress, or to the last digit of the
+        displacement. It is found by Newton's method with the law's tangent, then by bisection, on the rising branch from
+        the old point. NotReached has the step at which the joint cannot carry the stress, because it has softened, slips
+        or is crushed: prescribe the displacement there. ValueError has the parameter with a wrong length or a value that
+        is not finite. ArithmeticError has the step at which the law reports the point as failed."""
         targets, controlled = _targets([("normal", normal, "sigma", sigma), ("s", s, "tau_s", tau_s),
                                         ("t", t, "tau_t", tau_t)])
         point = _Point(self, initial_state)
@@ -277,8 +277,7 @@ class Material:
 
 
 def _targets(axes):
-    """What each axis (displacement by name, stress by name) is to follow, as columns of one table, and the numbers of
-    those axes that follow a stress."""
+    """Returns the prescribed values of the axes as columns of one table, and the indices of axes with prescribed stress."""
     chosen, controlled = [], []
     for k, (name, displacement, stress_name, stress) in enumerate(axes):
         if displacement is not None and stress is not None:
@@ -305,9 +304,9 @@ def _targets(axes):
 
 
 class _Point:
-    """One point of a material in arrays that stay where they are, so that its steps are described once."""
+    """One point of a material, in fixed arrays, so that its steps are prepared once."""
 
-    # A stress is found when this fraction of it is missing.
+    # Relative tolerance of a prescribed stress.
     TOLERANCE = 1e-10
 
     def __init__(self, material, initial_state):
@@ -319,7 +318,7 @@ class _Point:
         self.with_energy = bool(material.law.capabilities & ENERGY)
 
     def _step(self, old, new, **outputs):
-        """From the columns of one record to those of another."""
+        """Prepares a step from the record old to the record new; a record is stresses and states."""
         cells = [[record[k:k + 1] for k in range(len(record))] for record in (self.move, old, new, self.energy)]
         move, before, after, energy = cells
         if self.with_energy:
@@ -333,7 +332,7 @@ class _Point:
                               f"sliding of {sliding[0]} and {sliding[1]} m")
 
     def follow(self, displacement, _):
-        """Displacements, and the record and energies of every step."""
+        """Computes a path of prescribed displacements. Returns displacements, and the record and energies of every step."""
         step, moves = self._step(self.old, self.old), displacement.copy()
         moves[:, 1:] = np.diff(displacement[:, 1:], axis=0, prepend=0.0)
         records, energies = np.zeros((len(moves), len(self.old))), np.zeros((len(moves), 5))
@@ -345,7 +344,7 @@ class _Point:
         return displacement, records, energies
 
     def follow_stresses(self, targets, controlled):
-        """The same where the axes in `controlled` follow a stress."""
+        """Computes a path on which the axes in `controlled` have prescribed stresses; returns what follow returns."""
         tangent = np.full(9, np.nan)
         can = self.material.law.capabilities & TANGENT
         trial = self._step(self.old, self.new, tangent=[tangent[k:k + 1] for k in range(9)] if can else None)
@@ -356,14 +355,14 @@ class _Point:
         records, energies = np.zeros((len(targets), len(self.old))), np.zeros((len(targets), 5))
         before = np.zeros(3)
         for i, target in enumerate(targets):
-            # Total opening, and sliding since the step before: those that are sought start from no change.
+            # Total opening, and slip since the last step. Unknown ones start from no change.
             self.move[:] = displacement[i] - before
             self.move[0] = before[0] if 0 in controlled else displacement[i, 0]
             self.move[[k for k in controlled if k]] = 0.0
             allowed = [self.TOLERANCE * (max(abs(target[k]), abs(self.old[k])) or 1.0) for k in range(3)]
 
             def excess(k, move):
-                """Of the stress along k over its target, and its slope or nan."""
+                """Returns the excess of the stress along k over its target, and its slope or nan."""
                 self.move[k] = move
                 if trial().failed_count:
                     self._fail(i)
@@ -373,7 +372,7 @@ class _Point:
                 last_digits = 4 * stiffness[k] * np.spacing(abs(self.move[k]))
                 return abs(self.new[k] - target[k]) <= max(allowed[k], min(last_digits, 1e4 * allowed[k]))
 
-            # Axis by axis: laws couple them little, and what one disturbs of another the next round mends.
+            # Axis by axis: the coupling is weak, and each round corrects the errors of the last one.
             for _ in range(100):
                 for k in controlled:
                     if not _solve(lambda move: excess(k, move), lambda: none_left(k), self.move[k], stiffness[k]):
@@ -397,22 +396,22 @@ class _Point:
 
 
 def _solve(excess, done, start, stiffness):
-    """Goes to a displacement where excess(displacement), which gives a stress and its slope, leaves nothing to be done;
-    False where there is none. Slopes never exceed the stiffness, so that a step by it does not overshoot."""
+    """Searches a displacement at which excess(displacement), a stress with its slope, is within the tolerance. Returns False
+    if there is none. Slopes do not exceed the stiffness, so that a step with the stiffness does not overshoot."""
     x = start
     over, slope = excess(start)
     first = over
     for _ in range(20):
         if done():
             return True
-        # Falling branches are left for the rising one: a prescribed stress cannot follow them.
+        # A falling branch takes a step with the stiffness, towards the rising branch: a prescribed stress cannot follow it.
         after = x - over / (slope if slope > 1e-12 * stiffness else stiffness)
         if after == x or not np.isfinite(after):
             break
         x = after
         over, slope = excess(x)
 
-    # Outwards from the start until nothing is left or the sign changes, then halving.
+    # Growing steps from the start until the excess is within the tolerance or changes sign, then bisection.
     near, reach = start, abs(first) / stiffness
     for _ in range(40):
         far = near - np.copysign(reach, first)
@@ -429,14 +428,14 @@ def _solve(excess, done, start, stiffness):
         over, _ = excess(middle)
         if done():
             return True
-        if middle in (near, far):  # the stress jumps there
+        if middle in (near, far):  # the stress is discontinuous there
             return False
         near, far = (middle, far) if (over > 0) == (first > 0) else (near, middle)
 
 
 class Law(Material):
-    """A law by its name, or the path of its library, with its properties: Law("elastic", normal_stiffness=1e9, ...).
-    Laws are looked for in the folders of $QUOIN_LAW_PATH and beside this package."""
+    """A law by its name or by the path of its library, with its properties: Law("elastic", normal_stiffness=1e9, ...).
+    The search path is the folders of $QUOIN_LAW_PATH and those beside this package."""
 
     def __init__(self, name, /, **properties):
         if not isinstance(name, str):
@@ -444,10 +443,10 @@ class Law(Material):
         super().__init__(_find(name), properties)
 
     def evaluate(self, normal_jump, slip, traction, state, **outputs):
-        """One step of N points, arrays in place: see prepare, which this is but for one thing: every value must be finite.
+        """Computes one step of N points, arrays in place. As prepare, but raises ValueError if a value is not finite.
 
-            normal_jump: (N,) total opening at the end of the step, m; slip: two of (N,), sliding during the step, m;
-            traction: three of (N,), sigma, tau_s, tau_t, Pa; state: those of initial_state(N)."""
+            normal_jump: (N,) total opening at the end of the step, m; slip: two arrays (N,), slip during the step, m;
+            traction: three arrays (N,), sigma, tau_s, tau_t, Pa; state: the arrays of initial_state(N)."""
         step = self.prepare(normal_jump, slip, traction, state, **outputs)
         for name, arrays in (("normal_jump", [normal_jump]), ("slip", slip), ("traction", traction), ("state", state)):
             for k, array in enumerate(arrays):
@@ -459,7 +458,7 @@ class Law(Material):
 
 class _Step:
     def __init__(self, material, batch, arrays):
-        self._material, self._batch, self._arrays = material, batch, arrays  # the arrays must stay where they are
+        self._material, self._batch, self._arrays = material, batch, arrays  # references keep the arrays in memory
         self._evaluate, self._handle, self._pointer = material._raw.evaluate, material._handle, c.byref(batch)
 
     def __call__(self):
@@ -502,7 +501,7 @@ class Path:
 
 
 def load(path):
-    """The laws of a shared library."""
+    """Returns the laws of a shared library."""
     library = c.CDLL(os.path.abspath(path))
     entry = library.quoin_library_v1
     entry.restype, entry.argtypes = c.POINTER(_Library), [c.POINTER(_HostInfo), c.POINTER(_Text)]
@@ -517,11 +516,11 @@ def load(path):
 
 
 def folders():
-    """Where laws are looked for by their names."""
+    """Returns the folders of the search path of laws."""
     here = os.path.dirname(os.path.abspath(__file__))
     found = [f for f in os.environ.get("QUOIN_LAW_PATH", "").split(":") if f]
     try:
-        with open(os.path.join(here, "where.txt"), encoding="utf-8") as file:  # by whoever installed the package
+        with open(os.path.join(here, "where.txt"), encoding="utf-8") as file:  # written by the installation
             found.append(os.path.normpath(os.path.join(here, file.read().strip())))
     except FileNotFoundError:
         pass

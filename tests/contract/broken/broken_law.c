@@ -1,6 +1,6 @@
-/* Laws that each break one promise: the template law with one fault put around it. BROKEN is the number of the fault;
- * 0 and 55 are the same construction without any fault, which the checker must pass. The fault that belongs to each
- * number, and the clause that the checker must name, are in faults.cmake. */
+/* Laws that each break one clause of the contract: the template law in a wrapper with one fault. BROKEN is the number
+ * of the fault; 0 and 55 are the wrapper without a fault, which the checker must accept. faults.cmake has the fault of
+ * each number and the clause that the checker must report. */
 #define _GNU_SOURCE
 #define quoin_library_v1 template_library_v1
 #include "../../../plugin_api/template/template_law.c"
@@ -11,8 +11,7 @@
 
 QUOIN_EXPORT const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text);
 
-/* ---- The template with two states: the slipped length (history) and the number of steps (diagnostic). -------------
- */
+/* ---- The template with two states: the slip path (history) and the number of steps (diagnostic). ----------------- */
 
 static const quoin_state_info state_table[2] = {
     {sizeof(quoin_state_info), "slid", "m", "length slid so far", QUOIN_ROLE_HISTORY, QUOIN_STATE_SCALAR,
@@ -22,7 +21,7 @@ static const quoin_state_info state_table[2] = {
 };
 static const quoin_state_info* const state_list[2] = {&state_table[0], &state_table[1]};
 
-/* ---- For the faults that need more of a law: a stiffness point by point, a strength. 55 has both and no fault. ------
+/* ---- For faults that need more of a law: per-point stiffness and a strength. 55 has both and no fault. ------------
  */
 
 #define HAS_COLUMNS (BROKEN == 55 || BROKEN == 56 || BROKEN == 57)
@@ -47,7 +46,7 @@ static const quoin_property_info strength_info = {sizeof(quoin_property_info),
                                                   NULL};
 
 struct strong_material {
-  quoin_material elastic; /* first: the template sees nothing else */
+  quoin_material elastic; /* first member: the template reads only this */
   double strength;
 };
 
@@ -73,7 +72,7 @@ static quoin_status make_strong(const quoin_law* self, uint64_t count, const quo
   status = create_material(self, n, kept, material, text);
   faults += !(strength >= 0 && strength < HUGE_VAL);
 #if BROKEN == 58
-  faults += strength == 0; /* takes a mode that is switched off for a fault */
+  faults += strength == 0; /* a mode that is switched off counts as a fault */
 #endif
   if (faults > 0) {
     if (material != NULL) destroy_material(*material);
@@ -95,7 +94,7 @@ static quoin_status make_strong(const quoin_law* self, uint64_t count, const quo
 #endif
 
 #if HAS_COLUMNS
-/* The column of the only property that is offered point by point; ok: no other one is in the batch. */
+/* Returns the column of the only per-point property; *ok: the batch has no other property columns. */
 static quoin_in stiffness_column(const quoin_batch* batch, int* ok) {
   quoin_in column = {NULL, 0};
   uint64_t c;
@@ -110,7 +109,7 @@ static quoin_in stiffness_column(const quoin_batch* batch, int* ok) {
 static int refused(quoin_in column, uint64_t i) {
   const double kn = column.data != NULL ? get(column, i) : 1;
 #if BROKEN == 56
-  if (isnan(kn)) return 0; /* what is not a number slips through */
+  if (isnan(kn)) return 0; /* NaN is accepted */
 #endif
   return !(kn > 0 && kn < HUGE_VAL);
 }
@@ -137,7 +136,7 @@ static void loud(quoin_text* text) {
 static quoin_status make(const quoin_law* self, uint64_t count, const quoin_property_value* const* values,
                          quoin_material** material, quoin_text* text) {
 #if BROKEN == 9 || BROKEN == 11 || BROKEN == 12
-  /* Accepts what it should refuse: not a number, values below the bound, unknown properties. */
+  /* Accepts values that it should refuse: NaN, values below the bound, unknown properties. */
   const quoin_property_value* kept[16];
   quoin_property_value changed[16];
   static const double one = 1e9;
@@ -172,7 +171,7 @@ static quoin_status make(const quoin_law* self, uint64_t count, const quoin_prop
   if (text != NULL) text->length = 0; /* whatever its struct_size */
   return create_material(self, count, values, material, text);
 #elif BROKEN == 52
-  if (values == NULL && count > 0) return QUOIN_OK; /* null values taken for none */
+  if (values == NULL && count > 0) return QUOIN_OK; /* null counts as no values */
   return create_material(self, count, values, material, text);
 #elif BROKEN == 53
   say_nothing(text);
@@ -192,7 +191,7 @@ static quoin_status make(const quoin_law* self, uint64_t count, const quoin_prop
 }
 
 #if BROKEN == 13
-/* Reads the caller's memory at every evaluation. */
+/* Keeps a pointer to the caller's values and reads it at every evaluation. */
 static const double* remembered;
 static quoin_status remember(const quoin_law* self, uint64_t count, const quoin_property_value* const* values,
                              quoin_material** material, quoin_text* text) {
@@ -234,7 +233,7 @@ static quoin_status bounds_of(const quoin_material* material, quoin_stiffness_bo
   return status;
 }
 
-static double hidden; /* used by the faults that keep something of their own */
+static double hidden; /* global state of faults that keep one */
 
 #if BROKEN == 18
 static double scratch[1024];
@@ -258,7 +257,7 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
   if (batch->struct_size < QUOIN_BATCH_SIZE_1_0) return QUOIN_OK; /* a short batch is not refused */
 #endif
 #if BROKEN == 65
-  if (batch->struct_size < sizeof *batch) return QUOIN_ERROR_ARGUMENT; /* wants what came after version 1.0 */
+  if (batch->struct_size < sizeof *batch) return QUOIN_ERROR_ARGUMENT; /* refuses batches of version 1.0 */
 #endif
   if (batch->struct_size < QUOIN_BATCH_SIZE_1_0) return QUOIN_ERROR_ARGUMENT;
 #if BROKEN == 22
@@ -282,20 +281,20 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
         batch->state_new[0].data == NULL)
       return QUOIN_ERROR_ARGUMENT;
 #if BROKEN == 21
-    if (batch->state_old[1].data == NULL) return QUOIN_ERROR_ARGUMENT; /* wants its diagnostics */
+    if (batch->state_old[1].data == NULL) return QUOIN_ERROR_ARGUMENT; /* requires columns of diagnostics */
 #endif
   }
 
-  /* The states first, into scratch: the template writes tractions that may be the old ones. */
+  /* States first, into scratch memory, since the template may overwrite the old tractions. */
   slid = malloc((size_t)(batch->count + 1) * sizeof *slid);
   steps = malloc((size_t)(batch->count + 1) * sizeof *steps);
   bad = malloc((size_t)(batch->count + 1));
   inner = *batch;
 #if HAS_DAMAGE
-  memset(inner.damage, 0, sizeof inner.damage); /* the template knows none */
+  memset(inner.damage, 0, sizeof inner.damage); /* the template has no damage */
 #endif
 #if HAS_COLUMNS
-  inner.property_column_count = 0; /* the template knows none */
+  inner.property_column_count = 0; /* the template has no property columns */
   kn_column = stiffness_column(batch, &columns_ok);
 #endif
   if (slid == NULL || steps == NULL || bad == NULL || !columns_ok || !well_formed(&inner)) {
@@ -361,7 +360,7 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
     bad_here = bad_here || refused(kn_column, i);
 #endif
     if (bad[i] && isfinite(get(batch->normal_jump, i)) && bad_here) {
-      /* Bad for the wrapper alone: the point fails here (its tractions are not used in place by the tests). */
+      /* A value that only the wrapper refuses: the point fails here. Tests do not use its tractions in place. */
       for (k = 0; k < 3; ++k) put(batch->traction_new[k], i, get(batch->traction_old[k], i));
       put(batch->energy_stored, i, 0.0);
       for (k = 0; k < 9; ++k) put(batch->tangent[k], i, 0.0);
@@ -402,7 +401,8 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
       (void)tau_s;
       (void)tau_t;
 #if BROKEN == 14
-      if (hidden != 0 && i == 0) put(batch->traction_new[0], i, sigma * (1 + 1e-15 * hidden)); /* the call before */
+      if (hidden != 0 && i == 0)
+        put(batch->traction_new[0], i, sigma * (1 + 1e-15 * hidden)); /* depends on the last call */
 #elif BROKEN == 15
       if (i + 1 == batch->count && batch->count % 2 == 1) put(batch->traction_new[0], i, sigma * (1 + 4e-16));
 #elif BROKEN == 18
@@ -422,9 +422,9 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
 #elif BROKEN == 25
       put(batch->traction_new[1], i, tau_s * (1 - 1e-7)); /* creeps */
 #elif BROKEN == 26
-      put(batch->traction_new[1], i, tau_s > 1e5 ? 1e5 : tau_s); /* a limit of its own for s */
+      put(batch->traction_new[1], i, tau_s > 1e5 ? 1e5 : tau_s); /* a limit for s only */
 #elif BROKEN == 27
-      put(batch->energy_stored, i, sigma * sigma / (2 * material->kn)); /* forgets the shear */
+      put(batch->energy_stored, i, sigma * sigma / (2 * material->kn)); /* without the shear part */
 #elif BROKEN == 28
       put(batch->dissipated[QUOIN_DISSIPATED_FRICTION], i, -1e-6 * (slid[i] - old) * fabs(sigma));
 #elif BROKEN == 30
@@ -447,7 +447,7 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
       put(batch->damage[QUOIN_DAMAGE_TENSION], i, 0.0);
       put(batch->damage[QUOIN_DAMAGE_CRUSHING], i, 0.0);
 #if BROKEN == 62
-      put(batch->damage[QUOIN_DAMAGE_COHESION], i, bad[i] ? 0.0 : 1 - lost); /* what is left, not what is lost */
+      put(batch->damage[QUOIN_DAMAGE_COHESION], i, bad[i] ? 0.0 : 1 - lost); /* the remaining share, not the lost one */
 #elif BROKEN == 63
       put(batch->damage[QUOIN_DAMAGE_COHESION], i, bad[i] ? 0.0 : 100 * lost); /* per cent */
 #elif BROKEN == 64
@@ -464,7 +464,7 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
     if (bad[i]) put(batch->traction_new[0], i, 0.0);
 #endif
 #if BROKEN == 45
-    /* One bad point spoils the next. */
+    /* A failed point changes the next one. */
     if (i > 0 && bad[i - 1] && !bad[i]) put(batch->traction_new[0], i, 0.0);
 #endif
   }
@@ -478,7 +478,7 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
 }
 
 #if BROKEN == 41
-/* Takes the law over, but forgets that the reference of the normal jump has to move. */
+/* Converts the states, but without the shift of the normal jump. */
 static quoin_status migrate(const quoin_material* material, quoin_migration* m, quoin_text* text) {
   uint64_t i, s, k;
   (void)material;
@@ -581,7 +581,7 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
   changed_law.migrate_state = migrate;
   changed_law.capabilities |= QUOIN_CAN_MIGRATE;
 #elif BROKEN == 46
-  changed_law.capabilities |= QUOIN_CAN_MIGRATE; /* and no function */
+  changed_law.capabilities |= QUOIN_CAN_MIGRATE; /* without the function */
 #elif BROKEN == 47
   changed_properties[1].default_from = "bulk_stiffness";
 #endif

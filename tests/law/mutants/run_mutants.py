@@ -4,10 +4,10 @@
     tests/law/mutants/run_mutants.py --test build/release/law_test [--only NAME] [--list]
     tests/law/mutants/run_mutants.py --law cyclic_joint --test build/release/law_test --test build/release/cyclic_joint_test
 
-Every fault (of issue 3 for fracture_energy) is a change of text in a scratch copy of contact_models. Text that is not found is an error: a mutant
-that changes nothing proves nothing. The law is rebuilt (baseline instruction set) and the tests run with it; all of
-them compare with a formula or with the independent reference, none with stored output. The unchanged law runs first: what fails
-there does not count. Exit code 0: all killed, 1: a survivor, 3: a text was not found or a mutant did not build.
+Every fault is a change of text in a scratch copy of contact_models. A text that is not found is an error, since a mutant
+without a change proves nothing. The law is rebuilt (baseline instruction set) and the tests run with it. All tests compare
+with a formula or with the independent reference, none with stored output. The unchanged law runs first; tests that fail
+with it do not count. Exit code 0: all killed, 1: a survivor, 3: a text was not found or a mutant did not build.
 """
 import argparse
 import os
@@ -125,7 +125,7 @@ NOT_FOUND = 3
 
 
 def plant(folder, changes):
-    """Applies the changes; returns what was not found."""
+    """Applies the changes; returns the texts that were not found."""
     missing = []
     for name, text, replacement in changes:
         path = folder / name
@@ -139,7 +139,7 @@ def plant(folder, changes):
 
 
 def run_tests(programs, law, laws, timeout, known=()):
-    """(names of failed tests, first path check that failed in a test that is not among the known failures)"""
+    """Returns (names of failed tests, first failed path check of a test that is not among the known failures)."""
     environment = dict(os.environ, QUOIN_LAW_PATH=str(laws), QUOIN_TEST_SCALE=os.environ.get("QUOIN_TEST_SCALE", "0.4"))
     failed, first, crashed = [], "", ""
     files = "Files/*" if law == "fracture_energy" else f"Files/*{law}*"
@@ -181,7 +181,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="quoin-mutants-") as scratch_name:
         scratch = pathlib.Path(scratch_name)
         lost = {}
-        for name in chosen:  # all texts first: the rest takes minutes
+        for name in chosen:  # all texts are checked before the builds, which take minutes
             shutil.copytree(ROOT / "contact_models", scratch / name / "models")
             missing = plant(scratch / name / "models", mutants[name][1])
             if missing:

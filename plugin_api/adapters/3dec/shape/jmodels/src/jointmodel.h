@@ -1,5 +1,5 @@
-// A 3DEC joint model as its SDK declares it (member names and arguments, public facts), declared by ourselves. These
-// are the members that a model implements or calls. Not binary compatible with 3DEC: build against the SDK for that.
+// Stand-in for the SDK's declaration of a 3DEC joint model, from its public member names and arguments. It has the
+// members that a model implements or calls. Not binary compatible with 3DEC: a plug-in is built against the SDK.
 #pragma once
 
 #include <iostream>
@@ -9,7 +9,7 @@
 
 namespace jmodels {
 
-struct State;  // no more than that: a model includes state.h itself
+struct State;  // a declaration only, as in the SDK: a model includes state.h itself
 
 class JointModel {
  public:

@@ -19,7 +19,7 @@ struct State {
   virtual double getYFromX(void* table, const double& x) const = 0;
   virtual double getSlopeFromX(void* table, const double& x) const = 0;
 
-  // What the SDK's constructor writes is not public: nothing that a model could use.
+  // The values that the SDK's constructor writes are not public; a model cannot use them, so they are NaN here.
   State() {
     for (double& number : working_) number = not_a_number;
   }
@@ -34,7 +34,7 @@ struct State {
   DVect3 shear_disp_inc_;
   double normal_force_inc_ = not_a_number;  // out
   DVect3 shear_force_inc_;                  // out
-  double dnop_ = not_a_number;              // out: the part of normal_disp_inc_ after which the contact is in tension
+  double dnop_ = not_a_number;              // out: part of normal_disp_inc_ after which the contact is in tension
   double working_[max_working_];
   std::int32_t iworking_[max_iworking_] = {-1, -1};
 

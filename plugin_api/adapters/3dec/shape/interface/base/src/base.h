@@ -1,5 +1,5 @@
-// The few types of 3DEC's interface that a joint model touches: stand-ins under the names that the SDK uses, for
-// building and testing without it. QUOIN_3DEC_VERSION says whose names: 3DEC 9 writes standard types.
+// Stand-ins for the types of 3DEC's interface that a joint model uses, with the names of the SDK, for building and
+// testing without it. QUOIN_3DEC_VERSION selects the version: 3DEC 9 has standard types.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,7 @@
 #include <limits>
 #include <string>
 
-// Default construction leaves the SDK's numbers uninitialised: not a number here, so that a model that relies on zeros
-// is found out.
+// A default vector of the SDK is uninitialised. Here it is NaN, so that tests find a model that relies on zeros.
 class DVect3 {
  public:
   DVect3() : DVect3(std::numeric_limits<double>::quiet_NaN()) {}
@@ -49,7 +48,7 @@ class Property {
 
 }  // namespace base
 
-// The names by which the headers here speak of either version's types.
+// Names of the types of either version for the headers of this folder.
 namespace jmodels::shape {
 using Text = string;
 using Index = uint32;
