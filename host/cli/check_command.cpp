@@ -268,7 +268,8 @@ long rigid_joints(const Assembly& assembly, int family) {
 
 void print_notes(const TimeStepReport& report) {
   if (!report.warning().empty()) fmt::print("  warning: {}\n", report.warning());
-  if (report.added_mass != 0.0)
+  constexpr double kRounding = 1e-9;  // of the model's mass
+  if (report.added_mass > kRounding * report.model_mass)
     fmt::print("  inertia added by scaling {:.4g} kg, {:.1f} % of the model\n", report.added_mass,
                100 * report.added_mass / report.model_mass);
 }
