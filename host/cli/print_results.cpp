@@ -32,18 +32,8 @@ void print_isolation(const Simulation& simulation) {
   }
 }
 
-// Largest force on the monitor, with what is known of its error.
-std::string peak_text(const std::vector<HistoryRow>& rows, const Scene& scene, const RunInfo& info) {
-  const Peak peak = find_peak(rows, scene);
-  const std::string unknown = why_error_unknown(scene, info);
-  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", scene.quality,
-                                                          100 * quality_named(scene.quality).peak_error)
-                                            : "error not known: " + unknown;
-  return fmt::format("peak {:.2f} kN at {:.3f} mm{} ({}); ", peak.force / 1e3, peak.displacement * 1e3,
-                     is_vertical(scene) ? " upright" : "", error);
-}
-
-// Response to an earthquake. The displacement at a peak force would have the ground's in it.
+// Prints the response relative to the ground. The peak is of the monitor, whose displacement includes that of the
+// ground.
 void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
   const HistoryRow *farthest = nullptr, *sheared = nullptr;
   std::size_t along = 0;
@@ -60,6 +50,17 @@ void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
   fmt::print(
       "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base shear {:.2f} kN (at {:.3f} s)\n",
       moved_part(scene, scene.stages.back()), most * 1e3, "xyz"[along], farthest -> time, shear / 1e3, sheared -> time);
+}
+
+// Largest force on the monitor, with what is known of its error.
+std::string peak_text(const std::vector<HistoryRow>& rows, const Scene& scene, const RunInfo& info) {
+  const Peak peak = find_peak(rows, scene);
+  const std::string unknown = why_error_unknown(scene, info);
+  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", scene.quality,
+                                                          100 * quality_named(scene.quality).peak_error)
+                                            : "error not known: " + unknown;
+  return fmt::format("peak {:.2f} kN at {:.3f} mm{} ({}); ", peak.force / 1e3, peak.displacement * 1e3,
+                     is_vertical(scene) ? " upright" : "", error);
 }
 
 }  // namespace
