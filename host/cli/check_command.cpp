@@ -268,7 +268,8 @@ long rigid_joints(const Assembly& assembly, int family) {
 
 void print_notes(const TimeStepReport& report) {
   if (!report.warning().empty()) fmt::print("  warning: {}\n", report.warning());
-  if (report.added_mass != 0.0)
+  constexpr double kRounding = 1e-9;  // of the model's mass
+  if (report.added_mass > kRounding * report.model_mass)
     fmt::print("  inertia added by scaling {:.4g} kg, {:.1f} % of the model\n", report.added_mass,
                100 * report.added_mass / report.model_mass);
 }
@@ -313,6 +314,20 @@ void print_members(const members::Members& members, const blocks::Assembly& asse
     fmt::print("  fill {:<11} {:.4g} m2 of faces, {} points\n", fill.name, fill.area, fill.end - fill.first);
 }
 
+// How many blocks move in which way.
+void print_motion(const blocks::World& world) {
+  using Kind = blocks::Piece::Kind;
+  std::vector<std::string> parts;
+  for (const auto& [kind, text] :
+       {std::pair{Kind::rigid, "rigid"}, std::pair{Kind::congruent, "deformable by the stiffness of their shape"},
+        std::pair{Kind::distinct, "deformable by a stiffness of their own"},
+        std::pair{Kind::by_zone, "deformable zone by zone"}}) {
+    if (const auto count = count_of(world, kind); count > 0) parts.push_back(fmt::format("{} {}", count, text));
+  }
+  fmt::print("  motion in large displacement{}: {}\n", world.is_small ? ", small at first" : "",
+             fmt::join(parts, ", "));
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   Simulation simulation(scene, 0);
   const TimeStepReport& step = simulation.time_step_report();
@@ -328,14 +343,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
                        simulation.large_motion()->assembly.contact.point_spacing > 0.0);
   }
   print_memory(size_of(scene));
-  using Kind = blocks::Piece::Kind;
-  const auto blocks_of = [&](Kind kind) { return count_of(*simulation.large_motion(), kind); };
-  fmt::print(
-      "  motion in {} displacement: {} rigid, {} congruent by one stiffness a shape, {} in a frame of their own, {} "
-      "zone "
-      "by zone\n",
-      simulation.large_motion()->is_small ? "large (small at first)" : "large", blocks_of(Kind::rigid),
-      blocks_of(Kind::congruent), blocks_of(Kind::distinct), blocks_of(Kind::by_zone));
+  print_motion(*simulation.large_motion());
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   for (const std::string& note : simulation.large_motion()->assembly.notes) fmt::print("  {}\n", note);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,

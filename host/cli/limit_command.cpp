@@ -103,12 +103,11 @@ void write_page(const std::filesystem::path& mechanism, const Scene& scene, doub
 void print(const LimitWithoutDilation& without) {
   for (const SettledLimit& start : without.start)
     fmt::print(
-        "  from {}: {:.5f}{}, {} after {} problems; shear beyond friction: at most {:.2g} of the mean normal force, "
-        "{:.2g} "
-        "of the friction of all that slides\n",
+        "  from {}: {:.5f}{}, {} after {} problems; shear beyond friction: at most {:.2g} of the mean normal force{}\n",
         start.from == "weight" ? "elastic forces under weight" : "associated forces", start.multiplier,
         start.spread > 0.0 ? fmt::format(" +- {:.2g} %", 100.0 * start.spread) : "",
-        start.settled ? "settled" : "not settled", start.problems, start.beyond, start.share_beyond);
+        start.settled ? "settled" : "not settled", start.problems, start.beyond,
+        start.share_beyond < 1.0 ? fmt::format(", {:.2g} of the friction of all that slides", start.share_beyond) : "");
   if (without.start.size() == 2 &&
       std::all_of(without.start.begin(), without.start.end(), [](const SettledLimit& s) { return s.settled; }) &&
       std::abs(without.start[0].multiplier - without.start[1].multiplier) > 0.01 * without.multiplier)

@@ -52,6 +52,17 @@ void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
       moved_part(scene, scene.stages.back()), most * 1e3, "xyz"[along], farthest -> time, shear / 1e3, sheared -> time);
 }
 
+// Largest force on the monitor, with what is known of its error.
+std::string peak_text(const std::vector<HistoryRow>& rows, const Scene& scene, const RunInfo& info) {
+  const Peak peak = find_peak(rows, scene);
+  const std::string unknown = why_error_unknown(scene, info);
+  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", scene.quality,
+                                                          100 * quality_named(scene.quality).peak_error)
+                                            : "error not known: " + unknown;
+  return fmt::format("peak {:.2f} kN at {:.3f} mm{} ({}); ", peak.force / 1e3, peak.displacement * 1e3,
+                     is_vertical(scene) ? " upright" : "", error);
+}
+
 }  // namespace
 
 void print_results(const std::filesystem::path& folder, const Simulation& simulation,
@@ -64,16 +75,10 @@ void print_results(const std::filesystem::path& folder, const Simulation& simula
                    : "");
   }
   const Scene& scene = simulation.scene();
-  const Peak peak = find_peak(rows, scene);
-  const std::string unknown = why_error_unknown(scene, info);
-  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", scene.quality,
-                                                          100 * quality_named(scene.quality).peak_error)
-                                            : "error not known: " + unknown;
-  fmt::print("peak {:.2f} kN at {:.3f} mm{} ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
-             peak.displacement * 1e3, is_vertical(scene) ? " upright" : "", error, simulation.step(), info.wall_clock_s,
-             folder.string());
   const bool shaken =
       std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
+  fmt::print("{}{} steps in {:.1f} s; results in {}\n", shaken ? "" : peak_text(rows, scene, info), simulation.step(),
+             info.wall_clock_s, folder.string());
   if (shaken) print_response(rows, scene);
   if (shaken && !rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;

@@ -384,7 +384,7 @@ std::string with_contact_share(const Model& model, const UndamagedSystem& system
   std::string text = system.name(dof);
   const std::size_t i = at(dof);
   if (rows.next_family[i] > 0 && rows.diagonal[i] > 0.0) {
-    text += fmt::format(", joint family '{}' brings {:.0f} % of its stiffness",
+    text += fmt::format(", joint family '{}' has {:.0f} % of its stiffness",
                         model.families[at(rows.next_family[i] - 1)].name,
                         100.0 * rows.contact_diagonal[i] / rows.diagonal[i]);
   }

@@ -343,8 +343,7 @@ TEST_F(Cli, CheckCountsAWallAndAnArch) {
   // 9 voussoirs of 22.5 degrees between radii of 9.25 and 10.75 m, with 4 points in each of 8 joints.
   EXPECT_THAT(out_, HasSubstr("blocks 9  zones 0  contact points 32  mass "));
   EXPECT_NEAR(number("contact points 32  mass "), 9 * 2000 * 15 * std::sin(M_PI / 8), 50);
-  EXPECT_THAT(out_,
-              HasSubstr("9 rigid, 0 congruent by one stiffness a shape, 0 in a frame of their own, 0 zone by zone\n"));
+  EXPECT_THAT(out_, HasSubstr("small at first: 9 rigid\n"));
   const double step = number("\ntime step ");
   EXPECT_NEAR(number("of 2/omega_max ("), step / number(fmt::format("time step {:.4g} s, ", step)), 0.02 * step);
   EXPECT_NEAR(number("until 1 s, about "), 1.0 / step, 2e-4 / step);

@@ -192,7 +192,7 @@ TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
         const double zones = dense_stiffness(assembly.bricks[size_t(block)], brick_material())(row, row);
         found = found || (report.nodal.position == model.gridpoint_position(block, node) &&
                           report.nodal.where ==
-                              fmt::format("block {}, gridpoint {}, joint family '{}' brings {:.0f} % of its "
+                              fmt::format("block {}, gridpoint {}, joint family '{}' has {:.0f} % of its "
                                           "stiffness",
                                           block, node, model.families[0].name, 100 * (1 - zones / diagonal[dof])));
       }
