@@ -178,10 +178,10 @@ class StageWriter {
 
   Stage on_bodies(const Stage& given) const {
     const auto refuse = [&](const std::string& what) { unfit("stage '{}' {}", given.name, what); };
-    if (given.ground || given.collapse || given.moving_load) refuse(beyond_lattice(given));
-    if (given.solver) refuse("has damping of its own");
     Stage stage = given;
     stage.forces.clear(), stage.pressures.clear();
+    if (const std::string acts = beyond_lattice(stage); !acts.empty()) refuse(acts);
+    if (given.solver) refuse("has damping of its own");
     if (stage.monitor.empty()) stage.monitor = watched_;
     if (!stage.monitor.empty()) rigid(stage.monitor, given, "watches", ": monitor");
     std::set<std::string> controlled;
