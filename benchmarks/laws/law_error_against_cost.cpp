@@ -1,7 +1,7 @@
 // Run time against error of fracture_energy and cyclic_joint on 256 cyclic paths of opening, sliding in two directions
 // and varying pressure. Each path is computed with more and more increments and compared with 2^20 increments
 // (cyclic_joint: 2^16). Monotonic paths of fracture_energy are compared with their closed forms. cyclic_joint has the
-// starting values of contact_models/cyclic_joint/LAW.md, so that every branch is active, and a second kind of path with
+// starting values of the law's page, so that every branch is active, and a second kind of path with
 // crushing. Writes CSV to the standard output:
 //   law_error_against_cost > law_error_against_cost.csv && gnuplot law_error_against_cost.gp
 #include <fmt/format.h>

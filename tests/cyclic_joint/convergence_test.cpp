@@ -16,7 +16,8 @@ using Path = Jump (*)(std::size_t point, double x);
 
 constexpr int kChecks = 64;  // number of positions along each path at which errors are computed
 
-// Returns Table 1 of the paper with the starting values of LAW.md, as in benchmarks/laws/law_error_against_cost.cpp.
+// Returns Table 1 of the paper with the starting values of the law's page, as in
+// benchmarks/laws/law_error_against_cost.cpp.
 Joint joint() {
   Joint j = mortar();
   j.fcr = 0;

@@ -24,7 +24,7 @@ inline bool chance(Random& random, double probability) { return uniform(random, 
 // Returns the factor on numbers of random joints: 1 in ctest, $QUOIN_TEST_SCALE in long runs.
 double test_scale();
 
-// Returns Table 1 of the paper with the starting values of LAW.md.
+// Returns Table 1 of the paper with the starting values of the law's page.
 Joint mortar();
 // Returns a random admissible joint. Energies are at least margin times their bounds; stiffnesses, strengths and
 // lengths are 1/spread to spread times those of masonry.

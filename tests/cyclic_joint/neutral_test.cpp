@@ -20,7 +20,7 @@ double property(const PathFile& path, const std::string& id, double otherwise) {
   return otherwise;
 }
 
-// Detects the intended differences of LAW.md along a path of fracture_energy.
+// Detects the intended differences of the law's page along a path of fracture_energy.
 class Agreement {
  public:
   Agreement(const PathFile& path, const quoin::Law& law)

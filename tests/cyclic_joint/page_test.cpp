@@ -1,4 +1,5 @@
-// Every step of the law against an independent implementation of LAW.md in long double, from the same old state.
+// Every step of the law against an independent implementation of the law's page in long double, from the same old
+// state.
 #include <gtest/gtest.h>
 
 #include <algorithm>

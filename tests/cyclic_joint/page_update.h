@@ -13,7 +13,7 @@ using Real = long double;
 
 enum class Shape { linear, exponential, table };
 
-// Parameters with the symbols of LAW.md, SI, angles in degrees. sd < 0: equal to su.
+// Parameters with the symbols of the law's page, SI, angles in degrees. sd < 0: equal to su.
 struct Joint {
   Real kn = 0, ks = 0, ft = 0, c0 = 0, cr = 0, phi0 = 0, phir = 0, psi0 = 0;
   Real fc = std::numeric_limits<Real>::infinity(), fcr = 0, G1 = 0, G2 = 0, Gc = 0;

@@ -1,7 +1,7 @@
 // Integration of the rate equations of contact_models/cyclic_joint/LAW.md ("Free energy", "Surfaces", "Evolution"), for
 // tests only: one point, long double. Jumps grow in small pieces. After each, slip and crushing flow along the
-// directions of LAW.md by a share of the excess over the surfaces, a few times. It solves no step and is independent of
-// "ORDER of the update", of the law's code and of its other tests. It is of first order in the piece.
+// directions of the law's page by a share of the excess over the surfaces, a few times. It solves no step and is
+// independent of "ORDER of the update", of the law's code and of its other tests. It is of first order in the piece.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace quoin::cyclic_rates {
 
 using Real = long double;
 
-// Symbols of LAW.md, SI; friction and dilation as tangents; softening by points, or exponential without points.
+// Symbols of the law's page, SI; friction and dilation as tangents; softening by points, or exponential without points.
 struct Parameters {
   Real kn, ks, ft, c0, cr, mu0, mur, tan_psi;
   Real fc, fcr, G1, G2, Gc;

@@ -1,5 +1,5 @@
 // contact_models/cyclic_joint/LAW.md, "What must hold" and "Refused": a test for each statement, with the loaded
-// library. By closed forms or by the inequalities of LAW.md. Numbers in comments are those of the statements.
+// library. By closed forms or by the inequalities of the law's page. Numbers in comments are those of the statements.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -312,7 +312,8 @@ TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
       points.batch.evaluate(points.material);
       for (std::size_t i = 0; i < 16; ++i) {
         const double slip = points.state(kSlip, i) - points.batch.in[6 + kSlip][i];
-        // With both surfaces active over a falling seat LAW.md proves no bound; the largest known slope is 1.14 ks.
+        // With both surfaces active over a falling seat the law's page proves no bound; the largest known slope is 1.14
+        // ks.
         constexpr std::uint32_t kFallingCorner = QUOIN_FLAG_SLIPPING | QUOIN_FLAG_CRUSHED | QUOIN_FLAG_RESEATING;
         const bool falling_corner = (points.batch.flags[i] & kFallingCorner) == kFallingCorner;
         const double shear = bounds.shear * (falling_corner ? 1.5 : 1.0 + 1e-9);
@@ -333,7 +334,7 @@ TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
   EXPECT_GT(most_closed, 1.2);
 }
 // The bond of a joint just below ft falls to nearly 0 in one slip. There the slope of open joints is equal to its
-// bound, and to the formula of LAW.md.
+// bound, and to the formula of the law's page.
 TEST(StiffnessBounds, SlipOfAnOpenJointReachesItsBound) {
   Joint j = plain(Shape::linear);
   j.phi0 = j.phir = 45;  // z = 2/3, k = 2/(1 - 1/9 c0/(ks su))

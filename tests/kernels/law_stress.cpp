@@ -136,7 +136,7 @@ struct FractureEnergyJoint {
   const char* beyond_bounds(const Batch&, std::size_t) const { return nullptr; }
 };
 
-// Returns properties that are admissible by statement 6 of LAW.md, with energies from 1.001 times their bound.
+// Returns properties that are admissible by statement 6 of the law's page, with energies from 1.001 times their bound.
 Values FractureEnergyJoint::draw(Random& random) {
   const auto tangent = [](double degrees) { return std::tan(degrees * (M_PI / 180.0)); };
   kn = log_uniform(random, 1e6, 1e14);

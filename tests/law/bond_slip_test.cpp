@@ -1,4 +1,4 @@
-// bond_slip against its LAW.md: statements 1 to 6, and debonding of a long strip.
+// bond_slip against its the law's page: statements 1 to 6, and debonding of a long strip.
 #include <gtest/gtest.h>
 
 #include <array>

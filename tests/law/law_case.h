@@ -41,7 +41,7 @@ struct Case {
   double shear_scale() const, normal_scale() const;  // scales of errors of stress, Pa
   // Returns the largest decrease of S along the slip where uplift crushes the joint, kn mu0 tan(psi0) q/(1 - q), Pa/m.
   double fall_by_uplift() const;
-  // Returns the shear strength at a state, Pa, by the formulas of LAW.md.
+  // Returns the shear strength at a state, Pa, by the formulas of the law's page.
   double shear_strength(double e, double sigma, double xi) const;
 };
 
