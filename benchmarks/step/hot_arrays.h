@@ -40,7 +40,7 @@ inline std::vector<HotArray> hot_arrays(const Simulation::Impl& s) {
     count_slots(group.first_slot, model.body_slots[at(group.slots)].slot_count(), &of_bodies);
   std::size_t driven_groups = 0;
   for (const BodyLanes& body : s.lattice.bodies) driven_groups += body.any_prescribed ? 1 : 0;
-  for (const LawCall& call : s.contacts.calls) {
+  for (const BoundCall& call : s.contacts.calls) {
     for (const quoin_out& column : call.state_new) state_columns += column.data ? call.batch.count : 0;
   }
   const std::size_t quantity = sizeof(BodyLanes::Quantity), body_records = s.lattice.bodies.size();

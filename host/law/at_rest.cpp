@@ -12,7 +12,7 @@ void evaluate_at_rest(const Material& material, const RestingPoints& points,
   std::vector<quoin_out> fresh;
   for (std::size_t k = 0; k < points.state.size(); ++k) {
     old.push_back({points.state[k], 1});
-    fresh.push_back({unused.data() + (3 + k) * n, 1});
+    fresh.push_back(points.state[k] ? quoin_out{unused.data() + (3 + k) * n, 1} : quoin_out{});
   }
   quoin_batch batch{};
   batch.struct_size = sizeof batch;

@@ -15,7 +15,7 @@ struct RestingPoints {
   std::size_t count = 0;
   const double* normal_jump = nullptr;              // m
   std::array<const double*, 3> traction{};          // Pa
-  std::vector<const double*> state;                 // in the order of the law
+  std::vector<const double*> state;                 // in the order of the law; null: not kept
   std::vector<quoin_property_column> properties{};  // properties that scatter
 };
 

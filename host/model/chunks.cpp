@@ -126,7 +126,7 @@ void bind_points(const World& w, Chunk& chunk) {
 void unbind(Chunk& chunk) {
   chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
   chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
-  chunk.row_count = 0, chunk.batch = {};
+  chunk.row_count = 0, chunk.call.batch = {};
 }
 
 // Rows of own chunks follow each other.
@@ -196,27 +196,16 @@ void bind_columns(World& w) {
 }
 
 void bind(const World& w, Family& f, Chunk& chunk) {
-  quoin_batch& batch = chunk.batch;
-  batch = {};
-  batch.struct_size = sizeof batch;
-  batch.count = chunk.count;
-  batch.normal_jump = {f.normal_jump.data() + chunk.first, 1};
-  for (int k = 0; k < 2; ++k) batch.slip_increment[k] = {f.slip[k].data() + chunk.first, 1};
-  for (int k = 0; k < 3; ++k) {
-    batch.traction_old[k] = {f.traction[k].data() + chunk.first, 1};
-    batch.traction_new[k] = {f.traction[k].data() + chunk.first, 1};
-  }
-  chunk.state_old.clear(), chunk.state_new.clear();
-  for (auto& column : f.state) {
-    chunk.state_old.push_back({column.data() + chunk.first, 1});
-    chunk.state_new.push_back({column.data() + chunk.first, 1});
-  }
-  batch.state_old = chunk.state_old.data(), batch.state_new = chunk.state_new.data();
-  chunk.properties = batch_columns(f.columns, *f.material, chunk.first);
-  batch.property_column_count = chunk.properties.size(), batch.property_columns = chunk.properties.data();
+  CallColumns columns{chunk.count, {}, {}, batch_columns(f.columns, *f.material, chunk.first)};
+  for (size_t k = 0; k < 3; ++k) columns.traction[k] = f.traction[k].data() + chunk.first;
+  for (auto& column : f.state) columns.state.push_back(column.data() + chunk.first);
+  chunk.call.bind(std::move(columns));
+  chunk.call.bind_jumps(f.normal_jump.data() + chunk.first, f.slip[0].data() + chunk.first,
+                        f.slip[1].data() + chunk.first);
   if (!w.books_energy || f.stored.empty() || !(f.material->api().capabilities & QUOIN_CAN_ENERGY)) return;
-  batch.energy_stored = {f.stored.data() + chunk.first, 1};
-  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch.dissipated[k] = {f.dissipated[k].data() + chunk.first, 1};
+  std::array<double*, QUOIN_DISSIPATED_COUNT> dissipated;
+  for (size_t k = 0; k < dissipated.size(); ++k) dissipated[k] = f.dissipated[k].data() + chunk.first;
+  chunk.call.bind_energies(f.stored.data() + chunk.first, dissipated);
 }
 
 }  // namespace quoin::blocks

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/vector.h"
-#include "law/law_library.h"
+#include "law/bound_call.h"
 #include "model/contact_points.h"
 #include "model/lanes.h"
 
@@ -89,10 +89,7 @@ struct Deepest {
 struct Chunk {
   int family = 0;
   uint32_t first = 0, count = 0;
-  quoin_batch batch{};
-  std::vector<quoin_in> state_old;
-  std::vector<quoin_out> state_new;
-  std::vector<quoin_property_column> properties;  // properties that scatter
+  BoundCall call;
   std::vector<RigidPair> pairs;                   // pairs of rigid blocks with points in the chunk
   std::vector<GridpointPair> gridpoint_pairs;     // pairs whose points lie on gridpoints of both blocks
   std::vector<PairAxes> pair_axes;                // axes of gridpoint_pairs; constant in small displacements
@@ -101,10 +98,6 @@ struct Chunk {
   std::vector<FacetFrames> frames;                // frames of their triangles; constant in small displacements
   std::vector<OtherPoint> others;                 // points with one deformable side
   uint32_t row_count = 0;                         // number of rows of its points in Chunks::rows
-  // Results of the last step:
-  quoin_status status = QUOIN_OK;
-  bool failed = false;
-  double stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // J
   // For rows of history.csv:
   double force_sum = 0.0;  // sum of the magnitudes of the points' forces, N
   Deepest deepest{};

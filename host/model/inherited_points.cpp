@@ -253,7 +253,7 @@ double energy_of_points(const World& w, const Family& f, const LaneVector<Facet>
   Chunk all;
   all.count = count;
   bind(w, trial, all);
-  trial.material->evaluate(&all.batch);
+  all.call.evaluate(*trial.material);
   double sum = 0.0;
   for (uint32_t i = 0; i < count; ++i) {
     double density = trial.stored[i];

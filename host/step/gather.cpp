@@ -138,15 +138,8 @@ void each_memory_of_item(Simulation::Impl& s, Part part, int item, const VisitMe
 
 void each_memory_of_chunk(Simulation::Impl& s, Part part, int chunk, const VisitMemory& visit) {
   if (s.large_motion) return s.large_motion->each_memory_of_chunk(part, chunk, visit);
-  LawCall& call = s.contacts.calls[at(chunk)];
-  visit_value(call.force_sum, visit);
-  visit_value(call.deepest, visit);
-  visit_value(call.deepest_point, visit);
-  visit_value(call.crushed_out, visit);
-  visit_value(call.stored, visit);
-  visit_value(call.dissipated, visit);
-  visit_value(call.damping, visit);
-  visit_value(call.on_monitor, visit);
+  visit_value(s.contacts.sums[at(chunk)], visit);
+  s.contacts.calls[at(chunk)].each_result(visit);
   if (part != Part::all) return;
   const ContactChunk& c = s.model.chunks[at(chunk)];
   const auto first = at(c.first_point), count = at(c.point_count);
@@ -158,9 +151,6 @@ void each_memory_of_chunk(Simulation::Impl& s, Part part, int chunk, const Visit
     for (std::size_t begin = 0; begin < array.size(); begin += at(of.point_count))
       visit(array.data() + begin + (first - at(of.first_point)), bytes);
   });
-  visit_value(call.failed, visit);
-  visit_value(call.status, visit);
-  visit_value(call.batch.failed_count, visit);
 }
 
 void prepare_row(Simulation::Impl& s) {
@@ -181,7 +171,7 @@ void prepare_row(Simulation::Impl& s) {
     for (const int b : blocks_of_item(s, item)) s.small_motion.whole_motions[at(b)] = whole_motion_of(s, at(b));
     for (const int b : bodies_of_item(s, item)) s.reactions.body_wrench[at(b)] = sum_joint_wrench(s, b);
   }
-  for (const int c : s.division.share.chunks) s.contacts.calls[at(c)].on_monitor = sum_on_monitor(s, c);
+  for (const int c : s.division.share.chunks) s.contacts.sums[at(c)].on_monitor = sum_on_monitor(s, c);
 }
 
 }  // namespace quoin

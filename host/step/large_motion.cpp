@@ -32,32 +32,14 @@ double larger(double so_far, double x) { return x <= so_far ? so_far : x; }
 
 void report_failure(const Model& m, const Chunk& chunk) {
   const Family& f = m.contacts.families[size_t(chunk.family)];
-  const std::string law = f.material->api().id, family = m.assembly.families[size_t(chunk.family)].name;
-  if (const std::string fault = f.material->fault(); !fault.empty())
-    throw Error(Exit::numerical, fmt::format("step {}, joint family '{}': {}", m.stepping.count, family, fault));
-  if (chunk.status != QUOIN_OK) {
-    throw Error(Exit::numerical, fmt::format("law '{}' of joint family '{}' refused a batch with status {} at step {}",
-                                             law, family, chunk.status, m.stepping.count));
-  }
-  if (chunk.batch.count == 0)
-    throw Error(Exit::numerical, fmt::format("law '{}' failed at step {}, on another rank", law, m.stepping.count));
-  // Failed points keep their old state: a second call, now with the status by point, fails at the same ones.
-  std::vector<uint32_t> status(chunk.count, QUOIN_POINT_OK);
-  quoin_batch batch = chunk.batch;
-  batch.status = {status.data(), 1};
-  f.material->evaluate(&batch);
-  const auto first = std::find(status.begin(), status.end(), uint32_t(QUOIN_POINT_FAILED));
-  const size_t i = chunk.first + std::min(size_t(first - status.begin()), size_t(chunk.count - 1));
-  const Point& p = f.point[i];
-  throw Error(
-      Exit::numerical,
-      fmt::format(
-          "law '{}' failed at {} of {} points at step {}, time {:.6g} s: joint family '{}', blocks {} and {}, "
-          "contact point at {}, opening {:.6g} m, slip in the step ({:.6g}, {:.6g}) m, traction ({:.6g}, {:.6g}, "
-          "{:.6g}) Pa. A smaller solver.time_step_fraction than {:g} may help",
-          law, chunk.batch.failed_count, chunk.count, m.stepping.count, m.stepping.time, family, label(m.assembly, p.a),
-          label(m.assembly, p.b), place(place_of(m, p)), f.normal_jump[i], f.slip[0][i], f.slip[1][i], f.traction[0][i],
-          f.traction[1][i], f.traction[2][i], m.solver.time_step_fraction));
+  const auto point = [&](size_t i) {
+    const Point& p = f.point[chunk.first + i];
+    return fmt::format("blocks {} and {}, contact point at {}", label(m.assembly, p.a), label(m.assembly, p.b),
+                       place(place_of(m, p)));
+  };
+  report_failed_call(*f.material, chunk.call,
+                     {m.stepping.count, m.stepping.time, m.solver.time_step_fraction,
+                      m.assembly.families[size_t(chunk.family)].name, m.batch_text(chunk.call.batch), point});
 }
 
 void sum_up_members(Model& m) {
@@ -82,12 +64,12 @@ void sum_up(Model& m) {
   m.step_sums.energies.contact_stored = m.step_sums.energies.kinetic = m.step_sums.energies.strain =
       m.step_sums.dissipated = 0.0;
   for (const Chunk& chunk : m.chunks.all) {
-    m.step_sums.energies.contact_stored += chunk.stored;
-    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) {
-      m.step_sums.energies.dissipated[k] += chunk.dissipated[k];
-      m.step_sums.dissipated += chunk.dissipated[k];
+    m.step_sums.energies.contact_stored += chunk.call.stored;
+    for (size_t k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) {
+      m.step_sums.energies.dissipated[k] += chunk.call.dissipated[k];
+      m.step_sums.dissipated += chunk.call.dissipated[k];
     }
-    m.step_sums.energies.damping += chunk.damping;
+    m.step_sums.energies.damping += chunk.call.damping;
   }
   // A force does its work from half a step before its time to half a step after it. Energies are those at its time.
   m.step_sums.energies.damping += m.step_sums.later.damping;
@@ -160,7 +142,7 @@ void Model::begin_step(bool measure) {
 
 bool Model::end_step() {
   for (const Chunk& chunk : chunks.all) {
-    if (chunk.failed) report_failure(*this, chunk);
+    if (chunk.call.failed) report_failure(*this, chunk);
   }
   sum_up(*this);
   stepping.time += stepping.dt;
@@ -210,7 +192,7 @@ std::optional<WrongAnswer> Model::wrong_law(std::span<const int> own_chunks) con
 
 std::string Model::batch_text(const quoin_batch& batch) const {
   for (const Chunk& chunk : chunks.all) {
-    if (&chunk.batch == &batch)
+    if (&chunk.call.batch == &batch)
       return fmt::format("contact points {} to {} of joint family '{}'", chunk.first, chunk.first + chunk.count - 1,
                          assembly.families[size_t(chunk.family)].name);
   }

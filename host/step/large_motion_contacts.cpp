@@ -78,14 +78,8 @@ void contact_law(Model& m, Family& f, Chunk& chunk) {
     for (int k = 0; k < 3; ++k)
       std::copy_n(f.traction[k].begin() + chunk.first, chunk.count, f.old_traction[k].begin() + chunk.first);
   }
-  chunk.status = f.material->evaluate(&chunk.batch);
-  chunk.failed = chunk.status != QUOIN_OK || chunk.batch.failed_count > 0;
-  if (!m.books_energy) return;
-  EnergyColumns c{f.area.data() + chunk.first, f.stored.data() + chunk.first, {}};
-  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) c.dissipated[k] = f.dissipated[k].data() + chunk.first;
-  const PointEnergies sums = energies_of_points(c, chunk.count);
-  chunk.stored = sums.stored;
-  std::copy(std::begin(sums.dissipated), std::end(sums.dissipated), chunk.dissipated);
+  chunk.call.evaluate(*f.material);
+  if (m.books_energy) sum_energies(f.area.data() + chunk.first, chunk.call);
 }
 
 // Computes tractions of stiffness-proportional or impact damping.
@@ -108,14 +102,14 @@ void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
     maxwell.keep[e] = std::exp(-way), maxwell.gain[e] = -m.impacts.maxwell[e].share * std::expm1(-way) / way;
   }
   if (m.damping.impacts)
-    chunk.damping = damp_impacts(c, maxwell, chunk.count, m.impacts.beta[2 * size_t(chunk.family)] / m.stepping.dt,
-                                 m.impacts.beta[2 * size_t(chunk.family) + 1] / m.stepping.dt);
+    chunk.call.damping = damp_impacts(c, maxwell, chunk.count, m.impacts.beta[2 * size_t(chunk.family)] / m.stepping.dt,
+                                      m.impacts.beta[2 * size_t(chunk.family) + 1] / m.stepping.dt);
   else
-    chunk.damping = damp_points(c, chunk.count, m.damping.beta / m.stepping.dt);
+    chunk.call.damping = damp_points(c, chunk.count, m.damping.beta / m.stepping.dt);
 }
 
 void contact_forces(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
-  chunk.damping = 0.0;
+  chunk.call.damping = 0.0;
   if (m.damping.of_contacts()) viscous_tractions(m, f, chunk);
   rigid_forces(chunk.pairs, m.bodies.data(), rigid_columns(f));
   gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, !m.is_small, gridpoint_columns(f, chunk), m.chunks.rows.data());

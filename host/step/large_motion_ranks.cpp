@@ -12,7 +12,7 @@ using namespace geometry;
 
 bool Model::in_trouble(std::span<const int> own_chunks, std::span<const int> own_pieces) const {
   for (const int c : own_chunks) {
-    if (chunks.all[size_t(c)].failed) return true;
+    if (chunks.all[size_t(c)].call.failed) return true;
   }
   for (const int p : own_pieces) {
     const Piece& piece = pieces.all[size_t(p)];
@@ -74,14 +74,9 @@ void Model::each_memory_of_chunk(Part wanted, int index, const VisitMemory& visi
   if (wanted == Part::motion) return;
   Chunk& chunk = chunks.all[size_t(index)];
   Family& f = contacts.families[size_t(chunk.family)];
-  visit(&chunk.stored, sizeof chunk.stored);
-  visit(chunk.dissipated, sizeof chunk.dissipated);
-  visit(&chunk.damping, sizeof chunk.damping);
+  chunk.call.each_result(visit);
   visit(&chunk.force_sum, sizeof chunk.force_sum);
   visit(&chunk.deepest, sizeof chunk.deepest);
-  visit(&chunk.status, sizeof chunk.status);
-  visit(&chunk.failed, sizeof chunk.failed);
-  visit(&chunk.batch.failed_count, sizeof chunk.batch.failed_count);
   WorldFields::of_points(
       [&](const Field& field, auto& column) {
         if (has(wanted, field.gathered) && !column.empty())

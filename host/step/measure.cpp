@@ -75,7 +75,7 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
       side.add(s.model.point_position[static_cast<std::size_t>(at.point)][1] - brick.origin[1] - 0.5 * brick.size[1]);
   }
   for (std::size_t chunk = 0; chunk < s.contacts.calls.size() && !s.monitor.loaded.empty(); ++chunk) {
-    const Vec3 joints = has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.calls[chunk].on_monitor;
+    const Vec3 joints = has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.sums[chunk].on_monitor;
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += s.model.assembly.symmetry_factor * joints[c];
   }
   for (std::size_t c = 0; c < 3; ++c)
@@ -131,8 +131,8 @@ void sum_measurements(Simulation::Impl& s) {
     external_after += m.external_after;
   }
   double force_sum = 0.0, dissipated = 0.0, damped = 0.0;
-  for (const LawCall& call : s.contacts.calls) {
-    force_sum += call.force_sum;
+  for (const ChunkSums& sums : s.contacts.sums) force_sum += sums.force_sum;
+  for (const BoundCall& call : s.contacts.calls) {
     damped += call.damping;
     now.contact_stored += call.stored;
     for (std::size_t k = 0; k < 4; ++k) dissipated += call.dissipated[k], s.energy.dissipated[k] += call.dissipated[k];

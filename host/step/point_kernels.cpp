@@ -125,20 +125,18 @@ double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t
   return m.traction[0] ? Damp<true, true>(c, m, count, normal, along) : Damp<true, false>(c, m, count, normal, along);
 }
 
-PointEnergies EnergiesOfPoints(const EnergyColumns& c, std::size_t count) {
-  LaneSum stored, dissipated[QUOIN_DISSIPATED_COUNT];
-  for_each_vector(count, [&](std::size_t i, auto load, auto) HWY_ATTR {
-    const V area = load(c.area);
-    const auto add = [&](const double* density, LaneSum& sum) HWY_ATTR {
-      V& part = sum.part[part_of_sum(i)];
-      part = hn::MulAdd(area, load(density), part);
-    };
-    add(c.stored, stored);
-    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) add(c.dissipated[k], dissipated[k]);
-  });
-  PointEnergies sums{stored.total(), {}};
-  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) sums.dissipated[k] = dissipated[k].total();
-  return sums;
+void SumEnergies(const double* area, BoundCall& call) {
+  const auto sum = [&](const double* density) HWY_ATTR {
+    LaneSum of_column;
+    if (!density) return 0.0;
+    for_each_vector(call.batch.count, [&](std::size_t i, auto load, auto) HWY_ATTR {
+      V& part = of_column.part[part_of_sum(i)];
+      part = hn::MulAdd(load(area), load(density), part);
+    });
+    return of_column.total();
+  };
+  call.stored = sum(call.batch.energy_stored.data);
+  for (std::size_t k = 0; k < call.dissipated.size(); ++k) call.dissipated[k] = sum(call.batch.dissipated[k].data);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -151,7 +149,7 @@ namespace quoin::blocks {
 
 HWY_EXPORT(DampPoints);
 HWY_EXPORT(DampImpacts);
-HWY_EXPORT(EnergiesOfPoints);
+HWY_EXPORT(SumEnergies);
 
 double damp_points(const DampingColumns& columns, std::size_t count, double rate) {
   return HWY_DYNAMIC_DISPATCH(DampPoints)(columns, count, rate);
@@ -162,9 +160,7 @@ double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell
   return HWY_DYNAMIC_DISPATCH(DampImpacts)(columns, maxwell, count, normal, along);
 }
 
-PointEnergies energies_of_points(const EnergyColumns& columns, std::size_t count) {
-  return HWY_DYNAMIC_DISPATCH(EnergiesOfPoints)(columns, count);
-}
+void sum_energies(const double* area, BoundCall& call) { HWY_DYNAMIC_DISPATCH(SumEnergies)(area, call); }
 
 }  // namespace quoin::blocks
 

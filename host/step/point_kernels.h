@@ -1,11 +1,10 @@
-// Quantities that all contact points in large motion have, whatever blocks they lie between: the traction of
-// stiffness-proportional damping, and energies. Compiled for every instruction set of Highway and chosen at run time.
-// With any of these, sums have eight lanes.
+// Quantities that all contact points have, whatever blocks they lie between: the traction of damping, and energies.
+// Compiled for every instruction set of Highway and chosen at run time. With any of these, sums have eight lanes.
 #pragma once
 
 #include <cstddef>
 
-#include "law/law_library.h"
+#include "law/bound_call.h"
 #include "model/maxwell.h"
 
 namespace quoin::blocks {
@@ -35,13 +34,8 @@ struct MaxwellColumns {
 double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count, double normal,
                     double along);
 
-// Columns of area and of energy densities; their products are summed.
-struct EnergyColumns {
-  const double *area, *stored, *dissipated[QUOIN_DISSIPATED_COUNT];  // m2, J/m2
-};
-struct PointEnergies {
-  double stored, dissipated[QUOIN_DISSIPATED_COUNT];  // J
-};
-PointEnergies energies_of_points(const EnergyColumns& columns, std::size_t count);
+// Sums the energies of the call's points from their densities, into the results of the call. area: of its points, m2.
+// Energies that the call does not have are 0.
+void sum_energies(const double* area, BoundCall& call);
 
 }  // namespace quoin::blocks

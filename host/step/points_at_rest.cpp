@@ -6,6 +6,7 @@
 
 #include "base/rank_rows.h"
 #include "base/ranks.h"
+#include "law/at_rest.h"
 #include "step/gather.h"
 #include "step/large_motion_results.h"
 #include "step/lattice_motion.h"
@@ -62,35 +63,23 @@ const char* condition_name(Condition condition) {
 void ask_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
                  const PointOutputs& outputs) {
   if (s.large_motion) return ask_large_motion_at_rest(s, capability, range, outputs);
-  std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
+  std::vector<double> normal(kChunk);
   const auto begin = std::partition_point(s.model.chunks.begin(), s.model.chunks.end(),
                                           [&](const ContactChunk& c) { return c.first_point < range.first; });
   for (auto there = begin; there != s.model.chunks.end() && there->first_point < range.end; ++there) {
     const ContactChunk& chunk = *there;
     const auto index = static_cast<int>(there - s.model.chunks.begin());
-    const auto c = at(index);
     // Points of other ranks that are not gathered have no state for a law call.
     if (!has_all(s) && !std::binary_search(s.division.share.chunks.begin(), s.division.share.chunks.end(), index))
       continue;
     const Material& material = *s.model.families[at(chunk.family)].material;
     if (!(material.api().capabilities & capability)) continue;
     for (int i = 0; i < chunk.point_count; ++i) normal[at(i)] = opening_at_traction(s, chunk.first_point + i);
-    const LawCall& call = s.contacts.calls[c];
-    scratch_columns.assign((3 + call.state_new.size()) * kChunk, 0.0);
-    quoin_batch batch = call.batch;
-    batch.normal_jump = {normal.data(), 1};
-    batch.slip_increment[0] = batch.slip_increment[1] = {zero.data(), 1};
-    batch.energy_stored = {};
-    for (auto& column : batch.dissipated) column = {};
-    std::vector<quoin_out> states = call.state_new;
-    for (std::size_t k = 0; k < 3; ++k) batch.traction_new[k] = {scratch_columns.data() + k * kChunk, 1};
-    for (std::size_t k = 0; k < states.size(); ++k) {
-      if (states[k].data) states[k] = {scratch_columns.data() + (3 + k) * kChunk, 1};
-    }
-    batch.state_new = states.data();
-    batch.flags = {};
-    outputs(batch, at(chunk.first_point));
-    material.evaluate(&batch);
+    const BoundCall& call = s.contacts.calls[at(index)];
+    RestingPoints points{at(chunk.point_count), normal.data(), {}, {}, call.properties};
+    for (std::size_t k = 0; k < 3; ++k) points.traction[k] = call.batch.traction_old[k].data;
+    for (const quoin_in& column : call.state_old) points.state.push_back(column.data);
+    evaluate_at_rest(material, points, [&](quoin_batch& batch) { outputs(batch, at(chunk.first_point)); });
   }
 }
 

@@ -16,6 +16,7 @@
 #include "sparse/sparse_cholesky.h"
 #include "step/controls.h"
 #include "step/findings.h"
+#include "step/lattice_step.h"
 #include "step/measure.h"
 #include "step/results.h"
 #include "step/step.h"

@@ -38,9 +38,9 @@ void check_points(Simulation::Impl& s) {
     see(deepest.opening, [&] { return geometry::array(deepest.at); });
   }
   if (!s.large_motion) {
-    for (const LawCall& call : s.contacts.calls) {
-      see(call.deepest, [&] { return s.model.point_position[static_cast<std::size_t>(call.deepest_point)]; });
-      crushed_out += call.crushed_out;
+    for (const ChunkSums& sums : s.contacts.sums) {
+      see(sums.deepest, [&] { return s.model.point_position[static_cast<std::size_t>(sums.deepest_point)]; });
+      crushed_out += sums.crushed_out;
     }
   }
   s.watch.crushed_out = std::max(s.watch.crushed_out, crushed_out);

@@ -188,35 +188,26 @@ void bind_columns(Simulation::Impl& s) {
     s.data.traction[k] = s.lattice.traction[k].data();
     s.data.force[k] = s.contacts.force[k].data();
   }
-  s.contacts.calls.resize(s.model.chunks.size());
+  s.contacts.calls.resize(s.model.chunks.size()), s.contacts.sums.resize(s.model.chunks.size());
   for (std::size_t c = 0; c < s.model.chunks.size(); ++c) {
     const ContactChunk& chunk = s.model.chunks[c];
     const auto f = static_cast<std::size_t>(chunk.family);
     const ContactFamily& family = s.model.families[f];
     const quoin_law& law = family.material->api();
-    LawCall& call = s.contacts.calls[c];
-    call.state_old.clear();
-    call.state_new.clear();
+    CallColumns columns{static_cast<std::size_t>(chunk.point_count),
+                        {},
+                        {},
+                        batch_columns(family.columns, *family.material,
+                                      static_cast<std::size_t>(chunk.first_point - family.first_point))};
+    for (std::size_t k = 0; k < 3; ++k) columns.traction[k] = s.lattice.traction[k].data() + chunk.first_point;
     for (std::uint64_t k = 0; k < law.state_count; ++k) {
-      double* column = s.lattice.law_state[f].data() + k * static_cast<std::size_t>(family.point_count) +
-                       (chunk.first_point - family.first_point);
-      if (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics) column = nullptr;
-      call.state_old.push_back({column, 1});
-      call.state_new.push_back({column, 1});
+      const bool kept = law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC || s.contacts.keep_diagnostics;
+      columns.state.push_back(!kept ? nullptr
+                                    : s.lattice.law_state[f].data() + k * static_cast<std::size_t>(family.point_count) +
+                                          (chunk.first_point - family.first_point));
     }
-    call.batch = {};
-    call.batch.struct_size = sizeof(quoin_batch);
-    call.batch.count = static_cast<std::uint64_t>(chunk.point_count);
-    for (std::size_t k = 0; k < 3; ++k) {
-      call.batch.traction_old[k] = {s.lattice.traction[k].data() + chunk.first_point, 1};
-      call.batch.traction_new[k] = {s.lattice.traction[k].data() + chunk.first_point, 1};
-    }
-    call.batch.state_old = call.state_old.data();
-    call.batch.state_new = call.state_new.data();
-    call.properties = batch_columns(family.columns, *family.material,
-                                    static_cast<std::size_t>(chunk.first_point - family.first_point));
-    call.batch.property_column_count = call.properties.size();
-    call.batch.property_columns = call.properties.data();
+    BoundCall& call = s.contacts.calls[c];
+    call.bind(std::move(columns));
     if (s.energy.wanted && (law.capabilities & QUOIN_CAN_ENERGY)) s.contacts.bind_energies(call, chunk);
   }
 }

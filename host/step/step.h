@@ -1,4 +1,4 @@
-// The step of central differences, and the report of a failed law.
+// The step of central differences.
 #pragma once
 
 #include "step/state.h"
@@ -9,7 +9,5 @@ namespace quoin {
 inline bool books_energy(const Simulation::Impl& s) { return s.energy.wanted && !s.large_motion; }
 // measure_step: sums for the unbalanced force and energies; report: also flags by contact point.
 void step_once(Simulation::Impl& s, bool measure_step, bool report);
-void evaluate_law(Simulation::Impl& s, int chunk_index, const ChunkJumps& jump, bool measure_step, bool report);
-[[noreturn]] void report_failed_points(Simulation::Impl& s);
 
 }  // namespace quoin
