@@ -9,10 +9,11 @@ extern "C" {
 #endif
 
 /* A column: element i is data[i * stride]. stride counts elements and may be negative. On an input, stride 0 repeats
- * one value; on an output it is not allowed. Hosts with a structure of arrays use stride 1. Hosts with an array of
- * structures use the size of the structure in doubles. Elements have the alignment of double (or uint32_t), not more.
- * The law writes only the count elements of an output column, and no memory between or behind them. Outputs do not
- * overlap each other. With count 0 no data is read or written, and null data is allowed everywhere. */
+ * one value; on an output of several points it is not allowed. Hosts with a structure of arrays use stride 1. Hosts
+ * with an array of structures use the size of the structure in doubles. Elements have the alignment of double (or
+ * uint32_t), not more. The law writes only the count elements of an output column, and no memory between or behind
+ * them. Outputs do not overlap each other. With count 0 no data is read or written, and null data is allowed
+ * everywhere. */
 typedef struct quoin_in {
   const double* data;
   int64_t stride;

@@ -89,9 +89,9 @@ typedef struct quoin_law {
   quoin_status (*stiffness_bounds)(const quoin_material* material, quoin_stiffness_bounds* bounds);
   /* Evaluates a batch. Outputs of a point depend only on the material and the inputs of the point. They are bitwise
    * identical for any batch size, partition, stride, thread or order. Returns QUOIN_ERROR_ARGUMENT, and writes nothing,
-   * if a required column has null data, an output has stride 0, or a property column has no PER_POINT property. Returns
-   * QUOIN_ERROR_UNSUPPORTED for optional outputs that the law cannot compute. [thread-safe; batches must not share
-   * outputs] */
+   * if a required column has null data, an output of several points has stride 0, or a property column has no PER_POINT
+   * property. Returns QUOIN_ERROR_UNSUPPORTED for optional outputs that the law cannot compute. [thread-safe; batches
+   * must not share outputs] */
   quoin_status (*evaluate)(const quoin_material* material, quoin_batch* batch);
   /* Null unless QUOIN_CAN_MIGRATE. Converts states of another law. If it cannot keep the traction of a point, the point
    * gets status FAILED, and the law may return an error with the reason in text. [thread-safe] */
