@@ -15,7 +15,7 @@ namespace {
 struct Costs {
   double gridpoint, point, rigid_block;
 };
-constexpr Costs kLattice{147.0, 207.0, 0.0}, kLargeMotion{572.0, 872.0, 1900.0};
+constexpr Costs kLattice{147.0, 207.0, 0.0}, kLargeMotion{167.0, 723.0, 0.0}, kRigidInMotion{0.0, 553.0, 2930.0};
 constexpr double kAlone = 8.0;  // factor on gridpoints of a block without congruent ones, which uses one of eight lanes
 // Bytes per block and per point of the whole lattice, which every rank stores.
 constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;
@@ -107,7 +107,7 @@ void add_block(const BlockSpec& block, const OfRigid& rigid, SceneSize* size) {
     return;
   }
   if (block.rigid)
-    return add_rigid(1, rigid.times * points_all_round(parts_of_rigid(extent, rigid.spacing)), kLargeMotion, size);
+    return add_rigid(1, rigid.times * points_all_round(parts_of_rigid(extent, rigid.spacing)), kRigidInMotion, size);
   if (!block.tetrahedra.empty()) return add_tetrahedra(block, size);
   const Counts n = block.divisions[0] > 0 ? as_counts(block.divisions) : divided(extent, block.zone_edge);
   add_zoned(1, n, points_all_round(n), kLargeMotion, kAlone, size);
@@ -120,8 +120,8 @@ void add_dry_wall(const DryWallSpec& wall, const OfRigid& rigid, SceneSize* size
   Counts hexahedra = as_counts(wall.zones);
   if (!halves) hexahedra[0] *= 2;
   if (wall.rigid)
-    return add_rigid(count, rigid.times * points_in_a_wall(parts_of_rigid(extent, rigid.spacing), halves), kLargeMotion,
-                     size);
+    return add_rigid(count, rigid.times * points_in_a_wall(parts_of_rigid(extent, rigid.spacing), halves),
+                     kRigidInMotion, size);
   const Counts n = wall.zones[0] > 0 ? hexahedra : divided(extent, wall.zone_edge);
   add_zoned(count, n, points_in_a_wall(n, halves), kLargeMotion, 1.0, size);
 }
@@ -131,7 +131,7 @@ void add_arch(const ArchSpec& arch, const OfRigid& rigid, SceneSize* size) {
   const Vec3 extent{(arch.radius + arch.thickness / 2) * turn / arch.voussoirs, arch.thickness, arch.depth};
   if (arch.rigid)
     return add_rigid(arch.voussoirs + 2, rigid.times * points_all_round(parts_of_rigid(extent, rigid.spacing)),
-                     kLargeMotion, size);
+                     kRigidInMotion, size);
   const Counts n = divided(extent, arch.zone_edge);
   add_zoned(arch.voussoirs, n, points_all_round(n), kLargeMotion, 1.0, size);
 }
@@ -152,7 +152,8 @@ SceneSize size_of(const Scene& scene) {
     const double blocks = wall.mid_unit_joints ? halves : halves / 2;
     if (!wall.mid_unit_joints) hexahedra[0] *= 2;
     if (wall.rigid_units)
-      add_rigid(blocks, rigid.times * points_in_a_wall({1, 1, 1}, wall.mid_unit_joints), costs, &size);
+      add_rigid(blocks, rigid.times * points_in_a_wall({1, 1, 1}, wall.mid_unit_joints),
+                on_lattice ? kLattice : kRigidInMotion, &size);
     else
       add_zoned(blocks, hexahedra, points_in_a_wall(hexahedra, wall.mid_unit_joints), costs, 1.0, &size);
   }

@@ -104,8 +104,8 @@ TEST(Size, OfMemoryIsWhatRunsTake) {
   expect(43, {"wall.courses=100", "wall.units_per_course=100", "wall.zones=[1, 1, 1]"});
   expect(47, {"wall.courses=50", "wall.units_per_course=50", "wall.zones=[4, 2, 2]"});
   expect(37, {"wall.courses=20", "wall.units_per_course=20", "wall.zones=[8, 4, 4]"});
-  expect(267, {"wall.courses=100", "wall.units_per_course=100", "solver.large_motion='always'"});
-  expect(69, {"wall.courses=30", "wall.units_per_course=30", "wall.zones=[4, 2, 2]", "solver.large_motion='always'"});
+  expect(168, {"wall.courses=100", "wall.units_per_course=100", "solver.large_motion='always'"});
+  expect(34, {"wall.courses=30", "wall.units_per_course=30", "wall.zones=[4, 2, 2]", "solver.large_motion='always'"});
 }
 
 // A rank on the lattice has its part and the outline of the whole model.
@@ -126,8 +126,8 @@ TEST(Size, OfARankIsItsPartAndTheOutline) {
   const SceneSize quarter =
       size_of(read_scene(std::string(QUOIN_SCENES) + "/../../tests/cli/small_wall.toml",
                          {"wall.courses=100", "wall.units_per_course=100", "solver.large_motion='always'"}));
-  EXPECT_NEAR(quarter.bytes_of_rank(2) / 145e6, 1.0, 0.3);
-  EXPECT_NEAR(quarter.bytes_of_rank(4) / 112e6, 1.0, 0.3);
+  EXPECT_NEAR(quarter.bytes_of_rank(2) / 112e6, 1.0, 0.3);
+  EXPECT_NEAR(quarter.bytes_of_rank(4) / 90e6, 1.0, 0.3);
 }
 
 }  // namespace
