@@ -178,7 +178,7 @@ class Plugin {
     if (material == nullptr || batch == nullptr || batch->struct_size < QUOIN_BATCH_SIZE_1_0)
       return QUOIN_ERROR_ARGUMENT;
     if (kStates > 0 && (batch->state_old == nullptr || batch->state_new == nullptr)) return QUOIN_ERROR_ARGUMENT;
-    if (batch->count == 1 && !asks_for_more(*batch)) return run_one(get(material).material, *batch);
+    if (batch->count == 1 && !needs_more(*batch)) return run_one(get(material).material, *batch);
     return guarded(nullptr, [&]() { return run(get(material).material, *batch); });
   }
 
@@ -298,14 +298,14 @@ class Plugin {
 
     views.words[0] = batch.flags;
     views.words[1] = batch.status;
-    views.more_outputs = asks_for_outputs(batch);
+    views.more_outputs = has_optional_outputs(batch);
     views.extras = views.property_columns | views.more_outputs;
     if (views.extras) {
       views.out[kEnergyStored] = batch.energy_stored;
       for (int k = 0; k < 4; ++k) views.out[kDissipated + k] = batch.dissipated[k];
       for (int k = 0; k < 9; ++k) views.out[kTangent + k] = batch.tangent[k];
       for (int k = 0; k < QUOIN_DAMAGE_COUNT; ++k)
-        views.out[kDamage + k] = knows_damage(batch) ? batch.damage[k] : quoin_out{};
+        views.out[kDamage + k] = has_damage(batch) ? batch.damage[k] : quoin_out{};
     }
 
     // Without branches, which would take most of the time of small batches.
@@ -322,22 +322,22 @@ class Plugin {
   }
 
   // True if outputs beyond tractions and states are requested or a property is given point by point.
-  static bool asks_for_more(const quoin_batch& batch) {
-    return (batch.property_column_count > 0) | asks_for_outputs(batch);
+  static bool needs_more(const quoin_batch& batch) {
+    return (batch.property_column_count > 0) | has_optional_outputs(batch);
   }
   // True if outputs beyond tractions and states are requested. Without branches, which would cost time in small
   // batches.
-  static bool asks_for_outputs(const quoin_batch& batch) {
+  static bool has_optional_outputs(const quoin_batch& batch) {
     bool more = (batch.flags.data != nullptr) | (batch.status.data != nullptr) | (batch.energy_stored.data != nullptr);
     for (const quoin_out& view : batch.dissipated) more |= view.data != nullptr;
     for (const quoin_out& view : batch.tangent) more |= view.data != nullptr;
-    if (knows_damage(batch)) {
+    if (has_damage(batch)) {
       for (const quoin_out& view : batch.damage) more |= view.data != nullptr;
     }
     return more;
   }
   // False for a host of ABI version 1.0, whose quoin_batch has no damage columns.
-  static bool knows_damage(const quoin_batch& batch) { return batch.struct_size >= sizeof(quoin_batch); }
+  static bool has_damage(const quoin_batch& batch) { return batch.struct_size >= sizeof(quoin_batch); }
 
   // Properties of the columns that point_at has set.
   struct Pointed {
@@ -395,7 +395,7 @@ class Plugin {
     // The usual request in every step: tractions and states of whole vectors, in contiguous memory of the host.
     Columns columns;
     const std::size_t count = static_cast<std::size_t>(batch.count);
-    if (count % kMaxLanes == 0 && count > 0 && !asks_for_more(batch)) {
+    if (count % kMaxLanes == 0 && count > 0 && !needs_more(batch)) {
       const Pointed is = point_at(batch, columns);
       if (is.complete && is.contiguous) {
         Summary summary;

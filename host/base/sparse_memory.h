@@ -91,7 +91,7 @@ struct SparseMemory {
 
 // Releases the pages that lie wholly in this memory; they read as zeros from then on.
 template <class T>
-void forget(std::span<T> memory) {
+void release_memory(std::span<T> memory) {
   static const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   const std::span<std::byte> bytes = std::as_writable_bytes(memory);
   const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(bytes.data()) % page) % page;
@@ -100,8 +100,8 @@ void forget(std::span<T> memory) {
 }
 
 template <class Array>
-void forget_part(Array& array, std::size_t first, std::size_t end) {
-  forget(std::span(array).subspan(first, end - first));
+void release_part(Array& array, std::size_t first, std::size_t end) {
+  release_memory(std::span(array).subspan(first, end - first));
 }
 
 // Visits runs of consecutive indices with this value: visit(first, end).

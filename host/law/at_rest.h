@@ -19,9 +19,9 @@ struct RestingPoints {
   std::vector<quoin_property_column> properties{};  // properties that scatter
 };
 
-// ask: adds output columns to the batch; tractions and states of the evaluation are discarded.
+// add_outputs: adds output columns to the batch; tractions and states of the evaluation are discarded.
 void evaluate_at_rest(const Material& material, const RestingPoints& points,
-                      const std::function<void(quoin_batch&)>& ask);
+                      const std::function<void(quoin_batch&)>& add_outputs);
 
 // Whether a small opening gives tension in this initial state, as for a bonded or elastic point. False for a state that
 // the law does not have.

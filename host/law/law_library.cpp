@@ -239,7 +239,7 @@ LawLibrary::~LawLibrary() {
     if (copy_ >= 0) close(copy_);
     return;
   }
-  forget_law(entry_);
+  unregister_law(entry_);
   dlclose(handle_);
   if (copy_ < 0) return;
   // The loader identifies libraries by their names too: the name of a library that it keeps loaded must stay in use.

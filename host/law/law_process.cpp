@@ -89,9 +89,9 @@ void each_optional(Batch& batch, const Each& each) {
   each(k++, batch.energy_stored);
   for (auto& column : batch.dissipated) each(k++, column);
   for (auto& column : batch.tangent) each(k++, column);
-  const bool knows_damage = batch.struct_size >= offsetof(quoin_batch, damage) + sizeof batch.damage;
+  const bool has_damage = batch.struct_size >= offsetof(quoin_batch, damage) + sizeof batch.damage;
   for (auto& column : batch.damage) {
-    if (knows_damage) each(k, column);
+    if (has_damage) each(k, column);
     ++k;
   }
 }

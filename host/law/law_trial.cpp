@@ -47,14 +47,14 @@ constexpr char kCameBack = '+', kThrew = '!';
 }
 
 // Byte that the process wrote before it ended or closed its end; 0: none; -1: time limit.
-int heard(int from, double seconds) {
+int read_answer(int from, double seconds) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   for (;;) {
     const double left = seconds - std::chrono::duration<double>(Clock::now() - begin).count();
     if (seconds > 0.0 && left <= 0.0) return -1;
-    pollfd look{from, POLLIN, 0};
-    const int ready = poll(&look, 1, seconds > 0.0 ? static_cast<int>(1e3 * left) + 1 : -1);
+    pollfd poll_set{from, POLLIN, 0};
+    const int ready = poll(&poll_set, 1, seconds > 0.0 ? static_cast<int>(1e3 * left) + 1 : -1);
     if (ready <= 0) continue;  // interrupted, or not ready
     char how = 0;
     const ssize_t count = read(from, &how, 1);
@@ -72,7 +72,7 @@ std::string fault_of_loading(const std::function<void()>& load, double seconds) 
   const pid_t child = fork();
   if (child == 0) load_and_report(load, ends[1]);
   close(ends[1]);
-  const int how = child > 0 ? heard(ends[0], seconds) : kCameBack;
+  const int how = child > 0 ? read_answer(ends[0], seconds) : kCameBack;
   close(ends[0]);
   if (child < 0) return "";
   if (how != 0) kill(child, SIGKILL);  // it returned, but its own threads may keep it alive

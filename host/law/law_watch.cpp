@@ -74,7 +74,7 @@ void say(std::initializer_list<const char*> words) {
 }
 
 // Prints which law is to blame and ends the program; returns if it was none.
-void blame_law(const char* deed) {
+void name_faulty_law(const char* deed) {
   if (loading[0] != '\0') {
     say({"quoin: law library ", loading.data(), " ", deed, " while it was loaded; tell its author\n"});
     _exit(static_cast<int>(Exit::law_refused));
@@ -92,7 +92,7 @@ extern "C" void on_crash(int signal) {
                      : signal == SIGFPE ? "crashed (SIGFPE)"
                      : signal == SIGILL ? "crashed (SIGILL)"
                                         : "aborted, or threw what a law must not throw";
-  blame_law(name);
+  name_faulty_law(name);
   // An exception in a function of the C++ library that must not throw, such as a directory iterator: memory ran out.
   if (signal == SIGABRT && std::uncaught_exceptions() > 0) {
     say({"quoin: out of memory; make the scene smaller\n"});
@@ -104,7 +104,7 @@ extern "C" void on_crash(int signal) {
 
 extern "C" void on_exit_called() {
   if (!watching.load()) return;
-  blame_law("called exit()");
+  name_faulty_law("called exit()");
   say({"quoin: internal error: exit() was called in the middle of the work; please report it\n"});
   _exit(static_cast<int>(Exit::numerical));
 }
@@ -147,7 +147,7 @@ void note_law(const void* inside, const std::string& path) {
   free->end = range.end;
 }
 
-void forget_law(const void* inside) {
+void unregister_law(const void* inside) {
   const auto address = reinterpret_cast<std::uintptr_t>(inside);
   const std::lock_guard guard(writing);
   for (Known& law : known) {

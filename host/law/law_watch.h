@@ -22,9 +22,9 @@ class WatchedLoading {
   WatchedLoading& operator=(const WatchedLoading&) = delete;
 };
 
-// Registers the code of a loaded library by any address in it, until forget_law. Messages name only the first 64
+// Registers the code of a loaded library by any address in it, until unregister_law. Messages name only the first 64
 // libraries.
 void note_law(const void* inside, const std::string& path);
-void forget_law(const void* inside);
+void unregister_law(const void* inside);
 
 }  // namespace quoin

@@ -147,7 +147,7 @@ class Members {
   // each_spring it bounds the frequency of the whole.
   double own_eigenvalue(double mass_scaling) const;
   // Sets the time step for which dashpots are to be stable, s.
-  void reckon_with(double dt) { reckoned_step_ = dt; }
+  void set_step(double dt) { reckoned_step_ = dt; }
   bool has_dashpots() const;
   Work work() const;
   // Visits springs with an upper bound of their stiffness in any direction, N/m, with 2/dt of dashpots: visit(node,

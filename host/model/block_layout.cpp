@@ -256,7 +256,7 @@ void find_frames(World& w, InternalForces wanted) {
       of_kind[kind_of(i)].push_back(i);
   }
   for (const auto& [kind, blocks] : of_kind) {
-    if (blocks.size() < kFewestAlike) {
+    if (blocks.size() < kFewestCongruent) {
       distinct.insert(distinct.end(), blocks.begin(), blocks.end());
       continue;
     }

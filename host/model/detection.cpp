@@ -40,7 +40,7 @@ struct Detection {
 std::vector<Pair> close_pairs(World& w, bool everything) {
   bool stale = everything;
   for (size_t i = 0; i < w.blocks.size() && !stale; ++i)
-    stale = w.part.owns(int(i)) && motion_since_broad_phase(w, int(i)) > kRipe * kOfSkin * w.detection.skin;
+    stale = w.part.owns(int(i)) && motion_since_broad_phase(w, int(i)) > kMostlyUsed * kOfSkin * w.detection.skin;
   std::vector<Pair> pairs;
   if (!w.part.any(stale)) {
     for (const Contact& c : w.contacts.list) pairs.push_back(c.pair);
@@ -157,7 +157,7 @@ void narrow_phase(World& w, bool everything, Detection& found) {
       Contact& c = found.contacts[i];
       Finding& finding = found.findings[i];
       PairCheck& check = w.checks.pair[i];
-      if (!w.part.owns(c.pair) || (finding.known && !everything && !check.ripe)) continue;
+      if (!w.part.owns(c.pair) || (finding.known && !everything && !check.mostly_used)) continue;
       PairPlace& place = w.contacts.place[i];
       detect_pair(w, c, place, finding, found.at_start, points[begin / kPairsAPart]);
       check_pair_motion(w, c, place, checked_motion(w, c.pair.a), checked_motion(w, c.pair.b), check);

@@ -31,7 +31,7 @@ struct WorldFields {
     visit(Field{Owner::block, "by_zone", 1, "-"}.in(nothing).on_all_ranks(), w.frames.by_zone);
     visit(Field{Owner::block, "pose_at_broad_phase", 12, "m, -"}.in(nothing), w.poses.broad);
     visit(Field{Owner::block, "next_look", 1, "steps"}.in(nothing).only(When::after_checks), w.checks.block);
-    visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_checks), w.checks.seen);
+    visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_checks), w.checks.assumed);
   }
 
   // Fields of each pair within the skin.

@@ -661,20 +661,20 @@ void Model::keep_alone(std::span<const int> units, std::span<const int> chunks_k
   for (const int c : chunks_kept) chunk_stays[at(c)] = true;
   each_row(unit_stays, false, [&](std::size_t first, std::size_t end) {
     const Extent of = extent_of_units(first, end);
-    forget_part(node_mass, of.first_line * kLine, of.end_line * kLine);
-    forget_part(node_free, of.first_line * kLine, of.end_line * kLine);
-    forget_part(slot_point, of.first_slot * kLanes, of.end_slot * kLanes);
-    forget_part(slot_run, of.first_slot, of.end_slot);
+    release_part(node_mass, of.first_line * kLine, of.end_line * kLine);
+    release_part(node_free, of.first_line * kLine, of.end_line * kLine);
+    release_part(slot_point, of.first_slot * kLanes, of.end_slot * kLanes);
+    release_part(slot_run, of.first_slot, of.end_slot);
     std::fill(unit_laid_out_.begin() + first, unit_laid_out_.begin() + end, false);
   });
   each_row(chunk_stays, false, [&](std::size_t first, std::size_t end) {
     const std::size_t p = at(chunks[first].first_point),
                       q = at(chunks[end - 1].first_point + chunks[end - 1].point_count);
-    for (auto* column : {&node_a, &node_b}) forget_part(*column, p, q);
-    for (auto* column : {&point_run, &point_axis}) forget_part(*column, p, q);
-    forget_part(area, p, q);
-    forget_part(point_position, p, q);
-    forget_columns(*this, p, q);
+    for (auto* column : {&node_a, &node_b}) release_part(*column, p, q);
+    for (auto* column : {&point_run, &point_axis}) release_part(*column, p, q);
+    release_part(area, p, q);
+    release_part(point_position, p, q);
+    release_columns(*this, p, q);
     std::fill(chunk_laid_out_.begin() + first, chunk_laid_out_.begin() + end, false);
   });
 }

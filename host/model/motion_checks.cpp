@@ -1,6 +1,6 @@
 // Decides when blocks have moved enough for contact detection. A pair has an allowed motion since its last narrow
 // phase, and a block since the last broad phase. The speed gives the earliest step at which that motion can be reached;
-// there is no check before it. The check assumes that a rigid block keeps its motion (SeenMotion), up to a small
+// there is no check before it. The check assumes that a rigid block keeps its motion (AssumedMotion), up to a small
 // tolerated deviation of speed. A block that exceeds the tolerance deviates (rigid_kernels.cpp); it and its pairs are
 // checked in that very step. So no rigid block exceeds its allowed motion unchecked, whatever hits it, and a step
 // checks only what is due.
@@ -70,17 +70,17 @@ constexpr double kOfWay = 0.25;
 // Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
 constexpr double kSmallRotation = 1e-3;
 
-void see(World& w, int i) {
+void assume_motion(World& w, int i) {
   const ModelBlock& b = w.blocks[size_t(i)];
   const Body& body = w.bodies[size_t(b.body)];
-  SeenMotion& seen = w.checks.seen[size_t(b.body)];
+  AssumedMotion& assumed = w.checks.assumed[size_t(b.body)];
   const double way_a_step = detection_fraction(w) * w.detection.size / w.stepping.dt;
-  double unnoticed = seen.unnoticed;
-  const long since = w.stepping.count - seen.step;
-  if (w.step_sums.of_block[size_t(i)].deviates && since < kSoon) unnoticed *= 2.0;
-  if (since > kLate) unnoticed *= 0.5;
-  unnoticed = std::clamp(unnoticed, way_a_step / kCalmSteps, way_a_step / kBusySteps);
-  seen = {body.v, b.radius, body.omega, unnoticed, w.stepping.count};
+  double tolerated = assumed.tolerated;
+  const long since = w.stepping.count - assumed.step;
+  if (w.step_sums.of_block[size_t(i)].deviates && since < kSoon) tolerated *= 2.0;
+  if (since > kLate) tolerated *= 0.5;
+  tolerated = std::clamp(tolerated, way_a_step / kCalmSteps, way_a_step / kBusySteps);
+  assumed = {body.v, b.radius, body.omega, tolerated, w.stepping.count};
 }
 
 // Earliest step at which a motion of this speed, m/s, and acceleration, m/s2, reaches `way`, m. Distant steps are
@@ -116,9 +116,9 @@ bool check_block_motion(const World& w, int i, long& step) {
   if (b.body < 0) {
     step = step_of_gridpoints(w, checked_motion(w, i).speed);
   } else {
-    const SeenMotion& seen = w.checks.seen[size_t(b.body)];
-    const double spin = norm(seen.omega) + seen.unnoticed / b.radius;
-    step = step_after(w, way - moved, norm(seen.v) + seen.unnoticed + norm(seen.omega) * b.radius);
+    const AssumedMotion& assumed = w.checks.assumed[size_t(b.body)];
+    const double spin = norm(assumed.omega) + assumed.tolerated / b.radius;
+    step = step_after(w, way - moved, norm(assumed.v) + assumed.tolerated + norm(assumed.omega) * b.radius);
     if (w.is_small) step = std::min(step, step_after(w, kSmallRotation - turned, spin));
   }
   return moved > way || turned > kSmallRotation;
@@ -193,10 +193,10 @@ bool moved_enough(World& w) {
   if (all) w.checks.dt = w.stepping.dt;
   receive_neighbours(w);
   w.checks.due.assign(w.blocks.size(), all);
-  w.checks.seen.resize(w.bodies.size());
+  w.checks.assumed.resize(w.bodies.size());
   for (size_t i = 0; i < w.blocks.size(); ++i) {
     if (!w.part.laid_out[i] || w.blocks[i].body < 0 || !(all || w.step_sums.of_block[i].deviates)) continue;
-    see(w, int(i));
+    assume_motion(w, int(i));
     w.checks.due[i] = 1, w.step_sums.of_block[i].deviates = false;
   }
   w.checks.any_deviates = false;
@@ -244,19 +244,20 @@ CheckedMotion checked_motion(const World& w, int block) {
 bool check_pair_motion(const World& w, const Contact& c, const PairPlace& place, const CheckedMotion& now_a,
                        const CheckedMotion& now_b, PairCheck& check) {
   const double moved = pair_motion(w, c, place, now_a.pose, now_b.pose), way = allowed_motion(w, c, place);
-  check = {c.pair.a, c.pair.b, moved > kRipe * way, step_of_gridpoints(w, std::max(now_a.speed, now_b.speed))};
+  check = {c.pair.a, c.pair.b, moved > kMostlyUsed * way, step_of_gridpoints(w, std::max(now_a.speed, now_b.speed))};
   const ModelBlock &a = w.blocks[size_t(c.pair.a)], &b = w.blocks[size_t(c.pair.b)];
   if (a.body >= 0 && b.body >= 0 && w.checks.dt > 0.0) {
     // As in pair_motion: motion of b in the frame of a.
-    const SeenMotion &of_a = w.checks.seen[size_t(a.body)], &of_b = w.checks.seen[size_t(b.body)];
+    const AssumedMotion &of_a = w.checks.assumed[size_t(a.body)], &of_b = w.checks.assumed[size_t(b.body)];
     const Vector apart = w.bodies[size_t(b.body)].x - w.bodies[size_t(a.body)].x;
     const double distance = norm(apart), lever = lever_of(w, c, distance);
-    const double seen = norm(of_b.v - of_a.v - cross(of_a.omega, apart)) + lever * norm(of_b.omega - of_a.omega);
-    const double unnoticed = of_a.unnoticed * std::max(1.0, (distance + lever) / a.radius) +
-                             of_b.unnoticed * std::max(1.0, lever / b.radius);
+    const double assumed = norm(of_b.v - of_a.v - cross(of_a.omega, apart)) + lever * norm(of_b.omega - of_a.omega);
+    const double tolerated = of_a.tolerated * std::max(1.0, (distance + lever) / a.radius) +
+                             of_b.tolerated * std::max(1.0, lever / b.radius);
     // a turns, while b moves straight on: |R(omega t) - 1 - omega t x| <= (omega t)^2/2.
-    const double spin = norm(of_a.omega) + of_a.unnoticed / a.radius;
-    check.step = step_after(w, (check.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed, spin * spin * distance);
+    const double spin = norm(of_a.omega) + of_a.tolerated / a.radius;
+    check.step = step_after(w, (check.mostly_used ? 1.0 : kMostlyUsed) * way - moved, assumed + tolerated,
+                            spin * spin * distance);
   }
   return moved > way;
 }

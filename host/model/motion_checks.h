@@ -18,34 +18,34 @@ using geometry::Vector;
 // Share of the skin by which a block may move before detection is due.
 inline constexpr double kOfSkin = 0.25;
 // Share of their allowed motion from which on pairs and blocks take part in a detection that others have caused.
-inline constexpr double kRipe = 0.8;
+inline constexpr double kMostlyUsed = 0.8;
 
 // Motion of a rigid block at its last check. Until the next check the block is assumed to move on so, with a deviation
-// of at most `unnoticed` at any of its parts. Members are in the order in which kernels read them.
-struct SeenMotion {
+// of at most `tolerated` at any of its parts. Members are in the order in which kernels read them.
+struct AssumedMotion {
   Vector v;                // m/s
   double radius = 0.0;     // m
   Vector omega;            // rad/s
-  double unnoticed = 0.0;  // tolerated deviation of speed, m/s
+  double tolerated = 0.0;  // tolerated deviation of speed, m/s
   long step = 0;           // step of the last check
 };
 
 // The next check of a pair of blocks.
 struct PairCheck {
   int32_t a, b;
-  bool ripe = false;  // whether it has used most of its allowed motion, and joins the next narrow phase
+  bool mostly_used = false;  // whether it has used most of its allowed motion, and joins the next narrow phase
   long step = 0;
 };
 
-// The checks write these; kernels of rigid blocks read `seen`.
+// The checks write these; kernels of rigid blocks read `assumed`.
 struct MotionChecks {
-  LaneVector<PairCheck> pair;   // check of each contact
-  LaneVector<long> block;       // step of the next check, by block
-  std::vector<uint8_t> due;     // by block: whether a check is due
-  LaneVector<SeenMotion> seen;  // by body
-  long next = 0;                // earliest step of any next check
-  double dt = 0.0;              // time step of the checks, s; after a change all blocks are due
-  bool any_deviates = false;    // whether some block deviated in the last step
+  LaneVector<PairCheck> pair;         // check of each contact
+  LaneVector<long> block;             // step of the next check, by block
+  std::vector<uint8_t> due;           // by block: whether a check is due
+  LaneVector<AssumedMotion> assumed;  // by body
+  long next = 0;                      // earliest step of any next check
+  double dt = 0.0;                    // time step of the checks, s; after a change all blocks are due
+  bool any_deviates = false;          // whether some block deviated in the last step
 };
 
 bool moved_enough(World& w);

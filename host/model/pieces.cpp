@@ -120,7 +120,7 @@ void divide_blocks(World& w) {
   for (const auto& [kind, units] : of_kind) {
     size_t blocks = 0;
     for (const Unit& unit : units) blocks += size_t(unit.count);
-    if (blocks >= kFewestAlike)
+    if (blocks >= kFewestCongruent)
       divide(units, Piece::Kind::congruent, kind);
     else
       by_zone.insert(by_zone.end(), units.begin(), units.end());

@@ -14,7 +14,7 @@ struct World;
 
 inline constexpr int kBodies = 8;  // blocks of a SIMD group
 // Least number of congruent blocks for which one product with their shared stiffness is faster than one product each.
-inline constexpr size_t kFewestAlike = 3;
+inline constexpr size_t kFewestCongruent = 3;
 
 // Blocks that are advanced together: rigid blocks, deformable single blocks, or all first halves and then all second
 // halves of units.

@@ -77,12 +77,12 @@ void draw_columns(Model& m, std::span<const int> chunks) {
   }
 }
 
-void forget_columns(Model& m, std::size_t first, std::size_t end) {
+void release_columns(Model& m, std::size_t first, std::size_t end) {
   for (ContactFamily& family : m.families) {
     const std::size_t begin = at(family.first_point), count = at(family.point_count);
     const std::size_t from = std::max(first, begin), to = std::min(end, begin + count);
     for (PropertyColumn& column : family.columns) {
-      if (from < to) forget_part(column.values, from - begin, to - begin);
+      if (from < to) release_part(column.values, from - begin, to - begin);
     }
   }
 }

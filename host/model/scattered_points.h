@@ -13,7 +13,7 @@ void make_columns(Model& model);
 // Draws the values of the points of these chunks. Throws as draw_properties does.
 void draw_columns(Model& model, std::span<const int> chunks);
 // Releases columns of the points [first, end) of the model, which are no longer laid out.
-void forget_columns(Model& model, std::size_t first, std::size_t end);
+void release_columns(Model& model, std::size_t first, std::size_t end);
 // Sets the stiffness bounds of families by the largest values drawn.
 void bound_stiffness(Model& model);
 

@@ -54,7 +54,7 @@ void World::hold_by_members(std::shared_ptr<members::Members> members, ExchangeN
   // is below 4. A smaller dt is stable too, so one valid dt is enough.
   constexpr double kTry = 0.95;
   for (double reckoned = stepping.dt; held_by.members->has_dashpots();) {
-    held_by.members->reckon_with(reckoned);
+    held_by.members->set_step(reckoned);
     find_time_step(*this, true);
     if (stepping.dt >= reckoned) break;
     reckoned *= kTry;

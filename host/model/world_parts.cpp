@@ -32,8 +32,8 @@ Items start_points_of(const StartJoints& start, int first_block, int end_block) 
 }
 
 template <class Array>
-void forget_items(Array& array, size_t first, size_t end) {
-  if (!array.empty()) forget_part(array, first, end);
+void release_items(Array& array, size_t first, size_t end) {
+  if (!array.empty()) release_part(array, first, end);
 }
 
 }  // namespace
@@ -187,32 +187,32 @@ struct Need {
 };
 
 // Releases arrays of consecutive blocks: those that change in a run, and those that lay_out makes.
-void forget_blocks(World& w, size_t first, size_t end) {
+void release_blocks(World& w, size_t first, size_t end) {
   WorldFields::of_blocks(w, [&](const Field& field, auto& array) {
     const Items items = items_of_blocks(w, field.owner, first, end);
-    if constexpr (requires { forget_part(array, items.first, items.end); }) {
-      if (!field.known_to_all) forget_items(array, items.first, items.end);
+    if constexpr (requires { release_part(array, items.first, items.end); }) {
+      if (!field.known_to_all) release_items(array, items.first, items.end);
     }
   });
   const ModelBlock &from = w.blocks[first], &last = w.blocks[end - 1];
   const Items nodes = items_of_blocks(w, Owner::gridpoint, first, end),
               joints = start_points_of(w.start_joints, int(first), int(end));
-  const auto forget_nodes = [&](auto&... field) { (forget_items(field, nodes.first, nodes.end), ...); };
-  forget_nodes(w.nodes.reference, w.nodes.anchor, w.nodes.mass, w.nodes.weight_mass, w.nodes.support);
+  const auto release_nodes = [&](auto&... field) { (release_items(field, nodes.first, nodes.end), ...); };
+  release_nodes(w.nodes.reference, w.nodes.anchor, w.nodes.mass, w.nodes.weight_mass, w.nodes.support);
   for (auto* field : {&w.shapes.corner, &w.shapes.placed_corner})
-    forget_items(*field, from.first_corner, last.first_corner + last.shape->vertices.size());
+    release_items(*field, from.first_corner, last.first_corner + last.shape->vertices.size());
   for (auto* field : {&w.shapes.normal, &w.shapes.placed_normal})
-    forget_items(*field, from.first_normal, last.first_normal + last.shape->normals.size());
-  forget_items(w.poses.start, first, end);
-  forget_items(w.start_joints.point, joints.first, joints.end);
-  forget_items(w.start_joints.kept, joints.first * kept_width(w), joints.end * kept_width(w));
+    release_items(*field, from.first_normal, last.first_normal + last.shape->normals.size());
+  release_items(w.poses.start, first, end);
+  release_items(w.start_joints.point, joints.first, joints.end);
+  release_items(w.start_joints.kept, joints.first * kept_width(w), joints.end * kept_width(w));
   for (size_t i = first; i < end; ++i) {
     w.part.laid_out[i] = false;
     std::vector<geometry::Zoning::SurfaceTriangle>().swap(w.blocks[i].surface);
   }
 }
 
-void forget_points(World& w, size_t family, const std::vector<bool>& contact_stays) {
+void release_points(World& w, size_t family, const std::vector<bool>& contact_stays) {
   Family& f = w.contacts.families[family];
   const std::vector<uint32_t>& of_family = w.contacts.of_family[family];
   for (size_t i = 0; i < of_family.size(); ++i) {
@@ -220,11 +220,12 @@ void forget_points(World& w, size_t family, const std::vector<bool>& contact_sta
     const Contact& from = w.contacts.list[of_family[i]];
     while (i + 1 < of_family.size() && !contact_stays[of_family[i + 1]]) ++i;
     const Contact& last = w.contacts.list[of_family[i]];
-    each_memory_of_points(w, int(family), from.first, last.first + last.count,
-                          [](void* first, size_t bytes) { forget(std::span(static_cast<std::byte*>(first), bytes)); });
+    each_memory_of_points(w, int(family), from.first, last.first + last.count, [](void* first, size_t bytes) {
+      release_memory(std::span(static_cast<std::byte*>(first), bytes));
+    });
     for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area})
-      forget_items(*column, from.first, last.first + last.count);
-    forget_items(w.contacts.facets, from.first_facet, last.first_facet + last.count * size_t(facets_a_point(w, last)));
+      release_items(*column, from.first, last.first + last.count);
+    release_items(w.contacts.facets, from.first_facet, last.first_facet + last.count * size_t(facets_a_point(w, last)));
   }
 }
 
@@ -277,11 +278,11 @@ void hold_blocks(World& w, std::vector<int> rank_of_block, std::span<const int> 
   }
   exchange(w, wanted);
 
-  each_row(stays, false, [&](size_t first, size_t end) { forget_blocks(w, first, end); });
+  each_row(stays, false, [&](size_t first, size_t end) { release_blocks(w, first, end); });
   each_row(contact_stays, false, [&](size_t first, size_t end) {
-    WorldFields::of_pairs(w, [&](const Field&, auto& array) { forget_part(array, first, end); });
+    WorldFields::of_pairs(w, [&](const Field&, auto& array) { release_part(array, first, end); });
   });
-  for (size_t k = 0; k < w.contacts.families.size(); ++k) forget_points(w, k, contact_stays);
+  for (size_t k = 0; k < w.contacts.families.size(); ++k) release_points(w, k, contact_stays);
   bind_work(w);
   bind_neighbours(w);
 }

@@ -113,8 +113,8 @@ void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
   // The motion of a rigid block is all rigid motion: damping of rigid motion is eq. 1.
   const Vector g = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
   const BodyStep step{m.stepping.dt, m.damping.gamma, m.damping.alpha, braking_ground(m), g, m.measured};
-  advance_rigid(m.bodies.data(), m.checks.seen.empty() ? nullptr : m.checks.seen.data(), index, int(blocks.size()),
-                step, sums);
+  advance_rigid(m.bodies.data(), m.checks.assumed.empty() ? nullptr : m.checks.assumed.data(), index,
+                int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
   for (size_t i = 0; i < blocks.size(); ++i) {
     if (is_loaded(i)) sums[i]->external += 0.5 * m.stepping.dt * (power[i] + power_of(i));

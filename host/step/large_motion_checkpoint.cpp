@@ -154,7 +154,7 @@ void Model::restore(ArchiveReader& reader) {
     require(fits);
   }
   for (const PairCheck& check : checks.pair) require(is_block(check.a) && is_block(check.b));
-  for (const SeenMotion& seen : checks.seen) require(seen.step >= 0 && seen.step <= stepping.count);
+  for (const AssumedMotion& motion : checks.assumed) require(motion.step >= 0 && motion.step <= stepping.count);
   for (int i = 0; i < block_count(); ++i) {
     const int other = units.other_half[size_t(i)];
     require(units.apart[size_t(i)] == (other < 0 ? 0 : units.apart[size_t(other)]));

@@ -55,8 +55,8 @@ std::vector<FamilyPart> parts_of(const blocks::Model& large_motion, std::span<co
 
 }  // namespace
 
-void ask_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
-                              const PointOutputs& outputs) {
+void evaluate_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
+                                   const PointOutputs& outputs) {
   for (const auto& [f, index, first, end, before] : parts_of(*s.large_motion, chunks_in_large_motion(s), range)) {
     if (!(f.material->api().capabilities & capability)) continue;
     RestingPoints points{

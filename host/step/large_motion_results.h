@@ -13,8 +13,8 @@
 
 namespace quoin {
 
-void ask_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
-                              const PointOutputs& outputs);
+void evaluate_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
+                                   const PointOutputs& outputs);
 BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block);
 BlockSize size_in_large_motion(const Simulation::Impl& s, int block);
 // Displacements of the block's gridpoints since the start, m.

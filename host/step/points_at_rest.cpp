@@ -60,9 +60,9 @@ const char* condition_name(Condition condition) {
   return names[static_cast<std::size_t>(condition)];
 }
 
-void ask_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
-                 const PointOutputs& outputs) {
-  if (s.large_motion) return ask_large_motion_at_rest(s, capability, range, outputs);
+void evaluate_points_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
+                             const PointOutputs& outputs) {
+  if (s.large_motion) return evaluate_large_motion_at_rest(s, capability, range, outputs);
   std::vector<double> normal(kChunk);
   const auto begin = std::partition_point(s.model.chunks.begin(), s.model.chunks.end(),
                                           [&](const ContactChunk& c) { return c.first_point < range.first; });
@@ -88,7 +88,7 @@ std::vector<std::uint32_t> current_flags(const Simulation::Impl& s, const PointR
   if (!s.large_motion && s.lattice.flags_step == s.progress.step - 1)
     return {s.lattice.flags.begin() + range.first, s.lattice.flags.begin() + range.end};
   std::vector<std::uint32_t> result(at(range.end - range.first), 0);
-  ask_at_rest(s, QUOIN_CAN_FLAGS, range, [&](quoin_batch& batch, std::size_t first) {
+  evaluate_points_at_rest(s, QUOIN_CAN_FLAGS, range, [&](quoin_batch& batch, std::size_t first) {
     batch.flags = {result.data() + first - at(range.first), 1};
   });
   return result;
@@ -99,7 +99,7 @@ PointRange all_points(const Simulation::Impl& s) { return whole_range(s); }
 DamageColumns damage_of_points(const Simulation::Impl& s, const PointRange& range) {
   DamageColumns result;
   for (auto& column : result) column.assign(at(range.end - range.first), std::numeric_limits<double>::quiet_NaN());
-  ask_at_rest(s, QUOIN_CAN_DAMAGE, range, [&](quoin_batch& batch, std::size_t first) {
+  evaluate_points_at_rest(s, QUOIN_CAN_DAMAGE, range, [&](quoin_batch& batch, std::size_t first) {
     for (std::size_t k = 0; k < result.size(); ++k) batch.damage[k] = {result[k].data() + first - at(range.first), 1};
   });
   return result;

@@ -19,8 +19,8 @@ inline PointRange whole_range(const Simulation::Impl& s) {
   return {0, static_cast<std::int32_t>(contact_point_count(s))};
 }
 // Evaluates the laws with this capability in a step without motion. All results but `outputs` go to scratch.
-void ask_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
-                 const PointOutputs& outputs);
+void evaluate_points_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
+                             const PointOutputs& outputs);
 std::vector<std::uint32_t> current_flags(const Simulation::Impl& s, const PointRange& range);
 // Number of contact points in each condition: of all points, which this process must hold; as a sum over all ranks.
 std::array<long, kConditionCount> conditions_here(const Simulation::Impl& s);

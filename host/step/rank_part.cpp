@@ -32,8 +32,8 @@ std::vector<int> own_units(const Simulation::Impl& s) {
 }
 
 template <class Column>
-void forget_if_any(Column& column, const VectorRow& row) {
-  if (!column.empty()) forget_part(column, row.first, row.end);
+void release_if_any(Column& column, const VectorRow& row) {
+  if (!column.empty()) release_part(column, row.first, row.end);
 }
 
 }  // namespace
@@ -107,14 +107,14 @@ void hold_part(Simulation::Impl& s) {
 
   const RowsElsewhere elsewhere = rows_elsewhere(s, held);
   for (const VectorRow& row : elsewhere.points) {
-    for (auto& column : s.contacts.force) forget_if_any(column, row);
-    for (auto& column : s.contacts.energy_columns) forget_if_any(column, row);
+    for (auto& column : s.contacts.force) release_if_any(column, row);
+    for (auto& column : s.contacts.energy_columns) release_if_any(column, row);
   }
   each_lattice_field(s.lattice, [&](const Field& field, auto& array, int family) {
-    if constexpr (requires { forget_part(array, 0, 0); }) {
+    if constexpr (requires { release_part(array, 0, 0); }) {
       if (field.known_to_all) return;
       each_row_elsewhere(s, elsewhere, field.owner, family, array.size(),
-                         [&](std::size_t first, std::size_t end) { forget_part(array, first, end); });
+                         [&](std::size_t first, std::size_t end) { release_part(array, first, end); });
     }
   });
   if (s.inertia.dt_over_mass.empty()) return;  // the first time, before there is a time step

@@ -235,15 +235,15 @@ struct SumLanes {
 
 // Positive where some point of a body may deviate from its motion at the last check by more than the tolerance.
 // (a + b)^2 is at most 2 (a^2 + b^2), which needs no roots.
-HWY_INLINE V beyond_seen(const SeenMotion* const (&seen)[kLanes], const Lanes3& v, const Lanes3& omega) {
+HWY_INLINE V beyond_assumed(const AssumedMotion* const (&assumed)[kLanes], const Lanes3& v, const Lanes3& omega) {
   V linear[kFour], angular[kFour];
-  load_rows([&](int l) { return &seen[l]->v.x; }, linear);
-  load_rows([&](int l) { return &seen[l]->omega.x; }, angular);
+  load_rows([&](int l) { return &assumed[l]->v.x; }, linear);
+  load_rows([&](int l) { return &assumed[l]->omega.x; }, angular);
   const Lanes3 dv = difference_of(v, {linear[0], linear[1], linear[2]});
   const Lanes3 dw = difference_of(omega, {angular[0], angular[1], angular[2]});
-  const V radius = linear[3], unnoticed = angular[3];
+  const V radius = linear[3], tolerated = angular[3];
   const V squares = hn::MulAdd(hn::Mul(radius, radius), dot_of(dw, dw), dot_of(dv, dv));
-  return hn::NegMulAdd(unnoticed, unnoticed, twice(squares));
+  return hn::NegMulAdd(tolerated, tolerated, twice(squares));
 }
 
 // Held translations and rotations of the bodies of a vector.
@@ -357,7 +357,7 @@ HWY_INLINE void store_turned(const Members& of, const Lanes33& r) {
   of.store(turned_to[4], offsetof(Body, r) + 14 * sizeof(double));
 }
 
-HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen)[kLanes],
+HWY_INLINE void advance_vector(const Members& of, const AssumedMotion* const (&assumed)[kLanes],
                                const double (&held)[6][kLanes], int first, const BodyStep& step, SumLanes* sums) {
   const D d;
   const V zero = hn::Zero(d), dt = hn::Set(d, step.time_step), gamma = hn::Set(d, step.gamma);
@@ -423,22 +423,22 @@ HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen
   hn::Store(energies.kinetic, d, sums->kinetic + first);
   hn::Store(energies.damping, d, sums->damping + first);
   hn::Store(energies.external, d, sums->external + first);
-  hn::Store(seen[0] ? beyond_seen(seen, next, omega) : zero, d, sums->beyond + first);
+  hn::Store(assumed[0] ? beyond_assumed(assumed, next, omega) : zero, d, sums->beyond + first);
 }
 
-void AdvanceRigid(Body* bodies, const SeenMotion* all_seen, const std::int32_t* index, int count, const BodyStep& step,
-                  BlockSums* const* sums) {
+void AdvanceRigid(Body* bodies, const AssumedMotion* all_assumed, const std::int32_t* index, int count,
+                  const BodyStep& step, BlockSums* const* sums) {
   alignas(64) double held[6][kLanes];
   SumLanes lanes;
   for (int first = 0; first < count; first += kWidth) {
     Members of{{}, std::min(kWidth, count - first)};
-    const SeenMotion* seen[kLanes];
+    const AssumedMotion* assumed[kLanes];
     for (int i = 0; i < kWidth; ++i) {
       const std::int32_t body = index[std::min(first + i, count - 1)];
-      of.lane[i] = bodies + body, seen[i] = all_seen ? all_seen + body : nullptr;
+      of.lane[i] = bodies + body, assumed[i] = all_assumed ? all_assumed + body : nullptr;
       for (int k = 0; k < 6; ++k) held[k][first + i] = of.lane[i]->held >> k & 1;
     }
-    advance_vector(of, seen, held, first, step, &lanes);
+    advance_vector(of, assumed, held, first, step, &lanes);
   }
   for (int i = 0; i < count; ++i) {
     BlockSums& s = *sums[i];
@@ -471,9 +471,9 @@ void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidCol
   HWY_DYNAMIC_DISPATCH(RigidForces)(pairs, bodies, columns);
 }
 
-void advance_rigid(Body* bodies, const SeenMotion* seen, const std::int32_t* index, int count, const BodyStep& step,
-                   BlockSums* const* sums) {
-  HWY_DYNAMIC_DISPATCH(AdvanceRigid)(bodies, seen, index, count, step, sums);
+void advance_rigid(Body* bodies, const AssumedMotion* assumed, const std::int32_t* index, int count,
+                   const BodyStep& step, BlockSums* const* sums) {
+  HWY_DYNAMIC_DISPATCH(AdvanceRigid)(bodies, assumed, index, count, step, sums);
 }
 
 }  // namespace quoin::blocks

@@ -42,8 +42,8 @@ struct BodyStep {
 };
 
 // Advances bodies[index[0 .. count - 1]], at most kBodies, by central differences from their force and torque. sums:
-// one for each of these, all written. seen: motion at the last check, parallel to bodies; null: no check so far.
-void advance_rigid(Body* bodies, const SeenMotion* seen, const std::int32_t* index, int count, const BodyStep& step,
-                   BlockSums* const* sums);
+// one for each of these, all written. assumed: motion at the last check, parallel to bodies; null: no check so far.
+void advance_rigid(Body* bodies, const AssumedMotion* assumed, const std::int32_t* index, int count,
+                   const BodyStep& step, BlockSums* const* sums);
 
 }  // namespace quoin::blocks

@@ -37,7 +37,7 @@ std::vector<double> traction_after(const Simulation::Impl& s, const PointRange& 
   std::vector<double> result(count, std::numeric_limits<double>::quiet_NaN()), slip[2], jump(count);
   for (auto& of_axis : slip) of_axis.assign(count, 0.0);
   if (along > 0) slip[along - 1] = motion;
-  ask_at_rest(s, kAny, all, [&](quoin_batch& batch, std::size_t first) {
+  evaluate_points_at_rest(s, kAny, all, [&](quoin_batch& batch, std::size_t first) {
     for (std::size_t i = 0; i < batch.count; ++i)
       jump[first + i] = batch.normal_jump.data[i * batch.normal_jump.stride] + (along == 0 ? motion[first + i] : 0.0);
     batch.normal_jump = {jump.data() + first, 1};

@@ -49,7 +49,7 @@ TEST(SparseMemory, TakesRoomWhereItIsWrittenTo) {
     EXPECT_LT(memory_in_use() - before, kOther);
     std::fill_n(numbers.begin(), kNumbers / 2, 1.0);
     EXPECT_NEAR(memory_in_use() - before, kAll / 2, kOther);
-    forget_part(numbers, kNumbers / 4, kNumbers);
+    release_part(numbers, kNumbers / 4, kNumbers);
     EXPECT_NEAR(memory_in_use() - before, kAll / 4, kOther);
     EXPECT_EQ(std::accumulate(numbers.begin(), numbers.end(), 0.0), double(kNumbers / 4));
   }
