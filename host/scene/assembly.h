@@ -21,9 +21,10 @@ struct Brick {
   bool beam = false;                    // a rigid beam or lintel, which is not masonry
   std::optional<double> load_height{};  // rigid: y of its centre of mass, where loads act too; none: the middle, m
   bool fixed = false;                   // a support that follows the ground: from a fixed block, or the base of a wall
-  std::string body;  // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. A
-                     // deformable brick of this name can be loaded and monitored, but not held
-  int unit = -1;     // masonry unit this block belongs to (pictures), -1: none
+  std::string body;    // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. A
+                       // deformable brick of this name can be loaded and monitored, but not held
+  std::string name{};  // name of the block in the scene, for messages; empty: none
+  int unit = -1;       // masonry unit this block belongs to (pictures), -1: none
   int course = -1;
 };
 

@@ -23,7 +23,7 @@ void add_bricks(const quoin::Assembly& bricks, Assembly* assembly) {
   std::map<std::array<double, 3>, int> shape_of_size;
   for (const Brick& brick : bricks.bricks) {
     Block block;
-    block.name = brick.body;
+    block.name = brick.body.empty() ? brick.name : brick.body;
     block.material = brick.material;
     block.position = geometry::vector(brick.origin);
     block.rigid = brick.rigid;

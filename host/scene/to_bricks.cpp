@@ -262,6 +262,7 @@ void name_bodies(const Assembly& assembly, std::vector<Brick>* bricks) {
   for (const Block& block : assembly.blocks) ++count[block.name];
   for (size_t i = 0; i < bricks->size(); ++i) {
     const Block& block = assembly.blocks[i];
+    (*bricks)[i].name = block.name;
     (*bricks)[i].body = !block.name.empty() && count[block.name] == 1 ? block.name
                         : block.fixed                                 ? label(assembly, int(i))
                                                                       : "";

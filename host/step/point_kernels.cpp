@@ -126,17 +126,20 @@ double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t
 }
 
 void SumEnergies(const double* area, BoundCall& call) {
-  const auto sum = [&](const double* density) HWY_ATTR {
-    LaneSum of_column;
-    if (!density) return 0.0;
-    for_each_vector(call.batch.count, [&](std::size_t i, auto load, auto) HWY_ATTR {
-      V& part = of_column.part[part_of_sum(i)];
-      part = hn::MulAdd(load(area), load(density), part);
-    });
-    return of_column.total();
-  };
-  call.stored = sum(call.batch.energy_stored.data);
-  for (std::size_t k = 0; k < call.dissipated.size(); ++k) call.dissipated[k] = sum(call.batch.dissipated[k].data);
+  call.stored = 0.0, call.dissipated = {};
+  if (!call.batch.energy_stored.data) return;
+  LaneSum stored, dissipated[QUOIN_DISSIPATED_COUNT];
+  for_each_vector(call.batch.count, [&](std::size_t i, auto load, auto) HWY_ATTR {
+    const V of_points = load(area);
+    const auto add = [&](const double* density, LaneSum& sum) HWY_ATTR {
+      V& part = sum.part[part_of_sum(i)];
+      part = hn::MulAdd(of_points, load(density), part);
+    };
+    add(call.batch.energy_stored.data, stored);
+    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) add(call.batch.dissipated[k].data, dissipated[k]);
+  });
+  call.stored = stored.total();
+  for (std::size_t k = 0; k < call.dissipated.size(); ++k) call.dissipated[k] = dissipated[k].total();
 }
 
 }  // namespace HWY_NAMESPACE

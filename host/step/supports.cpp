@@ -162,8 +162,9 @@ void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
 
 std::string block_label(const Simulation::Impl& s, int block) {
   if (s.large_motion) return blocks::label(s.large_motion->assembly, block);
-  const std::string& body = s.model.assembly.bricks[at(block)].body;
-  return body.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, body);
+  const Brick& brick = s.model.assembly.bricks[at(block)];
+  const std::string& name = brick.body.empty() ? brick.name : brick.body;
+  return name.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, name);
 }
 
 Supports supports_in(const Simulation::Impl& s, int stage) {

@@ -198,4 +198,25 @@ TEST_F(Stages, CheckTellsOfJointsWithCornersAlone) {
   EXPECT_THAT(out_, Not(HasSubstr("at their corners alone")));
 }
 
+// Blocks that no joint ties to what is held are named: the first five, then dots.
+TEST_F(Stages, CheckNamesBlocksThatMayFall) {
+  std::string blocks;
+  const auto checked = [&](int count) {
+    blocks = kBlocks;
+    for (int i = 0; i < count; ++i)
+      blocks += fmt::format(
+          "[[block]]\nname = \"stone {}\"\nmaterial = \"stone\"\nbox = {{ lower = [{}, 2, 0], size = "
+          "[0.2, 0.2, 0.2] }}\n",
+          i, i);
+    EXPECT_EQ(quoin({"check", write(blocks)}), 0) << error_;
+    return out_;
+  };
+  EXPECT_THAT(checked(0), Not(HasSubstr("may fall")));
+  EXPECT_THAT(checked(2), AllOf(HasSubstr("2 of 4 blocks may fall, as no joint ties them to what is held: "),
+                                HasSubstr("held: #2 'stone 0', #3 'stone 1'\n")));
+  const std::string five = "#2 'stone 0', #3 'stone 1', #4 'stone 2', #5 'stone 3', #6 'stone 4'";
+  EXPECT_THAT(checked(5), HasSubstr("held: " + five + "\n"));
+  EXPECT_THAT(checked(7), HasSubstr("held: " + five + ", ...\n"));
+}
+
 }  // namespace

@@ -1,10 +1,12 @@
 #include "ensemble/statistics.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <array>
 #include <cmath>
 
+#include "ensemble/study.h"
 #include "random/counter.h"
 #include "random/design.h"
 
@@ -173,6 +175,40 @@ TEST(Statistics, ForcesComeFromTheCurve) {
   EXPECT_DOUBLE_EQ(force_at(c, 1.5), 7.5);
   EXPECT_DOUBLE_EQ(force_at(c, 0.0), 0.0);
   EXPECT_TRUE(std::isnan(force_at(c, 2.1)));
+}
+
+// Samples for Sobol's indices (Saltelli et al. 2010): a row has inputs a, inputs b, and a with one input of b at a
+// time. One at a time, each input is a standard deviation below its mean, then above.
+TEST(Statistics, TrialsChangeOneInputAtATime) {
+  Study study;
+  for (const double mean : {1.0, 10.0, 100.0})
+    study.quantities.push_back({fmt::format("q{:g}", mean), "", {random::Shape::normal, mean, 0.1 * mean}});
+  study.samples = 15;
+  study.trials = Trials::exchanged;
+  constexpr std::size_t n = 3;
+  std::vector<double> before;
+  for (std::uint64_t row = 0; row < 3; ++row) {
+    const std::uint64_t first = 1 + row * (n + 2);
+    const std::vector<double> a = study.values(first), b = study.values(first + 1);
+    EXPECT_NE(a, before);
+    before = a;
+    for (std::size_t changed = 0; changed < n; ++changed) {
+      const std::vector<double> mixed = study.values(first + 2 + changed);
+      for (std::size_t k = 0; k < n; ++k) {
+        EXPECT_NE(a[k], b[k]);
+        EXPECT_EQ(mixed[k], k == changed ? b[k] : a[k]) << row << ", " << changed << ", " << k;
+      }
+    }
+  }
+  study.trials = Trials::one_at_a_time;
+  const std::vector<double> means = study.values(0);
+  for (std::uint64_t sample = 1; sample <= 2 * n; ++sample) {
+    std::vector<double> expected = means;
+    const std::size_t k = (sample - 1) / 2;
+    expected[k] += sample % 2 == 1 ? -0.1 * means[k] : 0.1 * means[k];
+    const std::vector<double> tried = study.values(sample);
+    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(tried[i], expected[i], 1e-12 * means[i]) << sample << ", " << i;
+  }
 }
 
 }  // namespace

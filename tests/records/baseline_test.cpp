@@ -48,6 +48,22 @@ TEST(Baseline, HighPassHasItsGainAndNoShiftOfPhase) {
   }
 }
 
+// The zeros that the filter adds are enough: with as many again before and after a pulse at the end of the record,
+// values in the record change by less than 1e-3 of the pulse. Without zeros that are long enough the backward pass
+// would begin within the response, and the change would be of the order of the pulse.
+TEST(Baseline, HighPassHasRoomForItsResponse) {
+  const double step = 0.01;
+  TimeSeries record, longer;
+  constexpr int kMore = 4000;
+  for (int i = 0; i <= 400; ++i) record.time.push_back(step * i), record.value.push_back(i > 300 ? 1.0 : 0.0);
+  for (int i = -kMore; i <= 400 + kMore; ++i)
+    longer.time.push_back(step * (i + kMore)), longer.value.push_back(i > 300 && i <= 400 ? 1.0 : 0.0);
+  const BaselineCorrection filter{BaselineCorrection::Kind::high_pass, 2, 0.1};
+  const TimeSeries here = correct_baseline(record, filter), there = correct_baseline(longer, filter);
+  for (std::size_t i = 0; i < here.value.size(); ++i)
+    ASSERT_NEAR(here.value[i], there.value[i + kMore], 1e-3) << record.time[i];
+}
+
 TEST(Baseline, RefusesOrdersCornersAndUnequalSteps) {
   const TimeSeries even{{0.0, 0.1, 0.2}, {0.0, 1.0, 0.0}}, uneven{{0.0, 0.1, 0.3}, {0.0, 1.0, 0.0}};
   using Kind = BaselineCorrection::Kind;

@@ -425,5 +425,19 @@ TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
   EXPECT_THAT(refusal([&] { arch("2.0"); }), HasSubstr("less than twice the radius"));
 }
 
+// A stage of kind rest ends by equilibrium, within many steps unless it says how many.
+TEST_F(ReadBlockScene, StagesOfRestHaveTheirOwnEnd) {
+  std::string text = kScene;
+  text.replace(text.find("duration = 0.1"), 14, "kind = \"rest\"");
+  const Stage usual = read_scene(write("s.toml", text)).stages.at(0);
+  EXPECT_EQ(usual.max_steps, 1000000);
+  EXPECT_EQ(usual.equilibrium_ratio, 1e-4);
+  EXPECT_EQ(usual.ramp_time, 0.0);
+  const Stage given = read_scene(write("s.toml", text + "max_steps = 7\nequilibrium_ratio = 1e-3\n")).stages.at(0);
+  EXPECT_EQ(given.max_steps, 7);
+  EXPECT_EQ(given.equilibrium_ratio, 1e-3);
+  EXPECT_THAT(refusal([&] { read_scene(write("s.toml", text + "ramp_time = 0.1\n")); }), HasSubstr("none with kind"));
+}
+
 }  // namespace
 }  // namespace quoin
