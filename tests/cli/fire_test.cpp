@@ -453,7 +453,7 @@ shear_stiffness = 1e10
 [[block]]
 material = "stone"
 rigid = false
-divisions = [200, 200, 200]
+divisions = [300, 300, 300]
 box = { size = [1, 1, 1] }
 [[stage]]
 gravity = [0, -9.81, 0]

@@ -151,7 +151,7 @@ TEST_F(Limit, WhetherItStandsAndWithHowMuchFriction) {
   EXPECT_EQ(found["margin_direction"][0], 1.0);
   // Given loads are included.
   EXPECT_EQ(quoin({"limit", scene.string(), "--out", out(), "--direction", "1", "0", "0", "--given", "0.5"}), 5);
-  EXPECT_THAT(error_, HasSubstr("#1 at (0.500, 1.500, 0.500) m"));
+  EXPECT_THAT(error_, HasSubstr("#1 'cube' at (0.500, 1.500, 0.500) m"));
   found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
   EXPECT_EQ(found["stands"], false);
   EXPECT_GT(found["smallest_friction_scale"], 1.0);
