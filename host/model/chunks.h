@@ -90,14 +90,14 @@ struct Chunk {
   int family = 0;
   uint32_t first = 0, count = 0;
   BoundCall call;
-  std::vector<RigidPair> pairs;                   // pairs of rigid blocks with points in the chunk
-  std::vector<GridpointPair> gridpoint_pairs;     // pairs whose points lie on gridpoints of both blocks
-  std::vector<PairAxes> pair_axes;                // axes of gridpoint_pairs; constant in small displacements
-  std::vector<int32_t> node_a, node_b;            // gridpoints of these pairs, by point of the chunk
-  std::vector<FacetLanes> facets;                 // points on triangles
-  std::vector<FacetFrames> frames;                // frames of their triangles; constant in small displacements
-  std::vector<OtherPoint> others;                 // points with one deformable side
-  uint32_t row_count = 0;                         // number of rows of its points in Chunks::rows
+  std::vector<RigidPair> pairs;                // pairs of rigid blocks with points in the chunk
+  std::vector<GridpointPair> gridpoint_pairs;  // pairs whose points lie on gridpoints of both blocks
+  std::vector<PairAxes> pair_axes;             // axes of gridpoint_pairs; constant in small displacements
+  std::vector<int32_t> node_a, node_b;         // gridpoints of these pairs, by point of the chunk
+  std::vector<FacetLanes> facets;              // points on triangles
+  std::vector<FacetFrames> frames;             // frames of their triangles; constant in small displacements
+  std::vector<OtherPoint> others;              // points with one deformable side
+  uint32_t row_count = 0;                      // number of rows of its points in Chunks::rows
   // For rows of history.csv:
   double force_sum = 0.0;  // sum of the magnitudes of the points' forces, N
   Deepest deepest{};

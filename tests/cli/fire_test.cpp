@@ -453,8 +453,13 @@ shear_stiffness = 1e10
 [[block]]
 material = "stone"
 rigid = false
-divisions = [300, 300, 300]
+divisions = [200, 200, 200]
 box = { size = [1, 1, 1] }
+[[block]]
+material = "stone"
+rigid = false
+divisions = [200, 200, 200]
+box = { lower = [0, 1, 0], size = [1, 1, 1] }
 [[stage]]
 gravity = [0, -9.81, 0]
 duration = 1

@@ -48,9 +48,9 @@ TEST(Baseline, HighPassHasItsGainAndNoShiftOfPhase) {
   }
 }
 
-// The zeros that the filter adds are enough: with as many again before and after a pulse at the end of the record,
-// values in the record change by less than 1e-3 of the pulse. Without zeros that are long enough the backward pass
-// would begin within the response, and the change would be of the order of the pulse.
+// The zeros that the filter adds are enough. A pulse at the end of a record is filtered as it is, and with many more
+// zeros before and behind it. The values differ by less than 1e-3 of the pulse. If the zeros were too short, the
+// backward pass would begin within the response, and the difference would be of the order of the pulse.
 TEST(Baseline, HighPassHasRoomForItsResponse) {
   const double step = 0.01;
   TimeSeries record, longer;
