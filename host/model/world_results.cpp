@@ -91,6 +91,15 @@ Matrix frame_of(const World& w, const Point& p) {
   return {{r * p.n, r * p.s, r * p.t}};
 }
 
+Vector force_on_a(const World& w, const Family& f, size_t point) {
+  const Matrix frame = frame_of(w, f.point[point]);
+  Vector sum;
+  for (int k = 0; k < 3; ++k)
+    sum += f.point[point].area * (f.traction[k][point] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][point])) *
+           frame.row[k];
+  return sum;
+}
+
 Vector place_of(const World& w, const Point& p) { return locate(w, p, w.contacts.facets).at; }
 
 Vector corner_of(const World& w, int block, int vertex) {

@@ -18,8 +18,9 @@ Vector corner_of(const World& w, int block, int vertex);
 Matrix zone_stress(const World& w, int block, int index);  // Cauchy, Pa, tension positive
 double kinetic_energy_of(const World& w, int block);       // from the velocities half a step ago, J
 
-Matrix frame_of(const World& w, const Point& p);  // rows n, s, t in space, n from a to b
-Vector place_of(const World& w, const Point& p);  // m
+Matrix frame_of(const World& w, const Point& p);                   // rows n, s, t in space, n from a to b
+Vector force_on_a(const World& w, const Family& f, size_t point);  // on the point's block a, N
+Vector place_of(const World& w, const Point& p);                   // m
 Deepest deepest_of(const World& w, const Chunk& chunk);
 Deepest deepest_of_chunk(const World& w, int chunk);
 double force_sum_of(const World& w, const Chunk& chunk);  // sum of the magnitudes of forces, N

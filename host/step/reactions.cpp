@@ -106,16 +106,12 @@ std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, co
   }
   if (blocks.empty()) return sums;
   for (const blocks::Contact& c : s.large_motion->contacts.list) {
-    const int of_a = place[at(c.pair.a)], of_b = place[at(c.pair.b)];
-    if (of_a < 0 && of_b < 0) continue;
+    if (place[at(c.pair.a)] < 0 && place[at(c.pair.b)] < 0) continue;
     const blocks::Family& f = s.large_motion->contacts.families[at(c.family)];
     for (std::size_t i = c.first; i < c.first + c.count; ++i) {
-      const geometry::Matrix frame = frame_of(*s.large_motion, f.point[i]);
+      const int of_a = place[at(f.point[i].a)], of_b = place[at(f.point[i].b)];  // block a of the pair may be b here
       const Vector place_of_point = place_of(*s.large_motion, f.point[i]);
-      Vector on_a;
-      for (std::size_t k = 0; k < 3; ++k)
-        on_a += f.point[i].area * (f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i])) *
-                frame.row[static_cast<int>(k)];
+      const Vector on_a = force_on_a(*s.large_motion, f, i);
       for (const auto& [side, sign] : {std::pair{of_a, 1.0}, std::pair{of_b, -1.0}}) {
         if (side < 0) continue;
         JointWrench& sum = sums[at(side)];

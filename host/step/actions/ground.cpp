@@ -214,17 +214,12 @@ void measure_base(const Simulation::Impl& s, HistoryRow& row) {
   const Vector centre = s.reactions.base_centre + geometry::vector(moved);
   Vector moment;
   for (const blocks::Contact& c : s.large_motion->contacts.list) {
-    const bool a = blocks[static_cast<std::size_t>(c.pair.a)].fixed,
-               b = blocks[static_cast<std::size_t>(c.pair.b)].fixed;
-    if (a == b) continue;
+    const auto is_fixed = [&](int block) { return blocks[static_cast<std::size_t>(block)].fixed; };
+    if (is_fixed(c.pair.a) == is_fixed(c.pair.b)) continue;
     const blocks::Family& f = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
     for (std::size_t i = c.first; i < c.first + c.count; ++i) {
-      const geometry::Matrix frame = frame_of(*s.large_motion, f.point[i]);
-      Vector on_a;
-      for (std::size_t k = 0; k < 3; ++k)
-        on_a += f.point[i].area * (f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i])) *
-                frame.row[static_cast<int>(k)];
-      moment += (a ? whole : -whole) * cross(place_of(*s.large_motion, f.point[i]) - centre, on_a);
+      const double sign = is_fixed(f.point[i].a) ? whole : -whole;  // block b of the pair may be a here
+      moment += sign * cross(place_of(*s.large_motion, f.point[i]) - centre, force_on_a(*s.large_motion, f, i));
     }
   }
   row.overturning_moment = geometry::array(moment);
