@@ -37,11 +37,11 @@ void find_block_frames(World& w) {
   for (int i = 0; i < w.block_count(); ++i) {
     const ModelBlock& b = w.blocks[size_t(i)];
     if (b.body >= 0 || !w.part.laid_out[size_t(i)] || (b.congruent < 0 && w.nodes.anchor.empty())) continue;
+    const size_t first = size_t(b.first_node), corners = b.shape->vertices.size();
     const Vector* const anchor =
-        b.congruent >= 0 ? w.zones.congruent[size_t(b.congruent)].anchor.data() : w.nodes.anchor.data() + b.first_node;
+        b.congruent >= 0 ? w.zones.congruent[size_t(b.congruent)].anchor.data() : w.nodes.anchor.data() + first;
     Matrix f = Matrix::zero();
-    for (int n = 0; n < b.node_count; ++n)
-      f += outer(w.nodes.x[size_t(b.first_node + n)] - w.nodes.x[size_t(b.first_node)], anchor[n]);
+    for (size_t n = 0; n < corners; ++n) f += outer(w.nodes.x[first + n] - w.nodes.x[first], anchor[n]);
     w.frames.frame[size_t(i)] = {transposed(rotation_in(f)), f};
   }
 }

@@ -224,7 +224,7 @@ void make_congruent(World& w, int block) {
   }
   const Zone first = zone_of(w, block, 0);
   w.zones.congruent.push_back(make_congruent_blocks(node, {w.nodes.mass.data() + b.first_node, size_t(b.node_count)},
-                                                    zones, first.lambda, first.mu));
+                                                    b.shape->vertices.size(), zones, first.lambda, first.mu));
 }
 
 // Chooses the blocks that share a stiffness. Both halves of a unit share one of the same kind, or each half has its
@@ -380,8 +380,9 @@ void lay_out_zones(World& w, int block) {
   }
   b.corner_area = area_at_corners(b, w.nodes.reference) / (3.0 * double(b.shape->vertices.size()));
   if (b.congruent >= 0 || w.nodes.anchor.empty()) return;
+  const size_t corners = b.shape->vertices.size();
   std::ranges::copy(
-      anchors_of(std::span(w.nodes.reference).subspan(first, count), std::span(w.nodes.mass).subspan(first, count)),
+      anchors_of(std::span(w.nodes.reference).subspan(first, corners), std::span(w.nodes.mass).subspan(first, corners)),
       w.nodes.anchor.begin() + b.first_node);
 }
 

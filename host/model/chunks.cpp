@@ -49,7 +49,8 @@ void put_on_gridpoints(const World& w, const Point& p, uint32_t i, Chunk& chunk)
   if (goes_on) {
     ++last->count;
   } else {
-    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, chunk.row_count, {p.n, p.s, p.t}, {}});
+    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, chunk.row_count, {p.n, p.s, p.t}});
+    chunk.pair_moments.emplace_back();
     if (w.is_small) {  // axes are constant
       const Matrix r = start_of_frame(w, p.a);
       chunk.pair_axes.push_back(pair_axes(r * p.n, r * p.s, r * p.t));
@@ -125,7 +126,8 @@ void bind_points(const World& w, Chunk& chunk) {
 
 void unbind(Chunk& chunk) {
   chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
-  chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
+  chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.pair_moments.clear();
+  chunk.node_a.clear(), chunk.node_b.clear();
   chunk.row_count = 0, chunk.call.batch = {};
 }
 
@@ -139,7 +141,7 @@ void number_rows(World& w) {
     first += chunk.row_count;
   }
   w.chunks.rows.clear();
-  w.chunks.rows.resize(first);
+  w.chunks.rows.resize(first + 1);
 }
 
 }  // namespace

@@ -32,7 +32,6 @@ struct GridpointPair {
   uint32_t first, count;  // points of the family
   uint32_t row;           // force of the first point in Chunks::rows, which has one row a point
   Vector axis[3];         // n, s, t in the frame of block a, unit
-  Vector moment;          // moment of the last step on the frame of block a, N m
 };
 
 // Axes of a pair in space: n, s, t; the fourth number is padding. A step computes them again, which is faster than
@@ -93,6 +92,7 @@ struct Chunk {
   std::vector<RigidPair> pairs;                // pairs of rigid blocks with points in the chunk
   std::vector<GridpointPair> gridpoint_pairs;  // pairs whose points lie on gridpoints of both blocks
   std::vector<PairAxes> pair_axes;             // axes of gridpoint_pairs; constant in small displacements
+  std::vector<Vector> pair_moments;            // moment of each on the frame of block a in the last step, N m
   std::vector<int32_t> node_a, node_b;         // gridpoints of these pairs, by point of the chunk
   std::vector<FacetLanes> facets;              // points on triangles
   std::vector<FacetFrames> frames;             // frames of their triangles; constant in small displacements
@@ -109,6 +109,7 @@ struct Chunks {
   std::vector<Chunk> all;  // chunks; those that other ranks evaluate have no points bound
   std::vector<int> own;    // chunks that this process evaluates
   // Forces of a step in own chunks: one row for a point on gridpoints, three for a point on a triangle.
+  // The last row is zero.
   LaneVector<FacetRow> rows;
   long divisions = 0;  // number of divisions of the work so far
 };

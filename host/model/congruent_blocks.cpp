@@ -28,10 +28,10 @@ std::vector<Vector> anchors_of(std::span<const Vector> node, std::span<const dou
   return anchor;
 }
 
-CongruentBlocks make_congruent_blocks(std::span<const Vector> node, std::span<const double> mass,
+CongruentBlocks make_congruent_blocks(std::span<const Vector> node, std::span<const double> mass, size_t corner_count,
                                       std::span<const quoin::Zone> zones, double lambda, double shear_modulus) {
   return {assemble_stiffness(zones, static_cast<int>(node.size()), lambda, shear_modulus), places_of(node, mass),
-          anchors_of(node, mass)};
+          anchors_of(node.first(corner_count), mass.first(corner_count))};
 }
 
 }  // namespace quoin::blocks

@@ -11,14 +11,16 @@ namespace quoin::blocks {
 struct CongruentBlocks {
   Stiffness stiffness;                   // K of the undeformed shape
   std::vector<geometry::Vector> place;   // X of gridpoints about the mass centre, m
-  std::vector<geometry::Vector> anchor;  // b = m S^-1 X, S = sum m X X^T, 1/m: sum X b^T = 1, sum b = 0
+  std::vector<geometry::Vector> anchor;  // b = m S^-1 X, S = sum m X X^T, 1/m, of corners: sum X b^T = 1, sum b = 0
 };
 
-// b of gridpoints, from their positions and masses.
+// b of corners, from their positions and masses.
 std::vector<geometry::Vector> anchors_of(std::span<const geometry::Vector> node, std::span<const double> mass);
 
-// node, mass: positions and masses of gridpoints, m and kg. zones: those of one block, with node indices from 0.
+// node, mass: positions and masses of gridpoints, m and kg, the corners first. zones: those of one block, with node
+// indices from 0.
 CongruentBlocks make_congruent_blocks(std::span<const geometry::Vector> node, std::span<const double> mass,
-                                      std::span<const quoin::Zone> zones, double lambda, double shear_modulus);
+                                      size_t corner_count, std::span<const quoin::Zone> zones, double lambda,
+                                      double shear_modulus);
 
 }  // namespace quoin::blocks

@@ -94,9 +94,12 @@ long step_after(const World& w, double way, double speed, double acceleration = 
   return std::max(w.stepping.count + 1, last - last % round);
 }
 
-// Step well before a deformable block of this speed, m/s, can have moved by the tolerance.
-long step_of_gridpoints(const World& w, double speed) {
-  return step_after(w, kOfWay * detection_fraction(w) * w.detection.size, speed, kAcceleration);
+// Step well before a deformable block of this speed, m/s, can have moved by `left`, m, or by the tolerance where that
+// is more. A block at rest is checked as if only the tolerance was left, as something may hit it.
+long step_of_gridpoints(const World& w, double left, double speed) {
+  const double tolerance = detection_fraction(w) * w.detection.size;
+  return std::min(step_after(w, kOfWay * tolerance, 0.0, kAcceleration),
+                  step_after(w, kOfWay * std::max(left, tolerance), speed, kAcceleration));
 }
 
 // Checks a block's motion since the last broad phase; sets the step of its next check. In small displacements the
@@ -114,7 +117,7 @@ bool check_block_motion(const World& w, int i, long& step) {
   }
   const double way = kOfSkin * w.detection.skin;
   if (b.body < 0) {
-    step = step_of_gridpoints(w, checked_motion(w, i).speed);
+    step = step_of_gridpoints(w, way - moved, checked_motion(w, i).speed);
   } else {
     const AssumedMotion& assumed = w.checks.assumed[size_t(b.body)];
     const double spin = norm(assumed.omega) + assumed.tolerated / b.radius;
@@ -244,7 +247,10 @@ CheckedMotion checked_motion(const World& w, int block) {
 bool check_pair_motion(const World& w, const Contact& c, const PairPlace& place, const CheckedMotion& now_a,
                        const CheckedMotion& now_b, PairCheck& check) {
   const double moved = pair_motion(w, c, place, now_a.pose, now_b.pose), way = allowed_motion(w, c, place);
-  check = {c.pair.a, c.pair.b, moved > kMostlyUsed * way, step_of_gridpoints(w, std::max(now_a.speed, now_b.speed))};
+  // Halves of a unit are checked by the tolerance, as part_units needs it.
+  const double left = w.units.other_half[size_t(c.pair.a)] == c.pair.b ? 0.0 : way - moved;
+  check = {c.pair.a, c.pair.b, moved > kMostlyUsed * way,
+           step_of_gridpoints(w, left, std::max(now_a.speed, now_b.speed))};
   const ModelBlock &a = w.blocks[size_t(c.pair.a)], &b = w.blocks[size_t(c.pair.b)];
   if (a.body >= 0 && b.body >= 0 && w.checks.dt > 0.0) {
     // As in pair_motion: motion of b in the frame of a.

@@ -64,6 +64,28 @@ void fill_columns(World& w, Piece& piece) {
   piece.some_held = some_held;
 }
 
+// Lists the points of a group by gridpoint: first those on the sides of blocks b, then those of blocks a.
+void list_lines(World& w, std::span<const int32_t> blocks, int node_count, Piece::Range& range) {
+  range.first = uint32_t(w.pieces.lines.size());
+  for (const bool side_a : {false, true}) {
+    std::vector<std::vector<GridpointLine>> of_node{size_t(node_count)};
+    for (size_t l = 0; l < blocks.size(); ++l) {
+      std::vector<size_t> used(of_node.size(), 0);
+      for (const GridpointTouch& touch : (side_a ? w.sides.owner_gridpoint : w.sides.gridpoint).of(blocks[l])) {
+        auto& lines = of_node[size_t(touch.node)];
+        const size_t k = used[size_t(touch.node)]++;
+        if (k == lines.size()) {
+          std::fill_n(lines.emplace_back(GridpointLine{touch.node, side_a, {}}).row, kBodies,
+                      uint32_t(w.chunks.rows.size() - 1));
+        }
+        lines[k].row[l] = touch.row;
+      }
+    }
+    for (const auto& lines : of_node) w.pieces.lines.insert(w.pieces.lines.end(), lines.begin(), lines.end());
+  }
+  range.end = uint32_t(w.pieces.lines.size());
+}
+
 }  // namespace
 
 // Divides blocks into pieces of as many as a SIMD group holds. Units of congruent blocks are grouped by kind, so that
@@ -138,17 +160,32 @@ void divide_blocks(World& w) {
 }
 
 void bind_pieces(World& w) {
-  w.pieces.columns.clear(), w.pieces.held_changed.clear();
+  w.pieces.columns.clear(), w.pieces.held_changed.clear(), w.pieces.lines.clear();
   w.pieces.shared_columns.assign(2 * w.zones.congruent.size(), Piece::kNoColumns);
   w.pieces.any_held_changed = false;
   w.pieces.of_block.assign(w.blocks.size(), -1);
+  size_t motion = 0;
   for (Piece& piece : w.pieces.all) {
     std::fill(piece.columns, std::end(piece.columns), Piece::kNoColumns);
     if (piece.kind == Piece::Kind::rigid || !w.part.owns(w.pieces.blocks_of(piece).front())) continue;
     fill_columns(w, piece);
     for (const int32_t block : w.pieces.blocks_of(piece))
-      w.pieces.of_block[size_t(block)] = int32_t(&piece - w.pieces.all.data());
+      w.pieces.of_block[size_t(block)] = int32_t(w.pieces.index_of(piece));
+    if (!piece.in_frame()) continue;
+    piece.other_sides = std::ranges::any_of(w.pieces.blocks_of(piece), [&](int32_t block) {
+      return !w.sides.owner.of(block).empty() || !w.sides.carrier.of(block).empty() ||
+             !w.sides.single.of(block).empty();
+    });
+    const int most = most_gridpoints(w, piece);
+    for (size_t group = 0; group < piece.group_count(); ++group) {
+      list_lines(w, w.pieces.blocks_of(piece, group), most, piece.lines[group]);
+      if (piece.kind != Piece::Kind::congruent) continue;
+      piece.motion[group] = motion;
+      motion += 2 * size_t(most) * kLine;
+    }
   }
+  w.pieces.motion.resize(motion);
+  w.pieces.is_current.assign(w.pieces.all.size(), 0);
 }
 
 void follow_held(World& w) {

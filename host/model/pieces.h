@@ -26,8 +26,22 @@ struct Piece {
   static constexpr size_t kNoColumns = size_t(-1);
   size_t columns[2] = {kNoColumns, kNoColumns};  // first number of the FixedColumns of its groups in Pieces::columns
   bool some_held = false;
+  bool other_sides = true;  // whether blocks have sides of contact points beside those of Pieces::lines
+  struct Range {
+    uint32_t first = 0, end = 0;
+  };
+  Range lines[2] = {};  // of its groups in Pieces::lines
+  size_t motion[2] =
+      {};  // of congruent blocks: first number of its groups' positions, then velocities, in Pieces::motion
   size_t group_count() const { return halves ? 2 : 1; }
   bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
+};
+
+// Contact points on gridpoint `node` of each block of a group in frames; one point a block.
+struct GridpointLine {
+  int32_t node;
+  bool side_a;            // whether the blocks are a's of the points, on which the force acts; else its opposite does
+  uint32_t row[kBodies];  // row of the point in Chunks::rows; for blocks without a point the last row
 };
 
 // Columns that steps seldom change, of the gridpoints of up to kLanes deformable blocks, side by side. A line holds one
@@ -57,10 +71,16 @@ struct FixedColumns {
 // supports.
 struct Pieces {
   std::vector<Piece> all;
-  std::vector<int32_t> blocks;         // piece after piece
-  std::vector<int32_t> of_block;       // piece of each own deformable block; -1: blocks of other ranks
-  std::vector<uint8_t> in_frame;       // by block: 1 if its piece is advanced in frames
-  LaneVector<double> columns;          // FixedColumns of groups
+  std::vector<int32_t> blocks;       // piece after piece
+  std::vector<int32_t> of_block;     // piece of each own deformable block; -1: blocks of other ranks
+  std::vector<uint8_t> in_frame;     // by block: 1 if its piece is advanced in frames
+  LaneVector<double> columns;        // FixedColumns of groups
+  std::vector<GridpointLine> lines;  // of groups in frames
+  // Positions, m, and velocities, m/s, of groups of congruent blocks, in lanes: copies of those in Gridpoints, which
+  // steps update together. By piece: whether its copies are current.
+  LaneVector<double> motion;
+  std::vector<uint8_t> is_current;
+  bool motion_is_old = true;  // whether gridpoints have moved, or their velocities changed, outside of steps since then
   std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
   std::vector<int> held_changed;       // deformable blocks whose supports changed since the last step
   bool any_held_changed = false;       // whether supports of any gridpoint have changed
@@ -68,6 +88,11 @@ struct Pieces {
   std::span<const int32_t> blocks_of(int piece) const { return blocks_of(all[size_t(piece)]); }
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(blocks).subspan(piece.first, piece.count);
+  }
+  size_t index_of(const Piece& piece) const { return size_t(&piece - all.data()); }
+  std::span<const GridpointLine> lines_of(const Piece& piece, size_t group) const {
+    const Piece::Range range = piece.lines[group];
+    return std::span(lines).subspan(range.first, range.end - range.first);
   }
   std::span<const int32_t> blocks_of(const Piece& piece, size_t group) const {
     const size_t count = piece.count / piece.group_count();

@@ -115,7 +115,9 @@ void divide_sides(World& w) {
       },
       [&] {
         by_block(w.blocks.size(), w.sides.moment, own, [&](const auto& visit) {
-          each_gridpoint_pair([&](const Chunk&, const GridpointPair& pair) { visit(pair.a, MomentTouch(&pair)); });
+          each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
+            visit(pair.a, MomentTouch(&chunk.pair_moments[size_t(&pair - chunk.gridpoint_pairs.data())]));
+          });
         });
       },
       [&] {

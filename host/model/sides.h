@@ -44,7 +44,7 @@ struct ByBlock {
     return std::span(touch).subspan(first, end[size_t(block)] - first);
   }
 };
-using MomentTouch = const GridpointPair*;  // side of block a, which takes the moment
+using MomentTouch = const Vector*;  // moment of a pair on gridpoints on the frame of its block a
 
 // One side of a pair of rigid blocks.
 struct PairTouch {

@@ -222,8 +222,8 @@ void World::set_velocity(int block, const Vector& velocity, const Vector& omega)
   }
   checks.dt = 0.0;  // the motion changes more than the checks assume: all are due
   const Vector centre = position_of(*this, block);
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
-    nodes.v[i] = velocity + cross(omega, nodes.x[i] - centre);
+  LaneVector<Vector>& v = change_node_velocities(*this);
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) v[i] = velocity + cross(omega, nodes.x[i] - centre);
 }
 
 void World::add(Load load) {

@@ -159,7 +159,12 @@ inline bool checks_motion(const World& w) {
   return w.stepping.count + 1 >= w.checks.next || w.stepping.dt != w.checks.dt;
 }
 inline Body& body_of(World& w, int block) { return w.bodies[w.blocks[block].body]; }
+inline LaneVector<Vector>& change_node_velocities(World& w) {
+  w.pieces.motion_is_old = true;
+  return w.nodes.v;
+}
 inline LaneVector<Vector>& change_node_positions(World& w) {
+  change_node_velocities(w);
   w.frames.are_old = true;
   return w.nodes.x;
 }

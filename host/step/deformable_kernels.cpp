@@ -78,6 +78,11 @@ struct GridpointLoad {
     store_line(load_vectors(place), to.x + n * kLine + first);
     store_line(vectors<false>(begin.v, kVector, n), to.v + n * kLine + first);
   }
+  HWY_INLINE void weight(int n) const {
+    const V mass = hn::Load(D(), to.mass + n * kLanes + first);
+    store_line(scaled(mass, begin.acceleration[first / kWidth]), to.force + n * kLine + first);
+    if (to.viscous) store_line(zeros(), to.viscous_force + n * kLine + first);
+  }
   template <bool kAllHaveIt>
   HWY_INLINE void forces(int n) const {
     const int line = n * kLine + first;
@@ -88,31 +93,67 @@ struct GridpointLoad {
   }
 };
 
-void LoadBlocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
+void LoadBlocks(std::span<const LaneBlock> blocks, bool motion, LaneColumns* columns) {
   const Begin begin(blocks);
+  const bool no_force = !blocks.front().force;
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
     store_line(begin.moment[first / kWidth], columns->moment + first);
     const GridpointLoad load{begin, *columns, first};
-    if (columns->fewest == columns->node_count) {
+    if (!motion) {
+    } else if (columns->fewest == columns->node_count) {
       rows_to_lanes(begin.x.of + first, 3 * columns->node_count, columns->x + first);
       rows_to_lanes(begin.v.of + first, 3 * columns->node_count, columns->v + first);
     } else {
       for (int n = 0; n < columns->node_count; ++n) load.motion(n);
+    }
+    if (no_force) {
+      for (int n = 0; n < columns->node_count; ++n) load.weight(n);
+      continue;
     }
     for (int n = 0; n < columns->fewest; ++n) load.forces<true>(n);
     for (int n = columns->fewest; n < columns->node_count; ++n) load.forces<false>(n);
   }
 }
 
+LaneSums AddGridpointLines(std::span<const GridpointLine> lines, const FacetRow* rows, std::size_t count,
+                           LaneColumns* columns) {
+  LaneSums sums;
+  for (int first = 0; first < static_cast<int>(count); first += kWidth) {
+    Lanes3 sum = zeros();
+    for (const GridpointLine& line : lines) {
+      V column[kFour];
+      load_four([&](int l) { return rows[line.row[first + l]].force; }, column);
+      Lanes3 force{column[0], column[1], column[2]};
+      if (!line.side_a) force = {hn::Neg(force.x), hn::Neg(force.y), hn::Neg(force.z)};
+      double* const to = columns->force + line.node * kLine + first;
+      store_line(sum_of(load_line(to), force), to);
+      sum = sum_of(sum, force);
+    }
+    for (int k = 0; k < 3; ++k) hn::Store(sum[k], D(), sums.of[k] + first);
+  }
+  return sums;
+}
+
 // R of a matrix near a rotation, by Newton's iteration R <- (R + R^-T)/2, which turns an error e into e^2/2. Four
-// iterations reduce kLargestDeformation to rounding.
+// iterations reduce kLargestDeformation to rounding. A lane whose last change leaves less than rounding is not changed
+// again, so that it does not depend on the others.
 HWY_INLINE Lanes33 rotation_in(const Lanes33& f) {
-  const V half = hn::Set(D(), 0.5);
+  const D d;
+  constexpr double kSquareOfLastChange = 1e-17;
+  const V half = hn::Set(d, 0.5);
   Lanes33 r = f;
-  for (int iteration = 0; iteration < 4; ++iteration) {
+  auto goes_on = hn::Eq(half, half);
+  for (int iteration = 0; iteration < 4 && !hn::AllFalse(d, goes_on); ++iteration) {
     const Lanes33 cofactor = cofactors_of(r);
     const V over = hn::Div(half, dot_of(r.row[0], cofactor.row[0]));
-    for (int i = 0; i < 3; ++i) r.row[i] = plus_scaled(scaled(half, r.row[i]), over, cofactor.row[i]);
+    V square = hn::Zero(d);
+    for (int i = 0; i < 3; ++i) {
+      const Lanes3 next = plus_scaled(scaled(half, r.row[i]), over, cofactor.row[i]);
+      const Lanes3 change = difference_of(next, r.row[i]);
+      square = hn::Add(square, dot_of(change, change));
+      for (int k = 0; k < 3; ++k) r.row[i][k] = hn::IfThenElse(goes_on, next[k], r.row[i][k]);
+    }
+    goes_on = hn::And(goes_on, hn::Gt(square, hn::Set(d, kSquareOfLastChange)));
   }
   return r;
 }
@@ -124,12 +165,20 @@ HWY_INLINE void add_outer(const Lanes3& x, const Lanes3& b, Lanes33& sum) {
 
 HWY_INLINE Lanes33 zero_matrix() { return {{zeros(), zeros(), zeros()}}; }
 
+// Torques of internal forces g = K w in the frame, sum (X + u) x g. K has no torque sum X x g.
+struct Torques {
+  Lanes3 sum[kParts];
+  HWY_INLINE void add(const double* u, int n, int part, const Lanes3& g) {
+    sum[part] = sum_of(sum[part], cross_of(load_line(u + n * kLine + part * kWidth), g));
+  }
+};
+
 // The shape of congruent blocks, equal in all lanes. place, anchor: of gridpoint n, in the lanes from `first` on.
 struct SharedFrame {
   const CongruentBlocks& congruent;
   HWY_INLINE Lanes3 place(int n, int) const { return broadcast(&congruent.place[static_cast<std::size_t>(n)].x); }
   HWY_INLINE Lanes3 anchor(int n, int) const { return broadcast(&congruent.anchor[static_cast<std::size_t>(n)].x); }
-  void times_stiffness(const double* w, int node_count, double* product) const;
+  HWY_INLINE int anchor_count(const LaneColumns&) const { return static_cast<int>(congruent.anchor.size()); }
 };
 
 // Shapes of blocks that differ, lane by lane.
@@ -138,7 +187,7 @@ struct OwnFrames {
   const LaneColumns& columns;
   HWY_INLINE Lanes3 place(int n, int first) const { return load_line(columns.place + n * kLine + first); }
   HWY_INLINE Lanes3 anchor(int n, int first) const { return load_line(columns.anchor + n * kLine + first); }
-  void times_stiffness(const double* w, int node_count, double* product) const;
+  HWY_INLINE int anchor_count(const LaneColumns& c) const { return c.node_count; }
 };
 
 // Current frames of a vector of blocks.
@@ -166,7 +215,7 @@ HWY_INLINE Pose pose_of(const Frame& frame, const Begins<const double>& frames, 
   }
   if (step.beta > 0.0) {
     Lanes33 rate = zero_matrix();
-    for (int n = 0; n < columns.node_count; ++n)
+    for (int n = 0; n < frame.anchor_count(columns); ++n)
       add_outer(load_line(columns.v + n * kLine + first), frame.anchor(n, first), rate);
     const V back = hn::Set(D(), -step.dt);
     Lanes33 previous;
@@ -201,50 +250,68 @@ HWY_INLINE V displacements(const Frame& frame, const LaneColumns& columns, int f
   return hn::Sqrt(largest);
 }
 
-// Computes K w for all lanes.
-void SharedFrame::times_stiffness(const double* w, int node_count, double* product) const {
-  StiffnessRows<1> rows(congruent.stiffness);
-  const double* const of[1] = {w};
-  for (int n = 0; n < node_count; ++n) {
-    V f[1][3][kParts];
-    rows.next(of, f);
-    for (int c = 0; c < 3; ++c) {
-      for (int p = 0; p < kParts; ++p) hn::Store(f[0][c][p], D(), product + n * kLine + c * kLanes + p * kWidth);
+// A group whose product with the stiffness is computed: w, K w, and where torques are needed u.
+struct Product {
+  const double *w, *u;
+  double* result;
+  Torques torques;
+};
+
+// Computes K w for all lanes of groups of congruent blocks, which share the loads of coefficients.
+template <bool kTorques, int kCount>
+HWY_INLINE void times_stiffness(const SharedFrame (&frames)[kCount], const LaneColumns* const (&columns)[kCount],
+                                Product (&products)[kCount]) {
+  StiffnessRows<kCount> rows(frames[0].congruent.stiffness);
+  const double* w[kCount];
+  Torques torques[kCount];  // in registers
+  for (int b = 0; b < kCount; ++b) w[b] = products[b].w, torques[b] = products[b].torques;
+  for (int n = 0; n < columns[0]->node_count; ++n) {
+    V f[kCount][3][kParts];
+    rows.next(w, f);
+    for (int b = 0; b < kCount; ++b) {
+      for (int p = 0; p < kParts; ++p) {
+        const Lanes3 g{f[b][0][p], f[b][1][p], f[b][2][p]};
+        store_line(g, products[b].result + n * kLine + p * kWidth);
+        if constexpr (kTorques) torques[b].add(products[b].u, n, p, g);
+      }
     }
   }
+  for (int b = 0; b < kCount; ++b) products[b].torques = torques[b];
 }
 
 // Computes K w block by block, with rows of its gridpoints.
-void OwnFrames::times_stiffness(const double* w, int node_count, double* product) const {
-  double* const of = columns.rows;
+template <bool kTorques>
+void times_stiffness(const OwnFrames (&frames)[1], const LaneColumns* const (&columns)[1], Product (&products)[1]) {
+  Product& product = products[0];
+  const int node_count = columns[0]->node_count;
+  double* const of = columns[0]->rows;
   double* const times = of + kFour * node_count;
-  for (std::size_t lane = 0; lane < blocks.size(); ++lane) {
-    const LaneBlock& block = blocks[lane];
+  for (std::size_t lane = 0; lane < frames[0].blocks.size(); ++lane) {
+    const LaneBlock& block = frames[0].blocks[lane];
     const int count = block.node_count;
     for (int n = 0; n < count; ++n) {
-      for (int c = 0; c < 3; ++c) of[kFour * n + c] = w[static_cast<std::size_t>(n * kLine + c * kLanes) + lane];
+      for (int c = 0; c < 3; ++c)
+        of[kFour * n + c] = product.w[static_cast<std::size_t>(n * kLine + c * kLanes) + lane];
       of[kFour * n + 3] = 0.0;
     }
     stiffness_times(block.zones, {of, static_cast<std::size_t>(kFour * count)}, times);
     std::fill(times + kFour * count, times + kFour * node_count, 0.0);
     for (int n = 0; n < node_count; ++n) {
       for (int c = 0; c < 3; ++c)
-        product[static_cast<std::size_t>(n * kLine + c * kLanes) + lane] = times[kFour * n + c];
+        product.result[static_cast<std::size_t>(n * kLine + c * kLanes) + lane] = times[kFour * n + c];
     }
+  }
+  for (int n = 0; kTorques && n < node_count; ++n) {
+    for (int p = 0; p < kParts; ++p)
+      product.torques.add(product.u, n, p, load_line(product.result + n * kLine + p * kWidth));
   }
 }
 
-// Adds -R (g - q x b), g = K w, to the forces of the blocks. on_frame: additional moment on the frame, in space, N m.
+// Adds -R (g - q x b), g = K w, to the forces of the blocks. moment: of g and of point forces on the frame, in it, N m.
 template <class Frame>
 HWY_INLINE void add_to_forces(const Frame& frame, const LaneColumns& columns, int first, const Pose& pose,
-                              const Lanes3& on_frame, double* force) {
+                              const Lanes3& moment, double* force) {
   const D d;
-  Lanes3 moment = transposed_times_of(pose.r, on_frame);
-  for (int n = 0; n < columns.node_count; ++n) {
-    const int at = n * kLine + first;
-    const Lanes3 place = sum_of(frame.place(n, first), load_line(columns.u + at));
-    moment = sum_of(moment, cross_of(place, load_line(columns.product + at)));
-  }
   Lanes33 u = zero_matrix();  // R^T F
   for (int i = 0; i < 3; ++i) add_outer(pose.r.row[i], pose.f.row[i], u);
   const V trace = hn::Add(u.row[0].x, hn::Add(u.row[1].y, u.row[2].z));
@@ -256,57 +323,87 @@ HWY_INLINE void add_to_forces(const Frame& frame, const LaneColumns& columns, in
     }
   }
   const Lanes33 cofactor = cofactors_of(g);  // symmetric, as g is
+  const int anchors = frame.anchor_count(columns);
   const Lanes3 q = scaled(hn::Div(hn::Set(d, 1.0), dot_of(g.row[0], cofactor.row[0])), times(cofactor, moment));
   for (int n = 0; n < columns.node_count; ++n) {
     const int at = n * kLine + first;
-    const Lanes3 b = frame.anchor(n, first);
-    const Lanes3 f = times(pose.r, difference_of(load_line(columns.product + at), cross_of(q, b)));
+    Lanes3 internal = load_line(columns.product + at);
+    if (n < anchors) internal = difference_of(internal, cross_of(q, frame.anchor(n, first)));
+    const Lanes3 f = times(pose.r, internal);
     store_line(difference_of(load_line(force + at), f), force + at);
   }
 }
 
-template <class Frame>
-HWY_INLINE void frame_forces(const Frame& frame, std::span<const LaneBlock> blocks, const ZoneStep& step,
-                             LaneColumns* columns, FrameSums* sums) {
-  const D d;
-  const LaneColumns& c = *columns;
-  const bool is_viscous = step.beta > 0.0;
-  const Begins<const double> frames(blocks, [](const LaneBlock& b) { return &b.frame->transposed_r.row[0].x; });
-  Pose pose[kParts];
+HWY_INLINE void store_strain_energies(const LaneColumns& c, FrameSums* sums) {
   for (int p = 0; p < kParts; ++p) {
-    pose[p] = pose_of(frame, frames, c, p * kWidth, step);
-    hn::Store(displacements(frame, c, p * kWidth, step, pose[p]), d, sums->deformation + p * kWidth);
+    V twice_energy = zeros().x;
+    for (int n = 0; n < c.node_count; ++n) {
+      const int at = n * kLine + p * kWidth;
+      twice_energy = hn::Add(twice_energy, dot_of(load_line(c.u + at), load_line(c.elastic + at)));
+    }
+    hn::Store(hn::Mul(hn::Set(D(), 0.5), twice_energy), D(), sums->strain + p * kWidth);
   }
-  if (step.energies) {
-    frame.times_stiffness(c.u, c.node_count, c.elastic);
+}
+
+// Computes the viscous part of the forces, K (w - u).
+template <class Frame>
+HWY_INLINE void viscous_forces(const Frame& frame, const LaneColumns& c, const Pose (&pose)[kParts]) {
+  std::fill(c.viscous_force, c.viscous_force + c.node_count * kLine, 0.0);
+  for (int p = 0; p < kParts; ++p) {
+    Torques torques;
+    torques.sum[p] = zeros();
+    for (int n = 0; n < c.node_count; ++n) {
+      const int at = n * kLine + p * kWidth;
+      const Lanes3 g = difference_of(load_line(c.product + at), load_line(c.elastic + at));
+      store_line(g, c.product + at);
+      torques.add(c.u, n, p, g);
+    }
+    add_to_forces(frame, c, p * kWidth, pose[p], torques.sum[p], c.viscous_force);
+  }
+}
+
+template <class Frame, int kCount>
+HWY_INLINE void frame_forces(const Frame (&frames)[kCount], const FramedGroup* groups, const ZoneStep& step) {
+  const D d;
+  const LaneColumns* columns[kCount];
+  Pose pose[kCount][kParts];
+  Product elastic[kCount], products[kCount];
+  for (int b = 0; b < kCount; ++b) {
+    const FramedGroup& group = groups[b];
+    const LaneColumns& c = *(columns[b] = group.columns);
+    const Begins<const double> begins(group.blocks,
+                                      [](const LaneBlock& of) { return &of.frame->transposed_r.row[0].x; });
+    elastic[b] = {c.u, nullptr, c.elastic, {}};
+    products[b] = {step.beta > 0.0 ? c.weighted : c.u, c.u, c.product, {}};
     for (int p = 0; p < kParts; ++p) {
-      V twice_energy = hn::Zero(d);
-      for (int n = 0; n < c.node_count; ++n) {
-        const int at = n * kLine + p * kWidth;
-        twice_energy = hn::Add(twice_energy, dot_of(load_line(c.u + at), load_line(c.elastic + at)));
-      }
-      hn::Store(hn::Mul(hn::Set(d, 0.5), twice_energy), d, sums->strain + p * kWidth);
+      pose[b][p] = pose_of(frames[b], begins, c, p * kWidth, step);
+      hn::Store(displacements(frames[b], c, p * kWidth, step, pose[b][p]), d, group.sums->deformation + p * kWidth);
+      elastic[b].torques.sum[p] = zeros();
+      products[b].torques.sum[p] = transposed_times_of(pose[b][p].r, load_line(c.moment + p * kWidth));
     }
   }
+  if (step.energies) times_stiffness<false>(frames, columns, elastic);
   // Forces are bitwise identical with and without energies.
-  frame.times_stiffness(is_viscous ? c.weighted : c.u, c.node_count, c.product);
-  for (int p = 0; p < kParts; ++p)
-    add_to_forces(frame, c, p * kWidth, pose[p], load_line(c.moment + p * kWidth), c.force);
-  if (!c.viscous) return;
-  const int size = c.node_count * kLine;
-  std::fill(c.viscous_force, c.viscous_force + size, 0.0);
-  for (int i = 0; i < size; i += kWidth)
-    hn::Store(hn::Sub(hn::Load(d, c.product + i), hn::Load(d, c.elastic + i)), d, c.product + i);
-  for (int p = 0; p < kParts; ++p) add_to_forces(frame, c, p * kWidth, pose[p], zeros(), c.viscous_force);
+  times_stiffness<true>(frames, columns, products);
+  for (int b = 0; b < kCount; ++b) {
+    const LaneColumns& c = *columns[b];
+    if (step.energies) store_strain_energies(c, groups[b].sums);
+    for (int p = 0; p < kParts; ++p)
+      add_to_forces(frames[b], c, p * kWidth, pose[b][p], products[b].torques.sum[p], c.force);
+    if (c.viscous) viscous_forces(frames[b], c, pose[b]);
+  }
 }
 
-void CongruentForces(std::span<const LaneBlock> blocks, const CongruentBlocks& congruent, const ZoneStep& step,
-                     LaneColumns* columns, FrameSums* sums) {
-  frame_forces(SharedFrame{congruent}, blocks, step, columns, sums);
+void CongruentForces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step) {
+  const SharedFrame frame{congruent};
+  if (groups.size() == 2)
+    frame_forces<SharedFrame, 2>({frame, frame}, groups.data(), step);
+  else
+    frame_forces<SharedFrame, 1>({frame}, groups.data(), step);
 }
 
-void DistinctForces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
-  frame_forces(OwnFrames{blocks, *columns}, blocks, step, columns, sums);
+void DistinctForces(const FramedGroup& group, const ZoneStep& step) {
+  frame_forces<OwnFrames, 1>({OwnFrames{group.blocks, *group.columns}}, &group, step);
 }
 
 // ---- Gridpoints ----------------------------------------------------------------------------------------------------
@@ -338,14 +435,8 @@ HWY_INLINE void store_vectors(const double* lanes, std::span<const LaneBlock> bl
 // No frame: forces zone by zone.
 struct NoFrame {};
 
-// Stores F and R from the positions in the columns, lane by lane.
-template <class Frame>
-HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
-                             const Frame& frame) {
-  const Lanes3 origin = load_line(columns.x + first);
-  Lanes33 f = zero_matrix();
-  for (int n = 1; n < columns.node_count; ++n)
-    add_outer(difference_of(load_line(columns.x + n * kLine + first), origin), frame.anchor(n, first), f);
+// Stores F, and its R, of the blocks in the lanes from `first` on.
+HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, int first, const Lanes33& f) {
   const Lanes33 r = rotation_in(f);
   alignas(64) double number[kFrameNumbers][kLanes];
   for (int i = 0; i < 3; ++i) {
@@ -360,7 +451,8 @@ HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, const LaneColumn
 
 // Optional parts of the motion of gridpoints.
 struct Needs {
-  bool brakes;    // held gridpoints, damping by eq. 1 or by mass
+  bool held;      // held gridpoints
+  bool brakes;    // damping by eq. 1 or by mass
   bool measured;  // net forces and kinetic energy
   bool energies;  // work
 };
@@ -391,22 +483,30 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     for (int j = 0; j < 3; ++j) turning.row[k][j] = hn::Load(d, gains->turning[k][j].of + first);
   }
   V unbalanced = zero, positions = zero, kinetic = zero, damping = zero, external = zero;  // `unbalanced` is a square
-  Lanes3 net = zeros();
-  for (int n = 0; n < columns.node_count; ++n) {
+  Lanes3 net = zeros(), origin = zeros();
+  Lanes33 f = zero_matrix();
+  int anchors = 0;
+  if constexpr (kFrame) anchors = frame.anchor_count(columns);
+  // After each store the compiler would load these pointers again, as the store might change them.
+  double *const all_x = columns.x, *const all_v = columns.v;
+  const double *const all_forces = columns.force, *const masses = columns.mass, *const over_masses = columns.over_mass;
+  const double *const held = columns.held, *const held_velocities = columns.held_v;
+  const int count = columns.node_count;
+  for (int n = 0; n < count; ++n) {
     const int at = n * kLine + first;
-    const Lanes3 x = load_line(columns.x + at), v = load_line(columns.v + at), force = load_line(columns.force + at);
-    const V mass = hn::Load(d, columns.mass + n * kLanes + first);
-    const V dt_over_mass = hn::Mul(dt, hn::Load(d, columns.over_mass + n * kLanes + first));
+    const Lanes3 x = load_line(all_x + at), v = load_line(all_v + at), force = load_line(all_forces + at);
+    const V mass = hn::Load(d, masses + n * kLanes + first);
+    const V dt_over_mass = hn::Mul(dt, hn::Load(d, over_masses + n * kLanes + first));
     Lanes3 driven = scaled(hn::Mul(dt_over_mass, over_factor), force);  // change of velocity
     if (gains) driven = sum_of(driven, sum_of(linear, times(turning, difference_of(x, centre))));
     Lanes3 next, held_v;
-    if (kNeeds.brakes && columns.held) held_v = load_line(columns.held_v + at);
+    if constexpr (kNeeds.held) held_v = load_line(held_velocities + at);
     V free = zero;
     each_component([&](auto k) HWY_ATTR {
       V change = driven[k], brake = zero;
       auto hold = hn::FirstN(d, 0);
+      if constexpr (kNeeds.held) hold = hn::Ne(hn::Load(d, held + n * kLine + k * kLanes + first), zero);
       if constexpr (kNeeds.brakes) {
-        if (columns.held) hold = hn::Ne(hn::Load(d, columns.held + n * kLine + k * kLanes + first), zero);
         if (step.gamma > 0.0) {
           const V relative = hn::Sub(v[k], hn::Set(d, step.ground[k]));
           const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force[k])), relative);
@@ -415,12 +515,12 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
         }
         if (a > 0.0 && step.ground[k] != 0.0) change = hn::Add(change, hn::Set(d, 2.0 * a * step.ground[k]));
         next[k] = hn::Mul(over, hn::MulAdd(keep, v[k], change));
-        if (columns.held) next[k] = hn::IfThenElse(hold, held_v[k], next[k]);
       } else {
         next[k] = hn::Add(v[k], change);
       }
+      if constexpr (kNeeds.held) next[k] = hn::IfThenElse(hold, held_v[k], next[k]);
       if constexpr (!kNeeds.measured) return;
-      const auto unless_held = [&](V y) HWY_ATTR { return kNeeds.brakes ? hn::IfThenZeroElse(hold, y) : y; };
+      const auto unless_held = [&](V y) HWY_ATTR { return kNeeds.held ? hn::IfThenZeroElse(hold, y) : y; };
       const V free_force = unless_held(force[k]);
       free = hn::MulAdd(free_force, free_force, free);
       net[k] = hn::Add(net[k], free_force);
@@ -438,12 +538,16 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     if constexpr (kNeeds.measured) unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);
     const Lanes3 place = plus_scaled(x, dt, next);
     positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
-    store_line(place, columns.x + at);
-    store_line(next, columns.v + at);
+    store_line(place, all_x + at);
+    store_line(next, all_v + at);
+    if constexpr (kFrame) {
+      if (n == 0) origin = place;
+      if (n < anchors) add_outer(difference_of(place, origin), frame.anchor(n, first), f);
+    }
   }
   store_vectors(columns.x, blocks, &LaneBlock::x, first, columns);
   store_vectors(columns.v, blocks, &LaneBlock::v, first, columns);
-  if constexpr (kFrame) store_frames(blocks, columns, first, frame);
+  if constexpr (kFrame) store_frames(blocks, first, f);
   hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
   store_by_lane(net, sums->net, first);
   hn::Store(positions, d, sums->positions + first);
@@ -455,17 +559,21 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
 template <class Frame>
 HWY_INLINE void advance_all(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
                             const GridpointStep& step, const Frame& frame, GridpointSums* lanes) {
-  const bool brakes = columns.held || step.gamma > 0.0 || step.alpha > 0.0;
-  for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
-    if (step.energies)
-      advance_vector<Needs{true, true, true}>(blocks, columns, first, gains, step, frame, lanes);
-    else if (step.measured)
-      advance_vector<Needs{true, true, false}>(blocks, columns, first, gains, step, frame, lanes);
-    else if (brakes)
-      advance_vector<Needs{true, false, false}>(blocks, columns, first, gains, step, frame, lanes);
-    else
-      advance_vector<Needs{false, false, false}>(blocks, columns, first, gains, step, frame, lanes);
-  }
+  const auto advance = [&](auto held, auto brakes) {
+    for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
+      if (step.energies)
+        advance_vector<Needs{held, true, true, true}>(blocks, columns, first, gains, step, frame, lanes);
+      else if (step.measured)
+        advance_vector<Needs{held, true, true, false}>(blocks, columns, first, gains, step, frame, lanes);
+      else
+        advance_vector<Needs{held, brakes, false, false}>(blocks, columns, first, gains, step, frame, lanes);
+    }
+  };
+  const bool brakes = step.gamma > 0.0 || step.alpha > 0.0;
+  if (columns.held)
+    brakes ? advance(std::true_type(), std::true_type()) : advance(std::true_type(), std::false_type());
+  else
+    brakes ? advance(std::false_type(), std::true_type()) : advance(std::false_type(), std::false_type());
 }
 
 void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
@@ -495,11 +603,12 @@ HWY_AFTER_NAMESPACE();
 namespace quoin::blocks {
 
 HWY_EXPORT(LoadBlocks);
+HWY_EXPORT(AddGridpointLines);
 HWY_EXPORT(CongruentForces);
 HWY_EXPORT(DistinctForces);
 HWY_EXPORT(AdvanceGridpoints);
 
-void LaneColumns::resize(int nodes) {
+void LaneColumns::resize(int nodes, double* motion) {
   node_count = nodes;
   double** const columns[] = {&x, &v, &force, &viscous_force, &u, &weighted, &product, &elastic};
   const auto size = static_cast<std::size_t>(nodes) * kLine;
@@ -508,26 +617,32 @@ void LaneColumns::resize(int nodes) {
   for (double** column : columns) *column = from, from += size;
   moment = from;
   rows = from + kLine;
+  if (motion) x = motion, v = motion + size;
 }
 
-void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, LaneColumns* columns) {
+void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, const KeptMotion& kept,
+                 LaneColumns* columns) {
   int most = 0, fewest = std::numeric_limits<int>::max();
   for (const LaneBlock& b : blocks) most = std::max(most, b.node_count), fewest = std::min(fewest, b.node_count);
-  columns->resize(most);
+  columns->resize(most, kept.memory);
   columns->fewest = fewest;
   columns->mass = fixed.mass, columns->over_mass = fixed.over_mass;
   columns->place = fixed.place, columns->anchor = fixed.anchor;
   columns->held = fixed.held, columns->held_v = fixed.held_v;
-  HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, columns);
+  HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, !kept.is_current, columns);
 }
 
-void congruent_forces(std::span<const LaneBlock> blocks, const CongruentBlocks& congruent, const ZoneStep& step,
-                      LaneColumns* columns, FrameSums* sums) {
-  HWY_DYNAMIC_DISPATCH(CongruentForces)(blocks, congruent, step, columns, sums);
+LaneSums add_gridpoint_lines(std::span<const GridpointLine> lines, const FacetRow* rows, std::size_t count,
+                             LaneColumns* columns) {
+  return HWY_DYNAMIC_DISPATCH(AddGridpointLines)(lines, rows, count, columns);
 }
 
-void distinct_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
-  HWY_DYNAMIC_DISPATCH(DistinctForces)(blocks, step, columns, sums);
+void congruent_forces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step) {
+  HWY_DYNAMIC_DISPATCH(CongruentForces)(groups, congruent, step);
+}
+
+void distinct_forces(const FramedGroup& group, const ZoneStep& step) {
+  HWY_DYNAMIC_DISPATCH(DistinctForces)(group, step);
 }
 
 void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,

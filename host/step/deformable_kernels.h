@@ -3,9 +3,9 @@
 // instruction set of Highway and chosen at run time. Lanes are independent: a block's results are bitwise identical in
 // any group.
 //
-// Frames of blocks. X: reference positions of gridpoints from the mass centre, m: masses, x: current positions, c:
-// their mass centre;
-//   b = m S^-1 X,  S = sum m X X^T,   F = sum x b^T = R U (polar),   u = R^T (x - c) - X.
+// Frames of blocks. X: reference positions of corners from their mass centre, m: their masses, x: current positions;
+//   b = m S^-1 X,  S = sum m X X^T,   F = sum x b^T = R U (polar).
+// For all gridpoints, c: the mass centre, u = R^T (x - c) - X. Other gridpoints have b = 0.
 // The strain energy 1/2 u . K u has the forces
 //   f = -R (g - q x b),  g = K u,  q = (tr(U) 1 - U)^-1 sum (X + u) x g;
 // The second part of f is due to the rotation of R when a gridpoint moves. A moment on the frame is subtracted from the
@@ -27,7 +27,7 @@ namespace quoin::blocks {
 // A block as the kernels read and write it; arrays by gridpoint.
 struct LaneBlock {
   Vector *x, *v;          // position, m; velocity at half steps, m/s
-  const double* force;    // N, four doubles a gridpoint, the last one unused
+  const double* force;    // N, four doubles a gridpoint, the last one unused; null, in all blocks of a group: no force
   const double* viscous;  // viscous part of force; null: not needed, or not yet computed
   // Weight, and loads distributed by mass, over the mass for inertia, m/s2.
   Vector acceleration;
@@ -42,30 +42,55 @@ struct LaneBlock {
 struct LaneColumns {
   int node_count = 0, fewest = 0;            // largest and smallest number of gridpoints of a block
   bool viscous = false;                      // whether viscous_force is computed: set before load_blocks
-  double *x, *v, *force, *viscous_force;     // m, m/s, N
+  double *x, *v;                             // m, m/s
+  double *force, *viscous_force;             // N
   double *u, *weighted, *product, *elastic;  // scratch of congruent_forces and distinct_forces
   double* moment;                            // one line, N m
   double* rows;                              // scratch of distinct_forces, for one block
   // FixedColumns; place and anchor for distinct_forces.
   const double *mass, *over_mass, *place, *anchor, *held, *held_v;
 
-  void resize(int nodes);
+  void resize(int nodes, double* motion);  // motion: memory for x and v, as in KeptMotion
 
  private:
   LaneVector<double> memory_;
 };
 
-void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, LaneColumns* columns);
+// Memory in which positions and velocities of a group stay in lanes from step to step. For blocks with as many
+// gridpoints as each other.
+struct KeptMotion {
+  double* memory = nullptr;  // 2 kLine numbers a gridpoint; null: scratch
+  bool is_current = false;   // whether the last step has left them there
+};
+
+void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, const KeptMotion& kept,
+                 LaneColumns* columns);
+
+// Sums of three numbers by lane.
+struct LaneSums {
+  alignas(64) double of[3][kLanes];
+  Vector lane(std::size_t l) const { return {of[0][l], of[1][l], of[2][l]}; }
+};
+
+// Adds the forces of contact points on gridpoints of `count` blocks to those in the columns. Returns their sums, N.
+LaneSums add_gridpoint_lines(std::span<const GridpointLine> lines, const FacetRow* rows, std::size_t count,
+                             LaneColumns* columns);
 
 // By lane: largest |u|, m; strain energy, J, in steps with energies.
 struct FrameSums {
   alignas(64) double deformation[kLanes], strain[kLanes];
 };
 
-// Adds internal forces to the forces in the columns.
-void congruent_forces(std::span<const LaneBlock> blocks, const CongruentBlocks& congruent, const ZoneStep& step,
-                      LaneColumns* columns, FrameSums* sums);
-void distinct_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
+// A group of blocks in frames, its columns, and what internal forces give beside them.
+struct FramedGroup {
+  std::span<const LaneBlock> blocks;
+  LaneColumns* columns;
+  FrameSums* sums;
+};
+
+// Add internal forces to the forces in the columns. groups: one or two of the same shape.
+void congruent_forces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step);
+void distinct_forces(const FramedGroup& group, const ZoneStep& step);
 
 // Parameters of the motion of gridpoints in a step.
 struct GridpointStep {

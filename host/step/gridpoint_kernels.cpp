@@ -70,10 +70,10 @@ HWY_INLINE Vector sums_over_lanes(const V (&of)[3][kParts]) {
   return sum;
 }
 
-void GridpointForces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning, const GridpointColumns& c,
-                     FacetRow* rows) {
+void GridpointForces(std::span<const GridpointPair> pairs, const PairAxes* axes, const GridpointColumns& c,
+                     FacetRow* rows, Vector* moments) {
   const D d;
-  for (GridpointPair& pair : pairs) {
+  for (const GridpointPair& pair : pairs) {
     const auto& in_space = (axes++)->axis;
     const Lanes3 n = broadcast(in_space[0]), s = broadcast(in_space[1]), t = broadcast(in_space[2]);
     const std::uint32_t end = pair.first + pair.count;
@@ -94,16 +94,17 @@ void GridpointForces(std::span<GridpointPair> pairs, const PairAxes* axes, bool 
       FacetRow* const row = rows + pair.row + (i - pair.first);
       for_rows(column, std::min(kWidth, part.count),
                [&](int l, int at, F four) HWY_ATTR { hn::StoreU(four, Four(), row[l].force + at); });
-      if (!turning) continue;
+      if (!moments) continue;
       const Lanes3 apart{hn::Add(part.load(c.normal_jump + i), part.load(c.reference + i)), part.load(c.slid[0] + i),
                          part.load(c.slid[1] + i)};
       const Lanes3 couple = cross_of(apart, {f[0], f[1], f[2]});  // along n, s, t
       for (int k = 0; k < 3; ++k) moment[k][p] = hn::Add(moment[k][p], couple[k]);
     }
-    pair.moment = {};
-    if (!turning) continue;
+    if (!moments) continue;
     const Vector sum = sums_over_lanes(moment);
-    for (int k = 0; k < 3; ++k) pair.moment += sum[k] * Vector{in_space[k][0], in_space[k][1], in_space[k][2]};
+    Vector turned;
+    for (int k = 0; k < 3; ++k) turned += sum[k] * Vector{in_space[k][0], in_space[k][1], in_space[k][2]};
+    *moments++ = turned;
   }
 }
 
@@ -123,9 +124,9 @@ void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const
   HWY_DYNAMIC_DISPATCH(GridpointJumps)(pairs, axes, frames, node_x, columns);
 }
 
-void gridpoint_forces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning,
-                      const GridpointColumns& columns, FacetRow* rows) {
-  HWY_DYNAMIC_DISPATCH(GridpointForces)(pairs, axes, turning, columns, rows);
+void gridpoint_forces(std::span<const GridpointPair> pairs, const PairAxes* axes, const GridpointColumns& columns,
+                      FacetRow* rows, Vector* moments) {
+  HWY_DYNAMIC_DISPATCH(GridpointForces)(pairs, axes, columns, rows, moments);
 }
 
 }  // namespace quoin::blocks

@@ -3,9 +3,9 @@
 //
 // The axes e_k = R_a E_k turn with the frame of block a (deformable_kernels.h). d is the vector from the gridpoint of a
 // to that of b. The opening is e_n . d less the reference; slip increments are the changes of e_s . d and e_t . d in a
-// step. The force f = A (sigma e_n + tau_s e_s + tau_t e_t) acts on both gridpoints. R_a is a function of all
-// gridpoints of a. So the work of f on changes of d in turning axes also needs the moment d x f on the frame of a. With
-// it forces, moments and energy balance to rounding at any slip.
+// step. The force f = A (sigma e_n + tau_s e_s + tau_t e_t) acts on both gridpoints. R_a is a function of the
+// corners of a. So the work of f on changes of d in turning axes also needs the moment d x f on the frame of a. With it
+// forces, moments and energy balance to rounding at any slip.
 #pragma once
 
 #include <span>
@@ -29,8 +29,9 @@ struct GridpointColumns {
 void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
                      const Vector* node_x, const GridpointColumns& columns);
 
-// Writes the forces on block a into the rows of the points, and the moments on its frame. turning: axes turn.
-void gridpoint_forces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning,
-                      const GridpointColumns& columns, FacetRow* rows);
+// Writes the forces on block a into the rows of the points. moments: on its frame, by pair, N m; null: axes stay as at
+// the start.
+void gridpoint_forces(std::span<const GridpointPair> pairs, const PairAxes* axes, const GridpointColumns& columns,
+                      FacetRow* rows, Vector* moments);
 
 }  // namespace quoin::blocks

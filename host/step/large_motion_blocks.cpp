@@ -164,20 +164,28 @@ double power_on_gridpoints(const Model& m, int block, double since) {
   return power;
 }
 
-Vector forces_on_gridpoints(Model& m, int block, double* force) {
+// Sides of the block's points on triangles, and where it is not advanced in frames those on gridpoints.
+FacetTouches facet_touches(const Model& m, int block) {
+  FacetTouches touches{m.sides.owner.of(block), m.sides.carrier.of(block), {}, {}};
+  if (!m.pieces.in_frame[size_t(block)])
+    touches.gridpoint = m.sides.gridpoint.of(block), touches.owner_gridpoint = m.sides.owner_gridpoint.of(block);
+  return touches;
+}
+
+// Whether forces act on gridpoints of the piece beside those of Pieces::lines.
+bool has_other_forces(const Model& m, const Piece& piece) {
+  if (!piece.in_frame() || piece.other_sides || m.held_by.members) return true;
+  return std::ranges::any_of(m.pieces.blocks_of(piece), [&](int32_t block) { return m.actions.loaded[size_t(block)]; });
+}
+
+void forces_on_gridpoints(Model& m, int block, double* force) {
   const ModelBlock& b = m.blocks[size_t(block)];
   const auto add = [&](int32_t node, const Vector& f) {
     double* const row = force + kRow * size_t(node - b.first_node);
     row[0] += f.x, row[1] += f.y, row[2] += f.z;
   };
-  Vector per_mass = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
-  if (m.actions.loaded[size_t(block)] && !m.actions.applied.empty())
-    per_mass += m.actions.applied[size_t(block)] / m.blocks[block].mass;
-  const Vector acceleration = per_mass / m.solver.mass_scaling;
   std::fill(force, force + kRow * size_t(b.node_count), 0.0);
-  Vector contacts = add_facet_rows({m.sides.owner.of(block), m.sides.carrier.of(block), m.sides.gridpoint.of(block),
-                                    m.sides.owner_gridpoint.of(block)},
-                                   m.chunks.rows.data(), force);
+  Vector contacts = add_facet_rows(facet_touches(m, block), m.chunks.rows.data(), force);
   for (const Touch& touch : m.sides.single.of(block)) {
     const Family& f = m.contacts.families[size_t(touch.family)];
     const OtherPoint& other = *touch.point;
@@ -203,9 +211,7 @@ Vector forces_on_gridpoints(Model& m, int block, double* force) {
     contacts += node.force;
   });
   m.step_sums.contact_force[size_t(block)] = contacts;
-  if (!m.actions.loaded[size_t(block)]) return acceleration;
-  each_load_on_gridpoints(m, block, 0.0, add);
-  return acceleration;
+  if (m.actions.loaded[size_t(block)]) each_load_on_gridpoints(m, block, 0.0, add);
 }
 
 void zone_forces_of(Model& m, const ModelBlock& b, BlockSums& sums, double* force, double* viscous) {
@@ -225,12 +231,15 @@ void zone_forces_of(Model& m, const ModelBlock& b, BlockSums& sums, double* forc
   sums.strain += zone_forces(m.zones.lanes_of(b), step, {u, v, force, viscous});
 }
 
-// Computes forces on the blocks of a group in a piece, one a lane: those of contacts, loads and zones.
+// Computes forces on the blocks of a group in a piece, one a lane: those of contacts and loads. Blocks that are not in
+// frames get those of zones too.
 void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneColumns& columns, PhaseClock* clock) {
   const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
   group.count = blocks.size();
   columns.viscous = m.books_energy && zone_damping(m) > 0;
   const bool distinct = piece.kind == Piece::Kind::distinct;
+  const bool has_rows = has_other_forces(m, piece);
+  const Vector weight = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
   size_t size = 0;
   for (const int32_t block : blocks) size += kRow * size_t(m.blocks[size_t(block)].node_count);
   group.rows.resize(std::max(group.rows.size(), 2 * size));
@@ -240,20 +249,24 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
     BlockSums& sums = *(group.sums[l] = &m.step_sums.of_block[size_t(blocks[l])]);
     sums = {};
     if (m.books_energy && m.actions.loaded[size_t(blocks[l])]) group.power[l] = power_on_gridpoints(m, blocks[l], 0.0);
-    const Vector acceleration = forces_on_gridpoints(m, blocks[l], force);
+    m.step_sums.contact_force[size_t(blocks[l])] = {};
+    if (has_rows) forces_on_gridpoints(m, blocks[l], force);
     if (!piece.in_frame()) {
       lap(clock, Phase::motion);
       zone_forces_of(m, b, sums, force, columns.viscous ? viscous : nullptr);
       lap(clock, Phase::internal_forces);
     }
     const size_t first = size_t(b.first_node);
+    Vector per_mass = weight;
+    if (m.actions.loaded[size_t(blocks[l])] && !m.actions.applied.empty())
+      per_mass += m.actions.applied[size_t(blocks[l])] / b.mass;
     Vector moment;
-    for (const MomentTouch pair : m.sides.moment.of(blocks[l])) moment += pair->moment;
+    for (const MomentTouch of_pair : m.sides.moment.of(blocks[l])) moment += *of_pair;
     group.block[l] = {&m.nodes.x[first],
                       &m.nodes.v[first],
-                      force,
+                      has_rows ? force : nullptr,
                       columns.viscous ? viscous : nullptr,
-                      acceleration,
+                      per_mass / m.solver.mass_scaling,
                       moment,
                       b.node_count,
                       m.zones.lanes_of(b),
@@ -263,20 +276,35 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   lap(clock, Phase::motion);
   const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, piece),
                                          distinct, piece.some_held);
-  load_blocks(group.blocks(), fixed, &columns);
+  KeptMotion kept;
+  if (piece.kind == Piece::Kind::congruent)
+    kept = {m.pieces.motion.data() + piece.motion[g], m.pieces.is_current[m.pieces.index_of(piece)] != 0};
+  load_blocks(group.blocks(), fixed, kept, &columns);
   if (piece.in_frame()) {
-    const ZoneStep step{zone_damping(m), m.stepping.dt, m.books_energy};
-    FrameSums of_frame;
-    if (distinct)
-      distinct_forces(group.blocks(), step, &columns, &of_frame);
-    else
-      congruent_forces(group.blocks(), m.zones.congruent[size_t(piece.congruent)], step, &columns, &of_frame);
-    for (size_t l = 0; l < group.count; ++l) {
-      group.sums[l]->deformation = of_frame.deformation[l];
-      if (m.books_energy) group.sums[l]->strain = of_frame.strain[l];
+    const LaneSums contacts =
+        add_gridpoint_lines(m.pieces.lines_of(piece, g), m.chunks.rows.data(), group.count, &columns);
+    for (size_t l = 0; l < group.count; ++l) m.step_sums.contact_force[size_t(blocks[l])] += contacts.lane(l);
+  }
+  lap(clock, Phase::motion);
+}
+
+// Adds internal forces of the groups of a piece in frames.
+void add_internal_forces(Model& m, const Piece& piece, LaneGroup* groups, LaneColumns* columns) {
+  const size_t count = piece.group_count();
+  const ZoneStep step{zone_damping(m), m.stepping.dt, m.books_energy};
+  FrameSums sums[2];
+  FramedGroup framed[2];
+  for (size_t g = 0; g < count; ++g) framed[g] = {groups[g].blocks(), &columns[g], &sums[g]};
+  if (piece.kind == Piece::Kind::congruent)
+    congruent_forces({framed, count}, m.zones.congruent[size_t(piece.congruent)], step);
+  else
+    for (size_t g = 0; g < count; ++g) distinct_forces(framed[g], step);
+  for (size_t g = 0; g < count; ++g) {
+    for (size_t l = 0; l < groups[g].count; ++l) {
+      groups[g].sums[l]->deformation = sums[g].deformation[l];
+      if (m.books_energy) groups[g].sums[l]->strain = sums[g].strain[l];
     }
   }
-  lap(clock, Phase::internal_forces);
 }
 
 void split(Model& m, const Piece& piece, std::span<const LaneColumns> columns, RigidGains* gains) {
@@ -314,6 +342,8 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
   thread_local LaneColumns columns[2];
   const size_t count = piece.group_count();
   for (size_t g = 0; g < count; ++g) find_forces(m, piece, g, groups[g], columns[g], clock);
+  if (piece.in_frame()) add_internal_forces(m, piece, groups, columns);
+  lap(clock, Phase::internal_forces);
   RigidGains gains[2];
   if (splits_motion(m)) split(m, piece, {columns, count}, gains);
   const GridpointStep step{m.stepping.dt,
@@ -336,6 +366,7 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
             0.5 * m.stepping.dt * (group.power[l] + power_on_gridpoints(m, block, m.stepping.dt));
     }
   }
+  if (piece.kind == Piece::Kind::congruent) m.pieces.is_current[m.pieces.index_of(piece)] = 1;
   lap(clock, Phase::motion);
 }
 

@@ -112,7 +112,8 @@ void contact_forces(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
   chunk.call.damping = 0.0;
   if (m.damping.of_contacts()) viscous_tractions(m, f, chunk);
   rigid_forces(chunk.pairs, m.bodies.data(), rigid_columns(f));
-  gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, !m.is_small, gridpoint_columns(f, chunk), m.chunks.rows.data());
+  gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, gridpoint_columns(f, chunk), m.chunks.rows.data(),
+                   m.is_small ? nullptr : chunk.pair_moments.data());
   facet_forces(chunk.facets, axes.triangles, facet_columns(f), m.chunks.rows.data());
   for (OtherPoint& other : chunk.others) {
     const uint32_t i = other.index;

@@ -197,7 +197,7 @@ void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& 
     const Vector r = f.place[i] - moved.centre;
     const Vector strained = r + (f.displacement[i] - moved.mean - cross(moved.turn, r));
     Vector& x = change_node_positions(*m)[order[i]];
-    Vector& v = m->nodes.v[order[i]];
+    Vector& v = change_node_velocities(*m)[order[i]];
     (*before)[order[i]] = f.displacement[i];
     x = moved.centre + moved.mean + turn * strained;
     v = moving.mean + cross(moving.turn, turn * strained) +

@@ -355,7 +355,7 @@ class Search {
       const int first = m.blocks[b].first_node;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n) {
         change_node_positions(m)[at(first) + n] += of(moved, u.gridpoint[n]);
-        m.nodes.v[at(first) + n] = {};
+        change_node_velocities(m)[at(first) + n] = {};
       }
     }
     m.begin_step();
