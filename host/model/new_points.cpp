@@ -244,25 +244,20 @@ void make_points(const World& w, const Contact& c, const Separation& s, bool at_
       c.beside_joint ? 0.0 : std::min(w.blocks[c.pair.a].corner_area, w.blocks[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;
   const RigidPoints rule = rigid_points_of(w, c, s.normal, at_start);
-  int owner = s.feature == Separation::face_of_b ? c.pair.b : c.pair.a, face = s.index_a;
-  if (s.feature == Separation::face_of_b) face = s.index_b;
-  int carrier = c.pair.a + c.pair.b - owner;
   if (s.feature == Separation::edges) {
     if (edge_point(w, c.pair, s, nominal, out)) return;
     // Edges that separate the blocks but pass beside each other, as the rims of stacked units do.
     const Placed a = placed(w, c.pair.a), b = placed(w, c.pair.b);
     const int face_of_a = facing(a, s.normal), face_of_b = facing(b, -s.normal);
-    const bool of_a = dot(a.normals[face_of_a], s.normal) >= -dot(b.normals[face_of_b], s.normal);
-    owner = of_a ? c.pair.a : c.pair.b, carrier = of_a ? c.pair.b : c.pair.a, face = of_a ? face_of_a : face_of_b;
+    if (dot(a.normals[face_of_a], s.normal) >= -dot(b.normals[face_of_b], s.normal))
+      face_points(w, c.pair.a, face_of_a, c.pair.b, at_start, of_faces, rule, out);
+    else
+      face_points(w, c.pair.b, face_of_b, c.pair.a, at_start, of_faces, rule, out);
+  } else if (s.feature == Separation::face_of_a) {
+    face_points(w, c.pair.a, s.index_a, c.pair.b, at_start, of_faces, rule, out);
+  } else {
+    face_points(w, c.pair.b, s.index_b, c.pair.a, at_start, of_faces, rule, out);
   }
-  // Of parallel faces, the one of a rigid block has the plane: steps then need no triangle for it.
-  if (w.blocks[owner].body < 0 && w.blocks[carrier].body >= 0) {
-    const Vector n = placed(w, owner).normals[face];
-    const Placed rigid = placed(w, carrier);
-    const int opposite = facing(rigid, -n);
-    if (-dot(n, rigid.normals[opposite]) > parallel_cosine) std::swap(owner, carrier), face = opposite;
-  }
-  face_points(w, owner, face, carrier, at_start, of_faces, rule, out);
 }
 
 }  // namespace quoin::blocks
