@@ -214,12 +214,14 @@ name = "ground"
 material = "stone"
 fixed = true
 box = { lower = [-1, -0.1, -1], size = [2, 0.1, 2] }
-)", pier = R"(
+)",
+                    pier = R"(
 [[block]]
 name = "pier"
 material = "stone"
 box = { lower = [0, 0, 0], size = [0.1, 0.4, 0.1] }
-)", shake = R"(
+)",
+                    shake = R"(
 [[stage]]
 name = "shake"
 duration = 0.08
