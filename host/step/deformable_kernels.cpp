@@ -99,12 +99,12 @@ void LoadBlocks(std::span<const LaneBlock> blocks, bool motion, LaneColumns* col
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
     store_line(begin.moment[first / kWidth], columns->moment + first);
     const GridpointLoad load{begin, *columns, first};
-    const bool alike = columns->fewest == columns->node_count;
-    if (motion && alike) {
+    const bool in_tiles = columns->fewest == columns->node_count;
+    if (motion && in_tiles) {
       rows_to_lanes(begin.x.of + first, 3 * columns->node_count, columns->x + first);
       rows_to_lanes(begin.v.of + first, 3 * columns->node_count, columns->v + first);
     }
-    for (int n = 0; motion && !alike && n < columns->node_count; ++n) load.motion(n);
+    for (int n = 0; motion && !in_tiles && n < columns->node_count; ++n) load.motion(n);
     if (no_force) {
       for (int n = 0; n < columns->node_count; ++n) load.weight(n);
       continue;

@@ -205,8 +205,7 @@ TEST(Masses, AreRefusedWhereTheyMeanNothing) {
 }
 
 // The moment about the base is that of the forces on it, whichever block of a pair has the plane of its points. A block
-// that rocks touches the ground with an edge: then the ground has the plane, also where it is the second block of the
-// pair.
+// that rocks touches the ground with an edge. Then the ground has the plane, also as the second block of the pair.
 TEST(OverturningMoment, DoesNotDependOnTheOrderOfBlocks) {
   const std::string ground = R"(
 [[block]]
