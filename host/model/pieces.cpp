@@ -170,7 +170,7 @@ void bind_pieces(World& w) {
     if (piece.kind == Piece::Kind::rigid || !w.part.owns(w.pieces.blocks_of(piece).front())) continue;
     fill_columns(w, piece);
     for (const int32_t block : w.pieces.blocks_of(piece))
-      w.pieces.of_block[size_t(block)] = int32_t(w.pieces.index_of(piece));
+      w.pieces.of_block[size_t(block)] = int32_t(&piece - w.pieces.all.data());
     if (!piece.in_frame()) continue;
     piece.other_sides = std::ranges::any_of(w.pieces.blocks_of(piece), [&](int32_t block) {
       return !w.sides.owner.of(block).empty() || !w.sides.carrier.of(block).empty() ||
@@ -185,7 +185,7 @@ void bind_pieces(World& w) {
     }
   }
   w.pieces.motion.resize(motion);
-  w.pieces.is_current.assign(w.pieces.all.size(), 0);
+  w.pieces.motion_is_old = true;
 }
 
 void follow_held(World& w) {

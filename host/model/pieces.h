@@ -77,9 +77,8 @@ struct Pieces {
   LaneVector<double> columns;        // FixedColumns of groups
   std::vector<GridpointLine> lines;  // of groups in frames
   // Positions, m, and velocities, m/s, of groups of congruent blocks, in lanes: copies of those in Gridpoints, which
-  // steps update together. By piece: whether its copies are current.
+  // steps update together.
   LaneVector<double> motion;
-  std::vector<uint8_t> is_current;
   bool motion_is_old = true;  // whether gridpoints have moved, or their velocities changed, outside of steps since then
   std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
   std::vector<int> held_changed;       // deformable blocks whose supports changed since the last step
@@ -89,7 +88,6 @@ struct Pieces {
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(blocks).subspan(piece.first, piece.count);
   }
-  size_t index_of(const Piece& piece) const { return size_t(&piece - all.data()); }
   std::span<const GridpointLine> lines_of(const Piece& piece, size_t group) const {
     const Piece::Range range = piece.lines[group];
     return std::span(lines).subspan(range.first, range.end - range.first);

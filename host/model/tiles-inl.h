@@ -38,18 +38,6 @@ HWY_INLINE void transpose_tile(hn::Vec<Tag> (&a)[kPart]) {
 }
 #endif
 
-// Four numbers of each lane, from the address row(lane): number i of all lanes in column[i].
-template <class Row>
-HWY_INLINE void load_four(const Row& row, V (&column)[kFour]) {
-  for (int c = 0; c < kFour; c += kPart) {
-    V tile[kPart];
-    for (int l = 0; l < kPart; ++l)
-      tile[l] = join(hn::LoadU(Four(), row(l) + c), hn::LoadU(Four(), row(l + kWidth - kPart) + c));
-    transpose_tile(tile);
-    for (int l = 0; l < kPart; ++l) column[c + l] = tile[l];
-  }
-}
-
 // rows: kWidth pointers to `count` numbers each, at least kPart; lanes: address of number 0 of the first row.
 HWY_INLINE void rows_to_lanes(const double* const* rows, int count, double* lanes) {
   for (int i = 0; i < count; i += kPart) {

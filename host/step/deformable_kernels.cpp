@@ -121,7 +121,7 @@ LaneSums AddGridpointLines(std::span<const GridpointLine> lines, const FacetRow*
     Lanes3 sum = zeros();
     for (const GridpointLine& line : lines) {
       V column[kFour];
-      load_four([&](int l) { return rows[line.row[first + l]].force; }, column);
+      load_rows([&](int l) { return rows[line.row[first + l]].force; }, column);
       Lanes3 force{column[0], column[1], column[2]};
       if (!line.side_a) force = {hn::Neg(force.x), hn::Neg(force.y), hn::Neg(force.z)};
       double* const to = columns->force + line.node * kLine + first;

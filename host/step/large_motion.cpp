@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "base/error.h"
 #include "members/members.h"
@@ -137,12 +136,12 @@ void Model::step() {
 void Model::begin_step(bool measure) {
   measured = measure || books_energy;
   follow_held(*this);
-  if (std::exchange(pieces.motion_is_old, false)) std::fill(pieces.is_current.begin(), pieces.is_current.end(), 0);
   if (frames.are_old) find_block_frames(*this);
   if (held_by.members) follow_members(*this);
 }
 
 bool Model::end_step() {
+  pieces.motion_is_old = false;
   for (const Chunk& chunk : chunks.all) {
     if (chunk.call.failed) report_failure(*this, chunk);
   }

@@ -277,8 +277,7 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, piece),
                                          distinct, piece.some_held);
   KeptMotion kept;
-  if (piece.kind == Piece::Kind::congruent)
-    kept = {m.pieces.motion.data() + piece.motion[g], m.pieces.is_current[m.pieces.index_of(piece)] != 0};
+  if (piece.kind == Piece::Kind::congruent) kept = {m.pieces.motion.data() + piece.motion[g], !m.pieces.motion_is_old};
   load_blocks(group.blocks(), fixed, kept, &columns);
   if (piece.in_frame()) {
     const LaneSums contacts =
@@ -366,7 +365,6 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
             0.5 * m.stepping.dt * (group.power[l] + power_on_gridpoints(m, block, m.stepping.dt));
     }
   }
-  if (piece.kind == Piece::Kind::congruent) m.pieces.is_current[m.pieces.index_of(piece)] = 1;
   lap(clock, Phase::motion);
 }
 

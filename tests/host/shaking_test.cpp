@@ -38,14 +38,17 @@ using ::testing::HasSubstr;
 
 constexpr double kGravity = 9.81;
 
-// Returns a scene with a block of 2 kg, 0.1 m wide, on the ground.
-std::string rider(const std::string& stages, const std::string& more = "") {
-  return undamped_stone("general") + R"(
+const std::string kGround = R"(
 [[block]]
 name = "ground"
 material = "stone"
 fixed = true
 box = { lower = [-1, -0.1, -1], size = [2, 0.1, 2] }
+)";
+
+// Returns a scene with a block of 2 kg, 0.1 m wide, on the ground.
+std::string rider(const std::string& stages, const std::string& more = "") {
+  return undamped_stone("general") + kGround + R"(
 [[block]]
 name = "rider"
 material = "stone"
@@ -207,14 +210,7 @@ TEST(Masses, AreRefusedWhereTheyMeanNothing) {
 // The moment about the base is that of the forces on it, whichever block of a pair has the plane of its points. A block
 // that rocks touches the ground with an edge. Then the ground has the plane, also as the second block of the pair.
 TEST(OverturningMoment, DoesNotDependOnTheOrderOfBlocks) {
-  const std::string ground = R"(
-[[block]]
-name = "ground"
-material = "stone"
-fixed = true
-box = { lower = [-1, -0.1, -1], size = [2, 0.1, 2] }
-)",
-                    pier = R"(
+  const std::string pier = R"(
 [[block]]
 name = "pier"
 material = "stone"
@@ -245,7 +241,7 @@ acceleration = [6, 6]
     EXPECT_TRUE(!points.empty() && points[0].block_a == (ground_is_second ? 1 : 0)) << "the ground has no plane";
     return found;
   };
-  const Moments first = moments(ground + pier, false), second = moments(pier + ground, true);
+  const Moments first = moments(kGround + pier, false), second = moments(pier + kGround, true);
   ASSERT_EQ(first.time.size(), second.time.size());
   double largest = 0.0, apart = 0.0;
   for (std::size_t i = 0; i < first.time.size(); ++i) {

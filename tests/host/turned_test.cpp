@@ -168,8 +168,7 @@ TEST_P(Turned, NamesOfAxesChangeNothing) {
         double apart = 0.0, along = 0.0;
         for (std::size_t c = 0; c < 3; ++c)
           apart += std::abs(q.position[c] - place[c]), along += q.normal[c] * normal[c];
-        // Points are 0.1 m apart; their displacements differ by the tolerances above.
-        return apart < 1e-5 && std::abs(along) > 0.999 && q.block_a + q.block_b == p.block_a + p.block_b;
+        return apart < 1e-6 && std::abs(along) > 0.999 && q.block_a + q.block_b == p.block_a + p.block_b;
       });
       ASSERT_NE(same, others.end());
       EXPECT_NEAR(same->area, p.area, 1e-12);
