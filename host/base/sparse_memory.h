@@ -22,7 +22,8 @@ namespace quoin {
 // Least size of arrays whose memory comes from the system, which supplies zeroed pages when they are written to.
 inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
-inline constexpr std::size_t kLineBytes = 64;  // line of the cache
+inline constexpr std::size_t kLineBytes = 64;    // line of the cache
+inline constexpr std::size_t kPageBytes = 4096;  // least page of the system
 
 // The address sanitizer checks only memory of `new`, so its builds use that.
 #if defined(__SANITIZE_ADDRESS__)
@@ -33,7 +34,8 @@ inline constexpr bool kSparse = !__has_feature(address_sanitizer);
 inline constexpr bool kSparse = true;
 #endif
 
-// Set with ranks: the system then supplies memory by small pages.
+// Set with ranks: the system then supplies the memory of large arrays, by small pages. A single process writes to all
+// of its arrays, and the memory of `new` is used again: new pages at each detection cost a tenth of a step.
 inline std::atomic<bool> sparse_memory_wanted = false;
 
 // Allocator of zeroed memory, aligned to a cache line.
@@ -45,28 +47,28 @@ struct SparseMemory {
   template <class U>
   SparseMemory(const SparseMemory<U>&) {}
 
+  // The byte before the array is the number of bytes skipped before it, or 0 for memory of the system.
   T* allocate(std::size_t n) {
     const std::size_t bytes = n * sizeof(T);
-    if (!kSparse || bytes < kSparseBytes) {
+    if (!kSparse || !sparse_memory_wanted || bytes < kSparseBytes) {
       // Aligned by hand: an allocator's aligned memory makes a detection a fifth slower.
       auto* const memory = static_cast<unsigned char*>(::operator new(bytes + kLineBytes));
       const std::size_t skipped = kLineBytes - reinterpret_cast<std::uintptr_t>(memory) % kLineBytes;
       memory[skipped - 1] = static_cast<unsigned char>(skipped);
       return reinterpret_cast<T*>(std::memset(memory + skipped, 0, bytes));
     }
-    const int kind = MAP_PRIVATE | MAP_ANONYMOUS | (sparse_memory_wanted ? MAP_NORESERVE : 0);
-    void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, kind, -1, 0);
+    void* const memory =
+        mmap(nullptr, bytes + kPageBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (memory == MAP_FAILED) throw std::bad_alloc();
-    if (sparse_memory_wanted) madvise(memory, bytes, MADV_NOHUGEPAGE);
-    return static_cast<T*>(memory);
+    madvise(memory, bytes + kPageBytes, MADV_NOHUGEPAGE);
+    return reinterpret_cast<T*>(static_cast<unsigned char*>(memory) + kPageBytes);
   }
   void deallocate(T* p, std::size_t n) {
-    if (kSparse && n * sizeof(T) >= kSparseBytes) {
-      munmap(p, n * sizeof(T));
-    } else {
-      auto* const memory = reinterpret_cast<unsigned char*>(p);
+    auto* const memory = reinterpret_cast<unsigned char*>(p);
+    if (memory[-1] == 0)
+      munmap(memory - kPageBytes, n * sizeof(T) + kPageBytes);
+    else
       ::operator delete(memory - memory[-1]);
-    }
   }
   // Default values are zeros, whatever the type, and zeros are not written.
   template <class U>

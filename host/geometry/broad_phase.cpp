@@ -8,6 +8,31 @@
 
 namespace quoin::geometry {
 
+namespace {
+
+struct Entry {  // of a box in a cell
+  int64_t key;
+  int32_t box;
+};
+
+// Stable sort by keys in [0, key_count): by counting, unless most keys would have no item.
+template <class Item, class Key>
+void sort_by_key(std::vector<Item>& items, int64_t key_count, const Key& key) {
+  constexpr int64_t kKeysAnItem = 8;
+  if (key_count > kKeysAnItem * int64_t(items.size())) {
+    std::stable_sort(items.begin(), items.end(), [&](const Item& a, const Item& b) { return key(a) < key(b); });
+    return;
+  }
+  std::vector<uint32_t> next(size_t(key_count) + 1, 0);
+  for (const Item& item : items) ++next[size_t(key(item)) + 1];
+  for (size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
+  std::vector<Item> sorted(items.size());
+  for (const Item& item : items) sorted[next[size_t(key(item))]++] = item;
+  items.swap(sorted);
+}
+
+}  // namespace
+
 std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
   const int n = int(boxes.size());
   std::vector<Pair> pairs;
@@ -34,10 +59,6 @@ std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
     return int64_t(std::clamp((x - all.lower[k]) / cell, 0.0, double(count[k] - 1)));
   };
 
-  struct Entry {
-    int64_t key;
-    int32_t box;
-  };
   std::vector<Entry> entries;
   entries.reserve(size_t(n) * 4);
   std::vector<int32_t> large;
@@ -57,8 +78,7 @@ std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
       }
     }
   }
-  std::sort(entries.begin(), entries.end(),
-            [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.box < b.box; });
+  sort_by_key(entries, count[0] * count[1] * count[2], [](const Entry& e) { return e.key; });
   for (size_t begin = 0; begin < entries.size();) {
     size_t end = begin;
     while (end < entries.size() && entries[end].key == entries[begin].key) ++end;
@@ -82,7 +102,13 @@ std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
       pairs.push_back({std::min(i, l), std::max(i, l)});
     }
   }
-  std::sort(pairs.begin(), pairs.end());
+  sort_by_key(pairs, n, [](const Pair& p) { return p.a; });
+  for (size_t begin = 0; begin < pairs.size();) {
+    size_t end = begin;
+    while (end < pairs.size() && pairs[end].a == pairs[begin].a) ++end;
+    std::sort(pairs.begin() + ptrdiff_t(begin), pairs.begin() + ptrdiff_t(end));
+    begin = end;
+  }
   return pairs;
 }
 

@@ -151,7 +151,8 @@ NextCheck check_all(const World& w, size_t count, const Check& check) {
                          [](NextCheck sum, const NextCheck& x) { return sum += x; });
 }
 
-// Motion of a deformable block costs more than the rest of a check, and each block is in several pairs.
+// Motion of a deformable block costs more than the rest of a check, and each block is in several pairs: it is computed
+// once, for the blocks of all pairs that are due.
 NextCheck check_pairs(World& w) {
   const auto is_due = [&](size_t i) {
     const PairCheck& check = w.checks.pair[i];
@@ -163,26 +164,30 @@ NextCheck check_pairs(World& w) {
   std::vector<uint8_t>& wanted = kept_wanted;  // as other threads have vectors of their own
   LaneVector<CheckedMotion>& motion = kept_motion;
   wanted.assign(w.blocks.size(), 0), motion.resize(w.blocks.size());
-  each_part(w.pool, w.contacts.list.size(), kChecksAPart, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      if (!is_due(i)) continue;
-      const Pair& pair = w.contacts.list[i].pair;
-      for (const int block : {pair.a, pair.b})
-        std::atomic_ref(wanted[size_t(block)]).store(1, std::memory_order_relaxed);
-    }
-  });
-  each_part(w.pool, w.blocks.size(), kChecksAPart, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      if (wanted[i]) motion[i] = checked_motion(w, int(i));
-    }
-  });
+  if (!w.nodes.x.empty()) {
+    each_part(w.pool, w.contacts.list.size(), kChecksAPart, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        if (!is_due(i)) continue;
+        const Pair& pair = w.contacts.list[i].pair;
+        for (const int block : {pair.a, pair.b})
+          std::atomic_ref(wanted[size_t(block)]).store(1, std::memory_order_relaxed);
+      }
+    });
+    each_part(w.pool, w.blocks.size(), kChecksAPart, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        if (wanted[i] && w.blocks[i].body < 0) motion[i] = checked_motion(w, int(i));
+      }
+    });
+  }
+  const auto motion_of = [&](int block) {
+    return w.blocks[size_t(block)].body < 0 ? motion[size_t(block)] : checked_motion(w, block);
+  };
   return check_all(w, w.contacts.list.size(), [&](size_t i, NextCheck& next) {
     const Contact& c = w.contacts.list[i];
     if (!w.part.owns(c.pair)) return;
     PairCheck& check = w.checks.pair[i];
     if (is_due(i)) {
-      next.moved |=
-          check_pair_motion(w, c, w.contacts.place[i], motion[size_t(c.pair.a)], motion[size_t(c.pair.b)], check);
+      next.moved |= check_pair_motion(w, c, w.contacts.place[i], motion_of(c.pair.a), motion_of(c.pair.b), check);
     }
     next.step = std::min(next.step, check.step);
   });
