@@ -40,7 +40,7 @@ void number_chunks(World& w) {
 void put_on_gridpoints(const World& w, const Point& p, uint32_t i, Chunk& chunk) {
   const auto put = [&](std::vector<int32_t>& nodes, int32_t facet) {
     nodes.resize(chunk.count + size_t(kLanes) - 1);  // kernels read whole vectors
-    nodes[i - chunk.first] = w.contacts.facets[size_t(facet)].node[0];
+    if (facet >= 0) nodes[i - chunk.first] = w.contacts.facets[size_t(facet)].node[0];
   };
   put(chunk.node_a, p.facet_a), put(chunk.node_b, p.facet_b);
   GridpointPair* const last = chunk.gridpoint_pairs.empty() ? nullptr : &chunk.gridpoint_pairs.back();
@@ -49,8 +49,7 @@ void put_on_gridpoints(const World& w, const Point& p, uint32_t i, Chunk& chunk)
   if (goes_on) {
     ++last->count;
   } else {
-    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, chunk.row_count, {p.n, p.s, p.t}});
-    chunk.pair_moments.emplace_back();
+    chunk.gridpoint_pairs.push_back({p.a, p.b, w.blocks[size_t(p.b)].body, i, 1, chunk.row_count, 0, {p.n, p.s, p.t}});
     if (w.is_small) {  // axes are constant
       const Matrix r = start_of_frame(w, p.a);
       chunk.pair_axes.push_back(pair_axes(r * p.n, r * p.s, r * p.t));
@@ -122,11 +121,13 @@ void bind_points(const World& w, Chunk& chunk) {
     else
       chunk.pairs.push_back({a, b, i, 1, {p.n, p.s, p.t}, {}, {}, {}, {}});
   }
+  for (GridpointPair& pair : chunk.gridpoint_pairs)
+    pair.sums = std::exchange(chunk.row_count, chunk.row_count + (pair.has_body() ? 3 : 1));
 }
 
 void unbind(Chunk& chunk) {
   chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
-  chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.pair_moments.clear();
+  chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear();
   chunk.node_a.clear(), chunk.node_b.clear();
   chunk.row_count = 0, chunk.call.batch = {};
 }
@@ -136,7 +137,7 @@ void number_rows(World& w) {
   uint32_t first = 0;
   for (const int c : w.chunks.own) {
     Chunk& chunk = w.chunks.all[size_t(c)];
-    for (GridpointPair& pair : chunk.gridpoint_pairs) pair.row += first;
+    for (GridpointPair& pair : chunk.gridpoint_pairs) pair.row += first, pair.sums += first;
     for (FacetLanes& lanes : chunk.facets) lanes.row += first;
     first += chunk.row_count;
   }

@@ -25,13 +25,16 @@ struct RigidPair {
   Vector force, moment_a, moment_b;  // force on a, N; moments on a and on b about their centres, N m
 };
 
-// Consecutive contact points of one pair of deformable blocks that lie on gridpoints of both. Axes turn with the frame
-// of block a.
+// Consecutive contact points of one pair that lie on gridpoints of a deformable block a, and on gridpoints of b or on a
+// rigid block b. Axes turn with the frame of block a.
 struct GridpointPair {
   int32_t a, b;           // blocks
+  int32_t body_b;         // body of b; -1: b is deformable
   uint32_t first, count;  // points of the family
   uint32_t row;           // force of the first point in Chunks::rows, which has one row a point
+  uint32_t sums;          // row of the moment on the frame of a; with body_b those of the force and moment on b follow
   Vector axis[3];         // n, s, t in the frame of block a, unit
+  bool has_body() const { return body_b >= 0; }
 };
 
 // Axes of a pair in space: n, s, t; the fourth number is padding. A step computes them again, which is faster than
@@ -40,7 +43,7 @@ struct PairAxes {
   double axis[3][4];
 };
 
-// Contact point with one deformable side. All but its index is of the last step.
+// Contact point with one deformable side and not on a gridpoint of it. All but its index is of the last step.
 struct OtherPoint {
   uint32_t index;           // of the family
   ShapeGradients gradient;  // of the shape functions of a's triangle; in small displacements at rest
@@ -90,9 +93,8 @@ struct Chunk {
   uint32_t first = 0, count = 0;
   BoundCall call;
   std::vector<RigidPair> pairs;                // pairs of rigid blocks with points in the chunk
-  std::vector<GridpointPair> gridpoint_pairs;  // pairs whose points lie on gridpoints of both blocks
+  std::vector<GridpointPair> gridpoint_pairs;  // pairs whose points lie on gridpoints
   std::vector<PairAxes> pair_axes;             // axes of gridpoint_pairs; constant in small displacements
-  std::vector<Vector> pair_moments;            // moment of each on the frame of block a in the last step, N m
   std::vector<int32_t> node_a, node_b;         // gridpoints of these pairs, by point of the chunk
   std::vector<FacetLanes> facets;              // points on triangles
   std::vector<FacetFrames> frames;             // frames of their triangles; constant in small displacements
@@ -108,8 +110,8 @@ inline constexpr uint32_t kChunk = 256;
 struct Chunks {
   std::vector<Chunk> all;  // chunks; those that other ranks evaluate have no points bound
   std::vector<int> own;    // chunks that this process evaluates
-  // Forces of a step in own chunks: one row for a point on gridpoints, three for a point on a triangle.
-  // The last row is zero.
+  // Forces of a step in own chunks: one row for a point on gridpoints, and those of GridpointPair::sums; three for a
+  // point on a triangle. The last row is zero.
   LaneVector<FacetRow> rows;
   long divisions = 0;  // number of divisions of the work so far
 };

@@ -17,11 +17,11 @@ namespace quoin::blocks {
 using geometry::Vector;
 
 // A contact point. Its data are in the frame of block a: the body frame of a rigid block. For a deformable block it is
-// the BlockFrame where both sides are gridpoints, else the frame of a triangle.
+// the BlockFrame where the point is on gridpoints, else the frame of a triangle.
 struct Point {
   int32_t a, b;                        // blocks
   int32_t facet_a = -1, facet_b = -1;  // index into Contacts::facets for a deformable side
-  bool on_gridpoints = false;          // on the first gridpoints of both facets; n, s, t are in the frame of block a
+  bool on_gridpoints = false;  // on the first gridpoints of facet_a and facet_b, if any; n, s, t are in a's frame
   // Unit vectors, n from a to b. For a triangle's frame they are in space, from the last step or detection (see
   // frame_of).
   Vector n, s, t;
@@ -29,7 +29,7 @@ struct Point {
   Vector arm;              // position of the point in b's body frame (rigid b), m
   double area = 0.0;       // m2
   double reference = 0.0;  // gap at which d_n = 0, m
-  Vector at;               // position in space when placed; from the last step if one side is deformable, m
+  Vector at;               // position in space when placed; in Chunk::others that of the last step, m
 };
 
 // Position of a contact point on a triangle of a deformable block.

@@ -78,15 +78,15 @@ void anchor(const World& w, NewPoint& made, int block, const Vector& at, int fac
   }
 }
 
-// Sets the frame of a point whose plane belongs to a deformable block. It is the block's frame where both sides are
-// gridpoints. Else it is the triangle's frame, also for edge contacts.
+// Sets the frame of a point whose plane belongs to a deformable block. It is the block's frame where its deformable
+// sides are gridpoints. Else it is the triangle's frame, also for edge contacts.
 void choose_frame(const World& w, NewPoint& made) {
   Point& p = made.point;
   if (p.facet_a < 0) return;
   Facet on_a = made.facet_a;
   put_on_gridpoint(on_a);
   p.on_gridpoints =
-      p.facet_b >= 0 && may_have_frame(w, p.a) && sits_on_gridpoint(on_a) && sits_on_gridpoint(made.facet_b);
+      may_have_frame(w, p.a) && sits_on_gridpoint(on_a) && (p.facet_b < 0 || sits_on_gridpoint(made.facet_b));
   if (!p.on_gridpoints) return take_axes(p, triangle_frame(w.nodes.x, made.facet_a));
   made.facet_a = on_a;
   const Matrix r = rotation_of_frame(w, p.a);

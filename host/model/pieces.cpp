@@ -4,6 +4,7 @@
 #include <cstring>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "model/world.h"
 
@@ -64,24 +65,47 @@ void fill_columns(World& w, Piece& piece) {
   piece.some_held = some_held;
 }
 
-// Lists the points of a group by gridpoint: first those on the sides of blocks b, then those of blocks a.
-void list_lines(World& w, std::span<const int32_t> blocks, int node_count, Piece::Range& range) {
+RowLine line_without_rows(const World& w) {
+  RowLine line;
+  line.fill(uint32_t(w.chunks.rows.size() - 1));
+  return line;
+}
+
+// Lists the points of a group by gridpoint: first those on the sides of blocks b, then those of blocks a. And the
+// moments on the frames of blocks a.
+void list_lines(World& w, std::span<const int32_t> blocks, int node_count, Piece::Range& range, Piece::Range& moments) {
+  moments.first = uint32_t(w.pieces.moments.size());
+  for (size_t l = 0; l < blocks.size(); ++l) {
+    size_t line = moments.first;
+    for (const RowTouch row : w.sides.moment.of(blocks[l])) {
+      if (line == w.pieces.moments.size()) w.pieces.moments.push_back(line_without_rows(w));
+      w.pieces.moments[line++][l] = row;
+    }
+  }
+  moments.end = uint32_t(w.pieces.moments.size());
   range.first = uint32_t(w.pieces.lines.size());
+  std::vector<uint32_t> used(size_t(node_count), 0), next = used;
   for (const bool side_a : {false, true}) {
-    std::vector<std::vector<GridpointLine>> of_node{size_t(node_count)};
-    for (size_t l = 0; l < blocks.size(); ++l) {
-      std::vector<size_t> used(of_node.size(), 0);
-      for (const GridpointTouch& touch : (side_a ? w.sides.owner_gridpoint : w.sides.gridpoint).of(blocks[l])) {
-        auto& lines = of_node[size_t(touch.node)];
-        const size_t k = used[size_t(touch.node)]++;
-        if (k == lines.size()) {
-          std::fill_n(lines.emplace_back(GridpointLine{touch.node, side_a, {}}).row, kBodies,
-                      uint32_t(w.chunks.rows.size() - 1));
-        }
-        lines[k].row[l] = touch.row;
+    const auto& sides = side_a ? w.sides.owner_gridpoint : w.sides.gridpoint;
+    std::fill(next.begin(), next.end(), 0);  // first as many lines as a block has points on the gridpoint
+    for (const int32_t block : blocks) {
+      std::fill(used.begin(), used.end(), 0);
+      for (const GridpointTouch& touch : sides.of(block)) {
+        const size_t node = size_t(touch.node);
+        next[node] = std::max(next[node], ++used[node]);
       }
     }
-    for (const auto& lines : of_node) w.pieces.lines.insert(w.pieces.lines.end(), lines.begin(), lines.end());
+    for (int32_t node = 0; node < node_count; ++node) {
+      const uint32_t count = std::exchange(next[size_t(node)], uint32_t(w.pieces.lines.size()));
+      w.pieces.lines.resize(w.pieces.lines.size() + count, {node, side_a, line_without_rows(w)});
+    }
+    for (size_t l = 0; l < blocks.size(); ++l) {
+      std::fill(used.begin(), used.end(), 0);
+      for (const GridpointTouch& touch : sides.of(blocks[l])) {
+        const size_t node = size_t(touch.node);
+        w.pieces.lines[next[node] + used[node]++].row[l] = touch.row;
+      }
+    }
   }
   range.end = uint32_t(w.pieces.lines.size());
 }
@@ -153,6 +177,7 @@ void divide_blocks(World& w) {
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
   divide(fixed, Piece::Kind::rigid);  // fixed blocks are mostly at rest, so their pieces are at rest as a whole
+  w.pieces.wants_look.assign(w.pieces.all.size(), 0);
   w.pieces.in_frame.assign(w.blocks.size(), 0);
   for (const Piece& piece : w.pieces.all) {
     for (const int32_t i : w.pieces.blocks_of(piece)) w.pieces.in_frame[size_t(i)] = piece.in_frame();
@@ -160,7 +185,7 @@ void divide_blocks(World& w) {
 }
 
 void bind_pieces(World& w) {
-  w.pieces.columns.clear(), w.pieces.held_changed.clear(), w.pieces.lines.clear();
+  w.pieces.columns.clear(), w.pieces.held_changed.clear(), w.pieces.lines.clear(), w.pieces.moments.clear();
   w.pieces.shared_columns.assign(2 * w.zones.congruent.size(), Piece::kNoColumns);
   w.pieces.any_held_changed = false;
   w.pieces.of_block.assign(w.blocks.size(), -1);
@@ -178,7 +203,7 @@ void bind_pieces(World& w) {
     });
     const int most = most_gridpoints(w, piece);
     for (size_t group = 0; group < piece.group_count(); ++group) {
-      list_lines(w, w.pieces.blocks_of(piece, group), most, piece.lines[group]);
+      list_lines(w, w.pieces.blocks_of(piece, group), most, piece.lines[group], piece.moments[group]);
       if (piece.kind != Piece::Kind::congruent) continue;
       piece.motion[group] = motion;
       motion += 2 * size_t(most) * kLine;

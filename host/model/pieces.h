@@ -1,6 +1,7 @@
 // Pieces: blocks that one task advances together, and the columns that kernels read.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -30,18 +31,21 @@ struct Piece {
   struct Range {
     uint32_t first = 0, end = 0;
   };
-  Range lines[2] = {};  // of its groups in Pieces::lines
+  Range lines[2] = {}, moments[2] = {};  // of its groups in Pieces::lines and Pieces::moments
   size_t motion[2] =
       {};  // of congruent blocks: first number of its groups' positions, then velocities, in Pieces::motion
   size_t group_count() const { return halves ? 2 : 1; }
   bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
 };
 
+// Rows of Chunks::rows, one a block of a group in frames; for blocks without one the last row.
+using RowLine = std::array<uint32_t, size_t(kBodies)>;
+
 // Contact points on gridpoint `node` of each block of a group in frames; one point a block.
 struct GridpointLine {
   int32_t node;
-  bool side_a;            // whether the blocks are a's of the points, on which the force acts; else its opposite does
-  uint32_t row[kBodies];  // row of the point in Chunks::rows; for blocks without a point the last row
+  bool side_a;  // whether the blocks are a's of the points, on which the force acts; else its opposite does
+  RowLine row;  // of the force
 };
 
 // Columns that steps seldom change, of the gridpoints of up to kLanes deformable blocks, side by side. A line holds one
@@ -76,10 +80,13 @@ struct Pieces {
   std::vector<uint8_t> in_frame;     // by block: 1 if its piece is advanced in frames
   LaneVector<double> columns;        // FixedColumns of groups
   std::vector<GridpointLine> lines;  // of groups in frames
+  std::vector<RowLine> moments;      // on these frames
   // Positions, m, and velocities, m/s, of groups of congruent blocks, in lanes: copies of those in Gridpoints, which
   // steps update together.
   LaneVector<double> motion;
   bool motion_is_old = true;  // whether gridpoints have moved, or their velocities changed, outside of steps since then
+  // By piece: whether the last step has left a block of it that must be looked at (end_step). Of own pieces.
+  std::vector<uint8_t> wants_look;
   std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
   std::vector<int> held_changed;       // deformable blocks whose supports changed since the last step
   bool any_held_changed = false;       // whether supports of any gridpoint have changed
@@ -91,6 +98,10 @@ struct Pieces {
   std::span<const GridpointLine> lines_of(const Piece& piece, size_t group) const {
     const Piece::Range range = piece.lines[group];
     return std::span(lines).subspan(range.first, range.end - range.first);
+  }
+  std::span<const RowLine> moments_of(const Piece& piece, size_t group) const {
+    const Piece::Range range = piece.moments[group];
+    return std::span(moments).subspan(range.first, range.end - range.first);
   }
   std::span<const int32_t> blocks_of(const Piece& piece, size_t group) const {
     const size_t count = piece.count / piece.group_count();

@@ -99,7 +99,7 @@ void divide_sides(World& w) {
           });
           each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
             const int32_t first = w.blocks[size_t(pair.b)].first_node;
-            for (uint32_t k = 0; k < pair.count; ++k)
+            for (uint32_t k = 0; k < pair.count && !pair.has_body(); ++k)
               visit(pair.b, GridpointTouch{pair.row + k, chunk.node_b[pair.first + k - chunk.first] - first});
           });
         });
@@ -115,8 +115,13 @@ void divide_sides(World& w) {
       },
       [&] {
         by_block(w.blocks.size(), w.sides.moment, own, [&](const auto& visit) {
-          each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
-            visit(pair.a, MomentTouch(&chunk.pair_moments[size_t(&pair - chunk.gridpoint_pairs.data())]));
+          each_gridpoint_pair([&](const Chunk&, const GridpointPair& pair) { visit(pair.a, pair.sums); });
+        });
+      },
+      [&] {
+        by_block(w.blocks.size(), w.sides.wrench, own, [&](const auto& visit) {
+          each_gridpoint_pair([&](const Chunk&, const GridpointPair& pair) {
+            if (pair.has_body()) visit(pair.b, pair.sums + 1);
           });
         });
       },

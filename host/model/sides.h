@@ -9,7 +9,7 @@ namespace quoin::blocks {
 
 struct World;
 
-// One side of a contact point with one deformable side.
+// One side of a point of Chunk::others.
 struct Touch {
   const OtherPoint* point;
   int32_t family;
@@ -44,7 +44,9 @@ struct ByBlock {
     return std::span(touch).subspan(first, end[size_t(block)] - first);
   }
 };
-using MomentTouch = const Vector*;  // moment of a pair on gridpoints on the frame of its block a
+// Row of a pair on gridpoints: of the moment on the frame of its block a, or of the force on its rigid block b, which
+// that of the moment follows.
+using RowTouch = uint32_t;
 
 // One side of a pair of rigid blocks.
 struct PairTouch {
@@ -55,13 +57,13 @@ struct PairTouch {
 // Sides are listed with the chunks; those of a block are in the order of families and points.
 struct Sides {
   std::vector<double> cost;   // by block: number of its pairs of rigid blocks and of its other contact points
-  ByBlock<Touch> single;      // points with one deformable side
+  ByBlock<Touch> single;      // points of Chunk::others
   ByBlock<PairTouch> pair;    // pairs of rigid blocks
   ByBlock<OwnerTouch> owner;  // points between gridpoints
   ByBlock<CarrierTouch> carrier;
   ByBlock<GridpointTouch> gridpoint;        // gridpoints of block b
   ByBlock<GridpointTouch> owner_gridpoint;  // gridpoints of block a, for points on gridpoints of both
-  ByBlock<MomentTouch> moment;
+  ByBlock<RowTouch> moment, wrench;
 };
 
 void count_sides(World& w);

@@ -36,7 +36,7 @@ struct Begins {
 struct Begin {
   Begins<const double> x, v, force, viscous;
   int node_count[kLanes];
-  Lanes3 acceleration[kParts], moment[kParts];
+  Lanes3 acceleration[kParts];
   HWY_INLINE explicit Begin(std::span<const LaneBlock> blocks)
       : x(blocks, [](const LaneBlock& b) { return &b.x->x; }),
         v(blocks, [](const LaneBlock& b) { return &b.v->x; }),
@@ -46,10 +46,8 @@ struct Begin {
       return blocks[std::min(static_cast<std::size_t>(l), blocks.size() - 1)];
     };
     for (int l = 0; l < kLanes; ++l) node_count[l] = block(l).node_count;
-    for (int p = 0; p < kParts; ++p) {
+    for (int p = 0; p < kParts; ++p)
       acceleration[p] = load_vectors([&](int l) { return &block(p * kWidth + l).acceleration.x; });
-      moment[p] = load_vectors([&](int l) { return &block(p * kWidth + l).moment.x; });
-    }
   }
 };
 
@@ -97,7 +95,6 @@ void LoadBlocks(std::span<const LaneBlock> blocks, bool motion, LaneColumns* col
   const Begin begin(blocks);
   const bool no_force = !blocks.front().force;
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
-    store_line(begin.moment[first / kWidth], columns->moment + first);
     const GridpointLoad load{begin, *columns, first};
     const bool in_tiles = columns->fewest == columns->node_count;
     if (motion && in_tiles) {
@@ -114,15 +111,22 @@ void LoadBlocks(std::span<const LaneBlock> blocks, bool motion, LaneColumns* col
   }
 }
 
-LaneSums AddGridpointLines(std::span<const GridpointLine> lines, const FacetRow* rows, std::size_t count,
-                           LaneColumns* columns) {
+// Three numbers of the rows of a line, in the lanes from `first` on.
+HWY_INLINE Lanes3 rows_of(const RowLine& line, const FacetRow* rows, int first) {
+  V column[kFour];
+  load_rows([&](int l) { return rows[line[static_cast<std::size_t>(first + l)]].force; }, column);
+  return {column[0], column[1], column[2]};
+}
+
+LaneSums AddGridpointLines(std::span<const GridpointLine> lines, std::span<const RowLine> moments, const FacetRow* rows,
+                           std::size_t count, LaneColumns* columns) {
   LaneSums sums;
   for (int first = 0; first < static_cast<int>(count); first += kWidth) {
-    Lanes3 sum = zeros();
+    Lanes3 moment = zeros(), sum = zeros();
+    for (const RowLine& line : moments) moment = sum_of(moment, rows_of(line, rows, first));
+    store_line(moment, columns->moment + first);
     for (const GridpointLine& line : lines) {
-      V column[kFour];
-      load_rows([&](int l) { return rows[line.row[first + l]].force; }, column);
-      Lanes3 force{column[0], column[1], column[2]};
+      Lanes3 force = rows_of(line.row, rows, first);
       if (!line.side_a) force = {hn::Neg(force.x), hn::Neg(force.y), hn::Neg(force.z)};
       double* const to = columns->force + line.node * kLine + first;
       store_line(sum_of(load_line(to), force), to);
@@ -631,9 +635,9 @@ void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const dou
   HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, !kept.is_current, columns);
 }
 
-LaneSums add_gridpoint_lines(std::span<const GridpointLine> lines, const FacetRow* rows, std::size_t count,
-                             LaneColumns* columns) {
-  return HWY_DYNAMIC_DISPATCH(AddGridpointLines)(lines, rows, count, columns);
+LaneSums add_gridpoint_lines(std::span<const GridpointLine> lines, std::span<const RowLine> moments,
+                             const FacetRow* rows, std::size_t count, LaneColumns* columns) {
+  return HWY_DYNAMIC_DISPATCH(AddGridpointLines)(lines, moments, rows, count, columns);
 }
 
 void congruent_forces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step) {

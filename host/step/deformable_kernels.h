@@ -31,7 +31,6 @@ struct LaneBlock {
   const double* viscous;  // viscous part of force; null: not needed, or not yet computed
   // Weight, and loads distributed by mass, over the mass for inertia, m/s2.
   Vector acceleration;
-  Vector moment;  // moment of point forces on the frame (gridpoint_kernels.h), N m
   int node_count;
   std::span<const ZoneLanes> zones;  // zones in the reference shape, for distinct_forces
   BlockFrame* frame;                 // current frame; null: forces zone by zone
@@ -45,7 +44,7 @@ struct LaneColumns {
   double *x, *v;                             // m, m/s
   double *force, *viscous_force;             // N
   double *u, *weighted, *product, *elastic;  // scratch of congruent_forces and distinct_forces
-  double* moment;                            // one line, N m
+  double* moment;                            // one line: of contact forces on the frames (gridpoint_kernels.h), N m
   double* rows;                              // scratch of distinct_forces, for one block
   // FixedColumns; place and anchor for distinct_forces.
   const double *mass, *over_mass, *place, *anchor, *held, *held_v;
@@ -72,9 +71,10 @@ struct LaneSums {
   Vector lane(std::size_t l) const { return {of[0][l], of[1][l], of[2][l]}; }
 };
 
-// Adds the forces of contact points on gridpoints of `count` blocks to those in the columns. Returns their sums, N.
-LaneSums add_gridpoint_lines(std::span<const GridpointLine> lines, const FacetRow* rows, std::size_t count,
-                             LaneColumns* columns);
+// Adds the forces of contact points on gridpoints of `count` blocks to those in the columns, and sums their moments on
+// the frames. Returns the sums of the forces, N.
+LaneSums add_gridpoint_lines(std::span<const GridpointLine> lines, std::span<const RowLine> moments,
+                             const FacetRow* rows, std::size_t count, LaneColumns* columns);
 
 // By lane: largest |u|, m; strain energy, J, in steps with energies.
 struct FrameSums {

@@ -30,22 +30,35 @@ HWY_INLINE void turn_axes(const BlockFrame& frame, const GridpointPair& pair, Pa
   }
 }
 
-void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
-                    const Vector* node_x, const GridpointColumns& c) {
+HWY_INLINE Lanes33 broadcast_matrix(const geometry::Matrix& m) {
+  return {{broadcast(&m.row[0].x), broadcast(&m.row[1].x), broadcast(&m.row[2].x)}};
+}
+
+void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockPlaces& places,
+                    const GridpointColumns& c) {
   for (const GridpointPair& pair : pairs) {
     PairAxes& of_pair = *axes++;
-    if (frames) turn_axes(frames[pair.a], pair, of_pair);
+    if (places.frames) turn_axes(places.frames[pair.a], pair, of_pair);
     const Lanes3 n = broadcast(of_pair.axis[0]), s = broadcast(of_pair.axis[1]), t = broadcast(of_pair.axis[2]);
     const std::uint32_t end = pair.first + pair.count;
     for (std::uint32_t i = pair.first; i < end; i += kWidth) {
       const FirstLanes part{static_cast<int>(end - i)};
       const auto at = [&](const std::int32_t* node) HWY_ATTR {
         // Joints with 9 points leave one point to the last vector.
-        if (part.count == 1) return broadcast(&node_x[node[i - c.first]].x);
-        return load_vectors(
-            [&](int l) { return &node_x[node[std::min(i + static_cast<std::uint32_t>(l), end - 1) - c.first]].x; });
+        if (part.count == 1) return broadcast(&places.node_x[node[i - c.first]].x);
+        return load_vectors([&](int l) {
+          return &places.node_x[node[std::min(i + static_cast<std::uint32_t>(l), end - 1) - c.first]].x;
+        });
       };
-      const Lanes3 apart = difference_of(at(c.node_b), at(c.node_a));
+      Lanes3 at_b;
+      if (pair.has_body()) {
+        const Body& b = places.bodies[pair.body_b];
+        const Lanes3 arm{part.load(c.arm[0] + i), part.load(c.arm[1] + i), part.load(c.arm[2] + i)};
+        at_b = sum_of(broadcast(&b.x.x), times(broadcast_matrix(b.r), arm));
+      } else {
+        at_b = at(c.node_b);
+      }
+      const Lanes3 apart = difference_of(at_b, at(c.node_a));
       part.store(hn::Sub(dot_of(n, apart), part.load(c.reference + i)), c.normal_jump + i);
       const V place[2] = {dot_of(s, apart), dot_of(t, apart)};
       for (int k = 0; k < 2; ++k) {
@@ -57,54 +70,88 @@ void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const 
 }
 
 // Sums of three numbers over eight lanes, as a tree that is the same for vectors of any width.
-HWY_INLINE Vector sums_over_lanes(const V (&of)[3][kParts]) {
-  alignas(64) double lane[3][kLanes];
-  for (int k = 0; k < 3; ++k) {
-    for (int p = 0; p < kParts; ++p) hn::Store(of[k][p], D(), lane[k] + p * kWidth);
+struct LaneTree {
+  V of[3][kParts];
+  HWY_INLINE LaneTree() {
+    for (auto& parts : of) std::fill(parts, parts + kParts, hn::Zero(D()));
   }
-  Vector sum;
-  for (int k = 0; k < 3; ++k) {
-    const double* const x = lane[k];
-    sum[k] = ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+  HWY_INLINE void add(int part, const Lanes3& x) {
+    for (int k = 0; k < 3; ++k) of[k][part] = hn::Add(of[k][part], x[k]);
   }
-  return sum;
-}
+  HWY_INLINE Vector sum() const {
+    alignas(64) double lane[3][kLanes];
+    for (int k = 0; k < 3; ++k) {
+      for (int p = 0; p < kParts; ++p) hn::Store(of[k][p], D(), lane[k] + p * kWidth);
+    }
+    Vector sum;
+    for (int k = 0; k < 3; ++k) {
+      const double* const x = lane[k];
+      sum[k] = ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+    }
+    return sum;
+  }
+};
 
-void GridpointForces(std::span<const GridpointPair> pairs, const PairAxes* axes, const GridpointColumns& c,
-                     FacetRow* rows, Vector* moments) {
-  const D d;
-  for (const GridpointPair& pair : pairs) {
-    const auto& in_space = (axes++)->axis;
-    const Lanes3 n = broadcast(in_space[0]), s = broadcast(in_space[1]), t = broadcast(in_space[2]);
-    const std::uint32_t end = pair.first + pair.count;
-    V moment[3][kParts];
-    for (auto& of : moment) std::fill(of, of + kParts, hn::Zero(d));
-    int p = 0;
-    for (std::uint32_t i = pair.first; i < end; i += kWidth, p = (p + 1) % kParts) {
-      const FirstLanes part{static_cast<int>(end - i)};
-      const V area = part.load(c.area + i);
-      V f[3];
-      for (int k = 0; k < 3; ++k) {
-        f[k] = part.load(c.traction[k] + i);
-        if (c.viscous[0]) f[k] = hn::Add(f[k], part.load(c.viscous[k] + i));
-        f[k] = hn::Mul(area, f[k]);
-      }
-      const Lanes3 force = plus_scaled(plus_scaled(scaled(f[0], n), f[1], s), f[2], t);
-      const V column[kFour] = {force.x, force.y, force.z, hn::Zero(d)};
-      FacetRow* const row = rows + pair.row + (i - pair.first);
-      for_rows(column, std::min(kWidth, part.count),
-               [&](int l, int at, F four) HWY_ATTR { hn::StoreU(four, Four(), row[l].force + at); });
-      if (!moments) continue;
+HWY_INLINE void store_vector(const Vector& x, FacetRow& row) { row = {{x.x, x.y, x.z, 0.0}}; }
+
+// A pair's forces. kBody: on a rigid block b; kTurns: the axes turn.
+template <bool kBody, bool kTurns>
+HWY_INLINE void forces_of(const GridpointPair& pair, const PairAxes& axes, const Body* bodies,
+                          const GridpointColumns& c, FacetRow* rows) {
+  const auto& in_space = axes.axis;
+  const Lanes3 n = broadcast(in_space[0]), s = broadcast(in_space[1]), t = broadcast(in_space[2]);
+  const std::uint32_t end = pair.first + pair.count;
+  LaneTree moment, on_body, torque;
+  Lanes33 turn;
+  if constexpr (kBody) turn = broadcast_matrix(bodies[pair.body_b].r);
+  int p = 0;
+  for (std::uint32_t i = pair.first; i < end; i += kWidth, p = (p + 1) % kParts) {
+    const FirstLanes part{static_cast<int>(end - i)};
+    const V area = part.load(c.area + i);
+    V f[3];
+    for (int k = 0; k < 3; ++k) {
+      f[k] = part.load(c.traction[k] + i);
+      if (c.viscous[0]) f[k] = hn::Add(f[k], part.load(c.viscous[k] + i));
+      f[k] = hn::Mul(area, f[k]);
+    }
+    const Lanes3 force = plus_scaled(plus_scaled(scaled(f[0], n), f[1], s), f[2], t);
+    const V column[kFour] = {force.x, force.y, force.z, hn::Zero(D())};
+    FacetRow* const row = rows + pair.row + (i - pair.first);
+    for_rows(column, std::min(kWidth, part.count),
+             [&](int l, int at, F four) HWY_ATTR { hn::StoreU(four, Four(), row[l].force + at); });
+    if constexpr (kBody) {
+      const Lanes3 arm{part.load(c.arm[0] + i), part.load(c.arm[1] + i), part.load(c.arm[2] + i)};
+      on_body.add(p, force);
+      torque.add(p, cross_of(times(turn, arm), force));
+    }
+    if constexpr (kTurns) {
       const Lanes3 apart{hn::Add(part.load(c.normal_jump + i), part.load(c.reference + i)), part.load(c.slid[0] + i),
                          part.load(c.slid[1] + i)};
-      const Lanes3 couple = cross_of(apart, {f[0], f[1], f[2]});  // along n, s, t
-      for (int k = 0; k < 3; ++k) moment[k][p] = hn::Add(moment[k][p], couple[k]);
+      moment.add(p, cross_of(apart, {f[0], f[1], f[2]}));  // along n, s, t
     }
-    if (!moments) continue;
-    const Vector sum = sums_over_lanes(moment);
+  }
+  if constexpr (kTurns) {
+    const Vector sum = moment.sum();
     Vector turned;
     for (int k = 0; k < 3; ++k) turned += sum[k] * Vector{in_space[k][0], in_space[k][1], in_space[k][2]};
-    *moments++ = turned;
+    store_vector(turned, rows[pair.sums]);
+  }
+  if constexpr (kBody) {
+    store_vector(-on_body.sum(), rows[pair.sums + 1]);
+    store_vector(-torque.sum(), rows[pair.sums + 2]);
+  }
+}
+
+void GridpointForces(std::span<const GridpointPair> pairs, const PairAxes* axes, const BlockPlaces& places,
+                     const GridpointColumns& c, FacetRow* rows) {
+  for (const GridpointPair& pair : pairs) {
+    const PairAxes& of_pair = *axes++;
+    if (pair.has_body())
+      places.frames ? forces_of<true, true>(pair, of_pair, places.bodies, c, rows)
+                    : forces_of<true, false>(pair, of_pair, places.bodies, c, rows);
+    else
+      places.frames ? forces_of<false, true>(pair, of_pair, places.bodies, c, rows)
+                    : forces_of<false, false>(pair, of_pair, places.bodies, c, rows);
   }
 }
 
@@ -119,14 +166,14 @@ namespace quoin::blocks {
 HWY_EXPORT(GridpointJumps);
 HWY_EXPORT(GridpointForces);
 
-void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
-                     const Vector* node_x, const GridpointColumns& columns) {
-  HWY_DYNAMIC_DISPATCH(GridpointJumps)(pairs, axes, frames, node_x, columns);
+void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockPlaces& places,
+                     const GridpointColumns& columns) {
+  HWY_DYNAMIC_DISPATCH(GridpointJumps)(pairs, axes, places, columns);
 }
 
-void gridpoint_forces(std::span<const GridpointPair> pairs, const PairAxes* axes, const GridpointColumns& columns,
-                      FacetRow* rows, Vector* moments) {
-  HWY_DYNAMIC_DISPATCH(GridpointForces)(pairs, axes, columns, rows, moments);
+void gridpoint_forces(std::span<const GridpointPair> pairs, const PairAxes* axes, const BlockPlaces& places,
+                      const GridpointColumns& columns, FacetRow* rows) {
+  HWY_DYNAMIC_DISPATCH(GridpointForces)(pairs, axes, places, columns, rows);
 }
 
 }  // namespace quoin::blocks

@@ -1,37 +1,45 @@
-// Contact points on gridpoints of both blocks, pair by pair, eight points in a SIMD group. Compiled for every
-// instruction set of Highway and chosen at run time.
+// Contact points on gridpoints, pair by pair, eight points in a SIMD group. Compiled for every instruction set of
+// Highway and chosen at run time.
 //
 // The axes e_k = R_a E_k turn with the frame of block a (deformable_kernels.h). d is the vector from the gridpoint of a
-// to that of b. The opening is e_n . d less the reference; slip increments are the changes of e_s . d and e_t . d in a
-// step. The force f = A (sigma e_n + tau_s e_s + tau_t e_t) acts on both gridpoints. R_a is a function of the
-// corners of a. So the work of f on changes of d in turning axes also needs the moment d x f on the frame of a. With it
-// forces, moments and energy balance to rounding at any slip.
+// to that of b, or to the place x_b + R_b arm of the point on a rigid block b. The opening is e_n . d less the
+// reference; slip increments are the changes of e_s . d and e_t . d in a step. The force f = A (sigma e_n + tau_s e_s +
+// tau_t e_t) acts on both of these. R_a is a function of the corners of a. So the work of f on changes of d in turning
+// axes also needs the moment d x f on the frame of a. With it forces, moments and energy balance to rounding at any
+// slip.
 #pragma once
 
 #include <span>
 
 #include "model/block_frames.h"
 #include "model/chunks.h"
+#include "model/rigid_bodies.h"
 
 namespace quoin::blocks {
 
 // Columns of a family, beginning at its first point, and the gridpoints of a chunk.
 struct GridpointColumns {
   const double *traction[3], *viscous[3];   // Pa; viscous[0] null: none
-  const double *reference, *area;           // m, m2
+  const double *reference, *area, *arm[3];  // m, m2, m; arm: on a rigid block b
   double *slid[2], *normal_jump, *slip[2];  // position along s, t; opening; slip increment, m
   const std::int32_t *node_a, *node_b;      // gridpoints of the points from `first` on
   std::uint32_t first;
 };
 
-// Computes openings and slip increments of the step. frames: by block; null: axes stay as at the start (small
-// displacements).
-void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
-                     const Vector* node_x, const GridpointColumns& columns);
+// Current places of blocks.
+struct BlockPlaces {
+  const BlockFrame* frames;  // by block; null: axes of points stay as at the start (small displacements)
+  const Vector* node_x;      // m
+  const Body* bodies;
+};
 
-// Writes the forces on block a into the rows of the points. moments: on its frame, by pair, N m; null: axes stay as at
-// the start.
-void gridpoint_forces(std::span<const GridpointPair> pairs, const PairAxes* axes, const GridpointColumns& columns,
-                      FacetRow* rows, Vector* moments);
+// Computes openings and slip increments of the step.
+void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockPlaces& places,
+                     const GridpointColumns& columns);
+
+// Writes the forces on block a into the rows of the points, and the moments on its frame and the resultants on a rigid
+// block b into the rows of sums. Where axes stay as at the start there are no moments on frames.
+void gridpoint_forces(std::span<const GridpointPair> pairs, const PairAxes* axes, const BlockPlaces& places,
+                      const GridpointColumns& columns, FacetRow* rows);
 
 }  // namespace quoin::blocks

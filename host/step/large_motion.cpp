@@ -58,7 +58,6 @@ void sum_up(Model& m) {
     m.step_sums.unbalanced = larger(m.step_sums.unbalanced, sums.unbalanced);
     m.step_sums.net += sums.net;
     m.measured_kinetic += sums.kinetic;
-    m.checks.any_deviates |= sums.deviates && m.part.owns(i);
   }
   if (!m.books_energy) return;
   m.step_sums.energies.contact_stored = m.step_sums.energies.kinetic = m.step_sums.energies.strain =
@@ -87,8 +86,9 @@ void sum_up(Model& m) {
   m.step_sums.energies.external += m.step_sums.later.external;
 }
 
-void watch(const Model& m) {
+void watch(Model& m) {
   for (int i = 0; i < m.block_count(); ++i) {
+    m.checks.any_deviates |= m.step_sums.of_block[size_t(i)].deviates && m.part.owns(i);
     if (std::isfinite(m.step_sums.of_block[size_t(i)].positions)) continue;
     std::vector<int> all(m.chunks.all.size());
     std::iota(all.begin(), all.end(), 0);
@@ -145,11 +145,13 @@ bool Model::end_step() {
   for (const Chunk& chunk : chunks.all) {
     if (chunk.call.failed) report_failure(*this, chunk);
   }
-  sum_up(*this);
+  if (measured) sum_up(*this);
   stepping.time += stepping.dt;
   ++stepping.count;
-  watch(*this);
-  leave_frames(*this);
+  if (std::ranges::find(pieces.wants_look, 1) != pieces.wants_look.end()) {
+    watch(*this);
+    leave_frames(*this);
+  }
   part_units(*this);
   return moved_enough(*this);
 }

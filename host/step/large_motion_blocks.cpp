@@ -1,5 +1,6 @@
 // Blocks in a step of large motion, piece by piece: their forces and their motion.
 #include <algorithm>
+#include <cmath>
 
 #include "members/members.h"
 #include "model/world_results.h"
@@ -72,6 +73,11 @@ void forces_on_body(Model& m, int block) {
       body.force += pair.force, body.torque += pair.moment_a;
     else
       body.force -= pair.force, body.torque += pair.moment_b;
+  }
+  for (const RowTouch row : m.sides.wrench.of(block)) {
+    const auto& force = m.chunks.rows[row].force;
+    const auto& moment = m.chunks.rows[row + 1].force;
+    body.force += {force[0], force[1], force[2]}, body.torque += {moment[0], moment[1], moment[2]};
   }
   for (const Touch& touch : m.sides.single.of(block)) {
     const Vector& at = m.contacts.families[size_t(touch.family)].point[touch.point->index].at;
@@ -260,14 +266,11 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
     Vector per_mass = weight;
     if (m.actions.loaded[size_t(blocks[l])] && !m.actions.applied.empty())
       per_mass += m.actions.applied[size_t(blocks[l])] / b.mass;
-    Vector moment;
-    for (const MomentTouch of_pair : m.sides.moment.of(blocks[l])) moment += *of_pair;
     group.block[l] = {&m.nodes.x[first],
                       &m.nodes.v[first],
                       has_rows ? force : nullptr,
                       columns.viscous ? viscous : nullptr,
                       per_mass / m.solver.mass_scaling,
-                      moment,
                       b.node_count,
                       m.zones.lanes_of(b),
                       piece.in_frame() ? &m.frames.frame[size_t(blocks[l])] : nullptr};
@@ -280,8 +283,8 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   if (piece.kind == Piece::Kind::congruent) kept = {m.pieces.motion.data() + piece.motion[g], !m.pieces.motion_is_old};
   load_blocks(group.blocks(), fixed, kept, &columns);
   if (piece.in_frame()) {
-    const LaneSums contacts =
-        add_gridpoint_lines(m.pieces.lines_of(piece, g), m.chunks.rows.data(), group.count, &columns);
+    const LaneSums contacts = add_gridpoint_lines(m.pieces.lines_of(piece, g), m.pieces.moments_of(piece, g),
+                                                  m.chunks.rows.data(), group.count, &columns);
     for (size_t l = 0; l < group.count; ++l) m.step_sums.contact_force[size_t(blocks[l])] += contacts.lane(l);
   }
   lap(clock, Phase::motion);
@@ -376,6 +379,10 @@ void Model::advance_piece(int index, PhaseClock* clock) {
     advance_bodies(*this, pieces.blocks_of(piece), clock);
   else
     advance_deformable(*this, piece, clock);
+  pieces.wants_look[size_t(index)] = std::ranges::any_of(pieces.blocks_of(piece), [&](int32_t block) {
+    const BlockSums& sums = step_sums.of_block[size_t(block)];
+    return !std::isfinite(sums.positions) || sums.deviates || (piece.in_frame() && has_deformed_too_much(*this, block));
+  });
 }
 
 bool has_deformed_too_much(const Model& m, int i) {

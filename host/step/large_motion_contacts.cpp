@@ -44,14 +44,18 @@ GridpointColumns gridpoint_columns(Family& f, const Chunk& chunk) {
   for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
   for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
   c.reference = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
+  for (int k = 0; k < 3; ++k) c.arm[k] = f.arm[k].data();
   c.node_a = chunk.node_a.data(), c.node_b = chunk.node_b.data(), c.first = chunk.first;
   return c;
 }
 
+BlockPlaces places_of_blocks(const Model& m) {
+  return {m.is_small ? nullptr : m.frames.frame.data(), m.nodes.x.data(), m.bodies.data()};
+}
+
 void contact_kinematics(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
   rigid_jumps(chunk.pairs, m.bodies.data(), rigid_columns(f));
-  gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, m.is_small ? nullptr : m.frames.frame.data(), m.nodes.x.data(),
-                  gridpoint_columns(f, chunk));
+  gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, places_of_blocks(m), gridpoint_columns(f, chunk));
   facet_jumps(chunk.facets, axes.triangles, m.nodes.x.data(), facet_columns(f), m.is_small);
   for (OtherPoint& other : chunk.others) {
     const uint32_t i = other.index;
@@ -112,8 +116,8 @@ void contact_forces(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
   chunk.call.damping = 0.0;
   if (m.damping.of_contacts()) viscous_tractions(m, f, chunk);
   rigid_forces(chunk.pairs, m.bodies.data(), rigid_columns(f));
-  gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, gridpoint_columns(f, chunk), m.chunks.rows.data(),
-                   m.is_small ? nullptr : chunk.pair_moments.data());
+  gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, places_of_blocks(m), gridpoint_columns(f, chunk),
+                   m.chunks.rows.data());
   facet_forces(chunk.facets, axes.triangles, facet_columns(f), m.chunks.rows.data());
   for (OtherPoint& other : chunk.others) {
     const uint32_t i = other.index;

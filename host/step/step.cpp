@@ -63,7 +63,7 @@ void each_chunk(Simulation::Impl& s, const Work& work) {
   const auto before = s.timing.now_if_timed();
   const double evaluating = s.ranks ? processor_seconds() : 0.0;
   auto chunk = [&](int thread, int k) {
-    work(thread, s.division.share.chunks[static_cast<std::size_t>(k)], s.timing.started_clock(thread));
+    work(thread, s.division.chunk_order[static_cast<std::size_t>(k)], s.timing.started_clock(thread));
   };
   s.pool.for_each(s.division.chunk_end, chunk);
   if (s.ranks) s.rank_load.traffic.own_seconds += processor_seconds() - evaluating;

@@ -21,6 +21,25 @@ Vec3 place_in_large_motion(const Simulation::Impl& s, int block) {
                                          : position_of(*s.large_motion, block));
 }
 
+// Own chunks along the items whose gridpoints their points read, so that a thread finds most of what it reads in its
+// own cache: with the order of the families one thread would have all joints within units.
+std::vector<int> chunks_along_items(const Simulation::Impl& s) {
+  std::vector<int> place(s.division.item_cost.size(), -1);
+  const std::vector<int>& items = s.division.share.items;
+  for (std::size_t k = 0; k < items.size(); ++k) place[at(items[k])] = static_cast<int>(k);
+  std::vector<double> mean(s.division.chunk_cost.size(), 0.0);
+  for (const int chunk : s.division.share.chunks) {
+    double sum = 0.0, count = 0.0;
+    each_item_of_chunk(s, chunk, [&](int item) {
+      if (place[at(item)] >= 0) sum += place[at(item)], count += 1.0;
+    });
+    mean[at(chunk)] = sum / count;  // an own chunk touches an own item
+  }
+  std::vector<int> order = s.division.share.chunks;
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return mean[at(a)] < mean[at(b)]; });
+  return order;
+}
+
 // Binds halo, scratch and the threads' shares to the share of this rank.
 void bind_work(Simulation::Impl& s) {
   bind_halo(s);
@@ -30,7 +49,8 @@ void bind_work(Simulation::Impl& s) {
     for (const int i : pieces) weight.push_back(cost[at(i)]);
     return shares(weight, s.pool.thread_count());
   };
-  s.division.chunk_end = ends(s.division.share.chunks, s.division.chunk_cost);
+  s.division.chunk_order = chunks_along_items(s);
+  s.division.chunk_end = ends(s.division.chunk_order, s.division.chunk_cost);
   s.division.border_end =
       ends(std::span(s.division.share.items).first(s.division.share.border_items), s.division.item_cost);
   s.division.item_end =

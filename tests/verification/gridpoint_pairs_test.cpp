@@ -1,17 +1,28 @@
-// Contact points between gridpoints of both blocks, with axes that rotate with the co-rotational frame of block a
-// (host/step/gridpoint_kernels.h).
+// Contact points between gridpoints of both blocks, or of block a and a rigid block b, with axes that rotate with the
+// co-rotational frame of block a (host/step/gridpoint_kernels.h).
 #include "../momentum.h"
 #include "support.h"
 
 namespace quoin::verification {
 namespace {
 
-enum class Zones { same, own };
+enum class Row { of_one_mesh, of_unlike_meshes, rigid_end };
 
-// Returns three bricks in a row along x, with joints of low shear stiffness. Zones::own: their zones differ.
-Scene row_of_bricks(Zones zones) {
+std::string name_of(Row row) {
+  if (row == Row::of_one_mesh) return "bricks of one mesh";
+  return row == Row::of_unlike_meshes ? "bricks of unlike meshes" : "bricks, the last one rigid,";
+}
+
+// Returns three bricks in a row along x, with joints of low shear stiffness.
+Scene row_of_bricks(Row row) {
   Scene scene(elastic_joint(1e8, 1e6), 2000, 1e10, 0.2);
-  for (int i = 0; i < 3; ++i) scene.soft({0.2 * i, 0.0, 0.0}, {0.2, 0.2, 0.2}, {zones == Zones::own ? 1 + i : 2, 2, 2});
+  for (int i = 0; i < 3; ++i) {
+    const Vector lower{0.2 * i, 0.0, 0.0}, size{0.2, 0.2, 0.2};
+    if (row == Row::rigid_end && i == 2)
+      scene.brick(lower, size);
+    else
+      scene.soft(lower, size, {row == Row::of_unlike_meshes ? 1 + i : 2, 2, 2});
+  }
   scene.assembly.contact.small_displacement = 1e-9;
   scene.assembly.contact.joint_motion = 10.0;  // no contact detection during the run
   return scene;
@@ -30,9 +41,9 @@ int points_on_gridpoints(const Model& m) {
 // The middle brick slides by a third of its side while all bricks rotate. Gridpoints are then far from those of the
 // other side. Without a moment on the frame of block a angular momentum would change by slip times force.
 TEST(PointsOnGridpoints, KeepMomentaAndEnergyHoweverFarTheySlide) {
-  for (const Zones zones : {Zones::same, Zones::own}) {
-    const std::string what = zones == Zones::same ? "bricks of one mesh" : "bricks of unlike meshes";
-    auto m = row_of_bricks(zones).model(undamped(0.5));
+  for (const Row row : {Row::of_one_mesh, Row::of_unlike_meshes, Row::rigid_end}) {
+    const std::string what = name_of(row);
+    auto m = row_of_bricks(row).model(undamped(0.5));
     EXPECT_EQ(points_on_gridpoints(*m), 2 * 9) << what;
     for (int i = 0; i < 3; ++i) {
       const Vector spin{3.0, -2.0, 4.0}, slide{0.0, i == 1 ? 4.0 : -2.0, i == 1 ? 2.0 : -1.0};

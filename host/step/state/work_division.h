@@ -14,6 +14,7 @@ namespace quoin {
 struct WorkDivision {
   std::vector<double> item_cost, chunk_cost;  // of all ranks, any unit; item_cost excludes contact points
   RankShare share;
+  std::vector<int> chunk_order;                      // chunks of `share` in the order in which threads divide them
   std::vector<int> chunk_end, border_end, item_end;  // end of each thread's share in `share`
   std::vector<int> unit_of_group;                    // item of each block group
   std::vector<int> item_by_block;                    // item of each block in large motion; -1: none
