@@ -35,7 +35,7 @@ inline constexpr bool kSparse = true;
 #endif
 
 // Set with ranks: the system then supplies the memory of large arrays, by small pages. A single process writes to all
-// of its arrays, and the memory of `new` is used again: new pages at each detection cost a tenth of a step.
+// of its arrays. The memory of `new` is used again, while new pages at each detection cost a tenth of a step.
 inline std::atomic<bool> sparse_memory_wanted = false;
 
 // Allocator of zeroed memory, aligned to a cache line.

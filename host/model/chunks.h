@@ -25,8 +25,8 @@ struct RigidPair {
   Vector force, moment_a, moment_b;  // force on a, N; moments on a and on b about their centres, N m
 };
 
-// Consecutive contact points of one pair that lie on gridpoints of a deformable block a, and on gridpoints of b or on a
-// rigid block b. Axes turn with the frame of block a.
+// Consecutive contact points of one pair that lie on gridpoints of a deformable block a. Block b is rigid, or they lie
+// on its gridpoints too. Axes turn with the frame of block a.
 struct GridpointPair {
   int32_t a, b;           // blocks
   int32_t body_b;         // body of b; -1: b is deformable
@@ -110,8 +110,8 @@ inline constexpr uint32_t kChunk = 256;
 struct Chunks {
   std::vector<Chunk> all;  // chunks; those that other ranks evaluate have no points bound
   std::vector<int> own;    // chunks that this process evaluates
-  // Forces of a step in own chunks: one row for a point on gridpoints, and those of GridpointPair::sums; three for a
-  // point on a triangle. The last row is zero.
+  // Forces of a step in own chunks: one row for a point on gridpoints, three for a point on a triangle. Those of
+  // GridpointPair::sums follow. The last row is zero.
   LaneVector<FacetRow> rows;
   long divisions = 0;  // number of divisions of the work so far
 };

@@ -151,7 +151,7 @@ NextCheck check_all(const World& w, size_t count, const Check& check) {
                          [](NextCheck sum, const NextCheck& x) { return sum += x; });
 }
 
-// Motion of a deformable block costs more than the rest of a check, and each block is in several pairs: it is computed
+// Motion of a deformable block costs more than the rest of a check, and each block is in several pairs. It is computed
 // once, for the blocks of all pairs that are due.
 NextCheck check_pairs(World& w) {
   const auto is_due = [&](size_t i) {

@@ -177,7 +177,7 @@ void divide_blocks(World& w) {
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
   divide(fixed, Piece::Kind::rigid);  // fixed blocks are mostly at rest, so their pieces are at rest as a whole
-  w.pieces.wants_look.assign(w.pieces.all.size(), 0);
+  w.pieces.needs_check.assign(w.pieces.all.size(), 0);
   w.pieces.in_frame.assign(w.blocks.size(), 0);
   for (const Piece& piece : w.pieces.all) {
     for (const int32_t i : w.pieces.blocks_of(piece)) w.pieces.in_frame[size_t(i)] = piece.in_frame();

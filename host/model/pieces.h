@@ -85,8 +85,8 @@ struct Pieces {
   // steps update together.
   LaneVector<double> motion;
   bool motion_is_old = true;  // whether gridpoints have moved, or their velocities changed, outside of steps since then
-  // By piece: whether the last step has left a block of it that must be looked at (end_step). Of own pieces.
-  std::vector<uint8_t> wants_look;
+  // By piece: whether end_step must check its blocks, as the last step has found something unusual. Of own pieces.
+  std::vector<uint8_t> needs_check;
   std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
   std::vector<int> held_changed;       // deformable blocks whose supports changed since the last step
   bool any_held_changed = false;       // whether supports of any gridpoint have changed

@@ -44,8 +44,8 @@ struct ByBlock {
     return std::span(touch).subspan(first, end[size_t(block)] - first);
   }
 };
-// Row of a pair on gridpoints: of the moment on the frame of its block a, or of the force on its rigid block b, which
-// that of the moment follows.
+// Row of a pair on gridpoints: of the moment on the frame of its block a, or of the force on its rigid block b. The row
+// of the moment on b follows.
 using RowTouch = uint32_t;
 
 // One side of a pair of rigid blocks.

@@ -204,7 +204,7 @@ void receive_motion(Simulation::Impl& s, bool measure_step) {
   if (s.large_motion)
     s.agreed.failed =
         agree(s, s.large_motion->in_trouble(s.division.share.chunks, s.division.share.items), &deviates, &leaves);
-  if (deviates || leaves) s.large_motion->look_at_blocks();
+  if (deviates || leaves) s.large_motion->check_all_blocks();
   if (s.large_motion && s.parts.divided) {
     if (deviates) s.large_motion->mark_deviation();
     if (measure_step)

@@ -2,9 +2,9 @@
 // Highway and chosen at run time.
 //
 // The axes e_k = R_a E_k turn with the frame of block a (deformable_kernels.h). d is the vector from the gridpoint of a
-// to that of b, or to the place x_b + R_b arm of the point on a rigid block b. The opening is e_n . d less the
+// to that of b. On a rigid block b it leads to the place x_b + R_b arm of the point. The opening is e_n . d less the
 // reference; slip increments are the changes of e_s . d and e_t . d in a step. The force f = A (sigma e_n + tau_s e_s +
-// tau_t e_t) acts on both of these. R_a is a function of the corners of a. So the work of f on changes of d in turning
+// tau_t e_t) acts at both ends of d. R_a is a function of the corners of a. So the work of f on changes of d in turning
 // axes also needs the moment d x f on the frame of a. With it forces, moments and energy balance to rounding at any
 // slip.
 #pragma once
@@ -37,8 +37,8 @@ struct BlockPlaces {
 void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockPlaces& places,
                      const GridpointColumns& columns);
 
-// Writes the forces on block a into the rows of the points, and the moments on its frame and the resultants on a rigid
-// block b into the rows of sums. Where axes stay as at the start there are no moments on frames.
+// Writes the forces on block a into the rows of the points. The rows of sums get the moments on its frame and the
+// resultants on a rigid block b. Where axes stay as at the start there are no moments on frames.
 void gridpoint_forces(std::span<const GridpointPair> pairs, const PairAxes* axes, const BlockPlaces& places,
                       const GridpointColumns& columns, FacetRow* rows);
 

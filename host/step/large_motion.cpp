@@ -148,7 +148,7 @@ bool Model::end_step() {
   if (measured) sum_up(*this);
   stepping.time += stepping.dt;
   ++stepping.count;
-  if (std::ranges::find(pieces.wants_look, 1) != pieces.wants_look.end()) {
+  if (std::ranges::find(pieces.needs_check, 1) != pieces.needs_check.end()) {
     watch(*this);
     leave_frames(*this);
   }

@@ -44,8 +44,10 @@ struct Model : World {
   bool end_step();
   // Viscosity of joints and zones by impact damping.
   ImpactDamping impact_damping() const;
-  void mark_deviation() { checks.any_deviates = true; }                      // for a block of another rank
-  void look_at_blocks() { pieces.wants_look.assign(pieces.all.size(), 1); }  // in end_step: for blocks of other ranks
+  void mark_deviation() { checks.any_deviates = true; }  // for a block of another rank
+  void check_all_blocks() {
+    pieces.needs_check.assign(pieces.all.size(), 1);
+  }  // in end_step: for blocks of other ranks
   void find_contacts();
   void run(double duration);  // s
 

@@ -379,7 +379,7 @@ void Model::advance_piece(int index, PhaseClock* clock) {
     advance_bodies(*this, pieces.blocks_of(piece), clock);
   else
     advance_deformable(*this, piece, clock);
-  pieces.wants_look[size_t(index)] = std::ranges::any_of(pieces.blocks_of(piece), [&](int32_t block) {
+  pieces.needs_check[size_t(index)] = std::ranges::any_of(pieces.blocks_of(piece), [&](int32_t block) {
     const BlockSums& sums = step_sums.of_block[size_t(block)];
     return !std::isfinite(sums.positions) || sums.deviates || (piece.in_frame() && has_deformed_too_much(*this, block));
   });

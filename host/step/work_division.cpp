@@ -21,8 +21,8 @@ Vec3 place_in_large_motion(const Simulation::Impl& s, int block) {
                                          : position_of(*s.large_motion, block));
 }
 
-// Own chunks along the items whose gridpoints their points read, so that a thread finds most of what it reads in its
-// own cache: with the order of the families one thread would have all joints within units.
+// Own chunks, in the order of the items whose gridpoints their points read. A thread then finds most of these in its
+// own cache. In the order of families one thread would have all joints within units.
 std::vector<int> chunks_along_items(const Simulation::Impl& s) {
   std::vector<int> place(s.division.item_cost.size(), -1);
   const std::vector<int>& items = s.division.share.items;

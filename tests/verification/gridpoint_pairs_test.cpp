@@ -1,4 +1,4 @@
-// Contact points between gridpoints of both blocks, or of block a and a rigid block b, with axes that rotate with the
+// Contact points between gridpoints of both blocks, or of block a and a rigid block b. Their axes rotate with the
 // co-rotational frame of block a (host/step/gridpoint_kernels.h).
 #include "../momentum.h"
 #include "support.h"
