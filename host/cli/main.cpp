@@ -172,7 +172,7 @@ int run_command(int argc, char** argv) {
   return exit_code;
 }
 
-// Keeps freed memory up to this many bytes. Each contact detection frees and allocates some megabytes: given back, they
+// Keeps up to kKept bytes of freed memory. Each contact detection frees and allocates some megabytes: given back, they
 // come as new pages, which the system clears.
 void keep_freed_memory() {
 #ifdef __GLIBC__

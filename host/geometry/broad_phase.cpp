@@ -102,13 +102,8 @@ std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
       pairs.push_back({std::min(i, l), std::max(i, l)});
     }
   }
+  sort_by_key(pairs, n, [](const Pair& p) { return p.b; });
   sort_by_key(pairs, n, [](const Pair& p) { return p.a; });
-  for (size_t begin = 0; begin < pairs.size();) {
-    size_t end = begin;
-    while (end < pairs.size() && pairs[end].a == pairs[begin].a) ++end;
-    std::sort(pairs.begin() + ptrdiff_t(begin), pairs.begin() + ptrdiff_t(end));
-    begin = end;
-  }
   return pairs;
 }
 

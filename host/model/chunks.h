@@ -43,7 +43,7 @@ struct PairAxes {
   double axis[3][4];
 };
 
-// Contact point with one deformable side and not on a gridpoint of it. All but its index is of the last step.
+// Contact point with one deformable side that is in no GridpointPair. All but its index is of the last step.
 struct OtherPoint {
   uint32_t index;           // of the family
   ShapeGradients gradient;  // of the shape functions of a's triangle; in small displacements at rest

@@ -45,9 +45,8 @@ struct Model : World {
   // Viscosity of joints and zones by impact damping.
   ImpactDamping impact_damping() const;
   void mark_deviation() { checks.any_deviates = true; }  // for a block of another rank
-  void check_all_blocks() {
-    pieces.needs_check.assign(pieces.all.size(), 1);
-  }  // in end_step: for blocks of other ranks
+  // Lets end_step check blocks of other ranks too.
+  void check_all_blocks() { pieces.needs_check.assign(pieces.all.size(), 1); }
   void find_contacts();
   void run(double duration);  // s
 
