@@ -69,7 +69,7 @@ void leave_frames_of_deformed(World& w) {
   for (int i = 0; i < w.block_count(); ++i) {
     const ModelBlock& b = w.blocks[size_t(i)];
     if (b.body < 0 && may_have_frame(w, i) && deformation(w, i) > kLargestDeformation * b.least_extent)
-      w.frames.by_zone[size_t(i)] = 1;
+      w.frames.by_zone[size_t(i)] = 1, w.pieces.are_old = true;
   }
 }
 

@@ -19,6 +19,7 @@ void find_units(World& w) {
       blocks_of[w.assembly.blocks[size_t(i)].unit].push_back(i);
   }
   w.units.other_half.assign(w.blocks.size(), -1), w.units.apart.assign(w.blocks.size(), 0);
+  w.units.joint.assign(w.blocks.size(), 0);
   for (const auto& [unit, blocks] : blocks_of) {
     if (blocks.size() != 2) continue;
     w.units.other_half[size_t(blocks[0])] = blocks[1];
@@ -98,11 +99,14 @@ namespace {
 // then each half moves by less than a quarter of the way (motion_checks.cpp). They also do while the joint's secant
 // stiffness, sigma over opening, is more than 1/s_u of kn. Without the added inertia it would then vibrate faster than
 // a closed joint does with it. Halves that are apart join at half of the opening at which they separate.
-bool are_together(const World& w, int a, int b) {
+bool are_together(World& w, int a, int b) {
+  const std::vector<Contact>& list = w.contacts.list;
   const Pair pair{a, b};
-  const auto c = std::lower_bound(w.contacts.list.begin(), w.contacts.list.end(), pair,
-                                  [](const Contact& contact, const Pair& p) { return contact.pair < p; });
-  if (c == w.contacts.list.end() || pair < c->pair || c->count == 0) return false;
+  size_t& joint = w.units.joint[size_t(a)];
+  if (joint >= list.size() || list[joint].pair != pair)  // contacts have changed
+    joint = size_t(std::ranges::lower_bound(list, pair, {}, &Contact::pair) - list.begin());
+  if (joint == list.size() || list[joint].pair != pair || list[joint].count == 0) return false;
+  const Contact* const c = &list[joint];
   const Family& f = w.contacts.families[size_t(c->family)];
   const double way = (w.units.apart[size_t(a)] ? 1.0 : 2.0) * detection_fraction(w) * w.detection.size;
   for (uint32_t p = c->first; p < c->first + c->count; ++p) {
@@ -120,17 +124,19 @@ bool are_together(const World& w, int a, int b) {
 // - 1)/2 v . M (P_b - P_u) v, is booked.
 void part_units(World& w) {
   if (w.stepping.count < w.checks.next || !splits_motion(w)) return;
-  std::vector<double> freed(w.blocks.size(), std::nan(""));  // by the first half of units that separate or join, J
-  bool changed = false;
+  std::vector<int> changed;  // first halves of units that separate or join
   for (int a = 0; a < w.block_count(); ++a) {
     const int b = w.units.other_half[size_t(a)];
-    if (b < a || !w.part.owns(a) || are_together(w, a, b) != bool(w.units.apart[size_t(a)])) continue;
+    if (b > a && w.part.owns(a) && are_together(w, a, b) == bool(w.units.apart[size_t(a)])) changed.push_back(a);
+  }
+  if (!w.part.any(!changed.empty())) return;
+  std::vector<double> freed(w.blocks.size(), std::nan(""));  // by these halves, J
+  for (const int a : changed) {
+    const int b = w.units.other_half[size_t(a)];
     const double added =
         rigid_kinetic_energy(w, {{a, b}, 2}) - rigid_kinetic_energy(w, {{a}, 1}) - rigid_kinetic_energy(w, {{b}, 1});
     freed[size_t(a)] = w.units.apart[size_t(a)] ? -added : added;
-    changed = true;
   }
-  if (!w.part.any(changed)) return;
   w.part.gather_by_block(freed);
   std::vector<int> here;
   for (int a = 0; a < w.block_count(); ++a) {
@@ -143,6 +149,7 @@ void part_units(World& w) {
   }
   w.part.fetch();
   take_back_facets(w);
+  w.pieces.are_old = true;
   divide_work(w);
   if (w.solver.unit_inertia != 1.0 && w.part.any(shorten_step(w, here))) find_time_step(w);
 }

@@ -26,6 +26,7 @@ struct Unit {
 struct Units {
   std::vector<int32_t> other_half;  // by block; -1: the block is no half
   std::vector<uint8_t> apart;       // by block: 1 where nothing holds it and its other half together
+  std::vector<size_t> joint;        // by first half: index of the halves' joint in Contacts::list at the last search
   int count = 0;                    // number of units of two halves that hold together
 
   enum class Halves : uint8_t { together, also_apart };

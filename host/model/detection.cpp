@@ -27,6 +27,8 @@ constexpr double preference_fraction = 1e-4;
 // growth at most.
 constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 
+constexpr size_t kPairsAPart = 256;  // of the work of one thread at a time
+
 struct Detection {
   bool at_start;
   std::vector<Contact> contacts;  // in the order of the pairs
@@ -40,7 +42,8 @@ struct Detection {
 std::vector<Pair> close_pairs(World& w, bool everything) {
   bool stale = everything;
   for (size_t i = 0; i < w.blocks.size() && !stale; ++i)
-    stale = w.part.owns(int(i)) && motion_since_broad_phase(w, int(i)) > kMostlyUsed * kOfSkin * w.detection.skin;
+    stale = w.part.owns(int(i)) &&
+            motion_since_broad_phase(w, int(i), pose(w, int(i))) > kMostlyUsed * kOfSkin * w.detection.skin;
   std::vector<Pair> pairs;
   if (!w.part.any(stale)) {
     for (const Contact& c : w.contacts.list) pairs.push_back(c.pair);
@@ -150,7 +153,6 @@ void keep_contacts(World& w, const std::vector<Pair>& pairs, Detection& found) {
 
 // Narrow phase of own pairs that are new or have moved enough; others keep their points.
 void narrow_phase(World& w, bool everything, Detection& found) {
-  constexpr size_t kPairsAPart = 256;  // of the work of one thread at a time
   std::vector<std::vector<NewPoint>> points((found.contacts.size() + kPairsAPart - 1) / kPairsAPart);
   each_part(w.pool, found.contacts.size(), kPairsAPart, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -237,8 +239,15 @@ PointsBefore number_points(World& w, Detection& found) {
     if (finding.fresh || c.count == 0 || !w.part.owns(c.pair)) return;
     keep_on(kept[family], finding.first, c.first, c.count);
     keep_on(kept_facets[family], finding.first_facet, c.first_facet, of_contact);
-    for (uint32_t i = finding.first; i < finding.first + c.count; ++i)
-      move_facets(w.contacts.families[family].point[i], c.first_facet, finding.first_facet);
+  });
+  each_part(w.pool, found.contacts.size(), kPairsAPart, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      const Contact& c = found.contacts[k];
+      const Finding& finding = found.findings[k];
+      if (c.family < 0 || finding.fresh || c.first_facet == finding.first_facet || !w.part.owns(c.pair)) continue;
+      for (uint32_t i = finding.first; i < finding.first + c.count; ++i)
+        move_facets(w.contacts.families[size_t(c.family)].point[i], c.first_facet, finding.first_facet);
+    }
   });
   for (size_t k = 0; k < kept.size(); ++k) keep_points(w, w.contacts.families[k], kept[k], points[k]);
   std::vector<KeptItems> all_kept;

@@ -9,8 +9,8 @@
 #include "model/motion_checks.h"
 
 #include <algorithm>
-#include <atomic>
 #include <numeric>
+#include <utility>
 
 #include "model/block_layout.h"
 #include "model/world.h"
@@ -36,11 +36,9 @@ double pair_motion(const World& w, const Contact& c, const PairPlace& place, con
   return norm(shift) + angle * lever_of(w, c, norm(b.x - a.x));
 }
 
-double motion_since_broad_phase(const World& w, int block) {
-  const ModelBlock& b = w.blocks[block];
-  const auto [x, r] = pose(w, block);
+double motion_since_broad_phase(const World& w, int block, const Pose& now) {
   const Pose& broad = w.poses.broad[size_t(block)];
-  return norm(x - broad.x) + angle_between(r, broad.r) * b.radius;
+  return norm(now.x - broad.x) + angle_between(now.r, broad.r) * w.blocks[size_t(block)].radius;
 }
 
 double detection_fraction(const World& w) {
@@ -105,19 +103,18 @@ long step_of_gridpoints(const World& w, double left, double speed) {
 // Checks a block's motion since the last broad phase; sets the step of its next check. In small displacements the
 // motion since the start is limited. So no block comes near others that are not its neighbours, and constant frames
 // still have the right direction.
-bool check_block_motion(const World& w, int i, long& step) {
+bool check_block_motion(const World& w, int i, const CheckedMotion& now, long& step) {
   const ModelBlock& b = w.blocks[size_t(i)];
   double moved, turned = 0.0;
   if (w.is_small) {
-    const auto [x, r] = pose(w, i);
     const Pose& start = w.poses.start[size_t(i)];
-    moved = norm(x - start.x), turned = angle_between(r, start.r);
+    moved = norm(now.pose.x - start.x), turned = angle_between(now.pose.r, start.r);
   } else {
-    moved = motion_since_broad_phase(w, i);
+    moved = motion_since_broad_phase(w, i, now.pose);
   }
   const double way = kOfSkin * w.detection.skin;
   if (b.body < 0) {
-    step = step_of_gridpoints(w, way - moved, checked_motion(w, i).speed);
+    step = step_of_gridpoints(w, way - moved, now.speed);
   } else {
     const AssumedMotion& assumed = w.checks.assumed[size_t(b.body)];
     const double spin = norm(assumed.omega) + assumed.tolerated / b.radius;
@@ -137,60 +134,77 @@ struct NextCheck {
   }
 };
 
-constexpr size_t kChecksAPart = 512;  // of the work of one thread at a time
+// Own blocks and pairs whose check is due, and the motion of their blocks. Each block is in several pairs, and its
+// motion costs more than the rest of a check, so it is computed once.
+struct DueChecks {
+  std::vector<int32_t> blocks;
+  std::vector<uint32_t> pairs;
+  std::vector<int32_t> moving;     // blocks of either list
+  std::vector<uint8_t> is_moving;  // by block
+  LaneVector<CheckedMotion> motion;
+  long next_of_others;  // earliest step of the checks that are not due
 
-// check(i, result) for each of `count` blocks or pairs.
-template <class Check>
-NextCheck check_all(const World& w, size_t count, const Check& check) {
+  void list(const World& w) {
+    blocks.clear(), pairs.clear(), moving.clear();
+    is_moving.assign(w.blocks.size(), 0), motion.resize(w.blocks.size());
+    next_of_others = w.stepping.count + kMostSteps;
+    const auto is_due = [&](bool of_block, long step) {
+      const bool due = of_block || step <= w.stepping.count;
+      if (!due) next_of_others = std::min(next_of_others, step);
+      return due;
+    };
+    const auto move = [&](int32_t block) {
+      if (!std::exchange(is_moving[size_t(block)], 1)) moving.push_back(block);
+    };
+    for (int32_t i = 0; i < w.block_count(); ++i) {
+      if (w.part.owns(i) && is_due(w.checks.due[size_t(i)], w.checks.block[size_t(i)])) blocks.push_back(i), move(i);
+    }
+    for (uint32_t i = 0; i < w.checks.pair.size(); ++i) {
+      const PairCheck& check = w.checks.pair[i];
+      if (!w.part.owns(w.contacts.list[i].pair)) continue;
+      if (is_due(w.checks.due[size_t(check.a)] || w.checks.due[size_t(check.b)], check.step))
+        pairs.push_back(i), move(check.a), move(check.b);
+    }
+  }
+};
+
+constexpr size_t kChecksAPart = 128;  // of the work of one thread at a time
+
+// check(i, step) for each i of the list; returns whether the motion is past its bound, and sets the step of the next
+// check.
+template <class Index, class Check>
+NextCheck check_all(const World& w, std::span<const Index> list, const Check& check) {
   const NextCheck none{false, w.stepping.count + kMostSteps};
-  std::vector<NextCheck> of_part(count / kChecksAPart + 1, none);
-  each_part(w.pool, count, kChecksAPart, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) check(i, of_part[begin / kChecksAPart]);
+  std::vector<NextCheck> of_part(list.size() / kChecksAPart + 1, none);
+  each_part(w.pool, list.size(), kChecksAPart, [&](size_t begin, size_t end) {
+    for (const Index i : list.subspan(begin, end - begin)) of_part[begin / kChecksAPart] += check(size_t(i));
   });
   return std::accumulate(of_part.begin(), of_part.end(), none,
                          [](NextCheck sum, const NextCheck& x) { return sum += x; });
 }
 
-// Motion of a deformable block costs more than the rest of a check, and each block is in several pairs. It is computed
-// once, for the blocks of all pairs that are due.
-NextCheck check_pairs(World& w) {
-  const auto is_due = [&](size_t i) {
-    const PairCheck& check = w.checks.pair[i];
-    return w.part.owns(w.contacts.list[i].pair) &&
-           (w.checks.due[size_t(check.a)] || w.checks.due[size_t(check.b)] || check.step <= w.stepping.count);
-  };
-  thread_local std::vector<uint8_t> kept_wanted;
-  thread_local LaneVector<CheckedMotion> kept_motion;
-  std::vector<uint8_t>& wanted = kept_wanted;  // as other threads have vectors of their own
-  LaneVector<CheckedMotion>& motion = kept_motion;
-  wanted.assign(w.blocks.size(), 0), motion.resize(w.blocks.size());
-  if (!w.nodes.x.empty()) {
-    each_part(w.pool, w.contacts.list.size(), kChecksAPart, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        if (!is_due(i)) continue;
-        const Pair& pair = w.contacts.list[i].pair;
-        for (const int block : {pair.a, pair.b})
-          std::atomic_ref(wanted[size_t(block)]).store(1, std::memory_order_relaxed);
-      }
-    });
-    each_part(w.pool, w.blocks.size(), kChecksAPart, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        if (wanted[i] && w.blocks[i].body < 0) motion[i] = checked_motion(w, int(i));
-      }
-    });
-  }
-  const auto motion_of = [&](int block) {
-    return w.blocks[size_t(block)].body < 0 ? motion[size_t(block)] : checked_motion(w, block);
-  };
-  return check_all(w, w.contacts.list.size(), [&](size_t i, NextCheck& next) {
-    const Contact& c = w.contacts.list[i];
-    if (!w.part.owns(c.pair)) return;
-    PairCheck& check = w.checks.pair[i];
-    if (is_due(i)) {
-      next.moved |= check_pair_motion(w, c, w.contacts.place[i], motion_of(c.pair.a), motion_of(c.pair.b), check);
-    }
-    next.step = std::min(next.step, check.step);
+NextCheck check_due(World& w) {
+  thread_local DueChecks kept;
+  DueChecks& due = kept;  // as other threads have lists of their own
+  due.list(w);
+  each_part(w.pool, due.moving.size(), kChecksAPart, [&](size_t begin, size_t end) {
+    for (const int32_t i : std::span(due.moving).subspan(begin, end - begin))
+      due.motion[size_t(i)] = checked_motion(w, i);
   });
+  NextCheck found{false, due.next_of_others};
+  found += check_all(w, std::span<const int32_t>(due.blocks), [&](size_t i) {
+    long& step = w.checks.block[i];
+    const bool moved = check_block_motion(w, int(i), due.motion[i], step);
+    return NextCheck{moved, step};
+  });
+  found += check_all(w, std::span<const uint32_t>(due.pairs), [&](size_t i) {
+    const Contact& c = w.contacts.list[i];
+    PairCheck& check = w.checks.pair[i];
+    const bool moved =
+        check_pair_motion(w, c, w.contacts.place[i], due.motion[size_t(c.pair.a)], due.motion[size_t(c.pair.b)], check);
+    return NextCheck{moved, check.step};
+  });
+  return found;
 }
 
 }  // namespace
@@ -210,13 +224,7 @@ bool moved_enough(World& w) {
   w.checks.any_deviates = false;
 
   w.checks.block.resize(w.blocks.size(), 0);
-  NextCheck found = check_all(w, w.blocks.size(), [&](size_t i, NextCheck& next) {
-    if (!w.part.owns(int(i))) return;
-    long& step = w.checks.block[i];
-    if (w.checks.due[i] || step <= w.stepping.count) next.moved |= check_block_motion(w, int(i), step);
-    next.step = std::min(next.step, step);
-  });
-  found += check_pairs(w);
+  const NextCheck found = check_due(w);
   bool moved = found.moved;
   w.checks.next = found.step;
   if (w.part.ranks) {

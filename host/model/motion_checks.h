@@ -53,8 +53,9 @@ bool moved_enough(World& w);
 // allowed_motion is its bound, beyond which the pair is detected again.
 double pair_motion(const World& w, const Contact& c, const PairPlace& place, const Pose& a, const Pose& b);
 double allowed_motion(const World& w, const Contact& c, const PairPlace& place);
-double detection_fraction(const World& w);                   // share of a block's least extent
-double motion_since_broad_phase(const World& w, int block);  // translation plus rotation times radius, m
+double detection_fraction(const World& w);  // share of a block's least extent
+// Translation plus rotation times radius, m.
+double motion_since_broad_phase(const World& w, int block, const Pose& now);
 // Pose of a block at a check, and an upper bound of the speed of its parts. The bound is twice the fastest corner's
 // speed; for rigid bodies, twice the larger one of |v| and |omega| radius.
 struct CheckedMotion {

@@ -73,17 +73,16 @@ RowLine line_without_rows(const World& w) {
 
 // Lists the points of a group by gridpoint: first those on the sides of blocks b, then those of blocks a. And the
 // moments on the frames of blocks a.
-void list_lines(World& w, std::span<const int32_t> blocks, int node_count, Piece::Range& range, Piece::Range& moments) {
-  moments.first = uint32_t(w.pieces.moments.size());
+void list_lines(const World& w, std::span<const int32_t> blocks, int node_count, std::vector<GridpointLine>& lines,
+                std::vector<RowLine>& moments) {
+  lines.clear(), moments.clear();
   for (size_t l = 0; l < blocks.size(); ++l) {
-    size_t line = moments.first;
+    size_t line = 0;
     for (const RowTouch row : w.sides.moment.of(blocks[l])) {
-      if (line == w.pieces.moments.size()) w.pieces.moments.push_back(line_without_rows(w));
-      w.pieces.moments[line++][l] = row;
+      if (line == moments.size()) moments.push_back(line_without_rows(w));
+      moments[line++][l] = row;
     }
   }
-  moments.end = uint32_t(w.pieces.moments.size());
-  range.first = uint32_t(w.pieces.lines.size());
   std::vector<uint32_t> used(size_t(node_count), 0), next = used;
   for (const bool side_a : {false, true}) {
     const auto& sides = side_a ? w.sides.owner_gridpoint : w.sides.gridpoint;
@@ -96,18 +95,17 @@ void list_lines(World& w, std::span<const int32_t> blocks, int node_count, Piece
       }
     }
     for (int32_t node = 0; node < node_count; ++node) {
-      const uint32_t count = std::exchange(next[size_t(node)], uint32_t(w.pieces.lines.size()));
-      w.pieces.lines.resize(w.pieces.lines.size() + count, {node, side_a, line_without_rows(w)});
+      const uint32_t count = std::exchange(next[size_t(node)], uint32_t(lines.size()));
+      lines.resize(lines.size() + count, {node, side_a, line_without_rows(w)});
     }
     for (size_t l = 0; l < blocks.size(); ++l) {
       std::fill(used.begin(), used.end(), 0);
       for (const GridpointTouch& touch : sides.of(blocks[l])) {
         const size_t node = size_t(touch.node);
-        w.pieces.lines[next[node] + used[node]++].row[l] = touch.row;
+        lines[next[node] + used[node]++].row[l] = touch.row;
       }
     }
   }
-  range.end = uint32_t(w.pieces.lines.size());
 }
 
 }  // namespace
@@ -184,8 +182,11 @@ void divide_blocks(World& w) {
   }
 }
 
-void bind_pieces(World& w) {
-  w.pieces.columns.clear(), w.pieces.held_changed.clear(), w.pieces.lines.clear(), w.pieces.moments.clear();
+namespace {
+
+// Binds pieces to columns, and to the memory of positions and velocities.
+void bind_columns_of_pieces(World& w) {
+  w.pieces.columns.clear(), w.pieces.held_changed.clear();
   w.pieces.shared_columns.assign(2 * w.zones.congruent.size(), Piece::kNoColumns);
   w.pieces.any_held_changed = false;
   w.pieces.of_block.assign(w.blocks.size(), -1);
@@ -196,21 +197,32 @@ void bind_pieces(World& w) {
     fill_columns(w, piece);
     for (const int32_t block : w.pieces.blocks_of(piece))
       w.pieces.of_block[size_t(block)] = int32_t(&piece - w.pieces.all.data());
-    if (!piece.in_frame()) continue;
+    for (size_t group = 0; piece.kind == Piece::Kind::congruent && group < piece.group_count(); ++group)
+      piece.motion[group] = std::exchange(motion, motion + 2 * size_t(most_gridpoints(w, piece)) * kLine);
+  }
+  w.pieces.motion.resize(motion);
+  w.pieces.motion_is_old = true;
+}
+
+}  // namespace
+
+void bind_pieces(World& w) {
+  if (w.pieces.are_old || w.part.ranks) bind_columns_of_pieces(w);
+  w.pieces.are_old = false;
+  constexpr size_t kPiecesAPart = 4;  // of the work of one thread at a time
+  const auto bind = [&](Piece& piece) {
+    if (!piece.in_frame() || !w.part.owns(w.pieces.blocks_of(piece).front())) return;
     piece.other_sides = std::ranges::any_of(w.pieces.blocks_of(piece), [&](int32_t block) {
       return !w.sides.owner.of(block).empty() || !w.sides.carrier.of(block).empty() ||
              !w.sides.single.of(block).empty();
     });
     const int most = most_gridpoints(w, piece);
-    for (size_t group = 0; group < piece.group_count(); ++group) {
+    for (size_t group = 0; group < piece.group_count(); ++group)
       list_lines(w, w.pieces.blocks_of(piece, group), most, piece.lines[group], piece.moments[group]);
-      if (piece.kind != Piece::Kind::congruent) continue;
-      piece.motion[group] = motion;
-      motion += 2 * size_t(most) * kLine;
-    }
-  }
-  w.pieces.motion.resize(motion);
-  w.pieces.motion_is_old = true;
+  };
+  each_part(w.pool, w.pieces.all.size(), kPiecesAPart, [&](size_t begin, size_t end) {
+    std::ranges::for_each(std::span(w.pieces.all).subspan(begin, end - begin), bind);
+  });
 }
 
 void follow_held(World& w) {

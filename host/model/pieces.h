@@ -17,6 +17,16 @@ inline constexpr int kBodies = 8;  // blocks of a SIMD group
 // Least number of congruent blocks for which one product with their shared stiffness is faster than one product each.
 inline constexpr size_t kFewestCongruent = 3;
 
+// Rows of Chunks::rows, one a block of a group in frames; for blocks without one the last row.
+using RowLine = std::array<uint32_t, size_t(kBodies)>;
+
+// Contact points on gridpoint `node` of each block of a group in frames; one point a block.
+struct GridpointLine {
+  int32_t node;
+  bool side_a;  // whether the blocks are a's of the points, on which the force acts; else its opposite does
+  RowLine row;  // of the force
+};
+
 // Blocks that are advanced together: rigid blocks, deformable single blocks, or all first halves and then all second
 // halves of units.
 struct Piece {
@@ -27,25 +37,14 @@ struct Piece {
   static constexpr size_t kNoColumns = size_t(-1);
   size_t columns[2] = {kNoColumns, kNoColumns};  // first number of the FixedColumns of its groups in Pieces::columns
   bool some_held = false;
-  bool other_sides = true;  // whether blocks have sides of contact points beside those of Pieces::lines
-  struct Range {
-    uint32_t first = 0, end = 0;
-  };
-  Range lines[2] = {}, moments[2] = {};  // of its groups in Pieces::lines and Pieces::moments
+  bool other_sides = true;  // whether blocks have sides of contact points beside those of `lines`
+  // Of its groups, in frames: contact points on gridpoints, and moments on the frames.
+  std::vector<GridpointLine> lines[2] = {};
+  std::vector<RowLine> moments[2] = {};
   size_t motion[2] =
       {};  // of congruent blocks: first number of its groups' positions, then velocities, in Pieces::motion
   size_t group_count() const { return halves ? 2 : 1; }
   bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
-};
-
-// Rows of Chunks::rows, one a block of a group in frames; for blocks without one the last row.
-using RowLine = std::array<uint32_t, size_t(kBodies)>;
-
-// Contact points on gridpoint `node` of each block of a group in frames; one point a block.
-struct GridpointLine {
-  int32_t node;
-  bool side_a;  // whether the blocks are a's of the points, on which the force acts; else its opposite does
-  RowLine row;  // of the force
 };
 
 // Columns that steps seldom change, of the gridpoints of up to kLanes deformable blocks, side by side. A line holds one
@@ -71,16 +70,15 @@ struct FixedColumns {
   }
 };
 
-// Pieces are divided with the chunks, and when blocks leave their frames or halves come apart. Columns follow the
-// supports.
+// Blocks are divided again when some leave their frames, and when halves come apart or join. Lines follow the contacts,
+// and columns the supports.
 struct Pieces {
+  bool are_old = true;  // whether blocks must be divided again
   std::vector<Piece> all;
-  std::vector<int32_t> blocks;       // piece after piece
-  std::vector<int32_t> of_block;     // piece of each own deformable block; -1: blocks of other ranks
-  std::vector<uint8_t> in_frame;     // by block: 1 if its piece is advanced in frames
-  LaneVector<double> columns;        // FixedColumns of groups
-  std::vector<GridpointLine> lines;  // of groups in frames
-  std::vector<RowLine> moments;      // on these frames
+  std::vector<int32_t> blocks;    // piece after piece
+  std::vector<int32_t> of_block;  // piece of each own deformable block; -1: blocks of other ranks
+  std::vector<uint8_t> in_frame;  // by block: 1 if its piece is advanced in frames
+  LaneVector<double> columns;     // FixedColumns of groups
   // Positions, m, and velocities, m/s, of groups of congruent blocks, in lanes: copies of those in Gridpoints, which
   // steps update together.
   LaneVector<double> motion;
@@ -95,14 +93,6 @@ struct Pieces {
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(blocks).subspan(piece.first, piece.count);
   }
-  std::span<const GridpointLine> lines_of(const Piece& piece, size_t group) const {
-    const Piece::Range range = piece.lines[group];
-    return std::span(lines).subspan(range.first, range.end - range.first);
-  }
-  std::span<const RowLine> moments_of(const Piece& piece, size_t group) const {
-    const Piece::Range range = piece.moments[group];
-    return std::span(moments).subspan(range.first, range.end - range.first);
-  }
   std::span<const int32_t> blocks_of(const Piece& piece, size_t group) const {
     const size_t count = piece.count / piece.group_count();
     return blocks_of(piece).subspan(group * count, count);
@@ -112,7 +102,7 @@ struct Pieces {
 int count_of(const World& w, Piece::Kind kind);  // number of blocks in pieces of a kind
 double piece_work(const World& w, int piece);
 void divide_blocks(World& w);
-void bind_pieces(World& w);                               // binds pieces to their columns
+void bind_pieces(World& w);                               // binds pieces to their columns and contact points
 void follow_held(World& w);                               // updates supports in the columns, before a step
 int most_gridpoints(const World& w, const Piece& piece);  // largest number of gridpoints of a block of the piece
 

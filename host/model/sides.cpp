@@ -10,21 +10,13 @@ using namespace geometry;
 
 namespace {
 
-// Lists sides by own block: counts them first, then fills them in.
+// Lists sides of own blocks.
 template <class Side, class Owns, class ForEach>
 void by_block(size_t blocks, ByBlock<Side>& sides, Owns owns, ForEach for_each) {
-  std::vector<uint32_t>& end = sides.end;
-  end.assign(blocks, 0);
-  for_each([&](int block, const Side&) { end[size_t(block)] += owns(block) ? 1 : 0; });
-  std::vector<uint32_t> next(blocks, 0);
-  for (size_t i = 0, sum = 0; i < blocks; ++i) {
-    next[i] = uint32_t(sum);
-    sum += end[i];
-    end[i] = uint32_t(sum);
-  }
-  sides.touch.resize(end.empty() ? 0 : end.back());
-  for_each([&](int block, const Side& side) {
-    if (owns(block)) sides.touch[next[size_t(block)]++] = side;
+  list_by_block(blocks, sides, [&](const auto& visit) {
+    for_each([&](int block, const Side& side) {
+      if (owns(block)) visit(block, side);
+    });
   });
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "model/chunks.h"
 
@@ -44,6 +46,20 @@ struct ByBlock {
     return std::span(touch).subspan(first, end[size_t(block)] - first);
   }
 };
+
+// Lists sides by block: counts them first, then fills them in. for_each(visit) calls visit(block, side) for each side,
+// in the same order both times.
+template <class Side, class ForEach>
+void list_by_block(size_t blocks, ByBlock<Side>& sides, const ForEach& for_each) {
+  std::vector<uint32_t>& end = sides.end;
+  end.assign(blocks, 0);
+  for_each([&](int block, const Side&) { ++end[size_t(block)]; });
+  uint32_t sum = 0;
+  for (uint32_t& of_block : end) of_block = std::exchange(sum, sum + of_block);  // its first side
+  sides.touch.resize(sum);
+  for_each([&](int block, const Side& side) { sides.touch[end[size_t(block)]++] = side; });
+}
+
 // Row of a pair on gridpoints: of the moment on the frame of its block a, or of the force on its rigid block b. The row
 // of the moment on b follows.
 using RowTouch = uint32_t;

@@ -190,7 +190,12 @@ struct Vibration {
     const Family* family;
     const Point* point;
     Vector at, normal;
-    double area;  // m2, twice where the other side is fixed
+    double area;   // m2, twice where the other side is fixed
+    Vector force;  // on block b, in the last product
+  };
+  struct SpringEnd {
+    uint32_t spring;
+    bool on_b;
   };
 
   const World& world;
@@ -202,6 +207,7 @@ struct Vibration {
   std::vector<VectorRow> own_nodes;
   std::vector<UnitInertia> inertia;  // empty: no inertia is scaled
   std::vector<Spring> springs;
+  ByBlock<SpringEnd> ends;
   LaneVector<double> scale;
   LaneVector<Vector> v, w, f, m, nv, nf;  // velocity, spin, force, moment of bodies; velocity, force of gridpoints
   FrequencyHalo halo;
@@ -224,9 +230,13 @@ struct Vibration {
         world,
         [&](const Family& family, const Point& p) {
           const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
-          springs.push_back({&family, &p, place_of(world, p), frame_of(world, p).row[0], factor * p.area});
+          springs.push_back({&family, &p, place_of(world, p), frame_of(world, p).row[0], factor * p.area, {}});
         },
         [&](int block) { return !alone || alone->has(block); });
+    list_by_block(world.blocks.size(), ends, [&](const auto& visit) {
+      for (uint32_t i = 0; i < springs.size(); ++i)
+        visit(springs[i].point->a, SpringEnd{i, false}), visit(springs[i].point->b, SpringEnd{i, true});
+    });
     if (splits_motion(world)) inertia = inertia_of_units(world, blocks);
   }
 
@@ -330,7 +340,7 @@ struct Vibration {
 
   // y = M^-1/2 K M^-1/2 x; returns x . y over all ranks.
   double product(const LaneVector<double>& x, LaneVector<double>* y) {
-    constexpr size_t kBlocksAPart = 64;  // of the work of one thread at a time
+    constexpr size_t kBlocksAPart = 64, kSpringsAPart = 1024;  // of the work of one thread at a time
     const auto each_part_of_blocks = [&](const auto& visit) {
       each_part(world.pool, blocks.size(), kBlocksAPart,
                 [&](size_t begin, size_t end) { visit(std::span(blocks).subspan(begin, end - begin)); });
@@ -341,13 +351,22 @@ struct Vibration {
     halo.exchange(ranks);
     if (stiffness.of_zones != 0.0) each_part_of_blocks([&](auto part) { add_zone_forces(world, part, nv, nf); });
     if (stiffness.of_zones != 1.0) each_node([&](size_t i, size_t) { nf[i] = stiffness.of_zones * nf[i]; });
-    for (const auto& [family, point, at, normal, area] : springs) {
-      const auto& [kn, ks] = stiffness.of_family[size_t(family - world.contacts.families.data())];
-      const Vector d = velocity(point->b, point->facet_b, at) - velocity(point->a, point->facet_a, at);
-      const Vector force = area * (ks * d + (kn - ks) * dot(normal, d) * normal);
-      add_force(point->a, point->facet_a, at, -1.0, force);
-      add_force(point->b, point->facet_b, at, 1.0, force);
-    }
+    each_part(world.pool, springs.size(), kSpringsAPart, [&](size_t begin, size_t end) {
+      for (auto& [family, point, at, normal, area, force] : std::span(springs).subspan(begin, end - begin)) {
+        const auto& [kn, ks] = stiffness.of_family[size_t(family - world.contacts.families.data())];
+        const Vector d = velocity(point->b, point->facet_b, at) - velocity(point->a, point->facet_a, at);
+        force = area * (ks * d + (kn - ks) * dot(normal, d) * normal);
+      }
+    });
+    each_part_of_blocks([&](auto part) {
+      for (const int block : part) {
+        for (const auto [i, on_b] : ends.of(block)) {
+          const Spring& spring = springs[i];
+          const int32_t facet = on_b ? spring.point->facet_b : spring.point->facet_a;
+          add_force(block, facet, spring.at, on_b ? 1.0 : -1.0, spring.force);
+        }
+      }
+    });
     if (world.held_by.members && stiffness.of_members != 0.0) add_member_springs(world, alone, {v, w, nv}, {f, m, nf});
     if (splits) each_part_of_blocks([&](auto part) { scale_motion(world, part, inertia, nf, true); });
     return gather(x, y);

@@ -113,6 +113,7 @@ void leave_frames(Model& m) {
   }
   if (!some) return;
   take_back_facets(m);
+  m.pieces.are_old = true;
   divide_work(m);
 }
 
@@ -151,6 +152,7 @@ bool Model::end_step() {
   if (std::ranges::find(pieces.needs_check, 1) != pieces.needs_check.end()) {
     watch(*this);
     leave_frames(*this);
+    std::ranges::fill(pieces.needs_check, 0);  // own pieces ask again in each step
   }
   part_units(*this);
   return moved_enough(*this);

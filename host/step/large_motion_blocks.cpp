@@ -283,8 +283,8 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   if (piece.kind == Piece::Kind::congruent) kept = {m.pieces.motion.data() + piece.motion[g], !m.pieces.motion_is_old};
   load_blocks(group.blocks(), fixed, kept, &columns);
   if (piece.in_frame()) {
-    const LaneSums contacts = add_gridpoint_lines(m.pieces.lines_of(piece, g), m.pieces.moments_of(piece, g),
-                                                  m.chunks.rows.data(), group.count, &columns);
+    const LaneSums contacts =
+        add_gridpoint_lines(piece.lines[g], piece.moments[g], m.chunks.rows.data(), group.count, &columns);
     for (size_t l = 0; l < group.count; ++l) m.step_sums.contact_force[size_t(blocks[l])] += contacts.lane(l);
   }
   lap(clock, Phase::motion);

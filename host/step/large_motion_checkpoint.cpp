@@ -160,6 +160,7 @@ void Model::restore(ArchiveReader& reader) {
     require(units.apart[size_t(i)] == (other < 0 ? 0 : units.apart[size_t(other)]));
   }
   frames.are_old = false;
+  pieces.are_old = pieces.motion_is_old = true;
   divide_work(*this);
 }
 
