@@ -227,8 +227,7 @@ void make_congruent(World& w, int block) {
                                                     b.shape->vertices.size(), zones, first.lambda, first.mu));
 }
 
-// Chooses the blocks that share a stiffness. Both halves of a unit share one of the same kind, or each half has its
-// own.
+// Chooses the blocks that share a stiffness. Both halves of a unit share one with others, or each half has its own.
 void find_frames(World& w, InternalForces wanted) {
   w.frames.by_zone.assign(w.blocks.size(), wanted == InternalForces::zones);
   if (wanted == InternalForces::zones) return;
@@ -239,31 +238,33 @@ void find_frames(World& w, InternalForces wanted) {
     return Kind{double(kinds[size_t(b.shape)]), double(b.material),     b.zone_edge,     double(b.divisions[0]),
                 double(b.divisions[1]),         double(b.divisions[2]), double(b.parity)};
   };
-  std::map<Kind, std::vector<int>> of_kind;
-  std::vector<int> distinct;
-  for (int i = 0; i < w.block_count(); ++i) {
-    if (w.blocks[size_t(i)].body >= 0) continue;
-    const Unit unit = w.units.of(i);
-    const bool is_made_elsewhere = w.assembly.blocks[size_t(i)].zoning != nullptr;  // shapes are compared, not zones
-    const auto carries_mass = [&](int block) {
-      const Block& b = w.assembly.blocks[size_t(block)];
-      return b.spread_mass > 0.0 || !b.masses.empty();
-    };
-    if (is_made_elsewhere || carries_mass(unit.block[0]) || carries_mass(unit.block[size_t(unit.count) - 1]) ||
-        kind_of(unit.block[0]) != kind_of(unit.block[size_t(unit.count) - 1]))
-      distinct.push_back(i);
-    else
-      of_kind[kind_of(i)].push_back(i);
-  }
-  for (const auto& [kind, blocks] : of_kind) {
-    if (blocks.size() < kFewestCongruent) {
-      distinct.insert(distinct.end(), blocks.begin(), blocks.end());
-      continue;
+  const auto is_shape_alone = [&](int block) {  // kinds compare neither masses nor zones that are made elsewhere
+    const Block& b = w.assembly.blocks[size_t(block)];
+    return b.spread_mass == 0.0 && b.masses.empty() && b.zoning == nullptr;
+  };
+  const auto each_deformable = [&](const auto& visit) {
+    for (int i = 0; i < w.block_count(); ++i) {
+      if (w.blocks[size_t(i)].body < 0) visit(i, w.units.of(i));
     }
+  };
+  std::map<Kind, size_t> count;
+  each_deformable([&](int block, const Unit& unit) {
+    if (std::ranges::all_of(unit.blocks(), is_shape_alone)) ++count[kind_of(block)];
+  });
+  const auto shares = [&](int block) { return is_shape_alone(block) && count[kind_of(block)] >= kFewestCongruent; };
+  std::map<Kind, std::vector<int>> of_kind;
+  bool some_distinct = false;
+  each_deformable([&](int block, const Unit& unit) {
+    if (std::ranges::all_of(unit.blocks(), shares))
+      of_kind[kind_of(block)].push_back(block);
+    else
+      some_distinct = true;
+  });
+  for (const auto& [kind, blocks] : of_kind) {
     for (const int i : blocks) w.blocks[size_t(i)].congruent = int32_t(w.zones.congruent.size());
     make_congruent(w, blocks.front());
   }
-  if (!distinct.empty()) w.nodes.anchor = LaneVector<Vector>(w.nodes.x.size());
+  if (some_distinct) w.nodes.anchor = LaneVector<Vector>(w.nodes.x.size());
 }
 
 }  // namespace

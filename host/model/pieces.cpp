@@ -1,6 +1,7 @@
 #include "model/pieces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <set>
@@ -15,6 +16,7 @@ using namespace geometry;
 namespace {
 
 void fill_columns(const World& w, std::span<const int32_t> blocks, const FixedColumns<double>& to) {
+  if (to.held_v) std::fill_n(to.held_v, most_gridpoints(w, blocks) * kLine, std::nan(""));
   for (size_t l = 0; l < size_t(kLanes); ++l) {
     const ModelBlock& b = w.blocks[size_t(blocks[std::min(l, blocks.size() - 1)])];
     for (size_t n = 0; n < size_t(b.node_count); ++n) {
@@ -24,7 +26,7 @@ void fill_columns(const World& w, std::span<const int32_t> blocks, const FixedCo
       for (int c = 0; c < 3; ++c) {
         const size_t at = n * kLine + size_t(c) * kLanes + l;
         if (to.place) to.place[at] = place[c], to.anchor[at] = w.nodes.anchor[node][c];
-        if (to.held) to.held[at] = w.nodes.held[node] >> c & 1, to.held_v[at] = w.nodes.held_v[node][c];
+        if (w.nodes.held[node] >> c & 1) to.held_v[at] = w.nodes.held_v[node][c];
       }
     }
   }
@@ -40,14 +42,14 @@ void fill_columns(World& w, Piece& piece) {
     return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
   });
   const bool distinct = piece.kind == Piece::Kind::distinct;
-  const int most = most_gridpoints(w, piece);
   thread_local LaneVector<double> numbers;
-  numbers.assign(FixedColumns<double>::size(most, distinct, some_held), 0.0);
   for (size_t group = 0; group < piece.group_count(); ++group) {
+    const int most = most_gridpoints(w, w.pieces.blocks_of(piece, group));
+    numbers.assign(FixedColumns<double>::size(most, distinct, some_held), 0.0);
     fill_columns(w, w.pieces.blocks_of(piece, group), FixedColumns<double>(numbers.data(), most, distinct, some_held));
     size_t& columns = piece.columns[group];
     size_t* const shared = piece.kind == Piece::Kind::congruent
-                               ? &w.pieces.shared_columns[2 * size_t(piece.congruent) + some_held]
+                               ? &w.pieces.shared_columns[2 * size_t(piece.congruent[group]) + some_held]
                                : nullptr;
     const auto agree = [&](size_t at) {
       return at != Piece::kNoColumns &&
@@ -73,8 +75,9 @@ RowLine line_without_rows(const World& w) {
 
 // Lists the points of a group by gridpoint: first those on the sides of blocks b, then those of blocks a. And the
 // moments on the frames of blocks a.
-void list_lines(const World& w, std::span<const int32_t> blocks, int node_count, std::vector<GridpointLine>& lines,
+void list_lines(const World& w, std::span<const int32_t> blocks, std::vector<GridpointLine>& lines,
                 std::vector<RowLine>& moments) {
+  const int node_count = most_gridpoints(w, blocks);
   lines.clear(), moments.clear();
   for (size_t l = 0; l < blocks.size(); ++l) {
     size_t line = 0;
@@ -110,9 +113,9 @@ void list_lines(const World& w, std::span<const int32_t> blocks, int node_count,
 
 }  // namespace
 
-// Divides blocks into pieces of as many as a SIMD group holds. Units of congruent blocks are grouped by kind, so that
-// most groups are full. Where a kind has few blocks, their forces are computed zone by zone. Other units are grouped by
-// size, so that lanes of a group have similar lengths.
+// Divides blocks into pieces of as many as a SIMD group holds. Units of congruent blocks are grouped by the kinds of
+// their halves, so that most groups are full. Where a kind has few blocks, their forces are computed zone by zone.
+// Other units are grouped by size, so that lanes of a group have similar lengths.
 void divide_blocks(World& w) {
   w.pieces.all.clear(), w.pieces.blocks.clear();
   const auto zones_of = [&](const Unit& unit) {
@@ -124,32 +127,39 @@ void divide_blocks(World& w) {
   const int most_zones = int(std::clamp(w.zone_count() / 16, size_t(500), size_t(4000)));
   // Divides a list of units, in its order, into pieces. Halves that are apart stay in one piece, so that one rank has
   // both when they join again.
-  const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, int32_t congruent = -1) {
+  using Kinds = std::array<int32_t, 2>;  // of a unit's blocks
+  const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, Kinds congruent = {-1, -1}) {
     const bool one_by_one = kind == Piece::Kind::distinct || kind == Piece::Kind::by_zone;
-    const auto of_one_kind = [&](int count, bool halves) {
+    const auto of_one_kind = [&](int count, bool apart) {
+      const bool halves = count == 2 && (!apart || congruent[0] != congruent[1]);
       std::vector<Unit> together;
       int zones = 0;
       const auto put = [&] {
         if (together.empty()) return;
-        w.pieces.all.push_back(
-            {uint32_t(w.pieces.blocks.size()), uint32_t(count) * uint32_t(together.size()), halves, kind, congruent});
+        w.pieces.all.push_back({uint32_t(w.pieces.blocks.size()),
+                                uint32_t(count) * uint32_t(together.size()),
+                                halves,
+                                apart,
+                                kind,
+                                {congruent[0], halves ? congruent[1] : -1}});
         for (int half = 0; half < count; ++half) {
           for (const Unit& unit : together) w.pieces.blocks.push_back(unit.block[half]);
         }
         together.clear(), zones = 0;
       };
       for (const Unit& unit : units) {
-        if (unit.count != count || halves != (count == 2 && !w.units.apart[size_t(unit.block[0])])) continue;
+        if (unit.count != count || apart != (count == 2 && w.units.apart[size_t(unit.block[0])])) continue;
         const bool is_full = int(together.size() + 1) * (halves ? 1 : count) > kBodies;
         if (is_full || (one_by_one && zones + zones_of(unit) > most_zones)) put();
         together.push_back(unit), zones += zones_of(unit);
       }
       put();
     };
-    of_one_kind(1, false), of_one_kind(2, true), of_one_kind(2, false);
+    of_one_kind(1, false), of_one_kind(2, false), of_one_kind(2, true);
   };
   std::vector<Unit> rigid, fixed, distinct, by_zone;
-  std::map<int32_t, std::vector<Unit>> of_kind;
+  std::map<Kinds, std::vector<Unit>> of_kinds;
+  std::vector<size_t> of_kind(w.zones.congruent.size(), 0);  // number of blocks
   for (int i = 0; i < w.block_count(); ++i) {
     if (w.blocks[size_t(i)].body >= 0) {
       (w.assembly.blocks[size_t(i)].fixed ? fixed : rigid).push_back({{i, -1}, 1});
@@ -158,14 +168,21 @@ void divide_blocks(World& w) {
     const Unit unit = w.units.of(i, Units::Halves::also_apart);
     if (unit.block[0] != i) continue;  // in the piece of the first half
     const bool leaves = w.frames.by_zone[size_t(i)] || w.frames.by_zone[size_t(unit.block[size_t(unit.count) - 1])];
-    const int32_t kind = w.blocks[size_t(i)].congruent;
-    (leaves ? by_zone : (kind >= 0 ? of_kind[kind] : distinct)).push_back(unit);
+    Kinds kinds{-1, -1};
+    for (size_t k = 0; k < size_t(unit.count); ++k) kinds[k] = w.blocks[size_t(unit.block[k])].congruent;
+    if (leaves) {
+      by_zone.push_back(unit);
+    } else if (kinds[0] < 0) {
+      distinct.push_back(unit);
+    } else {
+      of_kinds[kinds].push_back(unit);
+      for (size_t k = 0; k < size_t(unit.count); ++k) ++of_kind[size_t(kinds[k])];
+    }
   }
-  for (const auto& [kind, units] : of_kind) {
-    size_t blocks = 0;
-    for (const Unit& unit : units) blocks += size_t(unit.count);
-    if (blocks >= kFewestCongruent)
-      divide(units, Piece::Kind::congruent, kind);
+  for (const auto& [kinds, units] : of_kinds) {
+    const auto has_few = [&](int32_t kind) { return kind >= 0 && of_kind[size_t(kind)] < kFewestCongruent; };
+    if (std::ranges::none_of(kinds, has_few))
+      divide(units, Piece::Kind::congruent, kinds);
     else
       by_zone.insert(by_zone.end(), units.begin(), units.end());
   }
@@ -198,7 +215,8 @@ void bind_columns_of_pieces(World& w) {
     for (const int32_t block : w.pieces.blocks_of(piece))
       w.pieces.of_block[size_t(block)] = int32_t(&piece - w.pieces.all.data());
     for (size_t group = 0; piece.kind == Piece::Kind::congruent && group < piece.group_count(); ++group)
-      piece.motion[group] = std::exchange(motion, motion + 2 * size_t(most_gridpoints(w, piece)) * kLine);
+      piece.motion[group] =
+          std::exchange(motion, motion + 2 * size_t(most_gridpoints(w, w.pieces.blocks_of(piece, group))) * kLine);
   }
   w.pieces.motion.resize(motion);
   w.pieces.motion_is_old = true;
@@ -216,9 +234,8 @@ void bind_pieces(World& w) {
       return !w.sides.owner.of(block).empty() || !w.sides.carrier.of(block).empty() ||
              !w.sides.single.of(block).empty();
     });
-    const int most = most_gridpoints(w, piece);
     for (size_t group = 0; group < piece.group_count(); ++group)
-      list_lines(w, w.pieces.blocks_of(piece, group), most, piece.lines[group], piece.moments[group]);
+      list_lines(w, w.pieces.blocks_of(piece, group), piece.lines[group], piece.moments[group]);
   };
   each_part(w.pool, w.pieces.all.size(), kPiecesAPart, [&](size_t begin, size_t end) {
     std::ranges::for_each(std::span(w.pieces.all).subspan(begin, end - begin), bind);
@@ -239,9 +256,9 @@ void follow_held(World& w) {
   w.pieces.any_held_changed = false;
 }
 
-int most_gridpoints(const World& w, const Piece& piece) {
+int most_gridpoints(const World& w, std::span<const int32_t> blocks) {
   int most = 0;
-  for (const int32_t i : w.pieces.blocks_of(piece)) most = std::max(most, w.blocks[size_t(i)].node_count);
+  for (const int32_t i : blocks) most = std::max(most, w.blocks[size_t(i)].node_count);
   return most;
 }
 
@@ -264,8 +281,8 @@ double piece_work(const World& w, int index) {
     if (piece.kind == Piece::Kind::distinct) work += kDistinctZone * of_block;
     if (piece.kind == Piece::Kind::by_zone) work += kZone * of_block;
   }
-  if (piece.kind == Piece::Kind::congruent)
-    work += kCongruentZone * double(piece.group_count()) * w.blocks[size_t(w.pieces.blocks[piece.first])].zone_count;
+  for (size_t g = 0; piece.kind == Piece::Kind::congruent && g < piece.group_count(); ++g)
+    work += kCongruentZone * w.blocks[size_t(w.pieces.blocks_of(piece, g).front())].zone_count;
   return work;
 }
 

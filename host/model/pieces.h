@@ -32,8 +32,9 @@ struct GridpointLine {
 struct Piece {
   uint32_t first, count;  // indices into Pieces::blocks; a group has at most kBodies
   bool halves;            // whether it has two groups, which hold the first and second halves of units lane by lane
+  bool apart;             // whether its blocks are halves that are apart
   enum class Kind : uint8_t { rigid, congruent, distinct, by_zone } kind;
-  int32_t congruent = -1;  // index into Zones::congruent, for congruent blocks
+  int32_t congruent[2] = {-1, -1};  // of its groups: index into Zones::congruent, for congruent blocks
   static constexpr size_t kNoColumns = size_t(-1);
   size_t columns[2] = {kNoColumns, kNoColumns};  // first number of the FixedColumns of its groups in Pieces::columns
   bool some_held = false;
@@ -54,7 +55,7 @@ template <class Number>
 struct FixedColumns {
   Number *mass, *over_mass;  // mass for inertia, kg; its inverse, 1/kg, or 0
   Number *place, *anchor;    // of distinct blocks: X from the first gridpoint, m, and b, 1/m; else null
-  Number *held, *held_v;     // supports, 1 or 0, and their velocities, m/s; null: no gridpoint is held
+  Number* held_v;            // velocities of supports, m/s, NaN where free; null: no gridpoint is held
   FixedColumns(Number* from, int node_count, bool distinct, bool some_held) {
     const auto take = [&](bool wanted, int numbers) {
       Number* const column = wanted ? from : nullptr;
@@ -63,10 +64,10 @@ struct FixedColumns {
     };
     mass = take(true, kLanes), over_mass = take(true, kLanes);
     place = take(distinct, kLine), anchor = take(distinct, kLine);
-    held = take(some_held, kLine), held_v = take(some_held, kLine);
+    held_v = take(some_held, kLine);
   }
   static size_t size(int node_count, bool distinct, bool some_held) {
-    return size_t(node_count) * size_t(2 * kLanes + (distinct ? 2 * kLine : 0) + (some_held ? 2 * kLine : 0));
+    return size_t(node_count) * size_t(2 * kLanes + (distinct ? 2 * kLine : 0) + (some_held ? kLine : 0));
   }
 };
 
@@ -102,8 +103,8 @@ struct Pieces {
 int count_of(const World& w, Piece::Kind kind);  // number of blocks in pieces of a kind
 double piece_work(const World& w, int piece);
 void divide_blocks(World& w);
-void bind_pieces(World& w);                               // binds pieces to their columns and contact points
-void follow_held(World& w);                               // updates supports in the columns, before a step
-int most_gridpoints(const World& w, const Piece& piece);  // largest number of gridpoints of a block of the piece
+void bind_pieces(World& w);  // binds pieces to their columns and contact points
+void follow_held(World& w);  // updates supports in the columns, before a step
+int most_gridpoints(const World& w, std::span<const int32_t> blocks);  // largest number of gridpoints of a block
 
 }  // namespace quoin::blocks

@@ -493,7 +493,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   // After each store the compiler would load these pointers again, as the store might change them.
   double *const all_x = columns.x, *const all_v = columns.v;
   const double *const all_forces = columns.force, *const masses = columns.mass, *const over_masses = columns.over_mass;
-  const double *const held = columns.held, *const held_velocities = columns.held_v;
+  const double* const held_velocities = columns.held_v;
   const int count = columns.node_count;
   for (int n = 0; n < count; ++n) {
     const int at = n * kLine + first;
@@ -508,7 +508,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     each_component([&](auto k) HWY_ATTR {
       V change = driven[k], brake = zero;
       auto hold = hn::FirstN(d, 0);
-      if constexpr (kNeeds.held) hold = hn::Ne(hn::Load(d, held + n * kLine + k * kLanes + first), zero);
+      if constexpr (kNeeds.held) hold = hn::Eq(held_v[k], held_v[k]);  // not NaN
       if constexpr (kNeeds.brakes) {
         if (step.gamma > 0.0) {
           const V relative = hn::Sub(v[k], hn::Set(d, step.ground[k]));
@@ -573,7 +573,7 @@ HWY_INLINE void advance_all(std::span<const LaneBlock> blocks, const LaneColumns
     }
   };
   const bool brakes = step.gamma > 0.0 || step.alpha > 0.0;
-  if (columns.held)
+  if (columns.held_v)
     brakes ? advance(std::true_type(), std::true_type()) : advance(std::true_type(), std::false_type());
   else
     brakes ? advance(std::false_type(), std::true_type()) : advance(std::false_type(), std::false_type());
@@ -631,7 +631,7 @@ void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const dou
   columns->fewest = fewest;
   columns->mass = fixed.mass, columns->over_mass = fixed.over_mass;
   columns->place = fixed.place, columns->anchor = fixed.anchor;
-  columns->held = fixed.held, columns->held_v = fixed.held_v;
+  columns->held_v = fixed.held_v;
   HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, !kept.is_current, columns);
 }
 

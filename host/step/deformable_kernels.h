@@ -47,7 +47,7 @@ struct LaneColumns {
   double* moment;                            // one line: of contact forces on the frames (gridpoint_kernels.h), N m
   double* rows;                              // scratch of distinct_forces, for one block
   // FixedColumns; place and anchor for distinct_forces.
-  const double *mass, *over_mass, *place, *anchor, *held, *held_v;
+  const double *mass, *over_mass, *place, *anchor, *held_v;
 
   void resize(int nodes, double* motion);  // motion: memory for x and v, as in KeptMotion
 

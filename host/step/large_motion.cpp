@@ -152,7 +152,7 @@ bool Model::end_step() {
   if (std::ranges::find(pieces.needs_check, 1) != pieces.needs_check.end()) {
     watch(*this);
     leave_frames(*this);
-    std::ranges::fill(pieces.needs_check, 0);  // own pieces ask again in each step
+    std::ranges::fill(pieces.needs_check, 0);  // each step sets it again for own pieces
   }
   part_units(*this);
   return moved_enough(*this);

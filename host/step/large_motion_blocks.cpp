@@ -277,7 +277,7 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
     force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
   }
   lap(clock, Phase::motion);
-  const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, piece),
+  const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, blocks),
                                          distinct, piece.some_held);
   KeptMotion kept;
   if (piece.kind == Piece::Kind::congruent) kept = {m.pieces.motion.data() + piece.motion[g], !m.pieces.motion_is_old};
@@ -290,6 +290,11 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   lap(clock, Phase::motion);
 }
 
+// Shape of the blocks of a group; null: they are not congruent.
+const CongruentBlocks* shared_shape(const Model& m, const Piece& piece, size_t group) {
+  return piece.congruent[group] >= 0 ? &m.zones.congruent[size_t(piece.congruent[group])] : nullptr;
+}
+
 // Adds internal forces of the groups of a piece in frames.
 void add_internal_forces(Model& m, const Piece& piece, LaneGroup* groups, LaneColumns* columns) {
   const size_t count = piece.group_count();
@@ -297,10 +302,13 @@ void add_internal_forces(Model& m, const Piece& piece, LaneGroup* groups, LaneCo
   FrameSums sums[2];
   FramedGroup framed[2];
   for (size_t g = 0; g < count; ++g) framed[g] = {groups[g].blocks(), &columns[g], &sums[g]};
-  if (piece.kind == Piece::Kind::congruent)
-    congruent_forces({framed, count}, m.zones.congruent[size_t(piece.congruent)], step);
-  else
-    for (size_t g = 0; g < count; ++g) distinct_forces(framed[g], step);
+  const bool together = count == 2 && piece.kind == Piece::Kind::congruent && piece.congruent[0] == piece.congruent[1];
+  for (size_t g = 0; g < count; g += together ? 2 : 1) {
+    if (piece.kind == Piece::Kind::congruent)
+      congruent_forces({framed + g, together ? size_t(2) : 1}, *shared_shape(m, piece, g), step);
+    else
+      distinct_forces(framed[g], step);
+  }
   for (size_t g = 0; g < count; ++g) {
     for (size_t l = 0; l < groups[g].count; ++l) {
       groups[g].sums[l]->deformation = sums[g].deformation[l];
@@ -309,9 +317,9 @@ void add_internal_forces(Model& m, const Piece& piece, LaneGroup* groups, LaneCo
   }
 }
 
-void split(Model& m, const Piece& piece, std::span<const LaneColumns> columns, RigidGains* gains) {
+// Splits the motion of these blocks, or of the units of which they are the first halves.
+void split(Model& m, std::span<const int32_t> blocks, std::span<const LaneColumns> columns, RigidGains* gains) {
   const size_t count = columns.size();
-  const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, 0);
   const InertiaFactors factors{m.solver.deformation_inertia, m.solver.unit_inertia};
   const double eq1 = m.damping.eq1 == Eq1::rigid_motion ? m.damping.gamma : 0.0;
   RigidLanes lanes[2];
@@ -347,7 +355,9 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
   if (piece.in_frame()) add_internal_forces(m, piece, groups, columns);
   lap(clock, Phase::internal_forces);
   RigidGains gains[2];
-  if (splits_motion(m)) split(m, piece, {columns, count}, gains);
+  const size_t in_unit = piece.apart ? 1 : count;
+  for (size_t g = 0; splits_motion(m) && g < count; g += in_unit)
+    split(m, m.pieces.blocks_of(piece, g), {columns + g, in_unit}, gains + g);
   const GridpointStep step{m.stepping.dt,
                            m.damping.eq1 == Eq1::gridpoints ? m.damping.gamma : 0.0,
                            m.damping.alpha,
@@ -357,10 +367,10 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
                            m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity,
                            m.books_energy,
                            m.measured};
-  const CongruentBlocks* const shared = piece.congruent >= 0 ? &m.zones.congruent[size_t(piece.congruent)] : nullptr;
   for (size_t g = 0; g < count; ++g) {
     const LaneGroup& group = groups[g];
-    advance_gridpoints(group.blocks(), columns[g], splits_motion(m) ? &gains[g] : nullptr, step, shared, group.sums);
+    advance_gridpoints(group.blocks(), columns[g], splits_motion(m) ? &gains[g] : nullptr, step,
+                       shared_shape(m, piece, g), group.sums);
     for (size_t l = 0; m.books_energy && l < group.count; ++l) {
       const int block = m.pieces.blocks_of(piece, g)[l];
       if (m.actions.loaded[size_t(block)])

@@ -39,7 +39,8 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
   const D d;
   const Lanes3 origin = load_line(c.x + first);
   V mass = hn::Zero(d);
-  Lanes3 weighted = zeros(), momentum = zeros(), spin = zeros(), force = zeros(), moment = zeros(), held = zeros();
+  Lanes3 weighted = zeros(), momentum = zeros(), spin = zeros(), force = zeros(), moment = zeros();
+  M held[3] = {hn::FirstN(d, 0), hn::FirstN(d, 0), hn::FirstN(d, 0)};
   Lanes3 square[2] = {zeros(), zeros()};  // xx, yy, zz and xy, yz, zx
   for (int n = 0; n < c.node_count; ++n) {
     const int at = n * kLine + first;
@@ -56,9 +57,9 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
                  hn::MulAdd(m_r.z, r.z, square[0].z)};
     square[1] = {hn::MulAdd(m_r.x, r.y, square[1].x), hn::MulAdd(m_r.y, r.z, square[1].y),
                  hn::MulAdd(m_r.z, r.x, square[1].z)};
-    if (!c.held) continue;
-    const Lanes3 h = load_line(c.held + at);
-    for (int k = 0; k < 3; ++k) held[k] = hn::Max(held[k], h[k]);
+    if (!c.held_v) continue;
+    const Lanes3 v = load_line(c.held_v + at);
+    for (int k = 0; k < 3; ++k) held[k] = hn::Or(held[k], hn::Eq(v[k], v[k]));  // not NaN
   }
   const V is_some = hn::IfThenElse(hn::Eq(mass, hn::Zero(d)), hn::Set(d, 1.0), mass);
   const Lanes3 r = scaled(hn::Div(hn::Set(d, 1.0), is_some), weighted), m_r = scaled(mass, r);
@@ -68,7 +69,9 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
   store3(difference_of(spin, cross_of(r, momentum)), sums->momentum[1], first);
   store3(force, sums->force[0], first);
   store3(difference_of(moment, cross_of(r, force)), sums->force[1], first);
-  store3(held, sums->held, first);
+  const V one = hn::Set(d, 1.0);
+  store3({hn::IfThenElseZero(held[0], one), hn::IfThenElseZero(held[1], one), hn::IfThenElseZero(held[2], one)},
+         sums->held, first);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const V about_origin = i == j ? square[0][i] : square[1][i + j == 1 ? 0 : (i + j == 3 ? 1 : 2)];
@@ -316,7 +319,7 @@ void SplitMotion(std::span<const LaneColumns> groups, int count, const RigidMoti
   for (std::size_t g = 0; g < groups.size(); ++g) {
     for (int first = 0; first < count; first += kWidth) add_up(groups[g], first, &sums[g]);
   }
-  const bool some_held = groups.front().held != nullptr;
+  const bool some_held = groups.front().held_v != nullptr;
   for (int first = 0; first < count; first += kWidth) {
     if (groups.size() == 2)
       step_of<2>(sums, some_held, first, step, gains, lanes);

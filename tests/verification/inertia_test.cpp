@@ -352,6 +352,56 @@ TEST(ScaledInertia, HalvesThatMeetAgainBounce) {
   EXPECT_NEAR(m->stepping.dt, step, 1e-6 * step);
 }
 
+// Returns units far from each other, each of two halves that differ in length and zones.
+Scene unlike_halves(int units) {
+  Scene scene(dry_joint(1e11, 5e10, 30), 2000, 1e9, 0.2);
+  scene.assembly.contact.small_displacement = 0.0, scene.assembly.contact.joint_motion = 0.05;
+  for (int unit = 0; unit < units; ++unit) {
+    for (int half = 0; half < 2; ++half) {
+      Block b;
+      b.rigid = false, b.divisions = {2 + half, 1, 1}, b.parity = half, b.unit = unit;
+      b.position = {2.0 * unit, 0.0, 0.0};
+      scene.assembly.add(box({-0.2 * (1 - half), -0.06, -0.1}, {0.2 + 0.1 * half, 0.12, 0.2}), b);
+    }
+  }
+  return scene;
+}
+
+// The halves of several units share the stiffness of their shape, those of one unit alone have their own. So three
+// units move as one does, while their halves hold together, when they are apart, and when they meet again. Sums of
+// forces have other orders, so the motion agrees to rounding, which an impact amplifies.
+TEST(ScaledInertia, UnlikeHalvesOfThreeUnitsMoveAsThoseOfOne) {
+  auto one = unlike_halves(1).model(scaled(64.0, 16.0, 0.3)), three = unlike_halves(3).model(scaled(64.0, 16.0, 0.3));
+  ASSERT_EQ(count_of(*one, Piece::Kind::distinct), 2);
+  ASSERT_EQ(count_of(*three, Piece::Kind::congruent), 6);
+  double apart = 0.0, moved = 0.0;  // largest difference, largest motion, m
+  const auto run = [&](double speed, int units) {
+    // Lanczos' method finds the frequency to some 1e-8.
+    one->stepping.dt = three->stepping.dt = std::min(one->stepping.dt, three->stepping.dt);
+    for (Model* m : {one.get(), three.get()}) {
+      for (int i = 0; i < m->block_count(); ++i)
+        m->set_velocity(i, {i % 2 == 0 ? -speed : speed, 0.2, 0.0}, {0.0, 0.0, 0.5});
+    }
+    for (int step = 0; step < 3000 && one->units.count != units; ++step) {
+      one->step(), three->step();
+      ASSERT_EQ(three->units.count, 3 * one->units.count);
+      for (size_t n = 0; n < three->nodes.x.size(); ++n) {
+        const size_t of_one = n % one->nodes.x.size();
+        const Vector u = one->nodes.x[of_one] - one->nodes.reference[of_one];
+        moved = std::max(moved, norm(u));
+        apart = std::max(apart, norm(three->nodes.x[n] - three->nodes.reference[n] - u));
+      }
+    }
+    ASSERT_EQ(one->units.count, units);
+  };
+  for (Model* m : {one.get(), three.get()}) m->track_energy(true);
+  run(1.0, 0), run(-0.1, 1), run(0.1, 0);
+  check_error("three units of unlike halves beside one", apart / moved, 1e-11, "-", "of the largest motion");
+  const Energies &of_one = one->step_sums.energies, &of_three = three->step_sums.energies;
+  for (const auto energy : {&Energies::kinetic, &Energies::strain, &Energies::detection})
+    EXPECT_NEAR(of_three.*energy, 3.0 * (of_one.*energy), 1e-7 * of_three.kinetic);
+}
+
 // Halves that touch along an edge only, or have slid on each other, keep the added inertia and so the time step. In
 // wall_2m_576 without it, eight rotated pairs would reduce the step from 22.3 to 8.8 us.
 TEST(ScaledInertia, HalvesThatTurnOnAnEdgeKeepTheTimeStep) {
