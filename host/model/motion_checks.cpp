@@ -61,6 +61,7 @@ constexpr double kCalmSteps = 1000.0, kBusySteps = 50.0;
 // get half of it.
 constexpr long kSoon = 30, kLate = 300;
 constexpr long kMostSteps = 1000;  // largest interval between two checks of a block or pair, in steps
+constexpr long kClose = 3;         // steps to kMostlyUsed of the allowed motion at which a pair of rigid blocks has it
 // Acceleration that checks of deformable blocks assume; share of the allowed motion that each block of a pair may use
 // up between checks. A larger acceleration or a smaller share means more checks.
 constexpr double kAcceleration = 100.0;  // m/s2, 10 g
@@ -275,8 +276,13 @@ bool check_pair_motion(const World& w, const Contact& c, const PairPlace& place,
                              of_b.tolerated * std::max(1.0, lever / b.radius);
     // a turns, while b moves straight on: |R(omega t) - 1 - omega t x| <= (omega t)^2/2.
     const double spin = norm(of_a.omega) + of_a.tolerated / a.radius;
-    check.step = step_after(w, (check.mostly_used ? 1.0 : kMostlyUsed) * way - moved, assumed + tolerated,
-                            spin * spin * distance);
+    const auto step_of = [&](double share) {
+      return step_after(w, share * way - moved, assumed + tolerated, spin * spin * distance);
+    };
+    check.step = step_of(check.mostly_used ? 1.0 : kMostlyUsed);
+    if (check.mostly_used || check.step - w.stepping.count > kClose) return moved > way;
+    // So near to kMostlyUsed that checks would follow each other step by step.
+    check.mostly_used = true, check.step = step_of(1.0);
   }
   return moved > way;
 }
