@@ -106,10 +106,10 @@ bool are_together(World& w, int a, int b) {
   if (joint >= list.size() || list[joint].pair != pair)  // contacts have changed
     joint = size_t(std::ranges::lower_bound(list, pair, {}, &Contact::pair) - list.begin());
   if (joint == list.size() || list[joint].pair != pair || list[joint].count == 0) return false;
-  const Contact* const c = &list[joint];
-  const Family& f = w.contacts.families[size_t(c->family)];
+  const Contact& c = list[joint];
+  const Family& f = w.contacts.families[size_t(c.family)];
   const double way = (w.units.apart[size_t(a)] ? 1.0 : 2.0) * detection_fraction(w) * w.detection.size;
-  for (uint32_t p = c->first; p < c->first + c->count; ++p) {
+  for (uint32_t p = c.first; p < c.first + c.count; ++p) {
     const double opening = f.normal_jump[p];
     if (opening < way || w.solver.unit_inertia * f.traction[0][p] > f.kn * opening) return true;
   }

@@ -171,8 +171,7 @@ struct DueChecks {
 
 constexpr size_t kChecksAPart = 128;  // of the work of one thread at a time
 
-// check(i, step) for each i of the list; returns whether the motion is past its bound, and sets the step of the next
-// check.
+// Sums check(i) of each i in the list.
 template <class Index, class Check>
 NextCheck check_all(const World& w, std::span<const Index> list, const Check& check) {
   const NextCheck none{false, w.stepping.count + kMostSteps};

@@ -1,6 +1,7 @@
 // Results of a model in parts, sent to rank 0 run by run: no rank holds all of them.
 #include "step/collect.h"
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <span>
@@ -110,7 +111,17 @@ bool brings(const Simulation::Impl& s, const ResultRun& run) {
 void collect_at_first(const Simulation::Impl& s, std::span<const ResultRun> runs,
                       const std::function<std::string(const ResultRun&)>& make,
                       const std::function<void(const std::string&)>& take) {
-  const bool is_first = !s.ranks || s.ranks->rank() == 0;
+  if (!s.ranks) {
+    const std::size_t at_once = static_cast<std::size_t>(s.pool.thread_count());
+    std::vector<std::string> made(at_once);
+    for (; !runs.empty(); runs = runs.subspan(std::min(at_once, runs.size()))) {
+      const std::span<const ResultRun> some = runs.first(std::min(at_once, runs.size()));
+      each_part(&s.pool, some.size(), 1, [&](std::size_t i, std::size_t) { made[i] = make(some[i]); });
+      for (std::size_t i = 0; i < some.size(); ++i) take(made[i]);
+    }
+    return;
+  }
+  const bool is_first = s.ranks->rank() == 0;
   for (const ResultRun& run : runs) {
     const bool here = brings(s, run);
     if (is_first) take(here ? make(run) : receive_from(*s.ranks, run.rank));

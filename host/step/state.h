@@ -38,8 +38,8 @@ struct Simulation::Impl {
   Impl(Scene scene, int threads, Ranks* ranks);  // builds no model: see set_up.h
 
   Scene scene;
-  ThreadPool pool;
-  Ranks* ranks = nullptr;  // null: one process alone
+  mutable ThreadPool pool;  // results are made on it too
+  Ranks* ranks = nullptr;   // null: one process alone
   TimeStepReport time_step;
   LawsOfRun laws;
 
