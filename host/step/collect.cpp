@@ -112,13 +112,20 @@ void collect_at_first(const Simulation::Impl& s, std::span<const ResultRun> runs
                       const std::function<std::string(const ResultRun&)>& make,
                       const std::function<void(const std::string&)>& take) {
   if (!s.ranks) {
-    const std::size_t at_once = static_cast<std::size_t>(s.pool.thread_count());
-    std::vector<std::string> made(at_once);
-    for (; !runs.empty(); runs = runs.subspan(std::min(at_once, runs.size()))) {
-      const std::span<const ResultRun> some = runs.first(std::min(at_once, runs.size()));
-      each_part(&s.pool, some.size(), 1, [&](std::size_t i, std::size_t) { made[i] = make(some[i]); });
-      for (std::size_t i = 0; i < some.size(); ++i) take(made[i]);
-    }
+    // Some threads make results while one takes those of the runs before.
+    std::vector<std::string> before, made;
+    do {
+      const auto some = runs.first(std::min(runs.size(), static_cast<std::size_t>(s.pool.thread_count())));
+      made.assign(some.size(), {});
+      each_part(&s.pool, 1 + some.size(), 1, [&](std::size_t i, std::size_t) {
+        if (i > 0)
+          made[i - 1] = make(some[i - 1]);
+        else
+          std::ranges::for_each(before, take);
+      });
+      runs = runs.subspan(some.size());
+      before.swap(made);
+    } while (!before.empty());
     return;
   }
   const bool is_first = s.ranks->rank() == 0;

@@ -22,9 +22,10 @@ std::vector<ResultRun> runs_of_points(const Simulation::Impl& s);  // of whole l
 // Runs of joints on the lattice, with all points of each.
 std::vector<ResultRun> runs_of_joints(const Simulation::Impl& s);
 bool brings(const Simulation::Impl& s, const ResultRun& run);  // whether this rank makes its results
-// Collects results on rank 0. make: called on the rank that has the run; a single process calls it on all threads at
-// once. take: on rank 0, in the order of runs. All ranks call this at the same step: in on_frame, or after run(). Where
-// rank 0 holds all of the state, it makes all results, and other ranks do nothing.
+// Collects results on rank 0. make: called on the rank that has the run. take: on rank 0, in the order of runs. A
+// single process calls both from any of its threads: make for several runs at once, and during take. All ranks call
+// this at the same step: in on_frame, or after run(). Where rank 0 holds all of the state, it makes all results, and
+// other ranks do nothing.
 void collect_at_first(const Simulation::Impl& s, std::span<const ResultRun> runs,
                       const std::function<std::string(const ResultRun&)>& make,
                       const std::function<void(const std::string&)>& take);

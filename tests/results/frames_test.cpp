@@ -4,11 +4,13 @@
 #include <clocale>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 
 #include "folder.h"
 #include "results/read_vtu.h"
 #include "results/vtk.h"
 #include "scene/read_scene.h"
+#include "step/collect.h"
 
 namespace quoin {
 namespace {
@@ -84,6 +86,25 @@ kernels = "general"
     }
     EXPECT_GT(written[1] - written[0], 1e4);
     EXPECT_NEAR(estimated[1] - estimated[0], written[1] - written[0], 50.0) << scene;
+  }
+}
+
+// Threads make results side by side, and one of them writes those of the blocks before.
+TEST_F(Frames, HaveTheSameBytesForAnyNumberOfThreads) {
+  for (const char* kernels : {"solver.large_motion=never", "solver.large_motion=always"}) {
+    std::map<std::string, std::string> files[2];
+    for (const int threads : {1, 3}) {
+      Simulation simulation(read_scene(QUOIN_SCENES "/wall_2m_576.toml", {kernels}), threads);
+      EXPECT_GT(runs_of_blocks(simulation).size(), 1u);
+      EXPECT_GT(runs_of_points(simulation).size(), 1u);
+      simulation.advance(2);
+      const Surfaces surfaces;
+      VtkSeries(folder_, surfaces).add_frame(simulation);
+      for (const char* name : {"blocks_0000.vtu", "joints_0000.vtu", "forces_0000.vtu"})
+        files[threads == 1 ? 0 : 1][name] = read_all(folder_ / name);
+    }
+    EXPECT_GT(files[0]["blocks_0000.vtu"].size(), 1000000u);
+    EXPECT_TRUE(files[0] == files[1]) << kernels;
   }
 }
 
