@@ -150,7 +150,7 @@ void number_rows(World& w) {
 void divide_work(World& w) {
   number_chunks(w);
   count_sides(w);
-  if (w.pieces.are_old) divide_blocks(w);
+  if (w.pieces.are_old) copy_velocities(w), divide_blocks(w);
   w.step_sums.of_block.resize(w.blocks.size());
   w.actions.loaded.resize(w.blocks.size(), 0);
   ++w.chunks.divisions;

@@ -20,6 +20,7 @@ using geometry::Vector;
 // A single process owns everything, and has no ranks.
 struct ModelPart {
   Ranks* ranks = nullptr;
+  bool is_shared = false;           // whether other processes advance blocks too, of this part or of the whole model
   std::vector<int> rank_of_block;   // rank by block; empty: one process
   std::vector<bool> laid_out;       // by block
   std::vector<Vector> rough_place;  // approximate positions by block, on every rank, m

@@ -247,9 +247,10 @@ CheckedMotion checked_motion(const World& w, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
   double squared = 0.0;
   if (b.body < 0) {  // its corners are its first gridpoints
-    const size_t corners = b.shape->vertices.size();
-    for (const Vector& v : std::span(w.nodes.v).subspan(size_t(b.first_node), corners))
+    for (int n = 0; n < int(b.shape->vertices.size()); ++n) {
+      const Vector v = gridpoint_velocity(w, block, n);
       squared = std::max(squared, dot(v, v));
+    }
   } else {
     const Body& body = w.bodies[size_t(b.body)];
     squared = std::max(dot(body.v, body.v), dot(body.omega, body.omega) * b.radius * b.radius);

@@ -206,7 +206,7 @@ void bind_columns_of_pieces(World& w) {
   w.pieces.columns.clear(), w.pieces.held_changed.clear();
   w.pieces.shared_columns.assign(2 * w.zones.congruent.size(), Piece::kNoColumns);
   w.pieces.any_held_changed = false;
-  w.pieces.of_block.assign(w.blocks.size(), -1);
+  w.pieces.of_block.assign(w.blocks.size(), -1), w.pieces.lane_of_block.assign(w.blocks.size(), -1);
   size_t motion = 0;
   for (Piece& piece : w.pieces.all) {
     std::fill(piece.columns, std::end(piece.columns), Piece::kNoColumns);
@@ -214,9 +214,12 @@ void bind_columns_of_pieces(World& w) {
     fill_columns(w, piece);
     for (const int32_t block : w.pieces.blocks_of(piece))
       w.pieces.of_block[size_t(block)] = int32_t(&piece - w.pieces.all.data());
-    for (size_t group = 0; piece.kind == Piece::Kind::congruent && group < piece.group_count(); ++group)
-      piece.motion[group] =
-          std::exchange(motion, motion + 2 * size_t(most_gridpoints(w, w.pieces.blocks_of(piece, group))) * kLine);
+    for (size_t group = 0; piece.kind == Piece::Kind::congruent && group < piece.group_count(); ++group) {
+      const std::span<const int32_t> blocks = w.pieces.blocks_of(piece, group);
+      piece.motion[group] = std::exchange(motion, motion + 2 * size_t(most_gridpoints(w, blocks)) * kLine);
+      for (size_t l = 0; l < blocks.size(); ++l)
+        w.pieces.lane_of_block[size_t(blocks[l])] = std::int64_t(piece.motion[group] + l);
+    }
   }
   w.pieces.motion.resize(motion);
   w.pieces.motion_is_old = true;
@@ -254,6 +257,16 @@ void follow_held(World& w) {
   for (const int32_t piece : changed) fill_columns(w, w.pieces.all[size_t(piece)]);
   w.pieces.held_changed.clear();
   w.pieces.any_held_changed = false;
+}
+
+void copy_velocities(World& w) {
+  if (!w.pieces.velocities_lag) return;
+  for (int i = 0; i < w.block_count(); ++i) {
+    const ModelBlock& b = w.blocks[size_t(i)];
+    for (int n = 0; w.pieces.lane_of_block[size_t(i)] >= 0 && n < b.node_count; ++n)
+      w.nodes.v[size_t(b.first_node + n)] = gridpoint_velocity(w, i, n);
+  }
+  w.pieces.velocities_lag = false;
 }
 
 int most_gridpoints(const World& w, std::span<const int32_t> blocks) {

@@ -84,6 +84,8 @@ struct Pieces {
   // steps update together.
   LaneVector<double> motion;
   bool motion_is_old = true;  // whether gridpoints have moved, or their velocities changed, outside of steps since then
+  std::vector<std::int64_t> lane_of_block;  // by block: number of its first x in `motion`; -1: it is not there
+  bool velocities_lag = false;              // whether steps have changed velocities in lanes alone (copy_velocities)
   // By piece: whether end_step must check its blocks, as the last step has found something unusual. Of own pieces.
   std::vector<uint8_t> needs_check;
   std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
@@ -105,6 +107,9 @@ double piece_work(const World& w, int piece);
 void divide_blocks(World& w);
 void bind_pieces(World& w);  // binds pieces to their columns and contact points
 void follow_held(World& w);  // updates supports in the columns, before a step
+// Copies velocities of congruent blocks from lanes to Gridpoints, which steps do only where they measure or check
+// motion. By one thread.
+void copy_velocities(World& w);
 int most_gridpoints(const World& w, std::span<const int32_t> blocks);  // largest number of gridpoints of a block
 
 }  // namespace quoin::blocks

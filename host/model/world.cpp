@@ -46,7 +46,7 @@ void check(const Assembly& assembly, const SolverSettings& solver) {
 World::World(const Assembly& scene, const SolverSettings& settings,
              std::vector<std::shared_ptr<const Material>> materials, Ranks* ranks, ThreadPool* threads)
     : assembly(scene), pool(threads) {
-  part.ranks = ranks;
+  part.ranks = ranks, part.is_shared = ranks;
   set_solver(settings);
   check(assembly, solver);
   for (size_t i = 0; i < assembly.families.size(); ++i) {
@@ -205,7 +205,8 @@ void World::prescribe(int block, const Vector& velocity, const Vector& omega, ui
     return;
   }
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
-    change_held(nodes.held[i], uint8_t((held & 7) | nodes.support[i]), nodes.mass[i], nodes.v[i], step_sums.energies);
+    const Vector v = gridpoint_velocity(*this, block, i - b.first_node);
+    change_held(nodes.held[i], uint8_t((held & 7) | nodes.support[i]), nodes.mass[i], v, step_sums.energies);
     nodes.held_v[i] = velocity;
   }
   pieces.held_changed.push_back(block);
@@ -276,6 +277,7 @@ void World::track_energy(bool on) {
 }
 
 void World::book_energy(bool on) {
+  copy_velocities(*this);  // steps that book energies read them
   books_energy = on;
   for (Family& f : contacts.families) {
     f.stored = LaneVector<double>(on ? f.size() : 0);

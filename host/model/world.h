@@ -160,6 +160,7 @@ inline bool checks_motion(const World& w) {
 }
 inline Body& body_of(World& w, int block) { return w.bodies[w.blocks[block].body]; }
 inline LaneVector<Vector>& change_node_velocities(World& w) {
+  copy_velocities(w);
   w.pieces.motion_is_old = true;
   return w.nodes.v;
 }
@@ -167,6 +168,14 @@ inline LaneVector<Vector>& change_node_positions(World& w) {
   change_node_velocities(w);
   w.frames.are_old = true;
   return w.nodes.x;
+}
+// Current velocity of gridpoint n of a deformable block, m/s, after any step.
+inline Vector gridpoint_velocity(const World& w, int block, int n) {
+  const ModelBlock& b = w.blocks[size_t(block)];
+  if (!w.pieces.velocities_lag || w.pieces.lane_of_block[size_t(block)] < 0) return w.nodes.v[size_t(b.first_node + n)];
+  const double* const v =
+      w.pieces.motion.data() + w.pieces.lane_of_block[size_t(block)] + std::int64_t{b.node_count + n} * kLine;
+  return {v[0], v[kLanes], v[2 * kLanes]};
 }
 inline Zone zone_of(const World& w, int block, int index) { return w.zones.zone(w.blocks[size_t(block)], index); }
 template <class Visit>

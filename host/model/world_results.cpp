@@ -16,12 +16,15 @@ using namespace geometry;
 
 namespace {
 
-// Mean of a field over the gridpoints of a deformable block.
-template <class Masses, class Field>
-Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& field) {
+// Mean of a field over the gridpoints of a deformable block. at(n): value at its gridpoint n.
+template <class At>
+Vector mass_mean(const World& w, const ModelBlock& b, const At& at) {
   Vector sum;
   double mass = 0.0;
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) sum += node_mass[i] * field[i], mass += node_mass[i];
+  for (int n = 0; n < b.node_count; ++n) {
+    const double of_node = w.nodes.mass[size_t(b.first_node + n)];
+    sum += of_node * at(n), mass += of_node;
+  }
   return sum / mass;
 }
 
@@ -30,13 +33,13 @@ Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& fiel
 Vector position_of(const World& w, int block) {
   const ModelBlock& b = w.blocks[block];
   if (b.body >= 0) return w.bodies[b.body].x;
-  return mass_mean(b, w.nodes.mass, w.nodes.x);
+  return mass_mean(w, b, [&](int n) { return w.nodes.x[size_t(b.first_node + n)]; });
 }
 
 Vector start_position_of(const World& w, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
   if (b.body >= 0) return w.poses.start[size_t(block)].x;
-  return mass_mean(b, w.nodes.mass, w.nodes.reference);
+  return mass_mean(w, b, [&](int n) { return w.nodes.reference[size_t(b.first_node + n)]; });
 }
 
 Matrix orientation_of(const World& w, int block) {
@@ -69,7 +72,7 @@ double turned_by_now(const World& w, int block) {
 Vector velocity_of(const World& w, int block) {
   const ModelBlock& b = w.blocks[block];
   if (b.body >= 0) return w.bodies[b.body].v;
-  return mass_mean(b, w.nodes.mass, w.nodes.v);
+  return mass_mean(w, b, [&](int n) { return gridpoint_velocity(w, block, n); });
 }
 
 Vector spin_of(const World& w, int block) {

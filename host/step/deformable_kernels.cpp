@@ -549,7 +549,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     }
   }
   store_vectors(columns.x, blocks, &LaneBlock::x, first, columns);
-  store_vectors(columns.v, blocks, &LaneBlock::v, first, columns);
+  if (step.velocities) store_vectors(columns.v, blocks, &LaneBlock::v, first, columns);
   if constexpr (kFrame) store_frames(blocks, first, f);
   hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
   store_by_lane(net, sums->net, first);

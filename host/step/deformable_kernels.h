@@ -103,6 +103,7 @@ struct GridpointStep {
   Vector gravity;          // m/s2
   bool energies;           // whether work and kinetic energy are summed
   bool measured;           // whether net forces and energies are measured
+  bool velocities;         // whether velocities are copied from lanes to the blocks
 };
 
 // Moves gridpoints by a step, and updates the frames. gains: rigid part of the motion where inertia is scaled; null:

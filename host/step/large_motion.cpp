@@ -136,13 +136,14 @@ void Model::step() {
 
 void Model::begin_step(bool measure) {
   measured = measure || books_energy;
+  copies_velocities = measured || part.is_shared || checks_motion(*this);
   follow_held(*this);
   if (frames.are_old) find_block_frames(*this);
   if (held_by.members) follow_members(*this);
 }
 
 bool Model::end_step() {
-  pieces.motion_is_old = false;
+  pieces.motion_is_old = false, pieces.velocities_lag = !copies_velocities;
   for (const Chunk& chunk : chunks.all) {
     if (chunk.call.failed) report_failure(*this, chunk);
   }

@@ -77,6 +77,7 @@ struct Model : World {
   void motion_of(int block, std::vector<double*>& numbers);  // the same for position and velocity of a whole block
 
   bool measured = false;                  // whether this step measures energies
+  bool copies_velocities = true;          // whether this step copies velocities in lanes to Gridpoints
   double measured_kinetic = 0.0;          // kinetic energy at the time of the forces of the last measured step, J
   std::vector<int> chunk_end, piece_end;  // end of each thread's share
   long shared_division = -1;              // division of the chunks for which they are computed

@@ -366,7 +366,8 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
                            1.0 / m.solver.mass_scaling,
                            m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity,
                            m.books_energy,
-                           m.measured};
+                           m.measured,
+                           m.copies_velocities || piece.kind != Piece::Kind::congruent};
   for (size_t g = 0; g < count; ++g) {
     const LaneGroup& group = groups[g];
     advance_gridpoints(group.blocks(), columns[g], splits_motion(m) ? &gains[g] : nullptr, step,

@@ -107,6 +107,7 @@ struct GivingWriter {
 
 void Model::save(ArchiveWriter& writer, const GiveArray& give) {
   take_back_facets(*this);
+  copy_velocities(*this);
   GivingWriter giving{writer, give};
   transfer_state(giving, *this);
 }
@@ -159,7 +160,7 @@ void Model::restore(ArchiveReader& reader) {
     const int other = units.other_half[size_t(i)];
     require(units.apart[size_t(i)] == (other < 0 ? 0 : units.apart[size_t(other)]));
   }
-  frames.are_old = false;
+  frames.are_old = pieces.velocities_lag = false;
   pieces.are_old = pieces.motion_is_old = true;
   divide_work(*this);
 }

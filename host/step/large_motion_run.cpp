@@ -71,6 +71,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
     divide_work(s);
     s.large_motion->begin(rank_by_block(s));
   } else {
+    s.large_motion->part.is_shared = s.ranks;
     s.large_motion->part.fetch = [&s] { gather(s, Part::all); };
   }
   s.large_motion->track_energy(s.energy.wanted);

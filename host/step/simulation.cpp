@@ -48,7 +48,20 @@ std::unique_ptr<Simulation::Impl> Simulation::make_impl(Motion motion, int threa
 
 Simulation::~Simulation() = default;
 
+namespace {
+
+// At the end of its scope velocities of blocks in large motion are current, whichever step was the last.
+struct CurrentVelocities {
+  Simulation::Impl& s;
+  ~CurrentVelocities() {
+    if (s.large_motion) copy_velocities(*s.large_motion);
+  }
+};
+
+}  // namespace
+
 void Simulation::advance(long steps, bool measure_last) {
+  const CurrentVelocities current{*impl_};
   if (impl_->progress.stage < 0 && !impl_->scene.stages.empty()) begin_stage(*impl_, 0);
   for (long i = 0; i < steps; ++i) {
     const bool last = measure_last && i + 1 == steps;
@@ -83,6 +96,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
                     : impl_->progress.in_stage ? impl_->progress.stage
                                                : impl_->progress.stage + 1;
   if (index >= stages) return false;
+  const CurrentVelocities current{*impl_};
   StageRun stage(*this, *impl_, observer, index);
   for (; most_steps > 0; --most_steps) {
     if (!stage.advance()) continue;

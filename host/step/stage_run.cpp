@@ -137,6 +137,7 @@ void StageRun::write_row(bool done) {
 void StageRun::pause(bool last) {
   if (!any_rank(s_, observer_.wants_pause(last))) return;
   if (!s_.parts.divided) gather(s_, Part::all);
+  if (s_.large_motion) copy_velocities(*s_.large_motion);
   std::optional<Error> fault;  // fault of one rank, at which all end together
   try {
     write([&] { observer_.on_pause(simulation_, last); });
