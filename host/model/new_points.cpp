@@ -15,6 +15,10 @@ namespace {
 
 // Cosine above which faces (within about 2.5 degrees of parallel) can be a joint of the start.
 constexpr double parallel_cosine = 0.999;
+// Cosine between the normals above which faces can overlap; those of steeper ones meet along an edge or at a corner.
+constexpr double least_overlap_cosine = 0.05;
+// Gap above which a point is on the far side of a tilted block, in multiples of the reach of detection.
+constexpr double far_side = 20.0;
 // Distance below which points of an overlap are merged, as a fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
 // Distance from a gridpoint, as a fraction of an edge, below which a point lies on it. It is far above the rounding of
@@ -118,102 +122,125 @@ bool edge_point(const World& w, const Pair& pair, const Separation& separation, 
   return true;
 }
 
+// Plane of a block's face, with axes in it.
+struct FacePlane {
+  Vector n, origin, s, t;
+  FacePlane(const Placed& block, int face) : n(block.normals[face]) {
+    const auto& corners = block.shape->faces[face];
+    origin = block.vertices[corners[0]];
+    const Vector along = block.vertices[corners[1]] - origin;
+    s = normalized(along - dot(along, n) * n), t = cross(n, s);
+  }
+  Point2 flat(const Vector& p) const { return {dot(s, p - origin), dot(t, p - origin)}; }
+};
+
+// Part of a face in a plane: whole faces of rigid blocks, surface triangles of deformable ones.
+struct Patch {
+  Polygon polygon;
+  Point2 low{1e300, 1e300}, high{-1e300, -1e300};
+  Patch(Polygon corners, bool reverse) : polygon(std::move(corners)) {
+    if (reverse) std::reverse(polygon.begin(), polygon.end());
+    for (const Point2& q : polygon) {
+      low = {std::min(low.x, q.x), std::min(low.y, q.y)}, high = {std::max(high.x, q.x), std::max(high.y, q.y)};
+    }
+  }
+  bool is_apart(const Patch& q) const {
+    return high.x < q.low.x || q.high.x < low.x || high.y < q.low.y || q.high.y < low.y;
+  }
+};
+
+std::vector<Patch> patches_of(const World& w, int block, const Placed& p, int face, bool reverse,
+                              const FacePlane& plane) {
+  std::vector<Patch> patches;
+  if (w.blocks[block].body >= 0) {
+    Polygon polygon;
+    for (int k : p.shape->faces[face]) polygon.push_back(plane.flat(p.vertices[k]));
+    patches.emplace_back(std::move(polygon), reverse);
+    return patches;
+  }
+  const auto corner = [&](int32_t node) { return plane.flat(w.nodes.x[node]); };
+  for (const auto& tri : w.blocks[block].surface) {
+    if (tri.face == face)
+      patches.emplace_back(Polygon{corner(tri.node[0]), corner(tri.node[1]), corner(tri.node[2])}, reverse);
+  }
+  return patches;
+}
+
+// Points of the rule on the overlaps of patches. Linear jumps and shape functions are continuous across borders of
+// patches, so points at one place are merged.
+std::vector<QuadraturePoint> points_on(const World& w, std::span<const Patch> of_a, std::span<const Patch> of_b,
+                                       bool rigid, RigidPoints rule, double tolerance) {
+  std::vector<QuadraturePoint> points, local;
+  Polygon overlap, scratch;
+  for (const Patch& p : of_a) {
+    for (const Patch& q : of_b) {
+      if (p.is_apart(q)) continue;
+      clip(q.polygon, p.polygon, tolerance, overlap, scratch);
+      if (overlap.empty()) continue;
+      local.clear();
+      if (rigid && w.assembly.contact.point_spacing > 0)
+        grid_rule(overlap, w.assembly.contact.point_spacing, local);
+      else if (rigid && rule == RigidPoints::cubic)
+        cubic_rule(overlap, local);
+      else
+        vertex_rule(overlap, local);
+      for (const QuadraturePoint& l : local) add_merged(points, 0, l, 10 * tolerance);
+    }
+  }
+  return points;
+}
+
+// The deepest corner below the plane, if it lies on the face; -1: there is none.
+int deepest_corner(const Placed& a, int face_of_a, const Placed& b, const FacePlane& plane) {
+  const auto depth = [&](int i) { return dot(plane.n, b.vertices[i]); };
+  int deepest = 0;
+  for (int i = 1; i < int(b.shape->vertices.size()); ++i) {
+    if (depth(i) < depth(deepest)) deepest = i;
+  }
+  if (!(dot(plane.n, b.vertices[deepest] - plane.origin) <= 0)) return -1;
+  const Point2 at = plane.flat(b.vertices[deepest]);
+  const auto& corners = a.shape->faces[face_of_a];
+  for (size_t k = 0; k < corners.size(); ++k) {
+    const Point2 p = plane.flat(a.vertices[corners[k]]), q = plane.flat(a.vertices[corners[(k + 1) % corners.size()]]);
+    if (!((q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x) >= 0)) return -1;
+  }
+  return deepest;
+}
+
 // Appends points where the face of `carrier` that is turned to `owner` overlaps the face `owner_face`, in the plane of
 // that face. Their areas add up to half of `nominal` (m2) at least; a single corner gets `nominal`.
 void face_points(const World& w, int owner, int owner_face, int carrier, bool at_start, double nominal,
                  RigidPoints rule, std::vector<NewPoint>& out) {
   const Placed a = placed(w, owner), b = placed(w, carrier);
-  const Vector n = a.normals[owner_face];
-  const auto& corners = a.shape->faces[owner_face];
-  const Vector origin = a.vertices[corners[0]];
-  const Vector along = a.vertices[corners[1]] - origin;
-  const Vector s = normalized(along - dot(along, n) * n), t = cross(n, s);
-  const int facing_face = facing(b, -n);
+  const FacePlane plane(a, owner_face);
+  const int facing_face = facing(b, -plane.n);
   const Vector nb = b.normals[facing_face];
-  const double cosine = -dot(n, nb),
+  const double cosine = -dot(plane.n, nb),
                tolerance = merge_fraction * std::min(w.blocks[owner].least_extent, w.blocks[carrier].least_extent);
-  const auto flat = [&](const Vector& p) { return Point2{dot(s, p - origin), dot(t, p - origin)}; };
-
-  // Patches: whole faces of rigid blocks, surface triangles of deformable ones.
-  struct Patch {
-    Polygon polygon;
-    Point2 low, high;
-  };
-  const auto patches = [&](int block, const Placed& p, int face, bool reverse) {
-    std::vector<Patch> list;
-    const auto add = [&](Polygon polygon) {
-      if (reverse) std::reverse(polygon.begin(), polygon.end());
-      Point2 low{1e300, 1e300}, high{-1e300, -1e300};
-      for (const Point2& q : polygon) {
-        low = {std::min(low.x, q.x), std::min(low.y, q.y)}, high = {std::max(high.x, q.x), std::max(high.y, q.y)};
-      }
-      list.push_back({std::move(polygon), low, high});
-    };
-    if (w.blocks[block].body >= 0) {
-      Polygon polygon;
-      for (int k : p.shape->faces[face]) polygon.push_back(flat(p.vertices[k]));
-      add(polygon);
-    } else {
-      for (const auto& tri : w.blocks[block].surface) {
-        if (tri.face == face)
-          add({flat(w.nodes.x[tri.node[0]]), flat(w.nodes.x[tri.node[1]]), flat(w.nodes.x[tri.node[2]])});
-      }
-    }
-    return list;
-  };
   std::vector<QuadraturePoint> points;
-  if (cosine > 0.05) {
-    const std::vector<Patch> pa = patches(owner, a, owner_face, false), pb = patches(carrier, b, facing_face, true);
+  if (cosine > least_overlap_cosine) {
     const bool rigid = w.blocks[owner].body >= 0 && w.blocks[carrier].body >= 0;
-    Polygon overlap_polygon, scratch;
-    std::vector<QuadraturePoint> local;
-    for (const Patch& p : pa) {
-      for (const Patch& q : pb) {
-        if (p.high.x < q.low.x || q.high.x < p.low.x || p.high.y < q.low.y || q.high.y < p.low.y) continue;
-        clip(q.polygon, p.polygon, tolerance, overlap_polygon, scratch);
-        if (overlap_polygon.empty()) continue;
-        local.clear();
-        if (rigid && w.assembly.contact.point_spacing > 0) {
-          grid_rule(overlap_polygon, w.assembly.contact.point_spacing, local);
-        } else if (rigid && rule == RigidPoints::cubic) {
-          cubic_rule(overlap_polygon, local);
-        } else {
-          vertex_rule(overlap_polygon, local);
-        }
-        // Linear jumps and shape functions are continuous across patch borders, so points at one place are merged.
-        for (const QuadraturePoint& l : local) add_merged(points, 0, l, 10 * tolerance);
-      }
-    }
+    points = points_on(w, patches_of(w, owner, a, owner_face, false, plane),
+                       patches_of(w, carrier, b, facing_face, true, plane), rigid, rule, tolerance);
   }
   const auto make = [&](const Vector& at, double area, double gap) {
     NewPoint made;
     Point& p = made.point;
     p.a = owner, p.b = carrier;
-    p.n = n, p.s = s, p.t = t;
+    p.n = plane.n, p.s = plane.s, p.t = plane.t;
     p.area = area, p.at = at;
     // For a joint of the start, the gap found there is the reference.
     made.joint = at_start && std::abs(gap) <= w.detection.joint_tolerance && cosine > parallel_cosine;
     p.reference = made.joint ? gap : 0.0;
-    anchor(w, made, owner, at - gap * n, owner_face, true);
+    anchor(w, made, owner, at - gap * plane.n, owner_face, true);
     anchor(w, made, carrier, at, facing_face, false);
     choose_frame(w, made);
     out.push_back(made);
   };
-  if (points.empty()) {
-    // Faces that do not overlap (a corner beside a steep face): the deepest corner of the carrier, if it lies on this
-    // face.
-    int deepest = 0;
-    for (size_t i = 1; i < b.shape->vertices.size(); ++i) {
-      if (dot(n, b.vertices[i]) < dot(n, b.vertices[deepest])) deepest = int(i);
-    }
-    const double gap = dot(n, b.vertices[deepest] - origin);
-    const Point2 at = flat(b.vertices[deepest]);
-    bool inside = gap <= 0;
-    for (size_t k = 0; k < corners.size() && inside; ++k) {
-      const Point2 p = flat(a.vertices[corners[k]]), q = flat(a.vertices[corners[(k + 1) % corners.size()]]);
-      inside = (q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x) >= 0;
-    }
-    if (inside && nominal > 0 && w.blocks[carrier].body >= 0) make(b.vertices[deepest], nominal, gap);
+  if (points.empty()) {  // as for a corner beside a steep face
+    const int deepest = deepest_corner(a, owner_face, b, plane);
+    if (deepest >= 0 && nominal > 0 && w.blocks[carrier].body >= 0)
+      make(b.vertices[deepest], nominal, dot(plane.n, b.vertices[deepest] - plane.origin));
     return;
   }
   // Slivers of overlap would be soft springs; the nominal area keeps corners from sinking in.
@@ -222,10 +249,10 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
   const double stiffen = std::max(1.0, 0.5 * nominal / total);
   const Vector on_b = b.vertices[b.shape->faces[facing_face][0]];
   for (const QuadraturePoint& q : points) {
-    const Vector foot = origin + q.at.x * s + q.at.y * t;
-    const double gap = dot(on_b - foot, nb) / dot(n, nb);
-    if (!at_start && gap > 20 * w.detection.reach) continue;  // far side of a tilted block
-    make(foot + gap * n, q.area * stiffen, gap);
+    const Vector foot = plane.origin + q.at.x * plane.s + q.at.y * plane.t;
+    const double gap = dot(on_b - foot, nb) / dot(plane.n, nb);
+    if (!at_start && gap > far_side * w.detection.reach) continue;
+    make(foot + gap * plane.n, q.area * stiffen, gap);
   }
 }
 

@@ -111,6 +111,52 @@ void list_lines(const World& w, std::span<const int32_t> blocks, std::vector<Gri
   }
 }
 
+int zones_of(const World& w, const Unit& unit) {
+  int zones = 0;
+  for (const int block : unit.blocks()) zones += w.blocks[size_t(block)].zone_count;
+  return zones;
+}
+
+using Kinds = std::array<int32_t, 2>;  // congruent kinds of a unit's blocks
+
+// Divides those units of the list that have `count` blocks, which are apart or not, in its order into pieces.
+void append_pieces(World& w, std::span<const Unit> units, Piece::Kind kind, const Kinds& congruent, int count,
+                   bool apart) {
+  const bool one_by_one = kind == Piece::Kind::distinct || kind == Piece::Kind::by_zone;
+  // Bound of zones in a piece whose blocks have one product each, so that threads share the work.
+  const int most_zones = int(std::clamp(w.zone_count() / 16, size_t(500), size_t(4000)));
+  const bool halves = count == 2 && (!apart || congruent[0] != congruent[1]);
+  std::vector<Unit> together;
+  int zones = 0;
+  const auto put = [&] {
+    if (together.empty()) return;
+    w.pieces.all.push_back({uint32_t(w.pieces.blocks.size()),
+                            uint32_t(count) * uint32_t(together.size()),
+                            halves,
+                            apart,
+                            kind,
+                            {congruent[0], halves ? congruent[1] : -1}});
+    for (int half = 0; half < count; ++half) {
+      for (const Unit& unit : together) w.pieces.blocks.push_back(unit.block[half]);
+    }
+    together.clear(), zones = 0;
+  };
+  for (const Unit& unit : units) {
+    if (unit.count != count || apart != (count == 2 && w.units.apart[size_t(unit.block[0])])) continue;
+    const bool is_full = int(together.size() + 1) * (halves ? 1 : count) > kBodies;
+    if (is_full || (one_by_one && zones + zones_of(w, unit) > most_zones)) put();
+    together.push_back(unit), zones += zones_of(w, unit);
+  }
+  put();
+}
+
+// Halves that are apart stay in one piece, so that one rank has both when they join again.
+void append_pieces(World& w, std::span<const Unit> units, Piece::Kind kind, const Kinds& congruent = {-1, -1}) {
+  append_pieces(w, units, kind, congruent, 1, false);
+  append_pieces(w, units, kind, congruent, 2, false);
+  append_pieces(w, units, kind, congruent, 2, true);
+}
+
 }  // namespace
 
 // Divides blocks into pieces of as many as a SIMD group holds. Units of congruent blocks are grouped by the kinds of
@@ -118,45 +164,6 @@ void list_lines(const World& w, std::span<const int32_t> blocks, std::vector<Gri
 // Other units are grouped by size, so that lanes of a group have similar lengths.
 void divide_blocks(World& w) {
   w.pieces.all.clear(), w.pieces.blocks.clear();
-  const auto zones_of = [&](const Unit& unit) {
-    int zones = 0;
-    for (const int block : unit.blocks()) zones += w.blocks[size_t(block)].zone_count;
-    return zones;
-  };
-  // Bound of zones in a piece whose blocks have one product each, so that threads share the work.
-  const int most_zones = int(std::clamp(w.zone_count() / 16, size_t(500), size_t(4000)));
-  // Divides a list of units, in its order, into pieces. Halves that are apart stay in one piece, so that one rank has
-  // both when they join again.
-  using Kinds = std::array<int32_t, 2>;  // of a unit's blocks
-  const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, Kinds congruent = {-1, -1}) {
-    const bool one_by_one = kind == Piece::Kind::distinct || kind == Piece::Kind::by_zone;
-    const auto of_one_kind = [&](int count, bool apart) {
-      const bool halves = count == 2 && (!apart || congruent[0] != congruent[1]);
-      std::vector<Unit> together;
-      int zones = 0;
-      const auto put = [&] {
-        if (together.empty()) return;
-        w.pieces.all.push_back({uint32_t(w.pieces.blocks.size()),
-                                uint32_t(count) * uint32_t(together.size()),
-                                halves,
-                                apart,
-                                kind,
-                                {congruent[0], halves ? congruent[1] : -1}});
-        for (int half = 0; half < count; ++half) {
-          for (const Unit& unit : together) w.pieces.blocks.push_back(unit.block[half]);
-        }
-        together.clear(), zones = 0;
-      };
-      for (const Unit& unit : units) {
-        if (unit.count != count || apart != (count == 2 && w.units.apart[size_t(unit.block[0])])) continue;
-        const bool is_full = int(together.size() + 1) * (halves ? 1 : count) > kBodies;
-        if (is_full || (one_by_one && zones + zones_of(unit) > most_zones)) put();
-        together.push_back(unit), zones += zones_of(unit);
-      }
-      put();
-    };
-    of_one_kind(1, false), of_one_kind(2, false), of_one_kind(2, true);
-  };
   std::vector<Unit> rigid, fixed, distinct, by_zone;
   std::map<Kinds, std::vector<Unit>> of_kinds;
   std::vector<size_t> of_kind(w.zones.congruent.size(), 0);  // number of blocks
@@ -182,16 +189,16 @@ void divide_blocks(World& w) {
   for (const auto& [kinds, units] : of_kinds) {
     const auto has_few = [&](int32_t kind) { return kind >= 0 && of_kind[size_t(kind)] < kFewestCongruent; };
     if (std::ranges::none_of(kinds, has_few))
-      divide(units, Piece::Kind::congruent, kinds);
+      append_pieces(w, units, Piece::Kind::congruent, kinds);
     else
       by_zone.insert(by_zone.end(), units.begin(), units.end());
   }
   std::stable_sort(distinct.begin(), distinct.end(),
-                   [&](const Unit& a, const Unit& b) { return zones_of(a) > zones_of(b); });
-  divide(distinct, Piece::Kind::distinct);
-  divide(by_zone, Piece::Kind::by_zone);
-  divide(rigid, Piece::Kind::rigid);
-  divide(fixed, Piece::Kind::rigid);  // fixed blocks are mostly at rest, so their pieces are at rest as a whole
+                   [&](const Unit& a, const Unit& b) { return zones_of(w, a) > zones_of(w, b); });
+  append_pieces(w, distinct, Piece::Kind::distinct);
+  append_pieces(w, by_zone, Piece::Kind::by_zone);
+  append_pieces(w, rigid, Piece::Kind::rigid);
+  append_pieces(w, fixed, Piece::Kind::rigid);  // mostly at rest: so are their pieces as a whole
   w.pieces.needs_check.assign(w.pieces.all.size(), 0);
   w.pieces.in_frame.assign(w.blocks.size(), 0);
   for (const Piece& piece : w.pieces.all) {
