@@ -111,7 +111,7 @@ std::vector<Vec3> gridpoint_velocities(const Simulation::Impl& s, int block) {
   const blocks::ModelBlock& b = s.large_motion->blocks[block];
   std::vector<Vec3> result;
   for (int i = 0; b.body < 0 && i < b.node_count; ++i)
-    result.push_back(geometry::array(s.large_motion->nodes.v[at(b.first_node + i)]));
+    result.push_back(geometry::array(gridpoint_velocity(*s.large_motion, block, i)));
   for (std::size_t i = 0; b.body >= 0 && i < b.shape->vertices.size(); ++i)
     result.push_back(
         geometry::array(velocity_of(*s.large_motion, block) +

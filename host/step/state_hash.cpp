@@ -70,7 +70,10 @@ void note_start(Simulation::Impl& s) {
 std::uint64_t Simulation::hash() const {
   if (impl_->agreed.end_conditions && !has_all(*impl_)) return impl_->agreed.end_hash;
   if (impl_->agreed.start_hash && impl_->progress.step == 0 && !has_all(*impl_)) return *impl_->agreed.start_hash;
-  if (impl_->large_motion) return impl_->large_motion->hash();
+  if (impl_->large_motion) {
+    copy_velocities(*impl_->large_motion);
+    return impl_->large_motion->hash();
+  }
   FnvHash hash;
   each_lattice_field(impl_->lattice, [&](const Field& field, const auto& array, int f) {
     if (field.hashed == 0) return;

@@ -27,7 +27,7 @@ std::vector<HistoryRow> run(Scene scene) {
 }
 
 Scene shipped(const std::string& name, const std::vector<std::string>& overrides = {}) {
-  return read_scene(std::string(QUOIN_SCENES) + "/" + name + ".toml", overrides);
+  return read_scene(QUOIN_SCENES "/" + name + ".toml", overrides);
 }
 
 // In central differences a motion of frequency omega has a period of 4 steps where omega dt/2 = sin(pi/4) = 1/sqrt(2).

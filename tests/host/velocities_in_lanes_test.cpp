@@ -1,7 +1,6 @@
 // Steps of large motion change velocities of congruent blocks in lanes (host/model/pieces.h). They copy them to
 // Gridpoints only where they measure or check motion. A run with a row each step measures, and so copies, in each step.
-// It agrees to the last bit with a run of few rows in whatever is read between steps. Stages read it, and checks of
-// rigid blocks, and users.
+// It agrees to the last bit with a run of few rows in whatever stages and users read between steps.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -15,15 +14,15 @@
 namespace quoin {
 namespace {
 
-struct Case {
+struct LanesCase {
   const char* name;
   std::string scene, stage;  // its last stage
   std::vector<std::string> overrides;
 };
 
-void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
+void PrintTo(const LanesCase& of, std::ostream* out) { *out << of.name; }
 
-class VelocitiesInLanes : public ::testing::TestWithParam<Case> {};
+class VelocitiesInLanes : public ::testing::TestWithParam<LanesCase> {};
 
 TEST_P(VelocitiesInLanes, AreThoseOfARunThatCopiesThemInEachStep) {
   const auto with_rows_each = [](long steps) {
@@ -51,22 +50,23 @@ TEST_P(VelocitiesInLanes, AreThoseOfARunThatCopiesThemInEachStep) {
   EXPECT_GT(without_copy, 3) << "parts that end with a step that copied nothing";
 }
 
-const std::string kTurned = QUOIN_HOST_TESTS "/turned_wall.toml";
+const std::string kTurnedInLanes = QUOIN_HOST_TESTS "/turned_wall.toml";
 
 INSTANTIATE_TEST_SUITE_P(Kinds, VelocitiesInLanes,
-                         ::testing::Values(Case{"Turned", kTurned, "pull", {"stage.pull.duration=0.02"}},
-                                           Case{"TurnedWithADeformableMonitor",
-                                                kTurned,
-                                                "pull",
-                                                {"stage.pull.monitor=wall/2/0/b", "stage.pull.displacement=2e-5",
-                                                 "stage.pull.duration=1.0"}},
-                                           Case{"Promoted",
-                                                QUOIN_HOST_TESTS "/../cli/small_wall.toml",
-                                                "shear",
-                                                {"wall.courses=3", "wall.units_per_course=2",
-                                                 "joints.mortar.tensile_strength=3e4", "joints.mortar.cohesion=5e4",
-                                                 "stage.precompression.duration=0.002", "stage.shear.velocity=0.2",
-                                                 "stage.shear.ramp_time=0.0005", "solver.rotation_bound=1e-5"}}),
+                         ::testing::Values(LanesCase{"Turned", kTurnedInLanes, "pull", {"stage.pull.duration=0.02"}},
+                                           LanesCase{"TurnedWithADeformableMonitor",
+                                                     kTurnedInLanes,
+                                                     "pull",
+                                                     {"stage.pull.monitor=wall/2/0/b", "stage.pull.displacement=2e-5",
+                                                      "stage.pull.duration=1.0"}},
+                                           LanesCase{
+                                               "Promoted",
+                                               QUOIN_HOST_TESTS "/../cli/small_wall.toml",
+                                               "shear",
+                                               {"wall.courses=3", "wall.units_per_course=2",
+                                                "joints.mortar.tensile_strength=3e4", "joints.mortar.cohesion=5e4",
+                                                "stage.precompression.duration=0.002", "stage.shear.velocity=0.2",
+                                                "stage.shear.ramp_time=0.0005", "solver.rotation_bound=1e-5"}}),
                          [](const auto& of) { return std::string(of.param.name); });
 
 }  // namespace
