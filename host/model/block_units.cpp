@@ -130,7 +130,6 @@ void part_units(World& w) {
     if (b > a && w.part.owns(a) && are_together(w, a, b) == bool(w.units.apart[size_t(a)])) changed.push_back(a);
   }
   if (!w.part.any(!changed.empty())) return;
-  copy_velocities(w);
   std::vector<double> freed(w.blocks.size(), std::nan(""));  // by these halves, J
   for (const int a : changed) {
     const int b = w.units.other_half[size_t(a)];

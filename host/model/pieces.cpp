@@ -124,7 +124,7 @@ void append_pieces(World& w, std::span<const Unit> units, Piece::Kind kind, cons
                    bool apart) {
   const bool one_by_one = kind == Piece::Kind::distinct || kind == Piece::Kind::by_zone;
   // Bound of zones in a piece whose blocks have one product each, so that threads share the work.
-  const int most_zones = int(std::clamp(w.zone_count() / 16, size_t(500), size_t(4000)));
+  const int most_zones = one_by_one ? int(std::clamp(w.zone_count() / 16, size_t(500), size_t(4000))) : 0;
   const bool halves = count == 2 && (!apart || congruent[0] != congruent[1]);
   std::vector<Unit> together;
   int zones = 0;

@@ -80,12 +80,12 @@ struct Pieces {
   std::vector<int32_t> of_block;  // piece of each own deformable block; -1: blocks of other ranks
   std::vector<uint8_t> in_frame;  // by block: 1 if its piece is advanced in frames
   LaneVector<double> columns;     // FixedColumns of groups
-  // Positions, m, and velocities, m/s, of groups of congruent blocks, in lanes: copies of those in Gridpoints, which
-  // steps update together.
+  // Positions, m, and velocities, m/s, of groups of congruent blocks, in lanes. Steps change them, and copy positions
+  // to Gridpoints in each step, velocities where something reads them there (copy_velocities).
   LaneVector<double> motion;
   bool motion_is_old = true;  // whether gridpoints have moved, or their velocities changed, outside of steps since then
   std::vector<std::int64_t> lane_of_block;  // by block: number of its first x in `motion`; -1: it is not there
-  bool velocities_lag = false;              // whether steps have changed velocities in lanes alone (copy_velocities)
+  bool velocities_lag = false;              // whether steps have changed velocities in lanes alone
   // By piece: whether end_step must check its blocks, as the last step has found something unusual. Of own pieces.
   std::vector<uint8_t> needs_check;
   std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
