@@ -127,6 +127,17 @@ struct BodyMotion {
   Vec3 centre, displacement, rotation, velocity, spin;
 };
 
+// Slip of a point so far, m, where steps have not kept it: the shear displacement less its elastic part. That is the
+// law's for slip in one direction, and less for slip to and fro. Joints of damage begin with the slip that they had.
+double slip_so_far(const Simulation::Impl& s, std::int32_t point, double shear_stiffness, double at_start) {
+  constexpr double kRounding = 1e-9;  // of the shear displacement, which is elastic if no more is left
+  const Vec3 jump = jump_at_traction(s, point);
+  const double whole = std::hypot(jump[1], jump[2]);
+  const double traction = std::hypot(s.lattice.traction[1][at(point)], s.lattice.traction[2][at(point)]);
+  const double slip = whole - traction / shear_stiffness;
+  return at_start + (slip > kRounding * whole ? slip : 0.0);
+}
+
 // Contact points of the lattice with tractions and states.
 std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
   std::vector<blocks::PointHistory> histories;
@@ -149,8 +160,12 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
       const ContactFamily& family = s.model.families[f];
       const auto k = static_cast<std::int32_t>(i - family.first_point);
       if (k < 0 || k >= family.point_count) continue;
-      for (std::size_t state = 0; state < family.material->api().state_count; ++state)
+      const quoin_law& law = family.material->api();
+      for (std::size_t state = 0; state < law.state_count; ++state)
         h.state.push_back(s.lattice.law_state[f][state * at(family.point_count) + at(k)]);
+      const int slip = family.material->law().state_index("slip");
+      if (slip >= 0 && law.states[slip]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)
+        h.state[at(slip)] = slip_so_far(s, i, family.material->stiffness_bounds().shear, h.state[at(slip)]);
       for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
     }
   }
