@@ -254,12 +254,6 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
   for (std::size_t k = 0; k < contacts.families.size(); ++k) {
     const blocks::Family& family = contacts.families[k];
     const JointStiffness mean = stiffness_of(family.material, assembly.families[k].initial_state);
-    const auto scattered = [&](const char* id, std::size_t i) {
-      for (const PropertyColumn& column : family.columns) {
-        if (std::string(column.id) == id && i < column.values.size()) return column.values[i] / column.usual;
-      }
-      return 1.0;
-    };
     for (std::size_t i = 0; i < family.size(); ++i) {
       const blocks::Point& p = family.point[i];
       const blocks::Location here = locate(*this, p, contacts.facets);
@@ -267,8 +261,9 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
       shares.clear();
       add_side(p.a, p.facet_a, here.at, -1.0, *v, &shares);
       add_side(p.b, p.facet_b, here.at, 1.0, *v, &shares);
-      add_spring(shares, frame_of(*this, p).row[0], p.area * mean.normal * scattered("normal_stiffness", i),
-                 p.area * mean.shear * scattered("shear_stiffness", i), entries);
+      add_spring(shares, frame_of(*this, p).row[0],
+                 p.area * mean.normal * scatter_factor(family.columns, "normal_stiffness", i),
+                 p.area * mean.shear * scatter_factor(family.columns, "shear_stiffness", i), entries);
       ++v->points;
     }
   }

@@ -307,6 +307,11 @@ std::vector<quoin_property_column> batch_columns(const std::vector<PropertyColum
   return result;
 }
 
+double scatter_factor(const std::vector<PropertyColumn>& columns, std::string_view id, std::size_t point) {
+  const auto column = std::ranges::find(columns, id, &PropertyColumn::id);
+  return column == columns.end() || point >= column->values.size() ? 1.0 : column->values[point] / column->usual;
+}
+
 quoin_stiffness_bounds stiffness_bounds_of(const JointFamily& family, const Material& material,
                                            const std::vector<PropertyColumn>& columns) {
   std::vector<PropertySetting> stiffest = family.properties;

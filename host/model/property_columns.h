@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "law/law_library.h"
@@ -41,6 +42,9 @@ std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Mat
 // Batch columns of `material`, from point `first` on: those of these columns that the law accepts point by point.
 std::vector<quoin_property_column> batch_columns(const std::vector<PropertyColumn>& columns, const Material& material,
                                                  std::size_t first);
+
+// Value of a property at a point over that of the material; 1 where it does not scatter, and at points without a value.
+double scatter_factor(const std::vector<PropertyColumn>& columns, std::string_view id, std::size_t point);
 
 // Stiffness bounds of the law: where its stiffnesses scatter, those of the stiffest points.
 quoin_stiffness_bounds stiffness_bounds_of(const JointFamily& family, const Material& material,

@@ -8,7 +8,6 @@
 #include <map>
 #include <numeric>
 #include <span>
-#include <string_view>
 
 #include "base/error.h"
 #include "base/rank_rows.h"
@@ -128,17 +127,9 @@ struct BodyMotion {
   Vec3 centre, displacement, rotation, velocity, spin;
 };
 
-// Elastic shear stiffness of a point of a family, Pa/m.
-double shear_stiffness_of(const ContactFamily& family, std::size_t point) {
-  double stiffness = family.material->stiffness_bounds().shear;
-  for (const PropertyColumn& c : family.columns) {
-    if (std::string_view(c.id) == "shear_stiffness") stiffness *= c.values[point] / c.usual;
-  }
-  return stiffness;
-}
-
 // Slip of a point so far, m, where steps have not kept it: the shear displacement less its elastic part. That is the
-// law's for slip in one direction, and less for slip to and fro. Joints of damage begin with the slip that they had.
+// law's for slip in one direction, and less for slip to and fro. at_start: slip of joints with damage, m.
+// shear_stiffness: of the point while it is elastic, Pa/m.
 double slip_so_far(const Simulation::Impl& s, std::int32_t point, double shear_stiffness, double at_start) {
   constexpr double kRounding = 1e-9;  // of the shear displacement, which is elastic if no more is left
   const Vec3 jump = jump_at_traction(s, point);
@@ -175,7 +166,9 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
         h.state.push_back(s.lattice.law_state[f][state * at(family.point_count) + at(k)]);
       const int slip = family.material->law().state_index("slip");
       if (slip >= 0 && law.states[slip]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)
-        h.state[at(slip)] = slip_so_far(s, i, shear_stiffness_of(family, at(k)), h.state[at(slip)]);
+        h.state[at(slip)] = slip_so_far(
+            s, i, family.material->stiffness_bounds().shear * scatter_factor(family.columns, "shear_stiffness", at(k)),
+            h.state[at(slip)]);
       for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
     }
   }
