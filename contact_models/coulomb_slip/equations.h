@@ -16,6 +16,7 @@ using namespace quoin::shim::HWY_NAMESPACE;
 
 struct Lanes {
   V kn, ks, ft, ftr, c0, cr, mu0, mur;
+  V inv_kn, inv_ks;  // for energies, m/Pa
 };
 
 struct Increment {
@@ -51,7 +52,7 @@ struct Equations {
   // Returns the recoverable energy of the normal spring with its cut-off at the tensile strength. The cut-off is
   // reversible: the joint closes at d_n = 0.
   HWY_INLINE V normal_energy(V d_n, V cut_off) const {
-    const V elastic = hn::Min(d_n, hn::Div(cut_off, p.kn));
+    const V elastic = hn::Min(d_n, hn::Mul(cut_off, p.inv_kn));
     const V beyond = hn::Sub(d_n, elastic);
     return hn::MulAdd(cut_off, beyond, hn::Mul(splat(0.5), hn::Mul(p.kn, hn::Mul(elastic, elastic))));
   }
@@ -98,10 +99,10 @@ struct Equations {
     r.fails = hn::Or(breaks, shears);
 
     if constexpr (kFull) {
-      energies->stored = hn::Add(normal_energy(in.d_n, cut_off), hn::Div(hn::Mul(half, hn::Mul(tau, tau)), p.ks));
+      energies->stored = hn::Add(normal_energy(in.d_n, cut_off), hn::Mul(hn::Mul(half, hn::Mul(tau, tau)), p.inv_ks));
       // The drop of the cut-off releases the energy stored above it. It is evaluated at ft for failure in tension, and
       // at the current opening for failure in shear.
-      const V opening_at_drop = select(breaks, hn::Div(p.ft, p.kn), in.d_n);
+      const V opening_at_drop = select(breaks, hn::Mul(p.ft, p.inv_kn), in.d_n);
       const V freed = hn::Sub(normal_energy(opening_at_drop, p.ft), normal_energy(opening_at_drop, p.ftr));
       energies->crushing = zero();
       energies->tension = hn::IfThenElseZero(r.fails, positive_part(freed));
@@ -116,7 +117,7 @@ struct Equations {
       const V whole = hn::NegMulAdd(r.sigma, select(old.failed, p.mur, p.mu0), select(old.failed, p.cr, p.c0));
       const V lost = positive_part(hn::Min(excess, hn::Sub(whole, S)));
       const V cohesive = hn::NegMulAdd(pressure, slip_friction, hn::Mul(S, r.slip));
-      const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(lost, lost)), p.ks);
+      const V freed_at_once = hn::Mul(hn::Mul(half, hn::Mul(lost, lost)), p.inv_ks);
       energies->cohesion = hn::IfThenElseZero(r.slips, hn::Add(positive_part(cohesive), freed_at_once));
 
       const M plateau = hn::Gt(elastic, cut_off);

@@ -16,7 +16,8 @@ namespace quoin::coulomb_slip::HWY_NAMESPACE {
 using namespace quoin::shim;
 
 HWY_INLINE Lanes material_lanes(const Parameters& m) {
-  return {splat(m.kn), splat(m.ks), splat(m.ft), splat(m.ftr), splat(m.c0), splat(m.cr), splat(m.mu0), splat(m.mur)};
+  return {splat(m.kn), splat(m.ks),  splat(m.ft),  splat(m.ftr),      splat(m.c0),
+          splat(m.cr), splat(m.mu0), splat(m.mur), splat(1.0 / m.kn), splat(1.0 / m.ks)};
 }
 inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) {
   const auto number = [&](int k, double value) {
@@ -25,14 +26,10 @@ inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) 
   };
   const V mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, splat(m.mu0));
   const V mur = friction_column(c.in[kProperty + kColumnPhir], i, hn::Min(splat(m.mur), mu0));
-  return {number(kColumnKn, m.kn),
-          number(kColumnKs, m.ks),
-          number(kColumnFt, m.ft),
-          number(kColumnFtr, m.ftr),
-          number(kColumnC0, m.c0),
-          number(kColumnCr, m.cr),
-          mu0,
-          mur};
+  const V kn = number(kColumnKn, m.kn), ks = number(kColumnKs, m.ks);
+  return {
+      kn,  ks,  number(kColumnFt, m.ft), number(kColumnFtr, m.ftr), number(kColumnC0, m.c0), number(kColumnCr, m.cr),
+      mu0, mur, hn::Div(splat(1.0), kn), hn::Div(splat(1.0), ks)};
 }
 
 HWY_INLINE M admissible(const Lanes& p) {
