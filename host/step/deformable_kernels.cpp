@@ -580,7 +580,7 @@ HWY_INLINE void advance_all(std::span<const LaneBlock> blocks, const LaneColumns
 }
 
 void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
-                       const GridpointStep& step, const CongruentBlocks* shared, BlockSums* const* sums) {
+                       const GridpointStep& step, const CongruentBlocks* shared, BlockSums* sums) {
   GridpointSums lanes;
   if (!blocks.front().frame)
     advance_all(blocks, columns, gains, step, NoFrame{}, &lanes);
@@ -589,7 +589,7 @@ void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& col
   else
     advance_all(blocks, columns, gains, step, OwnFrames{blocks, columns}, &lanes);
   for (std::size_t l = 0; l < blocks.size(); ++l) {
-    BlockSums& s = *sums[l];
+    BlockSums& s = sums[l];
     s.unbalanced = lanes.unbalanced[l];
     s.net = {lanes.net[0][l], lanes.net[1][l], lanes.net[2][l]};
     s.positions = lanes.positions[l];
@@ -649,7 +649,7 @@ void distinct_forces(const FramedGroup& group, const ZoneStep& step) {
 }
 
 void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
-                        const GridpointStep& step, const CongruentBlocks* shared, BlockSums* const* sums) {
+                        const GridpointStep& step, const CongruentBlocks* shared, BlockSums* sums) {
   HWY_DYNAMIC_DISPATCH(AdvanceGridpoints)(blocks, columns, gains, step, shared, sums);
 }
 

@@ -107,8 +107,9 @@ struct GridpointStep {
 };
 
 // Moves gridpoints by a step, and updates the frames. gains: rigid part of the motion where inertia is scaled; null:
-// true inertia. shared: shape of congruent blocks, else null. Adds to sums.
+// true inertia. shared: shape of congruent blocks, else null. Adds to sums, one a
+// block.
 void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
-                        const GridpointStep& step, const CongruentBlocks* shared, BlockSums* const* sums);
+                        const GridpointStep& step, const CongruentBlocks* shared, BlockSums* sums);
 
 }  // namespace quoin::blocks

@@ -17,16 +17,6 @@ using namespace geometry;
 
 namespace {
 
-void share_work(Model& m) {
-  std::vector<double> weight;
-  for (int c = 0; c < m.chunk_count(); ++c) weight.push_back(m.chunks.all[size_t(c)].count);
-  m.chunk_end = shares(weight, m.pool->thread_count());
-  weight.clear();
-  for (int p = 0; p < m.piece_count(); ++p) weight.push_back(piece_work(m, p));
-  m.piece_end = shares(weight, m.pool->thread_count());
-  m.shared_division = m.chunks.divisions;
-}
-
 // The larger of the two; NaN if either is.
 double larger(double so_far, double x) { return x <= so_far ? so_far : x; }
 
@@ -119,24 +109,10 @@ void leave_frames(Model& m) {
 
 }  // namespace
 
-void Model::step() {
-  if (pool && shared_division != chunks.divisions) share_work(*this);
-  begin_step(true);
-  auto of_chunk = [&](int, int chunk) { advance_contacts(chunk); };
-  auto of_piece = [&](int, int piece) { advance_piece(piece); };
-  if (pool) {
-    pool->for_each(chunk_end, of_chunk);
-    pool->for_each(piece_end, of_piece);
-  } else {
-    for (int c = 0; c < chunk_count(); ++c) of_chunk(0, c);
-    for (int p = 0; p < piece_count(); ++p) of_piece(0, p);
-  }
-  if (end_step()) find_contacts();
-}
-
 void Model::begin_step(bool measure) {
   measured = measure || books_energy;
-  copies_velocities = measured || part.is_shared || checks_motion(*this);
+  copies_velocities = measured || part.is_shared || velocities_lent || checks_motion(*this);
+  pieces.motion_is_old |= velocities_lent;
   follow_held(*this);
   if (frames.are_old) find_block_frames(*this);
   if (held_by.members) follow_members(*this);
@@ -162,11 +138,6 @@ bool Model::end_step() {
 void Model::find_contacts() {
   part.fetch();
   detect_contacts(*this);
-}
-
-void Model::run(double duration) {
-  const double end = stepping.time + duration;
-  while (stepping.time < end - 0.5 * stepping.dt) step();
 }
 
 ImpactDamping Model::impact_damping() const {

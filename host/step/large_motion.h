@@ -26,18 +26,14 @@ namespace quoin::blocks {
 struct Model : World {
   using World::World;
 
-  // One explicit step of length time_step(). Pieces of a phase are independent of each other, and sums have a fixed
-  // order: results are bitwise identical for any number of threads. Throws Error(numerical): the law failed at a point,
-  // or the position of a block is not finite.
-  void step();
   // An answer of a law in the last step that breaks the contract, with place and points; nothing: there is none.
   std::optional<WrongAnswer> wrong_law(std::span<const int> own_chunks) const;
   std::string batch_text(const quoin_batch& batch) const;  // as that of findings.h
-  // Sets the threads of later steps; null: the caller alone. The pool must outlive them.
-  void use(ThreadPool* threads) { pool = threads, shared_division = -1; }
-  // Parts of step(), for a host with other work in a step: begin, all chunks, all pieces, end. Then find_contacts,
-  // where end_step() returns that blocks have moved enough. clock: of the thread, started; null: not timed. measure:
-  // the step measures energies.
+  // Parts of a step of length stepping.dt: begin, all chunks, all pieces, end. Then find_contacts, where end_step()
+  // returns that blocks have moved enough. Chunks are independent of each other, pieces too, and sums have a fixed
+  // order: results are bitwise identical for any number of threads. clock: of the thread, started; null: not timed.
+  // measure: the step measures energies. end_step throws Error(numerical): the law failed at a point, or the position
+  // of a block is not finite.
   void begin_step(bool measure = false);
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
@@ -48,7 +44,6 @@ struct Model : World {
   // Lets end_step check blocks of other ranks too.
   void check_all_blocks() { pieces.needs_check.assign(pieces.all.size(), 1); }
   void find_contacts();
-  void run(double duration);  // s
 
   // All data that change during a run. restore() needs families with the laws of the saved state. It throws
   // Error(bad_input) when the bytes are of another model, and leaves this one unusable. A restored run is bitwise
@@ -76,11 +71,10 @@ struct Model : World {
   void numbers_of(std::int64_t key, std::vector<double*>& numbers);
   void motion_of(int block, std::vector<double*>& numbers);  // the same for position and velocity of a whole block
 
-  bool measured = false;                  // whether this step measures energies
-  bool copies_velocities = true;          // whether this step copies velocities in lanes to Gridpoints
-  double measured_kinetic = 0.0;          // kinetic energy at the time of the forces of the last measured step, J
-  std::vector<int> chunk_end, piece_end;  // end of each thread's share
-  long shared_division = -1;              // division of the chunks for which they are computed
+  bool measured = false;          // whether this step measures energies
+  bool copies_velocities = true;  // whether this step copies velocities in lanes to Gridpoints
+  bool velocities_lent = false;   // whether a user may write those in Gridpoints, before any step
+  double measured_kinetic = 0.0;  // kinetic energy at the time of the forces of the last measured step, J
 };
 
 bool has_deformed_too_much(const Model& m, int block);  // for its frame, in the last step

@@ -21,6 +21,10 @@ struct Wrench {
   Vector force, torque;  // N; about the centre of mass, N m
 };
 
+bool deforms_too_much(const Model& m, int block, const BlockSums& sums) {
+  return !(sums.deformation <= kLargestDeformation * m.blocks[size_t(block)].least_extent);
+}
+
 constexpr size_t kRow = 4;  // doubles a gridpoint in rows that kernels read
 
 Vector in_lane(const ByLane (&column)[3], int lane) {
@@ -96,7 +100,8 @@ void forces_on_body(Model& m, int block) {
   body.force += loads.force, body.torque += loads.torque;
 }
 
-void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock) {
+// Returns whether a position is not finite, or a body deviates from its motion at the last check.
+bool advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock) {
   int32_t index[kBodies];
   BlockSums* sums[kBodies];
   Wrench loads[kBodies];
@@ -114,7 +119,8 @@ void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
   }
   if (std::all_of(index, index + blocks.size(), [&](int32_t i) { return is_at_rest(m.bodies[size_t(i)]); })) {
     for (size_t i = 0; i < blocks.size(); ++i) *sums[i] = {};
-    return lap(clock, Phase::motion);
+    lap(clock, Phase::motion);
+    return false;
   }
   // The motion of a rigid block is all rigid motion: damping of rigid motion is eq. 1.
   const Vector g = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
@@ -125,13 +131,15 @@ void advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
   for (size_t i = 0; i < blocks.size(); ++i) {
     if (is_loaded(i)) sums[i]->external += 0.5 * m.stepping.dt * (power[i] + power_of(i));
   }
+  return std::any_of(sums, sums + blocks.size(),
+                     [](const BlockSums* s) { return !std::isfinite(s->positions) || s->deviates; });
 }
 
 // Up to kBodies deformable blocks in a SIMD group. Scratch of a thread.
 struct LaneGroup {
   std::vector<double> rows;  // forces on gridpoints, block after block
   LaneBlock block[kBodies];
-  BlockSums* sums[kBodies];
+  BlockSums sums[kBodies];
   double power[kBodies];  // power of loads before the step, W
   size_t count = 0;
   std::span<const LaneBlock> blocks() const { return {block, count}; }
@@ -184,7 +192,8 @@ bool has_other_forces(const Model& m, const Piece& piece) {
   return std::ranges::any_of(m.pieces.blocks_of(piece), [&](int32_t block) { return m.actions.loaded[size_t(block)]; });
 }
 
-void forces_on_gridpoints(Model& m, int block, double* force) {
+// Computes forces on the gridpoints of a block. Returns the sum of those of contact points and members, N.
+Vector forces_on_gridpoints(const Model& m, int block, double* force) {
   const ModelBlock& b = m.blocks[size_t(block)];
   const auto add = [&](int32_t node, const Vector& f) {
     double* const row = force + kRow * size_t(node - b.first_node);
@@ -216,8 +225,8 @@ void forces_on_gridpoints(Model& m, int block, double* force) {
     for (const auto& [i, weight] : node.share) add(i, weight * node.force);
     contacts += node.force;
   });
-  m.step_sums.contact_force[size_t(block)] = contacts;
   if (m.actions.loaded[size_t(block)]) each_load_on_gridpoints(m, block, 0.0, add);
+  return contacts;
 }
 
 void zone_forces_of(Model& m, const ModelBlock& b, BlockSums& sums, double* force, double* viscous) {
@@ -250,13 +259,13 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   for (const int32_t block : blocks) size += kRow * size_t(m.blocks[size_t(block)].node_count);
   group.rows.resize(std::max(group.rows.size(), 2 * size));
   double *force = group.rows.data(), *viscous = group.rows.data() + size;
+  Vector contact_force[kBodies] = {};
   for (size_t l = 0; l < group.count; ++l) {
     const ModelBlock& b = m.blocks[size_t(blocks[l])];
-    BlockSums& sums = *(group.sums[l] = &m.step_sums.of_block[size_t(blocks[l])]);
-    sums = {};
+    BlockSums& sums = group.sums[l];  // the others are set, or never used
+    sums.kinetic = sums.strain = sums.damping = sums.external = sums.deformation = 0.0;
     if (m.books_energy && m.actions.loaded[size_t(blocks[l])]) group.power[l] = power_on_gridpoints(m, blocks[l], 0.0);
-    m.step_sums.contact_force[size_t(blocks[l])] = {};
-    if (has_rows) forces_on_gridpoints(m, blocks[l], force);
+    if (has_rows) contact_force[l] = forces_on_gridpoints(m, blocks[l], force);
     if (!piece.in_frame()) {
       lap(clock, Phase::motion);
       zone_forces_of(m, b, sums, force, columns.viscous ? viscous : nullptr);
@@ -285,8 +294,9 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   if (piece.in_frame()) {
     const LaneSums contacts =
         add_gridpoint_lines(piece.lines[g], piece.moments[g], m.chunks.rows.data(), group.count, &columns);
-    for (size_t l = 0; l < group.count; ++l) m.step_sums.contact_force[size_t(blocks[l])] += contacts.lane(l);
+    for (size_t l = 0; l < group.count; ++l) contact_force[l] += contacts.lane(l);
   }
+  for (size_t l = 0; l < group.count; ++l) m.step_sums.contact_force[size_t(blocks[l])] = contact_force[l];
   lap(clock, Phase::motion);
 }
 
@@ -311,28 +321,28 @@ void add_internal_forces(Model& m, const Piece& piece, LaneGroup* groups, LaneCo
   }
   for (size_t g = 0; g < count; ++g) {
     for (size_t l = 0; l < groups[g].count; ++l) {
-      groups[g].sums[l]->deformation = sums[g].deformation[l];
-      if (m.books_energy) groups[g].sums[l]->strain = sums[g].strain[l];
+      groups[g].sums[l].deformation = sums[g].deformation[l];
+      if (m.books_energy) groups[g].sums[l].strain = sums[g].strain[l];
     }
   }
 }
 
-// Splits the motion of these blocks, or of the units of which they are the first halves.
-void split(Model& m, std::span<const int32_t> blocks, std::span<const LaneColumns> columns, RigidGains* gains) {
+// Splits the motion of the blocks of a group, or of the units of which they are the first halves.
+void split(const Model& m, LaneGroup& group, std::span<const LaneColumns> columns, RigidGains* gains) {
   const size_t count = columns.size();
   const InertiaFactors factors{m.solver.deformation_inertia, m.solver.unit_inertia};
   const double eq1 = m.damping.eq1 == Eq1::rigid_motion ? m.damping.gamma : 0.0;
   RigidLanes lanes[2];
-  split_motion(columns, int(blocks.size()), {factors, eq1, braking_ground(m), m.stepping.dt}, gains,
+  split_motion(columns, int(group.count), {factors, eq1, braking_ground(m), m.stepping.dt}, gains,
                m.measured ? lanes : nullptr);
   if (!m.measured) return;
   const double alpha = m.damping.alpha;
-  for (size_t u = 0; u < blocks.size(); ++u) {
+  for (size_t u = 0; u < group.count; ++u) {
     const int lane = int(u);
     UnitInertia inertia;
     inertia.count = int(count);
     Rigid mean[2];  // velocity at the time of the forces
-    BlockSums& of_unit = m.step_sums.of_block[size_t(blocks[u])];
+    BlockSums& of_unit = group.sums[u];
     for (size_t k = 0; k < count; ++k) {
       const RigidLanes& of_half = lanes[k];
       inertia.block[k] = inertia_in(of_half, gains[k], lane);
@@ -347,7 +357,9 @@ void split(Model& m, std::span<const int32_t> blocks, std::span<const LaneColumn
   }
 }
 
-void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
+// Returns whether a position is not finite, or a block has deformed too much for its frame. Sums of blocks are kept in
+// Model in measured steps alone, and where something is to be checked or sent to other ranks.
+bool advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
   thread_local LaneGroup groups[2];
   thread_local LaneColumns columns[2];
   const size_t count = piece.group_count();
@@ -357,7 +369,7 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
   RigidGains gains[2];
   const size_t in_unit = piece.apart ? 1 : count;
   for (size_t g = 0; splits_motion(m) && g < count; g += in_unit)
-    split(m, m.pieces.blocks_of(piece, g), {columns + g, in_unit}, gains + g);
+    split(m, groups[g], {columns + g, in_unit}, gains + g);
   const GridpointStep step{m.stepping.dt,
                            m.damping.eq1 == Eq1::gridpoints ? m.damping.gamma : 0.0,
                            m.damping.alpha,
@@ -369,35 +381,40 @@ void advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
                            m.measured,
                            m.copies_velocities || piece.kind != Piece::Kind::congruent};
   for (size_t g = 0; g < count; ++g) {
-    const LaneGroup& group = groups[g];
+    LaneGroup& group = groups[g];
     advance_gridpoints(group.blocks(), columns[g], splits_motion(m) ? &gains[g] : nullptr, step,
                        shared_shape(m, piece, g), group.sums);
     for (size_t l = 0; m.books_energy && l < group.count; ++l) {
       const int block = m.pieces.blocks_of(piece, g)[l];
       if (m.actions.loaded[size_t(block)])
-        group.sums[l]->external +=
-            0.5 * m.stepping.dt * (group.power[l] + power_on_gridpoints(m, block, m.stepping.dt));
+        group.sums[l].external += 0.5 * m.stepping.dt * (group.power[l] + power_on_gridpoints(m, block, m.stepping.dt));
     }
   }
+  bool needs_check = false;
+  for (size_t g = 0; g < count; ++g) {
+    const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
+    for (size_t l = 0; l < blocks.size(); ++l) {
+      const BlockSums& sums = groups[g].sums[l];
+      needs_check |= !std::isfinite(sums.positions) || (piece.in_frame() && deforms_too_much(m, blocks[l], sums));
+    }
+  }
+  for (size_t g = 0; (needs_check || m.measured || m.part.is_shared) && g < count; ++g) {
+    const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
+    for (size_t l = 0; l < blocks.size(); ++l) m.step_sums.of_block[size_t(blocks[l])] = groups[g].sums[l];
+  }
   lap(clock, Phase::motion);
+  return needs_check;
 }
 
 }  // namespace
 
 void Model::advance_piece(int index, PhaseClock* clock) {
   const Piece& piece = pieces.all[size_t(index)];
-  if (piece.kind == Piece::Kind::rigid)
-    advance_bodies(*this, pieces.blocks_of(piece), clock);
-  else
-    advance_deformable(*this, piece, clock);
-  pieces.needs_check[size_t(index)] = std::ranges::any_of(pieces.blocks_of(piece), [&](int32_t block) {
-    const BlockSums& sums = step_sums.of_block[size_t(block)];
-    return !std::isfinite(sums.positions) || sums.deviates || (piece.in_frame() && has_deformed_too_much(*this, block));
-  });
+  pieces.needs_check[size_t(index)] = piece.kind == Piece::Kind::rigid
+                                          ? advance_bodies(*this, pieces.blocks_of(piece), clock)
+                                          : advance_deformable(*this, piece, clock);
 }
 
-bool has_deformed_too_much(const Model& m, int i) {
-  return !(m.step_sums.of_block[size_t(i)].deformation <= kLargestDeformation * m.blocks[size_t(i)].least_extent);
-}
+bool has_deformed_too_much(const Model& m, int i) { return deforms_too_much(m, i, m.step_sums.of_block[size_t(i)]); }
 
 }  // namespace quoin::blocks

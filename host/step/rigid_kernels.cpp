@@ -442,7 +442,6 @@ void AdvanceRigid(Body* bodies, const AssumedMotion* all_assumed, const std::int
   }
   for (int i = 0; i < count; ++i) {
     BlockSums& s = *sums[i];
-    s = {};
     s.unbalanced = lanes.unbalanced[i];
     s.net = {lanes.net[0][i], lanes.net[1][i], lanes.net[2][i]};
     s.positions = lanes.positions[i];

@@ -168,7 +168,8 @@ ArrayView view(Simulation::Impl& s, BlockArray what, int block) {
     if (what == BlockArray::displacement) return {};
     const blocks::ModelBlock& b = s.large_motion->blocks[block];
     if (b.body >= 0) return view_of(&body_of(*s.large_motion, block).v, 1);
-    copy_velocities(*s.large_motion);
+    change_node_velocities(*s.large_motion);
+    s.large_motion->velocities_lent = true;
     return view_of(s.large_motion->nodes.v.data() + b.first_node, at(b.node_count));
   }
   const Model::BlockPlace& place = s.model.place[at(block)];

@@ -52,22 +52,23 @@ TEST_P(VelocitiesInLanes, AreThoseOfARunThatCopiesThemInEachStep) {
 
 const std::string kTurnedInLanes = QUOIN_HOST_TESTS "/turned_wall.toml";
 
-INSTANTIATE_TEST_SUITE_P(Kinds, VelocitiesInLanes,
-                         ::testing::Values(LanesCase{"Turned", kTurnedInLanes, "pull", {"stage.pull.duration=0.02"}},
-                                           LanesCase{"TurnedWithADeformableMonitor",
-                                                     kTurnedInLanes,
-                                                     "pull",
-                                                     {"stage.pull.monitor=wall/2/0/b", "stage.pull.displacement=2e-5",
-                                                      "stage.pull.duration=1.0"}},
-                                           LanesCase{
-                                               "Promoted",
-                                               QUOIN_HOST_TESTS "/../cli/small_wall.toml",
-                                               "shear",
-                                               {"wall.courses=3", "wall.units_per_course=2",
-                                                "joints.mortar.tensile_strength=3e4", "joints.mortar.cohesion=5e4",
-                                                "stage.precompression.duration=0.002", "stage.shear.velocity=0.2",
-                                                "stage.shear.ramp_time=0.0005", "solver.rotation_bound=1e-5"}}),
-                         [](const auto& of) { return std::string(of.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, VelocitiesInLanes,
+    ::testing::Values(
+        LanesCase{"Turned", kTurnedInLanes, "pull", {"stage.pull.duration=0.02"}},
+        LanesCase{"TurnedWithADeformableMonitor",
+                  kTurnedInLanes,
+                  "pull",
+                  {"stage.pull.monitor=wall/2/0/b", "stage.pull.displacement=2e-5", "stage.pull.duration=1.0"}},
+        // Contacts are detected in a step that copies nothing.
+        LanesCase{"DetectedWhereARigidBlockDeviates", QUOIN_HOST_TESTS "/thrown_stone.toml", "throw", {}},
+        LanesCase{"Promoted",
+                  QUOIN_HOST_TESTS "/../cli/small_wall.toml",
+                  "shear",
+                  {"wall.courses=3", "wall.units_per_course=2", "joints.mortar.tensile_strength=3e4",
+                   "joints.mortar.cohesion=5e4", "stage.precompression.duration=0.002", "stage.shear.velocity=0.2",
+                   "stage.shear.ramp_time=0.0005", "solver.rotation_bound=1e-5"}}),
+    [](const auto& of) { return std::string(of.param.name); });
 
 }  // namespace
 }  // namespace quoin

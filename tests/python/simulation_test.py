@@ -170,6 +170,20 @@ class Steering(Folder):
         with self.assertRaisesRegex(ValueError, "sigma: can be read only"):
             sim.sigma("dry")[...] = 1.0
 
+    def test_velocities_of_congruent_blocks_are_written_too(self):
+        # Three or more deformable blocks of one shape keep their velocities in lanes.
+        cubes = [quoin.Block(name=f"cube {i}", material="stone", rigid=False, divisions=[2, 2, 2],
+                             box={"lower": [2.0 * i, 1.5, 0.0], "size": [1.0, 1.0, 1.0]}) for i in range(4)]
+        sim = quoin.Simulation(block_scene(block=[block_scene().block[0], *cubes]))
+        velocity = sim.velocity("cube 1")
+        for speed in (0.5, -0.25):  # at the start, and between steps
+            velocity[...] = [speed, 0.0, 0.0]
+            before, start = sim.displacement("cube 1").copy(), sim.time
+            sim.step(100)
+            moved = sim.displacement("cube 1") - before
+            np.testing.assert_allclose(moved[:, 0], speed * (sim.time - start), rtol=1e-9)
+            np.testing.assert_allclose(sim.velocity("cube 2"), 0.0, atol=1e-12)
+
     def test_a_velocity_moves_what_the_stage_holds(self):
         # The base of the blocks and the beam of the wall are fixed.
         sim = quoin.Simulation(block_scene())

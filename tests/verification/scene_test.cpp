@@ -197,7 +197,7 @@ TEST(BlockScenes, ABlockThatIsNowhereEndsTheRun) {
   const double nowhere[] = {NAN, INFINITY, -INFINITY};
   for (double wrong : nowhere) {
     const quoin::Scene scene = read_scene(scene_file(two_free_blocks + std::string(rest_stage)));
-    blocks::Model m(blocks::assemble(scene), scene.solver);
+    Model m(blocks::assemble(scene), scene.solver);
     run_steps(m, 3);
     body_of(m, 1).v.y = wrong;
     expect_words(failure([&] { m.step(); }, Exit::numerical),
@@ -217,7 +217,7 @@ omega = [0, 1e300, 0]
   std::string soft = two_free_blocks;
   soft.replace(soft.rfind("material"), 0, "rigid = false\nzone_edge = 1.0\n");
   const quoin::Scene scene = read_scene(scene_file(soft + rest_stage));
-  blocks::Model m(blocks::assemble(scene), scene.solver);
+  Model m(blocks::assemble(scene), scene.solver);
   run_steps(m, 3);
   change_node_velocities(m)[2].z = NAN;
   expect_words(failure([&] { m.step(); }, Exit::numerical), {"block #1 'there'", "no finite number at step 4"});
@@ -236,7 +236,7 @@ box = { lower = [-1, -1, 0], size = [9, 1, 1] }
     three += std::string("[[block]]\nname = \"at ") + x + "\"\nmaterial = \"stone\"\nbox = { lower = [" + x +
              ", 0, 0], size = [1, 1, 1] }\n";
   const quoin::Scene scene = read_scene(scene_file(three + rest_stage));
-  blocks::Model m(blocks::assemble(scene), scene.solver);
+  Model m(blocks::assemble(scene), scene.solver);
   run_steps(m, 3);
   body_of(m, 2).x.y = -1e300;
   expect_words(failure([&] { m.step(); }, Exit::numerical),
@@ -257,7 +257,7 @@ TEST(BlockScenes, ModelsStartSomewhere) {
   const auto refused = [&](const std::function<void(blocks::Assembly&)>& spoil) {
     blocks::Assembly a = blocks::assemble(scene);
     spoil(a);
-    return failure([&] { blocks::Model(a, scene.solver); }, Exit::bad_input);
+    return failure([&] { Model(a, scene.solver); }, Exit::bad_input);
   };
   expect_words(refused([](blocks::Assembly& a) {
                  a.blocks[1].orientation = geometry::rotation({1e300, 0, 0});
@@ -270,7 +270,7 @@ TEST(BlockScenes, ModelsStartSomewhere) {
                {"block #0 'here'", "mass inf kg"});
   expect_words(refused([](blocks::Assembly& a) { a.materials[0].density = 0.0; }), {"density 0 kg/m3", "must be > 0"});
   EXPECT_EQ(refused([](blocks::Assembly&) {}), "no failure");
-  blocks::Model m(blocks::assemble(scene), scene.solver);
+  Model m(blocks::assemble(scene), scene.solver);
   for (const int face : {-1, 6}) {
     blocks::Pressure pressure;
     pressure.block = 1, pressure.face = face;

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "../stepped_model.h"
 #include "model/world_results.h"
-#include "step/large_motion.h"
 
 namespace quoin::verification {
 
 using namespace quoin::blocks;
 using blocks::Assembly;  // not the one of bricks
-using blocks::Model;
+using Model = SteppedModel;
 using geometry::box;
 using geometry::ConvexPolyhedron;
 using geometry::cross;

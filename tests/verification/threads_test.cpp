@@ -93,7 +93,7 @@ TEST(BlockThreads, TheModelsLoopIsThatOfASimulation) {
 
     ThreadPool pool(3);
     Model threaded(blocks::assemble(scene), scene.solver);
-    threaded.use(&pool);
+    threaded.threads = &pool;
     threaded.set_gravity(geometry::vector(scene.stages[0].gravity));
     run_steps(threaded, kSteps);
     EXPECT_EQ(threaded.hash(), model.hash());

@@ -201,8 +201,8 @@ class Simulation:
         return self._session_of("damage").damage(word("joint", joint))
 
     def contacts(self, joint):
-        """Contact points of a joint family as a structured array: position, normal, s, t, area, jump (along n, s, t),
-        block_a, block_b, condition. A copy."""
+        """Contact points of a joint family as a structured array: position, normal, s, t, area, jump (along n, s, t;
+        in large motion along n alone, the slip is a state of the law), block_a, block_b, condition. A copy."""
         return table(self._session_of("contacts").contacts(word("joint", joint)))
 
     # --- steering ---------------------------------------------------------------------------------------------------
