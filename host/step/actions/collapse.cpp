@@ -85,6 +85,18 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
   return multiplier;
 }
 
+// Largest displacement of a block since the stage began, m.
+double moved_in_stage(const Simulation::Impl& s) {
+  const std::vector<int> rank = s.ranks ? rank_by_block(s) : std::vector<int>();
+  double largest = 0.0;
+  for (std::size_t i = 0; i < s.actions.collapse_from.size(); ++i) {
+    if (s.large_motion->assembly.blocks[i].fixed || (s.ranks && rank[i] != s.ranks->rank())) continue;
+    const double moved = norm(position_of(*s.large_motion, static_cast<int>(i)) - s.actions.collapse_from[i]);
+    largest = moved <= largest ? largest : moved;  // keeps NaN
+  }
+  return s.ranks ? largest_of_ranks(s, largest) : largest;
+}
+
 void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {
   if (settings.collapse && (!settings.collapse->start || !settings.collapse->limit))
     throw Error(Exit::bad_input,
@@ -92,6 +104,12 @@ void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {
                             settings.source.text));
   s.actions.multiplier = 0.0;
   s.actions.first_load = {};
+  s.actions.collapse_from.clear();
+  for (int block = 0; settings.collapse && block < s.large_motion->block_count(); ++block)
+    s.actions.collapse_from.push_back(position_of(*s.large_motion, block));
+  if (s.ranks)
+    all_gather(s.ranks, std::span(s.actions.collapse_from),
+               [rank = rank_by_block(s)](std::size_t block) { return rank[block]; });
 }
 
 // Adds the body force to the weight.
@@ -142,7 +160,7 @@ bool collapse_ended(Simulation::Impl& s, std::vector<Warning>* warnings) {
   gather(s, Part::row);
   watch_uplift(s);
   const Collapse& c = *settings.collapse;
-  const double moved = largest_displacement(s);
+  const double moved = moved_in_stage(s);
   if (!(moved > c.displacement)) {
     if (waits(c))
       s.actions.multiplier = waiting_load(&s.actions.first_load, settings, stage_time(s), s.actions.multiplier, moved);
@@ -175,7 +193,8 @@ void FirstLoad::look(double time, double moved, double allowed, double needed) {
   carried = carried || time - since >= needed;
 }
 
-extern const Action kCollapse{
-    .bind = bind_collapse, .apply = apply_collapse, .saved = kSaved<&Actions::multiplier, &Actions::first_load>};
+extern const Action kCollapse{.bind = bind_collapse,
+                              .apply = apply_collapse,
+                              .saved = kSaved<&Actions::multiplier, &Actions::first_load, &Actions::collapse_from>};
 
 }  // namespace quoin
