@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/ranks.h"
+#include "step/actions/ground.h"
 #include "step/gather.h"
 #include "step/rank_agreement.h"
 #include "step/state.h"
@@ -69,7 +70,8 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
   else
     of_bodies(s.monitor.bodies);
   // Motion of the ground, relative to which ranks measure displacements of their blocks.
-  if (const int ground = s.large_motion ? -1 : s.controls.ground_body(); ground >= 0) of_bodies({ground});
+  const int ground = s.large_motion ? -1 : ground_block(s);
+  if (ground >= 0 && s.model.place[at(ground)].body >= 0) of_bodies({s.model.place[at(ground)].body});
   for (const int i : s.monitor.loaded) of_loaded(i, 3);
   for (const WhiffletreeFloor& floor : s.controls.whiffletree) {
     if (s.large_motion) of_large_motion(floor.large_motion);

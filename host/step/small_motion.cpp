@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
+#include "step/actions/ground.h"
 #include "step/findings.h"
 #include "step/gather.h"
 #include "step/lattice_motion.h"
@@ -48,8 +49,8 @@ void check_motion(Simulation::Impl& s) {
   }
   // Relative to the ground: blocks that move with it have not moved.
   std::vector<WholeMotion> motions = s.small_motion.whole_motions;
-  if (const int ground = s.controls.ground_body(); ground >= 0) {
-    const Vec3 moved = s.small_motion.whole_motions[at(s.model.bodies[at(ground)].block)].translation;
+  if (const int ground = ground_block(s); ground >= 0) {
+    const Vec3 moved = s.small_motion.whole_motions[at(ground)].translation;
     for (WholeMotion& m : motions) {
       for (std::size_t c = 0; c < 3; ++c) m.translation[c] -= moved[c];
     }

@@ -26,8 +26,8 @@ using geometry::Vector;
 namespace {
 
 void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
-  const int ground = s.controls.ground_body();
-  if (ground >= 0) {
+  const int block = ground_block(s);
+  if (const int ground = block < 0 ? -1 : s.model.place[static_cast<std::size_t>(block)].body; ground >= 0) {
     const Vec3 moved = s.lattice.of_body(ground, &BodyLanes::displacement),
                v = s.lattice.of_body(ground, &BodyLanes::velocity);
     for (std::size_t c = 0; c < 3; ++c) row.ground_displacement[c] = moved[c] - s.data.time_step * v[c];
@@ -121,6 +121,22 @@ const Drive* Actions::ground_drive() const {
   return found;
 }
 
+int ground_block(const Simulation::Impl& s) {
+  if (const Drive* const drive = s.large_motion ? s.actions.ground_drive() : nullptr) return drive->block;
+  if (const int body = s.large_motion ? -1 : s.controls.ground_body(); body >= 0)
+    return s.model.bodies[static_cast<std::size_t>(body)].block;
+  for (int earlier = s.progress.stage - 1; earlier >= 0; --earlier) {
+    const Stage& settings = s.scene.stages[static_cast<std::size_t>(earlier)];
+    if (!settings.ground) continue;
+    const std::vector<std::int32_t> group = support_groups(s, settings);
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const bool fixed = s.large_motion ? s.large_motion->assembly.blocks[i].fixed : s.model.assembly.bricks[i].fixed;
+      if (fixed && group[i] == 0) return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
 namespace {
 
 // The ground consists of all fixed blocks that no table of the stage drives. Velocity that earlier records have left
@@ -191,11 +207,10 @@ void follow_ground_of_lattice(Simulation::Impl& s, double ramp) {
 // Measures force and moment of the structure on fixed blocks.
 void measure_base(const Simulation::Impl& s, HistoryRow& row) {
   if (!s.large_motion) return measure_base_on_lattice(s, row);
-  const Drive* const ground = s.actions.ground_drive();
   Vec3 moved{};  // current displacement, as positions of contact points are
-  if (ground) {
-    moved = block_translation(s, ground->block);
-    row.ground_displacement = block_translation_at_forces(s, {ground->block});
+  if (const int ground = ground_block(s); ground >= 0) {
+    moved = block_translation(s, ground);
+    row.ground_displacement = block_translation_at_forces(s, {ground});
   }
   const double whole = s.model.assembly.symmetry_factor;
   const auto& blocks = s.large_motion->assembly.blocks;

@@ -17,6 +17,8 @@ Vec3 left_over_velocity(const Simulation::Impl& s, const Stage* previous, int bo
 // Index of the group of supports by block, as in Drive::motion; 0: none. Throws Error(bad_input): a block of a group is
 // not fixed, or is in two groups.
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings);
+// A block that moves with the ground, or has moved with that of an earlier stage and is held by this one; -1: none.
+int ground_block(const Simulation::Impl& s);
 void follow_ground_of_lattice(Simulation::Impl& s, double ramp);
 void measure_base(const Simulation::Impl& s, HistoryRow& row);
 void find_base_of_lattice(Simulation::Impl& s);
