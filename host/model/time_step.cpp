@@ -652,6 +652,10 @@ double whiffletree_eigenvalue(const std::vector<Stage>& stages,
   return largest;
 }
 
+double quiet_fraction_of(const SolverSettings& settings) {
+  return 1.0 / std::sqrt(1.0 + std::max(damping_of(settings).gamma, damping_of(settings, true).gamma));
+}
+
 bool needs_rows(const SolverSettings& settings) {
   return settings.critical_time_step == CriticalTimeStep::nodal || settings.selective_time_step > 0.0;
 }
@@ -731,7 +735,7 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   const double omega = 2.0 / report.critical.value;
   double xi = damping.zone_ratio;
   if (damping.alpha > 0.0 || damping.beta > 0.0) xi += 0.5 * (damping.alpha / omega + damping.beta * omega);
-  report.quiet_fraction = 1.0 / std::sqrt(1.0 + std::max(damping.gamma, damping_of(settings, true).gamma));
+  report.quiet_fraction = quiet_fraction_of(settings);
   report.stiffness_damping = damping.beta;
   if (damping.zone_ratio > 0.0) report.stiffness_damping += 2.0 * damping.zone_ratio / omega;
   const double limit =

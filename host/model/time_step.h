@@ -58,6 +58,9 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
                                 Limits wanted = Limits::all, const std::vector<Stage>& stages = {},
                                 SharedModel* shared = nullptr);
 
+// TimeStepReport::quiet_fraction for the damping of these settings.
+double quiet_fraction_of(const SolverSettings& settings);
+
 // Whether inertia or time step depend on rows of K.
 bool needs_rows(const SolverSettings& settings);
 
