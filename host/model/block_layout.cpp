@@ -295,6 +295,12 @@ void number_blocks(World& w) {
   w.detection.skin = c.skin > 0 ? c.skin : 0.05 * least;
   w.detection.reach = w.detection.skin / 4;
   w.detection.joint_tolerance = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
+  if (w.detection.joint_tolerance > w.detection.reach)
+    throw Error(
+        Exit::bad_input,
+        fmt::format("contact.joint_tolerance = {:g} m: allowed: at most {:g} m, a quarter of contact.skin: faces "
+                    "further apart get no contact points; give a larger skin too",
+                    w.detection.joint_tolerance, w.detection.reach));
   w.is_small = c.small_displacement > 0;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "law/at_rest.h"
+#include "scene/actions/actions.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
@@ -99,6 +100,7 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
   const auto stands_on = [&](const Brick& brick) { return brick.body.starts_with("bottom_beam"); };
   const bool on_beam = std::any_of(bricks.bricks.begin(), bricks.bricks.end(), stands_on);
   for (Brick& brick : bricks.bricks) brick.fixed = on_beam ? stands_on(brick) : brick.body == "bottom_course";
+  check_stages(scene, blocks::from_bricks(bricks));
 }
 
 Motion as_blocks(Scene scene, blocks::Assembly shapes) {
@@ -146,6 +148,7 @@ Motion choose_motion(Scene scene) {
     return choose_motion(std::move(scene), std::move(bricks));
   }
   blocks::Assembly shapes = blocks::assemble(scene);
+  check_stages(scene, shapes);
   choose_rigid_points(scene, &shapes.families);
   std::string why_not;
   std::optional<blocks::OnLattice> found;

@@ -298,6 +298,14 @@ std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembl
   std::vector<std::string> names;
   std::vector<int> units;
   for (const Block& b : assembly.blocks) names.push_back(b.name), units.push_back(b.unit);
+  for (const JointRule& r : scene.blocks->rules) {
+    for (const std::string& prefix : r.between) {
+      const auto begins = [&](const std::string& name) { return name.starts_with(prefix); };
+      if (std::any_of(names.begin(), names.end(), begins)) continue;
+      throw Error(Exit::bad_input, fmt::format("{}: joint_rule.between: no block has a name that begins with '{}'{}",
+                                               scene.file, prefix, did_you_mean(prefix, names)));
+    }
+  }
   const auto with_mortar = [families = assembly.families, units](int of, const Meeting& m) {
     const auto placed = [&](int block) { return PlacedBlock{units[size_t(block)], -1}; };
     const bool lacks =

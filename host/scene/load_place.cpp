@@ -38,6 +38,17 @@ double way_to(const Assembly& assembly, const Block& block, const Vector& from, 
 
 }  // namespace
 
+double distance_from(const Assembly& assembly, const Block& block, const Vector& point) {
+  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
+  const Vector own = transposed_times(matrix(block.orientation), point - block.position);
+  double distance = -kNever;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    const Vector& on_face = shape.vertices[static_cast<std::size_t>(shape.faces[f].front())];
+    distance = std::max(distance, dot(shape.normals[f], own - on_face));
+  }
+  return distance;
+}
+
 std::vector<LoadPlace> places_of(const MovingLoad& load, const Assembly& assembly, const std::string& where) {
   const Vector from = geometry::vector(load.from), to = geometry::vector(load.to);
   const Vector direction = normalized(geometry::vector(load.force));

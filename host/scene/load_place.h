@@ -18,4 +18,7 @@ struct LoadPlace {
 // action.
 std::vector<LoadPlace> places_of(const MovingLoad& load, const Assembly& assembly, const std::string& where);
 
+// Distance of a point from a block at the start, m; not above 0 inside.
+double distance_from(const Assembly& assembly, const Block& block, const geometry::Vector& point);
+
 }  // namespace quoin::blocks

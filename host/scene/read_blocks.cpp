@@ -75,6 +75,7 @@ BlockSpec read_block(Table& t, const Scene& scene) {
   if (t.numbers("divisions", b.divisions, between(1, 200), "hexahedra of 5 zones along the three edges") && b.rigid) {
     t.refuse("divisions", "only with rigid = false");
   }
+  if (t.has("divisions") && b.zone_edge > 0.0) t.refuse("divisions", "not beside zone_edge; remove one of the two");
   if (!b.rigid && b.zone_edge == 0.0 && b.divisions[0] == 0 && !t.has("tetrahedra")) {
     t.context().fault(t.where() + ": a deformable block needs zone_edge (m), divisions or tetrahedra");
   }
@@ -104,6 +105,20 @@ BlockSpec read_block(Table& t, const Scene& scene) {
     t.context().fault(t.where() +
                       ": give the shape by one of box, vertices (with or without faces or tetrahedra), mesh");
   return b;
+}
+
+// Refuses an opening that takes nothing from the wall, or more than there is. Keys that are missing are faults already.
+void check_opening(Table& o, const DryWallSpec::Opening& opening, const DryWallSpec& wall) {
+  const double rounding = 1.0 + 1e-9;
+  const auto check = [&](const char* lower, double low, const char* upper, double up, double whole, const char* what) {
+    if (!o.has(lower) || !o.has(upper) || !(whole > 0.0)) return;
+    if (low >= up)
+      o.refuse(upper, fmt::format("more than {} ({:g} m)", lower, low));
+    else if (up > whole * rounding)
+      o.refuse(upper, fmt::format("at most the {} of the wall, {:g} m", what, whole));
+  };
+  check("from", opening.from, "to", opening.to, wall.units_per_course * wall.unit[0], "length");
+  check("sill", opening.sill, "head", opening.head, wall.courses * wall.unit[1], "height");
 }
 
 DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
@@ -137,6 +152,7 @@ DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
     o.number("sill", opening.sill, kNotNegative, "m above the foot", true);
     o.number("head", opening.head, kPositive, "m above the foot", true);
     o.number("bearing", opening.bearing, kNotNegative, "m of lintel either side (0: no lintel)");
+    check_opening(o, opening, w);
   });
   return w;
 }
@@ -176,6 +192,7 @@ JointRule read_rule(Table& t, const Scene& scene) {
 void read_drive(Table& v, Stage& stage) {
   BodyControl c;
   v.text("block", c.body, "the name of a block", true);
+  v.refuse_second("block", c, stage.controls);
   v.numbers("omega", c.omega, kAny, "rad/s");
   bool held = true;
   v.boolean("rotation_held", held);

@@ -136,10 +136,11 @@ std::vector<Derivation> fill_in_from_tests(toml::table& root, Context& context) 
     set_missing(m, "density", numbers.density);
   });
   each("joints", [&](toml::table& j, const std::string& path) {
-    const std::string part = j["part"].value_or(std::string("bed"));
+    const toml::node* word = j.get("part");
+    const std::string part = word ? word->value_or(std::string()) : "bed";
     if (part != "bed" && part != "head" && part != "inside")
-      context.fault(
-          fmt::format("{} = '{}': allowed: bed, head, inside", context.where(j.get("part"), path + ".part"), part));
+      context.fault(fmt::format("{} = {}: allowed: \"bed\", \"head\", \"inside\"", context.where(word, path + ".part"),
+                                text_of(*word)));
     j.erase("part");
     for (const auto& [id, value] : joint_properties(numbers, part, j["law"].value_or(std::string())))
       set_missing(j, id, value);

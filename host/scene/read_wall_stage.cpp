@@ -64,7 +64,11 @@ BodyControl read_control(Table& t, std::vector<std::string> bodies, const std::v
 }
 
 void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodies, const Scene& scene) {
-  t.each("control", [&](Table& c) { stage.controls.push_back(read_control(c, bodies, loaded_names(scene))); });
+  t.each("control", [&](Table& c) {
+    const BodyControl control = read_control(c, bodies, loaded_names(scene));
+    c.refuse_second("body", control, stage.controls);
+    stage.controls.push_back(control);
+  });
 }
 
 // Adds the controls of the short kinds of stage: the bottom beam held, the top beam pressed or moved.

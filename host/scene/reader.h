@@ -268,6 +268,13 @@ class Table {
     return true;
   }
 
+  // Refuses a second control of a body, of which the first alone would act.
+  void refuse_second(const std::string& key, const BodyControl& control, const std::vector<BodyControl>& before) {
+    const auto same = [&](const BodyControl& other) { return other.body == control.body; };
+    if (std::any_of(before.begin(), before.end(), same))
+      refuse(key, "each body once in a stage; join its tables into one");
+  }
+
   // Reads the velocity of a control: three components, each a number in m/s or "free".
   bool velocity(BodyControl& control, bool required) {
     const std::string key = "velocity", allowed = "a list of 3: a finite number in m/s, or \"free\", for x, y, z";

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/registry.h"
+#include "scene/blocks.h"
 #include "scene/reader.h"
 
 namespace quoin {
@@ -16,9 +17,16 @@ struct StageAction {
   void (*read)(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names);
   bool (*acts)(const Stage& stage);
   std::string (*text)(const Stage& stage);  // all numbers of the action on which the bits of a run depend
+  // Throws Error(bad_input) where the action would do nothing on these blocks, or not what it says. Null: none does.
+  void (*check)(const Stage& stage, const blocks::Assembly& blocks) = nullptr;
 };
 
 QUOIN_REGISTRY(StageAction, kStageActions, kGroundMotion, kCollapseLoad, kMovingLoad, kPointForces, kFacePressures);
+
+// The first block of this name. Throws Error(bad_input): there is none.
+const blocks::Block& block_of(const std::string& name, const Stage& stage, const blocks::Assembly& assembly);
+// Throws Error(bad_input) for a load on a fixed block.
+void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& stage);
 
 // Reads the block of an action. names: those of the scene; empty: the name is checked later.
 inline void read_block_name(reader::Table& t, std::string& block, const std::vector<std::string>& names) {

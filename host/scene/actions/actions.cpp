@@ -1,6 +1,8 @@
 #include "scene/actions/actions.h"
 
+#include "base/error.h"
 #include "scene/actions/action.h"
+#include "scene/generate_blocks.h"
 
 namespace quoin {
 
@@ -14,6 +16,46 @@ bool has_actions(const reader::Table& t) {
 
 void read_actions(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names) {
   for (const StageAction& action : kStageActions) action.read(t, stage, folder, names);
+}
+
+const blocks::Block& block_of(const std::string& name, const Stage& stage, const blocks::Assembly& assembly) {
+  return assembly.blocks[static_cast<std::size_t>(blocks::find_blocks(assembly, name, stage.source.text).front())];
+}
+
+void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& stage) {
+  if (!block.fixed) return;
+  throw Error(Exit::bad_input, fmt::format("{0}: {1} on block '{2}': the block is fixed, so that the {1} would do "
+                                           "nothing; remove it",
+                                           stage.source.text, load, block.name));
+}
+
+namespace {
+
+// The velocity of a deformable block is that of all its gridpoints, so it cannot turn as it moves.
+void check_velocities(const Stage& stage, const blocks::Assembly& assembly) {
+  for (const BodyControl& control : stage.controls) {
+    const bool moves = std::ranges::find(control.kind, DofKind::velocity) != control.kind.end();
+    if (control.omega == Vec3{} && !(control.may_turn && moves)) continue;
+    const bool deforms = std::ranges::any_of(
+        assembly.blocks, [&](const blocks::Block& b) { return b.name == control.body && !b.rigid; });
+    if (!deforms) continue;
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: velocity of block '{}': {} is for rigid blocks, and this one deforms: all its "
+                    "gridpoints move with the velocity; remove it, or make the block rigid",
+                    stage.source.text, control.body, control.omega == Vec3{} ? "rotation_held = false" : "omega"));
+  }
+}
+
+}  // namespace
+
+void check_stages(const Scene& scene, const blocks::Assembly& assembly) {
+  for (const Stage& stage : scene.stages) {
+    check_velocities(stage, assembly);
+    for (const StageAction& action : kStageActions) {
+      if (action.check) action.check(stage, assembly);
+    }
+  }
 }
 
 std::string beyond_lattice(const Stage& stage) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/blocks.h"
 #include "scene/reader.h"
 
 namespace quoin {
@@ -14,5 +15,8 @@ bool has_actions(const reader::Table& t);
 // Reads the actions of a stage. folder: that of files named by the scene, with its slash. names: allowed names of
 // blocks; empty: names are checked later.
 void read_actions(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names);
+
+// Throws Error(bad_input) where velocities or actions of a stage would do nothing, or not what they say.
+void check_stages(const Scene& scene, const blocks::Assembly& blocks);
 
 }  // namespace quoin

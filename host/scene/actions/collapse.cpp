@@ -1,4 +1,5 @@
 // A body force that grows until blocks move away.
+#include "base/error.h"
 #include "scene/actions/action.h"
 #include "scene/collapse_load.h"
 #include "scene/read_ground.h"
@@ -55,9 +56,17 @@ std::string text_of_collapse(const Stage& stage) {
                      c.displacement);
 }
 
+void check_collapse(const Stage& stage, const blocks::Assembly&) {
+  if (!stage.collapse || stage.gravity != Vec3{}) return;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: collapse without gravity: its force is a share of the weight; give stage.gravity",
+                          stage.source.text));
+}
+
 }  // namespace
 
-extern const StageAction kCollapseLoad{"collapse", "pushes until collapse", read_collapse,
-                                       [](const Stage& s) { return s.collapse.has_value(); }, text_of_collapse};
+extern const StageAction kCollapseLoad{"collapse",       "pushes until collapse",
+                                       read_collapse,    [](const Stage& s) { return s.collapse.has_value(); },
+                                       text_of_collapse, check_collapse};
 
 }  // namespace quoin

@@ -1,5 +1,8 @@
 // Forces at points of blocks.
+#include "base/error.h"
+#include "geometry/polyhedron.h"
 #include "scene/actions/action.h"
+#include "scene/load_place.h"
 
 namespace quoin {
 
@@ -24,9 +27,27 @@ std::string text_of_force(const Stage& stage) {
   return text;
 }
 
+// Gridpoints of the zone at the point carry the force of a deformable block, so the point must lie in the block.
+void check_forces(const Stage& stage, const blocks::Assembly& assembly) {
+  constexpr double kTolerance = 1e-6;  // m
+  for (const PointForce& force : stage.forces) {
+    const blocks::Block& block = block_of(force.block, stage, assembly);
+    refuse_on_fixed(block, "force", stage);
+    const geometry::Vector point = geometry::vector(force.point);
+    const double distance = distance_from(assembly, block, point);
+    if (block.rigid || distance <= kTolerance) continue;
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: force on block '{}': its point {} lies {:.3g} m outside the block, which deforms; give "
+                    "a point in it or on it, or make the block rigid",
+                    stage.source.text, force.block, geometry::place(point), distance));
+  }
+}
+
 }  // namespace
 
-extern const StageAction kPointForces{"force", "has forces at points", read_forces,
-                                      [](const Stage& s) { return !s.forces.empty(); }, text_of_force};
+extern const StageAction kPointForces{"force",       "has forces at points",
+                                      read_forces,   [](const Stage& s) { return !s.forces.empty(); },
+                                      text_of_force, check_forces};
 
 }  // namespace quoin

@@ -24,9 +24,15 @@ std::string text_of_pressure(const Stage& stage) {
   return text;
 }
 
+void check_pressures(const Stage& stage, const blocks::Assembly& assembly) {
+  for (const FacePressure& pressure : stage.pressures)
+    refuse_on_fixed(block_of(pressure.block, stage, assembly), "pressure", stage);
+}
+
 }  // namespace
 
-extern const StageAction kFacePressures{"pressure", "has pressures on faces", read_pressures,
-                                        [](const Stage& s) { return !s.pressures.empty(); }, text_of_pressure};
+extern const StageAction kFacePressures{"pressure",       "has pressures on faces",
+                                        read_pressures,   [](const Stage& s) { return !s.pressures.empty(); },
+                                        text_of_pressure, check_pressures};
 
 }  // namespace quoin
