@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "model/contact_frames.h"
 #include "model/world.h"
+#include "model/world_results.h"
 
 namespace quoin::blocks {
 
@@ -78,6 +79,14 @@ void adopt_histories(World& w, const std::vector<PointHistory>& histories) {
     }
   }
   divide_work(w);
+  // A stage that begins here takes reactions of supports from these sums.
+  for (const Family& f : w.contacts.families) {
+    for (size_t i = 0; i < f.size(); ++i) {
+      const Vector on_a = force_on_a(w, f, i);
+      w.step_sums.contact_force[size_t(f.point[i].a)] += on_a;
+      w.step_sums.contact_force[size_t(f.point[i].b)] -= on_a;
+    }
+  }
   if (taken == histories.size()) return;
   throw Error(Exit::numerical, fmt::format("large motion finds {} of the {} contact points of small displacements",
                                            taken, histories.size()));

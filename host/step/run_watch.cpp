@@ -115,24 +115,26 @@ std::string pull_over_gaps(const Simulation::Impl& s) {
   constexpr double kSome = 1.0;  // Pa, above rounding
   if (!s.large_motion) return "";
   const blocks::Model& m = *s.large_motion;
-  const auto is_apart = [&](std::uint32_t i) {
-    const bool found_at_start = m.detection.count <= 1;
-    return !m.contacts.list[i].initial ||
-           (found_at_start && m.contacts.place[i].separation.distance > m.detection.joint_tolerance);
-  };
-  for (std::size_t f = 0; f < m.contacts.families.size(); ++f) {
-    double most = 0.0;
-    for (const std::uint32_t i : m.contacts.of_family[f]) {
-      const blocks::Contact& c = m.contacts.list[i];
-      for (std::size_t p = c.first; is_apart(i) && p < c.first + c.count; ++p)
-        most = std::max(most, m.contacts.families[f].traction[0][p]);
+  const bool found_at_start = m.detection.count <= 1;
+  std::vector<double> of_family(m.contacts.families.size(), 0.0);
+  for (std::size_t i = 0; i < m.contacts.list.size(); ++i) {
+    const blocks::Contact& c = m.contacts.list[i];
+    if (c.count == 0 || !m.part.owns(c.pair)) continue;
+    const bool is_apart =
+        !c.initial || (found_at_start && m.contacts.place[i].separation.distance > m.detection.joint_tolerance);
+    for (std::size_t p = c.first; is_apart && p < c.first + c.count; ++p) {
+      const auto f = static_cast<std::size_t>(c.family);
+      of_family[f] = std::max(of_family[f], m.contacts.families[f].traction[0][p]);
     }
+  }
+  for (std::size_t f = 0; f < of_family.size(); ++f) {
+    double most = of_family[f];
     if (s.parts.divided) most = largest_of_ranks(s, most);
     if (most <= kSome) continue;
     return fmt::format(
         "joints '{}' pull blocks towards each other with {:.3g} Pa where no joint was at the start: the law has "
-        "tension "
-        "in a new contact, also over an open gap, and energy has no source there; take a law and properties without "
+        "tension in a new contact, also over an open gap, and energy has no source there; take a law and properties "
+        "without "
         "tension in its state dry, as coulomb_slip without tensile_strength_residual",
         m.assembly.families[f].name, most);
   }

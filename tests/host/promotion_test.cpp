@@ -417,5 +417,72 @@ TEST(Promotion, WhiffletreeGoesOn) {
   }
 }
 
+// A stage that goes over where it begins, and releases the beam that the stage before has pushed. The force of the
+// support fades over its ramp, as in large motion from the start: within 1 % of it, the difference of the two strains.
+// Without that reaction the beam would spring back at once, by a third of the force in 20 steps.
+TEST(Promotion, ReactionsOfReleasedSupportsFade) {
+  const auto pushed = [](const std::string& large_motion) {
+    const std::string text = R"(
+[solver]
+quality = "fast"
+large_motion = ")" + large_motion +
+                             R"("
+[materials.brick]
+young_modulus = 5e9
+poisson_ratio = 0.15
+density = 1900.0
+[joints.mortar]
+law = "elastic"
+normal_stiffness = 20e9
+shear_stiffness = 8e9
+[wall]
+bond = "running"
+courses = 4
+units_per_course = 2.5
+unit = [0.22, 0.0625, 0.1]
+zones = [2, 2, 2]
+mid_unit_joints = false
+unit_material = "brick"
+bed_joint = "mortar"
+head_joint = "mortar"
+beam_joint = "mortar"
+[[stage]]
+name = "press"
+kind = "pressure"
+pressure = 0.3e6
+[[stage]]
+name = "shear"
+kind = "shear"
+vertical = "pressure"
+displacement = 5e-5
+velocity = 0.01
+[[stage]]
+name = "release"
+duration = 0.005
+ramp_time = 0.01
+record_interval = 20
+[[stage.force]]
+block = "top_beam"
+point = [0.275, 0.3, 0.05]
+force = [1.0, 0, 0]
+[output]
+frames = 0
+)";
+    Simulation run(read_scene_text(text, "pushed.toml"));
+    Watch seen;
+    run.run(seen);
+    EXPECT_EQ(seen.promotions, large_motion == "automatic" ? 1 : 0);
+    std::erase_if(seen.rows, [](const HistoryRow& row) { return row.stage < 2; });
+    return seen.rows;
+  };
+  const std::vector<HistoryRow> promoted = pushed("automatic"), always = pushed("always");
+  ASSERT_EQ(promoted.size(), always.size());
+  ASSERT_GT(promoted.size(), 4u);
+  const double force = always.front().resistance;
+  EXPECT_GT(force, 2.5e3);
+  for (std::size_t i = 0; i < promoted.size(); ++i)
+    EXPECT_NEAR(promoted[i].resistance, always[i].resistance, 0.01 * force) << "at step " << promoted[i].step;
+}
+
 }  // namespace
 }  // namespace quoin
