@@ -43,7 +43,8 @@ std::vector<int> chunks_along_items(const Simulation::Impl& s) {
 // Binds halo, scratch and the threads' shares to the share of this rank.
 void bind_work(Simulation::Impl& s) {
   bind_halo(s);
-  if (s.large_motion) change_node_velocities(*s.large_motion);  // other ranks have advanced what is own now
+  // Other ranks have advanced what is own now. Each rank copies velocities in all steps, so that none lags.
+  if (s.large_motion && s.ranks) s.large_motion->pieces.motion_is_old = true;
   const auto ends = [&](std::span<const int> pieces, const std::vector<double>& cost) {
     std::vector<double> weight;
     for (const int i : pieces) weight.push_back(cost[at(i)]);

@@ -1,11 +1,7 @@
 // Settings that would do nothing, or something else than they say, are refused with the reason. Faults that were found
 // from outside: each of these scenes ran before, without a word.
-#include <unistd.h>
-
-#include <fstream>
 
 #include "base/error.h"
-#include "scene/read_scene.h"
 #include "step/results.h"
 #include "step/simulation.h"
 #include "support.h"
@@ -52,13 +48,8 @@ const char* const kWall =
     "[[dry_wall]]\nmaterial = \"stone\"\ncourses = 4\nunits_per_course = 4\nunit = [0.4, 0.2, 0.2]\norigin = [9, 0, "
     "0]\n";
 
-std::string read_text(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "settings_" + std::to_string(getpid()) + ".toml";
-  std::ofstream(path) << text;
-  return path;
-}
 quoin::Scene blocks_with(const std::string& more, const std::string& stage = kStage) {
-  return read_scene(read_text(std::string(kStone) + kDry + kBlocks + more + stage));
+  return scene_of(std::string(kStone) + kDry + kBlocks + more + stage);
 }
 std::string drive(const std::string& block, const std::string& keys) {
   return std::string(kStage) + "[[stage.velocity]]\nblock = \"" + block + "\"\n" + keys;
@@ -149,7 +140,7 @@ std::vector<Warning> warnings_of(Simulation& run, const std::string& about) {
 // A block rests 5 mm above the ground, without weight. A law that holds tension pulls it down.
 TEST(Settings, LawsThatPullBlocksOverAGapAreNamed) {
   const auto scene = [&](const std::string& joint) {
-    return read_scene(read_text(std::string(kStone) + joint + R"(
+    return scene_of(std::string(kStone) + joint + R"(
 [[block]]
 name = "ground"
 material = "stone"
@@ -165,7 +156,7 @@ record_interval = 10
 [output]
 frames = 0
 plots = false
-)"));
+)");
   };
   Simulation elastic(scene("[joints.glue]\nlaw = \"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 1e9\n"));
   const std::vector<Warning> found = warnings_of(elastic, "tension_in_new_contacts");
@@ -221,7 +212,7 @@ TEST(Settings, TheGroundStaysWhereAShakeHasLeftIt) {
     void on_row(const HistoryRow& row) override { all.push_back(row); }
   };
   for (const char* motion : {"never", "always"}) {
-    Simulation run(read_scene(read_text(std::string(kStone) + kDry + R"(
+    Simulation run(scene_of(std::string(kStone) + kDry + R"(
 [wall]
 courses = 2
 units_per_course = 1.5
@@ -234,7 +225,8 @@ head_joint = "dry"
 beam_joint = "dry"
 [solver]
 quality = "fast"
-large_motion = ")" + motion + R"("
+large_motion = ")" + motion +
+                            R"("
 [[stage]]
 name = "press"
 kind = "pressure"
@@ -252,7 +244,7 @@ duration = 0.01
 [output]
 frames = 0
 plots = false
-)")));
+)"));
     Rows rows;
     run.run(rows);
     double shaken = 0.0, held = 0.0, moment = 0.0;

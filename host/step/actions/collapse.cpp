@@ -13,7 +13,6 @@
 #include "step/actions/action.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
-#include "step/measure.h"
 #include "step/rank_agreement.h"
 #include "step/small_motion.h"
 #include "step/stages.h"
