@@ -17,6 +17,7 @@
 #include "members/members.h"
 #include "model/motion.h"
 #include "model/time_step.h"
+#include "results/monitors.h"
 #include "results/surface.h"
 #include "scene/collapse_load.h"
 #include "scene/damping_text.h"
@@ -328,8 +329,14 @@ void print_motion(const blocks::World& world) {
              fmt::join(parts, ", "));
 }
 
+// Throws Error(bad_input) for a monitor of a block that does not exist.
+void check_monitors(const Simulation& simulation, const SceneOptions& options) {
+  monitor_places(simulation, monitors_of(simulation.scene().text, simulation.scene().file, options.overrides));
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   Simulation simulation(scene, 0);
+  check_monitors(simulation, options);
   const TimeStepReport& step = simulation.time_step_report();
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
@@ -397,6 +404,7 @@ void check(const SceneOptions& options) {
              report.time_step / report.critical.value);
   print_notes(report);
   Simulation simulation(scene, 0);
+  check_monitors(simulation, options);
   print_supports(simulation);
   print_time(simulation, print_stages(scene, report), options.force);
 }

@@ -68,6 +68,40 @@ std::vector<std::vector<double>> read_monitor_rows(const fs::path& folder, long 
   return rows;
 }
 
+std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std::vector<Monitor>& monitors) {
+  const blocks::Model* const model = simulation.large_motion();
+  const blocks::Assembly shapes = model ? model->assembly : blocks::from_bricks(simulation.assembly());
+  const std::optional<BuildingSpec>& building = simulation.scene().building;
+  std::vector<MonitorPlace> places;
+  for (const Monitor& m : monitors) {
+    std::vector<int> blocks;
+    for (const std::string& name : bodies_called(m.block, building.value_or(BuildingSpec{}))) {
+      const std::vector<int> found = blocks::find_blocks(shapes, name, m.source.text);
+      blocks.insert(blocks.end(), found.begin(), found.end());
+    }
+    MonitorPlace place;
+    double nearest = HUGE_VAL, count = 0.0;
+    Vec3 middle{};
+    for (const int block : blocks) {
+      const std::vector<Vec3> corners = block_mesh(simulation, block).gridpoint;
+      if (!m.point) place.gridpoint.emplace_back(block, -1);
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c) middle[c] += corners[i][c];
+        count += 1.0;
+        if (!m.point) continue;
+        const double far =
+            std::hypot(corners[i][0] - (*m.point)[0], corners[i][1] - (*m.point)[1], corners[i][2] - (*m.point)[2]);
+        if (far >= nearest) continue;
+        nearest = far, place.start = corners[i];
+        place.gridpoint = {{block, static_cast<int>(i)}};
+      }
+    }
+    for (std::size_t c = 0; c < 3 && !m.point; ++c) place.start[c] = middle[c] / count;
+    places.push_back(std::move(place));
+  }
+  return places;
+}
+
 MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
                          const std::vector<std::vector<double>>& before)
     : folder_(folder), simulation_(simulation), monitors_(std::move(monitors)), columns_{"step", "time_s"} {
@@ -88,35 +122,11 @@ MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, s
 
 // Called again after promotion to large motion, whose gridpoints have another order.
 void MonitorFile::find_places() {
-  const blocks::Model* const model = simulation_.large_motion();
-  found_in_ = model;
-  places_.clear();
-  const blocks::Assembly shapes = model ? model->assembly : blocks::from_bricks(simulation_.assembly());
-  for (const Monitor& m : monitors_) {
-    Place place;
-    const std::vector<int> blocks = blocks::find_blocks(shapes, m.block, m.source.text);
-    double nearest = HUGE_VAL, count = 0.0;
-    Vec3 middle{};
-    for (const int block : blocks) {
-      const std::vector<Vec3> corners = block_mesh(simulation_, block).gridpoint;
-      if (!m.point) place.gridpoint.emplace_back(block, -1);
-      for (std::size_t i = 0; i < corners.size(); ++i) {
-        for (std::size_t c = 0; c < 3; ++c) middle[c] += corners[i][c];
-        count += 1.0;
-        if (!m.point) continue;
-        const double far =
-            std::hypot(corners[i][0] - (*m.point)[0], corners[i][1] - (*m.point)[1], corners[i][2] - (*m.point)[2]);
-        if (far >= nearest) continue;
-        nearest = far, place.start = corners[i];
-        place.gridpoint = {{block, static_cast<int>(i)}};
-      }
-    }
-    for (std::size_t c = 0; c < 3 && !m.point; ++c) place.start[c] = middle[c] / count;
-    places_.push_back(std::move(place));
-  }
+  found_in_ = simulation_.large_motion();
+  places_ = monitor_places(simulation_, monitors_);
 }
 
-MonitorFile::Motion MonitorFile::motion_of(const Place& place) const {
+MonitorFile::Motion MonitorFile::motion_of(const MonitorPlace& place) const {
   Motion mean;
   const auto add = [](const std::vector<Vec3>& of_points, int point, double share, Vec3& sum) {
     const std::size_t first = point < 0 ? 0 : at(point), end = point < 0 ? of_points.size() : first + 1;

@@ -14,6 +14,15 @@ namespace quoin {
 // Rows of an earlier process up to a step. Empty: there is no such file.
 std::vector<std::vector<double>> read_monitor_rows(const std::filesystem::path& folder, long last_step);
 
+// Where a monitor measures.
+struct MonitorPlace {
+  std::vector<std::pair<int, int>> gridpoint;  // block and gridpoint; -1: mean of all
+  Vec3 start{};                                // m
+};
+
+// By monitor. Throws Error(bad_input) for a block that does not exist.
+std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std::vector<Monitor>& monitors);
+
 class MonitorFile {
  public:
   // before: rows of the run that this one continues. Throws Error(bad_input) for a block that does not exist.
@@ -25,22 +34,18 @@ class MonitorFile {
   void finish();
 
  private:
-  struct Place {
-    std::vector<std::pair<int, int>> gridpoint;  // block and gridpoint; -1: mean of all
-    Vec3 start{};                                // m
-  };
   struct Motion {
     Vec3 displacement{}, velocity{};  // m, m/s
   };
   void find_places();
-  Motion motion_of(const Place& place) const;
+  Motion motion_of(const MonitorPlace& place) const;
   Motion ground_of(const HistoryRow& row) const;
   void write(const std::vector<double>& values);
 
   std::filesystem::path folder_;
   const Simulation& simulation_;
   std::vector<Monitor> monitors_;
-  std::vector<Place> places_;
+  std::vector<MonitorPlace> places_;
   const void* found_in_ = nullptr;  // model in which the places were found
   std::vector<std::string> columns_;
   std::vector<std::vector<double>> rows_;

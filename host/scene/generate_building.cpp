@@ -243,6 +243,13 @@ std::vector<std::string> BuildingSpec::Floor::bodies() const {
   return names;
 }
 
+std::vector<std::string> bodies_called(const std::string& name, const BuildingSpec& building) {
+  for (const BuildingSpec::Floor& floor : building.floors) {
+    if (floor.name == name) return floor.bodies();
+  }
+  return {name};
+}
+
 Assembly generate_building(const BuildingSpec& building, const std::map<std::string, BlockMaterial>& materials,
                            const std::map<std::string, JointFamily>& joints) {
   Assembly assembly;

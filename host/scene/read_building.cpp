@@ -131,12 +131,22 @@ void add_floor_loads(Stage& stage, const BuildingSpec& building) {
   }
 }
 
+namespace {
+
+// The history has the displacement of the last floor, and the forces of the walls on the bottom beam.
+void watch_building(Stage& stage, const BuildingSpec& building) {
+  stage.monitor = "bottom_beam";
+  if (!building.floors.empty()) stage.roof = building.floors.back().bodies();
+}
+
+}  // namespace
+
 void read_weight(Table& t, Stage& stage, const BuildingSpec& building) {
   if (!t.has("gravity")) stage.gravity = {0.0, -9.81, 0.0};
   if (!t.has("ramp_time")) stage.ramp_time = 0.05;
   if (!t.has("equilibrium_ratio") && !stage.duration) stage.equilibrium_ratio = 1e-4;
   if (!t.has("max_steps")) stage.max_steps = 1000000;
-  stage.monitor = "bottom_beam";
+  watch_building(stage, building);
   add_floor_controls(stage, building);
 }
 
@@ -155,7 +165,7 @@ void read_whiffletree(Table& t, Stage& stage, const BuildingSpec& building) {
   t.number("stiffness", w.stiffness, kPositive, "N/m", true);
   for (const BuildingSpec::Floor& floor : building.floors) w.floors.push_back(floor.bodies());
   if (w.floors.empty()) t.refuse("kind", "push and cycles need floors to push: give [[building.floor]]");
-  stage.monitor = "bottom_beam";
+  watch_building(stage, building);
   add_floor_controls(stage, building);
   stage.whiffletree = std::move(w);
 }

@@ -217,6 +217,7 @@ struct Stage {
   long record_interval = 0;   // steps; 0: chosen for about 1000 rows in the stage
   std::optional<int> frames;  // number of frames, in place of OutputSettings::frames; 0: none
 
+  std::vector<std::string> roof;  // bodies whose mean displacement rows have, in place of the monitor's; empty: none
   std::optional<Whiffletree> whiffletree;  // `displacement` is then that of the roof
   std::optional<Cycles> cycles;            // cycles of the whiffletree, or of controls
   std::vector<PointForce> forces;
@@ -326,6 +327,9 @@ struct BuildingSpec {
   };
   std::vector<Floor> floors;
 };
+
+// Bodies of the building's floor of this name; else the name alone.
+std::vector<std::string> bodies_called(const std::string& name, const BuildingSpec& building);
 
 // One convex block, or all objects of a mesh file.
 struct BlockSpec {

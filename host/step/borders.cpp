@@ -54,11 +54,11 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
       visit(static_cast<int>(s.model.unit_groups.size()) + place, numbers);
     }
   };
-  const auto of_loaded = [&](int i, int components) {
+  const auto of_loaded = [&](int i) {
     const int block = s.controls.loaded_blocks[at(i)].block;
     std::vector<double*> numbers;
     s.model.for_each_gridpoint(block, [&](std::size_t offset, double) {
-      for (std::size_t c = 0; c < at(components); ++c) {
+      for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t k = offset + c * kLanes;
         numbers.push_back(&s.lattice.displacement[k]), numbers.push_back(&s.lattice.velocity[k]);
       }
@@ -72,11 +72,11 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
   // Motion of the ground, relative to which ranks measure displacements of their blocks.
   const int ground = s.large_motion ? -1 : ground_block(s);
   if (ground >= 0 && s.model.place[at(ground)].body >= 0) of_bodies({s.model.place[at(ground)].body});
-  for (const int i : s.monitor.loaded) of_loaded(i, 3);
-  for (const WhiffletreeFloor& floor : s.controls.whiffletree) {
+  for (const int i : s.monitor.loaded) of_loaded(i);
+  for (const Floor& floor : s.controls.floors) {
     if (s.large_motion) of_large_motion(floor.large_motion);
     of_bodies(floor.bodies);
-    for (const int i : floor.loaded) of_loaded(i, 1);  // along x
+    for (const int i : floor.loaded) of_loaded(i);
   }
 }
 

@@ -50,7 +50,7 @@ void follow_ramps(Simulation::Impl& s) {
   }
   for (std::size_t c = 0; c < 3; ++c) s.data.gravity[c] = between(s.controls.gravity_from[c], s.controls.gravity_to[c]);
   if (!s.large_motion) follow_ground_of_lattice(s, gone);
-  s.controls.settled = gone >= 1.0 && !(s.controls.cycles && s.controls.whiffletree.empty()) && !shakes;
+  s.controls.settled = gone >= 1.0 && !(s.controls.cycles && !current_stage(s).whiffletree) && !shakes;
   if (s.large_motion) apply_actions(s, gone);
 }
 
@@ -105,7 +105,7 @@ void apply_controls(Simulation::Impl& s) {
     apply_actions(s, 1.0);  // these change after the ramp; all others are constant
   else if (!s.controls.rest_known)
     find_bodies_at_rest(s);
-  if (!s.controls.whiffletree.empty()) pull_whiffletree(s);
+  if (s.progress.stage >= 0 && current_stage(s).whiffletree) pull_whiffletree(s);
 }
 
 double velocity_in_cycles(const Simulation::Impl& s, double initial_velocity) {

@@ -111,7 +111,7 @@ std::vector<int> followed_blocks(const Simulation::Impl& s) {
   }
   for (const blocks::Load& given : s.large_motion->actions.loads) followed.push_back(given.block);
   for (const blocks::Pressure& given : s.large_motion->actions.pressures) followed.push_back(given.block);
-  for (const WhiffletreeFloor& floor : s.controls.whiffletree)
+  for (const Floor& floor : s.controls.floors)
     followed.insert(followed.end(), floor.large_motion.begin(), floor.large_motion.end());
   return followed;
 }

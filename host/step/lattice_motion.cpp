@@ -19,22 +19,21 @@ Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
 
 }  // namespace
 
-double mean_along_x(const Simulation::Impl& s, const LoadedBlock& block, const LaneVector<double>& field) {
-  double sum = 0.0;
-  s.model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) { sum += mass * field[offset]; });
-  return sum / block.mass;
+Vec3 mean_of_loaded(const Simulation::Impl& s, int index, const LaneVector<double>& field) {
+  const LoadedBlock& block = s.controls.loaded_blocks[static_cast<std::size_t>(index)];
+  Vec3 sum{};
+  s.model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) {
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += mass * field[offset + c * kLanes];
+  });
+  for (double& component : sum) component /= block.mass;
+  return sum;
 }
 
 Vec3 displacement_of_loaded(const Simulation::Impl& s, int index) {
-  const LoadedBlock& block = s.controls.loaded_blocks[static_cast<std::size_t>(index)];
-  Vec3 mean{};
-  s.model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t k = offset + c * kLanes;
-      mean[c] += mass / block.mass * (s.lattice.displacement[k] - s.data.time_step * s.lattice.velocity[k]);
-    }
-  });
-  return mean;
+  Vec3 moved = mean_of_loaded(s, index, s.lattice.displacement);
+  const Vec3 rate = mean_of_loaded(s, index, s.lattice.velocity);
+  for (std::size_t c = 0; c < 3; ++c) moved[c] -= s.data.time_step * rate[c];
+  return moved;
 }
 
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index) {

@@ -25,6 +25,14 @@ namespace quoin {
 
 namespace {
 
+// In stages of a building rows have the displacement of the roof, and the force that the walls carry to the ground.
+void show_roof(const Simulation::Impl& s, std::size_t direction, HistoryRow& row) {
+  row.monitor_displacement = row.monitor_relative = floor_displacement(s, s.controls.floors.back());
+  for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
+  row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
+  row.resistance = row.joint_force[direction];
+}
+
 void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   const auto direction = static_cast<std::size_t>(s.scene.stages[static_cast<std::size_t>(row.stage)].direction);
   row.multiplier = s.actions.multiplier;
@@ -42,11 +50,7 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = -row.joint_force[direction];
   row.vertical_force = s.monitor.stands_below ? -row.joint_force[1] : row.joint_force[1];  // compression positive
-  if (s.controls.whiffletree.empty()) return;
-  // With a whiffletree: displacement of the roof, and the shear force that the walls carry to the ground.
-  row.monitor_displacement = {floor_displacement(s, s.controls.whiffletree.size() - 1), 0.0, 0.0};
-  row.displacement = row.monitor_displacement[0] - s.monitor.start[0];
-  row.resistance = row.joint_force[0];
+  if (!s.controls.floors.empty()) show_roof(s, direction, row);
 }
 
 // Numbers of the monitor on the lattice.
@@ -82,12 +86,7 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
     row.monitor_relative[c] = row.monitor_displacement[c] - row.ground_displacement[c];
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = -row.joint_force[direction];
-  if (!s.controls.whiffletree.empty()) {
-    // With a whiffletree: displacement of the roof, and the shear force that the walls carry to the ground.
-    row.monitor_displacement = {floor_displacement(s, s.controls.whiffletree.size() - 1), 0.0, 0.0};
-    row.displacement = row.monitor_displacement[0] - s.monitor.start[0];
-    row.resistance = row.joint_force[0];
-  }
+  if (!s.controls.floors.empty()) show_roof(s, direction, row);
   const double whole = s.model.assembly.symmetry_factor;
   row.dynamic_force = whole * s.model.total_mass() * s.data.gravity[direction];
   for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {

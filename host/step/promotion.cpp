@@ -310,7 +310,7 @@ void promote(Simulation::Impl& s, const std::string& why) {
   follow_time_step(s);
   s.progress.stage_start = promotion.time - static_cast<double>(s.progress.stage_step) * dt;
   watch_blocks(s, settings);
-  bind_whiffletree(s);
+  bind_floors(s);
   s.controls.settled = false;  // the next step applies the controls of the stage to these blocks
   s.progress.row_interval =
       std::max(1L, std::lround(static_cast<double>(s.progress.row_interval) * dt / s.data.time_step));

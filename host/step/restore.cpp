@@ -194,7 +194,7 @@ void bind_restored(Simulation::Impl& s) {
     find_monitor(s, current_stage(s));
   else
     s.monitor.bodies.clear();
-  bind_whiffletree(s);
+  bind_floors(s);
   choose_damping(s);
   s.controls.settled = s.progress.stage < 0;
   bind_controls(s);

@@ -62,6 +62,18 @@ long chosen_record_interval(const Simulation::Impl& s) {
   return std::max(1L, std::lround(steps / static_cast<double>(rows)));
 }
 
+// Displacement of the roof, else of the monitor, m.
+Vec3 watched_displacement(const Simulation::Impl& s) {
+  if (!s.controls.floors.empty()) return floor_displacement_now(s, s.controls.floors.back());
+  if (s.large_motion) return block_translation(s, s.monitor.blocks);
+  Vec3 moved = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::displacement);
+  for (const int i : s.monitor.loaded) {
+    const Vec3 of_block = displacement_of_loaded(s, i);
+    for (std::size_t c = 0; c < 3; ++c) moved[c] += of_block[c] / static_cast<double>(s.monitor.loaded.size());
+  }
+  return moved;
+}
+
 }  // namespace
 
 double time_now(const Simulation::Impl& s) {
@@ -91,7 +103,7 @@ void begin_stage(Simulation::Impl& s, int index) {
   const bool swaps_laws = !settings.law_swaps.empty();
   if (!s.parts.divided || (s.large_motion && swaps_laws))
     gather(s, Part::all);
-  else if (settings.whiffletree && !s.large_motion)
+  else if ((settings.whiffletree || !settings.roof.empty()) && !s.large_motion)
     gather(s, Part::all, Who::holders);
   else if (swaps_laws)
     receive_whole_borders(s);
@@ -114,13 +126,13 @@ void begin_stage(Simulation::Impl& s, int index) {
     if (s.energy.wanted) s.energy.lost_inertia += added - added_kinetic_energy(s);
   }
   bind_controls(s);
-  bind_whiffletree(s);
+  bind_floors(s);
   choose_damping(s);
-  if (!s.controls.whiffletree.empty()) {
-    // The whiffletree starts without force: from the mean displacement of the floors.
-    s.monitor.start = {};
-    for (std::size_t f = 0; f < s.controls.whiffletree.size(); ++f)
-      s.monitor.start[0] += floor_displacement(s, f) / static_cast<double>(s.controls.whiffletree.size());
+  // The whiffletree starts without force: from the mean displacement of the floors.
+  if (!s.controls.floors.empty()) s.monitor.start = {};
+  for (const Floor& floor : s.controls.floors) {
+    const Vec3 moved = floor_displacement(s, floor);
+    for (std::size_t c = 0; c < 3; ++c) s.monitor.start[c] += moved[c] / static_cast<double>(s.controls.floors.size());
   }
   s.progress.calm_checks = 0;
   // The last frame of the stage before shows the beginning of this one.
@@ -166,21 +178,9 @@ double stage_fraction(const Simulation::Impl& s) {
     const Collapse& c = *settings.collapse;
     fraction = std::max(fraction, std::min(1.0 - 1e-9, (s.actions.multiplier - *c.start) / (*c.limit - *c.start)));
   }
-  if (settings.displacement && s.large_motion) {
+  if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    fraction = std::max(fraction, std::abs((s.controls.whiffletree.empty()
-                                                ? block_translation(s, s.monitor.blocks)[c]
-                                                : floor_displacement_now(s, s.controls.whiffletree.size() - 1)) -
-                                           s.monitor.start[c]) /
-                                      *settings.displacement);
-  } else if (settings.displacement) {
-    const auto c = static_cast<std::size_t>(settings.direction);
-    double now = s.controls.whiffletree.empty() ? s.lattice.mean_of(s.monitor.bodies, &BodyLanes::displacement)[c]
-                                                : floor_displacement(s, s.controls.whiffletree.size() - 1);
-    for (const int i : s.monitor.loaded)
-      now += displacement_of_loaded(s, i)[c] / static_cast<double>(s.monitor.loaded.size());
-    const double moved = std::abs(now - s.monitor.start[c]);
-    fraction = std::max(fraction, moved / *settings.displacement);
+    fraction = std::max(fraction, std::abs(watched_displacement(s)[c] - s.monitor.start[c]) / *settings.displacement);
   }
   return fraction;
 }

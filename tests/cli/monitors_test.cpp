@@ -157,6 +157,46 @@ block = "top_beam"
               1e-15);
 }
 
+// In all stages of a building the history has the displacement of its last floor, here of two rigid beams, up and along
+// x. Forces are those on the ground, at rest weight and load.
+TEST_F(Monitors, OfAFloorAgreeWithTheHistoryOfTheRoof) {
+  const std::string path = (folder_ / "building.toml").string();
+  std::ofstream(path) << read_all(QUOIN_CLI_TESTS "/../host/small_building.toml")
+                      << "[[monitor]]\nname = \"roof\"\nblock = \"floor_1\"\n[output]\nframes = 0\nplots = false\n";
+  for (const std::string motion : {"never", "always"}) {
+    std::vector<std::string> words{"run", path, "--out", out(), "--threads", "1"};
+    for (const char* setting : {"stage.push.displacement=0.002", "stage.push.record_interval=50",
+                                "stage.weight.equilibrium_ratio=1e-3", "stage.weight.duration=0.5"})
+      words.insert(words.end(), {"--set", setting});
+    words.insert(words.end(), {"--set", "solver.large_motion=" + motion});
+    ASSERT_EQ(quoin(words), 0) << error_;
+    auto history = columns(fs::path(out()) / "history.csv"), monitors = columns(fs::path(out()) / "monitors.csv");
+    const std::size_t rows = monitors["time_s"].size();
+    ASSERT_EQ(history["time_s"].size(), rows);
+    std::size_t of_weight = 0;
+    for (std::size_t i = 0; i < rows; ++i) {
+      if (history["stage"][i] == 1) of_weight = i;
+      // Corners of a beam that turns in large motion move by its rotation squared, about 1e-6, times 0.2 m further.
+      EXPECT_NEAR(monitors["roof_dx_m"][i], history["displacement_m"][i], 1e-7) << motion;
+      EXPECT_NEAR(monitors["roof_dy_m"][i], history["vertical_displacement_m"][i], 1e-7) << motion;
+    }
+    ASSERT_GT(of_weight, 10U);
+    EXPECT_LT(history["vertical_displacement_m"][of_weight], -1e-5) << motion;
+    // Two walls and their corner without the window, 0.25 m thick and 1.28 m high; 20 kN on the floor.
+    const double weight = 9.81 * 1750.0 * 0.25 * ((1.4 + 0.6 + 0.25) * 1.28 - 0.4 * 0.48);
+    EXPECT_NEAR(history["vertical_force_N"][of_weight], 20e3 + weight, 5.0) << motion;
+    // The stage ends by the displacement of the roof from the mean of the floors, of which there is one.
+    EXPECT_NEAR(history["displacement_m"].back() - history["displacement_m"][of_weight], 0.002, 1e-5) << motion;
+    EXPECT_GT(history["horizontal_force_N"].back(), 100.0) << motion;
+  }
+}
+
+TEST_F(Monitors, OfNobodyAreRefusedByCheckToo) {
+  ASSERT_EQ(quoin({"check", scene(both_)}), 0) << error_;
+  EXPECT_EQ(quoin({"check", scene("[[monitor]]\nname = \"top\"\nblock = \"hihg\"\n")}), 3);
+  EXPECT_THAT(error_, HasSubstr("no block is called 'hihg', did you mean 'high'?"));
+}
+
 TEST_F(Monitors, SayWhatIsWrong) {
   const auto fault = [&](const std::string& monitors) {
     EXPECT_EQ(quoin({"run", scene(monitors), "--out", out()}), 3) << monitors;

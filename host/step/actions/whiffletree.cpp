@@ -16,12 +16,34 @@
 
 namespace quoin {
 
-void bind_whiffletree(Simulation::Impl& s) {
-  s.controls.whiffletree.clear();
-  if (s.progress.stage < 0 || !current_stage(s).whiffletree) return;
+namespace {
+
+// Mean of a quantity of bodies, and the same of gridpoints of deformable blocks, over a floor on the lattice.
+Vec3 mean_of_floor(const Simulation::Impl& s, const Floor& floor, BodyLanes::Quantity BodyLanes::*of_bodies,
+                   const LaneVector<double>& of_gridpoints) {
+  Vec3 sum = s.lattice.mean_of(floor.bodies, of_bodies);
+  for (double& component : sum) component *= static_cast<double>(floor.bodies.size());
+  for (const int i : floor.loaded) {
+    const Vec3 mean = mean_of_loaded(s, i, of_gridpoints);
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += mean[c];
+  }
+  for (double& component : sum) component /= floor.count();
+  return sum;
+}
+
+}  // namespace
+
+void bind_floors(Simulation::Impl& s) {
+  s.controls.floors.clear();
+  if (s.progress.stage < 0) return;
   const Stage& settings = current_stage(s);
-  for (const auto& floor : settings.whiffletree->floors) {
-    WhiffletreeFloor& indices = s.controls.whiffletree.emplace_back();
+  std::vector<std::vector<std::string>> floors;
+  if (settings.whiffletree)
+    floors = settings.whiffletree->floors;
+  else if (!settings.roof.empty())
+    floors = {settings.roof};
+  for (const auto& floor : floors) {
+    Floor& indices = s.controls.floors.emplace_back();
     for (const std::string& name : floor) {
       if (s.large_motion) {
         const std::vector<int> named = blocks_named(s, name, settings.source.text);
@@ -37,33 +59,24 @@ void bind_whiffletree(Simulation::Impl& s) {
         found = true;
       }
       if (!found)
-        throw Error(Exit::bad_input, fmt::format("{}: stage '{}' pushes the body '{}', but the assembly has no block "
-                                                 "of that name",
+        throw Error(Exit::bad_input, fmt::format("{}: stage '{}' has the floor '{}', but the assembly has no block of "
+                                                 "that name",
                                                  settings.source.text, settings.name, name));
     }
   }
 }
 
-double floor_displacement_now(const Simulation::Impl& s, std::size_t floor) {
-  const WhiffletreeFloor& f = s.controls.whiffletree[floor];
-  if (s.large_motion) return block_translation(s, f.large_motion)[0];
-  double sum = static_cast<double>(f.bodies.size()) * s.lattice.mean_of(f.bodies, &BodyLanes::displacement)[0];
-  for (const int i : f.loaded)
-    sum += mean_along_x(s, s.controls.loaded_blocks[static_cast<std::size_t>(i)], s.lattice.displacement);
-  return sum / f.count();
+Vec3 floor_displacement_now(const Simulation::Impl& s, const Floor& floor) {
+  if (s.large_motion) return block_translation(s, floor.large_motion);
+  return mean_of_floor(s, floor, &BodyLanes::displacement, s.lattice.displacement);
 }
 
-double floor_displacement(const Simulation::Impl& s, std::size_t floor) {
-  const WhiffletreeFloor& f = s.controls.whiffletree[floor];
-  if (s.large_motion) {
-    double rate = 0.0;
-    for (const int block : f.large_motion) rate += velocity_of(*s.large_motion, block).x / f.count();
-    return floor_displacement_now(s, floor) - s.data.time_step * rate;
-  }
-  double rate = static_cast<double>(f.bodies.size()) * s.lattice.mean_of(f.bodies, &BodyLanes::velocity)[0];
-  for (const int i : f.loaded)
-    rate += mean_along_x(s, s.controls.loaded_blocks[static_cast<std::size_t>(i)], s.lattice.velocity);
-  return floor_displacement_now(s, floor) - s.data.time_step * rate / f.count();
+Vec3 floor_displacement(const Simulation::Impl& s, const Floor& floor) {
+  if (s.large_motion) return block_translation_at_forces(s, floor.large_motion);
+  Vec3 moved = floor_displacement_now(s, floor);
+  const Vec3 rate = mean_of_floor(s, floor, &BodyLanes::velocity, s.lattice.velocity);
+  for (std::size_t c = 0; c < 3; ++c) moved[c] -= s.data.time_step * rate[c];
+  return moved;
 }
 
 void pull_whiffletree(Simulation::Impl& s) {
@@ -73,10 +86,10 @@ void pull_whiffletree(Simulation::Impl& s) {
                                          : tree.velocity * smooth_way(stage_time(s), settings.ramp_time);
   // Current displacements, as for joints: a spring with those of a step before would add energy in every step.
   double mean = 0.0;
-  for (std::size_t f = 0; f < s.controls.whiffletree.size(); ++f)
-    mean += floor_displacement_now(s, f) / static_cast<double>(s.controls.whiffletree.size());
+  for (const Floor& floor : s.controls.floors)
+    mean += floor_displacement_now(s, floor)[0] / static_cast<double>(s.controls.floors.size());
   const double pull = tree.stiffness * (s.monitor.start[0] + moved - mean);
-  for (const WhiffletreeFloor& floor : s.controls.whiffletree) {
+  for (const Floor& floor : s.controls.floors) {
     for (const int block : floor.large_motion) pull_block(s, block, pull / floor.count());
     for (const int body : floor.bodies) {
       const auto [lanes, lane] = s.lattice.place[static_cast<std::size_t>(body)];
@@ -91,6 +104,7 @@ void pull_whiffletree(Simulation::Impl& s) {
 
 // Forces are applied by pull_whiffletree, for both kinds of motion.
 extern const Action kWhiffletree{.names = [](const Stage& stage, const VisitName& visit) {
+  std::for_each(stage.roof.begin(), stage.roof.end(), visit);
   if (!stage.whiffletree) return;
   for (const auto& floor : stage.whiffletree->floors) std::for_each(floor.begin(), floor.end(), visit);
 }};

@@ -31,8 +31,8 @@ struct LoadRamp {
   Vec3 from{}, to{}, now{};  // N
 };
 
-// A floor of a whiffletree.
-struct WhiffletreeFloor {
+// A floor of a building.
+struct Floor {
   std::vector<int> bodies, loaded;  // loaded: indices into Controls::loaded_blocks
   std::vector<int> large_motion;    // blocks of the floor in large motion; bodies and loaded are then empty
   double count() const { return static_cast<double>(bodies.size() + loaded.size() + large_motion.size()); }
@@ -43,14 +43,15 @@ struct Controls {
   std::vector<LoadRamp> load_ramps;   // by loaded block
   Vec3 gravity_from{}, gravity_to{};  // m/s2
 
-  std::vector<int> ramped_bodies;             // bodies whose control changes over the ramp
-  std::vector<LoadedBlock> loaded_blocks;     // deformable blocks that have a name
-  LaneVector<double> load;                    // acceleration of groups with loaded blocks: [component][lane], m/s2
-  std::vector<const double*> load_of_group;   // by block group, into load; null: none
-  std::vector<WhiffletreeFloor> whiffletree;  // floors, in stages with a whiffletree
-  std::optional<CyclicMotion> cycles;         // cycles of the stage
-  bool settled = true;                        // the ramp of the stage is over, and no body moves in cycles
-  bool rest_known = true;                     // BodyLanes::at_rest is up to date
+  std::vector<int> ramped_bodies;            // bodies whose control changes over the ramp
+  std::vector<LoadedBlock> loaded_blocks;    // deformable blocks that have a name
+  LaneVector<double> load;                   // acceleration of groups with loaded blocks: [component][lane], m/s2
+  std::vector<const double*> load_of_group;  // by block group, into load; null: none
+  std::vector<Floor>
+      floors;  // floors that the whiffletree of the stage pulls, else the roof alone; the last is the roof
+  std::optional<CyclicMotion> cycles;  // cycles of the stage
+  bool settled = true;                 // the ramp of the stage is over, and no body moves in cycles
+  bool rest_known = true;              // BodyLanes::at_rest is up to date
 
   void find_loaded_blocks(const Model& model);
   void apply_load(const Model& model, std::size_t loaded);  // writes the current value of load_ramps into `load`
