@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "scene/generate_blocks.h"
 
 namespace quoin::blocks {
 
@@ -47,6 +48,35 @@ double distance_from(const Assembly& assembly, const Block& block, const Vector&
     distance = std::max(distance, dot(shape.normals[f], own - on_face));
   }
   return distance;
+}
+
+int block_at(const Assembly& assembly, const std::string& name, const Vector& point, const std::string& where) {
+  const std::vector<int> named = find_blocks(assembly, name, where);
+  return *std::ranges::min_element(named, {}, [&](int block) {
+    return distance_from(assembly, assembly.blocks[static_cast<std::size_t>(block)], point);
+  });
+}
+
+std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const Vector& normal,
+                                   const std::string& where) {
+  constexpr double kTolerance = 1e-6;  // m, rounding of places
+  std::vector<BlockFace> outer;
+  double furthest = -kNever;
+  for (const int index : find_blocks(assembly, name, where)) {
+    const Block& block = assembly.blocks[static_cast<std::size_t>(index)];
+    const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
+    const Vector along = transposed_times(matrix(block.orientation), normal);
+    double reach = -kNever;
+    for (const Vector& vertex : shape.vertices) reach = std::max(reach, dot(along, vertex));
+    reach += dot(normal, block.position);
+    if (reach < furthest - kTolerance) continue;
+    if (reach > furthest + kTolerance) outer.clear();
+    furthest = std::max(furthest, reach);
+    const auto face =
+        std::ranges::max_element(shape.normals, {}, [&](const Vector& of_face) { return dot(along, of_face); });
+    outer.push_back({index, static_cast<int>(face - shape.normals.begin())});
+  }
+  return outer;
 }
 
 std::vector<LoadPlace> places_of(const MovingLoad& load, const Assembly& assembly, const std::string& where) {

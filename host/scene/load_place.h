@@ -1,6 +1,7 @@
 // Places where external loads act on blocks.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "scene/blocks.h"
@@ -17,6 +18,20 @@ struct LoadPlace {
 // the position. Throws Error(bad_input), with the place in the scene, for a position without a block on its line of
 // action.
 std::vector<LoadPlace> places_of(const MovingLoad& load, const Assembly& assembly, const std::string& where);
+
+// The block of this name that is nearest to a point at the start, m. Throws Error(bad_input): there is none of the
+// name.
+int block_at(const Assembly& assembly, const std::string& name, const geometry::Vector& point,
+             const std::string& where);
+
+struct BlockFace {
+  int block = -1, face = 0;
+};
+
+// Faces along an outward normal of those blocks of this name that reach furthest along it: of a course, the units at
+// its end, or all along its side. Throws Error(bad_input): there is none of the name.
+std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const geometry::Vector& normal,
+                                   const std::string& where);
 
 // Distance of a point from a block at the start, m; not above 0 inside.
 double distance_from(const Assembly& assembly, const Block& block, const geometry::Vector& point);

@@ -204,6 +204,67 @@ TEST(Settings, DisplacementOfCollapseCountsFromItsStage) {
   EXPECT_NEAR(moved, fresh, 0.005);
 }
 
+// Forces on the four units of a top course, by their place along the wall, N. Dry joints release them: they fly freely,
+// and central differences move their 4 kg from rest by F/m t (t + dt)/2.
+std::vector<Vec3> forces_on_course(const std::string& load) {
+  Simulation run(scene_of(std::string(kStone) + kDry + R"(
+[wall]
+bond = "stack"
+courses = 2
+units_per_course = 4
+unit = [0.2, 0.1, 0.1]
+rigid_units = true
+mid_unit_joints = false
+unit_material = "stone"
+bed_joint = "dry"
+head_joint = "dry"
+beam_joint = "dry"
+top_beam = false
+[solver]
+damping = "none"
+[output]
+frames = 0
+plots = false
+[[stage]]
+name = "load"
+duration = 0.01
+)" + load));
+  Observer nobody;
+  run.run(nobody);
+  const std::vector<blocks::Block>& all = run.large_motion()->assembly.blocks;
+  std::vector<std::size_t> course;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == "top_course") course.push_back(i);
+  }
+  std::ranges::sort(course, {}, [&](std::size_t i) { return all[i].position.x; });
+  const double moved_by = 0.5 * run.time() * (run.time() + run.time_step_report().time_step) / 4.0;  // m/N
+  std::vector<Vec3> forces;
+  for (const std::size_t i : course) {
+    Vec3& force = forces.emplace_back(block_displacement(run, static_cast<int>(i)).front());
+    for (double& component : force) component /= moved_by;
+  }
+  return forces;
+}
+
+// A course is a name of several blocks. A pressure acts on all faces that lie outermost, a force on the unit at its
+// point. Tolerance: rounding of places of 1 m over ways of 0.1 mm.
+TEST(Settings, LoadsOnACourseActOnTheUnitsThatAreMeant) {
+  constexpr double kTolerance = 1e-9;  // N
+  const auto pressure = [](const std::string& normal) {
+    return "[[stage.pressure]]\nblock = \"top_course\"\npressure = -1e3\nnormal = " + normal + "\n";
+  };
+  const auto up = forces_on_course(pressure("[0, 1, 0]"));
+  const auto along = forces_on_course(pressure("[1, 0, 0]"));
+  const auto lifted =
+      forces_on_course("[[stage.force]]\nblock = \"top_course\"\npoint = [0.5, 0.2, 0.05]\nforce = [0, 20, 0]\n");
+  ASSERT_EQ(up.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(up[i][1], 20.0, kTolerance) << i;
+    EXPECT_NEAR(along[i][0], i == 3 ? 10.0 : 0.0, kTolerance) << i;
+    EXPECT_NEAR(lifted[i][1], i == 2 ? 20.0 : 0.0, kTolerance) << i;
+  }
+}
+
 // A stage of kind pressure holds the lower beam, which a shake before it has left elsewhere. Displacements of the
 // ground and moments about its base stay those of the ground. The ramp stops what velocity there is.
 TEST(Settings, TheGroundStaysWhereAShakeHasLeftIt) {

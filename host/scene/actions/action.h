@@ -23,8 +23,6 @@ struct StageAction {
 
 QUOIN_REGISTRY(StageAction, kStageActions, kGroundMotion, kCollapseLoad, kMovingLoad, kPointForces, kFacePressures);
 
-// The first block of this name. Throws Error(bad_input): there is none.
-const blocks::Block& block_of(const std::string& name, const Stage& stage, const blocks::Assembly& assembly);
 // Throws Error(bad_input) for a load on a fixed block.
 void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& stage);
 

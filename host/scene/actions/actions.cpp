@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "scene/actions/action.h"
-#include "scene/generate_blocks.h"
 
 namespace quoin {
 
@@ -16,10 +15,6 @@ bool has_actions(const reader::Table& t) {
 
 void read_actions(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names) {
   for (const StageAction& action : kStageActions) action.read(t, stage, folder, names);
-}
-
-const blocks::Block& block_of(const std::string& name, const Stage& stage, const blocks::Assembly& assembly) {
-  return assembly.blocks[static_cast<std::size_t>(blocks::find_blocks(assembly, name, stage.source.text).front())];
 }
 
 void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& stage) {

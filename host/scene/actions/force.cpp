@@ -31,9 +31,10 @@ std::string text_of_force(const Stage& stage) {
 void check_forces(const Stage& stage, const blocks::Assembly& assembly) {
   constexpr double kTolerance = 1e-6;  // m
   for (const PointForce& force : stage.forces) {
-    const blocks::Block& block = block_of(force.block, stage, assembly);
-    refuse_on_fixed(block, "force", stage);
     const geometry::Vector point = geometry::vector(force.point);
+    const int nearest = blocks::block_at(assembly, force.block, point, stage.source.text);
+    const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(nearest)];
+    refuse_on_fixed(block, "force", stage);
     const double distance = distance_from(assembly, block, point);
     if (block.rigid || distance <= kTolerance) continue;
     throw Error(

@@ -1,5 +1,6 @@
 // Pressures on faces of blocks.
 #include "scene/actions/action.h"
+#include "scene/load_place.h"
 #include "scene/read_ground.h"
 
 namespace quoin {
@@ -25,8 +26,11 @@ std::string text_of_pressure(const Stage& stage) {
 }
 
 void check_pressures(const Stage& stage, const blocks::Assembly& assembly) {
-  for (const FacePressure& pressure : stage.pressures)
-    refuse_on_fixed(block_of(pressure.block, stage, assembly), "pressure", stage);
+  for (const FacePressure& pressure : stage.pressures) {
+    for (const blocks::BlockFace& face :
+         blocks::outer_faces(assembly, pressure.block, geometry::vector(pressure.normal), stage.source.text))
+      refuse_on_fixed(assembly.blocks[static_cast<std::size_t>(face.block)], "pressure", stage);
+  }
 }
 
 }  // namespace

@@ -16,9 +16,9 @@ void add_forces(Simulation::Impl& s, const Stage& settings) {
   blocks::Model& m = *s.large_motion;
   for (const PointForce& given : settings.forces) {
     blocks::Load added{};
-    added.block = blocks_named(s, given.block, settings.source.text).front();
     added.force = geometry::vector(given.force);
     added.point = geometry::vector(given.point);
+    added.block = blocks::block_at(m.assembly, given.block, added.point, settings.source.text);
     m.add(added);
   }
   if (!settings.moving_load) return;

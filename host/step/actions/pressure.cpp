@@ -1,6 +1,6 @@
 // Pressures on faces of blocks: those of the stage before fade while those of this one grow.
+#include "scene/load_place.h"
 #include "step/actions/action.h"
-#include "step/large_motion_run.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -9,20 +9,13 @@ namespace {
 
 void add_pressures(Simulation::Impl& s, const Stage& settings) {
   blocks::Model& m = *s.large_motion;
-  const auto& assembly = m.assembly;
   for (const FacePressure& pressure : settings.pressures) {
-    blocks::Pressure added{};
-    added.block = blocks_named(s, pressure.block, settings.source.text).front(), added.value = pressure.pressure;
-    const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(added.block)];
-    const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
-    const geometry::Matrix turned = matrix(block.orientation);
-    const auto towards = [&](std::size_t face) {
-      return dot(turned * shape.normals[face], geometry::vector(pressure.normal));
-    };
-    for (std::size_t f = 1; f < shape.faces.size(); ++f) {
-      if (towards(f) > towards(static_cast<std::size_t>(added.face))) added.face = static_cast<int>(f);
+    for (const blocks::BlockFace& face :
+         blocks::outer_faces(m.assembly, pressure.block, geometry::vector(pressure.normal), settings.source.text)) {
+      blocks::Pressure added{};
+      added.block = face.block, added.face = face.face, added.value = pressure.pressure;
+      m.add(added);
     }
-    m.add(added);
   }
 }
 
