@@ -18,14 +18,15 @@ namespace quoin {
 namespace fs = std::filesystem;
 
 Recorder::Recorder(const fs::path& folder, const Simulation& simulation, Surfaces& surfaces, Identity identity,
-                   double checkpoint_every, const Checkpoint& before, bool compressed, Pieces pieces)
+                   double checkpoint_every, const ResultsSoFar& before, bool compressed, Pieces pieces)
     : scene_(simulation.scene()),
       surfaces_(surfaces),
       history_(folder / "history.csv", simulation, before.rows),
       frames_(folder, surfaces, before.frame_times, compressed, pieces),
       checkpoint_(folder / "checkpoint.bin"),
       identity_(std::move(identity)),
-      clock_(checkpoint_every) {
+      clock_(checkpoint_every),
+      modes_(before.modes) {
   for (const HistoryRow& row : before.rows) take(row);
 }
 
@@ -46,9 +47,8 @@ void Recorder::on_stage_begin(const Simulation& simulation, int stage) {
   progress_.message(text);
 #ifdef QUOIN_MODES
   if (!s.ground) return;
-  const bool goes_on = !history_.rows().empty() && history_.rows().back().stage == stage;
-  modes_.push_back(goes_on ? StageModes{stage, {}, "the run was resumed in this stage"}
-                           : damped_modes(simulation, stage));
+  const bool goes_on = !modes_.empty() && modes_.back().stage == stage;
+  if (!goes_on) modes_.push_back(damped_modes(simulation, stage));
   progress_.message(modes_text(modes_.back()));
 #endif
 }
@@ -102,7 +102,7 @@ void Recorder::finish_tables() {
 void Recorder::on_pause(const Simulation& simulation, bool) {
   if (monitors_) monitors_->flush();
   try {
-    write_checkpoint(checkpoint_, identity_, history_.rows(), frames_.times(), simulation);
+    write_checkpoint(checkpoint_, identity_, {history_.rows(), frames_.times(), modes_}, simulation);
   } catch (const Error& error) {  // the run continues, and earlier results remain
     std::error_code unknown;
     if (const fs::path folder = checkpoint_.parent_path(); !fs::exists(folder, unknown) && !unknown)

@@ -25,7 +25,7 @@ class Recorder : public Observer {
  public:
   // before: records of the run that this one continues.
   Recorder(const std::filesystem::path& folder, const Simulation& simulation, Surfaces& surfaces, Identity identity,
-           double checkpoint_every, const Checkpoint& before, bool compressed, Pieces pieces);
+           double checkpoint_every, const ResultsSoFar& before, bool compressed, Pieces pieces);
 
   void on_stage_begin(const Simulation& simulation, int stage) override;
   void on_law_swap(const LawSwap& swap) override;

@@ -187,22 +187,23 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   begin(&simulation, folder, before.stored);
   const Pieces pieces = pieces_of(simulation.scene(), ranks);
   if (pieces.count > 1) {
-    SharedFolder shared{fs::absolute(folder).string(), part_token(), before.frame_times};
+    SharedFolder shared{fs::absolute(folder).string(), part_token(), before.results.frame_times};
     share(*ranks, shared);
   }
   std::vector<Monitor> monitors =
       monitors_of(simulation.scene().text, simulation.scene().file, options.scene.overrides);
-  const auto of_monitors = goes_on && !before.rows.empty() ? read_monitor_rows(folder, before.rows.back().step)
-                                                           : std::vector<std::vector<double>>{};
+  const auto of_monitors = goes_on && !before.results.rows.empty()
+                               ? read_monitor_rows(folder, before.results.rows.back().step)
+                               : std::vector<std::vector<double>>{};
   // Removes results of an earlier run, so that those of a failed run are not mistaken for them.
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
-    return resumed && is_kept(name, before.frame_times.size());
+    return resumed && is_kept(name, before.results.frame_times.size());
   });
   if (!lock) write_run_record(folder, options.scene, simulation.scene().text);
 
   Surfaces surfaces;
   require_room(folder, simulation, surfaces);
-  Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before,
+  Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before.results,
                     options.compressed, pieces);
   if (!monitors.empty() && ranks)
     recorder.progress().message("quoin: no monitors.csv, as no rank has all blocks; run it in one process for that");

@@ -206,8 +206,8 @@ bool Session::step(long count, bool stop_at_stage_end) {
 
 void Session::on_stage_begin([[maybe_unused]] const Simulation& simulation, int stage) {
 #ifdef QUOIN_MODES
-  if (stage_ != stage && simulation.scene().stages[static_cast<std::size_t>(stage)].ground)
-    modes_.push_back(damped_modes(simulation, stage));
+  const bool shakes = simulation.scene().stages[static_cast<std::size_t>(stage)].ground.has_value();
+  if (shakes && (modes_.empty() || modes_.back().stage != stage)) modes_.push_back(damped_modes(simulation, stage));
 #endif
   stage_ = stage;
 }
@@ -476,8 +476,9 @@ void Session::restore(const py::bytes& bytes) {
   const std::string_view view = bytes;
   const Isolated isolated(isolation_);
   use().restore({view.begin(), view.end()});
-  // Later rows are removed, earlier rows stay.
+  // Later rows and stages are removed, earlier ones stay.
   std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
+  std::erase_if(modes_, [now = simulation_->measure().stage](const StageModes& of) { return of.stage > now; });
   if (surfaces_) *surfaces_ = Surfaces();
 }
 
@@ -489,14 +490,15 @@ Identity Session::identity_of(const std::string& scene_hash) const {
 }
 
 void Session::checkpoint(const std::string& path, const std::string& scene_hash) const {
-  write_checkpoint(path, identity_of(scene_hash), {rows_, {}, use().save()});
+  write_checkpoint(path, identity_of(scene_hash), {{rows_, {}, modes_}, use().save()});
 }
 
 void Session::resume(const std::string& path, const std::string& scene_hash) {
   const Checkpoint checkpoint = read_checkpoint(path, identity_of(scene_hash));
   const Isolated isolated(isolation_);
   use().restore(checkpoint.state);
-  rows_ = checkpoint.rows;
+  rows_ = checkpoint.results.rows;
+  modes_ = checkpoint.results.modes;
   if (surfaces_) *surfaces_ = Surfaces();
 }
 

@@ -31,7 +31,7 @@ namespace {
 struct Head {
   std::array<char, 8> mark{'Q', 'U', 'O', 'I', 'N', 'R', 'U', 'N'};
   std::uint32_t word_order = 0x01020304;
-  std::uint32_t format = 2;
+  std::uint32_t format = 3;
   std::array<std::uint8_t, 4> word_sizes{sizeof(int), sizeof(long), sizeof(void*), sizeof(double)};
   std::uint32_t unused = 0;
   std::uint64_t bytes = 0;     // size of the rest of the file
@@ -98,13 +98,19 @@ void transfer_identity(Archive& archive, Parts& parts) {
   });
 }
 
-template <class Archive, class Rows>
-void transfer_rows(Archive& archive, Rows& rows) {
-  archive.list(rows, [](auto& a, auto& row) {
+template <class Archive, class Results>
+void transfer_results(Archive& archive, Results& results) {
+  archive.list(results.rows, [](auto& a, auto& row) {
     using Numbers = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(row)>>, const HistoryNumbers,
                                        HistoryNumbers>;
     a.value(static_cast<Numbers&>(row));
     a.array(row.added);
+  });
+  archive.array(results.frame_times);
+  archive.list(results.modes, [](auto& a, auto& of_stage) {
+    a.value(of_stage.stage);
+    a.array(of_stage.modes);
+    a.array(of_stage.why_none);
   });
 }
 
@@ -148,9 +154,8 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
 namespace {
 
 // give: passes the state on piece by piece. It is called even if the file fails, as other ranks wait for it.
-void write_stored(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
-                  const std::vector<double>& frame_times, std::uint64_t state_bytes,
-                  const std::function<void(const Simulation::TakeBytes&)>& give) {
+void write_stored(const std::filesystem::path& path, const Identity& identity, const ResultsSoFar& results,
+                  std::uint64_t state_bytes, const std::function<void(const Simulation::TakeBytes&)>& give) {
   Attempt unless_it_failed;
   std::unique_ptr<DurableFile> file;
   Head head;
@@ -165,8 +170,7 @@ void write_stored(const std::filesystem::path& path, const Identity& identity, c
     std::vector<std::uint8_t> bytes;
     ArchiveWriter writer{bytes};
     transfer_identity(writer, identity.parts);
-    transfer_rows(writer, rows);
-    writer.array(frame_times);
+    transfer_results(writer, results);
     writer.value(state_bytes);
     file = std::make_unique<DurableFile>(path);
     file->append(as_bytes(head));
@@ -183,13 +187,13 @@ void write_stored(const std::filesystem::path& path, const Identity& identity, c
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint) {
-  write_stored(path, identity, checkpoint.rows, checkpoint.frame_times, checkpoint.state.size(),
+  write_stored(path, identity, checkpoint.results, checkpoint.state.size(),
                [&](const Simulation::TakeBytes& take) { take(checkpoint.state); });
 }
 
-void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
-                      const std::vector<double>& frame_times, const Simulation& simulation) {
-  write_stored(path, identity, rows, frame_times, simulation.saved_bytes(),
+void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const ResultsSoFar& results,
+                      const Simulation& simulation) {
+  write_stored(path, identity, results, simulation.saved_bytes(),
                [&](const Simulation::TakeBytes& take) { simulation.save(take); });
 }
 
@@ -228,8 +232,7 @@ Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
   ArchiveReader reader{file};
   Stored stored;
   transfer_identity(reader, stored.identity.parts);
-  transfer_rows(reader, stored.checkpoint.rows);
-  reader.array(stored.checkpoint.frame_times);
+  transfer_results(reader, stored.checkpoint.results);
   const std::uint64_t bytes = reader.count_of(1);
   stored.checkpoint.stored = {file.position(), bytes, head.checksum, false};
   return stored;
@@ -404,7 +407,7 @@ void restore_from(const std::filesystem::path& path, const StoredState& state, S
 
 void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance) {
   const Identity identity = end_identity(simulation, provenance, simulation.scene().stages.size());
-  write_checkpoint(folder / "end_state.bin", identity, {}, {}, simulation);
+  write_checkpoint(folder / "end_state.bin", identity, ResultsSoFar{}, simulation);
 }
 
 void keep_start(const Scene& scene, const std::filesystem::path& folder) {

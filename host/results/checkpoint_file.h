@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "results/provenance.h"
+#include "results/stage_modes.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -31,9 +32,15 @@ struct StoredState {
   bool is_refused = false;     // for other ranks: there is no checkpoint to continue from
 };
 
+// Results of a run up to a checkpoint, beside the state.
+struct ResultsSoFar {
+  std::vector<HistoryRow> rows;     // rows of the history
+  std::vector<double> frame_times;  // s, of the VTK frames
+  std::vector<StageModes> modes;    // modes of stages with ground motion
+};
+
 struct Checkpoint {
-  std::vector<HistoryRow> rows;     // rows of the history so far
-  std::vector<double> frame_times;  // s, of the VTK frames so far
+  ResultsSoFar results;
   std::vector<std::uint8_t> state;  // bytes of Simulation::save
   StoredState stored{};             // state of a checkpoint that was read
 };
@@ -42,8 +49,8 @@ struct Checkpoint {
 // Error(bad_input).
 void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint);
 // Writes the current state, piece by piece. Collective: all ranks call simulation.save at this moment.
-void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
-                      const std::vector<double>& frame_times, const Simulation& simulation);
+void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const ResultsSoFar& results,
+                      const Simulation& simulation);
 
 // Throws Error(bad_input) with the reason: damaged, of another machine, another version, another scene or law.
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected);

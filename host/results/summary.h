@@ -8,20 +8,12 @@
 #include "results/crushed_out.h"
 #include "results/provenance.h"
 #include "results/quasi_static.h"
+#include "results/stage_modes.h"
 #include "results/warnings.h"
 #include "step/simulation.h"
 
 namespace quoin {
 
-// Effect of damping on the first modes of vibration of a stage with ground motion, at its begin.
-struct StageModes {
-  struct Mode {
-    double frequency = 0.0, ratio = 0.0;  // Hz; of critical
-  };
-  int stage = 0;
-  std::vector<Mode> modes;
-  std::string why_none;  // reason why modes are not known; empty: they are
-};
 std::string modes_text(const StageModes& modes);  // "first modes: 12.1 Hz 0.4 %, 15.3 Hz 0.5 %"
 
 struct RunInfo {

@@ -115,6 +115,19 @@ TEST_F(Resume, KilledCollapsesEndAsIfLeftAlone) {
                            "output.energy=true", "--set", "output.plots=false"});
 }
 
+// Also the damping of modes, which is computed at the begin of the shake.
+TEST_F(Resume, KilledShakesEndAsIfLeftAlone) {
+  std::ofstream(scene_, std::ios::app) << R"(
+[[stage]]
+name = "shake"
+duration = 0.02
+ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [2, 2] }
+)";
+  expect_same_after_kills({scene_, "--set", "stage.shear.displacement=0.00002", "--set", "output.plots=false"});
+  const auto summary = nlohmann::json::parse(read_all(fs::path(out()) / "summary.json"));
+  EXPECT_GT(summary["damping_of_modes"]["shake"].size(), 0U) << summary["damping_of_modes"];
+}
+
 // Dowels, soil on a face, a tie through a block, and a moving load on it.
 TEST_F(Resume, MembersAndAMovingLoadGoOn) {
   const fs::path scene = folder_ / "members.toml";
