@@ -65,19 +65,16 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
     });
     visit(item_of_block(s, block), numbers);
   };
-  if (s.large_motion)
-    of_large_motion(s.monitor.blocks);
-  else
-    of_bodies(s.monitor.bodies);
+  const auto of_watched = [&](const WatchedBlocks& blocks) {
+    if (s.large_motion) of_large_motion(blocks.large_motion);
+    of_bodies(blocks.bodies);
+    for (const int i : blocks.loaded) of_loaded(i);
+  };
+  of_watched(s.monitor.blocks);
   // Motion of the ground, relative to which ranks measure displacements of their blocks.
   const int ground = s.large_motion ? -1 : ground_block(s);
   if (ground >= 0 && s.model.place[at(ground)].body >= 0) of_bodies({s.model.place[at(ground)].body});
-  for (const int i : s.monitor.loaded) of_loaded(i);
-  for (const Floor& floor : s.controls.floors) {
-    if (s.large_motion) of_large_motion(floor.large_motion);
-    of_bodies(floor.bodies);
-    for (const int i : floor.loaded) of_loaded(i);
-  }
+  for (const WatchedBlocks& floor : s.controls.floors) of_watched(floor);
 }
 
 // Keys of sides by rank: those that are sent to it, and those that are received from it.

@@ -14,6 +14,7 @@
 #include "step/measure.h"
 #include "step/stages.h"
 #include "step/state.h"
+#include "step/watched_motion.h"
 
 namespace quoin {
 
@@ -116,26 +117,23 @@ double velocity_in_cycles(const Simulation::Impl& s, double initial_velocity) {
 
 // Also finds deformable blocks, in stages with ground motion.
 void find_monitor(Simulation::Impl& s, const Stage& settings) {
-  const std::vector<int> found = s.model.bodies_named(settings.monitor);
-  std::vector<int> loaded;
-  for (std::size_t i = 0; i < s.controls.loaded_blocks.size() && settings.ground && found.empty(); ++i) {
-    if (s.model.assembly.bricks[static_cast<std::size_t>(s.controls.loaded_blocks[i].block)].body == settings.monitor)
-      loaded.push_back(static_cast<int>(i));
-  }
-  if (!settings.monitor.empty() && found.empty() && loaded.empty()) {
+  WatchedBlocks found;
+  add_named(s, settings.monitor, found);
+  if (!settings.ground || !found.bodies.empty()) found.loaded.clear();
+  if (!settings.monitor.empty() && found.empty()) {
     throw Error(Exit::bad_input,
                 fmt::format("{}: stage '{}' monitors the body '{}', but the assembly has no rigid block of that "
                             "name",
                             settings.source.text, settings.name, settings.monitor));
   }
-  if (settings.displacement && found.empty() && loaded.empty()) {
+  if (settings.displacement && found.empty()) {
     throw Error(Exit::bad_input, fmt::format("{}: stage '{}' ends by displacement but has no monitor body",
                                              settings.source.text, settings.name));
   }
-  s.monitor.bodies = found, s.monitor.loaded = std::move(loaded);
+  s.monitor.blocks = std::move(found);
   s.monitor.points.clear();
-  std::vector<char> watched(s.monitor.loaded.empty() ? 0 : s.model.assembly.bricks.size(), 0);
-  for (const int i : s.monitor.loaded)
+  std::vector<char> watched(s.monitor.blocks.loaded.empty() ? 0 : s.model.assembly.bricks.size(), 0);
+  for (const int i : s.monitor.blocks.loaded)
     watched[static_cast<std::size_t>(s.controls.loaded_blocks[static_cast<std::size_t>(i)].block)] = 1;
   for (std::int32_t p = 0; !watched.empty() && p < s.model.point_count; ++p) {
     const Model::Sides sides = s.model.sides_of(p);
@@ -174,11 +172,7 @@ void control_bodies(Simulation::Impl& s, const Stage& settings, const Stage* pre
     s.controls.load_ramps[i].from = s.controls.load_ramps[i].now;
     s.controls.load_ramps[i].to = control != settings.controls.end() ? control->force : Vec3{};
   }
-  s.monitor.start = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::displacement);
-  for (const int i : s.monitor.loaded) {
-    const Vec3 moved = displacement_of_loaded(s, i);
-    for (std::size_t c = 0; c < 3; ++c) s.monitor.start[c] += moved[c] / static_cast<double>(s.monitor.loaded.size());
-  }
+  s.monitor.start = displacement_now(s, s.monitor.blocks);
 }
 
 void bind_controls(Simulation::Impl& s) {

@@ -21,6 +21,7 @@
 #include "step/run_watch.h"
 #include "step/state.h"
 #include "step/supports.h"
+#include "step/watched_motion.h"
 #include "step/work_division.h"
 
 namespace quoin {
@@ -103,7 +104,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
 }
 
 std::vector<int> followed_blocks(const Simulation::Impl& s) {
-  std::vector<int> followed = s.monitor.blocks;
+  std::vector<int> followed = s.monitor.blocks.large_motion;
   bool on_ground = false;  // whether a block that moves with the ground is included: one stands for all
   for (const Drive& drive : s.actions.drives) {
     if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
@@ -111,7 +112,7 @@ std::vector<int> followed_blocks(const Simulation::Impl& s) {
   }
   for (const blocks::Load& given : s.large_motion->actions.loads) followed.push_back(given.block);
   for (const blocks::Pressure& given : s.large_motion->actions.pressures) followed.push_back(given.block);
-  for (const Floor& floor : s.controls.floors)
+  for (const WatchedBlocks& floor : s.controls.floors)
     followed.insert(followed.end(), floor.large_motion.begin(), floor.large_motion.end());
   return followed;
 }
@@ -145,9 +146,9 @@ std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name
 
 void watch_blocks(Simulation::Impl& s, const Stage& settings) {
   const std::string& watched = watched_block(s, settings);
-  s.monitor.blocks.clear();
-  if (!watched.empty()) s.monitor.blocks = blocks_named(s, watched, settings.source.text);
-  s.monitor.stands_below = stands_below(s, s.monitor.blocks);
+  s.monitor.blocks = {};
+  if (!watched.empty()) s.monitor.blocks.large_motion = blocks_named(s, watched, settings.source.text);
+  s.monitor.stands_below = stands_below(s, s.monitor.blocks.large_motion);
 }
 
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
@@ -158,7 +159,7 @@ void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const 
   if (settings.solver) m.set_solver(*settings.solver);
   follow_time_step(s);
   watch_blocks(s, settings);
-  s.monitor.start = block_translation(s, s.monitor.blocks);
+  s.monitor.start = displacement_now(s, s.monitor.blocks);
 }
 
 void swap_law_in_large_motion(Simulation::Impl& s, std::size_t index, std::shared_ptr<const Material> material) {

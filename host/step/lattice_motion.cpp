@@ -19,23 +19,6 @@ Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
 
 }  // namespace
 
-Vec3 mean_of_loaded(const Simulation::Impl& s, int index, const LaneVector<double>& field) {
-  const LoadedBlock& block = s.controls.loaded_blocks[static_cast<std::size_t>(index)];
-  Vec3 sum{};
-  s.model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) {
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += mass * field[offset + c * kLanes];
-  });
-  for (double& component : sum) component /= block.mass;
-  return sum;
-}
-
-Vec3 displacement_of_loaded(const Simulation::Impl& s, int index) {
-  Vec3 moved = mean_of_loaded(s, index, s.lattice.displacement);
-  const Vec3 rate = mean_of_loaded(s, index, s.lattice.velocity);
-  for (std::size_t c = 0; c < 3; ++c) moved[c] -= s.data.time_step * rate[c];
-  return moved;
-}
-
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index) {
   const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
   const auto n = static_cast<std::size_t>(chunk.axis);

@@ -8,10 +8,6 @@
 
 namespace quoin {
 
-// Mean of a field over a loaded block, by the mass of gridpoints. index: into Controls::loaded_blocks.
-Vec3 mean_of_loaded(const Simulation::Impl& s, int index, const LaneVector<double>& field);
-// Mean displacement of a loaded block at the time of the last forces, m.
-Vec3 displacement_of_loaded(const Simulation::Impl& s, int index);
 // Sum of the forces of a chunk's points on the deformable blocks of the monitor, N.
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index);
 // Translation + rotation x arm of a rigid body, at a position in the reference configuration.

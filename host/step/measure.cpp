@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "model/world_results.h"
 #include "step/actions/ground.h"
-#include "step/actions/whiffletree.h"
 #include "step/columns/columns.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
@@ -20,6 +19,7 @@
 #include "step/run_watch.h"
 #include "step/stages.h"
 #include "step/state.h"
+#include "step/watched_motion.h"
 
 namespace quoin {
 
@@ -27,7 +27,7 @@ namespace {
 
 // In stages of a building rows have the displacement of the roof, and the force that the walls carry to the ground.
 void show_roof(const Simulation::Impl& s, std::size_t direction, HistoryRow& row) {
-  row.monitor_displacement = row.monitor_relative = floor_displacement(s, s.controls.floors.back());
+  row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, s.controls.floors.back());
   for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = row.joint_force[direction];
@@ -41,9 +41,9 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.dynamic_force = whole * s.large_motion->step_sums.net[static_cast<int>(direction)];
   measure_base(s, row);
   if (s.monitor.blocks.empty()) return;
-  row.monitor_displacement = row.monitor_relative = block_translation_at_forces(s, s.monitor.blocks);
+  row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, s.monitor.blocks);
   for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
-  for (const int block : s.monitor.blocks) {
+  for (const int block : s.monitor.blocks.large_motion) {
     const Vec3 joints = geometry::array(s.large_motion->step_sums.contact_force[block]);
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += whole * joints[c];
   }
@@ -56,10 +56,10 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
 // Numbers of the monitor on the lattice.
 void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
   // Forces are those of the last evaluation of the laws. The displacement is that of the same time.
-  const Vec3 moved = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::displacement),
-             velocity_now = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::velocity);
+  row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, s.monitor.blocks);
+  for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   MonitorSide side;
-  for (const int b : s.monitor.bodies) {
+  for (const int b : s.monitor.blocks.bodies) {
     const Vec3 joints = joint_force(s, b);
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += s.model.assembly.symmetry_factor * joints[c];
     const RigidBody& body = s.model.bodies[static_cast<std::size_t>(b)];
@@ -68,22 +68,16 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
     for (const Vec3& arm : body.arm) side.add(body.centre[1] + arm[1] - middle);
   }
   const auto direction = static_cast<std::size_t>(current_stage(s).direction);
-  for (std::size_t c = 0; c < 3; ++c) row.monitor_displacement[c] = moved[c] - s.data.time_step * velocity_now[c];
-  for (const int i : s.monitor.loaded) {
-    const Vec3 of_block = displacement_of_loaded(s, i);
+  for (const int i : s.monitor.blocks.loaded) {
     const Brick& brick =
         s.model.assembly.bricks[static_cast<std::size_t>(s.controls.loaded_blocks[static_cast<std::size_t>(i)].block)];
-    for (std::size_t c = 0; c < 3; ++c)
-      row.monitor_displacement[c] += of_block[c] / static_cast<double>(s.monitor.loaded.size());
     for (const StageMonitor::Point& at : s.monitor.points)
       side.add(s.model.point_position[static_cast<std::size_t>(at.point)][1] - brick.origin[1] - 0.5 * brick.size[1]);
   }
-  for (std::size_t chunk = 0; chunk < s.contacts.calls.size() && !s.monitor.loaded.empty(); ++chunk) {
+  for (std::size_t chunk = 0; chunk < s.contacts.calls.size() && !s.monitor.blocks.loaded.empty(); ++chunk) {
     const Vec3 joints = has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.sums[chunk].on_monitor;
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += s.model.assembly.symmetry_factor * joints[c];
   }
-  for (std::size_t c = 0; c < 3; ++c)
-    row.monitor_relative[c] = row.monitor_displacement[c] - row.ground_displacement[c];
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = -row.joint_force[direction];
   if (!s.controls.floors.empty()) show_roof(s, direction, row);
@@ -172,7 +166,7 @@ HistoryRow measure_row(const Simulation::Impl& s) {
                                 [](const Stage& stage) { return !beyond_lattice(stage).empty(); });
   if (s.scene.blocks || acts) row.largest_displacement = largest_displacement(s);
   if (acts) measure_base(s, row);
-  if (!s.monitor.bodies.empty() || !s.monitor.loaded.empty()) measure_monitor(s, row);
+  if (!s.monitor.blocks.empty()) measure_monitor(s, row);
   return row;
 }
 

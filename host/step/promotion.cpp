@@ -344,7 +344,7 @@ void return_to_lattice(Simulation::Impl& s) {
   std::vector<std::shared_ptr<const Material>> materials;
   for (const ContactFamily& family : s.model.families) materials.push_back(family.material);
   s.large_motion.reset(), s.reactions.restrained_blocks.clear();
-  s.actions.drives.clear(), s.monitor.blocks.clear();
+  s.actions.drives.clear(), s.monitor.blocks = {};
   take_bricks(s, std::move(*s.left), materials);
   s.left.reset();
   find_restraints(s);

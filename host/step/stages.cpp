@@ -14,13 +14,13 @@
 #include "step/controls.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
-#include "step/lattice_motion.h"
 #include "step/lattice_swap.h"
 #include "step/law_swap.h"
 #include "step/measure.h"
 #include "step/promotion.h"
 #include "step/set_up.h"
 #include "step/state.h"
+#include "step/watched_motion.h"
 #include "step/work_division.h"
 
 namespace quoin {
@@ -45,10 +45,12 @@ long chosen_record_interval(const Simulation::Impl& s) {
     double speed = 0.0;
     if (settings.whiffletree)
       speed = std::abs(settings.whiffletree->velocity);
-    else if (!s.monitor.bodies.empty())
-      speed = std::abs(s.controls.ramps[static_cast<std::size_t>(s.monitor.bodies.front())].velocity_to[direction]);
+    else if (!s.monitor.blocks.bodies.empty())
+      speed =
+          std::abs(s.controls.ramps[static_cast<std::size_t>(s.monitor.blocks.bodies.front())].velocity_to[direction]);
     for (const Drive& drive : s.actions.drives) {
-      if (!settings.whiffletree && !s.monitor.blocks.empty() && drive.block == s.monitor.blocks.front())
+      if (!settings.whiffletree && !s.monitor.blocks.large_motion.empty() &&
+          drive.block == s.monitor.blocks.large_motion.front())
         speed = std::abs(drive.velocity_to[settings.direction]);
     }
     if (speed > 0.0)
@@ -60,18 +62,6 @@ long chosen_record_interval(const Simulation::Impl& s) {
   const long rows =
       s.controls.cycles ? std::max(kDefaultRows, kHalfCycleRows * s.controls.cycles->half_cycles()) : kDefaultRows;
   return std::max(1L, std::lround(steps / static_cast<double>(rows)));
-}
-
-// Displacement of the roof, else of the monitor, m.
-Vec3 watched_displacement(const Simulation::Impl& s) {
-  if (!s.controls.floors.empty()) return floor_displacement_now(s, s.controls.floors.back());
-  if (s.large_motion) return block_translation(s, s.monitor.blocks);
-  Vec3 moved = s.lattice.mean_of(s.monitor.bodies, &BodyLanes::displacement);
-  for (const int i : s.monitor.loaded) {
-    const Vec3 of_block = displacement_of_loaded(s, i);
-    for (std::size_t c = 0; c < 3; ++c) moved[c] += of_block[c] / static_cast<double>(s.monitor.loaded.size());
-  }
-  return moved;
 }
 
 }  // namespace
@@ -130,8 +120,8 @@ void begin_stage(Simulation::Impl& s, int index) {
   choose_damping(s);
   // The whiffletree starts without force: from the mean displacement of the floors.
   if (!s.controls.floors.empty()) s.monitor.start = {};
-  for (const Floor& floor : s.controls.floors) {
-    const Vec3 moved = floor_displacement(s, floor);
+  for (const WatchedBlocks& floor : s.controls.floors) {
+    const Vec3 moved = displacement_at_forces(s, floor);
     for (std::size_t c = 0; c < 3; ++c) s.monitor.start[c] += moved[c] / static_cast<double>(s.controls.floors.size());
   }
   s.progress.calm_checks = 0;
@@ -180,7 +170,9 @@ double stage_fraction(const Simulation::Impl& s) {
   }
   if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    fraction = std::max(fraction, std::abs(watched_displacement(s)[c] - s.monitor.start[c]) / *settings.displacement);
+    const WatchedBlocks& watched = s.controls.floors.empty() ? s.monitor.blocks : s.controls.floors.back();
+    fraction =
+        std::max(fraction, std::abs(displacement_now(s, watched)[c] - s.monitor.start[c]) / *settings.displacement);
   }
   return fraction;
 }

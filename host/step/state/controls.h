@@ -8,6 +8,7 @@
 
 #include "model/model.h"
 #include "scene/cyclic_motion.h"
+#include "step/state/watched_blocks.h"
 
 namespace quoin {
 
@@ -29,13 +30,6 @@ struct LoadedBlock {
 // Force on a loaded block through a stage: before the stage, at the end of the ramp, in this step.
 struct LoadRamp {
   Vec3 from{}, to{}, now{};  // N
-};
-
-// A floor of a building.
-struct Floor {
-  std::vector<int> bodies, loaded;  // loaded: indices into Controls::loaded_blocks
-  std::vector<int> large_motion;    // blocks of the floor in large motion; bodies and loaded are then empty
-  double count() const { return static_cast<double>(bodies.size() + loaded.size() + large_motion.size()); }
 };
 
 struct Controls {

@@ -28,7 +28,6 @@ struct LatticeState {
     return bodies[static_cast<std::size_t>(place[static_cast<std::size_t>(body)].first)];
   }
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
-  Vec3 mean_of(const std::vector<int>& some, BodyLanes::Quantity BodyLanes::*quantity) const;  // mean over bodies
 };
 
 }  // namespace quoin

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scene/assembly.h"
+#include "step/state/watched_blocks.h"
 
 namespace quoin {
 
@@ -16,10 +17,8 @@ struct StageMonitor {
   };
 
   Vec3 start{};               // displacement at the beginning of the stage, m
-  std::vector<int> bodies;    // bodies on the lattice
-  std::vector<int> loaded;    // deformable blocks on the lattice: indices into Controls::loaded_blocks
-  std::vector<Point> points;  // contact points of `loaded`, in ascending order
-  std::vector<int> blocks;    // blocks in large motion
+  WatchedBlocks blocks;       // that it is
+  std::vector<Point> points;  // contact points of its deformable blocks on the lattice, in ascending order
   bool stands_below = false;  // whether blocks lie below their neighbours at the beginning of the stage
 };
 

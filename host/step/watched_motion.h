@@ -1,0 +1,15 @@
+// Mean motion of watched blocks, on the lattice and in large motion.
+#pragma once
+
+#include "step/state.h"
+
+namespace quoin {
+
+// Adds bodies and deformable blocks of a name on the lattice. Returns whether there are any.
+bool add_named(const Simulation::Impl& s, const std::string& name, WatchedBlocks& to);
+// Mean displacement of the blocks, m: current, and at the time of the last forces, one step before. That of a
+// deformable block is its mean by mass.
+Vec3 displacement_now(const Simulation::Impl& s, const WatchedBlocks& blocks);
+Vec3 displacement_at_forces(const Simulation::Impl& s, const WatchedBlocks& blocks);
+
+}  // namespace quoin
