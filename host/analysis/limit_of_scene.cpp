@@ -16,6 +16,7 @@
 #include "members/linear.h"
 #include "members/members.h"
 #include "scene/from_bricks.h"
+#include "scene/generate_blocks.h"
 #include "scene/load_place.h"
 #include "step/findings.h"
 #include "step/large_motion.h"
@@ -37,20 +38,21 @@ const Stage& moving_stage(const Scene& scene) {
 }
 
 // Gravity and direction of the first collapse stage, or gravity of the stage with the moving load. Else gravity of the
-// first stage that has some.
-void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
+// first stage that has some. Returns the stage with this gravity, whose loads are constant.
+const Stage& find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
+  const Stage* loaded = nullptr;
   for (const Stage& stage : scene.stages) {
-    if (norm(geometry::vector(stage.gravity)) > 0.0 && (stage.collapse || norm(limit->gravity) == 0.0))
-      limit->gravity = geometry::vector(stage.gravity);
+    const bool weighs = stage.gravity != Vec3{};
+    if (weighs && (stage.collapse || !loaded)) loaded = &stage;
     if (!stage.collapse) continue;
     limit->direction = geometry::vector(stage.collapse->direction);
     break;
   }
-  if (options.moving && moving_stage(scene).gravity != Vec3{})
-    limit->gravity = geometry::vector(moving_stage(scene).gravity);
-  if (norm(limit->gravity) == 0.0)
+  if (options.moving && moving_stage(scene).gravity != Vec3{}) loaded = &moving_stage(scene);
+  if (!loaded)
     throw Error(Exit::bad_input,
                 fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0]", scene.file));
+  limit->gravity = geometry::vector(loaded->gravity);
   if (!options.direction.empty())
     limit->direction = Vector{options.direction[0], options.direction[1], options.direction[2]};
   if (limit->direction && !(norm(*limit->direction) > 0.0 && std::isfinite(norm(*limit->direction))))
@@ -63,6 +65,41 @@ void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* lim
                 fmt::format("{}: a multiplier is given and no direction: no collapse stage says in which direction the "
                             "load acts; give --direction X Y Z",
                             scene.file));
+  return *loaded;
+}
+
+// Forces, pressures and loads of bodies of a stage, which are constant.
+void add_constant_loads(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
+  for (const PointForce& force : stage.forces) {
+    const Vector at = geometry::vector(force.point);
+    limit->loads.push_back(
+        {blocks::block_at(assembly, force.block, at, stage.source.text), at, geometry::vector(force.force)});
+  }
+  for (const FacePressure& pressure : stage.pressures) {
+    for (const blocks::BlockFace& pressed :
+         blocks::outer_faces(assembly, pressure.block, geometry::vector(pressure.normal), stage.source.text)) {
+      const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(pressed.block)];
+      const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
+      const std::vector<int>& corners = shape.faces[static_cast<std::size_t>(pressed.face)];
+      const auto corner = [&](std::size_t i) {
+        return block.position + matrix(block.orientation) * shape.vertices[static_cast<std::size_t>(corners[i])];
+      };
+      for (std::size_t i = 1; i + 1 < corners.size(); ++i) {  // a fan of triangles
+        const Vector area = 0.5 * cross(corner(i) - corner(0), corner(i + 1) - corner(0));
+        limit->loads.push_back(
+            {pressed.block, (corner(0) + corner(i) + corner(i + 1)) / 3.0, -pressure.pressure * area});
+      }
+    }
+  }
+  for (const BodyControl& control : stage.controls) {
+    Vector force;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (control.kind[c] != DofKind::velocity) force[static_cast<int>(c)] = control.force[c];
+    }
+    if (norm(force) == 0.0) continue;
+    for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text))
+      limit->loads.push_back({block, limit->problem.blocks[static_cast<std::size_t>(block)].centre, force});
+  }
 }
 
 // Brittle strength of a joint family, from its law's properties; 0, or no crushing, where the law has no such property.
@@ -247,7 +284,7 @@ std::vector<Wrench> pull_of(const SceneLimit& limit, const Vector& acceleration)
 
 // Assembles the problem: rigid blocks, and a force at each contact point. Weights follow from the outlines of the
 // blocks.
-void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
+void assemble(const Simulation& simulation, double given, const Stage& loaded, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
   const blocks::Model* const shapes = simulation.large_motion();
   for (int i = 0; i < static_cast<int>(simulation.block_count()); ++i) {
@@ -293,6 +330,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
   }
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
+  add_constant_loads(loaded, shapes ? shapes->assembly : blocks::from_bricks(simulation.assembly()), limit);
   const std::vector<Wrench> dead = pull_of(*limit, limit->gravity);
   const std::vector<Wrench> live =
       pull_of(*limit, limit->direction ? norm(limit->gravity) * *limit->direction : Vector{});
@@ -440,8 +478,8 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
                                              "--given out",
                                              file));
   SceneLimit limit;
-  find_loads(simulation.scene(), options, &limit);
-  assemble(simulation, options.given, &limit);
+  const Stage& loaded = find_loads(simulation.scene(), options, &limit);
+  assemble(simulation, options.given, loaded, &limit);
   require_supports(file, limit);
   limit.stands = stands(limit.problem, options.settings, options.friction);
   // If normal forces alone carry all loads, they do so without dilation too.
