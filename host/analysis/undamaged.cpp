@@ -406,6 +406,7 @@ SceneBlocks blocks_of(const Scene& scene) {
     choose_rigid_points(scene, &blocks.assembly.families);
   } else {
     Assembly bricks = assemble(scene);
+    stand_on_ground(scene, bricks);
     choose_rigid_points(scene, &bricks.families);
     blocks = {blocks::from_bricks(bricks), bricks.symmetry_factor};
   }

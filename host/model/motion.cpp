@@ -53,37 +53,45 @@ std::string why_free_from_start(const Scene& scene) {
   return first.empty() ? "" : fmt::format("stage '{}' {}", scene.stages.front().name, first);
 }
 
-// A wall of half thickness cannot move across its plane of symmetry.
-void refuse_motion_across_symmetry(const Scene& scene) {
-  if (!scene.wall || !scene.wall->half_thickness) return;
-  const auto across = [](const GroundMotion& ground) {
-    return std::any_of(ground.components.begin(), ground.components.end(),
-                       [](const GroundMotion::Component& c) { return c.direction[2] != 0.0; });
+// What of a stage acts along z, as messages have it; null: nothing does.
+const char* acts_along_z(const Stage& stage) {
+  const auto moves = [](const GroundMotion& ground) {
+    return std::ranges::any_of(ground.components, [](const auto& c) { return c.direction[2] != 0.0; });
   };
+  if (stage.ground && (moves(*stage.ground) || std::ranges::any_of(stage.ground->supports, moves)))
+    return "moves the ground";
+  if (stage.collapse && stage.collapse->direction[2] != 0.0) return "pushes to collapse";
+  if (std::ranges::any_of(stage.forces, [](const PointForce& f) { return f.force[2] != 0.0; })) return "has a force";
+  if (stage.moving_load && stage.moving_load->force[2] != 0.0) return "has a moving load";
+  if (std::ranges::any_of(stage.pressures, [](const FacePressure& p) { return p.normal[2] != 0.0; }))
+    return "has a pressure";
+  return nullptr;
+}
+
+// A wall of half thickness cannot move across its plane of symmetry.
+void refuse_loads_across_symmetry(const Scene& scene) {
+  if (!scene.wall || !scene.wall->half_thickness) return;
   for (const Stage& stage : scene.stages) {
-    if (!stage.ground) continue;
-    if (across(*stage.ground) || std::any_of(stage.ground->supports.begin(), stage.ground->supports.end(), across))
+    if (const char* const acts = acts_along_z(stage))
       throw Error(Exit::bad_input,
-                  fmt::format("{}: stage '{}' moves the ground along z, across the plane of symmetry of a wall with "
-                              "half_thickness = true; make that false",
-                              stage.source.text, stage.name));
+                  fmt::format("{}: stage '{}' {} along z, across the plane of symmetry of a wall with half_thickness = "
+                              "true; make that false",
+                              stage.source.text, stage.name, acts));
   }
 }
 
 // Prepares a scene whose stages the lattice does not all have. A run changes to large motion when the first such stage
-// begins. The bottom beam, or else the bottom course, is then fixed to the ground.
+// begins.
 void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
-  refuse_motion_across_symmetry(scene);
+  refuse_loads_across_symmetry(scene);
   const Stage* beyond = nullptr;
   std::string why;
   for (std::size_t i = 0; i < scene.stages.size() && !beyond; ++i) {
     why = leaves_lattice(scene, i);
     if (!why.empty()) beyond = &scene.stages[i];
   }
-  const bool acts =
-      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return !beyond_lattice(s).empty(); });
   const char* const carried = what_is_carried(scene);
-  if (!acts && !carried) return;
+  if (!stands_on_ground(scene) && !carried) return;
   const SolverSettings& s = scene.solver;
   const char* const against = s.kernels == Kernels::lattice          ? "kernels = \"lattice\""
                               : s.large_motion == LargeMotion::never ? "large_motion = \"never\""
@@ -96,10 +104,8 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
                             beyond ? fmt::format("{}: stage '{}' {}", beyond->source.text, beyond->name, why)
                                    : fmt::format("{}: the scene has {}", scene.file, carried),
                             against));
-  if (!acts) return;
-  const auto stands_on = [&](const Brick& brick) { return brick.body.starts_with("bottom_beam"); };
-  const bool on_beam = std::any_of(bricks.bricks.begin(), bricks.bricks.end(), stands_on);
-  for (Brick& brick : bricks.bricks) brick.fixed = on_beam ? stands_on(brick) : brick.body == "bottom_course";
+  if (!stands_on_ground(scene)) return;
+  stand_on_ground(scene, bricks);
   check_stages(scene, blocks::from_bricks(bricks));
 }
 
@@ -161,6 +167,10 @@ Motion choose_motion(Scene scene) {
   if (found && kernels != Kernels::general) return {std::move(found->scene), std::move(found->bricks), {}, {}};
   if (found) why_not = "solver.kernels = \"general\"";
   refuse_settings_of_the_lattice(scene, shapes, why_not);
+  if (scene.solver.large_motion == LargeMotion::never && !scene.solver.motion_bound.stop)
+    refuse(scene, fmt::format("solver.past_motion_bound = \"warn\" is of the lattice, where these blocks do not move: "
+                              "{}; past the bound they move in large motion; leave out large_motion = \"never\"",
+                              why_not));
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.why_not_lattice = why_not;
   return motion;

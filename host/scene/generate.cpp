@@ -243,4 +243,16 @@ Assembly assemble(const Scene& scene) {
   return assembly;
 }
 
+bool stands_on_ground(const Scene& scene) {
+  return scene.had_actions ||
+         std::ranges::any_of(scene.stages, [](const Stage& s) { return !beyond_lattice(s).empty(); });
+}
+
+void stand_on_ground(const Scene& scene, Assembly& bricks) {
+  if (!stands_on_ground(scene)) return;
+  const auto is_beam = [](const Brick& brick) { return brick.body.starts_with("bottom_beam"); };
+  const bool on_beam = std::ranges::any_of(bricks.bricks, is_beam);
+  for (Brick& brick : bricks.bricks) brick.fixed = on_beam ? is_beam(brick) : brick.body == "bottom_course";
+}
+
 }  // namespace quoin

@@ -19,6 +19,12 @@ Assembly generate_building(const BuildingSpec& building, const std::map<std::str
 // Assembly of the scene's wall or building.
 Assembly assemble(const Scene& scene);
 
+// Whether the bottom beams of a wall or building, or else its bottom course, are the ground: where a stage acts on
+// blocks.
+bool stands_on_ground(const Scene& scene);
+// Fixes them, in such scenes alone.
+void stand_on_ground(const Scene& scene, Assembly& bricks);
+
 // Gross area of a bed joint, m2, over the whole thickness.
 double bed_area(const WallSpec& wall);
 // Gross area of the bed joint of all walls and corners of a building, m2.

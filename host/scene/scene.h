@@ -475,6 +475,7 @@ struct Scene {
   std::vector<Damage> damage;
   std::string start;  // folder of the run whose end state is the initial state; empty: at rest
   std::vector<Stage> stages;
+  bool had_actions = false;  // whether stages of the file have actions on blocks that at_rest() has left out
   OutputSettings output;
 
   // Settings of a stage; for an index past the last stage, those of the last one.

@@ -65,8 +65,7 @@ void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, con
     return !c.body.empty() && c.body == s.model.bodies[b].name;
   });
   const bool controlled = control != settings.controls.end(), was_ground = s.controls.ramps[b].of_ground != 0;
-  const bool ground = !controlled && (settings.ground || was_ground) &&
-                      s.model.assembly.bricks[static_cast<std::size_t>(s.model.bodies[b].block)].fixed;
+  const bool ground = !controlled && s.model.assembly.bricks[static_cast<std::size_t>(s.model.bodies[b].block)].fixed;
   const Vec3 goes_on = was_ground ? left_over_velocity(s, previous, static_cast<int>(b)) : left_over;
   s.controls.ramps[b].of_ground = ground ? 7 : 0;
   s.controls.ramps[b].motion = ground && settings.ground ? motion : ground ? s.controls.ramps[b].motion : 0;

@@ -34,10 +34,8 @@ std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settin
       const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
         return brick.rigid && !c.body.empty() && c.body == brick.body;
       });
-      // Fixed bricks are the ground where the stage has actions beyond the lattice.
-      const bool ground = brick.fixed && !beyond_lattice(settings).empty();
       held.push_back(control != settings.controls.end() ? imposed_by(*control)
-                     : ground                           ? std::uint8_t{7}
+                     : brick.fixed                      ? std::uint8_t{7}
                                                         : std::uint8_t{0});
     }
     return held;
@@ -141,11 +139,12 @@ void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
   double of_supports = 0.0, farthest = 0.0;
   int falling = -1;
   for (std::size_t i = 0; i < s.small_motion.held_blocks.size(); ++i) {
-    double& largest = s.small_motion.held_blocks[i] != 0 ? of_supports : farthest;
+    const bool supports = s.small_motion.held_blocks[i] == 7;  // a beam that is held along the wall may fall, too
+    double& largest = supports ? of_supports : farthest;
     const double way = way_of(i);
     if (way <= largest) continue;
     largest = way;
-    if (s.small_motion.held_blocks[i] == 0) falling = static_cast<int>(i);
+    if (!supports) falling = static_cast<int>(i);
   }
   if (falling < 0 || farthest <= of_supports + s.small_motion.extent) return;
   const std::string what =
