@@ -166,9 +166,11 @@ void Beam::pull_support(Support& s, std::vector<Node>& nodes, double dt) {
 }
 
 void Beam::advance(const Surroundings& step) {
+  unbalanced_ = 0.0;
   for (std::size_t k = 0; k < x_.size(); ++k) {
     const double mass = step.mass_scaling * mass_[k];
     const Vector weight = mass_[k] * step.gravity, force = force_[k] + weight, before = v_[k];
+    unbalanced_ = std::max(unbalanced_, norm(force));
     Vector turned;
     for (int c = 0; c < 3; ++c) {
       dissipated_ += brake(step, mass, force[c], step.ground_velocity[c], v_[k][c]);

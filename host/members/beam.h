@@ -62,9 +62,10 @@ class Beam {
   double stored() const { return stored_; }
   double dissipated() const { return dissipated_; }
   double outside() const { return outside_; }
-  double largest_force() const;   // largest magnitude, N
-  double largest_moment() const;  // N m
-  double largest_hinge() const;   // rad
+  double unbalanced() const { return unbalanced_; }  // largest force on a node in the last step, N
+  double largest_force() const;                      // largest magnitude, N
+  double largest_moment() const;                     // N m
+  double largest_hinge() const;                      // rad
 
   template <class Visit>
   void each_number(const Visit& visit) const {
@@ -98,6 +99,7 @@ class Beam {
   std::vector<double> row_;             // row sums of the stiffness at each node, N/m
   std::vector<Vector> force_, moment_;
   double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
+  double unbalanced_ = 0.0;  // N
 };
 
 }  // namespace quoin::members

@@ -162,12 +162,14 @@ void Floor::advance(const Surroundings& step) {
   const InPlane ground{geometry::dot(step.ground_velocity, grid_.along),
                        geometry::dot(step.ground_velocity, grid_.across)};
   const double dt = step.dt;
+  unbalanced_ = 0.0;
   for (std::size_t k = 0; k < start_.size(); ++k) {
     const double mass = membrane_.mass * share_of(static_cast<int>(k)), inertia = step.mass_scaling * mass;
     const InPlane inner = turned(force_[k], cosine_, sine_);
     const auto go = [&](double InPlane::*c) {
       double& v = velocity_[k].*c;
       const double weight = mass * gravity.*c, before = v, force = inner.*c + weight;
+      unbalanced_ = std::max(unbalanced_, std::abs(force));
       const double motion = brake(step, inertia, force, ground.*c, v);
       dissipated_ += motion;
       outside_ += weight * 0.5 * (before + v) * dt;

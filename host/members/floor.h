@@ -80,12 +80,13 @@ class Floor {
   double stored() const { return stored_; }  // energy stored in panels, connectors and motion of nodes, J
   double dissipated() const { return dissipated_; }
   double outside() const { return outside_; }
-  double largest_shear() const;      // N/m
-  double largest_anchor() const;     // N/m
-  double pulled_out_length() const;  // length of edge with pulled-out anchors, m
-  double plastic_shear() const;      // largest plastic shear strain
-  double largest_drawn() const;      // largest plastic opening of its anchors, m
-  double largest_slid() const;       // largest slip of its connectors along their edges, m
+  double unbalanced() const { return unbalanced_; }  // largest force on a node in the last step, N
+  double largest_shear() const;                      // N/m
+  double largest_anchor() const;                     // N/m
+  double pulled_out_length() const;                  // length of edge with pulled-out anchors, m
+  double plastic_shear() const;                      // largest plastic shear strain
+  double largest_drawn() const;                      // largest plastic opening of its anchors, m
+  double largest_slid() const;                       // largest slip of its connectors along their edges, m
 
   // A panel between four nodes, for drawings.
   struct Panel {
@@ -130,7 +131,8 @@ class Floor {
   std::vector<double> shear_flow_;         // shear flow by panel, N/m
   std::vector<double> lift_then_;          // displacement of blocks along the normal at connectors, a step ago, m
   double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
-  double weight_ = 0.0;  // current weight along the normal, N/m2
+  double unbalanced_ = 0.0;  // N
+  double weight_ = 0.0;      // current weight along the normal, N/m2
   std::uint8_t begun_ = 0;
   // Temporary numbers of a step: rotation of the floor in its plane; displacements and forces in the frame that turns
   // with it.

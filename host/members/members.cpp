@@ -114,6 +114,13 @@ void Members::pull(const Surroundings& step) {
   pull_fills();
 }
 
+double Members::unbalanced() const {
+  double largest = 0.0;
+  for (const Floor& floor : floors_) largest = std::max(largest, floor.unbalanced());
+  for (const Beam& beam : beams_) largest = std::max(largest, beam.unbalanced());
+  return largest;
+}
+
 Work Members::work() const {
   Work sum;
   for (const Tie& tie : ties_) {

@@ -118,10 +118,12 @@ class Members {
   const std::vector<Dowel>& dowels() const { return dowels_; }
   const std::vector<Fill>& fills() const { return fills_; }
   const std::vector<FillPoint>& fill_points() const { return fill_points_; }
-  Vector force_of(const Bed& bed) const;         // force on its blocks, N
-  Vector force_of(const Fill& fill) const;       // force on its blocks, N
-  Vector start_of(const Tie::Stop& stop) const;  // position at the start, m
-  Vector place_of(const Tie::Stop& stop) const;  // current position, m
+  Vector force_of(const Bed& bed) const;            // force on its blocks, N
+  const Vector& ground() const { return ground_; }  // displacement of the ground below springs since the start, m
+  double unbalanced() const;                        // largest force on nodes of beams and floors in the last step, N
+  Vector force_of(const Fill& fill) const;          // force on its blocks, N
+  Vector start_of(const Tie::Stop& stop) const;     // position at the start, m
+  Vector place_of(const Tie::Stop& stop) const;     // current position, m
   // Visits pairs of blocks that members connect: visit(a, b).
   template <class Visit>
   void each_joint(const Visit& visit) const {

@@ -186,9 +186,13 @@ double kinetic_energy_of(const World& w, int block) {
 double unbalanced_ratio(const World& w) {
   double forces = 0.0;
   for (const Chunk& chunk : w.chunks.all) forces += w.part.ranks ? chunk.force_sum : force_sum_of(w, chunk);
-  if (w.step_sums.unbalanced == 0.0) return 0.0;
-  return forces > 0 ? w.step_sums.unbalanced * double(w.point_count()) / forces
-                    : std::numeric_limits<double>::infinity();
+  double unbalanced = w.step_sums.unbalanced, count = double(w.point_count());
+  if (const members::Members* const members = w.held_by.members.get()) {
+    if (!(members->unbalanced() <= unbalanced)) unbalanced = members->unbalanced();
+    for (const members::Node& node : members->nodes()) forces += norm(node.force), count += 1.0;
+  }
+  if (unbalanced == 0.0) return 0.0;
+  return forces > 0 ? unbalanced * count / forces : std::numeric_limits<double>::infinity();
 }
 
 double force_sum_of(const World& w, const Chunk& chunk) {

@@ -145,7 +145,7 @@ MonitorFile::Motion MonitorFile::motion_of(const MonitorPlace& place) const {
   return mean;
 }
 
-// The velocity is that of a fixed block with the ground's displacement.
+// The velocity is that of a fixed block with the ground's displacement; without one, that of the ground below springs.
 MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
   Motion ground{row.ground_displacement, {}};
   const blocks::Model* const model = simulation_.large_motion();
@@ -157,7 +157,11 @@ MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
     constexpr double kRounding = 1e-9;  // m
     if (apart > kRounding) continue;
     ground.velocity = of_block.velocity;
-    break;
+    return ground;
+  }
+  for (std::size_t c = 0; model && c < 3; ++c) {
+    const int k = static_cast<int>(c);
+    ground.velocity[c] = 2.0 * model->actions.ground_now[k] - model->actions.ground_then[k];  // half a step later
   }
   return ground;
 }

@@ -45,8 +45,9 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   for (const int block : s.monitor.blocks.large_motion) {
     const Vec3 joints = geometry::array(s.large_motion->step_sums.contact_force[block]);
-    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += whole * joints[c];
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
   }
+  row.joint_force = force_on_whole(s, row.joint_force);
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = -row.joint_force[direction];
   row.vertical_force = s.monitor.stands_below ? -row.joint_force[1] : row.joint_force[1];  // compression positive
@@ -61,7 +62,7 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
   MonitorSide side;
   for (const int b : s.monitor.blocks.bodies) {
     const Vec3 joints = joint_force(s, b);
-    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += s.model.assembly.symmetry_factor * joints[c];
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
     const RigidBody& body = s.model.bodies[static_cast<std::size_t>(b)];
     const Brick& brick = s.model.assembly.bricks[static_cast<std::size_t>(body.block)];
     const double middle = brick.origin[1] + 0.5 * brick.size[1];
@@ -76,8 +77,9 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
   }
   for (std::size_t chunk = 0; chunk < s.contacts.calls.size() && !s.monitor.blocks.loaded.empty(); ++chunk) {
     const Vec3 joints = has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.sums[chunk].on_monitor;
-    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += s.model.assembly.symmetry_factor * joints[c];
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
   }
+  row.joint_force = force_on_whole(s, row.joint_force);
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = -row.joint_force[direction];
   if (!s.controls.floors.empty()) show_roof(s, direction, row);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "members/members.h"
 #include "model/world_results.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
@@ -105,6 +106,16 @@ std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, co
     sums[i].force = geometry::array(s.large_motion->step_sums.contact_force[blocks[i]]);
   }
   if (blocks.empty()) return sums;
+  const auto add_moment = [](JointWrench& sum, const Vector& at, const Vector& force) {
+    const Vector moment = cross(at - geometry::vector(sum.centre), force);
+    for (std::size_t k = 0; k < 3; ++k) sum.moment[k] += moment[static_cast<int>(k)];
+  };
+  if (const members::Members* const members = s.large_motion->held_by.members.get()) {
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      for (const int node : members->nodes_of(blocks[i]))
+        add_moment(sums[i], members->nodes()[at(node)].x, members->nodes()[at(node)].force);
+    }
+  }
   for (const blocks::Contact& c : s.large_motion->contacts.list) {
     if (place[at(c.pair.a)] < 0 && place[at(c.pair.b)] < 0) continue;
     const blocks::Family& f = s.large_motion->contacts.families[at(c.family)];
@@ -113,14 +124,22 @@ std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, co
       const Vector place_of_point = place_of(*s.large_motion, f.point[i]);
       const Vector on_a = force_on_a(*s.large_motion, f, i);
       for (const auto& [side, sign] : {std::pair{of_a, 1.0}, std::pair{of_b, -1.0}}) {
-        if (side < 0) continue;
-        JointWrench& sum = sums[at(side)];
-        const Vector moment = sign * cross(place_of_point - geometry::vector(sum.centre), on_a);
-        for (std::size_t k = 0; k < 3; ++k) sum.moment[k] += moment[static_cast<int>(k)];
+        if (side >= 0) add_moment(sums[at(side)], place_of_point, sign * on_a);
       }
     }
   }
   return sums;
+}
+
+Vec3 force_on_whole(const Simulation::Impl& s, const Vec3& of_half) {
+  const double whole = s.model.assembly.symmetry_factor;
+  return {whole * of_half[0], whole * of_half[1], whole == 1.0 ? of_half[2] : 0.0};
+}
+
+Vec3 moment_on_whole(const Simulation::Impl& s, const Vec3& of_half) {
+  const double whole = s.model.assembly.symmetry_factor;
+  if (whole == 1.0) return of_half;
+  return {0.0, 0.0, whole * of_half[2]};
 }
 
 void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
@@ -145,12 +164,9 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
     const int r = s.reactions.restraint_of[at(members[i])];
     if (r >= 0) centre[at(r)] += geometry::vector(wrenches[i].centre), count[at(r)] += 1.0;
   }
-  const double whole = s.model.assembly.symmetry_factor;
   const auto add = [&](Reaction& sum, const Vector& given, const Vector& moment) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const int k = static_cast<int>(c);
-      sum.force[c] += given[k], sum.moment[c] += moment[k];
-    }
+    const Vec3 force = force_on_whole(s, geometry::array(given)), about = moment_on_whole(s, geometry::array(moment));
+    for (std::size_t c = 0; c < 3; ++c) sum.force[c] += force[c], sum.moment[c] += about[c];
   };
   for (std::size_t i = 0; i < members.size(); ++i) {
     const JointWrench& of = wrenches[i];
@@ -158,8 +174,8 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
     Vector given, moment;
     for (std::size_t c = 0; c < 3; ++c) {
       const int k = static_cast<int>(c);
-      if (bits >> c & 1u) given[k] = -whole * of.force[c];
-      if (bits >> (c + 3) & 1u) moment[k] = -whole * of.moment[c];
+      if (bits >> c & 1u) given[k] = -of.force[c];
+      if (bits >> (c + 3) & 1u) moment[k] = -of.moment[c];
     }
     add(row.reaction_sum, given, moment + cross(geometry::vector(of.centre), given));
     const int r = s.reactions.restraint_of[at(members[i])];

@@ -143,7 +143,7 @@ std::string pull_over_gaps(const Simulation::Impl& s) {
 
 std::string motion_left_to_ground(const Simulation::Impl& s) {
   constexpr double kSlow = 1e-4;  // m/s
-  double left_over = 0.0;
+  double left_over = norm(s.actions.ground_left);
   for (const Drive& drive : s.actions.drives) {
     if (drive.of_ground) left_over = std::max(left_over, norm(drive.velocity_from));
   }

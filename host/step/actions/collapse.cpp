@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/rank_rows.h"
+#include "members/members.h"
 #include "model/world_results.h"
 #include "scene/collapse_load.h"
 #include "step/actions/action.h"
@@ -146,6 +147,16 @@ void find_blocks_on_base(Simulation::Impl& s) {
     const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
     if (blocks[a].fixed) s.reactions.on_base[b] = 1;
     if (blocks[b].fixed) s.reactions.on_base[a] = 1;
+  }
+  if (const members::Members* const members = s.large_motion->held_by.members.get()) {
+    for (const members::Bed& bed : members->beds()) {
+      const double of_point = bed.area / static_cast<double>(bed.end - bed.first);
+      for (std::size_t p = bed.first; p < bed.end; ++p) {
+        area += of_point;
+        s.reactions.base_centre +=
+            of_point * members->nodes()[static_cast<std::size_t>(members->spring_points()[p].node)].start;
+      }
+    }
   }
   if (area > 0.0) s.reactions.base_centre = s.reactions.base_centre / area;
   if (s.parts.divided)

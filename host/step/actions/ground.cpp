@@ -16,6 +16,7 @@
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
+#include "step/reactions.h"
 #include "step/stages.h"
 #include "step/state.h"
 
@@ -32,7 +33,6 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
                v = s.lattice.of_body(ground, &BodyLanes::velocity);
     for (std::size_t c = 0; c < 3; ++c) row.ground_displacement[c] = moved[c] - s.data.time_step * v[c];
   }
-  const double whole = s.model.assembly.symmetry_factor;
   Vector moment;
   bool any = false;
   for (int b = 0; b < static_cast<int>(s.model.bodies.size()); ++b) {
@@ -41,12 +41,12 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
     const JointWrench joints =
         has_all(s) ? sum_joint_wrench(s, b) : s.reactions.body_wrench[static_cast<std::size_t>(b)];
     any = true;
-    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints.force[c];
-    moment +=
-        whole * (geometry::vector(joints.moment) +
-                 cross(geometry::vector(joints.centre) - s.reactions.base_centre, geometry::vector(joints.force)));
+    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += joints.force[c];
+    moment += geometry::vector(joints.moment) +
+              cross(geometry::vector(joints.centre) - s.reactions.base_centre, geometry::vector(joints.force));
   }
-  if (any) row.overturning_moment = geometry::array(moment);
+  row.base_force = force_on_whole(s, row.base_force);
+  if (any) row.overturning_moment = moment_on_whole(s, geometry::array(moment));
 }
 
 }  // namespace
@@ -139,12 +139,27 @@ int ground_block(const Simulation::Impl& s) {
 
 namespace {
 
+bool is_on_springs(const Simulation::Impl& s) {
+  const members::Members* const members = s.large_motion->held_by.members.get();
+  return members && !members->beds().empty();
+}
+
+// Current velocity of the ground below springs, m/s, where no block has it. `ground_now` is that of the last step.
+Vector left_below_springs(const Simulation::Impl& s, const Stage* previous) {
+  if (s.actions.ground_drive() || !is_on_springs(s) || !previous) return {};
+  const double now = s.large_motion->stepping.time, dt = s.large_motion->stepping.dt;
+  const Vector left = s.large_motion->actions.ground_now + record_velocity(s, *previous, now, 0) -
+                      record_velocity(s, *previous, now - dt, 0);
+  return norm(left) <= kGroundAtRest ? Vector{} : left;
+}
+
 // The ground consists of all fixed blocks that no table of the stage drives. Velocity that earlier records have left
 // continues, or fades over the ramp of the stage.
-void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
+void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   const auto old =
       std::find_if(s.actions.drives.begin(), s.actions.drives.end(), [](const Drive& d) { return d.of_ground != 0; });
   const Vector left_over = old == s.actions.drives.end() ? Vector{} : old->velocity_from;
+  s.actions.ground_left = left_below_springs(s, previous);
   const std::vector<std::int32_t> groups = support_groups(s, settings);
   std::vector<std::int32_t> drive_of(static_cast<std::size_t>(s.large_motion->block_count()), -1);
   for (std::size_t d = 0; d < s.actions.drives.size(); ++d)
@@ -178,11 +193,10 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage*) {
 // Sets the velocity of the ground, from which damping takes velocities: that of its first block.
 void follow_ground(Simulation::Impl& s, const Stage& settings, double ramp) {
   const Drive* const ground = s.actions.ground_drive();
-  const bool on_springs =
-      s.large_motion->held_by.members.get() && !s.large_motion->held_by.members.get()->beds().empty();
-  if (!ground && !on_springs) return s.large_motion->move_ground({}, {});
-  const Vector left_over =
-      ground ? ground->velocity_from + ramp * (ground->velocity_to - ground->velocity_from) : Vector{};
+  if (!ground && !is_on_springs(s)) return s.large_motion->move_ground({}, {});
+  const double stays = settings.ramp_time > 0.0 ? 1.0 - ramp : 1.0;
+  const Vector left_over = ground ? ground->velocity_from + ramp * (ground->velocity_to - ground->velocity_from)
+                                  : stays * s.actions.ground_left;
   const std::int32_t motion = ground ? ground->motion : 0;
   const double now = s.large_motion->stepping.time, half = 0.5 * s.large_motion->stepping.dt;
   s.large_motion->move_ground(left_over + record_velocity(s, settings, now - half, motion),
@@ -204,40 +218,44 @@ void follow_ground_of_lattice(Simulation::Impl& s, double ramp) {
                                 record[static_cast<int>(c)];
 }
 
-// Measures force and moment of the structure on fixed blocks.
+// Measures force and moment of the structure on the ground: on fixed blocks, and on what lies below springs.
 void measure_base(const Simulation::Impl& s, HistoryRow& row) {
   if (!s.large_motion) return measure_base_on_lattice(s, row);
+  const blocks::Model& m = *s.large_motion;
+  const members::Members* const members = m.held_by.members.get();
   Vec3 moved{};  // current displacement, as positions of contact points are
   if (const int ground = ground_block(s); ground >= 0) {
     moved = block_translation(s, ground);
     row.ground_displacement = block_translation_at_forces(s, {ground});
+  } else if (members && !members->beds().empty()) {
+    moved = row.ground_displacement = geometry::array(members->ground());
   }
-  const double whole = s.model.assembly.symmetry_factor;
-  const auto& blocks = s.large_motion->assembly.blocks;
-  for (int block = 0; block < s.large_motion->block_count(); ++block) {
-    if (!blocks[static_cast<std::size_t>(block)].fixed) continue;
-    const Vec3 joints = geometry::array(s.large_motion->step_sums.contact_force[block]);
-    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints[c];
-  }
-  for (std::size_t i = 0;
-       s.large_motion->held_by.members.get() && i < s.large_motion->held_by.members.get()->beds().size(); ++i) {
-    const Vec3 bed = geometry::array(
-        s.large_motion->held_by.members.get()->force_of(s.large_motion->held_by.members.get()->beds()[i]));
-    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] -= bed[c];
-  }
-  if (s.parts.divided) return;  // no rank has all contact points
   const Vector centre = s.reactions.base_centre + geometry::vector(moved);
-  Vector moment;
-  for (const blocks::Contact& c : s.large_motion->contacts.list) {
-    const auto is_fixed = [&](int block) { return blocks[static_cast<std::size_t>(block)].fixed; };
-    if (is_fixed(c.pair.a) == is_fixed(c.pair.b)) continue;
-    const blocks::Family& f = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
-    for (std::size_t i = c.first; i < c.first + c.count; ++i) {
-      const double sign = is_fixed(f.point[i].a) ? whole : -whole;  // block b of the pair may be a here
-      moment += sign * cross(place_of(*s.large_motion, f.point[i]) - centre, force_on_a(*s.large_motion, f, i));
+  const auto is_fixed = [&](int block) { return m.assembly.blocks[static_cast<std::size_t>(block)].fixed; };
+  Vector force, moment;
+  for (int block = 0; block < m.block_count(); ++block) {
+    if (!is_fixed(block)) continue;
+    force += m.step_sums.contact_force[block];
+    for (const int i : members ? members->nodes_of(block) : std::span<const int>()) {
+      const members::Node& node = members->nodes()[static_cast<std::size_t>(i)];
+      moment += cross(node.x - centre, node.force);
     }
   }
-  row.overturning_moment = geometry::array(moment);
+  for (const members::SpringPoint& p : members ? members->spring_points() : std::vector<members::SpringPoint>()) {
+    force -= p.state.force;
+    moment -= cross(members->nodes()[static_cast<std::size_t>(p.node)].x - centre, p.state.force);
+  }
+  row.base_force = force_on_whole(s, geometry::array(force));
+  if (s.parts.divided) return;  // no rank has all contact points
+  for (const blocks::Contact& c : m.contacts.list) {
+    if (is_fixed(c.pair.a) == is_fixed(c.pair.b)) continue;
+    const blocks::Family& f = m.contacts.families[static_cast<std::size_t>(c.family)];
+    for (std::size_t i = c.first; i < c.first + c.count; ++i) {
+      const double sign = is_fixed(f.point[i].a) ? 1.0 : -1.0;  // block b of the pair may be a here
+      moment += sign * cross(place_of(m, f.point[i]) - centre, force_on_a(m, f, i));
+    }
+  }
+  row.overturning_moment = moment_on_whole(s, geometry::array(moment));
 }
 
 // Centre of the beds between fixed bricks and others, at the start.
@@ -267,6 +285,7 @@ extern const Action kGround{.names =
                                     std::for_each(support.blocks.begin(), support.blocks.end(), visit);
                                 },
                             .bind = bind_ground,
-                            .apply = follow_ground};
+                            .apply = follow_ground,
+                            .saved = kSaved<&Actions::ground_left>};
 
 }  // namespace quoin

@@ -27,7 +27,7 @@ struct Reactions {
   std::vector<JointWrench> body_wrench;              // by body, in the last row; with ranks
   std::vector<JointWrench> block_wrench;             // by block, of restrained_blocks in the last row; with ranks
   std::vector<std::uint8_t> on_base;                 // by block: 1: it rests on a fixed block at the start
-  geometry::Vector base_centre;                      // area centre of the bed joints on fixed blocks at the start, m
+  geometry::Vector base_centre;  // area centre of the bed joints on fixed blocks, and of springs, at the start, m
 };
 
 }  // namespace quoin
