@@ -131,15 +131,10 @@ void add_floor_loads(Stage& stage, const BuildingSpec& building) {
   }
 }
 
-namespace {
-
-// The history has the displacement of the last floor, and the forces of the walls on the bottom beam.
 void watch_building(Stage& stage, const BuildingSpec& building) {
   stage.monitor = "bottom_beam";
   if (!building.floors.empty()) stage.roof = building.floors.back().bodies();
 }
-
-}  // namespace
 
 void read_weight(Table& t, Stage& stage, const BuildingSpec& building) {
   if (!t.has("gravity")) stage.gravity = {0.0, -9.81, 0.0};

@@ -118,10 +118,7 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   read_actions(t, stage, folder, bodies);
   const bool acts = !beyond_lattice(stage).empty();
   if (acts) read_stage_solver(t, stage, scene);
-  if (acts && stage.monitor.empty() && scene.building && !scene.building->floors.empty()) {
-    const std::vector<std::string> beams = scene.building->floors.back().bodies();
-    if (!beams.empty()) stage.monitor = beams.front();  // none where half_units was refused
-  }
+  if (scene.building && !t.has("monitor")) watch_building(stage, *scene.building);
   read_monitor(t, stage, acts ? &bodies : &held);
   if (acts) add_loads_of_before(stage, scene, held, top_force);
   if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !stage.collapse &&
@@ -186,6 +183,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
     read_cycles(t, stage);
     read_controls(t, stage, bodies, scene);
     read_cycled_body(t, "body", &bodies, stage);
+    if (scene.building) add_floor_loads(stage, *scene.building);
   } else if (kind == "cycles" && scene.building) {
     read_cycles(t, stage);
     read_whiffletree(t, stage, *scene.building);

@@ -28,6 +28,7 @@ void begin_damping(Simulation::Impl& s) {
   const std::size_t points = s.time_step.impacts.viscosity.empty() ? 0 : static_cast<std::size_t>(s.model.point_count);
   for (auto& column : s.lattice.viscous) column.assign(points, 0.0);
   s.lattice.old_jump.assign(points, 0.0);
+  for (BoundCall& call : s.contacts.calls) call.damping = 0.0;
   for (const int c : chunks_here(s)) {
     const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(c)];
     if (points > 0) std::fill_n(s.lattice.old_jump.begin() + chunk.first_point, chunk.point_count, std::nan(""));

@@ -192,6 +192,14 @@ void swap_law(Simulation::Impl& s, const std::string& name, const std::string& l
     throw Error(Exit::bad_input, fmt::format("stage '{}' swaps the law of joint family '{}', which does not exist",
                                              current_stage(s).name, name));
   }
+  for (std::size_t i = 0; s.scene.members && i < s.scene.members->strips.size(); ++i) {
+    if (const StripSpec& strip = s.scene.members->strips[i]; strip.joint == name)
+      throw Error(
+          Exit::bad_input,
+          fmt::format("{}: stage '{}' swaps the law of joint family '{}', which bonds the strip '{}': strips keep "
+                      "their law; give law as a table of the other families",
+                      current_stage(s).source.text, current_stage(s).name, name, strip.name));
+  }
   const auto f = static_cast<std::size_t>(found - families.begin());
   auto material = successor(*found, law);
   if (s.large_motion) return swap_law_in_large_motion(s, f, std::move(material));

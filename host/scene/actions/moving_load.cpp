@@ -1,5 +1,6 @@
 // A force that moves along a line.
 #include "scene/actions/action.h"
+#include "scene/load_place.h"
 
 namespace quoin {
 
@@ -35,9 +36,14 @@ std::string text_of_moving_load(const Stage& stage) {
                      fmt::join(load.to, " "), load.positions);
 }
 
+void check_moving_load(const Stage& stage, const blocks::Assembly& assembly) {
+  if (stage.moving_load) blocks::places_of(*stage.moving_load, assembly, stage.source.text);
+}
+
 }  // namespace
 
-extern const StageAction kMovingLoad{"moving_load", "has a moving load", read_moving_load,
-                                     [](const Stage& s) { return s.moving_load.has_value(); }, text_of_moving_load};
+extern const StageAction kMovingLoad{"moving_load",       "has a moving load",
+                                     read_moving_load,    [](const Stage& s) { return s.moving_load.has_value(); },
+                                     text_of_moving_load, check_moving_load};
 
 }  // namespace quoin
