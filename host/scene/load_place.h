@@ -28,8 +28,8 @@ struct BlockFace {
   int block = -1, face = 0;
 };
 
-// Faces along an outward normal of those blocks of this name that reach furthest along it: of a course, the units at
-// its end, or all along its side. Throws Error(bad_input): there is none of the name.
+// Faces along an outward normal, of those blocks of this name that reach furthest along it. Of a course they are at its
+// end, or all along its side. Throws Error(bad_input): there is none of the name.
 std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const geometry::Vector& normal,
                                    const std::string& where);
 

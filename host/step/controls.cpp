@@ -50,8 +50,10 @@ void follow_ramps(Simulation::Impl& s) {
     s.controls.apply_load(s.model, i);
   }
   for (std::size_t c = 0; c < 3; ++c) s.data.gravity[c] = between(s.controls.gravity_from[c], s.controls.gravity_to[c]);
-  if (!s.large_motion) follow_ground_of_lattice(s, gone);
-  s.controls.settled = gone >= 1.0 && !(s.controls.cycles && !current_stage(s).whiffletree) && !shakes;
+  if (!s.large_motion) follow_ground_of_lattice(s);
+  // The velocity of the ground for damping is that of half a step ago.
+  s.controls.settled =
+      elapsed - s.data.time_step >= ramp && !(s.controls.cycles && !current_stage(s).whiffletree) && !shakes;
   if (s.large_motion) apply_actions(s, gone);
 }
 

@@ -13,8 +13,8 @@ void find_restraints(Simulation::Impl& s);
 void find_restrained_blocks(Simulation::Impl& s);
 // Force and moment of the joints on these blocks, viscous forces included.
 std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, const std::vector<int>& blocks);
-// Force on the whole wall, N, and its moment about a point of the plane of symmetry, N m, from those of the half that
-// is computed with half_thickness. Forces across that plane cancel, and moments about axes in it.
+// Force on the whole wall, N, from that on the half that is computed with half_thickness. Its moment, N m, is about a
+// point of the plane of symmetry. Forces across that plane cancel, and moments about axes in it.
 Vec3 force_on_whole(const Simulation::Impl& s, const Vec3& of_half);
 Vec3 moment_on_whole(const Simulation::Impl& s, const Vec3& of_half);
 void measure_reactions(const Simulation::Impl& s, HistoryRow& row);

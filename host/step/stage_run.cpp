@@ -42,11 +42,27 @@ StageRun::StageRun(Simulation& simulation, Simulation::Impl& impl, Observer& obs
   reported_fraction_ = stage_fraction(s_);
 }
 
-void StageRun::begin(bool was_in_stage) {
+// Observers follow a promotion also where what comes after it throws: results are then those of large motion.
+template <class Act>
+void StageRun::report_promotion(const Act& act) {
   const bool on_lattice = !s_.large_motion;
-  if (!was_in_stage) begin_stage(s_, index_);
-  if (!was_in_stage && settings_.kind == "rest") find_rest(s_);
-  if (on_lattice && s_.large_motion) observer_.on_promotion(simulation_);
+  const auto report = [&] {
+    if (on_lattice && s_.large_motion && s_.outcome.promotion) observer_.on_promotion(simulation_);
+  };
+  try {
+    act();
+  } catch (...) {
+    report();
+    throw;
+  }
+  report();
+}
+
+void StageRun::begin(bool was_in_stage) {
+  report_promotion([&] {
+    if (!was_in_stage) begin_stage(s_, index_);
+    if (!was_in_stage && settings_.kind == "rest") find_rest(s_);
+  });
   observer_.on_stage_begin(simulation_, index_);
   if (!was_in_stage) warn_of_loose_blocks(s_, &warnings_), warn();
   for (const LawSwap& swap : s_.laws.swaps) observer_.on_law_swap(swap);
@@ -102,8 +118,7 @@ bool StageRun::has_ended(const Due& due) {
 }
 
 void StageRun::follow_motion(bool done) {
-  gone_over_ = quoin::follow_motion(s_, done, &warnings_);
-  if (gone_over_) observer_.on_promotion(simulation_);
+  report_promotion([&] { gone_over_ = quoin::follow_motion(s_, done, &warnings_); });
   warn();
 }
 

@@ -24,6 +24,8 @@ class StageRun {
     bool frame = false;
   };
 
+  template <class Act>
+  void report_promotion(const Act& act);
   void begin(bool was_in_stage);
   Due look_ahead();
   bool has_ended(const Due& due);

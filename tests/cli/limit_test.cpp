@@ -50,6 +50,43 @@ TEST_F(Limit, MultipliersWithoutDilation) {
   EXPECT_NEAR(arch["multiplier_without_dilation"], arch["multiplier"], 1e-3);
 }
 
+// Constant loads of the stage count: a block of 19.62 kN slides under alpha of its weight at tan(30 deg) (W + P)/W. P
+// is a pressure on its top, or a force. They were left out in silence.
+TEST_F(Limit, HasTheConstantLoadsOfItsStage) {
+  const double weight = 2000.0 * 9.81;
+  for (const std::string load : {"[[stage.pressure]]\nnormal = [0, 1, 0]\npressure = 19620.0\n",
+                                 "[[stage.force]]\npoint = [0.5, 1.0, 0.5]\nforce = [0, -19620.0, 0]\n"}) {
+    const std::string path = (folder_ / "block.toml").string();
+    std::ofstream(path) << R"(
+[materials.stone]
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 30.0
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-1, -1, -1], size = [3, 1, 3] }
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[stage]]
+name = "push"
+gravity = [0, -9.81, 0]
+collapse = { direction = [1, 0, 0], start = 0.1 }
+)" << load << "block = \"cube\"\n";
+    ASSERT_EQ(quoin({"limit", path, "--out", out(), "--associated"}), 0) << error_;
+    const auto found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+    const double friction = std::tan(30.0 * std::numbers::pi / 180.0);
+    EXPECT_NEAR(found["multiplier"], friction * (weight + 19620.0) / weight, 1e-4) << load;
+  }
+}
+
 TEST_F(Limit, WhatHasNoAnswerIsSaid) {
   const std::string arch = QUOIN_SCENES "/arch.toml";
   EXPECT_EQ(quoin({"limit", arch, "--direction", "0", "-1", "0"}), 5);

@@ -49,6 +49,25 @@ TEST_F(Modes, EveryKindOfSceneHasThem) {
   }
 }
 
+// The ground of a wall that is shaken is that of its other stages: modes had none in the stage of the shake.
+TEST_F(Modes, StagesThatShakeAWallStandOnTheGround) {
+  const std::string path = (folder_ / "shaken.toml").string();
+  std::ofstream(path) << read_all(small_) << R"(
+[[stage]]
+name = "shake"
+duration = 0.01
+ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }
+)";
+  for (const std::string state : {"undamaged", "weight"}) {
+    std::vector<std::string> words{"modes", path, "--stage", "shake", "--out", out(), "--state", state};
+    if (state == "weight") words.insert(words.end(), {"--set", "stage.shake.gravity=[0, -9.81, 0]"});
+    ASSERT_EQ(quoin(words), 0) << error_;
+    const auto found = nlohmann::json::parse(read_all(fs::path(out()) / "modes.json"));
+    EXPECT_GT(found["frequencies_Hz"][0], 1.0) << state;
+    EXPECT_THAT(found["supports"].dump(), HasSubstr("bottom_beam")) << state;
+  }
+}
+
 TEST_F(Modes, WhatIsWrongIsSaid) {
   const std::string arch = QUOIN_SCENES "/arch.toml";
   EXPECT_EQ(quoin({"modes", arch, "--stage", "nowhere"}), 3);

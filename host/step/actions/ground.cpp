@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/smooth_step.h"
 #include "members/members.h"
 #include "model/world_results.h"
 #include "scene/from_bricks.h"
@@ -190,32 +191,37 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
   }
 }
 
+// Velocity that earlier records have left, at a time. It changes from the one to the other over the ramp of the stage.
+Vector left_over_at(const Simulation::Impl& s, const Vector& from, const Vector& to, double time) {
+  const double ramp = current_stage(s).ramp_time;
+  return from + (ramp > 0.0 ? smooth_step((time - s.progress.stage_start) / ramp) : 1.0) * (to - from);
+}
+
 // Sets the velocity of the ground, from which damping takes velocities: that of its first block.
-void follow_ground(Simulation::Impl& s, const Stage& settings, double ramp) {
+void follow_ground(Simulation::Impl& s, const Stage& settings, double) {
   const Drive* const ground = s.actions.ground_drive();
   if (!ground && !is_on_springs(s)) return s.large_motion->move_ground({}, {});
-  const double stays = settings.ramp_time > 0.0 ? 1.0 - ramp : 1.0;
-  const Vector left_over = ground ? ground->velocity_from + ramp * (ground->velocity_to - ground->velocity_from)
-                                  : stays * s.actions.ground_left;
-  const std::int32_t motion = ground ? ground->motion : 0;
-  const double now = s.large_motion->stepping.time, half = 0.5 * s.large_motion->stepping.dt;
-  s.large_motion->move_ground(left_over + record_velocity(s, settings, now - half, motion),
-                              left_over + record_velocity(s, settings, now, motion));
+  const Vector from = ground ? ground->velocity_from : s.actions.ground_left, to = ground ? ground->velocity_to
+                                                                                   : settings.ramp_time > 0.0 ? Vector{}
+                                                                                                              : from;
+  const auto velocity = [&](double time) {
+    return left_over_at(s, from, to, time) + record_velocity(s, settings, time, ground ? ground->motion : 0);
+  };
+  const double now = s.large_motion->stepping.time;
+  s.large_motion->move_ground(velocity(now - 0.5 * s.large_motion->stepping.dt), velocity(now));
 }
 
 }  // namespace
 
-void follow_ground_of_lattice(Simulation::Impl& s, double ramp) {
+void follow_ground_of_lattice(Simulation::Impl& s) {
   const int body = s.controls.ground_body();
   s.data.ground_velocity = {};
   if (body < 0 || s.progress.stage < 0) return;
   const BodyRamp& ground = s.controls.ramps[static_cast<std::size_t>(body)];
-  const double half = s.data.mass_damping > 0.0 ? 0.0 : 0.5 * s.data.time_step;
-  const Vector record =
-      record_velocity(s, current_stage(s), time_now(s) - half, static_cast<std::int32_t>(ground.motion));
-  for (std::size_t c = 0; c < 3; ++c)
-    s.data.ground_velocity[c] = ground.velocity_from[c] + ramp * (ground.velocity_to[c] - ground.velocity_from[c]) +
-                                record[static_cast<int>(c)];
+  const double time = time_now(s) - (s.data.mass_damping > 0.0 ? 0.0 : 0.5 * s.data.time_step);
+  s.data.ground_velocity = geometry::array(
+      left_over_at(s, geometry::vector(ground.velocity_from), geometry::vector(ground.velocity_to), time) +
+      record_velocity(s, current_stage(s), time, static_cast<std::int32_t>(ground.motion)));
 }
 
 // Measures force and moment of the structure on the ground: on fixed blocks, and on what lies below springs.

@@ -19,7 +19,7 @@ Vec3 left_over_velocity(const Simulation::Impl& s, const Stage* previous, int bo
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings);
 // A block that moves with the ground, or has moved with that of an earlier stage and is held by this one; -1: none.
 int ground_block(const Simulation::Impl& s);
-void follow_ground_of_lattice(Simulation::Impl& s, double ramp);
+void follow_ground_of_lattice(Simulation::Impl& s);
 void measure_base(const Simulation::Impl& s, HistoryRow& row);
 void find_base_of_lattice(Simulation::Impl& s);
 

@@ -41,8 +41,8 @@ struct Controls {
   std::vector<LoadedBlock> loaded_blocks;    // deformable blocks that have a name
   LaneVector<double> load;                   // acceleration of groups with loaded blocks: [component][lane], m/s2
   std::vector<const double*> load_of_group;  // by block group, into load; null: none
-  std::vector<Floor>
-      floors;  // floors that the whiffletree of the stage pulls, else the roof alone; the last is the roof
+  // Floors that the whiffletree of the stage pulls, else the roof alone; the last is the roof.
+  std::vector<WatchedBlocks> floors;
   std::optional<CyclicMotion> cycles;  // cycles of the stage
   bool settled = true;                 // the ramp of the stage is over, and no body moves in cycles
   bool rest_known = true;              // BodyLanes::at_rest is up to date

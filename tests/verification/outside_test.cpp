@@ -1,0 +1,363 @@
+// Faults that testers found from outside, who had the program and its pages alone. Each of these scenes gave another
+// result, without a word.
+#include <algorithm>
+
+#include "base/error.h"
+#include "step/simulation.h"
+#include "support.h"
+
+namespace quoin::verification {
+namespace {
+
+const std::string kStone = R"(
+[materials.stone]
+young_modulus = 1e10
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+friction_angle = 35.0
+[output]
+frames = 0
+plots = false
+energy = true
+)";
+const std::string kCube = R"(
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+)";
+const std::string kBase = R"(
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = { lower = [-3, -1, 0], size = [6, 1, 1] }
+)";
+constexpr double kWeightOfCube = 2000.0 * gravity;  // N
+
+std::string wall(const std::string& more) {
+  return R"(
+[wall]
+courses = 3
+units_per_course = 2
+unit = [0.2, 0.1, 0.1]
+mid_unit_joints = false
+unit_material = "stone"
+bed_joint = "dry"
+head_joint = "dry"
+beam_joint = "dry"
+)" + more;
+}
+
+struct Rows : Observer {
+  std::vector<HistoryRow> all;
+  void on_row(const HistoryRow& row) override { all.push_back(row); }
+  std::vector<HistoryRow> of_stage(int stage) const {
+    std::vector<HistoryRow> found;
+    std::ranges::copy_if(all, std::back_inserter(found), [&](const HistoryRow& row) { return row.stage == stage; });
+    return found;
+  }
+};
+
+// Rows of a run; run: null, or what comes out of it.
+Rows rows_of(const std::string& scene, std::unique_ptr<Simulation>* run = nullptr) {
+  auto simulation = std::make_unique<Simulation>(scene_of(kStone + scene));
+  Rows rows;
+  simulation->run(rows);
+  if (run) *run = std::move(simulation);
+  return rows;
+}
+
+void expect_refused(const std::string& scene, Exit exit_code, const std::string& reason, const std::string& top = "") {
+  try {
+    Simulation run(scene_of(top + kStone + scene));
+    Observer nobody;
+    run.run(nobody);
+    ADD_FAILURE() << "it ran: " << reason;
+  } catch (const Error& e) {
+    EXPECT_EQ(e.exit_code, exit_code);
+    EXPECT_NE(std::string(e.what()).find(reason), std::string::npos) << e.what();
+  }
+}
+
+// The bottom beam is the ground of all stages in a scene that shakes it in one. It carried nothing in a plain stage
+// before, in small displacements.
+TEST(Outside, TheGroundCarriesThePlainStageBeforeAShakeToo) {
+  for (const char* motion : {"automatic", "always"}) {
+    const Rows rows = rows_of(wall("top_beam = false\nzones = [2, 1, 1]\n[solver]\nlarge_motion = \"") + motion + R"("
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.02
+duration = 0.1
+kind = "custom"
+[[stage]]
+name = "shake"
+duration = 0.01
+ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 0.1] }
+)");
+    const HistoryRow last = rows.of_stage(0).back();
+    const double weight = 2000.0 * gravity * 0.4 * 0.3 * 0.1;
+    EXPECT_NEAR(last.reaction_sum.force[1], weight, 0.01 * weight) << motion;
+    // Beds yield by the stress on them over their stiffness, of one, two and three courses.
+    EXPECT_NEAR(last.largest_displacement, 2000.0 * gravity * (0.1 + 0.2 + 0.3) / 1e9, 2e-7) << motion;
+  }
+}
+
+// Forces across the plane of symmetry cancel, and moments about axes in it; those along it are those of the whole wall.
+TEST(Outside, HalfAWallHasTheReactionsOfTheWhole) {
+  const auto last = [&](const std::string& keys) {
+    return rows_of(wall(keys) + "[[stage]]\nkind = \"pressure\"\npressure = 0.2e6\nequilibrium_ratio = 1e-5\n")
+        .all.back();
+  };
+  const HistoryRow half = last("half_thickness = true\nzones = [2, 1, 2]\n"), whole = last("zones = [2, 1, 2]\n");
+  ASSERT_EQ(half.reactions.size(), whole.reactions.size());
+  const double load = 0.2e6 * 0.4 * 0.1;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Reaction &of_half = half.reactions[i], &of_whole = whole.reactions[i];
+    EXPECT_NEAR(std::abs(of_whole.force[1]), load * (of_whole.force[1] != 0.0), 0.01 * load) << i;
+    EXPECT_NEAR(of_half.force[1], of_whole.force[1], 0.01 * load) << i;
+    EXPECT_EQ(of_half.force[2], 0.0) << i;
+    EXPECT_EQ(of_half.moment[0], 0.0) << i;
+    EXPECT_EQ(of_half.moment[1], 0.0) << i;
+  }
+}
+
+TEST(Outside, LoadsAcrossThePlaneOfSymmetryAreRefused) {
+  const std::string half = wall("half_thickness = true\nrigid_units = true\ntop_beam = false\n");
+  const std::string stage = "[[stage]]\nname = \"load\"\nduration = 0.01\ngravity = [0, -9.81, 0]\n";
+  const std::string reason = "across the plane of symmetry";
+  expect_refused(
+      half + stage + "[[stage.force]]\nblock = \"top_course\"\npoint = [0.1, 0.3, 0.05]\nforce = [0, 0, 1]\n",
+      Exit::bad_input, "has a force along z, " + reason);
+  expect_refused(half + stage + "[[stage.pressure]]\nblock = \"top_course\"\nnormal = [0, 0, 1]\npressure = 1.0\n",
+                 Exit::bad_input, "has a pressure along z, " + reason);
+  expect_refused(half + "[[stage]]\nname = \"push\"\ngravity = [0, -9.81, 0]\ncollapse = { direction = [0, 0, 1] }\n",
+                 Exit::bad_input, "pushes to collapse along z, " + reason);
+}
+
+// It was found when its stage began, in the middle of a run, which then crashed.
+TEST(Outside, AMovingLoadBesideTheWallIsRefusedBeforeTheRun) {
+  expect_refused(wall("rigid_units = true\n") + R"(
+[[stage]]
+kind = "pressure"
+pressure = 1e4
+[[stage]]
+kind = "custom"
+gravity = [0, -9.81, 0]
+duration = 0.05
+ramp_time = 0.01
+moving_load = { from = [5, 1, 0.05], to = [6, 1, 0.05], force = [0, -50, 0], positions = 3 }
+)",
+                 Exit::bad_input, "meets no block from its position 1 of 3");
+}
+
+// The top beam is held along the wall and falls with it: it is no support. The stage, which nothing else ends, does so.
+TEST(Outside, AWallWithoutItsBottomBeamFallsAndTheStageEnds) {
+  expect_refused(wall("bottom_beam = false\nzones = [2, 1, 1]\n") +
+                     "[[stage]]\nkind = \"pressure\"\npressure = 1e5\n[solver]\nlarge_motion = \"always\"\n",
+                 Exit::numerical, "farther than the model is large");
+}
+
+// A block on springs alone: the ground below them goes on at the velocity that the record has left, 0.05 m/s. It comes
+// to rest over the ramp of the last stage. Rows have its motion.
+TEST(Outside, TheGroundBelowSpringsMovesAsFixedBlocksDo) {
+  const std::string far = R"(
+[[block]]
+name = "far"
+material = "stone"
+fixed = true
+box = { lower = [50, 0, 0], size = [1, 1, 1] }
+)";
+  const std::string scene = kCube + R"(
+[solver]
+damping = "viscous"
+mass_damping = 10.0
+[[spring]]
+name = "soil"
+block = "cube"
+normal_stiffness = 50e6
+shear_stiffness = 20e6
+[[stage]]
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+duration = 0.2
+[[stage]]
+name = "shake"
+duration = 0.3
+ground_motion = { direction = [1, 0, 0], time = [0, 0.05, 0.1], acceleration = [0, 1, 0] }
+[[stage]]
+name = "later"
+duration = 0.3
+[[stage]]
+name = "stop"
+ramp_time = 0.1
+duration = 0.2
+[output]
+monitor = "cube"
+)";
+  const std::string without_output = kStone.substr(0, kStone.find("[output]"));
+  const auto run_of = [&](const std::string& more) {
+    auto simulation =
+        std::make_unique<Simulation>(scene_of(without_output + more + scene + "frames = 0\nplots = false\n"));
+    Rows rows;
+    simulation->run(rows);
+    return rows;
+  };
+  const Rows rows = run_of(""), with_fixed = run_of(far);
+  for (const int stage : {1, 2, 3}) {
+    const HistoryRow row = rows.of_stage(stage).back(), other = with_fixed.of_stage(stage).back();
+    EXPECT_GT(other.ground_displacement[0], 0.01) << stage;
+    // Both move with the record; the fixed block by a mean over each step.
+    EXPECT_NEAR(row.ground_displacement[0], other.ground_displacement[0], 2e-5) << stage;
+    EXPECT_NEAR(row.monitor_displacement[0], other.monitor_displacement[0], 2e-5) << stage;
+    EXPECT_NEAR(row.monitor_relative[0], row.monitor_displacement[0] - row.ground_displacement[0], 1e-15) << stage;
+  }
+}
+
+// At rest on springs, with no contact point: the stage ends, at mg/k.
+TEST(Outside, ABlockOnSpringsComesToEquilibrium) {
+  std::unique_ptr<Simulation> run;
+  rows_of(kCube + R"(
+[[spring]]
+name = "soil"
+block = "cube"
+normal_stiffness = 20e6
+shear_stiffness = 10e6
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+equilibrium_ratio = 1e-4
+max_steps = 100000
+)",
+          &run);
+  EXPECT_NEAR(position_of(*run->large_motion(), 0).y, 0.5 - kWeightOfCube / 20e6, 1e-6);
+}
+
+// A cantilever beam on a block: forces on its own nodes count, so that the stage ends at rest. It ended at 0.27 of the
+// moment w L^2/2 at its foot.
+TEST(Outside, ABeamThatSwingsIsNotInEquilibrium) {
+  const Rows rows = rows_of(kBase + kCube + R"(
+[[beam]]
+name = "arm"
+points = [[0.5, 0.5, 0.5], [2.5, 0.5, 0.5]]
+spacing = 0.25
+area = 1e-2
+inertia = [1e-7, 1e-7]
+torsion = 1e-5
+young_modulus = 70e9
+density = 5000
+[[beam.support]]
+point = [0.5, 0.5, 0.5]
+block = "cube"
+[solver]
+damping = "local"
+local_damping = 0.7
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.0
+equilibrium_ratio = 1e-3
+)");
+  const double weight = kWeightOfCube + 5000.0 * 1e-2 * 2.0 * gravity;
+  EXPECT_NEAR(rows.all.back().reaction_sum.force[1], weight, 1e-3 * weight);
+}
+
+// A tie from a fixed post, 0.5 m above its centre, to a block at rest: the moment of all reactions is that of the
+// weights. That of the post is N_x 0.5.
+TEST(Outside, ReactionsHaveTheMomentsOfTies) {
+  const Rows rows = rows_of(kBase + kCube + R"(
+[[block]]
+name = "post"
+material = "stone"
+fixed = true
+box = { lower = [-3, 0, 0], size = [1, 2, 1] }
+[[tie]]
+name = "rod"
+from = { block = "post", point = [-2.5, 1.5, 0.5] }
+to = { block = "cube", point = [0.5, 0.5, 0.5] }
+area = 1e-4
+young_modulus = 200e9
+yield_stress = 235e6
+pretension = 2000
+[solver]
+damping = "local"
+local_damping = 0.7
+[[stage]]
+gravity = [0, -9.81, 0]
+ramp_time = 0.2
+duration = 1.0
+)");
+  const HistoryRow row = rows.all.back();
+  EXPECT_NEAR(row.reaction_sum.moment[2], 0.5 * kWeightOfCube, 1e-3 * kWeightOfCube);
+  double of_post = 0.0, pull = 0.0;
+  for (const Reaction& each : row.reactions) {
+    if (each.force[0] < pull) pull = each.force[0], of_post = each.moment[2];  // the base holds the other way
+  }
+  EXPECT_LT(pull, -1000.0);
+  EXPECT_NEAR(of_post, -0.5 * pull, 1e-6 * std::abs(pull));
+}
+
+// Impact damping of one stage, none in the next: damping takes no more energy.
+TEST(Outside, ImpactDampingThatEndsTakesNoMoreEnergy) {
+  const Rows rows = rows_of(wall("top_beam = false\nzones = [2, 1, 1]\n") + R"(
+[solver]
+damping = "impact"
+[[stage]]
+name = "weight"
+kind = "custom"
+gravity = [0, -9.81, 0]
+ramp_time = 0.02
+duration = 0.05
+[[stage]]
+name = "shake"
+duration = 0.1
+ground_motion = { direction = [1, 0, 0], pulse = { shape = "sine", amplitude = 2.0, period = 0.1 } }
+[[stage]]
+name = "after"
+duration = 0.1
+ground_motion = { direction = [1, 0, 0], pulse = { shape = "sine", amplitude = 0.0, period = 0.05 } }
+solver = { damping = "none" }
+)");
+  const std::vector<HistoryRow> after = rows.of_stage(2);
+  ASSERT_GT(after.size(), 10U);
+  EXPECT_GT(rows.of_stage(1).back().energies->damping, 0.0);
+  EXPECT_EQ(after.back().energies->damping, after[1].energies->damping);
+}
+
+TEST(Outside, AStripRefusesASwapOfItsLaw) {
+  expect_refused(kBase + kCube + R"(
+[joints.bond]
+law = "bond_slip"
+normal_stiffness = 1e10
+shear_stiffness = 1e10
+bond_strength = 1e6
+fracture_energy = 300.0
+[[strip]]
+name = "sheet"
+joint = "bond"
+points = [[0.1, 1.0, 0.5], [0.9, 1.0, 0.5]]
+width = 0.1
+thickness = 0.001
+young_modulus = 70e9
+spacing = 0.1
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+duration = 0.01
+[[stage]]
+name = "swap"
+duration = 0.01
+law = { bond = "elastic" }
+)",
+                 Exit::bad_input, "which bonds the strip 'sheet'", "default_joint = \"none\"\n");
+}
+
+}  // namespace
+}  // namespace quoin::verification
