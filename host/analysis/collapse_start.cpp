@@ -32,6 +32,7 @@ void find_start(const Simulation& simulation, Stage* stage) {
   Collapse& c = *stage->collapse;
   LimitOptions options;
   options.direction.assign(c.direction.begin(), c.direction.end());
+  options.stage = stage;
   options.associated = simulation.point_count() > kMostPoints, options.friction = false;
   const SceneLimit limit = limit_of(simulation, options);
   if (!limit.stands.stands)

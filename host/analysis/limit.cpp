@@ -21,8 +21,6 @@ using geometry::Vector;
 constexpr double kResidual = 1e-6;
 constexpr double kInteriorResidual = 1e-4;  // the same for the centre of all solutions
 
-constexpr int kFacets = LimitSettings{}.facets;  // where whole cones have no solution
-
 // Contact points from which on a sufficiently exact centre replaces the vertex, whose computation takes most of the
 // time.
 constexpr std::size_t kManyPoints = 1000;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -57,11 +58,13 @@ struct LimitProblem {
   std::vector<LimitForce> forces{};  // forces of members
 };
 
+inline constexpr int kFacets = 32;  // facets by default, and where whole cones have no solution
+
 struct LimitSettings {
   // Number of facets of the pyramid inside the friction cone. A shear force between two of its edges is too small by up
   // to 1 - cos(pi/facets): 0.5 % of friction with 32. Edges lie along s and t where 4 divides the number, which is
   // exact for plane problems. 0: the whole cone, by cone_limit.h; where that finds no solution, pyramids of 32 facets.
-  int facets = 32;
+  int facets = kFacets;
   bool facet_on_axis = false;  // whether the normal of the first facet, not its edge, lies along s
   // Whether to return the centre of all forces that give the multiplier, not a vertex: it changes little when strengths
   // do. With pyramids it has fewer digits. It permits negative friction.
@@ -72,6 +75,9 @@ struct LimitSettings {
   std::vector<double> near{};
   double most =
       std::numeric_limits<double>::infinity();  // bound of the multiplier; a multiplier at the bound has no mechanism
+  // Called after each problem of a sequence without dilation, with its start; copies of it from two threads. Empty:
+  // not.
+  std::function<void(const std::string& from, int problems)> progress{};
 };
 
 enum class LimitStatus {

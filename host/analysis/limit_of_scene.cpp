@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "files/notice.h"
 #include "geometry/polyhedron.h"
 #include "law/law_library.h"
 #include "members/linear.h"
@@ -49,6 +51,7 @@ const Stage& find_loads(const Scene& scene, const LimitOptions& options, SceneLi
     break;
   }
   if (options.moving && moving_stage(scene).gravity != Vec3{}) loaded = &moving_stage(scene);
+  if (options.stage) loaded = options.stage;
   if (!loaded)
     throw Error(Exit::bad_input,
                 fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0]", scene.file));
@@ -78,17 +81,12 @@ void add_constant_loads(const Stage& stage, const blocks::Assembly& assembly, Sc
   for (const FacePressure& pressure : stage.pressures) {
     for (const blocks::BlockFace& pressed :
          blocks::outer_faces(assembly, pressure.block, geometry::vector(pressure.normal), stage.source.text)) {
-      const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(pressed.block)];
-      const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
-      const std::vector<int>& corners = shape.faces[static_cast<std::size_t>(pressed.face)];
-      const auto corner = [&](std::size_t i) {
-        return block.position + matrix(block.orientation) * shape.vertices[static_cast<std::size_t>(corners[i])];
-      };
-      for (std::size_t i = 1; i + 1 < corners.size(); ++i) {  // a fan of triangles
-        const Vector area = 0.5 * cross(corner(i) - corner(0), corner(i + 1) - corner(0));
-        limit->loads.push_back(
-            {pressed.block, (corner(0) + corner(i) + corner(i + 1)) / 3.0, -pressure.pressure * area});
-      }
+      members::each_triangle(
+          assembly, pressed.block, static_cast<std::size_t>(pressed.face), [&](const std::array<Vector, 3>& corner) {
+            const Vector area = 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]);
+            limit->loads.push_back(
+                {pressed.block, (corner[0] + corner[1] + corner[2]) / 3.0, -pressure.pressure * area});
+          });
     }
   }
   for (const BodyControl& control : stage.controls) {
@@ -392,6 +390,17 @@ void find_least_margin(const std::string& file, const LimitSettings& settings, S
   }
 }
 
+// Prints how far a sequence of problems has come, once it takes long.
+std::function<void(const std::string&, int)> notices_of_progress(const std::string& file) {
+  constexpr double kPeriod = 2.0;  // s
+  using Clock = std::chrono::steady_clock;
+  return [file, last = Clock::now()](const std::string& from, int problems) mutable {
+    if (std::chrono::duration<double>(Clock::now() - last).count() < kPeriod) return;
+    last = Clock::now();
+    notice(fmt::format("quoin: {}: limit analysis without dilation, from {}: problem {}", file, from, problems));
+  };
+}
+
 nlohmann::ordered_json json_of(const LimitWithoutDilation& without, const char* what) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const SettledLimit& start : without.start)
@@ -471,7 +480,9 @@ std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks)
   return text;
 }
 
-SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
+SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
+  LimitOptions options = given;
+  if (!options.settings.progress) options.settings.progress = notices_of_progress(simulation.scene().file);
   const std::string& file = simulation.scene().file;
   if (options.moving && (options.given != 0.0 || !options.direction.empty()))
     throw Error(Exit::bad_input, fmt::format("{}: with a moving load that alone is multiplied; leave --direction and "

@@ -25,9 +25,10 @@ struct LimitOptions {
   std::vector<double> direction;  // direction of the multiplied load; empty: that of the first collapse stage
   double given = 0.0;             // multiple of the weight along it that acts as a constant load
   LimitSettings settings = whole_cones();
-  bool associated = false;  // whether to skip the analysis without dilation
-  bool friction = true;     // whether to compute the smallest factor on friction too
-  bool moving = false;      // whether to multiply the first stage's moving load, at each of its positions
+  bool associated = false;       // whether to skip the analysis without dilation
+  bool friction = true;          // whether to compute the smallest factor on friction too
+  bool moving = false;           // whether to multiply the first stage's moving load, at each of its positions
+  const Stage* stage = nullptr;  // stage of the scene whose gravity and loads are constant; null: found by collapse
 };
 
 // A mass that acts along given directions only, or along all.

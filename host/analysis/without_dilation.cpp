@@ -172,7 +172,7 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
   const bool of_friction = sought == Sought::friction;
   LimitSettings settings = given;
   settings.interior = true;
-  if (settings.facets == 0) settings.facets = LimitSettings{}.facets;
+  if (settings.facets == 0) settings.facets = kFacets;
   if (of_friction) settings.most = 0.0;
   const double mean = mean_of(normal);
   std::vector<double> solved;  // last normal forces whose problem has a solution
@@ -185,6 +185,7 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     const LimitResult result = limit_multiplier(
         of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones), settings);
     ++now.problems;
+    if (settings.progress) settings.progress(from, now.problems);
     // The change was too large: go halfway back. A nearly settled state may jump to another when points lose their
     // load.
     const bool jumps =

@@ -6,6 +6,7 @@
 
 #include "members/members.h"
 #include "scene/generate_blocks.h"
+#include "scene/load_place.h"
 
 namespace quoin::members {
 
@@ -27,16 +28,11 @@ void Members::add_bed(const SpringSpec& spec, const blocks::Assembly& assembly) 
   for (const int index : blocks::find_blocks(assembly, spec.block, spec.source.text)) {
     const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(index)];
     const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
-    const geometry::Matrix turned = matrix(block.orientation);
-    std::size_t face = 0;
-    const auto towards = [&](std::size_t f) { return dot(turned * shape.normals[f], geometry::vector(spec.normal)); };
-    for (std::size_t f = 1; f < shape.faces.size(); ++f) {
-      if (towards(f) > towards(face)) face = f;
-    }
-    const Vector out = turned * shape.normals[face];
+    const auto face = static_cast<std::size_t>(blocks::face_towards(assembly, index, geometry::vector(spec.normal)));
+    const Vector out = matrix(block.orientation) * shape.normals[face];
     each_triangle(assembly, index, face, [&](const std::array<Vector, 3>& triangle) {
       each_point(triangle, spec.divisions, [&](const Vector& at, double area) {
-        points_.push_back({static_cast<int>(nodes_.size()), out, law_of(spec, area), {}});
+        points_.push_back({static_cast<int>(nodes_.size()), area, out, law_of(spec, area), {}});
         Node& node = nodes_.emplace_back();
         node.block = index;
         node.start = node.x = at;

@@ -57,7 +57,8 @@ struct Fill {
 // One point of a face on springs.
 struct SpringPoint {
   int node = 0;
-  Vector out;  // outward normal of the block at the start, unit
+  double area = 0.0;  // m2
+  Vector out;         // outward normal of the block at the start, unit
   SpringLaw law;
   SpringState state;
 };

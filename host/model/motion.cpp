@@ -12,6 +12,7 @@
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
 #include "scene/leaves_lattice.h"
+#include "scene/members.h"
 #include "scene/read_masses.h"
 #include "scene/to_bricks.h"
 
@@ -38,6 +39,10 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
     refuse(scene, fmt::format("solver.{} is of the lattice, where these blocks do not move: {}; remove the setting",
                               name, why_not));
   }
+  if (s.large_motion == LargeMotion::never && !s.motion_bound.stop)
+    refuse(scene, fmt::format("solver.past_motion_bound = \"warn\" is of the lattice, where these blocks do not move: "
+                              "{}; past the bound they move in large motion; leave out large_motion = \"never\"",
+                              why_not));
 }
 
 // First kind of item in the scene that the lattice cannot have; null: none.
@@ -61,6 +66,11 @@ const char* acts_along_z(const Stage& stage) {
   if (stage.ground && (moves(*stage.ground) || std::ranges::any_of(stage.ground->supports, moves)))
     return "moves the ground";
   if (stage.collapse && stage.collapse->direction[2] != 0.0) return "pushes to collapse";
+  if (stage.gravity[2] != 0.0) return "has gravity";
+  if (std::ranges::any_of(stage.controls, [](const BodyControl& c) {
+        return c.force[2] != 0.0 || c.velocity[2] != 0.0 || c.in_cycles == 2;
+      }))
+    return "moves or loads a body";
   if (std::ranges::any_of(stage.forces, [](const PointForce& f) { return f.force[2] != 0.0; })) return "has a force";
   if (stage.moving_load && stage.moving_load->force[2] != 0.0) return "has a moving load";
   if (std::ranges::any_of(stage.pressures, [](const FacePressure& p) { return p.normal[2] != 0.0; }))
@@ -109,7 +119,27 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
   check_stages(scene, blocks::from_bricks(bricks));
 }
 
+// Refuses stages that blocks of any shape cannot have, or members.
+void refuse_stages(const Scene& scene) {
+  for (const Stage& stage : scene.stages) {
+    if (stage.solver && damping_of(*stage.solver).is_implicit())
+      throw Error(
+          Exit::bad_input,
+          fmt::format("{}: stage '{}': solver.implicit_contacts is for blocks on the lattice, and this scene runs in "
+                      "the general kernels; remove it from the stage",
+                      stage.source.text, stage.name));
+    if (scene.members && stage.kind == "rest")
+      throw Error(
+          Exit::bad_input,
+          fmt::format("{}: a stage of rest does not have the forces of members ([[tie]], [[spring]], [[strip]], "
+                      "[[floor]], [[beam]], [[dowel]], [[fill]]); give it equilibrium_ratio without kind = "
+                      "\"rest\"",
+                      stage.source.text));
+  }
+}
+
 Motion as_blocks(Scene scene, blocks::Assembly shapes) {
+  refuse_stages(scene);
   add_masses(scene, &shapes);
   Motion motion{std::move(scene), {}, std::move(shapes), {}};
   motion.bricks.materials = motion.shapes->materials;
@@ -118,6 +148,17 @@ Motion as_blocks(Scene scene, blocks::Assembly shapes) {
 }
 
 }  // namespace
+
+void refuse_swap_of_strips(const Scene& scene, const std::string& family, const std::string& where) {
+  for (std::size_t i = 0; scene.members && i < scene.members->strips.size(); ++i) {
+    if (const StripSpec& strip = scene.members->strips[i]; strip.joint == family)
+      throw Error(
+          Exit::bad_input,
+          fmt::format("{}: the law of joint family '{}' is to be swapped, which bonds the strip '{}': strips keep "
+                      "their law; give law as a table of the other families",
+                      where, family, strip.name));
+  }
+}
 
 void choose_rigid_points(const Scene& scene, std::vector<JointFamily>* families) {
   for (JointFamily& family : *families) {
@@ -167,10 +208,6 @@ Motion choose_motion(Scene scene) {
   if (found && kernels != Kernels::general) return {std::move(found->scene), std::move(found->bricks), {}, {}};
   if (found) why_not = "solver.kernels = \"general\"";
   refuse_settings_of_the_lattice(scene, shapes, why_not);
-  if (scene.solver.large_motion == LargeMotion::never && !scene.solver.motion_bound.stop)
-    refuse(scene, fmt::format("solver.past_motion_bound = \"warn\" is of the lattice, where these blocks do not move: "
-                              "{}; past the bound they move in large motion; leave out large_motion = \"never\"",
-                              why_not));
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.why_not_lattice = why_not;
   return motion;

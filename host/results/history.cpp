@@ -86,11 +86,19 @@ int axis_of(const Stage& stage) {
 
 bool is_vertical(const Stage& stage) { return axis_of(stage) == 1; }
 
+namespace {
+
+// Positive when the wall resists: minus the force on what moves it, in stages of a building that on the ground.
+double resists(const HistoryRow& row, const Stage& stage, size_t axis) {
+  return stage.roof.empty() ? -row.joint_force[axis] : row.joint_force[axis];
+}
+
+}  // namespace
+
 Response response(const HistoryRow& row, const Stage& stage) {
   // A stage monitored along y has a horizontal response too, along the wall.
   const size_t axis = axis_of(stage) == 2 ? 2 : 0;
-  const bool along = static_cast<size_t>(stage.direction) == axis;
-  return {row.monitor_displacement[axis], along ? row.resistance : -row.joint_force[axis], row.vertical_force};
+  return {row.monitor_displacement[axis], resists(row, stage, axis), row.vertical_force};
 }
 
 const char* curve_kind(const Stage& stage) {
@@ -103,7 +111,7 @@ const char* curve_kind(const Stage& stage) {
 bool is_vertical(const Scene& scene) { return !scene.stages.empty() && is_vertical(scene.stages.back()); }
 
 Shown shown(const HistoryRow& row, const Scene& scene) {
-  if (is_vertical(scene)) return {row.monitor_displacement[1], -row.joint_force[1]};
+  if (is_vertical(scene)) return {row.monitor_displacement[1], resists(row, scene.stages.back(), 1)};
   const Response r = response(row, scene.stages[static_cast<size_t>(row.stage)]);
   return {r.displacement, r.horizontal_force};
 }

@@ -57,6 +57,14 @@ int block_at(const Assembly& assembly, const std::string& name, const Vector& po
   });
 }
 
+int face_towards(const Assembly& assembly, int block, const Vector& normal) {
+  const Block& of = assembly.blocks[static_cast<std::size_t>(block)];
+  const std::vector<Vector>& normals = assembly.shapes[static_cast<std::size_t>(of.shape)].normals;
+  const Vector along = transposed_times(matrix(of.orientation), normal);
+  const auto face = std::ranges::max_element(normals, {}, [&](const Vector& of_face) { return dot(along, of_face); });
+  return static_cast<int>(face - normals.begin());
+}
+
 std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const Vector& normal,
                                    const std::string& where) {
   constexpr double kTolerance = 1e-6;  // m, rounding of places
@@ -72,9 +80,7 @@ std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& 
     if (reach < furthest - kTolerance) continue;
     if (reach > furthest + kTolerance) outer.clear();
     furthest = std::max(furthest, reach);
-    const auto face =
-        std::ranges::max_element(shape.normals, {}, [&](const Vector& of_face) { return dot(along, of_face); });
-    outer.push_back({index, static_cast<int>(face - shape.normals.begin())});
+    outer.push_back({index, face_towards(assembly, index, normal)});
   }
   return outer;
 }

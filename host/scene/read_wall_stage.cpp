@@ -125,7 +125,8 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
       !t.has("equilibrium_ratio") && !t.has("displacement") && !t.has("duration") && !t.has("collapse"))
     t.context().fault(t.where() +
                       ": the stage never ends; give equilibrium_ratio, displacement (m), duration (s) or collapse");
-  if (stage.displacement && stage.monitor.empty())
+  const bool on_ground = scene.building && stage.roof.empty() && !t.has("monitor");
+  if (stage.displacement && (stage.monitor.empty() || on_ground))
     t.refuse("displacement", "only with a monitor body to measure; give monitor");
 }
 

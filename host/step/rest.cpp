@@ -374,12 +374,6 @@ void find_rest(Simulation::Impl& impl) {
     throw Error(Exit::bad_input, fmt::format("{}: a stage of rest runs in one process; start quoin without mpirun, or "
                                              "give the stage equilibrium_ratio without kind = \"rest\"",
                                              stage.source.text));
-  if (impl.scene.members)
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{}: a stage of rest does not have the forces of members ([[tie]], "
-                    "[[spring]], [[strip]], [[floor]], [[beam]]); give it equilibrium_ratio without kind = \"rest\"",
-                    stage.source.text));
   const auto out_of_books = [&] {
     const std::optional<Energies> energies = measure_row(impl).energies;
     return energies ? energies->balance_error() : 0.0;

@@ -145,7 +145,8 @@ void require_same_time_step(const Simulation::Impl& s, ArchiveReader& reader) {
   reader.value(dt);
   if (const double here = s.large_motion ? 0.0 : s.data.time_step; dt != here)
     throw Error(Exit::bad_input,
-                fmt::format("checkpoint: time step {:.17g} s, here {:.17g} s: another model or other solver settings",
+                fmt::format("checkpoint: time step {:.17g} s, here {:.17g} s: another model, other solver settings, or "
+                            "a stage with another whiffletree, whose stiffness counts from the start",
                             dt, here));
 }
 

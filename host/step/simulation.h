@@ -62,13 +62,13 @@ constexpr std::size_t kMostRestraints = 12;  // most restraints with columns in 
 // Numbers of every row of the history. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryNumbers {
   int stage = 0;
-  long step = 0;                  // number of steps since the start of the simulation
-  double time = 0.0;              // time since the start of the simulation, s
-  double displacement = 0.0;      // displacement of the monitor along Stage::direction since the start of the stage, m
-  double resistance = 0.0;        // minus the force of the joints on the monitor along Stage::direction, N: positive
-                                  // when the wall resists a movement in the positive direction
+  long step = 0;              // number of steps since the start of the simulation
+  double time = 0.0;          // time since the start of the simulation, s
+  double displacement = 0.0;  // displacement of monitor or roof along Stage::direction since the start of the stage, m
+  double resistance = 0.0;    // force along Stage::direction, N, positive when the wall resists: minus that of the
+                              // joints on the monitor; with Stage::roof that on the monitor, which is the ground
   double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
-  Vec3 monitor_displacement{};    // displacement of the monitor since the start of the simulation, m
+  Vec3 monitor_displacement{};    // displacement of monitor or roof since the start of the simulation, m
   Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
   double dynamic_force = 0.0;     // sum of reactions and loads along Stage::direction, N; 0 at rest
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
@@ -76,7 +76,7 @@ struct HistoryNumbers {
   double multiplier = 0.0;        // multiplier of the body force in a collapse stage
   // Blocks in large motion, and bricks on the lattice where some stage goes beyond it (beyond_lattice):
   Vec3 ground_displacement{};  // displacement of the ground since the start, m
-  Vec3 monitor_relative{};     // displacement of the monitor less that of the ground, m
+  Vec3 monitor_relative{};     // displacement of monitor or roof less that of the ground, m
   Vec3 base_force{};           // force of the structure on fixed blocks and on springs to the ground, N
   // Moment of contact forces on fixed blocks about the centre of the base, which moves with the ground, N m. NaN in
   // large motion where ranks hold parts of the model.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "model/motion.h"
 #include "scene/collapse_load.h"
 #include "scene/leaves_lattice.h"
 #include "step/actions/whiffletree.h"
@@ -83,17 +84,11 @@ void begin_stage(Simulation::Impl& s, int index) {
     gather(s, Part::all);
     promote(s, fmt::format("stage '{}' {}", settings.name, beyond));
   }
-  if (s.large_motion && !s.left && settings.solver && damping_of(*settings.solver).is_implicit())
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{}: stage '{}': solver.implicit_contacts is for blocks on the lattice, and this scene runs in "
-                    "the general kernels; remove it from the stage",
-                    settings.source.text, settings.name));
   gather(s, Part::row);
   const bool swaps_laws = !settings.law_swaps.empty();
   if (!s.parts.divided || (s.large_motion && swaps_laws))
     gather(s, Part::all);
-  else if ((settings.whiffletree || !settings.roof.empty()) && !s.large_motion)
+  else if ((settings.whiffletree || !settings.roof.empty() || settings.ground) && !s.large_motion)
     gather(s, Part::all, Who::holders);
   else if (swaps_laws)
     receive_whole_borders(s);
@@ -192,14 +187,7 @@ void swap_law(Simulation::Impl& s, const std::string& name, const std::string& l
     throw Error(Exit::bad_input, fmt::format("stage '{}' swaps the law of joint family '{}', which does not exist",
                                              current_stage(s).name, name));
   }
-  for (std::size_t i = 0; s.scene.members && i < s.scene.members->strips.size(); ++i) {
-    if (const StripSpec& strip = s.scene.members->strips[i]; strip.joint == name)
-      throw Error(
-          Exit::bad_input,
-          fmt::format("{}: stage '{}' swaps the law of joint family '{}', which bonds the strip '{}': strips keep "
-                      "their law; give law as a table of the other families",
-                      current_stage(s).source.text, current_stage(s).name, name, strip.name));
-  }
+  refuse_swap_of_strips(s.scene, name, current_stage(s).source.text);
   const auto f = static_cast<std::size_t>(found - families.begin());
   auto material = successor(*found, law);
   if (s.large_motion) return swap_law_in_large_motion(s, f, std::move(material));

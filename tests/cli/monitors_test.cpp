@@ -191,6 +191,33 @@ TEST_F(Monitors, OfAFloorAgreeWithTheHistoryOfTheRoof) {
   }
 }
 
+// The force of a building that is shaken across its walls has the sign of one that is pushed along them: that on the
+// ground.
+TEST_F(Monitors, OfABuildingShakenAlongZ) {
+  const std::string path = (folder_ / "shaken.toml").string();
+  const std::string building = read_all(QUOIN_CLI_TESTS "/../host/small_building.toml");
+  std::ofstream(path) << building.substr(0, building.find("[[stage]]\nname = \"push\"")) << R"(
+[[stage]]
+name = "shake"
+duration = 0.02
+record_interval = 20
+ground_motion = { direction = [0, 0, 1], time = [0, 1], acceleration = [1, 1] }
+[output]
+frames = 0
+plots = false
+)";
+  ASSERT_EQ(quoin({"run", path, "--out", out(), "--threads", "1"}), 0) << error_;
+  auto history = columns(fs::path(out()) / "history.csv");
+  double largest = 0.0;
+  for (std::size_t i = 0; i < history["stage"].size(); ++i) {
+    if (history["stage"][i] != 2) continue;
+    EXPECT_EQ(history["horizontal_force_N"][i], history["base_shear_z_N"][i]) << i;
+    EXPECT_EQ(history["displacement_m"][i], history["monitor_dz_m"][i]) << i;
+    largest = std::max(largest, std::abs(history["base_shear_z_N"][i]));
+  }
+  EXPECT_GT(largest, 100.0);
+}
+
 TEST_F(Monitors, OfNobodyAreRefusedByCheckToo) {
   ASSERT_EQ(quoin({"check", scene(both_)}), 0) << error_;
   EXPECT_EQ(quoin({"check", scene("[[monitor]]\nname = \"top\"\nblock = \"hihg\"\n")}), 3);

@@ -218,6 +218,15 @@ monitor = "cube"
     EXPECT_NEAR(row.monitor_displacement[0], other.monitor_displacement[0], 2e-5) << stage;
     EXPECT_NEAR(row.monitor_relative[0], row.monitor_displacement[0] - row.ground_displacement[0], 1e-15) << stage;
   }
+  // A state between two stages has the velocity that the first one leaves.
+  const quoin::Scene again = scene_of(without_output + scene + "frames = 0\nplots = false\n");
+  Simulation whole(again), first(again), second(again);
+  Observer nobody;
+  whole.run(nobody);
+  for (int stage = 0; stage < 2; ++stage) first.run_stage(nobody);
+  second.restore(first.save());
+  second.run(nobody);
+  EXPECT_EQ(second.hash(), whole.hash());
 }
 
 // At rest on springs, with no contact point: the stage ends, at mg/k.
@@ -329,6 +338,28 @@ solver = { damping = "none" }
   ASSERT_GT(after.size(), 10U);
   EXPECT_GT(rows.of_stage(1).back().energies->damping, 0.0);
   EXPECT_EQ(after.back().energies->damping, after[1].energies->damping);
+}
+
+// They were found when their stage began, after all stages before it.
+TEST(Outside, WhatAStageCannotHaveIsRefusedBeforeTheRun) {
+  const auto expect_none = [](const std::string& scene, const std::string& reason) {
+    try {
+      Simulation of(scene_of(kStone + scene));
+      ADD_FAILURE() << "accepted: " << reason;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(reason), std::string::npos) << e.what();
+    }
+  };
+  const std::string first = "[[stage]]\nname = \"first\"\ngravity = [0, -9.81, 0]\nduration = 0.01\n";
+  expect_none(kBase + kCube +
+                  "[[spring]]\nname = \"soil\"\nblock = \"cube\"\nnormal_stiffness = 20e6\nshear_stiffness = 10e6\n" +
+                  first + "[[stage]]\nkind = \"rest\"\n",
+              "a stage of rest does not have the forces of members");
+  expect_none(wall("top_beam = false\nzones = [2, 1, 1]\n[solver]\nlarge_motion = \"always\"\ndamping = \"impact\"\n") +
+                  first + "kind = \"custom\"\n[[stage]]\nname = \"shake\"\nduration = 0.01\n" +
+                  "ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }\n" +
+                  "solver = { implicit_contacts = true }\n",
+              "solver.implicit_contacts is for blocks on the lattice");
 }
 
 TEST(Outside, AStripRefusesASwapOfItsLaw) {

@@ -149,13 +149,10 @@ void find_blocks_on_base(Simulation::Impl& s) {
     if (blocks[b].fixed) s.reactions.on_base[a] = 1;
   }
   if (const members::Members* const members = s.large_motion->held_by.members.get()) {
-    for (const members::Bed& bed : members->beds()) {
-      const double of_point = bed.area / static_cast<double>(bed.end - bed.first);
-      for (std::size_t p = bed.first; p < bed.end; ++p) {
-        area += of_point;
-        s.reactions.base_centre +=
-            of_point * members->nodes()[static_cast<std::size_t>(members->spring_points()[p].node)].start;
-      }
+    for (const members::SpringPoint& p : members->spring_points()) {
+      if (std::abs(p.out.y) < kBed) continue;
+      area += p.area;
+      s.reactions.base_centre += p.area * members->nodes()[static_cast<std::size_t>(p.node)].start;
     }
   }
   if (area > 0.0) s.reactions.base_centre = s.reactions.base_centre / area;

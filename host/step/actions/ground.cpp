@@ -145,12 +145,19 @@ bool is_on_springs(const Simulation::Impl& s) {
   return members && !members->beds().empty();
 }
 
-// Current velocity of the ground below springs, m/s, where no block has it. `ground_now` is that of the last step.
+// Velocity that earlier records have left, at a time. It changes from the one to the other over the ramp of the stage
+// that runs; when a stage begins, of the one before.
+Vector left_over_at(const Simulation::Impl& s, const Vector& from, const Vector& to, double time) {
+  const double ramp = current_stage(s).ramp_time;
+  return from + (ramp > 0.0 ? smooth_step((time - s.progress.stage_start) / ramp) : 1.0) * (to - from);
+}
+
+// Current velocity of the ground below springs, m/s, at the end of the stage before, where no block has it.
 Vector left_below_springs(const Simulation::Impl& s, const Stage* previous) {
   if (s.actions.ground_drive() || !is_on_springs(s) || !previous) return {};
-  const double now = s.large_motion->stepping.time, dt = s.large_motion->stepping.dt;
-  const Vector left = s.large_motion->actions.ground_now + record_velocity(s, *previous, now, 0) -
-                      record_velocity(s, *previous, now - dt, 0);
+  const Vector to = previous->ramp_time > 0.0 ? Vector{} : s.actions.ground_left;
+  const Vector left =
+      left_over_at(s, s.actions.ground_left, to, time_now(s)) + record_velocity(s, *previous, time_now(s), 0);
   return norm(left) <= kGroundAtRest ? Vector{} : left;
 }
 
@@ -189,12 +196,6 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
     if (settings.ground) drive.motion = groups[static_cast<std::size_t>(block)];
     drive.velocity_to = settings.ramp_time > 0.0 ? Vector{} : goes_on;
   }
-}
-
-// Velocity that earlier records have left, at a time. It changes from the one to the other over the ramp of the stage.
-Vector left_over_at(const Simulation::Impl& s, const Vector& from, const Vector& to, double time) {
-  const double ramp = current_stage(s).ramp_time;
-  return from + (ramp > 0.0 ? smooth_step((time - s.progress.stage_start) / ramp) : 1.0) * (to - from);
 }
 
 // Sets the velocity of the ground, from which damping takes velocities: that of its first block.
