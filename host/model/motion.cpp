@@ -39,10 +39,6 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
     refuse(scene, fmt::format("solver.{} is of the lattice, where these blocks do not move: {}; remove the setting",
                               name, why_not));
   }
-  if (s.large_motion == LargeMotion::never && !s.motion_bound.stop)
-    refuse(scene, fmt::format("solver.past_motion_bound = \"warn\" is of the lattice, where these blocks do not move: "
-                              "{}; past the bound they move in large motion; leave out large_motion = \"never\"",
-                              why_not));
 }
 
 // First kind of item in the scene that the lattice cannot have; null: none.
@@ -208,6 +204,10 @@ Motion choose_motion(Scene scene) {
   if (found && kernels != Kernels::general) return {std::move(found->scene), std::move(found->bricks), {}, {}};
   if (found) why_not = "solver.kernels = \"general\"";
   refuse_settings_of_the_lattice(scene, shapes, why_not);
+  if (scene.solver.large_motion == LargeMotion::never && !scene.solver.motion_bound.stop)
+    refuse(scene, fmt::format("solver.past_motion_bound = \"warn\" is of the lattice, where these blocks do not move: "
+                              "{}; past the bound they move in large motion; leave out large_motion = \"never\"",
+                              why_not));
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.why_not_lattice = why_not;
   return motion;
