@@ -131,6 +131,7 @@ void refuse_stages(const Scene& scene) {
                       "[[floor]], [[beam]], [[dowel]], [[fill]]); give it equilibrium_ratio without kind = "
                       "\"rest\"",
                       stage.source.text));
+    for (const auto& [family, law] : stage.law_swaps) refuse_swap_of_strips(scene, family, stage.source.text);
   }
 }
 

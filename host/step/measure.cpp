@@ -25,12 +25,15 @@ namespace quoin {
 
 namespace {
 
-// In stages of a building rows have the displacement of the roof, and the force that the walls carry to the ground.
-void show_roof(const Simulation::Impl& s, std::size_t direction, HistoryRow& row) {
-  row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, s.controls.floors.back());
+// Displacement, and the force along it, from the sum of the joint forces on the monitor. A stage with a roof shows
+// that, and the force that the walls carry to the monitor, their ground. The displacement is that at the time of the
+// forces.
+void show_response(const Simulation::Impl& s, std::size_t direction, HistoryRow& row) {
+  row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, shown_blocks(s));
   for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
+  row.joint_force = force_on_whole(s, row.joint_force);
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
-  row.resistance = row.joint_force[direction];
+  row.resistance = s.controls.floors.empty() ? -row.joint_force[direction] : row.joint_force[direction];
 }
 
 void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
@@ -41,24 +44,16 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.dynamic_force = whole * s.large_motion->step_sums.net[static_cast<int>(direction)];
   measure_base(s, row);
   if (s.monitor.blocks.empty()) return;
-  row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, s.monitor.blocks);
-  for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   for (const int block : s.monitor.blocks.large_motion) {
     const Vec3 joints = geometry::array(s.large_motion->step_sums.contact_force[block]);
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
   }
-  row.joint_force = force_on_whole(s, row.joint_force);
-  row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
-  row.resistance = -row.joint_force[direction];
+  show_response(s, direction, row);
   row.vertical_force = s.monitor.stands_below ? -row.joint_force[1] : row.joint_force[1];  // compression positive
-  if (!s.controls.floors.empty()) show_roof(s, direction, row);
 }
 
 // Numbers of the monitor on the lattice.
 void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
-  // Forces are those of the last evaluation of the laws. The displacement is that of the same time.
-  row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, s.monitor.blocks);
-  for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   MonitorSide side;
   for (const int b : s.monitor.blocks.bodies) {
     const Vec3 joints = joint_force(s, b);
@@ -79,10 +74,7 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
     const Vec3 joints = has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.sums[chunk].on_monitor;
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
   }
-  row.joint_force = force_on_whole(s, row.joint_force);
-  row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
-  row.resistance = -row.joint_force[direction];
-  if (!s.controls.floors.empty()) show_roof(s, direction, row);
+  show_response(s, direction, row);
   const double whole = s.model.assembly.symmetry_factor;
   row.dynamic_force = whole * s.model.total_mass() * s.data.gravity[direction];
   for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {

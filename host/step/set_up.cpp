@@ -116,8 +116,8 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   s.lattice.bodies.clear(), s.lattice.place.clear(), s.controls.ramps.clear();
   s.inertia.shared_dt_over_mass.clear(), s.inertia.tables.clear();
   s.lattice.law_state.clear(), s.contacts.calls.clear();
-  s.monitor.blocks = {}, s.monitor.points.clear(), s.controls.ramped_bodies.clear(),
-  s.small_motion.whole_motions.clear();
+  s.monitor.blocks = {};
+  s.monitor.points.clear(), s.controls.ramped_bodies.clear(), s.small_motion.whole_motions.clear();
   s.controls.find_loaded_blocks(s.model);
   s.division.measured.resize(s.model.unit_groups.size() + s.model.body_groups.size() + s.model.lone_bodies.size());
   s.lattice.bodies.resize(s.model.body_groups.size() + s.model.lone_bodies.size());

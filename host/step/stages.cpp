@@ -165,9 +165,8 @@ double stage_fraction(const Simulation::Impl& s) {
   }
   if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    const WatchedBlocks& watched = s.controls.floors.empty() ? s.monitor.blocks : s.controls.floors.back();
-    fraction =
-        std::max(fraction, std::abs(displacement_now(s, watched)[c] - s.monitor.start[c]) / *settings.displacement);
+    const double moved = displacement_now(s, shown_blocks(s))[c] - s.monitor.start[c];
+    fraction = std::max(fraction, std::abs(moved) / *settings.displacement);
   }
   return fraction;
 }

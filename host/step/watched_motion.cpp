@@ -39,6 +39,10 @@ bool add_named(const Simulation::Impl& s, const std::string& name, WatchedBlocks
   return to.count() > before;
 }
 
+const WatchedBlocks& shown_blocks(const Simulation::Impl& s) {
+  return s.controls.floors.empty() ? s.monitor.blocks : s.controls.floors.back();
+}
+
 Vec3 displacement_now(const Simulation::Impl& s, const WatchedBlocks& blocks) {
   if (s.large_motion) return block_translation(s, blocks.large_motion);
   return mean_on_lattice(s, blocks, &BodyLanes::displacement, s.lattice.displacement);

@@ -57,16 +57,7 @@ TEST_F(Limit, HasTheConstantLoadsOfItsStage) {
   for (const std::string load : {"[[stage.pressure]]\nnormal = [0, 1, 0]\npressure = 19620.0\n",
                                  "[[stage.force]]\npoint = [0.5, 1.0, 0.5]\nforce = [0, -19620.0, 0]\n"}) {
     const std::string path = (folder_ / "block.toml").string();
-    std::ofstream(path) << R"(
-[materials.stone]
-density = 2000.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = 30.0
-[[block]]
+    std::ofstream(path) << kDryStone << R"([[block]]
 name = "ground"
 material = "stone"
 fixed = true

@@ -21,6 +21,18 @@ inline std::string read_all(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+// Head of a scene of dry stone.
+inline const std::string kDryStone = R"(
+[materials.stone]
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 30.0
+)";
+
 class Cli : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -34,16 +34,7 @@ class Stages : public Cli {
     ADD_FAILURE() << "no column " << column;
     return 0.0;
   }
-  static constexpr const char* kBlocks = R"(
-[materials.stone]
-density = 2000.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = 30.0
-[[block]]
+  inline static const std::string kBlocks = kDryStone + R"([[block]]
 name = "ground"
 material = "stone"
 fixed = true

@@ -152,12 +152,16 @@ Vector left_over_at(const Simulation::Impl& s, const Vector& from, const Vector&
   return from + (ramp > 0.0 ? smooth_step((time - s.progress.stage_start) / ramp) : 1.0) * (to - from);
 }
 
-// Current velocity of the ground below springs, m/s, at the end of the stage before, where no block has it.
+// Velocity of the ground below springs that no block has, m/s, in a stage that runs.
+Vector velocity_below_springs(const Simulation::Impl& s, const Stage& stage, double time) {
+  const Vector& left = s.actions.ground_left;
+  return left_over_at(s, left, stage.ramp_time > 0.0 ? Vector{} : left, time) + record_velocity(s, stage, time, 0);
+}
+
+// That at the end of the stage before, with which this one begins.
 Vector left_below_springs(const Simulation::Impl& s, const Stage* previous) {
   if (s.actions.ground_drive() || !is_on_springs(s) || !previous) return {};
-  const Vector to = previous->ramp_time > 0.0 ? Vector{} : s.actions.ground_left;
-  const Vector left =
-      left_over_at(s, s.actions.ground_left, to, time_now(s)) + record_velocity(s, *previous, time_now(s), 0);
+  const Vector left = velocity_below_springs(s, *previous, time_now(s));
   return norm(left) <= kGroundAtRest ? Vector{} : left;
 }
 
@@ -202,11 +206,10 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
 void follow_ground(Simulation::Impl& s, const Stage& settings, double) {
   const Drive* const ground = s.actions.ground_drive();
   if (!ground && !is_on_springs(s)) return s.large_motion->move_ground({}, {});
-  const Vector from = ground ? ground->velocity_from : s.actions.ground_left, to = ground ? ground->velocity_to
-                                                                                   : settings.ramp_time > 0.0 ? Vector{}
-                                                                                                              : from;
   const auto velocity = [&](double time) {
-    return left_over_at(s, from, to, time) + record_velocity(s, settings, time, ground ? ground->motion : 0);
+    if (!ground) return velocity_below_springs(s, settings, time);
+    return left_over_at(s, ground->velocity_from, ground->velocity_to, time) +
+           record_velocity(s, settings, time, ground->motion);
   };
   const double now = s.large_motion->stepping.time;
   s.large_motion->move_ground(velocity(now - 0.5 * s.large_motion->stepping.dt), velocity(now));
