@@ -73,7 +73,7 @@ nlohmann::ordered_json json_of(const GroundRecord& record, const std::vector<Com
                                const Options& options) {
   nlohmann::ordered_json json;
   json["record"] = record.source;
-  json["recorded_as"] = motion_unit(record.kind);
+  json["recorded_as"] = recorded_units(record);
   json["samples"] = record.time.size();
   json["duration_s"] = record.time.back() - record.time.front();
   json["scale"] = options.scale;
@@ -156,7 +156,7 @@ void run(Options options) {
   const std::vector<ComponentSpectrum> spectra = spectra_of(record, options);
 
   fmt::print("{}: {} samples, {:g} s, recorded in {}\n", printable(record.source), record.time.size(),
-             record.time.back() - record.time.front(), motion_unit(record.kind));
+             record.time.back() - record.time.front(), recorded_units(record));
   fmt::print("{:<16} {:>9} {:>9} {:>9} {:>12} {:>12} {:>9} {:>9}\n", "component", "PGA m/s2", "PGV m/s", "PGD m",
              "v at end m/s", "u at end m", "Arias m/s", "D5-95 s");
   for (const ComponentSpectrum& c : spectra) {

@@ -97,15 +97,15 @@ class Lines {
 };
 
 // A record of one component with equal steps from 0 s. stated: number of values by the header.
-GroundRecord even_record(const Lines& lines, std::string name, MotionKind kind, double step, double stated,
+GroundRecord even_record(const Lines& lines, std::string name, const Unit& unit, double step, double stated,
                          std::vector<double> values) {
   if (stated != static_cast<double>(values.size()))
     lines.refuse(fmt::format("the header states {} values, the file has {}; is it complete?", stated, values.size()));
   if (values.size() < 2) lines.refuse(fmt::format("{} values; allowed: at least 2", values.size()));
   GroundRecord record;
-  record.source = lines.file(), record.kind = kind;
+  record.source = lines.file(), record.kind = unit.kind;
   for (std::size_t i = 0; i < values.size(); ++i) record.time.push_back(static_cast<double>(i) * step);
-  record.components.push_back({std::move(name), std::move(values)});
+  record.components.push_back({std::move(name), std::move(values), unit.name});
   return record;
 }
 
@@ -139,7 +139,7 @@ GroundRecord read_peer(const Lines& lines) {
   if (!count || !step) lines.refuse(3, "NPTS and DT are missing; allowed: NPTS= 5366, DT= .0050 SEC");
   const std::string station = trimmed(lines[1]);
   const auto comma = station.find_last_of(',');
-  return even_record(lines, comma == std::string::npos ? "component" : trimmed(station.substr(comma + 1)), unit->kind,
+  return even_record(lines, comma == std::string::npos ? "component" : trimmed(station.substr(comma + 1)), *unit,
                      lines.positive(3, *step, "DT"), lines.positive(3, *count, "NPTS"),
                      lines.numbers_from(4, unit->factor));
 }
@@ -171,7 +171,7 @@ GroundRecord read_esm(const Lines& lines) {
   }
   if (step == 0.0 || count == 0.0 || !unit)
     lines.refuse("the header lacks SAMPLING_INTERVAL_S, NDATA or UNITS; is it an ESM file of processed data?");
-  return even_record(lines, stream, unit->kind, step, count, lines.numbers_from(kEsmHeaderLines, unit->factor));
+  return even_record(lines, stream, *unit, step, count, lines.numbers_from(kEsmHeaderLines, unit->factor));
 }
 
 std::vector<std::string> cells_of(std::string line, char separator) {
@@ -257,10 +257,10 @@ class CsvRecord {
       if (kind && *kind != unit->kind)
         lines_.refuse(line, fmt::format("column {} is in {}, column 2 in {}; allowed: accelerations, velocities or "
                                         "displacements, not a mixture",
-                                        c + 1, motion_unit(unit->kind), motion_unit(*kind)));
+                                        c + 1, unit->name, record_.components.front().unit));
       kind = unit->kind;
       factors_.push_back(unit->factor);
-      record_.components.push_back({unit == &kUnits[0] && unit_name != unit->name ? cells[c] : name, {}});
+      record_.components.push_back({unit == &kUnits[0] && unit_name != unit->name ? cells[c] : name, {}, unit->name});
     }
     record_.kind = *kind;
   }
@@ -270,7 +270,8 @@ class CsvRecord {
       if (cells.size() < 2) lines_.refuse(line, "one number; allowed: a time and at least one value");
       record_.assumptions.push_back(fmt::format("{}: times are in s, values are accelerations in m/s2", lines_.file()));
       for (std::size_t c = 1; c < cells.size(); ++c) {
-        record_.components.push_back({cells.size() == 2 ? "acceleration" : fmt::format("column {}", c + 1), {}});
+        record_.components.push_back(
+            {cells.size() == 2 ? "acceleration" : fmt::format("column {}", c + 1), {}, kUnits[0].name});
         factors_.push_back(1.0);
       }
     }
@@ -314,7 +315,7 @@ GroundRecord read_record(const std::vector<std::string>& files) {
     GroundRecord next = read_record(files[i]);
     if (next.kind != record.kind)
       throw Error(Exit::bad_input, fmt::format("{} is in {}, {} in {}; allowed: one kind", files[i],
-                                               motion_unit(next.kind), files[0], motion_unit(record.kind)));
+                                               recorded_units(next), files[0], recorded_units(record)));
     if (next.time != record.time)
       throw Error(Exit::bad_input,
                   fmt::format("{} has {} times up to {} s, {} has {} up to {} s; allowed: the same times", files[i],

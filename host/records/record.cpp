@@ -1,5 +1,8 @@
 #include "records/record.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -52,16 +55,12 @@ double time_of(const std::vector<double>& time, const std::vector<double>& sum, 
 
 }  // namespace
 
-const char* motion_unit(MotionKind kind) {
-  switch (kind) {
-    case MotionKind::acceleration:
-      return "m/s2";
-    case MotionKind::velocity:
-      return "m/s";
-    case MotionKind::displacement:
-      return "m";
+std::string recorded_units(const GroundRecord& record) {
+  std::vector<std::string> units;
+  for (const RecordComponent& component : record.components) {
+    if (std::find(units.begin(), units.end(), component.unit) == units.end()) units.push_back(component.unit);
   }
-  return "";
+  return fmt::format("{}", fmt::join(units, ", "));
 }
 
 MotionHistory integrate_acceleration(const TimeSeries& acceleration) {

@@ -12,12 +12,12 @@ inline constexpr double kStandardGravity = 9.80665;  // m/s2: the unit "g" of re
 
 // Quantity of the values of a record.
 enum class MotionKind { acceleration, velocity, displacement };  // m/s2, m/s, m
-const char* motion_unit(MotionKind kind);                        // "m/s2", "m/s", "m"
 
 // One component of a record.
 struct RecordComponent {
   std::string name;           // name in the file: "HNE", "x", "acceleration"
   std::vector<double> value;  // SI, one per time
+  std::string unit{};         // unit in the file: "g"; empty: of no file
 };
 
 // Components with common times. Values are linear in time between samples and 0 before the first one.
@@ -28,6 +28,9 @@ struct GroundRecord {
   std::vector<RecordComponent> components;  // at least one
   std::vector<std::string> assumptions;     // sentences: units or times that the source does not state
 };
+
+// Units in the files of a record, each once: "g", or "g, cm/s2".
+std::string recorded_units(const GroundRecord& record);
 
 // Velocity (m/s) and displacement (m) at the samples, from rest at the first one. They are the exact integrals of an
 // acceleration that is linear between samples.

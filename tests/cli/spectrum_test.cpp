@@ -28,7 +28,7 @@ class Spectrum : public Cli {
 // Damped response to a step: Sd = (a/w^2)(1 + exp(-pi z/sqrt(1 - z^2))) at half a damped period. Tolerance 0.05 %.
 TEST_F(Spectrum, OfAStepIsThatOfTheClosedForm) {
   ASSERT_EQ(quoin({"spectrum", step_record(), "--damping", "0.05", "--out", out()}), 0) << error_;
-  EXPECT_THAT(out_, HasSubstr("1001 samples, 10 s, recorded in m/s2"));
+  EXPECT_THAT(out_, HasSubstr("1001 samples, 10 s, recorded in g\n"));
   std::istringstream csv(read_all(fs::path(out()) / "spectrum.csv"));
   std::string line;
   std::getline(csv, line);
@@ -47,6 +47,7 @@ TEST_F(Spectrum, OfAStepIsThatOfTheClosedForm) {
   const auto json = nlohmann::json::parse(read_all(fs::path(out()) / "spectrum.json"));
   EXPECT_NEAR(json["components"][0]["end_velocity_m_s"], 9.80665, 1e-9);
   EXPECT_EQ(json["components"][0]["name"], "090");
+  EXPECT_EQ(json["recorded_as"], "g");
 }
 
 TEST_F(Spectrum, BadInputIsNamedAndLeavesNothing) {

@@ -101,6 +101,7 @@ TEST_F(ReadRecord, CsvWithUnits) {
   EXPECT_NEAR(record.components[0].value[0], 0.980665, 1e-12);
   EXPECT_THAT(record.components[1].value, ElementsAre(0.05, -0.05));
   EXPECT_TRUE(record.assumptions.empty());
+  EXPECT_EQ(recorded_units(record), "g, cm/s2");
   const GroundRecord underscores = read_record(file("j.csv", "time_s;x_mm\n0;1\n1;2\n"));
   EXPECT_EQ(underscores.kind, MotionKind::displacement);
   EXPECT_THAT(underscores.components[0].value, ElementsAre(0.001, 0.002));
@@ -119,7 +120,8 @@ TEST_F(ReadRecord, FaultsAreNamedWithTheirPlace) {
   EXPECT_THAT(fault("m.csv", "time_s,x_g\n0,1\n0,2\n"), HasSubstr("m.csv:3: '0,2': the time 0 s does not lie after"));
   EXPECT_THAT(fault("n.csv", "time_s,x_g\n0,1\n1\n"), HasSubstr("n.csv:3"));
   EXPECT_THAT(fault("o.csv", "time_s,x_g\n0,1\n1,inf\n"), HasSubstr("'inf'; allowed: a finite number"));
-  EXPECT_THAT(fault("p.csv", "time_s,x_g,y_mm\n0,1,1\n1,1,1\n"), HasSubstr("not a mixture"));
+  EXPECT_THAT(fault("p.csv", "time_s,x_g,y_mm\n0,1,1\n1,1,1\n"),
+              AllOf(HasSubstr("column 3 is in mm, column 2 in g"), HasSubstr("not a mixture")));
   EXPECT_THAT(fault("q.csv", "time (h), x (g)\n0,1\n1,1\n"), HasSubstr("the unit 'h' of the time"));
   EXPECT_THAT(fault("r.csv", "time (s), x (ft/s2)\n0,1\n1,1\n"), HasSubstr("unit 'ft/s2'"));
   EXPECT_THAT(fault("s.csv", "time_s,x_g\n0,1\n"), HasSubstr("1 rows of numbers"));
