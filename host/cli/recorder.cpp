@@ -100,9 +100,10 @@ void Recorder::finish_tables() {
 }
 
 void Recorder::on_pause(const Simulation& simulation, bool) {
-  if (monitors_) monitors_->flush();
   try {
-    write_checkpoint(checkpoint_, identity_, {history_.rows(), frames_.times(), modes_}, simulation);
+    ResultsSoFar results{history_.rows(), frames_.times(), modes_};
+    if (monitors_) results.monitor_rows = monitors_->rows();
+    write_checkpoint(checkpoint_, identity_, results, simulation);
   } catch (const Error& error) {  // the run continues, and earlier results remain
     std::error_code unknown;
     if (const fs::path folder = checkpoint_.parent_path(); !fs::exists(folder, unknown) && !unknown)

@@ -192,9 +192,6 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   }
   std::vector<Monitor> monitors =
       monitors_of(simulation.scene().text, simulation.scene().file, options.scene.overrides);
-  const auto of_monitors = goes_on && !before.results.rows.empty()
-                               ? read_monitor_rows(folder, before.results.rows.back().step)
-                               : std::vector<std::vector<double>>{};
   // Removes results of an earlier run, so that those of a failed run are not mistaken for them.
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
     return resumed && is_kept(name, before.results.frame_times.size());
@@ -208,7 +205,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   if (!monitors.empty() && ranks)
     recorder.progress().message("quoin: no monitors.csv, as no rank has all blocks; run it in one process for that");
   else if (!monitors.empty())
-    recorder.follow(folder, simulation, std::move(monitors), of_monitors);
+    recorder.follow(folder, simulation, std::move(monitors), before.results.monitor_rows);
   say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
   if (options.serve >= 0) recorder.serve(options.serve, folder, simulation);
   run_and_keep(folder, simulation, surfaces, options, recorder, info, exit_code);

@@ -31,7 +31,7 @@ namespace {
 struct Head {
   std::array<char, 8> mark{'Q', 'U', 'O', 'I', 'N', 'R', 'U', 'N'};
   std::uint32_t word_order = 0x01020304;
-  std::uint32_t format = 3;
+  std::uint32_t format = 4;
   std::array<std::uint8_t, 4> word_sizes{sizeof(int), sizeof(long), sizeof(void*), sizeof(double)};
   std::uint32_t unused = 0;
   std::uint64_t bytes = 0;     // size of the rest of the file
@@ -112,6 +112,7 @@ void transfer_results(Archive& archive, Results& results) {
     a.array(of_stage.modes);
     a.array(of_stage.why_none);
   });
+  archive.list(results.monitor_rows, [](auto& a, auto& row) { a.array(row); });
 }
 
 void add_series(const TimeSeries& series, Sha256& hash) {

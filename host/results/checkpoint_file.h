@@ -34,9 +34,10 @@ struct StoredState {
 
 // Results of a run up to a checkpoint, beside the state.
 struct ResultsSoFar {
-  std::vector<HistoryRow> rows;     // rows of the history
-  std::vector<double> frame_times;  // s, of the VTK frames
-  std::vector<StageModes> modes;    // modes of stages with ground motion
+  std::vector<HistoryRow> rows;                     // rows of the history
+  std::vector<double> frame_times;                  // s, of the VTK frames
+  std::vector<StageModes> modes;                    // modes of stages with ground motion
+  std::vector<std::vector<double>> monitor_rows{};  // rows of monitors.csv
 };
 
 struct Checkpoint {

@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "base/index.h"
-#include "base/number_text.h"
 #include "files/csv_text.h"
 #include "files/file.h"
 #include "results/json_file.h"
@@ -40,33 +39,6 @@ void name_motion(const std::string& prefix, std::vector<std::string>& columns) {
 }
 
 }  // namespace
-
-std::vector<std::vector<double>> read_monitor_rows(const fs::path& folder, long last_step) {
-  // The temporary file of a killed process has that process's mark in its name.
-  fs::path found = file_in(folder);
-  const std::string begins = found.filename().string() + ".";
-  std::error_code unknown;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, unknown)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with(begins) && name.ends_with(".part")) found = entry.path();
-  }
-  std::ifstream stream(found);
-  std::vector<std::vector<double>> rows;
-  std::string line;
-  std::getline(stream, line);
-  while (std::getline(stream, line)) {
-    std::vector<double> values;
-    for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
-      end = line.find(',', begin);
-      double value = kNone;
-      if (!parse_number(std::string_view(line).substr(begin, end - begin), value)) value = kNone;
-      values.push_back(value);
-    }
-    if (!(values[0] <= static_cast<double>(last_step))) break;
-    rows.push_back(std::move(values));
-  }
-  return rows;
-}
 
 std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std::vector<Monitor>& monitors) {
   const blocks::Model* const model = simulation.large_motion();
@@ -115,9 +87,7 @@ MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, s
   stream_.open(begin_file(file_in(folder)), std::ios::trunc);
   for (std::size_t i = 0; i < columns_.size(); ++i) stream_ << (i == 0 ? "" : ",") << columns_[i];
   stream_ << '\n';
-  for (const std::vector<double>& row : before) {
-    if (row.size() == columns_.size()) write(row);
-  }
+  for (const std::vector<double>& row : before) write(row);
 }
 
 // Called again after promotion to large motion, whose gridpoints have another order.

@@ -11,9 +11,6 @@
 
 namespace quoin {
 
-// Rows of an earlier process up to a step. Empty: there is no such file.
-std::vector<std::vector<double>> read_monitor_rows(const std::filesystem::path& folder, long last_step);
-
 // Where a monitor measures.
 struct MonitorPlace {
   std::vector<std::pair<int, int>> gridpoint;  // block and gridpoint; -1: mean of all
@@ -30,8 +27,8 @@ class MonitorFile {
               const std::vector<std::vector<double>>& before);
   // Throw Error(bad_input) where the files cannot be written.
   void add(const HistoryRow& row);
-  void flush() { stream_.flush(); }  // before a checkpoint, whose rows must be on the disk
   void finish();
+  const std::vector<std::vector<double>>& rows() const { return rows_; }
 
  private:
   struct Motion {

@@ -128,6 +128,31 @@ TEST_F(Monitors, GoOnWhereAKilledRunWasLeft) {
     EXPECT_EQ(read_all(fs::path(cut) / file), read_all(fs::path(whole) / file)) << file;
 }
 
+// A run that is killed while it starts leaves monitors.csv cut short, under the name of its partial file.
+TEST_F(Monitors, GoOnAfterARunThatWasKilledWhileItStarted) {
+  const std::string path = scene(both_, 3.0);
+  const std::string whole = (folder_ / "whole").string(), cut = (folder_ / "cut").string();
+  ASSERT_EQ(quoin({"run", path, "--out", whole, "--threads", "1", "--checkpoint-every", "0"}), 0) << error_;
+  const pid_t child =
+      start({QUOIN_PROGRAM, "run", path, "--out", cut, "--threads", "1", "--checkpoint-every", "0.005"});
+  while (!fs::exists(fs::path(cut) / "checkpoint.bin") && waitpid(child, nullptr, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  kill(child, SIGKILL);
+  finish(child);
+  int parts = 0;
+  for (const auto& entry : fs::directory_iterator(cut)) {
+    if (!entry.path().filename().string().starts_with("monitors.csv.")) continue;
+    fs::resize_file(entry.path(), fs::file_size(entry.path()) / 4);
+    ++parts;
+  }
+  ASSERT_EQ(parts, 1);
+  ASSERT_EQ(quoin({"run", "--resume", cut, "--threads", "1"}), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("resumed at step"));
+  for (const char* file : {"monitors.csv", "monitors.json", "history.csv"})
+    EXPECT_EQ(read_all(fs::path(cut) / file), read_all(fs::path(whole) / file)) << file;
+}
+
 // Monitors on the lattice, and in large motion after a promotion by ground motion.
 TEST_F(Monitors, FollowAWallFromTheLatticeIntoLargeMotion) {
   const std::string path = (folder_ / "wall.toml").string();
