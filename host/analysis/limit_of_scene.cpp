@@ -18,6 +18,7 @@
 #include "members/linear.h"
 #include "members/members.h"
 #include "scene/from_bricks.h"
+#include "scene/generate.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
 #include "step/findings.h"
@@ -42,6 +43,7 @@ const Stage& moving_stage(const Scene& scene) {
 // Gravity and direction of the first collapse stage, or gravity of the stage with the moving load. Else gravity of the
 // first stage that has some. Returns the stage with this gravity, whose loads are constant.
 const Stage& find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
+  limit->halved = scene.wall && scene.wall->half_thickness;
   const Stage* loaded = nullptr;
   for (const Stage& stage : scene.stages) {
     const bool weighs = stage.gravity != Vec3{};
@@ -61,6 +63,11 @@ const Stage& find_loads(const Scene& scene, const LimitOptions& options, SceneLi
   if (limit->direction && !(norm(*limit->direction) > 0.0 && std::isfinite(norm(*limit->direction))))
     throw Error(Exit::bad_input,
                 fmt::format("{}: the direction of the load is no direction: --direction X Y Z, not all 0", scene.file));
+  if (limit->halved && limit->direction && limit->direction->z != 0.0)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: limit: the load acts along z, across the plane of symmetry of a wall with "
+                            "half_thickness = true; make wall.half_thickness false, or z of --direction 0",
+                            scene.file));
   if (limit->direction) limit->direction = normalized(*limit->direction);
   if (!std::isfinite(options.given)) throw Error(Exit::bad_input, "limit: the given multiplier is not a finite number");
   if (options.given != 0.0 && !limit->direction)
@@ -167,6 +174,18 @@ void guide(int block, const Vector& at, const std::vector<Vector>& free, bool tu
     const LimitForce::Place place =
         turns ? LimitForce::Place{block, at, {}, way} : LimitForce::Place{block, at, way, {}};
     limit->problem.forces.push_back({{place}});
+  }
+}
+
+// A plane of symmetry at z = 0 leaves a block motions along x and y, and rotation about z.
+void keep_on_plane(SceneLimit* limit) {
+  for (std::size_t k = 0; k < limit->block_count; ++k) {
+    const LimitBlock& block = limit->problem.blocks[k];
+    if (block.fixed) continue;
+    const auto i = static_cast<int>(k);
+    guide(i, block.centre, {{1, 0, 0}, {0, 1, 0}}, false, limit);
+    for (const Vector& axis : {Vector{1, 0, 0}, Vector{0, 1, 0}})
+      limit->problem.forces.push_back({{{i, block.centre, {}, axis}}});
   }
 }
 
@@ -280,46 +299,38 @@ std::vector<Wrench> pull_of(const SceneLimit& limit, const Vector& acceleration)
   return pull;
 }
 
+blocks::Assembly assembly_of(const Simulation& simulation) {
+  const blocks::Model* const shapes = simulation.large_motion();
+  return shapes ? shapes->assembly : blocks::from_bricks(simulation.assembly());
+}
+
 // Assembles the problem: rigid blocks, and a force at each contact point. Weights follow from the outlines of the
 // blocks.
 void assemble(const Simulation& simulation, double given, const Stage& loaded, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
-  const blocks::Model* const shapes = simulation.large_motion();
+  const blocks::Assembly assembly = assembly_of(simulation);
   for (int i = 0; i < static_cast<int>(simulation.block_count()); ++i) {
-    const auto k = static_cast<std::size_t>(i);
+    const blocks::Block& input = assembly.blocks[static_cast<std::size_t>(i)];
     std::vector<Vector> corners;
     for (const Vec3& x : block_mesh(simulation, i).gridpoint) corners.push_back(geometry::vector(x));
-    std::string name;
-    double density = 0.0;
     LimitBlock block;
-    if (shapes) {
-      const blocks::Block& input = shapes->assembly.blocks[k];
-      name = input.name, density = shapes->assembly.materials[static_cast<std::size_t>(input.material)].density;
-      block.fixed = input.fixed;
-    } else {
-      const Brick& brick = simulation.assembly().bricks[k];
-      name = brick.body, density = simulation.assembly().materials[static_cast<std::size_t>(brick.material)].density;
-      block.fixed = brick.fixed || brick.body.starts_with("bottom_beam");
-    }
-    const geometry::MassProperties mass = mass_properties(geometry::from_vertices(corners, name));
-    double weighs = density * mass.volume;
-    Vector moment = weighs * mass.centroid;
-    if (shapes) {
-      const blocks::Block& input = shapes->assembly.blocks[k];
-      weighs += input.spread_mass, moment += input.spread_mass * mass.centroid;
-      for (const blocks::PointMass& point : input.masses) weighs += point.mass, moment += point.mass * point.at;
-    }
-    block.centre = weighs > density * mass.volume ? moment / weighs : mass.centroid;
+    block.fixed = input.fixed || is_ground(scene, input.name);
+    const geometry::MassProperties mass = mass_properties(geometry::from_vertices(corners, input.name));
+    block.centre = input.centre.value_or(mass.centroid);
+    double weighs =
+        assembly.materials[static_cast<std::size_t>(input.material)].density * mass.volume + input.spread_mass;
+    Vector moment = weighs * block.centre;
+    for (const blocks::PointMass& point : input.masses) weighs += point.mass, moment += point.mass * point.at;
+    if (!input.masses.empty()) block.centre = moment / weighs;
     limit->masses.push_back({i, weighs, block.centre, {}});
     limit->problem.blocks.push_back(block);
-    limit->names.push_back(name);
+    limit->names.push_back(input.name);
     const Vector& x = block.centre;
     limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", block_label(simulation, i), x.x, x.y, x.z));
   }
   std::map<std::string, Strength> strengths;  // strengths of families that have points
-  const std::vector<JointFamily>& families = shapes ? shapes->assembly.families : simulation.assembly().families;
   for (const ContactPoint& p : contact_points(simulation)) {
-    const std::string& family = families[static_cast<std::size_t>(p.family)].name;
+    const std::string& family = assembly.families[static_cast<std::size_t>(p.family)].name;
     if (!strengths.contains(family)) strengths[family] = strength_of(scene.joints.at(family), scene.file);
     const Strength& s = strengths.at(family);
     limit->problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
@@ -327,8 +338,10 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
   }
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
+  const blocks::Model* const shapes = simulation.large_motion();
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
-  add_constant_loads(loaded, shapes ? shapes->assembly : blocks::from_bricks(simulation.assembly()), limit);
+  if (limit->halved) keep_on_plane(limit);
+  add_constant_loads(loaded, assembly, limit);
   const std::vector<Wrench> dead = pull_of(*limit, limit->gravity);
   const std::vector<Wrench> live =
       pull_of(*limit, limit->direction ? norm(limit->gravity) * *limit->direction : Vector{});
@@ -343,14 +356,14 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
   }
 }
 
-void require_supports(const std::string& file, const SceneLimit& limit) {
+void require_supports(const Scene& scene, const SceneLimit& limit) {
   const std::vector<LimitBlock>& blocks = limit.problem.blocks;
   if (std::none_of(blocks.begin(), blocks.end(), [](const LimitBlock& b) { return b.fixed; })) {
     std::vector<int> all(blocks.size());
     std::iota(all.begin(), all.end(), 0);
     throw Error(Exit::bad_input,
-                fmt::format("{}: no block is fixed, so nothing holds the others; give one fixed = true:{}", file,
-                            blocks_text(limit, all)));
+                fmt::format("{}: no block is fixed, so nothing holds the others; give {}:{}", scene.file,
+                            scene.wall ? "wall.bottom_beam = true" : "one fixed = true", blocks_text(limit, all)));
   }
   const std::vector<int> loose = unconnected_blocks(limit.problem);
   if (!loose.empty())
@@ -358,7 +371,7 @@ void require_supports(const std::string& file, const SceneLimit& limit) {
         Exit::bad_input,
         fmt::format("{}: no chain of joints leads to a fixed block from {} block(s), so nothing holds them:{}\n  "
                     "let them touch what is fixed, or leave them out",
-                    file, loose.size(), blocks_text(limit, loose)));
+                    scene.file, loose.size(), blocks_text(limit, loose)));
 }
 
 LimitResult solved(const std::string& file, const SceneLimit& limit, const LimitProblem& problem,
@@ -376,9 +389,10 @@ LimitResult solved(const std::string& file, const SceneLimit& limit, const Limit
   throw Error(Exit::numerical, fmt::format("{}: the linear programme was not solved: residuals are left", file));
 }
 
-// Smallest margin of four loads: the weight along x and z, in both directions.
+// Smallest margin of four loads: the weight along x and z, in both directions. Two where a plane of symmetry holds z.
 void find_least_margin(const std::string& file, const LimitSettings& settings, SceneLimit* limit) {
   for (const Vector& way : {Vector{1, 0, 0}, Vector{-1, 0, 0}, Vector{0, 0, 1}, Vector{0, 0, -1}}) {
+    if (limit->halved && way.z != 0.0) continue;
     LimitProblem pushed = limit->problem;
     const std::vector<Wrench> live = pull_of(*limit, norm(limit->gravity) * way);
     for (std::size_t k = 0; k < live.size(); ++k) pushed.blocks[k].live = live[k];
@@ -439,9 +453,8 @@ void find_moving(const Simulation& simulation, const LimitOptions& options, Scen
   const Scene& scene = simulation.scene();
   const Stage& stage = moving_stage(scene);
   limit->moving_force = geometry::vector(stage.moving_load->force);
-  const blocks::Model* const shapes = simulation.large_motion();
-  const std::vector<blocks::LoadPlace> places = blocks::places_of(
-      *stage.moving_load, shapes ? shapes->assembly : blocks::from_bricks(simulation.assembly()), stage.source.text);
+  const std::vector<blocks::LoadPlace> places =
+      blocks::places_of(*stage.moving_load, assembly_of(simulation), stage.source.text);
   LimitProblem& problem = limit->problem;
   for (LimitBlock& b : problem.blocks) b.live = {};
   Wrench worst;
@@ -491,7 +504,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
   SceneLimit limit;
   const Stage& loaded = find_loads(simulation.scene(), options, &limit);
   assemble(simulation, options.given, loaded, &limit);
-  require_supports(file, limit);
+  require_supports(simulation.scene(), limit);
   limit.stands = stands(limit.problem, options.settings, options.friction);
   // If normal forces alone carry all loads, they do so without dilation too.
   const bool needs_friction = limit.stands.friction && *limit.stands.friction > 0.0;
@@ -569,6 +582,7 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
     json["direction"] = nullptr;
   json["given_multiplier"] = options.given;
   json["gravity_m_s2"] = geometry::array(limit.gravity);
+  json["symmetric_mechanisms_only"] = limit.halved;
   json["blocks"] = limit.block_count, json["contact_points"] = limit.point_count;
   json["facets"] = limit.limit ? limit.limit->facets : options.settings.facets;
   if (limit.limit && !limit.tie_names.empty())

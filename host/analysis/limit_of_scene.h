@@ -69,6 +69,7 @@ struct MovingLimit {
 struct SceneLimit {
   geometry::Vector gravity;                   // m/s2
   std::optional<geometry::Vector> direction;  // none: no collapse stage, and no direction given
+  bool halved = false;                        // half of the thickness is modelled: nothing leaves its plane of symmetry
   // Blocks of the scene, then nodes of floors and beams. dead: weight and constant loads; live: the weight along the
   // direction.
   LimitProblem problem;
@@ -84,7 +85,8 @@ struct SceneLimit {
   std::optional<LimitWithoutDilation> friction;  // smallest factors on friction without dilation
   std::optional<LimitResult> limit;              // if there is a direction and equilibrium
   std::optional<LimitWithoutDilation> without_dilation;
-  // Multiplier left beyond `given`, of associated flow; without a direction the smallest of four horizontal ones.
+  // Multiplier left beyond `given`, of associated flow; without a direction the smallest of four horizontal ones (two
+  // where halved).
   std::optional<double> margin;
   geometry::Vector margin_direction{};
   std::vector<MovingLimit> moving;  // by position; `limit` is then that of the worst position

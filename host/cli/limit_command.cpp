@@ -118,6 +118,8 @@ std::string direction_text(const Vector& d) { return fmt::format("({:g}, {:g}, {
 
 void print_stands(const SceneLimit& limit) {
   const Stands& s = limit.stands;
+  if (limit.halved)
+    fmt::print("half of the thickness is modelled: nothing moves along z, and no load along z is tried\n");
   if (!s.stands)
     fmt::print("does not stand: {:.4f} of the given loads can be carried\n", s.carried);
   else if (!limit.moving.empty())

@@ -312,21 +312,22 @@ double density_of(const World& w, const Block& block) {
 RigidMass rigid_mass(const World& w, const Block& block) {
   const ShapeFacts& facts = w.shapes.facts[size_t(block.shape)];
   const double density = density_of(w, block);
-  RigidMass all{density * facts.mass.volume, facts.mass.centroid, {density * facts.axes.values, facts.axes.vectors}};
+  const Matrix turned = matrix(block.orientation);
+  const auto place_of = [&](const Vector& at) { return transposed_times(turned, at - block.position); };
+  const Vector centre = block.centre ? place_of(*block.centre) : facts.mass.centroid;
+  RigidMass all{density * facts.mass.volume, centre, {density * facts.axes.values, facts.axes.vectors}};
   if (block.masses.empty()) return all;
   const double own = all.mass;
-  const Matrix turned = matrix(block.orientation);
-  const auto place_of = [&](const PointMass& point) { return transposed_times(turned, point.at - block.position); };
-  Vector moment = own * facts.mass.centroid;
-  for (const PointMass& point : block.masses) all.mass += point.mass, moment += point.mass * place_of(point);
+  Vector moment = own * centre;
+  for (const PointMass& point : block.masses) all.mass += point.mass, moment += point.mass * place_of(point.at);
   all.centre = moment / all.mass;
   Matrix inertia = density * facts.mass.inertia;
   const auto add = [&](double mass, const Vector& at) {
     const Vector arm = at - all.centre;
     inertia += mass * (dot(arm, arm) * Matrix{} - outer(arm, arm));
   };
-  add(own, facts.mass.centroid);
-  for (const PointMass& point : block.masses) add(point.mass, place_of(point));
+  add(own, centre);
+  for (const PointMass& point : block.masses) add(point.mass, place_of(point.at));
   all.axes = symmetric_eigen(inertia);
   return all;
 }

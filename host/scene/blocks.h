@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ struct Block {
   bool beam = false;           // a rigid beam or lintel, which is not masonry
   double spread_mass = 0.0;    // kg, additional to that of its volume, with the same distribution
   std::vector<PointMass> masses;
+  std::optional<Vector> centre;  // rigid: centre of its mass without `masses`, m; none: that of its volume
 };
 
 // A new contact of two blocks, on which the choice of its joint family may depend.

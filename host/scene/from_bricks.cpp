@@ -28,6 +28,10 @@ void add_bricks(const quoin::Assembly& bricks, Assembly* assembly) {
     block.position = geometry::vector(brick.origin);
     block.rigid = brick.rigid;
     block.fixed = brick.fixed;
+    if (brick.load_height) {
+      block.centre = block.position + 0.5 * geometry::vector(brick.size);
+      block.centre->y = *brick.load_height;
+    }
     block.unit = brick.unit, block.course = brick.course, block.beam = brick.beam;
     if (!brick.rigid) {
       block.divisions = brick.zones;

@@ -57,15 +57,9 @@ class WallGrid {
   void number_units() {
     int next = 0;
     for (int course = 0; course < wall_.courses; ++course) {
-      bool starts_half = wall_.first_course == "half";
-      if (wall_.bond == "running" && course % 2 == 1) starts_half = !starts_half;
       for (int column = 0; column < columns_; ++column) {
         if (in_opening(wall_.openings, course, column)) continue;
-        const auto* const of = lintel(course, column);
-        const bool second_half = of ? column > of->lintel_first()
-                                    : column > 0 && (column % 2 == 1) != starts_half && !lintel(course, column - 1);
-        const bool same_unit = second_half && unit(course, column - 1) >= 0;
-        unit_[at(course, column)] = same_unit ? unit(course, column - 1) : next++;
+        unit_[at(course, column)] = same_unit(wall_, course, column - 1, column) ? unit(course, column - 1) : next++;
       }
     }
   }
@@ -98,6 +92,20 @@ std::vector<std::string> WallSpec::bottom_beams() const {
   for (size_t part = 1; part <= bottom_beam_cuts.size() + 1; ++part)
     names.push_back("bottom_beam_" + std::to_string(part));
   return names;
+}
+
+bool same_unit(const WallSpec& wall, int course, int half_unit, int other) {
+  const auto [first, last] = std::minmax(half_unit, other);
+  const bool starts_half = (wall.first_course == "half") != (wall.bond == "running" && course % 2 == 1);
+  for (int column = first; column <= last; ++column) {
+    if (column < 0 || in_opening(wall.openings, course, column)) return false;
+    if (column == first) continue;
+    const auto* const of = lintel_at(wall.openings, course, column);
+    const bool second_half = of ? column > of->lintel_first()
+                                : (column % 2 == 1) != starts_half && !lintel_at(wall.openings, course, column - 1);
+    if (!second_half) return false;
+  }
+  return true;
 }
 
 double bed_area(const WallSpec& wall) { return wall.units_per_course * wall.unit[0] * wall.unit[2]; }
@@ -248,11 +256,14 @@ bool stands_on_ground(const Scene& scene) {
          std::ranges::any_of(scene.stages, [](const Stage& s) { return !beyond_lattice(s).empty(); });
 }
 
+bool is_ground(const Scene& scene, const std::string& body) {
+  if (scene.wall && !scene.wall->bottom_beam) return body == "bottom_course";
+  return (scene.wall || scene.building) && body.starts_with("bottom_beam");
+}
+
 void stand_on_ground(const Scene& scene, Assembly& bricks) {
   if (!stands_on_ground(scene)) return;
-  const auto is_beam = [](const Brick& brick) { return brick.body.starts_with("bottom_beam"); };
-  const bool on_beam = std::ranges::any_of(bricks.bricks, is_beam);
-  for (Brick& brick : bricks.bricks) brick.fixed = on_beam ? is_beam(brick) : brick.body == "bottom_course";
+  for (Brick& brick : bricks.bricks) brick.fixed = is_ground(scene, brick.body);
 }
 
 }  // namespace quoin

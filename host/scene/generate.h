@@ -22,8 +22,13 @@ Assembly assemble(const Scene& scene);
 // Whether the bottom beams of a wall or building, or else its bottom course, are the ground: where a stage acts on
 // blocks.
 bool stands_on_ground(const Scene& scene);
-// Fixes them, in such scenes alone.
+// Whether a body of this name is of that ground, whatever acts.
+bool is_ground(const Scene& scene, const std::string& body);
+// Fixes the ground, in scenes that stand on it alone.
 void stand_on_ground(const Scene& scene, Assembly& bricks);
+
+// Whether two half units of a course are of one unit.
+bool same_unit(const WallSpec& wall, int course, int half_unit, int other);
 
 // Gross area of a bed joint, m2, over the whole thickness.
 double bed_area(const WallSpec& wall);

@@ -21,13 +21,28 @@ bool is_called(const toml::node& element, const std::string& list, const std::st
   return called(element, list) == name;
 }
 
-std::string names_in(const toml::array& elements, const std::string& list) {
+// What to do about an element that a list does not have.
+std::string elements_of(const toml::array& elements, const std::string& list) {
   std::string names;
   for (const toml::node& element : elements) {
     if (const std::string name = called(element, list); !name.empty())
       names += fmt::format("{}'{}'", names.empty() ? " (" : ", ", name);
   }
-  return names.empty() ? "" : names + ")";
+  return fmt::format("{}{}", elements.size(),
+                     names.empty() ? "; count from 1" : names + "); count from 1 or use its name");
+}
+
+// Passes the value to `set`, with its type in TOML.
+template <class Set>
+void set_value(const std::string& value, const std::string& key, const Set& set) {
+  try {
+    refuse_unfit_toml(value, key);
+    toml::table parsed = toml::parse("value = " + value);
+    if (parsed.size() != 1) throw Error(Exit::bad_input, "");
+    parsed.get("value")->visit([&](auto& v) { set(std::move(v)); });
+  } catch (const std::exception&) {
+    set(value);  // not TOML: a text without quotes
+  }
 }
 
 }  // namespace
@@ -44,8 +59,9 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
   for (std::stringstream stream(path); stream.good();) std::getline(stream, keys.emplace_back(), '.');
   if (keys.size() > static_cast<size_t>(kMostKeyParts))
     fail(fmt::format("the key has more than {} parts", kMostKeyParts));
+  const std::string value = setting.substr(equals + 1);
   toml::node* node = &root;
-  std::string resolved;
+  std::string resolved, read_by_key;  // the second: without the numbers in a list that readers take as one value
   for (size_t i = 0; i < keys.size(); ++i) {
     const bool last = i + 1 == keys.size();
     if (keys[i].empty()) fail("an empty key");
@@ -59,33 +75,30 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
                            resolved));
         index = j;
       }
-      if (index == list->size() || last)
-        fail(fmt::format(
-            "'{}' is no element of the list {}, which has {}{}; count from 1 or use its name, and add a key", keys[i],
-            resolved, list->size(), names_in(*list, keys[i - 1])));
+      if (index == list->size())
+        fail(fmt::format("'{}' is no element of the list {}, which has {}", keys[i], resolved,
+                         elements_of(*list, keys[i - 1])));
       resolved += "." + std::to_string(index + 1);
+      if (last)
+        set_value(value, keys[i], [&](auto&& v) {
+          list->replace(list->begin() + static_cast<std::ptrdiff_t>(index), std::forward<decltype(v)>(v));
+        });
       node = list->get(index);
+      if (node->is_table()) read_by_key = resolved;
       continue;
     }
     toml::table* table = node->as_table();
     if (!table) fail(fmt::format("{} is not a table", resolved));
     resolved += (resolved.empty() ? "" : ".") + keys[i];
+    read_by_key = resolved;
     if (!last) {
       node = table->get(keys[i]);
       if (!node) node = &table->insert(keys[i], toml::table{}).first->second;
       continue;
     }
-    const std::string value = setting.substr(equals + 1);
-    try {
-      refuse_unfit_toml(value, keys[i]);
-      toml::table parsed = toml::parse("value = " + value);
-      if (parsed.size() != 1) throw Error(Exit::bad_input, "");
-      parsed.get("value")->visit([&](auto& v) { table->insert_or_assign(keys[i], std::move(v)); });
-    } catch (const std::exception&) {
-      table->insert_or_assign(keys[i], value);  // not TOML: a text without quotes
-    }
-    context.overridden.insert(resolved);
+    set_value(value, keys[i], [&](auto&& v) { table->insert_or_assign(keys[i], std::forward<decltype(v)>(v)); });
   }
+  context.overridden.insert(read_by_key);
 }
 
 }  // namespace quoin::reader

@@ -222,6 +222,8 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
                "their own");
   } else {
     read_monitor(t, s);
+    if (s.displacement && s.monitor.empty() && scene.output.monitor.empty() && !t.has("monitor"))
+      t.refuse("displacement", "only with a block to measure; give monitor here, or output.monitor");
   }
   if (s.kind == "rest") {
     read_rest(t, s);

@@ -50,13 +50,10 @@ void read_cycles(Table& t, Stage& stage, const char* velocity) {
   }
   t.number("stop_at_force_loss", cycles.stop_at_force_loss, above_to(0, 1),
            "of the largest force of a half cycle before, towards the same side");
-  for (const char* key : {"displacement", "duration", "equilibrium_ratio"}) {
-    t.accept(key);
-    if (t.has(key))
-      t.refuse(key,
-               "not with kind = \"cycles\", which end when the last one is done; remove it, or give "
-               "stop_at_force_loss");
-  }
+  for (const char* key : {"displacement", "duration", "equilibrium_ratio"})
+    t.refuse_if_given(key,
+                      "not with kind = \"cycles\", which end when the last one is done; remove it, or give "
+                      "stop_at_force_loss");
   cycles.ramp_time = stage.ramp_time;
   stage.duration = 1.0;  // a placeholder: faulty cycles are never run
   if (reached && moves) {

@@ -67,10 +67,7 @@ TimeSeries read_pairs(Table& t) {
   const bool timed = t.numbers("time", s.time, kNotNegative, "s, increasing", true);
   if (timed && std::adjacent_find(s.time.begin(), s.time.end(), std::greater_equal<>()) != s.time.end())
     t.refuse("time", "times that increase, s");
-  if (moved) {
-    t.accept("acceleration");
-    if (t.has("acceleration")) t.refuse("acceleration", "only without displacement; remove one of the two");
-  }
+  if (moved) t.refuse_if_given("acceleration", "only without displacement; remove one of the two");
   const bool given = moved ? t.numbers("displacement", s.value, kAny, "times scale: m", true)
                            : t.numbers("acceleration", s.value, kAny, "times scale: m/s2", true);
   if (moved && given && s.value.size() < 2) return t.refuse("displacement", "two displacements or more"), TimeSeries{};
@@ -291,10 +288,8 @@ void come_to_rest(Table& t, GroundMotion& ground) {
 void read_made(Table& t, const Vec3& direction, GroundMotion& ground) {
   const toml::table* pulse = t.table("pulse", "a table { shape, amplitude, period }");
   const toml::table* synthetic = t.table("synthetic", "a table { seed, number, ground_acceleration, ground_type }");
-  for (const char* key : {"time", "acceleration", "displacement"}) {
-    t.accept(key);
-    if (t.has(key)) t.refuse(key, "only without pulse and synthetic; remove one of the two");
-  }
+  for (const char* key : {"time", "acceleration", "displacement"})
+    t.refuse_if_given(key, "only without pulse and synthetic; remove one of the two");
   if (pulse && synthetic) return t.refuse("synthetic", "only without pulse; remove one of the two");
   try {
     if (pulse) ground.components.push_back({direction, read_pulse({t.context(), *pulse, t.path("pulse")}), {}});
@@ -323,10 +318,8 @@ void read_motion(Table& t, const std::string& folder, GroundMotion& ground) {
   const bool by_axes = !t.has("direction") && (t.has("x") || t.has("y") || t.has("z"));
   read_direction(t, "direction", direction, "of the motion", !by_axes && !t.has("file"));
   if (t.has("file")) {
-    for (const char* key : {"time", "acceleration", "displacement"}) {
-      t.accept(key);
-      if (t.has(key)) t.refuse(key, "only without file; remove one of the two");
-    }
+    for (const char* key : {"time", "acceleration", "displacement"})
+      t.refuse_if_given(key, "only without file; remove one of the two");
     read_file(t, folder, t.has("direction"), direction, ground);
   } else if (t.has("pulse") || t.has("synthetic")) {
     read_made(t, direction, ground);

@@ -1,5 +1,6 @@
 #include "scene/read_opening.h"
 
+#include "scene/generate.h"
 #include "scene/openings.h"
 
 namespace quoin {
@@ -116,11 +117,11 @@ std::vector<Opening> read_openings(Table& wall, const Lattice& lattice,
   return openings;
 }
 
-std::vector<WallSpec::Changed> read_changed(Table& wall, const Lattice& lattice, const std::vector<Opening>& openings,
+std::vector<WallSpec::Changed> read_changed(Table& wall, const Lattice& lattice, const WallSpec& spec,
                                             const std::map<std::string, BlockMaterial>& materials) {
   std::vector<WallSpec::Changed> changed;
   wall.each("changed", [&](Table& u) {
-    WallSpec::Changed& unit = changed.emplace_back();
+    WallSpec::Changed unit;
     const bool placed =
         u.integer("course", unit.course, 0, (lattice.courses > 0 ? lattice.courses : kManyCourses) - 1, true) &&
         u.integer("half_unit", unit.half_unit, 0, (lattice.half_units > 0 ? lattice.half_units : kManyHalfUnits) - 1,
@@ -130,8 +131,17 @@ std::vector<WallSpec::Changed> read_changed(Table& wall, const Lattice& lattice,
     u.choice("material", unit.material, names_of(materials));
     if (missing == u.has("material"))
       u.context().fault(u.where() + ": give one of missing = true and material, the name of another one");
-    if (placed && in_opening(openings, unit.course, unit.half_unit))
+    if (!placed) return;
+    if (in_opening(spec.openings, unit.course, unit.half_unit))
       u.refuse("half_unit", "one that is there: an opening takes this one");
+    const auto before = std::find_if(changed.begin(), changed.end(), [&](const WallSpec::Changed& c) {
+      return c.course == unit.course && same_unit(spec, unit.course, c.half_unit, unit.half_unit);
+    });
+    if (before != changed.end())
+      u.refuse("half_unit", fmt::format("each unit once, and a table before has this one, with half_unit = {}; remove "
+                                        "one of the two",
+                                        before->half_unit));
+    changed.push_back(unit);
   });
   return changed;
 }

@@ -19,9 +19,8 @@ struct Lattice {
 std::vector<WallSpec::Opening> read_openings(reader::Table& wall, const Lattice& lattice,
                                              const std::map<std::string, BlockMaterial>& materials);
 
-// Reads all tables `changed` of a wall: units that are missing or of another material.
-std::vector<WallSpec::Changed> read_changed(reader::Table& wall, const Lattice& lattice,
-                                            const std::vector<WallSpec::Opening>& openings,
+// Reads all tables `changed` of a wall with these openings: units that are missing or of another material.
+std::vector<WallSpec::Changed> read_changed(reader::Table& wall, const Lattice& lattice, const WallSpec& spec,
                                             const std::map<std::string, BlockMaterial>& materials);
 
 }  // namespace quoin

@@ -230,8 +230,8 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   read_materials_and_joints(t, &scene);
   read_masonry(t, of_blocks, folder, &scene);
   read_start(t, folder, &scene);
-  read_stages(t, of_blocks, folder, &scene);
   t.within("output", "a table [output]", [&](Table& o) { read_output(o, of_blocks, &scene.output); });
+  read_stages(t, of_blocks, folder, &scene);
   t.finish();
   scene.inputs = std::move(context.inputs);
   if (const std::string faults = context.faults(); !faults.empty()) throw SceneFaults(faults, std::move(scene));

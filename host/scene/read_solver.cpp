@@ -105,9 +105,8 @@ SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool 
       t.refuse("mass_scaling", fmt::format("that of [solver], {:g}: it is of the whole run", before.mass_scaling));
   }
   for (const char* key : {"mass_scaling", "selective_time_step", "deformation_inertia", "unit_inertia"}) {
-    t.accept(key);
-    if (t.has(key) && (!moves_ground || key == std::string_view("selective_time_step")))
-      t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
+    if (!moves_ground || key == std::string_view("selective_time_step"))
+      t.refuse_if_given(key, "not in a stage: inertia is of the whole run; give it in [solver]");
   }
   if (damping_of(s).eq1 == Eq1::gridpoints && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
     t.refuse("damping",

@@ -62,7 +62,7 @@ WallSpec read_wall(Table& t, const Scene& scene) {
                               has_unit ? w.unit[0] / 2 : 0},
                              scene.materials);
   const Lattice lattice{has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0, 0};
-  w.changed = read_changed(t, lattice, w.openings, scene.materials);
+  w.changed = read_changed(t, lattice, w, scene.materials);
   return w;
 }
 

@@ -71,7 +71,7 @@ void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodie
   });
 }
 
-// Adds the controls of the short kinds of stage: the bottom beam held, the top beam pressed or moved.
+// Adds the controls of the short kinds of stage: the bottom beam held, the top beam, if any, pressed or moved.
 void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, double top_force, bool top_free,
                        double top_velocity) {
   for (const std::string& body : bodies) {
@@ -80,6 +80,7 @@ void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, dou
     bottom.body = body;
     stage.controls.push_back(bottom);
   }
+  if (std::find(bodies.begin(), bodies.end(), "top_beam") == bodies.end()) return;
   BodyControl top;
   top.body = "top_beam";
   if (top_free) {
@@ -194,7 +195,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
     std::string vertical = "held";
     t.choice("vertical", vertical, {"held", "pressure"});
     add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", stage.cycles->velocity);
-    stage.controls.back().in_cycles = 0;
+    if (top) stage.controls.back().in_cycles = 0;
   } else if (kind_known) {
     read_custom(t, stage, scene, bodies, pressure * area, folder);
   }

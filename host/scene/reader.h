@@ -130,7 +130,7 @@ class Table {
   }
 
   const toml::node* find(const std::string& key, const std::string& allowed, bool required) {
-    known_.push_back(key);
+    accept(key);
     const toml::node* node = table_.get(key);
     if (!node && required) {
       context_.fault(
@@ -345,12 +345,19 @@ class Table {
 
   const toml::table& toml() const { return table_; }
   Context& context() { return context_; }
-  void accept(const std::string& key) { known_.push_back(key); }
+  void accept(const std::string& key) {
+    if (std::ranges::count(known_, key) == 0) known_.push_back(key);
+  }
+  // Refuses a key that does not go with the others. It is not among the allowed ones that messages list.
+  void refuse_if_given(const std::string& key, const std::string& allowed) {
+    refused_.push_back(key);
+    if (has(key)) refuse(key, allowed);
+  }
 
   void finish() {
     for (auto&& [key, node] : table_) {
       const std::string name(key.str());
-      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+      if (std::ranges::count(known_, name) + std::ranges::count(refused_, name) > 0) continue;
       context_.fault(fmt::format("{} = {}: unknown key{}; allowed here: {}", where(name), text_of(node),
                                  did_you_mean(name, known_), join(known_)));
     }
@@ -393,7 +400,7 @@ class Table {
   Context& context_;
   const toml::table& table_;
   std::string path_;
-  std::vector<std::string> known_;
+  std::vector<std::string> known_, refused_;
 };
 
 // Tables of every kind of scene. quality: its settings are the defaults; null: blocks of any shape without a quality.

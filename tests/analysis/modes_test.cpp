@@ -127,6 +127,50 @@ TEST(Modes, RigidCubeOnAJoint) {
   }
 }
 
+// The top beam on one rigid unit that is held. Sway and rocking are coupled: the centre of mass is load_height - 0.1
+// above the joint, where load_height was left out.
+TEST(Modes, BeamHasItsCentreAtTheLoadHeight) {
+  const double kn = 1e9, ks = 4e8, x = 0.4, z = 0.2, h = 0.5, area = x * z;
+  const double m = 2000.0 * x * h * z, inertia = m * (x * x + h * h) / 12.0;
+  for (const double height : {0.35, 1.0}) {
+    const Modes modes = modes_of(std::string(kMaterials) + R"([wall]
+courses = 1
+units_per_course = 1
+bond = "stack"
+unit = [0.4, 0.1, 0.2]
+rigid_units = true
+mid_unit_joints = false
+bottom_beam = false
+beam_height = 0.5
+beam_density = 2000.0
+unit_material = "stone"
+bed_joint = "bond"
+head_joint = "bond"
+beam_joint = "bond"
+)" + fmt::format("load_height = {}\n", height) +
+                                 R"([[stage]]
+kind = "custom"
+duration = 1.0
+[[stage.control]]
+body = "bottom_course"
+[solver]
+large_motion = "never"
+)")
+                            .modes;
+    const double arm = height - 0.1, a = ks * area / m,
+                 b = (kn * area * x * x / 12.0 + ks * area * arm * arm) / inertia;
+    const double c = -arm * ks * area / std::sqrt(m * inertia);
+    const double mean = (a + b) / 2.0, spread = std::hypot((a - b) / 2.0, c);
+    ASSERT_EQ(modes.mode.size(), 6u);
+    for (const double square : {mean - spread, mean + spread, kn * area / m}) {
+      const double expected = std::sqrt(square) / (2.0 * pi);
+      EXPECT_TRUE(std::ranges::any_of(
+          modes.mode, [&](const Mode& mode) { return std::abs(mode.frequency - expected) < 1e-6 * expected; }))
+          << height << " m: " << expected << " Hz";
+    }
+  }
+}
+
 // Points only at corners, as dry joints have by default: rotational stiffness kn/4 in place of kn/12.
 TEST(Modes, RigidCubeOnItsCorners) {
   const double kn = 1e9, ks = 4e8, m = 1800.0, inertia = m / 6.0;

@@ -425,6 +425,13 @@ TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
   EXPECT_THAT(refusal([&] { arch("2.0"); }), HasSubstr("less than twice the radius"));
 }
 
+TEST_F(ReadBlockScene, StagesThatEndByDisplacementNeedAMonitor) {
+  EXPECT_THAT(fault("stage.1.displacement=0.01"),
+              HasSubstr("--set: stage.1.displacement = 0.01: allowed: only with a block to measure; give monitor"));
+  EXPECT_EQ(read({"stage.1.displacement=0.01", "stage.1.monitor=block"}).stages.at(0).monitor, "block");
+  EXPECT_EQ(read({"stage.1.displacement=0.01", "output.monitor=block"}).output.monitor, "block");
+}
+
 // A stage of kind rest ends by equilibrium, within many steps unless it says how many.
 TEST_F(ReadBlockScene, StagesOfRestHaveTheirOwnEnd) {
   std::string text = kScene;

@@ -398,6 +398,27 @@ TEST_F(ReadScene, ChangedUnitsAreInTheWall) {
   EXPECT_THAT(message(changed(0, 3)),
               AllOf(HasSubstr("wall.changed.1.half_unit = 3"), HasSubstr("an integer, 0 to 2")));
   EXPECT_THAT(message(changed(2, 0)), AllOf(HasSubstr("wall.changed.1.course = 2"), HasSubstr("an integer, 0 to 1")));
+  // Course 0 begins with a whole unit, course 1 with half of one.
+  const auto again = [&](int course, int half_unit, int other) {
+    return changed(course, half_unit) +
+           fmt::format("[[wall.changed]]\ncourse = {}\nhalf_unit = {}\nmaterial = \"brick\"\n", course, other);
+  };
+  EXPECT_EQ(read(again(0, 1, 2)).wall->changed.size(), 2u);
+  EXPECT_EQ(read(again(1, 0, 1)).wall->changed.size(), 2u);
+  for (const int first : {0, 1})
+    EXPECT_THAT(message(again(0, first, 1)),
+                AllOf(HasSubstr("wall.changed.2.half_unit = 1: allowed: each unit once"),
+                      HasSubstr(fmt::format("with half_unit = {}; remove one of the two", first))));
+}
+
+TEST_F(ReadScene, RestNeedsNoTopBeam) {
+  const std::string head = kScene;
+  const std::string text = head.substr(0, head.find("[[stage]]")) + "[[stage]]\nkind = \"rest\"\n";
+  const Scene s = read(text, {"wall.top_beam=false"});
+  ASSERT_EQ(s.stages.at(0).controls.size(), 1u);
+  EXPECT_EQ(s.stages[0].controls[0].body, "bottom_beam");
+  EXPECT_THAT(message(text + "pressure = 1e5\n", {"wall.top_beam=false"}),
+              HasSubstr("stage.1.kind = 'rest': allowed: pressure and shear need a top beam"));
 }
 
 TEST_F(ReadScene, CracksRunAlongXOrZ) {
@@ -582,6 +603,31 @@ TEST_F(ReadScene, BadOverrides) {
   EXPECT_THAT(message(kScene, {"wall.courses"}), HasSubstr("dotted.key=value"));
   EXPECT_THAT(message(kScene, {"stage.9.velocity=1"}), AllOf(HasSubstr("--set stage.9"), HasSubstr("which has 2")));
   EXPECT_THAT(message(kScene, {"title.x=1"}), HasSubstr("title is not a table"));
+  for (const char* place : {"0", "4", "one"})
+    EXPECT_THAT(message(kScene, {fmt::format("wall.unit.{}=0.3", place)}),
+                HasSubstr(fmt::format("'{}' is no element of the list wall.unit, which has 3; count from 1;", place)));
+  EXPECT_THAT(message(kScene, {"stage.push={ kind = 'shear' }"}),
+              HasSubstr("which has 2 ('press', 'shear'); count from 1 or use its name;"));
+}
+
+TEST_F(ReadScene, OverridesReplaceElementsOfLists) {
+  EXPECT_EQ(read(kScene, {"wall.unit.1=0.3"}).wall->unit, (Vec3{0.3, 0.1, 0.1}));
+  EXPECT_EQ(read(kScene, {"wall.zones=[4, 2, 2]", "wall.zones.3=6"}).wall->zones, (std::array{4, 2, 6}));
+  EXPECT_THAT(message(kScene, {"wall.zones=[4, 2, 2]", "wall.zones.3=1.5"}),
+              AllOf(HasSubstr("--set: wall.zones = [ 4, 2, 1.5 ]"), HasSubstr("a list of 3 integers")));
+  EXPECT_THAT(message(kScene, {"wall.unit.2=high"}), HasSubstr("--set: wall.unit = [ 0.2, 'high', 0.1 ]: wrong type"));
+  const std::string stage = "{ name = 'push', kind = 'shear', velocity = 0.01, displacement = 0.002 }";
+  for (const char* place : {"2", "shear"}) {
+    const Scene s = read(kScene, {fmt::format("stage.{}={}", place, stage)});
+    EXPECT_EQ(s.stages.at(1).name, "push");
+    EXPECT_EQ(s.stages.at(1).displacement, 0.002);
+  }
+  EXPECT_THAT(message(kScene, {"stage.2={ kind = 'shear' }"}), HasSubstr("--set: stage.2"));
+  const std::string forced =
+      std::string(kScene) +
+      "[[stage]]\nname = \"p\"\nduration = 0.1\n[[stage.force]]\nblock = \"top_beam\"\npoint = [0, 0.3, 0]\n"
+      "force = [1, 2, 3]\n";
+  EXPECT_EQ(read(forced, {"stage.p.force.1.force.1=2000"}).stages.at(2).forces.at(0).force, (Vec3{2000, 2, 3}));
 }
 
 TEST(DidYouMean, SuggestsOnlyWhatIsNear) {
