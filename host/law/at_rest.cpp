@@ -4,8 +4,8 @@
 
 namespace quoin {
 
-void evaluate_at_rest(const Material& material, const RestingPoints& points,
-                      const std::function<void(quoin_batch&)>& add_outputs) {
+AnswerAtRest evaluate_at_rest(const Material& material, const RestingPoints& points,
+                              const std::function<void(quoin_batch&)>& add_outputs) {
   const std::size_t n = points.count;
   std::vector<double> zero(n, 0.0), unused((3 + points.state.size()) * n);
   std::vector<quoin_in> old;
@@ -26,7 +26,8 @@ void evaluate_at_rest(const Material& material, const RestingPoints& points,
   batch.state_old = old.data(), batch.state_new = fresh.data();
   batch.property_column_count = points.properties.size(), batch.property_columns = points.properties.data();
   add_outputs(batch);
-  material.evaluate(&batch);
+  const quoin_status status = material.evaluate(&batch);
+  return {status, batch.failed_count};
 }
 
 bool carries_tension(const Material& material, const std::string& initial_state) {

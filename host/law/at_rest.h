@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -19,9 +20,15 @@ struct RestingPoints {
   std::vector<quoin_property_column> properties{};  // properties that scatter
 };
 
+struct AnswerAtRest {
+  quoin_status status = QUOIN_OK;
+  std::uint64_t failed_count = 0;
+  bool failed() const { return status != QUOIN_OK || failed_count > 0; }
+};
+
 // add_outputs: adds output columns to the batch; tractions and states of the evaluation are discarded.
-void evaluate_at_rest(const Material& material, const RestingPoints& points,
-                      const std::function<void(quoin_batch&)>& add_outputs);
+AnswerAtRest evaluate_at_rest(const Material& material, const RestingPoints& points,
+                              const std::function<void(quoin_batch&)>& add_outputs);
 
 // Whether a small opening gives tension in this initial state, as for a bonded or elastic point. False for a state that
 // the law does not have.

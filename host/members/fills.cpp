@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "members/members.h"
 #include "scene/generate_blocks.h"
+#include "scene/load_place.h"
 
 namespace quoin::members {
 
@@ -17,7 +18,7 @@ bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, c
   const double off = 2.0 * allowed_off(assembly, block);
   const Vector beside = at + off * out + std::min(1.0, 4.0 * off / norm(middle - at)) * (middle - at);
   for (int b = 0; b < static_cast<int>(assembly.blocks.size()); ++b)
-    if (b != block && outside_by(assembly, b, beside) < 0.0) return true;
+    if (b != block && distance_from(assembly, assembly.blocks[static_cast<std::size_t>(b)], beside) < 0.0) return true;
   return false;
 }
 

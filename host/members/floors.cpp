@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "members/members.h"
+#include "scene/load_place.h"
 
 namespace quoin::members {
 
@@ -47,7 +48,7 @@ int Members::block_at(const Vector& point, const blocks::Assembly& assembly, dou
   int nearest = -1;
   *off = 1e300;
   for (std::size_t b = 0; b < assembly.blocks.size(); ++b) {
-    const double outside = outside_by(assembly, static_cast<int>(b), point);
+    const double outside = distance_from(assembly, assembly.blocks[b], point);
     if (outside < *off - 1e-9) *off = outside, nearest = static_cast<int>(b);
   }
   return nearest >= 0 && *off <= allowed_off(assembly, nearest) ? nearest : -1;

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "scene/generate_blocks.h"
+#include "scene/load_place.h"
 
 namespace quoin::members {
 
@@ -19,18 +20,6 @@ constexpr double kOffBlock = 1e-3;
 std::string column_of_tie(const std::string& name) { return "tie_" + name + "_N"; }
 
 }  // namespace
-
-double outside_by(const blocks::Assembly& assembly, int block, const Vector& point) {
-  const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
-  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
-  const Vector own = transposed_times(matrix(b.orientation), point - b.position);
-  double outside = -1e300;
-  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
-    const Vector& on_face = shape.vertices[static_cast<std::size_t>(shape.faces[f].front())];
-    outside = std::max(outside, dot(shape.normals[f], own - on_face));
-  }
-  return outside;
-}
 
 double allowed_off(const blocks::Assembly& assembly, int block) {
   const int shape = assembly.blocks[static_cast<std::size_t>(block)].shape;
@@ -74,7 +63,7 @@ int Members::node_at(const MemberEnd& end, const blocks::Assembly& assembly) {
   int nearest = -1;
   std::vector<int> has;
   for (const int block : candidates) {
-    const double outside = outside_by(assembly, block, node.start);
+    const double outside = distance_from(assembly, assembly.blocks[static_cast<std::size_t>(block)], node.start);
     if (outside < least) least = outside, nearest = block;
     if (outside <= allowed_off(assembly, block)) has.push_back(block);
   }
@@ -87,7 +76,9 @@ int Members::node_at(const MemberEnd& end, const blocks::Assembly& assembly) {
   node.block = nearest;
   // A point on a common face belongs to both blocks, so neither can be chosen.
   for (const int block : has) {
-    if (block == nearest || outside_by(assembly, block, node.start) > least + 1e-9) continue;
+    if (block == nearest ||
+        distance_from(assembly, assembly.blocks[static_cast<std::size_t>(block)], node.start) > least + 1e-9)
+      continue;
     throw Error(Exit::bad_input,
                 fmt::format("{}: the end at {} is where blocks {} and {} meet; {}", end.source.text,
                             geometry::place(node.start), label(assembly, nearest), label(assembly, block),

@@ -69,8 +69,7 @@ struct Bed {
   double area = 0.0;  // m2
 };
 
-// Lower bound of the distance of a point from a block, m; < 0: inside. And the tolerance of this distance for ends, m.
-double outside_by(const blocks::Assembly& assembly, int block, const Vector& point);
+// Tolerance of the distance of a member's end from its block, m.
 double allowed_off(const blocks::Assembly& assembly, int block);
 
 // Visits quadrature points of a triangle, exact for quadratics: visit(point, area in m2). They are the midpoints of the

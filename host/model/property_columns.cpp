@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "law/at_rest.h"
 #include "law/property_text.h"
 #include "random/correlation.h"
 #include "random/counter.h"
@@ -175,34 +176,20 @@ void refuse_outside(const JointFamily& family, const quoin_property_info& info, 
 void refuse_together(const JointFamily& family, const Material& material, std::span<const PlacedPoint> points,
                      const std::vector<PropertyColumn>& columns) {
   const std::size_t n = points.size();
-  const quoin_law& law = material.api();
   const std::vector<double> initial = material.initial_state(family.initial_state), zero(n, 0.0);
-  std::vector<double> traction(3 * n), state(law.state_count * n);
-  std::vector<quoin_in> old;
-  std::vector<quoin_out> fresh;
-  for (std::size_t k = 0; k < law.state_count; ++k) {
-    old.push_back({&initial[k], 0});
-    fresh.push_back({state.data() + k * n, 1});
-  }
+  std::vector<std::vector<double>> state;
+  RestingPoints resting{
+      n, zero.data(), {zero.data(), zero.data(), zero.data()}, {}, batch_columns(columns, material, 0)};
+  for (const double value : initial) resting.state.push_back(state.emplace_back(n, value).data());
   std::vector<std::uint32_t> status(n);
-  const std::vector<quoin_property_column> given = batch_columns(columns, material, 0);
-  quoin_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.count = n;
-  batch.normal_jump = {zero.data(), 1};
-  for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
-  for (std::size_t k = 0; k < 3; ++k) {
-    batch.traction_old[k] = {zero.data(), 1};
-    batch.traction_new[k] = {traction.data() + k * n, 1};
-  }
-  batch.state_old = old.data(), batch.state_new = fresh.data();
-  batch.property_column_count = given.size(), batch.property_columns = given.data();
-  batch.status = {status.data(), 1};
-  const quoin_status answer = material.evaluate(&batch);
-  if (answer == QUOIN_OK && batch.failed_count == 0) return;
-  if (answer != QUOIN_OK)
+  const AnswerAtRest answer = evaluate_at_rest(material, resting, [&](quoin_batch& batch) {
+    batch.status = {status.data(), 1};
+  });
+  if (!answer.failed()) return;
+  const char* const law = material.api().id;
+  if (answer.status != QUOIN_OK)
     throw Error(Exit::law_refused, fmt::format("{}: law {} refuses properties point by point with status {}",
-                                               where(family), law.id, answer));
+                                               where(family), law, answer.status));
   const auto failed =
       static_cast<std::size_t>(std::find(status.begin(), status.end(), QUOIN_POINT_FAILED) - status.begin());
   std::string drawn;
@@ -212,7 +199,7 @@ void refuse_together(const JointFamily& family, const Material& material, std::s
       Exit::bad_input,
       fmt::format("{}: law {} refuses the properties drawn for {} of {} contact points, as at {}: {}; let "
                   "strengths and fracture energies go together (correlation), or truncate their distributions",
-                  where(family), law.id, batch.failed_count, n, place_text(points[std::min(failed, n - 1)]), drawn));
+                  where(family), law, answer.failed_count, n, place_text(points[std::min(failed, n - 1)]), drawn));
 }
 
 }  // namespace

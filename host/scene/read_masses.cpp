@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/generate_blocks.h"
+#include "scene/load_place.h"
 
 namespace quoin {
 
@@ -33,21 +34,6 @@ std::vector<AddedMass> masses_of_floors(const BuildingSpec& building) {
   return masses;
 }
 
-namespace {
-
-// Distance of a point from a block, m; < 0: inside.
-double outside_by(const blocks::Assembly& assembly, const blocks::Block& block, const Vector& point) {
-  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
-  const Vector own = transposed_times(matrix(block.orientation), point - block.position);
-  double outside = -1e300;
-  for (std::size_t f = 0; f < shape.faces.size(); ++f)
-    outside = std::max(outside,
-                       dot(shape.normals[f], own - shape.vertices[static_cast<std::size_t>(shape.faces[f].front())]));
-  return outside;
-}
-
-}  // namespace
-
 void add_masses(const Scene& scene, blocks::Assembly* assembly) {
   constexpr double kOnFace = 1e-6;  // m
   for (const AddedMass& added : scene.masses) {
@@ -63,7 +49,7 @@ void add_masses(const Scene& scene, blocks::Assembly* assembly) {
         continue;
       }
       const Vector at = geometry::vector(*added.point);
-      if (const double outside = outside_by(*assembly, block, at); !block.rigid && outside > kOnFace)
+      if (const double outside = distance_from(*assembly, block, at); !block.rigid && outside > kOnFace)
         throw Error(Exit::bad_input,
                     fmt::format("{}: point {} is {:.3g} m outside of block '{}', which deforms; allowed: a point in it "
                                 "or on its face. Rigid blocks carry masses outside of them",

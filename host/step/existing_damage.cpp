@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "law/bound_call.h"
 #include "step/law_swap.h"
 
 namespace quoin {
@@ -153,33 +154,21 @@ void set_states(const Damage& damage, const JointFamily& family, const Material&
 void slide(double slip, const Material& material, std::span<const std::size_t> points, std::size_t count,
            const std::vector<PropertyColumn>& columns, std::vector<double>& state) {
   constexpr int kSteps = 1000;
-  const quoin_law& law = material.api();
+  const std::size_t states = material.api().state_count;
   const std::vector<double> zero(count, 0.0), part(count, slip / kSteps);
   std::vector<double> traction(3 * count, 0.0), now = state;
-  std::vector<quoin_in> old;
-  std::vector<quoin_out> fresh;
-  for (std::uint64_t k = 0; k < law.state_count; ++k) {
-    old.push_back({now.data() + k * count, 1});
-    fresh.push_back({now.data() + k * count, 1});
-  }
-  const std::vector<quoin_property_column> given = batch_columns(columns, material, 0);
-  quoin_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.count = count;
-  batch.normal_jump = {zero.data(), 1};
-  batch.slip_increment[0] = {part.data(), 1}, batch.slip_increment[1] = {zero.data(), 1};
-  for (std::size_t k = 0; k < 3; ++k) {
-    batch.traction_old[k] = {traction.data() + k * count, 1};
-    batch.traction_new[k] = {traction.data() + k * count, 1};
-  }
-  batch.state_old = old.data(), batch.state_new = fresh.data();
-  batch.property_column_count = given.size(), batch.property_columns = given.data();
+  CallColumns columns_of_call{count, {}, {}, batch_columns(columns, material, 0)};
+  for (std::size_t k = 0; k < 3; ++k) columns_of_call.traction[k] = traction.data() + k * count;
+  for (std::size_t k = 0; k < states; ++k) columns_of_call.state.push_back(now.data() + k * count);
+  BoundCall call;
+  call.bind(std::move(columns_of_call));
+  call.bind_jumps(zero.data(), part.data(), zero.data());
   for (int step = 0; step < kSteps; ++step) {
-    const quoin_status status = material.evaluate(&batch);
-    if (status != QUOIN_OK || batch.failed_count > 0)
-      throw Error(Exit::law_refused, fmt::format("law {} fails where damage lets it slide by {:g} m", law.id, slip));
+    if (call.evaluate(material))
+      throw Error(Exit::law_refused,
+                  fmt::format("law {} fails where damage lets it slide by {:g} m", material.api().id, slip));
   }
-  for (std::uint64_t k = 0; k < law.state_count; ++k) {
+  for (std::size_t k = 0; k < states; ++k) {
     for (const std::size_t i : points) state[k * count + i] = now[k * count + i];
   }
 }

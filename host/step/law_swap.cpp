@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "law/at_rest.h"
 
 namespace quoin {
 
@@ -10,30 +11,12 @@ namespace {
 
 // Energy stored under the old law, J/m2, from a step without motion. Zeros where the law does not compute it.
 std::vector<double> stored_energy(const Material& material, const FamilyColumns& points) {
-  const quoin_law& law = material.api();
   std::vector<double> stored(points.count, 0.0);
-  if (!(law.capabilities & QUOIN_CAN_ENERGY)) return stored;
-  const std::vector<double> zero(points.count, 0.0);
-  std::vector<double> unused((3 + law.state_count) * points.count);
-  std::vector<quoin_in> old;
-  std::vector<quoin_out> fresh;
-  for (std::uint64_t k = 0; k < law.state_count; ++k) {
-    old.push_back({points.state[k], 1});
-    fresh.push_back({unused.data() + (3 + k) * points.count, 1});
-  }
-  quoin_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.count = points.count;
-  batch.normal_jump = {points.opening, 1};
-  for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
-  for (std::size_t k = 0; k < 3; ++k) {
-    batch.traction_old[k] = {points.traction[k], 1};
-    batch.traction_new[k] = {unused.data() + k * points.count, 1};
-  }
-  batch.state_old = old.data();
-  batch.state_new = fresh.data();
-  batch.energy_stored = {stored.data(), 1};
-  material.evaluate(&batch);
+  if (!(material.api().capabilities & QUOIN_CAN_ENERGY)) return stored;
+  evaluate_at_rest(material, {points.count, points.opening, points.traction, points.state, {}},
+                   [&](quoin_batch& batch) {
+                     batch.energy_stored = {stored.data(), 1};
+                   });
   return stored;
 }
 
