@@ -379,6 +379,8 @@ void check(const SceneOptions& options) {
   const Model model(std::move(motion.bricks), std::move(materials));
   Inertia inertia;
   const TimeStepReport report = choose_time_step(model, scene.solver, &inertia, Limits::all, motion.scene.stages);
+  Simulation simulation(scene, 0);
+  check_monitors(simulation, options);
 
   const auto& bricks = model.assembly.bricks;
   const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });
@@ -403,8 +405,6 @@ void check(const SceneOptions& options) {
   fmt::print("  {:<44} {:.4g} s  ({:.2f} of 2/omega_max)\n", "in use", report.time_step,
              report.time_step / report.critical.value);
   print_notes(report);
-  Simulation simulation(scene, 0);
-  check_monitors(simulation, options);
   print_supports(simulation);
   print_time(simulation, print_stages(scene, report), options.force);
 }

@@ -17,9 +17,10 @@ struct BlockSums {
   Vector net;               // sum of these net forces, N
   double positions = 0.0;   // sum of coordinates, which is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
-  double deformation = 0.0;          // largest |u| in the frame, from the first gridpoint, m
-  bool deviates = false;             // whether it deviates from the motion of its last check
-  double moved = 0.0, turned = 0.0;  // displacement and rotation since the start, for a row of the history, m, rad
+  double deformation = 0.0;  // largest |u| in the frame, from the first gridpoint, m
+  bool deviates = false;     // whether it deviates from the motion of its last check
+  Vector moved;              // displacement since the start, for a row of the history, m
+  double turned = 0.0;       // rotation since the start, for such a row, rad
 };
 
 struct Energies {        // J

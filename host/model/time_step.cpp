@@ -736,7 +736,7 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   double xi = damping.zone_ratio;
   if (damping.alpha > 0.0 || damping.beta > 0.0) xi += 0.5 * (damping.alpha / omega + damping.beta * omega);
   report.quiet_fraction = quiet_fraction_of(settings);
-  report.stiffness_damping = damping.beta;
+  report.stiffness_damping = report.joint_damping = damping.beta;
   if (damping.zone_ratio > 0.0) report.stiffness_damping += 2.0 * damping.zone_ratio / omega;
   const double limit =
       settings.critical_time_step == CriticalTimeStep::nodal ? report.nodal.value : report.critical.value;

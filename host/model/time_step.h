@@ -30,8 +30,10 @@ struct TimeStepReport {
   // damping.
   double quiet_fraction = 1.0;
   std::string warning() const;     // text for a step above the quiet one or above 2/omega_max; else empty
-  double stiffness_damping = 0.0;  // s, of viscous damping in use
+  double stiffness_damping = 0.0;  // s, of zones, of viscous damping in use
+  double joint_damping = 0.0;      // s, of contact points that it damps in proportion to stiffness
   ImpactDamping impacts;
+  bool damps_joints() const { return !impacts.viscosity.empty() || joint_damping > 0.0; }
   double added_mass = 0.0;  // kg, by selective mass scaling
   double model_mass = 0.0;  // kg, before any scaling
 };

@@ -46,9 +46,9 @@ Matrix orientation_of(const World& w, int block) {
   return pose(w, block).r * transposed(w.poses.start[size_t(block)].r);
 }
 
-double moved_by_now(const World& w, int block) { return norm(position_of(w, block) - start_position_of(w, block)); }
+Vector moved_by_now(const World& w, int block) { return position_of(w, block) - start_position_of(w, block); }
 
-double moved(const World& w, int block) {
+Vector moved(const World& w, int block) {
   return w.part.ranks ? w.step_sums.of_block[size_t(block)].moved : moved_by_now(w, block);
 }
 

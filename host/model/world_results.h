@@ -10,9 +10,9 @@ Vector start_position_of(const World& w, int block);
 Vector velocity_of(const World& w, int block);     // velocity of the centre of mass, m/s
 Vector spin_of(const World& w, int block);         // of a rigid block, rad/s
 Matrix orientation_of(const World& w, int block);  // rotation since the start
-double moved(const World& w, int block);           // since the start, m
+Vector moved(const World& w, int block);           // displacement since the start, m
 double turned(const World& w, int block);          // rotation angle since the start, rad
-double moved_by_now(const World& w, int block);    // moved() of an own block, within a step
+Vector moved_by_now(const World& w, int block);    // moved() of an own block, within a step
 double turned_by_now(const World& w, int block);
 Vector corner_of(const World& w, int block, int vertex);
 Matrix zone_stress(const World& w, int block, int index);  // Cauchy, Pa, tension positive

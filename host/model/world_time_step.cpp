@@ -468,10 +468,11 @@ StepLimit what_sets_time_step(const World& w) {
 
 namespace {
 
-double step_under_impact_damping(World& w) {
+// of_members: bound of the nodes of floors and beams, which no dashpot damps, 1/s2.
+double step_under_impact_damping(World& w, double of_members) {
   w.impacts.rate = largest_over_inertia(w, impact_dashpots(w));
   const auto [left, share] = step_under_impacts(w.stepping.critical_dt, w.impacts.rate, [&](double of_all, double dt) {
-    return w.stepping.springs + largest_over_inertia(w, with_dashpots(w, of_all, dt));
+    return std::max(of_members, w.stepping.springs + largest_over_inertia(w, with_dashpots(w, of_all, dt)));
   });
   for (double& beta : w.impacts.beta) beta *= share;
   w.impacts.zone_beta *= share, w.impacts.rate *= share, w.impacts.share *= share;
@@ -500,13 +501,11 @@ void choose_time_step(World& w, bool may_grow) {
     // The largest eigenvalue of a sum is at most the sum of the largest.
     w.stepping.critical_dt = 2 / std::hypot(omega, std::sqrt(w.stepping.springs));
   }
-  if (w.held_by.members) {
-    const double own = w.held_by.members->own_eigenvalue(w.solver.mass_scaling);
-    if (own > 0) w.stepping.critical_dt = std::min(w.stepping.critical_dt, 2 / std::sqrt(own));
-  }
+  const double of_members = w.held_by.members ? w.held_by.members->own_eigenvalue(w.solver.mass_scaling) : 0.0;
+  if (of_members > 0) w.stepping.critical_dt = std::min(w.stepping.critical_dt, 2 / std::sqrt(of_members));
   double dt = step_over_critical(w.solver, w.stepping.critical_dt) * w.stepping.critical_dt;
   if (w.damping.impacts) {
-    const double left = omega > 0 ? step_under_impact_damping(w) : kLeastImpactStep;
+    const double left = omega > 0 ? step_under_impact_damping(w, of_members) : kLeastImpactStep;
     double stiffer = 1.0;  // stiffness of joints above the band, with Maxwell elements
     for (const MaxwellElement& e : w.impacts.maxwell) stiffer += e.share;
     // Without Maxwell elements, time_step_fraction leaves a margin for the stiffness that they add.

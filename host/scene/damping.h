@@ -51,14 +51,14 @@ struct Damping {
   Eq1 eq1 = Eq1::nothing;
   double gamma = 0.0;       // of eq. 1
   double alpha = 0.0;       // proportional to mass, 1/s
-  double beta = 0.0;        // proportional to stiffness, of zones and, in large motion, of contacts, s
+  double beta = 0.0;        // proportional to stiffness, of zones and contacts, s
   double zone_ratio = 0.0;  // of zones: damping ratio at omega_max, in proportion to stiffness
   std::optional<ImpactTerms> impacts{};
 
   bool operator==(const Damping&) const = default;
   bool has_maxwell() const { return impacts && impacts->maxwell > 0.0; }
   bool is_implicit() const { return impacts && impacts->implicit; }
-  bool of_contacts() const { return impacts || beta > 0.0; }  // whether contacts have viscous damping, in large motion
+  bool of_contacts() const { return impacts || beta > 0.0; }  // whether contacts have viscous damping
   // Whether the rigid motion of blocks is damped separately from that of their gridpoints.
   bool splits_motion() const { return eq1 == Eq1::rigid_motion; }
 };

@@ -276,7 +276,7 @@ void add_bricks_of(const Scene& scene, const quoin::Assembly& bricks, Assembly* 
   add_bricks(bricks, assembly);
   std::map<int, int> in_course;
   for (Block& block : assembly->blocks) {
-    if (block.name == "bottom_beam") block.fixed = true;
+    if (block.name.starts_with("bottom_beam")) block.fixed = true;
     if (block.course >= 0 && (block.name.empty() || scene.wall))
       block.name = fmt::format("{}/{}/{}", scene.wall ? "wall" : "building", block.course, in_course[block.course]++);
   }

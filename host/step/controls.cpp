@@ -62,7 +62,7 @@ void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, con
                   const Vec3& left_over) {
   const auto [place, lane] = s.lattice.place[b];
   BodyLanes& body = s.lattice.bodies[static_cast<std::size_t>(place)];
-  const Vec3 joints = joint_force(s, static_cast<int>(b));
+  const Vec3 joints = joint_wrench(s, static_cast<int>(b)).force;
   const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
     return !c.body.empty() && c.body == s.model.bodies[b].name;
   });

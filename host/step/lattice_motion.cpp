@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "step/gather.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -13,7 +14,7 @@ namespace {
 Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
   Vec3 sum;
   for (std::size_t k = 0; k < 3; ++k)
-    sum[k] = s.lattice.traction[k][point] + (s.lattice.damps_impacts() ? s.lattice.viscous[k][point] : 0.0);
+    sum[k] = s.lattice.traction[k][point] + (s.lattice.damps_joints() ? s.lattice.viscous[k][point] : 0.0);
   return sum;
 }
 
@@ -44,17 +45,6 @@ Vec3 of_body_at(const Simulation::Impl& s, int body, BodyLanes::Quantity BodyLan
         result[c] + turned[next] * (position[last] - centre[last]) - turned[last] * (position[next] - centre[next]);
   }
   return result;
-}
-
-Vec3 sum_joint_force(const Simulation::Impl& s, int body) {
-  const RigidBody& b = s.model.bodies[static_cast<std::size_t>(body)];
-  Vec3 sum{};
-  for (std::size_t i = 0; i < b.point.size(); ++i) {
-    const auto p = static_cast<std::size_t>(b.point[i]), n = static_cast<std::size_t>(s.model.point_axis[p]);
-    const Vec3 of_point = point_traction(s, p);
-    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += b.sign[i] * (s.model.area[p] * of_point[c]);
-  }
-  return sum;
 }
 
 Vec3 jump_at_traction(const Simulation::Impl& s, std::int32_t point) {
@@ -113,6 +103,10 @@ JointWrench sum_joint_wrench(const Simulation::Impl& s, int body) {
              v = s.lattice.of_body(body, &BodyLanes::velocity);
   for (std::size_t c = 0; c < 3; ++c) sum.displacement[c] = moved[c] - s.data.time_step * v[c];
   return sum;
+}
+
+JointWrench joint_wrench(const Simulation::Impl& s, int body) {
+  return has_all(s) ? sum_joint_wrench(s, body) : s.reactions.body_wrench[at(body)];
 }
 
 // Motion of lattice blocks from their corner gridpoints, of rigid bodies from their own rotation.

@@ -13,8 +13,6 @@ Vec3 sum_on_monitor(const Simulation::Impl& s, int index);
 // Translation + rotation x arm of a rigid body, at a position in the reference configuration.
 Vec3 of_body_at(const Simulation::Impl& s, int body, BodyLanes::Quantity BodyLanes::*translation,
                 BodyLanes::Quantity BodyLanes::*rotation, const Vec3& position);
-// Sum of the contact forces on a body at the last evaluation of the laws, N.
-Vec3 sum_joint_force(const Simulation::Impl& s, int body);
 // Opening and slips of a contact point at the time of its traction, one step before the current displacements.
 Vec3 jump_at_traction(const Simulation::Impl& s, std::int32_t point);
 // of_displacement * u + of_velocity * v, at the gridpoints of a contact point on blocks a and b.
@@ -24,7 +22,9 @@ std::pair<Vec3, Vec3> motion_of_sides(const Simulation::Impl& s, std::int32_t po
 Vec3 jump_of(const Simulation::Impl& s, std::int32_t point, double of_displacement, double of_velocity);
 // Opening that the law receives, m: with the shift of law swaps.
 double opening_at_traction(const Simulation::Impl& s, std::int32_t point);
+// Contact forces on a body at the last evaluation of the laws: of a process that has its contact points, of any.
 JointWrench sum_joint_wrench(const Simulation::Impl& s, int body);
+JointWrench joint_wrench(const Simulation::Impl& s, int body);
 WholeMotion whole_motion_of(const Simulation::Impl& s, std::size_t brick);
 
 }  // namespace quoin

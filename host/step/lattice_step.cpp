@@ -27,9 +27,14 @@ void damp_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump) {
   c.slip[0] = jump.slip_s, c.slip[1] = jump.slip_t;
   c.normal_jump = jump.normal, c.old_jump = s.lattice.old_jump.data() + first;
   c.area = s.model.area.data() + first;
+  const auto count = static_cast<std::size_t>(chunk.point_count);
+  double& taken = s.contacts.calls[static_cast<std::size_t>(index)].damping;
+  if (s.time_step.impacts.viscosity.empty()) {
+    taken = damp_points(c, count, s.time_step.joint_damping / s.data.time_step);
+    return;
+  }
   const auto [normal, along] = s.time_step.impacts.viscosity[static_cast<std::size_t>(chunk.family)];
-  s.contacts.calls[static_cast<std::size_t>(index)].damping = damp_impacts(
-      c, {}, static_cast<std::size_t>(chunk.point_count), normal / s.data.time_step, along / s.data.time_step);
+  taken = damp_impacts(c, {}, count, normal / s.data.time_step, along / s.data.time_step);
 }
 
 // Sums of a chunk in a measured step.
@@ -55,8 +60,9 @@ void advance_lattice_contacts(Simulation::Impl& s, int thread, int index, bool m
   const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
   contact_jumps(s.model, chunk, s.data, jump);
   lap(clock, Phase::jumps);
+  const auto& of_impacts = s.time_step.impacts.viscosity;
   const bool damped =
-      s.lattice.damps_impacts() && s.time_step.impacts.viscosity[static_cast<std::size_t>(chunk.family)][0] > 0.0;
+      s.lattice.damps_joints() && (of_impacts.empty() || of_impacts[static_cast<std::size_t>(chunk.family)][0] > 0.0);
   const bool implicit = s.contacts.implicit.in_use();
   for (std::size_t k = 0; (damped || implicit) && k < 3; ++k)
     std::copy_n(s.lattice.traction[k].data() + chunk.first_point, chunk.point_count, jump->old_traction[k]);

@@ -89,7 +89,7 @@ void swap_lattice_law(Simulation::Impl& s, std::size_t f, std::shared_ptr<const 
     sums.add(of_one);
   s.laws.swaps.push_back(report_of(family.name, *family.material, *material, sums));
   for (const PointRow& row : rows) {
-    for (std::size_t p = row.first; p < row.end && s.lattice.damps_impacts(); ++p)
+    for (std::size_t p = row.first; p < row.end && s.lattice.damps_joints(); ++p)
       s.lattice.old_jump[p] += shift[p] - (s.lattice.normal_shift.empty() ? 0.0 : s.lattice.normal_shift[p]);
   }
   s.lattice.normal_shift = std::move(shift);

@@ -56,7 +56,7 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
 void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
   MonitorSide side;
   for (const int b : s.monitor.blocks.bodies) {
-    const Vec3 joints = joint_force(s, b);
+    const Vec3 joints = joint_wrench(s, b).force;
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
     const RigidBody& body = s.model.bodies[static_cast<std::size_t>(b)];
     const Brick& brick = s.model.assembly.bricks[static_cast<std::size_t>(body.block)];
@@ -75,18 +75,24 @@ void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
   }
   show_response(s, direction, row);
+  row.vertical_force = side.joints_are_above() ? -row.joint_force[1] : row.joint_force[1];  // compression positive
+}
+
+// Resultant of all forces on the wall along the stage's direction, N. It is its inertia force.
+double dynamic_force_of_lattice(const Simulation::Impl& s) {
+  const auto direction = static_cast<std::size_t>(current_stage(s).direction);
   const double whole = s.model.assembly.symmetry_factor;
-  row.dynamic_force = whole * s.model.total_mass() * s.data.gravity[direction];
+  double force = whole * s.model.total_mass() * s.data.gravity[direction];
   for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
     const auto [index, lane] = s.lattice.place[b];
     const BodyLanes& lanes = s.lattice.bodies[static_cast<std::size_t>(index)];
     const double weight = s.model.bodies[b].mass * s.data.gravity[direction];
-    row.dynamic_force +=
-        whole * (lanes.prescribed[direction][lane] != 0.0 ? -joint_force(s, static_cast<int>(b))[direction] - weight
-                                                          : lanes.applied_force[direction][lane]);
+    force += whole * (lanes.prescribed[direction][lane] != 0.0
+                          ? -joint_wrench(s, static_cast<int>(b)).force[direction] - weight
+                          : lanes.applied_force[direction][lane]);
   }
-  for (const LoadRamp& ramp : s.controls.load_ramps) row.dynamic_force += whole * ramp.now[direction];
-  row.vertical_force = side.joints_are_above() ? -row.joint_force[1] : row.joint_force[1];  // compression positive
+  for (const LoadRamp& ramp : s.controls.load_ramps) force += whole * ramp.now[direction];
+  return force;
 }
 
 }  // namespace
@@ -98,7 +104,7 @@ double largest_displacement(const Simulation::Impl& s) {
     look(norm(geometry::vector((has_all(s) ? whole_motion_of(s, i) : s.small_motion.whole_motions[i]).translation)));
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i) {
     if (s.large_motion->assembly.blocks[static_cast<std::size_t>(i)].fixed) continue;
-    look(moved(*s.large_motion, i));
+    look(norm(moved(*s.large_motion, i)));
   }
   return largest;
 }
@@ -161,6 +167,7 @@ HistoryRow measure_row(const Simulation::Impl& s) {
   if (s.scene.blocks || acts) row.largest_displacement = largest_displacement(s);
   if (acts) measure_base(s, row);
   if (!s.monitor.blocks.empty()) measure_monitor(s, row);
+  if (s.progress.stage >= 0) row.dynamic_force = dynamic_force_of_lattice(s);
   return row;
 }
 
@@ -187,10 +194,6 @@ void require_finite(Simulation::Impl& s, const HistoryRow& row) {
                             s.scene.stages[static_cast<std::size_t>(row.stage)].name, row.step, row.time, name, value,
                             s.data.time_step, s.data.time_step / s.time_step.critical.value));
   }
-}
-
-Vec3 joint_force(const Simulation::Impl& s, int body) {
-  return has_all(s) ? sum_joint_force(s, body) : s.reactions.body_wrench[static_cast<std::size_t>(body)].force;
 }
 
 }  // namespace quoin

@@ -9,6 +9,5 @@ HistoryRow measure_row(const Simulation::Impl& s);
 void sum_measurements(Simulation::Impl& s);                       // sums over items and chunks of a measured step
 double largest_displacement(const Simulation::Impl& s);           // of a block, m; in large motion of free ones
 void require_finite(Simulation::Impl& s, const HistoryRow& row);  // throws Error(numerical)
-Vec3 joint_force(const Simulation::Impl& s, int body);  // force of the contact points at the last law evaluation, N
 
 }  // namespace quoin

@@ -5,6 +5,7 @@
 
 #include "members/members.h"
 #include "model/world_results.h"
+#include "step/actions/ground.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -152,10 +153,14 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
     for (const int b : members) wrenches.push_back(s.reactions.block_wrench[at(b)]);
   } else {
     members.clear();
+    const Vector ground = ground_of_lattice_at_forces(s);
     for (int b = 0; b < static_cast<int>(held.size()); ++b) {
       if (held[at(b)] == 0 && s.reactions.restraint_of[at(b)] < 0) continue;
       members.push_back(b);
-      wrenches.push_back(has_all(s) ? sum_joint_wrench(s, b) : s.reactions.body_wrench[at(b)]);
+      wrenches.push_back(joint_wrench(s, b));
+      // Joints lie where the ground has carried them, against the centre at the start.
+      const Vector moment = cross(ground, geometry::vector(wrenches.back().force));
+      for (std::size_t c = 0; c < 3; ++c) wrenches.back().moment[c] += moment[static_cast<int>(c)];
     }
   }
   std::vector<Vector> centre(s.reactions.restraints.size());

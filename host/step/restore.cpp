@@ -169,7 +169,7 @@ void take_state(Simulation::Impl& s, ArchiveReader& reader) {
     transfer_state(reader, s);
   }
   const LatticeState& lattice = s.lattice;
-  const std::size_t damped = s.time_step.impacts.viscosity.empty() || s.large_motion ? 0 : at(s.model.point_count);
+  const std::size_t damped = !s.time_step.damps_joints() || s.large_motion ? 0 : at(s.model.point_count);
   const auto has_columns = [damped](const auto& column) { return column.size() == damped; };
   if (sizes_of(s) != expected || !has_columns(lattice.old_jump) ||
       !std::all_of(std::begin(lattice.viscous), std::end(lattice.viscous), has_columns) ||
@@ -238,7 +238,7 @@ void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
   const std::vector<Stage> stages = impl_->scene.stages;
   try {
     restore_state(*impl_, source);
-  } catch (const Error&) {
+  } catch (...) {
     impl_->scene.stages = stages;
     BytesInMemory before(undo);
     restore_state(*impl_, before);

@@ -23,9 +23,9 @@ namespace quoin {
 
 namespace {
 
-// Begins impact damping at the contact points that this rank holds. Before the first step there is no rate.
+// Begins damping of joints at the contact points that this rank holds. Before the first step there is no rate.
 void begin_damping(Simulation::Impl& s) {
-  const std::size_t points = s.time_step.impacts.viscosity.empty() ? 0 : static_cast<std::size_t>(s.model.point_count);
+  const std::size_t points = s.time_step.damps_joints() ? static_cast<std::size_t>(s.model.point_count) : 0;
   for (auto& column : s.lattice.viscous) column.assign(points, 0.0);
   s.lattice.old_jump.assign(points, 0.0);
   for (BoundCall& call : s.contacts.calls) call.damping = 0.0;

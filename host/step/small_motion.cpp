@@ -114,6 +114,19 @@ bool follow_motion(Simulation::Impl& s, bool stage_ends, std::vector<Warning>* w
   return true;
 }
 
+void warn_of_unused_bounds(Simulation::Impl& s, std::vector<Warning>* warnings) {
+  const MotionBound &bound = s.scene.solver.motion_bound, usual;
+  const char* const given = bound.rotation != usual.rotation ? "rotation_bound"
+                            : bound.sliding != usual.sliding ? "sliding_bound"
+                                                             : nullptr;
+  if (!given || !s.large_motion || s.outcome.promotion) return;
+  warn_once(s, "motion_bound",
+            fmt::format("solver.{} has no effect: it bounds small displacements on the lattice, and these blocks are "
+                        "in the general kernels from the start; remove it",
+                        given),
+            warnings);
+}
+
 bool was_warned(const Simulation::Impl& s, const char* about) {
   return std::any_of(s.outcome.warnings.begin(), s.outcome.warnings.end(),
                      [&](const Warning& w) { return w.about == about; });

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "step/actions/collapse.h"
+#include "step/actions/ground.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/measure.h"
@@ -64,7 +65,10 @@ void StageRun::begin(bool was_in_stage) {
     if (!was_in_stage && settings_.kind == "rest") find_rest(s_);
   });
   observer_.on_stage_begin(simulation_, index_);
-  if (!was_in_stage) warn_of_loose_blocks(s_, &warnings_), warn();
+  if (!was_in_stage) {
+    warn_of_loose_blocks(s_, &warnings_), warn_of_unused_bounds(s_, &warnings_);
+    warn_of_no_monitor(s_, &warnings_), warn();
+  }
   for (const LawSwap& swap : s_.laws.swaps) observer_.on_law_swap(swap);
 }
 

@@ -132,9 +132,16 @@ void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
   const Stage& settings = current_stage(s);
   if (s.small_motion.held_blocks.empty()) s.small_motion.held_blocks = held_in(s, settings);
   const auto way_of = [&](std::size_t i) {
-    if (s.large_motion) return moved(*s.large_motion, static_cast<int>(i));
-    return i < s.small_motion.whole_motions.size() ? norm(geometry::vector(s.small_motion.whole_motions[i].translation))
-                                                   : 0.0;
+    geometry::Vector way;
+    if (s.large_motion)
+      way = moved(*s.large_motion, static_cast<int>(i));
+    else if (i < s.small_motion.whole_motions.size())
+      way = geometry::vector(s.small_motion.whole_motions[i].translation);
+    const unsigned held = s.small_motion.held_blocks[i];
+    for (unsigned c = 0; held != 7 && c < 3; ++c) {
+      if ((held >> c & 1u) != 0) way[c] = 0.0;  // the stage moves the block that way
+    }
+    return norm(way);
   };
   double of_supports = 0.0, farthest = 0.0;
   int falling = -1;

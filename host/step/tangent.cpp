@@ -171,9 +171,8 @@ std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
   const Damping damping = damping_of(solver_in_use(s));
   if (damping.impacts) return Dashpots{s.time_step.impacts.viscosity, s.time_step.impacts.of_zones, 0.0};
   if (damping.alpha == 0.0 && damping.beta == 0.0) return std::nullopt;
-  const double of_joints = s.large_motion ? damping.beta : 0.0;  // on the lattice beta acts on zones alone
-  return Dashpots{std::vector<std::array<double, 2>>(s.model.families.size(), {of_joints, of_joints}), damping.beta,
-                  damping.alpha};
+  return Dashpots{std::vector<std::array<double, 2>>(s.model.families.size(), {damping.beta, damping.beta}),
+                  damping.beta, damping.alpha};
 }
 
 Tangent tangent_of(const Simulation::Impl& s) {

@@ -456,7 +456,7 @@ ground_motion = { direction = [1, 0, 0.5], time = [0, 0.05, 0.1, 0.2], accelerat
 TEST_F(GroundUnderWalls, WhatActsOnBlocksActsOnWalls) {
   for (const char* action :
        {"duration = 0.02\nground_motion = { direction = [1, 0, 0], time = [0, 0.02], acceleration = [1, 1] }\n"
-        "solver = { damping = \"viscous\", stiffness_damping = 1e-5 }\n",
+        "solver = { maxwell_damping = 0.02 }\n",
         "duration = 0.02\n[[stage.force]]\nblock = \"top_course\"\npoint = [0, 0.6, 0]\nforce = [100, 0, 0]\n",
         "duration = 0.02\n[[stage.pressure]]\nblock = \"top_course\"\nnormal = [0, 1, 0]\npressure = 1e4\n",
         "gravity = [0, -9.81, 0]\ncollapse = { rate = 1.0, displacement = 1e-5, limit = 0.2 }\n"}) {

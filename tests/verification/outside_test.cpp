@@ -56,7 +56,9 @@ beam_joint = "dry"
 
 struct Rows : Observer {
   std::vector<HistoryRow> all;
+  std::vector<std::string> warned_of;  // as in Warning::about
   void on_row(const HistoryRow& row) override { all.push_back(row); }
+  void on_warning(const Warning& warning) override { warned_of.emplace_back(warning.about); }
   std::vector<HistoryRow> of_stage(int stage) const {
     std::vector<HistoryRow> found;
     std::ranges::copy_if(all, std::back_inserter(found), [&](const HistoryRow& row) { return row.stage == stage; });
@@ -387,6 +389,125 @@ duration = 0.01
 law = { bond = "elastic" }
 )",
                  "which bonds the strip 'sheet'", "default_joint = \"none\"\n");
+}
+
+// Steps under impact damping were up to 6.5 times 2/omega_max of the beam's nodes, and the run blew up.
+TEST(Outside, NodesOfBeamsBoundTheStepUnderImpactDampingToo) {
+  const Rows rows = rows_of(kBase + kCube + R"(
+[[beam]]
+name = "arm"
+points = [[0.5, 0.9, 0.5], [2.5, 0.9, 0.5]]
+spacing = 0.25
+area = 2e-3
+inertia = [5e-6, 5e-6]
+young_modulus = 2e11
+density = 7850
+[[beam.support]]
+point = [0.5, 0.9, 0.5]
+block = "cube"
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.01
+duration = 0.02
+[[stage]]
+name = "shake"
+duration = 0.05
+ground_motion = { direction = [1, 0, 0], pulse = { shape = "ricker", amplitude = 3.0, period = 0.06 } }
+)");
+  const auto step_of = [&](int stage) {
+    const std::vector<HistoryRow> of = rows.of_stage(stage);
+    return (of.back().time - of.front().time) / static_cast<double>(of.back().step - of.front().step);
+  };
+  EXPECT_LT(step_of(1), 1.001 * step_of(0));
+  EXPECT_LT(rows.all.back().kinetic_energy, 0.5 * kWeightOfCube / gravity);  // at most 1 m/s
+}
+
+// Weight put on at once does the work (mg)^2/k. Half of it is stored in the joint, so damping takes the other half. On
+// the lattice it took nothing.
+TEST(Outside, StiffnessDampingActsOnJointsInAllKernels) {
+  for (const char* kernels : {"automatic", "general"}) {
+    std::unique_ptr<Simulation> run;
+    const Rows rows = rows_of(kBase + kCube + "[solver]\nkernels = \"" + kernels + R"("
+damping = "viscous"
+stiffness_damping = 5.66e-4
+time_step_fraction = 0.1
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.0
+duration = 0.1
+)",
+                              &run);
+    EXPECT_EQ(run->large_motion() != nullptr, kernels == std::string("general"));
+    const double half = 0.5 * kWeightOfCube * kWeightOfCube / 1e9;
+    EXPECT_NEAR(rows.all.back().energies->damping, half, 0.01 * half) << kernels;
+  }
+}
+
+// The parts of a cut beam were held by nothing in a wall beside blocks.
+TEST(Outside, AWallBesideBlocksStandsOnAllPartsOfItsBeam) {
+  const Rows rows = rows_of(wall("bottom_beam_cuts = [2]\ntop_beam = false\nzones = [2, 1, 1]\n") + R"(
+[[block]]
+name = "post"
+material = "stone"
+fixed = true
+box = { lower = [2, 0, 0], size = [0.2, 0.2, 0.1] }
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.02
+duration = 0.1
+)");
+  EXPECT_NEAR(rows.all.back().largest_displacement, 2000.0 * gravity * (0.1 + 0.2 + 0.3) / 1e9, 2e-7);
+}
+
+// The ground has gone 0.2 m: the moment of all reactions about the origin is that of the weight where the wall is now.
+// On the lattice it was that of the weight at the start.
+TEST(Outside, MomentsOfReactionsHaveTheDisplacementOfTheGround) {
+  for (const char* motion : {"automatic", "always"}) {
+    const HistoryRow last =
+        rows_of(wall("top_beam = false\nzones = [2, 1, 1]\n[solver]\nlarge_motion = \"") + motion + R"("
+[[stage]]
+name = "weight"
+kind = "custom"
+gravity = [0, -9.81, 0]
+ramp_time = 0.02
+duration = 0.1
+[[stage]]
+name = "shake"
+duration = 0.6
+ground_motion = { direction = [1, 0, 0], time = [0, 0.1, 0.3, 0.4, 1], acceleration = [0, 4, -4, 0, 0] }
+)")
+            .all.back();
+    const double weight = 2000.0 * gravity * 0.4 * 0.3 * 0.1;
+    ASSERT_GT(last.ground_displacement[0], 0.07) << motion;
+    EXPECT_NEAR(last.reaction_sum.moment[2], weight * (0.2 + last.ground_displacement[0]), 0.01 * weight) << motion;
+  }
+}
+
+// A stage that drives a block across the model and holds it up is no fall.
+TEST(Outside, ABlockThatIsDrivenFarDoesNotFall) {
+  const Rows rows = rows_of(kBase + kCube + R"(
+[[stage]]
+name = "drive"
+gravity = [0, -9.81, 0]
+duration = 0.1
+[[stage.velocity]]
+block = "cube"
+velocity = [100, 0, "free"]
+)");
+  EXPECT_EQ(std::ranges::count(rows.warned_of, "free_fall"), 0);
+  EXPECT_GT(rows.all.back().largest_displacement, 8.0);
+}
+
+TEST(Outside, ABoundOfSmallMotionThatDoesNothingIsWarnedOf) {
+  const std::string stage = "[[stage]]\ngravity = [0, -9.81, 0]\nduration = 0.001\n";
+  for (const char* kernels : {"automatic", "general"}) {
+    const Rows rows =
+        rows_of(kBase + kCube + "[solver]\nrotation_bound = 0.02\nkernels = \"" + kernels + "\"\n" + stage);
+    EXPECT_EQ(std::ranges::count(rows.warned_of, "motion_bound"), kernels == std::string("general")) << kernels;
+  }
 }
 
 }  // namespace

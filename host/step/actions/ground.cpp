@@ -18,8 +18,10 @@
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
 #include "step/reactions.h"
+#include "step/small_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
+#include "step/watched_motion.h"
 
 namespace quoin {
 
@@ -28,19 +30,13 @@ using geometry::Vector;
 namespace {
 
 void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
-  const int block = ground_block(s);
-  if (const int ground = block < 0 ? -1 : s.model.place[static_cast<std::size_t>(block)].body; ground >= 0) {
-    const Vec3 moved = s.lattice.of_body(ground, &BodyLanes::displacement),
-               v = s.lattice.of_body(ground, &BodyLanes::velocity);
-    for (std::size_t c = 0; c < 3; ++c) row.ground_displacement[c] = moved[c] - s.data.time_step * v[c];
-  }
+  row.ground_displacement = geometry::array(ground_of_lattice_at_forces(s));
   Vector moment;
   bool any = false;
   for (int b = 0; b < static_cast<int>(s.model.bodies.size()); ++b) {
     if (!s.model.assembly.bricks[static_cast<std::size_t>(s.model.bodies[static_cast<std::size_t>(b)].block)].fixed)
       continue;
-    const JointWrench joints =
-        has_all(s) ? sum_joint_wrench(s, b) : s.reactions.body_wrench[static_cast<std::size_t>(b)];
+    const JointWrench joints = joint_wrench(s, b);
     any = true;
     for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += joints.force[c];
     moment += geometry::vector(joints.moment) +
@@ -51,6 +47,14 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
 }
 
 }  // namespace
+
+Vector ground_of_lattice_at_forces(const Simulation::Impl& s) {
+  const int block = ground_block(s);
+  const int ground = block < 0 ? -1 : s.model.place[static_cast<std::size_t>(block)].body;
+  if (ground < 0) return {};
+  return geometry::vector(s.lattice.of_body(ground, &BodyLanes::displacement)) -
+         s.data.time_step * geometry::vector(s.lattice.of_body(ground, &BodyLanes::velocity));
+}
 
 Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double time, std::int32_t motion) {
   if (!of_stage.ground) return {};
@@ -226,6 +230,15 @@ void follow_ground_of_lattice(Simulation::Impl& s) {
   s.data.ground_velocity = geometry::array(
       left_over_at(s, geometry::vector(ground.velocity_from), geometry::vector(ground.velocity_to), time) +
       record_velocity(s, current_stage(s), time, static_cast<std::int32_t>(ground.motion)));
+}
+
+void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
+  if (!current_stage(s).ground || !shown_blocks(s).empty()) return;
+  warn_once(s, "monitor",
+            fmt::format("stage '{}' moves the ground, and no block is watched: displacement and force of the monitor "
+                        "are 0 in its rows, whatever moves; give a monitor, or [[monitor]] for monitors.csv",
+                        current_stage(s).name),
+            warnings);
 }
 
 // Measures force and moment of the structure on the ground: on fixed blocks, and on what lies below springs.

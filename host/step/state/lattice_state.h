@@ -23,7 +23,7 @@ struct LatticeState {
   LaneVector<std::uint32_t> flags;         // by contact point; not saved
   long flags_step = -1;                    // step of `flags`; -1: none
 
-  bool damps_impacts() const { return !old_jump.empty(); }
+  bool damps_joints() const { return !old_jump.empty(); }
   BodyLanes& lanes_of(int body) {
     return bodies[static_cast<std::size_t>(place[static_cast<std::size_t>(body)].first)];
   }
