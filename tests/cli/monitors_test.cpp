@@ -128,6 +128,13 @@ TEST_F(Monitors, GoOnWhereAKilledRunWasLeft) {
     EXPECT_EQ(read_all(fs::path(cut) / file), read_all(fs::path(whole) / file)) << file;
 }
 
+TEST_F(Monitors, DoNotStayWhereALaterRunHasNone) {
+  ASSERT_EQ(quoin({"run", scene(both_), "--out", out(), "--threads", "1"}), 0) << error_;
+  ASSERT_TRUE(fs::exists(fs::path(out()) / "monitors.csv"));
+  ASSERT_EQ(quoin({"run", scene(""), "--out", out(), "--threads", "1"}), 0) << error_;
+  for (const char* file : {"monitors.csv", "monitors.json"}) EXPECT_FALSE(fs::exists(fs::path(out()) / file)) << file;
+}
+
 // A run that is killed while it starts leaves monitors.csv cut short, under the name of its partial file.
 TEST_F(Monitors, GoOnAfterARunThatWasKilledWhileItStarted) {
   const std::string path = scene(both_, 3.0);
