@@ -8,17 +8,12 @@
 
 namespace quoin {
 
-namespace {
-
-// Traction of a point with its viscous part, Pa.
 Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
   Vec3 sum;
   for (std::size_t k = 0; k < 3; ++k)
     sum[k] = s.lattice.traction[k][point] + (s.lattice.damps_joints() ? s.lattice.viscous[k][point] : 0.0);
   return sum;
 }
-
-}  // namespace
 
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index) {
   const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];

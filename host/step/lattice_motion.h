@@ -8,6 +8,8 @@
 
 namespace quoin {
 
+// Traction of a contact point with its viscous part, Pa.
+Vec3 point_traction(const Simulation::Impl& s, std::size_t point);
 // Sum of the forces of a chunk's points on the deformable blocks of the monitor, N.
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index);
 // Translation + rotation x arm of a rigid body, at a position in the reference configuration.

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "step/findings.h"
 #include "step/implicit_step.h"
+#include "step/lattice_motion.h"
 #include "step/point_kernels.h"
 #include "step/results.h"
 #include "step/stages.h"
@@ -46,8 +47,7 @@ void measure_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump, bool 
   for (int i = 0; i < chunk.point_count; ++i) {
     const auto p = static_cast<std::size_t>(chunk.first_point + i);
     if (report) sums.crushed_out += condition_of(s.lattice.flags[p]) == Condition::crushed_out;
-    const auto square = [&](std::size_t k) { return s.lattice.traction[k][p] * s.lattice.traction[k][p]; };
-    sums.force_sum += s.model.area[p] * std::sqrt(square(0) + square(1) + square(2));
+    sums.force_sum += s.model.area[p] * norm_of(point_traction(s, p));
     if (jump.normal[i] < sums.deepest) sums.deepest = jump.normal[i], sums.deepest_point = chunk.first_point + i;
   }
 }
@@ -72,6 +72,7 @@ void advance_lattice_contacts(Simulation::Impl& s, int thread, int index, bool m
   for (int i = 0; implicit && i < chunk.point_count; ++i)
     way[i] = jump->normal[i] - s.lattice.old_jump[static_cast<std::size_t>(chunk.first_point + i)];
   if (damped) damp_chunk(s, index, *jump);
+  if (measure_step) measure_chunk(s, index, *jump, report);
   if (implicit) weigh_chunk(s, index, *jump, way);
   const double* const of_damping[3] = {s.lattice.viscous[0].data(), s.lattice.viscous[1].data(),
                                        s.lattice.viscous[2].data()};
@@ -91,7 +92,6 @@ void evaluate_law(Simulation::Impl& s, int index, const ChunkJumps& jump, bool m
   if (energies_too) s.contacts.bind_energies(call, chunk);
   if (call.evaluate(material)) s.contacts.law_failed.store(true, std::memory_order_relaxed);
   if (!measure_step) return;
-  measure_chunk(s, index, jump, report);
   blocks::sum_energies(s.model.area.data() + chunk.first_point, call);
   if (energies_too) call.bind_energies(nullptr, {});
 }

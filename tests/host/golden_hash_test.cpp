@@ -213,7 +213,7 @@ const GoldenKind kKinds[] = {
     {"lattice_local", kWall, weak({"solver.damping=local"}), 0x17fa6096670ac7b7u, 0x1e9ef2407c54feb2u},
     {"lattice_viscous", kWall,
      weak({"solver.damping=viscous", "solver.mass_damping=20", "solver.stiffness_damping=1e-6"}), 0x0b571907ed8d7beeu,
-     0xa3bde28052e006b1u},
+     0xb40525e375255b2eu},
     {"half_thickness", kWall, weak({"wall.half_thickness=true", "wall.zones=[2, 1, 2]"}), 0xce116c04c1c93162u,
      0x567bcedf419e4d87u},
     {"selective", kWall, weak({"solver.selective_time_step=4e-5"}), 0x651865bede07bdddu, 0xb8aadd074e859257u},

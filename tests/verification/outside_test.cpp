@@ -442,6 +442,16 @@ duration = 0.1
     EXPECT_EQ(run->large_motion() != nullptr, kernels == std::string("general"));
     const double half = 0.5 * kWeightOfCube * kWeightOfCube / 1e9;
     EXPECT_NEAR(rows.all.back().energies->damping, half, 0.01 * half) << kernels;
+    // Dashpots are part of the mean contact force, over which the unbalanced force is shown.
+    int moving = 0;
+    for (const HistoryRow& row : rows.all) {
+      const double carried = row.reaction_sum.force[1], left = std::abs(carried - kWeightOfCube);
+      if (carried < 0.1 * kWeightOfCube || left < 0.1 * kWeightOfCube) continue;
+      const double mean = carried / static_cast<double>(run->point_count());
+      EXPECT_NEAR(row.unbalanced_ratio, left / mean, 1e-6 * left / mean) << kernels << " " << row.step;
+      ++moving;
+    }
+    EXPECT_GT(moving, 10) << kernels;
   }
 }
 
