@@ -520,5 +520,31 @@ TEST(Outside, ABoundOfSmallMotionThatDoesNothingIsWarnedOf) {
   }
 }
 
+// Rows of a shake that watches no block have zeros for its response: the run says so.
+TEST(Outside, AShakeWithoutAMonitorIsWarnedOf) {
+  const std::string shake = kBase + kCube + R"(
+[[stage]]
+name = "shake"
+gravity = [0, -9.81, 0]
+duration = 0.01
+ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 0.1] }
+)";
+  EXPECT_EQ(std::ranges::count(rows_of(shake).warned_of, "monitor"), 1);
+  EXPECT_EQ(std::ranges::count(rows_of(shake + "monitor = \"cube\"\n").warned_of, "monitor"), 0);
+}
+
+// The inertia force of a block is its weight along x less what its support holds back. On the lattice it was 0 in
+// stages without a monitor.
+TEST(Outside, TheInertiaForceIsShownWithoutAMonitor) {
+  for (const char* kernels : {"automatic", "general"}) {
+    const Rows rows = rows_of(kBase + kCube + "[solver]\nkernels = \"" + kernels +
+                              "\"\n[[stage]]\ngravity = [2, -9.81, 0]\nramp_time = 0.0\nduration = 0.001\n");
+    const double pull = 2.0 * kWeightOfCube / gravity;
+    for (const HistoryRow& row : rows.all)
+      EXPECT_NEAR(row.dynamic_force, pull + row.reaction_sum.force[0], 1e-9 * pull) << kernels << " " << row.step;
+    EXPECT_GT(rows.all.front().dynamic_force, 0.5 * pull) << kernels;
+  }
+}
+
 }  // namespace
 }  // namespace quoin::verification
