@@ -123,10 +123,14 @@ double stack_cost(int n, bool moving) {
   return per_block;
 }
 TEST(Cost, LinearInTheNumberOfBlocks) {
-  const double small = stack_cost(100, false);
+  constexpr double kOfCacheMisses = 4.0;  // growth with n would be a factor of 100
   double worst = 0.0;
-  for (int n : {1000, 10000}) worst = std::max(worst, stack_cost(n, false) / small);
-  EXPECT_LT(worst, 4.0) << "cache misses may cost a factor; growth with n may not";
+  for (int attempt = 0; attempt < 3; ++attempt) {  // other work on the machine may slow one of them
+    const double small = stack_cost(100, false);
+    worst = std::max(stack_cost(1000, false), stack_cost(10000, false)) / small;
+    if (worst < kOfCacheMisses) return;
+  }
+  EXPECT_LT(worst, kOfCacheMisses);
 }
 TEST(Cost, DISABLED_HundredThousandBlocks) {
   for (int n : {100, 1000, 10000, 100000}) stack_cost(n, false);
