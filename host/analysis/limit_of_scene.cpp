@@ -17,10 +17,10 @@
 #include "law/law_library.h"
 #include "members/linear.h"
 #include "members/members.h"
-#include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
+#include "step/assembly.h"
 #include "step/findings.h"
 #include "step/large_motion.h"
 #include "step/results.h"
@@ -297,11 +297,6 @@ std::vector<Wrench> pull_of(const SceneLimit& limit, const Vector& acceleration)
     on.moment += cross(m.at - limit.problem.blocks[static_cast<std::size_t>(m.block)].centre, force);
   }
   return pull;
-}
-
-blocks::Assembly assembly_of(const Simulation& simulation) {
-  const blocks::Model* const shapes = simulation.large_motion();
-  return shapes ? shapes->assembly : blocks::from_bricks(simulation.assembly());
 }
 
 // Assembles the problem: rigid blocks, and a force at each contact point. Weights follow from the outlines of the

@@ -12,8 +12,8 @@
 #include "files/csv_text.h"
 #include "files/file.h"
 #include "results/json_file.h"
-#include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
+#include "step/assembly.h"
 #include "step/large_motion.h"
 #include "step/results.h"
 
@@ -41,8 +41,7 @@ void name_motion(const std::string& prefix, std::vector<std::string>& columns) {
 }  // namespace
 
 std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std::vector<Monitor>& monitors) {
-  const blocks::Model* const model = simulation.large_motion();
-  const blocks::Assembly shapes = model ? model->assembly : blocks::from_bricks(simulation.assembly());
+  const blocks::Assembly shapes = assembly_of(simulation);
   const std::optional<BuildingSpec>& building = simulation.scene().building;
   std::vector<MonitorPlace> places;
   for (const Monitor& m : monitors) {

@@ -8,11 +8,11 @@
 
 namespace quoin {
 
-Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
-  Vec3 sum;
-  for (std::size_t k = 0; k < 3; ++k)
-    sum[k] = s.lattice.traction[k][point] + (s.lattice.damps_joints() ? s.lattice.viscous[k][point] : 0.0);
-  return sum;
+Vec3 body_displacement_at_forces(const Simulation::Impl& s, int body) {
+  Vec3 moved = s.lattice.of_body(body, &BodyLanes::displacement);
+  const Vec3 v = s.lattice.of_body(body, &BodyLanes::velocity);
+  for (std::size_t c = 0; c < 3; ++c) moved[c] -= s.data.time_step * v[c];
+  return moved;
 }
 
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index) {
@@ -93,10 +93,7 @@ JointWrench sum_joint_wrench(const Simulation::Impl& s, int body) {
       sum.moment[c] += b.arm[i][next] * of_point[last] - b.arm[i][last] * of_point[next];
     }
   }
-  // Forces are those of the last evaluation of the laws. The displacement is that of the same time.
-  const Vec3 moved = s.lattice.of_body(body, &BodyLanes::displacement),
-             v = s.lattice.of_body(body, &BodyLanes::velocity);
-  for (std::size_t c = 0; c < 3; ++c) sum.displacement[c] = moved[c] - s.data.time_step * v[c];
+  sum.displacement = body_displacement_at_forces(s, body);
   return sum;
 }
 

@@ -26,17 +26,8 @@ class GroundMotion : public Cli {
   // Returns a block of 0.4 x 0.1 x 0.4 m on a fixed slab, friction 0.3, with these stages. monitor: the recorded block.
   std::string scene(const std::string& stages, const std::string& monitor, const std::string& solver) const {
     const std::string path = (folder_ / "scene.toml").string();
-    std::ofstream(path) << solver
-                        << fmt::format(R"(
-[materials.stone]
-density = 2000.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = {}
-[[block]]
+    std::ofstream(path) << solver << dry_stone(std::atan(0.3) * 180.0 / std::numbers::pi)
+                        << fmt::format(R"([[block]]
 name = "ground"
 material = "stone"
 fixed = true
@@ -56,7 +47,7 @@ monitor = "{}"
 frames = 0
 plots = false
 )",
-                                       std::atan(0.3) * 180.0 / std::numbers::pi, stages, monitor);
+                                       stages, monitor);
     return path;
   }
   // Time since the end of the first stage, s, and displacement of the monitor, m.
@@ -270,16 +261,8 @@ class Rocking : public GroundMotion {
   std::vector<double> heights_of(double height) {
     const double alpha = std::atan(1.0 / height), radius = 0.5 * std::hypot(1.0, height);
     const std::string path = (folder_ / "rocking.toml").string();
-    std::ofstream(path) << fmt::format(R"(
-[materials.stone]
-density = 2000.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = 45
-[[block]]
+    std::ofstream(path) << dry_stone(45)
+                        << fmt::format(R"([[block]]
 name = "ground"
 material = "stone"
 fixed = true

@@ -57,7 +57,7 @@ TEST_F(Limit, HasTheConstantLoadsOfItsStage) {
   for (const std::string load : {"[[stage.pressure]]\nnormal = [0, 1, 0]\npressure = 19620.0\n",
                                  "[[stage.force]]\npoint = [0.5, 1.0, 0.5]\nforce = [0, -19620.0, 0]\n"}) {
     const std::string path = (folder_ / "block.toml").string();
-    std::ofstream(path) << kDryStone << R"([[block]]
+    std::ofstream(path) << dry_stone(30) << R"([[block]]
 name = "ground"
 material = "stone"
 fixed = true

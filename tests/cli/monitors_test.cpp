@@ -77,6 +77,26 @@ ground_motion = {{ direction = [1, 0, 0], time = [0, 0.1, 9], acceleration = [0,
     }
     return all;
   }
+  // Runs a scene to its end in one folder. In another one the run is killed after its first checkpoint.
+  void run_whole_and_killed() {
+    const std::string path = scene(both_, 3.0);
+    ASSERT_EQ(quoin({"run", path, "--out", whole_.string(), "--threads", "1", "--checkpoint-every", "0"}), 0) << error_;
+    const pid_t child =
+        start({QUOIN_PROGRAM, "run", path, "--out", cut_.string(), "--threads", "1", "--checkpoint-every", "0.005"});
+    while (!fs::exists(cut_ / "checkpoint.bin") && waitpid(child, nullptr, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    kill(child, SIGKILL);
+    finish(child);
+  }
+  void expect_resumed_as_whole() {
+    ASSERT_EQ(quoin({"run", "--resume", cut_.string(), "--threads", "1"}), 0) << error_;
+    EXPECT_THAT(error_, HasSubstr("resumed at step"));
+    for (const char* file : {"monitors.csv", "monitors.json", "history.csv"})
+      EXPECT_EQ(read_all(cut_ / file), read_all(whole_ / file)) << file;
+  }
+  void SetUp() override { Cli::SetUp(), whole_ = folder_ / "whole", cut_ = folder_ / "cut"; }
+  fs::path whole_, cut_;
   const std::string both_ =
       "[[monitor]]\nname = \"foot\"\nblock = \"low\"\n[[monitor]]\nname = \"top\"\nblock = \"high\"\nbelow = \"foot\"\n"
       "[[monitor]]\nname = \"corner\"\nblock = \"high\"\npoint = [0.3, 1.2, 0.3]\n";
@@ -112,20 +132,8 @@ TEST_F(Monitors, AgreeWithTheHistoryAndWithEachOther) {
 }
 
 TEST_F(Monitors, GoOnWhereAKilledRunWasLeft) {
-  const std::string path = scene(both_, 3.0);
-  const std::string whole = (folder_ / "whole").string(), cut = (folder_ / "cut").string();
-  ASSERT_EQ(quoin({"run", path, "--out", whole, "--threads", "1", "--checkpoint-every", "0"}), 0) << error_;
-  const pid_t child =
-      start({QUOIN_PROGRAM, "run", path, "--out", cut, "--threads", "1", "--checkpoint-every", "0.005"});
-  while (!fs::exists(fs::path(cut) / "checkpoint.bin") && waitpid(child, nullptr, WNOHANG) == 0)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  std::this_thread::sleep_for(std::chrono::milliseconds(30));
-  kill(child, SIGKILL);
-  finish(child);
-  ASSERT_EQ(quoin({"run", "--resume", cut, "--threads", "1"}), 0) << error_;
-  EXPECT_THAT(error_, HasSubstr("resumed at step"));
-  for (const char* file : {"monitors.csv", "monitors.json", "history.csv"})
-    EXPECT_EQ(read_all(fs::path(cut) / file), read_all(fs::path(whole) / file)) << file;
+  ASSERT_NO_FATAL_FAILURE(run_whole_and_killed());
+  expect_resumed_as_whole();
 }
 
 TEST_F(Monitors, DoNotStayWhereALaterRunHasNone) {
@@ -137,27 +145,15 @@ TEST_F(Monitors, DoNotStayWhereALaterRunHasNone) {
 
 // A run that is killed while it starts leaves monitors.csv cut short, under the name of its partial file.
 TEST_F(Monitors, GoOnAfterARunThatWasKilledWhileItStarted) {
-  const std::string path = scene(both_, 3.0);
-  const std::string whole = (folder_ / "whole").string(), cut = (folder_ / "cut").string();
-  ASSERT_EQ(quoin({"run", path, "--out", whole, "--threads", "1", "--checkpoint-every", "0"}), 0) << error_;
-  const pid_t child =
-      start({QUOIN_PROGRAM, "run", path, "--out", cut, "--threads", "1", "--checkpoint-every", "0.005"});
-  while (!fs::exists(fs::path(cut) / "checkpoint.bin") && waitpid(child, nullptr, WNOHANG) == 0)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  std::this_thread::sleep_for(std::chrono::milliseconds(30));
-  kill(child, SIGKILL);
-  finish(child);
+  ASSERT_NO_FATAL_FAILURE(run_whole_and_killed());
   int parts = 0;
-  for (const auto& entry : fs::directory_iterator(cut)) {
+  for (const auto& entry : fs::directory_iterator(cut_)) {
     if (!entry.path().filename().string().starts_with("monitors.csv.")) continue;
     fs::resize_file(entry.path(), fs::file_size(entry.path()) / 4);
     ++parts;
   }
   ASSERT_EQ(parts, 1);
-  ASSERT_EQ(quoin({"run", "--resume", cut, "--threads", "1"}), 0) << error_;
-  EXPECT_THAT(error_, HasSubstr("resumed at step"));
-  for (const char* file : {"monitors.csv", "monitors.json", "history.csv"})
-    EXPECT_EQ(read_all(fs::path(cut) / file), read_all(fs::path(whole) / file)) << file;
+  expect_resumed_as_whole();
 }
 
 // Monitors on the lattice, and in large motion after a promotion by ground motion.

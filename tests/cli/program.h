@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,8 +22,9 @@ inline std::string read_all(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// Head of a scene of dry stone.
-inline const std::string kDryStone = R"(
+// Head of a scene of dry stone. friction_angle: degrees.
+inline std::string dry_stone(double friction_angle) {
+  return R"(
 [materials.stone]
 density = 2000.0
 [joints.dry]
@@ -30,8 +32,9 @@ law = "coulomb_slip"
 initial_state = "dry"
 normal_stiffness = 1e9
 shear_stiffness = 1e9
-friction_angle = 30.0
-)";
+friction_angle = )" +
+         fmt::format("{}\n", friction_angle);
+}
 
 class Cli : public ::testing::Test {
  protected:

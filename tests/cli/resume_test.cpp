@@ -131,15 +131,7 @@ ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [2, 2] }
 // Dowels, soil on a face, a tie through a block, and a moving load on it.
 TEST_F(Resume, MembersAndAMovingLoadGoOn) {
   const fs::path scene = folder_ / "members.toml";
-  std::ofstream(scene) << R"([materials.stone]
-density = 2000.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = 35.0
-[solver]
+  std::ofstream(scene) << dry_stone(35) << R"([solver]
 damping = "viscous"
 mass_damping = 10.0
 [[block]]

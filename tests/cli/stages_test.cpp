@@ -34,7 +34,7 @@ class Stages : public Cli {
     ADD_FAILURE() << "no column " << column;
     return 0.0;
   }
-  inline static const std::string kBlocks = kDryStone + R"([[block]]
+  inline static const std::string kBlocks = dry_stone(30) + R"([[block]]
 name = "ground"
 material = "stone"
 fixed = true

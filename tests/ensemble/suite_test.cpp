@@ -68,24 +68,15 @@ class Suite : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
-    std::ofstream(folder_ / "scene.toml") << fmt::format(R"(
-[materials.stone]
-density = 2000.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = {}
-[[block]]
+    std::ofstream(folder_ / "scene.toml") << dry_stone(std::atan(kFriction) * 180.0 / std::numbers::pi) << R"([[block]]
 name = "ground"
 material = "stone"
 fixed = true
-box = {{ lower = [-3, -0.2, -1], size = [3.5, 0.2, 2] }}
+box = { lower = [-3, -0.2, -1], size = [3.5, 0.2, 2] }
 [[block]]
 name = "block"
 material = "stone"
-box = {{ lower = [-0.2, 0, -0.2], size = [0.4, 0.1, 0.4] }}
+box = { lower = [-0.2, 0, -0.2], size = [0.4, 0.1, 0.4] }
 [[stage]]
 name = "weight"
 gravity = [0.0, -9.81, 0.0]
@@ -94,12 +85,11 @@ duration = 0.2
 [[stage]]
 name = "shake"
 duration = 1.0
-ground_motion = {{ direction = [1, 0, 0], time = [0, 0.4], acceleration = [1, 1] }}
+ground_motion = { direction = [1, 0, 0], time = [0, 0.4], acceleration = [1, 1] }
 [output]
 frames = 0
 plots = false
-)",
-                                                         std::atan(kFriction) * 180.0 / std::numbers::pi);
+)";
   }
   std::string study(const std::string& shaking, const std::string& records) const {
     const fs::path file = folder_ / "study.toml";

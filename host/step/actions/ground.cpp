@@ -51,9 +51,7 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
 Vector ground_of_lattice_at_forces(const Simulation::Impl& s) {
   const int block = ground_block(s);
   const int ground = block < 0 ? -1 : s.model.place[static_cast<std::size_t>(block)].body;
-  if (ground < 0) return {};
-  return geometry::vector(s.lattice.of_body(ground, &BodyLanes::displacement)) -
-         s.data.time_step * geometry::vector(s.lattice.of_body(ground, &BodyLanes::velocity));
+  return ground < 0 ? Vector{} : geometry::vector(body_displacement_at_forces(s, ground));
 }
 
 Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double time, std::int32_t motion) {
@@ -234,11 +232,12 @@ void follow_ground_of_lattice(Simulation::Impl& s) {
 
 void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
   if (!current_stage(s).ground || !shown_blocks(s).empty()) return;
-  warn_once(s, "monitor",
-            fmt::format("stage '{}' moves the ground, and no block is watched: displacement and force of the monitor "
-                        "are 0 in its rows, whatever moves; give a monitor, or [[monitor]] for monitors.csv",
-                        current_stage(s).name),
-            warnings);
+  warn_once(
+      s, "monitor",
+      fmt::format("stage '{}' moves the ground, and no block is watched: displacement and force of the monitor "
+                  "are 0 in its rows, whatever moves; give a monitor; those of [[monitor]] are in monitors.csv alone",
+                  current_stage(s).name),
+      warnings);
 }
 
 // Measures force and moment of the structure on the ground: on fixed blocks, and on what lies below springs.
