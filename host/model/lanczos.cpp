@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "base/error.h"
+
 namespace quoin {
 namespace {
 
@@ -24,7 +26,8 @@ class RitzValue {
     const bool last = exhausted || steps == settings_.max_steps;
     if (!last && steps % settings_.check_interval != 0) return false;
     const double before = value_;
-    value_ = solved(Eigen::EigenvaluesOnly).eigenvalues()[steps - 1];
+    const Solver solver = solved(Eigen::EigenvaluesOnly);
+    value_ = unit_ * solver.eigenvalues()[steps - 1];
     return last || (steps > settings_.first_check && value_ - before < settings_.settled * value_);
   }
   Eigen::VectorXd vector() {
@@ -38,11 +41,20 @@ class RitzValue {
 
  private:
   using Solver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
-  // A new solver each time. A member that grows would free its memory first, and again if allocation fails.
-  Solver solved(int what) const {
-    Solver solver;
-    solver.computeFromTridiagonal(diagonal(), beside(), what);
-    return solver;
+  // Eigen drops an element beside the diagonal below rounding of the square root of its neighbours, as if these were
+  // near 1. Rounding errors of larger ones stay: it may give up, with its values in no order. So a matrix on which it
+  // gives up is solved in another unit. A new solver each time. A member that grows would free its memory first, and
+  // again if allocation fails.
+  Solver solved(int what) {
+    for (const double unit : {unit_, std::exp2(std::ilogb(diagonal().cwiseAbs().maxCoeff()))}) {
+      unit_ = unit;
+      Solver solver;
+      solver.computeFromTridiagonal(diagonal() / unit, beside() / unit, what);
+      // No Rayleigh quotient is above the largest value.
+      const double quotient = diagonal().maxCoeff() / unit, largest = solver.eigenvalues()[steps() - 1];
+      if (solver.info() == Eigen::Success && quotient - largest <= 1e-9 * std::abs(quotient)) return solver;
+    }
+    throw Error(Exit::numerical, "the highest frequency of the model was not found");
   }
   Eigen::VectorXd diagonal() const { return Eigen::Map<const Eigen::VectorXd>(diagonal_.data(), steps()); }
   Eigen::VectorXd beside() const { return Eigen::Map<const Eigen::VectorXd>(beside_.data(), steps() - 1); }
@@ -51,6 +63,7 @@ class RitzValue {
   std::size_t dimension_;
   std::vector<double> diagonal_, beside_;
   double value_ = 0.0;
+  double unit_ = 1.0;  // of the matrix that is solved: a power of two, which rounds nothing
 };
 
 }  // namespace
