@@ -92,14 +92,15 @@ struct CoulombSlipLaw {
     const double xi = std::max(from.state("xi_t", 0.0), from.state("xi_s", 0.0));
     const double tau = std::hypot(from.tau_s, from.tau_t);
     const double slack = 1e-9 * std::max({std::abs(from.sigma), p.ft, p.c0, tau});
-    const bool crack = from.sigma == 0.0 && from.normal_jump > 0.0 && xi >= 1.0;  // keeps its width
+    const bool was_failed = from.state("failed", 0.0) > 0.0;
+    // A crack without residual tension keeps its width.
+    const bool crack = from.sigma == 0.0 && from.normal_jump > 0.0 && p.ftr == 0.0 && (was_failed || xi >= 1.0);
     const double d_n = crack ? from.normal_jump : from.sigma / p.kn;
     const auto carries = [&](bool failed) {
       const double cohesion = !failed ? p.c0 : d_n > 0.0 ? 0.0 : p.cr;
       const double S = std::max(0.0, cohesion - from.sigma * (failed ? p.mur : p.mu0));
       return from.sigma <= (failed ? p.ftr : p.ft) + slack && tau <= S + slack;
     };
-    const bool was_failed = from.state("failed", 0.0) > 0.0;
     const bool failed = was_failed || (xi >= 1.0 && carries(true));
     to.states[kFailed] = failed ? 1.0 : 0.0;
     to.states[kSlip] = from.state("slip", 0.0);

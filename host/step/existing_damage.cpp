@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "law/at_rest.h"
 #include "law/bound_call.h"
 #include "step/law_swap.h"
 
@@ -247,11 +248,16 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
   for (const std::size_t i : damaged) {
     if (opening[i] == 0.0 || std::abs(result.opening_shift[i] - opening[i]) <= 1e-9 * opening[i]) continue;
     const Vec3& x = points[i].position;
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{}: opening = {:g} m: the joint of family '{}' at ({:.4f}, {:.4f}, {:.4f}) m is not broken "
-                    "through and cannot stand open without force; give initial_state = \"dry\" with it",
-                    damage.back().source.text, opening[i], family.name, x[0], x[1], x[2]));
+    const std::string reason = carries_tension(*material, "dry")
+                                   ? fmt::format(
+                                         "has law {}, which carries tension in its state \"dry\" too, and so "
+                                         "cannot stand open without force",
+                                         law.id)
+                                   : "is not broken through and cannot stand open without force; give initial_state = "
+                                     "\"dry\" with it";
+    throw Error(Exit::bad_input,
+                fmt::format("{}: opening = {:g} m: the joint of family '{}' at ({:.4f}, {:.4f}, {:.4f}) m {}",
+                            damage.back().source.text, opening[i], family.name, x[0], x[1], x[2], reason));
   }
   return result;
 }
