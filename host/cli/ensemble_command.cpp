@@ -164,18 +164,20 @@ void compute_here(const EnsembleOptions& options, const StudyFolder& folder, con
   settings.first = study.first_task(), settings.samples = study.tasks();
   settings.jobs = options.jobs > 0 ? options.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   settings.wait_for_others = !options.worker;
-  compute_samples(
-      folder, settings,
-      [&](std::uint64_t sample, const fs::path& place) {
-        if (study.suite.any())
-          return shake_sample(
-              study, sample, [&](const std::vector<std::string>& set) { return scene_with(study, set); }, place);
-        run_sample(
-            study, sample, [&] { return scene_of(study, sample); }, place);
-      },
-      [&](std::uint64_t sample, const fs::path& place, const std::string& reason) {
-        write_failed(study, sample, place, reason);
-      });
+  study.draw();
+  compute_samples(folder, settings,
+                  {[&](std::uint64_t sample, const fs::path& place) {
+                     if (study.suite.any())
+                       return shake_sample(
+                           study, sample, [&](const std::vector<std::string>& set) { return scene_with(study, set); },
+                           place);
+                     run_sample(
+                         study, sample, [&] { return scene_of(study, sample); }, place);
+                   },
+                   [&](std::uint64_t sample, const fs::path& place, const std::string& reason) {
+                     write_failed(study, sample, place, reason);
+                   },
+                   is_finished});
 }
 
 // Throws if all samples have failed.

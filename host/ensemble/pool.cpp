@@ -16,9 +16,9 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <deque>
 #include <fstream>
 #include <map>
-#include <vector>
 
 #include "base/any_error.h"
 #include "base/duration_text.h"
@@ -92,17 +92,15 @@ bool is_crash(int signal) {
 
 class Pool {
  public:
-  Pool(const StudyFolder& folder, const PoolSettings& settings,
-       const std::function<void(std::uint64_t, const fs::path&)>& compute,
-       const std::function<void(std::uint64_t, const fs::path&, const std::string&)>& fail)
-      : folder_(folder), settings_(settings), compute_(compute), fail_(fail), parent_(getpid()) {}
+  Pool(const StudyFolder& folder, const PoolSettings& settings, const SampleActions& actions)
+      : folder_(folder), settings_(settings), actions_(actions), parent_(getpid()) {}
 
   void run() {
     for (std::uint64_t i = settings_.first; i <= settings_.samples; ++i) {
-      if (!is_finished(folder_.sample(i))) left_.push_back(i);
+      if (!actions_.is_finished(folder_.sample(i))) left_.push_back(i);
     }
     total_ = settings_.samples + 1 - settings_.first;
-    done_before_ = total_ - left_.size();
+    done_ = done_before_ = total_ - left_.size();
     if (!left_.empty())
       notice(fmt::format("{} samples{}, {} of these done before; {} side by side", settings_.samples,
                          settings_.first == 0 ? " and one of the means" : "", done_before_, settings_.jobs));
@@ -124,13 +122,17 @@ class Pool {
       if (running_.size() >= static_cast<std::size_t>(settings_.jobs)) return;
       const std::uint64_t sample = left_.front();
       if (const auto held = held_until_.find(sample); held != held_until_.end() && now < held->second) {
-        std::rotate(left_.begin(), left_.begin() + 1, left_.end());
+        left_.pop_front();
+        left_.push_back(sample);
         continue;
       }
-      left_.erase(left_.begin());
-      if (is_finished(folder_.sample(sample))) continue;  // computed by another process
+      left_.pop_front();
+      if (actions_.is_finished(folder_.sample(sample))) {  // computed by another process
+        ++done_;
+        continue;
+      }
       if (!start(sample)) {
-        left_.insert(left_.begin(), sample);
+        left_.push_front(sample);
         if (running_.empty()) throw Error(Exit::numerical, "no process can be started; close other programs");
         return;
       }
@@ -162,13 +164,13 @@ class Pool {
     int code = 0;
     try {
       const std::unique_ptr<Claim> claim = Claim::take(folder_.claim(sample));
-      if (!claim || is_finished(place)) return kClaimedByOthers;
+      if (!claim || actions_.is_finished(place)) return kClaimedByOthers;
       claim->sign();
       make_folder(place);
       // Output of the sample goes to its folder, and thus that of a law before a crash.
       const int log = open((place / "log.txt").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
       if (log >= 0) dup2(log, STDOUT_FILENO), dup2(log, STDERR_FILENO);
-      compute_(sample, place);
+      actions_.compute(sample, place);
     } catch (const std::exception& thrown) {
       const Error error = any_error(thrown);
       notice(fmt::format("quoin: {}", error.what()));
@@ -199,8 +201,8 @@ class Pool {
     const std::string said = reason_in(found->second.reasons);
     running_.erase(found);
     if (stop_asked) return;
-    if (is_finished(folder_.sample(sample))) {
-      ++computed_;
+    if (actions_.is_finished(folder_.sample(sample))) {
+      ++done_;
       print_progress();
       return;
     }
@@ -211,9 +213,9 @@ class Pool {
   void judge(std::uint64_t sample, int status, const std::string& said) {
     const fs::path place = folder_.sample(sample);
     if (WIFEXITED(status) && WEXITSTATUS(status) == kClaimedByOthers) {
+      if (!settings_.wait_for_others) return;
       left_.push_back(sample);
       held_until_[sample] = Clock::now() + std::chrono::milliseconds(kPoll);
-      if (!settings_.wait_for_others) std::erase(left_, sample);
       return;
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == static_cast<int>(Exit::bad_input)) {
@@ -231,32 +233,30 @@ class Pool {
       return;
     }
     const std::unique_ptr<Claim> claim = Claim::take(folder_.claim(sample));
-    if (!claim || is_finished(place)) return;
+    if (!claim || actions_.is_finished(place)) return left_.push_back(sample);
     std::string reason = said.empty() ? last_line(place / "log.txt") : said;
     if (reason.empty() || killed)
       reason = WIFSIGNALED(status)
                    ? fmt::format("its process ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
                    : fmt::format("its process ended with code {}", WEXITSTATUS(status));
-    fail_(sample, place, reason);
-    ++computed_;
+    actions_.fail(sample, place, reason);
+    ++done_;
     print_progress();
   }
 
   // Prints progress every few seconds; on a terminal it replaces the line.
   void print_progress() {
     const auto now = Clock::now();
-    std::uint64_t done = 0;
-    for (std::uint64_t i = settings_.first; i <= settings_.samples; ++i) done += is_finished(folder_.sample(i)) ? 1 : 0;
-    const bool last = done == total_;
+    const bool last = done_ == total_;
     const double apart = terminal_ ? 0.5 : 10.0;
     if (!last && now < reported_at_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(apart)))
       return;
     reported_at_ = now;
     const double spent = std::chrono::duration<double>(now - start_).count();
-    const double each = spent / static_cast<double>(std::max<std::uint64_t>(1, done - std::min(done, done_before_)));
+    const double each = spent / static_cast<double>(std::max<std::uint64_t>(1, done_ - done_before_));
     const std::string text =
-        fmt::format("{}/{} samples, {}{}", done, total_, duration_text(spent),
-                    last ? "" : ", about " + duration_text(each * static_cast<double>(total_ - done)) + " left");
+        fmt::format("{}/{} samples, {}{}", done_, total_, duration_text(spent),
+                    last ? "" : ", about " + duration_text(each * static_cast<double>(total_ - done_)) + " left");
     if (!terminal_) return notice(text);
     std::fprintf(stderr, "\r%-60s%s", text.c_str(), last ? "\n" : "");
     std::fflush(stderr);
@@ -264,15 +264,15 @@ class Pool {
 
   const StudyFolder& folder_;
   const PoolSettings& settings_;
-  const std::function<void(std::uint64_t, const fs::path&)>& compute_;
-  const std::function<void(std::uint64_t, const fs::path&, const std::string&)>& fail_;
+  const SampleActions& actions_;
   const pid_t parent_;
   const StopHandler handler_;
-  std::vector<std::uint64_t> left_;
+  std::deque<std::uint64_t> left_;
   std::map<std::uint64_t, Clock::time_point> held_until_;  // of samples of other processes
   std::map<std::uint64_t, int> killed_;
   std::map<pid_t, UnderWay> running_;
-  std::uint64_t total_ = 0, done_before_ = 0, computed_ = 0;
+  std::uint64_t total_ = 0, done_before_ = 0;
+  std::uint64_t done_ = 0;  // by this process, and by others as far as it has seen
   std::string fault_;
   bool reported_ = false;
   const bool terminal_ = isatty(STDERR_FILENO) == 1;
@@ -282,11 +282,9 @@ class Pool {
 
 }  // namespace
 
-void compute_samples(const StudyFolder& folder, const PoolSettings& settings,
-                     const std::function<void(std::uint64_t, const fs::path&)>& compute,
-                     const std::function<void(std::uint64_t, const fs::path&, const std::string&)>& fail) {
+void compute_samples(const StudyFolder& folder, const PoolSettings& settings, const SampleActions& actions) {
   stop_asked = false;
-  Pool(folder, settings, compute, fail).run();
+  Pool(folder, settings, actions).run();
 }
 
 }  // namespace quoin::ensemble

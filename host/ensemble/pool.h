@@ -14,12 +14,17 @@ struct PoolSettings {
   bool wait_for_others = true;  // whether to wait for samples that other processes have claimed
 };
 
-// Computes samples that are neither finished nor claimed. compute(number, folder) runs in a process of its own, which
-// dies with this one. A crash there makes a failed sample, which fail(number, folder, reason) records; a sample whose
-// process is killed is computed again. Progress goes to standard error. Throws Error(interrupted) after Ctrl-C, with
-// all running samples given up, and Error(bad_input) when samples cannot be written.
-void compute_samples(const StudyFolder& folder, const PoolSettings& settings,
-                     const std::function<void(std::uint64_t, const std::filesystem::path&)>& compute,
-                     const std::function<void(std::uint64_t, const std::filesystem::path&, const std::string&)>& fail);
+struct SampleActions {
+  // Computes a sample, in a process of its own that dies with this one.
+  std::function<void(std::uint64_t number, const std::filesystem::path& folder)> compute;
+  // Records a failed sample.
+  std::function<void(std::uint64_t number, const std::filesystem::path& folder, const std::string& reason)> fail;
+  std::function<bool(const std::filesystem::path& folder)> is_finished;  // some calls a sample
+};
+
+// Computes samples that are neither finished nor claimed. A crash makes a failed sample; a sample whose process is
+// killed is computed again. Progress goes to standard error. Throws Error(interrupted) after Ctrl-C, with all running
+// samples given up, and Error(bad_input) when samples cannot be written.
+void compute_samples(const StudyFolder& folder, const PoolSettings& settings, const SampleActions& actions);
 
 }  // namespace quoin::ensemble

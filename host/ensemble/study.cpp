@@ -210,6 +210,10 @@ std::vector<StudyQuantity> Study::inputs() const {
   return all;
 }
 
+void Study::draw() const {
+  if (!design) design.emplace(method, seed, samples, inputs().size());
+}
+
 std::vector<double> Study::values(std::uint64_t sample) const {
   const std::vector<StudyQuantity> all = inputs();
   const std::size_t n = all.size();
@@ -221,9 +225,9 @@ std::vector<double> Study::values(std::uint64_t sample) const {
   std::vector<double> z(n, 0.0);
   switch (trials) {
     case Trials::drawn: {
-      const random::Design design{method, seed, samples, n};
+      draw();
       for (std::size_t i = 0; i < n; ++i) {
-        const double fresh = random::normal_quantile(design.at(sample, i));
+        const double fresh = random::normal_quantile(design->at(sample, i));
         for (std::size_t k = i; k < n; ++k) z[k] += mix[k * n + i] * fresh;
       }
       break;
@@ -236,9 +240,9 @@ std::vector<double> Study::values(std::uint64_t sample) const {
     }
     case Trials::exchanged: {
       const std::uint64_t row = (sample - 1) / (n + 2), place = (sample - 1) % (n + 2);
-      const random::Design design{random::Method::sobol, seed, samples, 2 * n};
+      const random::Design sequence(random::Method::sobol, seed, samples, 2 * n);
       for (std::size_t k = 0; k < n; ++k)
-        z[k] = random::normal_quantile(design.at(row + 1, place == 1 || place == k + 2 ? n + k : k));
+        z[k] = random::normal_quantile(sequence.at(row + 1, place == 1 || place == k + 2 ? n + k : k));
       break;
     }
   }

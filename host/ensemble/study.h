@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,12 +54,16 @@ struct Study {
   std::size_t record_of(std::uint64_t task) const { return (task - 1) % suite.records.size(); }
   std::uint64_t wall_of(std::uint64_t task) const { return (task - 1) / suite.records.size() + 1; }
 
-  // Values of inputs() in a sample from 1; in sample 0 their means.
+  // Values of inputs() in a sample from 1; in sample 0 their means. `samples` is final from the first call on.
   std::vector<double> values(std::uint64_t sample) const;
+  // Makes the design, as the first call of values does. Called before processes begin, each of which would make it.
+  void draw() const;
   // Quantities. Unless inputs are drawn, also random properties of joints, each uniform and independent of the others.
   std::vector<StudyQuantity> inputs() const;
   // Overrides of the scene in a sample.
   std::vector<std::string> overrides_of(std::uint64_t sample) const;
+
+  mutable std::optional<random::Design> design;  // by draw()
 };
 
 // Reads a study. Throws Error(bad_input) with all faults of the file.

@@ -1,7 +1,9 @@
 #include "random/design.h"
 
+#include <algorithm>
 #include <boost/random/sobol.hpp>
 #include <cmath>
+#include <utility>
 
 #include "random/counter.h"
 
@@ -9,16 +11,15 @@ namespace quoin::random {
 
 namespace {
 
-// Rank of `sample` among all samples, ordered by a random number each: a permutation without a stored list.
-std::uint64_t rank(std::uint64_t seed, std::uint64_t dimension, std::uint64_t sample, std::uint64_t samples) {
-  const auto number = [&](std::uint64_t i) { return uniform({seed, i, name_of("latin hypercube")}, dimension); };
-  const double own = number(sample);
-  std::uint64_t before = 0;
-  for (std::uint64_t i = 1; i <= samples; ++i) {
-    const double other = number(i);
-    before += other < own || (other == own && i < sample) ? 1 : 0;
-  }
-  return before;
+// Rank of each sample among all, ordered by a random number each.
+std::vector<std::uint32_t> ranks(std::uint64_t seed, std::uint64_t dimension, std::uint64_t samples) {
+  std::vector<std::pair<double, std::uint32_t>> order(samples);
+  for (std::uint32_t i = 0; i < samples; ++i)
+    order[i] = {uniform({seed, i + 1, name_of("latin hypercube")}, dimension), i};
+  std::sort(order.begin(), order.end());
+  std::vector<std::uint32_t> rank(samples);
+  for (std::uint32_t before = 0; before < samples; ++before) rank[order[before].second] = before;
+  return rank;
 }
 
 }  // namespace
@@ -35,24 +36,30 @@ const char* method_name(Method method) {
   return "?";
 }
 
+Design::Design(Method method, std::uint64_t seed, std::uint64_t samples, std::uint64_t dimensions)
+    : method_(method), seed_(seed), samples_(samples), dimensions_(dimensions) {
+  if (method != Method::latin_hypercube) return;
+  for (std::uint64_t d = 0; d < dimensions; ++d) rank_.push_back(ranks(seed, d, samples));
+}
+
 double Design::at(std::uint64_t sample, std::uint64_t dimension) const {
-  switch (method) {
+  switch (method_) {
     case Method::monte_carlo:
       break;
     case Method::latin_hypercube: {
-      const double within = uniform({seed, sample, name_of("within a stratum")}, dimension);
-      const double place = static_cast<double>(rank(seed, dimension, sample, samples)) + within;
-      return place / static_cast<double>(samples);
+      const double within = uniform({seed_, sample, name_of("within a stratum")}, dimension);
+      const double place = rank_[dimension][sample - 1] + within;
+      return place / static_cast<double>(samples_);
     }
     case Method::sobol: {
-      boost::random::sobol sequence(dimensions);
-      sequence.discard((sample - 1) * dimensions + dimension);
+      boost::random::sobol sequence(dimensions_);
+      sequence.discard((sample - 1) * dimensions_ + dimension);
       const double point = (static_cast<double>(sequence() >> 11) + 0.5) * 0x1p-53;
-      const double moved = point + uniform({seed, 0, name_of("shift of the sequence")}, dimension);
+      const double moved = point + uniform({seed_, 0, name_of("shift of the sequence")}, dimension);
       return moved < 1.0 ? moved : std::fmax(moved - 1.0, 0x1p-54);
     }
   }
-  return uniform({seed, sample, name_of("monte carlo")}, dimension);
+  return uniform({seed_, sample, name_of("monte carlo")}, dimension);
 }
 
 }  // namespace quoin::random

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <vector>
 
 namespace quoin::random {
 
@@ -12,14 +12,18 @@ enum class Method { monte_carlo, latin_hypercube, sobol };
 
 const char* method_name(Method method);  // "latin_hypercube"
 
-struct Design {
-  Method method = Method::monte_carlo;
-  std::uint64_t seed = 1;
-  std::uint64_t samples = 0;  // N of latin_hypercube, 1e6 at most
-  std::uint64_t dimensions = 0;
+class Design {
+ public:
+  // samples: N of latin_hypercube, 1e6 at most, whose ranks take N log N in each dimension.
+  Design(Method method, std::uint64_t seed, std::uint64_t samples, std::uint64_t dimensions);
 
   // Coordinate in (0, 1) of sample 1, 2, ... in dimension 0, 1, ... It does not depend on the order of calls.
   double at(std::uint64_t sample, std::uint64_t dimension) const;
+
+ private:
+  Method method_;
+  std::uint64_t seed_, samples_, dimensions_;
+  std::vector<std::vector<std::uint32_t>> rank_;  // of latin_hypercube, by dimension and sample
 };
 
 inline constexpr std::uint64_t kMostSobolDimensions = 1000;

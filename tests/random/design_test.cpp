@@ -6,6 +6,8 @@
 #include <set>
 #include <vector>
 
+#include "random/counter.h"
+
 namespace quoin::random {
 namespace {
 
@@ -19,6 +21,20 @@ TEST(Design, LatinHypercubeHasOneSampleInEveryStratum) {
     EXPECT_LE(*strata.rbegin(), 49);
   }
   EXPECT_NE(std::floor(50 * design.at(1, 0)), std::floor(50 * design.at(1, 1)));
+}
+
+// Ranks of samples are by their random numbers, as they were found one by one in studies that go on.
+TEST(Design, RanksOfALatinHypercubeAreTheSameAsOneByOne) {
+  constexpr std::uint64_t kSamples = 40;
+  const Design design{Method::latin_hypercube, 7, kSamples, 2};
+  for (std::uint64_t d = 0; d < 2; ++d) {
+    const auto number = [&](std::uint64_t i) { return uniform({7, i, name_of("latin hypercube")}, d); };
+    for (std::uint64_t i = 1; i <= kSamples; ++i) {
+      int before = 0;
+      for (std::uint64_t other = 1; other <= kSamples; ++other) before += number(other) < number(i) ? 1 : 0;
+      EXPECT_EQ(static_cast<int>(design.at(i, d) * kSamples), before);
+    }
+  }
 }
 
 // Variance of the mean of a sum over 64 samples: n/12/64 for independent samples, about n/12/64^3 for strata.
