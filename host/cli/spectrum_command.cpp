@@ -200,7 +200,7 @@ void add_spectrum_command(CLI::App& app) {
   command->add_flag("--svg", options->svg, "Write spectrum.svg beside spectrum.png");
   command->footer(
       "Reads PEER .AT2, .VT2 and .DT2, ESM and ITACA ASCII, and CSV whose columns name their units (time_s, x_g).\n"
-      "Exact for accelerations that are linear between samples; extremes within 0.05 %.\n"
+      "Exact for accelerations that are linear between samples; extremes within about 0.05 %.\n"
       "Examples:\n"
       "  quoin spectrum RECORD.AT2 --damping 0.05 --out out/spectrum\n"
       "  quoin spectrum east.asc north.asc up.asc --damping 0.02 0.05 --out out/spectrum\n"

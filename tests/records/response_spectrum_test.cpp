@@ -92,6 +92,33 @@ TEST(ResponseSpectrum, AgreesWithAnIndependentIntegration) {
   }
 }
 
+// Peaks of velocities and accelerations lie between steps, near kinks of the record. In steps of a twentieth no peak is
+// farther from a step than a fortieth, and the record is the same. Peaks were up to 1.5 % low.
+TEST(ResponseSpectrum, PeaksBetweenStepsCount) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  TimeSeries coarse{{0.0}, {0.5}}, fine = coarse;
+  for (int i = 1; i <= 300; ++i) {
+    const double from = coarse.value.back(), to = normal(random);
+    for (int k = 1; k <= 20; ++k)
+      fine.time.push_back(0.01 * (i - 1 + k / 20.0)), fine.value.push_back(from + (to - from) * k / 20.0);
+    coarse.time.push_back(0.01 * i), coarse.value.push_back(to);
+  }
+  const double peak = std::abs(*std::max_element(coarse.value.begin(), coarse.value.end(),
+                                                 [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  for (const double period : {0.01, 0.03, 0.1, 0.3, 1.0, 5.0}) {
+    for (const double zeta : {0.0, 0.05, 0.3, 0.7}) {
+      const SpectralOrdinates o = ordinates(coarse, zeta, period), known = ordinates(fine, zeta, period);
+      const auto expect = [&](double found, double largest, double times = 1.0) {
+        EXPECT_NEAR(found, largest, 5e-4 * times * largest) << period << " s, " << zeta;
+      };
+      expect(o.displacement, known.displacement, 1.0 + peak / known.pseudo_acceleration);
+      expect(o.velocity, known.velocity);
+      expect(o.absolute_acceleration, known.absolute_acceleration);
+    }
+  }
+}
+
 // Oscillators of short period move with the ground, those of long period are at rest in space.
 TEST(ResponseSpectrum, LimitsArePeakAccelerationAndPeakDisplacement) {
   const TimeSeries pulse = ricker_pulse(2.0, 0.6, 0.001);
