@@ -57,7 +57,7 @@ void add_fit_command(CLI::App& app, int&) {
   };
   list("--couplet", options->couplets, "CSV with the columns dn (m), sigma (Pa): opening under tension");
   list("--triplet", options->triplets,
-       "CSV with the columns ds (m), tau (Pa), sigma (Pa, compression negative); once a test");
+       "CSV with the columns ds (m), tau (Pa), sigma (Pa): compression negative; once a test");
   list("--prism", options->prisms, "CSV with the columns dn (m), sigma (Pa): closing under compression, both negative");
   list("--set", options->settings, "id=value: the stiffnesses, and every property that is not to be found");
   command->add_option("--law", options->law, "Name or path of the law")->capture_default_str();

@@ -196,7 +196,9 @@ TEST(Fit, CommandReadsFilesAndRefusesBadOnes) {
                                     "compressive_strength_residual=1e6"};
   for (std::size_t k = 0; k < curves.size(); ++k) {
     const bool triplet = curves[k].kind == TestKind::triplet;
-    std::string text = triplet ? "ds,tau,sigma\n" : "dn,sigma\n";
+    const bool units = k % 2 == 1;  // in the header, as help names the columns
+    std::string text = triplet ? (units ? "ds (m),tau (Pa),sigma (Pa)\n" : "ds,tau,sigma\n")
+                               : (units ? "dn (m),sigma (Pa)\n" : "dn,sigma\n");
     for (std::size_t i = 0; i < curves[k].jump.size(); ++i) {
       text += triplet ? fmt::format("{},{},{}\n", curves[k].jump[i], curves[k].stress[i], curves[k].normal[i])
                       : fmt::format("{},{}\n", curves[k].jump[i], curves[k].stress[i]);
