@@ -106,6 +106,19 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
   s.controls.settled = false;  // the next step applies the drives
 }
 
+// The next stage begins with its own drives and loads, which would replace those set after the end of a stage.
+void require_stage(Simulation::Impl& s, const char* what) {
+  if (s.progress.stage < 0) return begin_stage(s, 0);
+  if (s.progress.in_stage) return;
+  const auto stage = s.progress.at_stage();
+  const bool last = stage + 1 == s.scene.stages.size();
+  throw Error(Exit::bad_input,
+              fmt::format("{}: stage '{}' has ended, and {}", what, s.scene.stages[stage].name,
+                          last ? "no other one follows"
+                               : fmt::format("'{}' would begin without it; take a step of that first, as step(1)",
+                                             s.scene.stages[stage + 1].name)));
+}
+
 Error no_such_body(const std::string& body, const std::vector<std::string>& names) {
   return {Exit::bad_input, fmt::format("body: nothing is called '{}' that can be moved or loaded; there are {}", body,
                                        names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")))};
@@ -126,7 +139,7 @@ ArrayView view_of(Vector* first, std::size_t rows) { return {&first->x, rows, 3,
 }  // namespace
 
 void set_velocity(Simulation::Impl& s, const std::string& body, const Vec3& velocity) {
-  if (s.progress.stage < 0) begin_stage(s, 0);
+  require_stage(s, "velocity");
   if (s.large_motion) return steer_drives(s, "velocity", body, velocity, true);
   const std::vector<int> bodies = s.model.bodies_named(body);
   if (bodies.empty()) throw no_such_body(body, names_of(s.model));
@@ -134,7 +147,7 @@ void set_velocity(Simulation::Impl& s, const std::string& body, const Vec3& velo
 }
 
 void set_force(Simulation::Impl& s, const std::string& body, const Vec3& force) {
-  if (s.progress.stage < 0) begin_stage(s, 0);
+  require_stage(s, "force");
   if (s.large_motion) return steer_drives(s, "force", body, force, false);
   const std::vector<int> bodies = s.model.bodies_named(body);
   if (bodies.empty() && s.model.deformable_blocks_named(body).empty()) throw no_such_body(body, names_of(s.model));

@@ -128,6 +128,24 @@ TEST_P(Steering, WhatCannotBeSteeredIsToldAndNothingHasChanged) {
   EXPECT_EQ(simulation_.hash(), before);
 }
 
+// What was set after the end of a stage was lost, as the next one began.
+TEST_P(Steering, BetweenStagesIsRefused) {
+  const std::string next = "[[stage]]\nname = \"go_on\"\nduration = 1.0\n";
+  Simulation simulation(read_scene_text(stones(GetParam()) + next, "stones.toml", {"stage.fly.duration=1e-3"}));
+  Observer observer;
+  ASSERT_TRUE(simulation.run_stage(observer));
+  for (const auto& steer : {set_force, set_velocity}) {
+    try {
+      steer(simulation, "b", {1, kKeep, kKeep});
+      ADD_FAILURE() << "taken";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("stage 'fly' has ended, and 'go_on' would begin without it"));
+    }
+  }
+  ASSERT_TRUE(simulation.run_stage(observer, 1));
+  set_force(simulation, "b", {kKeep, 6.0, kKeep});
+}
+
 INSTANTIATE_TEST_SUITE_P(Kernels, Steering, ::testing::Values("lattice", "general"),
                          [](const auto& of) { return std::string(of.param); });
 
