@@ -152,6 +152,10 @@ int run_command(int argc, char** argv) {
   quoin::add_modes_command(app);
 #endif
   quoin::add_completion_command(app);
+  for (CLI::App* command : app.get_subcommands({})) {
+    if (CLI::Option* out = command->get_option_no_throw("--out"))
+      out->check([](const std::string& name) { return std::string(name.empty() ? "an empty name" : ""); }, "");
+  }
 
   try {
     app.parse(argc, argv);

@@ -130,6 +130,17 @@ std::string script_of(const GroundRecord& record, const std::vector<ComponentSpe
   return script + "unset multiplot\n";
 }
 
+void require_finite(const GroundRecord& record, const ComponentSpectrum& of) {
+  const RecordMeasures& m = of.measures;
+  double sum = m.pga + m.pgv + m.pgd + m.end_velocity + m.end_displacement + m.arias;
+  for (const auto& spectrum : of.by_damping) {
+    for (const SpectralOrdinates& o : spectrum) sum += o.velocity + o.pseudo_acceleration + o.absolute_acceleration;
+  }
+  if (!std::isfinite(sum))
+    throw Error(Exit::bad_input, fmt::format("{}: component '{}' has values too large for a spectrum; check its units",
+                                             printable(record.source), printable(of.name)));
+}
+
 std::vector<ComponentSpectrum> spectra_of(const GroundRecord& record, const Options& options) {
   std::vector<ComponentSpectrum> spectra;
   for (std::size_t c = 0; c < record.components.size(); ++c) {
@@ -140,6 +151,7 @@ std::vector<ComponentSpectrum> spectra_of(const GroundRecord& record, const Opti
     component.measures = measure_record(component.acceleration);
     for (const double damping : options.dampings)
       component.by_damping.push_back(response_spectrum(component.acceleration, damping, options.periods));
+    require_finite(record, component);
     spectra.push_back(std::move(component));
   }
   return spectra;

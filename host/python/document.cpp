@@ -4,6 +4,8 @@
 
 #include <sstream>
 
+#include "base/printable.h"
+
 namespace quoin::python {
 
 namespace py = pybind11;
@@ -28,7 +30,11 @@ void convert(const py::handle& value, const std::string& key, toml::array& list)
   } else if (py::isinstance<py::float_>(value)) {
     list.push_back(value.cast<double>());
   } else if (py::isinstance<py::str>(value)) {
-    list.push_back(value.cast<std::string>());
+    const auto text = value.cast<std::string>();
+    std::string shown = text;
+    std::erase(shown, '\r');  // which files of scenes may hold
+    if (!is_printable(shown)) throw py::value_error(key + ": the text holds a control character; remove it");
+    list.push_back(text);
   } else if (py::isinstance<py::dict>(value)) {
     toml::table table;
     for (const auto& [name, element] : py::reinterpret_borrow<py::dict>(value)) {

@@ -263,8 +263,8 @@ BlocksSpec read_blocks(Table& t, const Scene& scene, const std::string& folder) 
 }
 
 void read_contact(Table& c, const SolverSettings& solver, BlocksSpec::Contact* contact) {
-  c.number("skin", contact->skin, kPositive, "m");
-  c.number("joint_tolerance", contact->joint_tolerance, kPositive, "m");
+  c.number("skin", contact->skin, between(1e-9, 1e3), "m");
+  c.number("joint_tolerance", contact->joint_tolerance, between(1e-9, 1e3), "m");
   c.number("point_spacing", contact->point_spacing, kPositive, "m");
   c.number("small_displacement", contact->small_displacement, between(0, 0.1), "of the least extent of a block");
   if (contact->small_displacement == 0.0 && solver.large_motion == LargeMotion::never)

@@ -58,6 +58,11 @@ TEST_F(Spectrum, BadInputIsNamedAndLeavesNothing) {
   EXPECT_FALSE(fs::exists(out()));
   EXPECT_EQ(quoin({"spectrum", step_record(), "--baseline", "high-pass"}), 2);
   EXPECT_THAT(error_, HasSubstr("--corner"));
+  EXPECT_EQ(quoin({"spectrum", step_record(), "--scale", "1e308", "--out", out()}), 3);
+  EXPECT_THAT(error_, HasSubstr("too large for a spectrum"));
+  EXPECT_FALSE(fs::exists(out()));
+  EXPECT_EQ(quoin({"spectrum", step_record(), "--out", ""}), 2);
+  EXPECT_THAT(error_, HasSubstr("--out: an empty name"));
 }
 
 }  // namespace

@@ -103,6 +103,11 @@ class Scenes(Folder):
             quoin.Simulation(scene)
         with self.assertRaisesRegex(ValueError, "stage.1.duration: an integer beyond 64 bits"):
             quoin.Simulation(block_scene(stage=[quoin.Stage(duration=2**70)]))
+        scene = block_scene()
+        scene.title = "bell \x07"
+        with self.assertRaisesRegex(ValueError, "title: the text holds a control character"):
+            scene.write(self.path("bell.toml"))
+        self.assertFalse(glob.glob(self.path("bell*")))
         with self.assertRaisesRegex(quoin.BadInput, "nowhere.toml"):
             quoin.Scene.load(self.path("nowhere.toml"))
         with self.assertRaisesRegex(TypeError, "scene: "):

@@ -97,6 +97,8 @@ TEST_F(ReadRecord, CsvWithUnits) {
       read_record(file("i.csv", "# of a shake table\ntime (ms), east (g), up (cm/s2)\n0, 0.1, 5\n10, -0.1, -5\n"));
   EXPECT_THAT(record.time, ElementsAre(0.0, 0.01));
   ASSERT_EQ(record.components.size(), 2u);
+  EXPECT_THAT(fault("k.csv", "time_s,x_g,x_g\n0,0,0\n1,0,0\n"),
+              HasSubstr("k.csv:1: 'time_s,x_g,x_g': two columns 'x_g'"));
   EXPECT_EQ(record.components[0].name, "east");
   EXPECT_NEAR(record.components[0].value[0], 0.980665, 1e-12);
   EXPECT_THAT(record.components[1].value, ElementsAre(0.05, -0.05));

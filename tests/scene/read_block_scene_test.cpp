@@ -73,6 +73,14 @@ class ReadBlockScene : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(ReadBlockScene, NumbersBeyondAllMeasureAreRefused) {
+  for (const char* number : {"1e308", "1e-300"}) {
+    EXPECT_THAT(fault(std::string("contact.skin=") + number), HasSubstr("allowed: a number, 1e-09 to 1000"));
+    EXPECT_THAT(fault(std::string("contact.joint_tolerance=") + number), HasSubstr("allowed: a number, 1e-09 to 1000"));
+  }
+  EXPECT_THAT(fault("materials.stone.density=1e308"), HasSubstr("density"));
+}
+
 TEST_F(ReadBlockScene, DampingByBlockAndScaledInertiaAreTaken) {
   EXPECT_EQ(read({}).solver.damping, DampingKind::local);
   EXPECT_EQ(read({}).solver.deformation_inertia, 1.0);

@@ -232,8 +232,9 @@ class Scene(Table):
     def write(self, path):
         """Writes a TOML file that loads as the same scene. Relative paths of other files are adapted."""
         path = os.path.abspath(os.fspath(path))
+        text = _quoin.text(self._with_files_from(os.path.dirname(path)))
         with open(path + ".part", "w", encoding="utf-8") as file:
-            file.write(_quoin.text(self._with_files_from(os.path.dirname(path))))
+            file.write(text)
         os.replace(path + ".part", path)
 
     def _with_files_from(self, folder):
