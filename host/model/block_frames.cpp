@@ -32,18 +32,21 @@ Matrix rotation_of_frame(const World& w, int block) {
   return w.is_small ? start_of_frame(w, block) : transposed(w.frames.frame[size_t(block)].transposed_r);
 }
 
+void find_block_frame(World& w, int i) {
+  const ModelBlock& b = w.blocks[size_t(i)];
+  if (b.body >= 0 || !w.part.laid_out[size_t(i)] || (b.congruent < 0 && w.nodes.anchor.empty())) return;
+  if (w.frames.fixed[size_t(i)]) return;
+  const size_t first = size_t(b.first_node), corners = b.shape->vertices.size();
+  const Vector* const anchor =
+      b.congruent >= 0 ? w.zones.congruent[size_t(b.congruent)].anchor.data() : w.nodes.anchor.data() + first;
+  Matrix f = Matrix::zero();
+  for (size_t n = 0; n < corners; ++n) f += outer(w.nodes.x[first + n] - w.nodes.x[first], anchor[n]);
+  w.frames.frame[size_t(i)] = {transposed(rotation_in(f)), f};
+}
+
 void find_block_frames(World& w) {
   w.frames.are_old = false;
-  for (int i = 0; i < w.block_count(); ++i) {
-    const ModelBlock& b = w.blocks[size_t(i)];
-    if (b.body >= 0 || !w.part.laid_out[size_t(i)] || (b.congruent < 0 && w.nodes.anchor.empty())) continue;
-    const size_t first = size_t(b.first_node), corners = b.shape->vertices.size();
-    const Vector* const anchor =
-        b.congruent >= 0 ? w.zones.congruent[size_t(b.congruent)].anchor.data() : w.nodes.anchor.data() + first;
-    Matrix f = Matrix::zero();
-    for (size_t n = 0; n < corners; ++n) f += outer(w.nodes.x[first + n] - w.nodes.x[first], anchor[n]);
-    w.frames.frame[size_t(i)] = {transposed(rotation_in(f)), f};
-  }
+  for (int i = 0; i < w.block_count(); ++i) find_block_frame(w, i);
 }
 
 namespace {
@@ -68,7 +71,8 @@ double deformation(const World& w, int block) {
 void leave_frames_of_deformed(World& w) {
   for (int i = 0; i < w.block_count(); ++i) {
     const ModelBlock& b = w.blocks[size_t(i)];
-    if (b.body < 0 && may_have_frame(w, i) && deformation(w, i) > kLargestDeformation * b.least_extent)
+    if (b.body < 0 && may_have_frame(w, i) && !w.frames.fixed[size_t(i)] &&
+        deformation(w, i) > kLargestDeformation * b.least_extent)
       w.frames.by_zone[size_t(i)] = 1, w.pieces.are_old = true;
   }
 }

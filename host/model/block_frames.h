@@ -28,12 +28,14 @@ struct BlockFrames {
   LaneVector<BlockFrame> frame;  // frames of deformable blocks that have one
   bool are_old = true;           // whether gridpoints have moved outside of steps since then
   std::vector<uint8_t> by_zone;  // by block: 1 where forces are computed zone by zone
+  std::vector<uint8_t> fixed;    // by block: 1 where the frame stays that of the start, as on the lattice
 };
 
 bool may_have_frame(const World& w, int block);       // whether a block is deformable and not computed by zone
 Matrix start_of_frame(const World& w, int block);     // R of a deformable block at the start
 Matrix rotation_of_frame(const World& w, int block);  // current R; in small displacements R at the start
 void find_block_frames(World& w);                     // computes the frames of all blocks that are laid out
+void find_block_frame(World& w, int block);           // fixed ones stay
 void leave_frames_of_deformed(World& w);
 
 }  // namespace quoin::blocks

@@ -29,6 +29,7 @@
 #include <span>
 
 #include "geometry/vector.h"
+#include "model/lanes.h"
 
 namespace quoin::blocks {
 
@@ -43,6 +44,17 @@ inline Rigid operator+(const Rigid& a, const Rigid& b) { return {a.linear + b.li
 inline Rigid operator-(const Rigid& a, const Rigid& b) { return {a.linear - b.linear, a.angular - b.angular}; }
 inline Rigid operator*(double f, const Rigid& a) { return {f * a.linear, f * a.angular}; }
 inline double dot(const Rigid& a, const Rigid& b) { return dot(a.linear, b.linear) + dot(a.angular, b.angular); }
+
+// One number a lane.
+struct alignas(64) ByLane {
+  double of[kLanes];
+};
+
+// Sums over the gridpoints of each block of a SIMD group, about its mass centre.
+struct InertiaLanes {
+  ByLane centre[3], mass, second[3][3];  // m; kg; sum m r r^T, kg m2
+  ByLane held[3];                        // not 0: some gridpoint is held along this axis
+};
 
 // Inertia of the rigid motions that supports leave free. Translation along an axis is free where no gridpoint is held
 // along it. Rotation about an axis is free where no gridpoint is held across it.

@@ -288,9 +288,13 @@ void number_blocks(World& w) {
   size_fields(w, counts);
   find_units(w);
   find_frames(w, w.solver.internal_forces);
+  const ContactSettings& c = w.assembly.contact;
+  w.is_small = c.small_displacement > 0;
+  w.frames.fixed.assign(w.blocks.size(), 0);
+  for (int i = 0; w.is_small && i < w.block_count(); ++i)
+    w.frames.fixed[size_t(i)] = w.blocks[size_t(i)].congruent >= 0;
   divide_blocks(w);
   count_sides(w);
-  const ContactSettings& c = w.assembly.contact;
   w.detection.size = least;
   w.detection.skin = c.skin > 0 ? c.skin : 0.05 * least;
   w.detection.reach = w.detection.skin / 4;
@@ -301,7 +305,6 @@ void number_blocks(World& w) {
         fmt::format("contact.joint_tolerance = {:g} m: allowed: at most {:g} m, a quarter of contact.skin: faces "
                     "further apart get no contact points; give a larger skin too",
                     w.detection.joint_tolerance, w.detection.reach));
-  w.is_small = c.small_displacement > 0;
 }
 
 double density_of(const World& w, const Block& block) {

@@ -29,6 +29,7 @@ struct WorldFields {
     visit(Field{Owner::block, "contact_force", 3, "N"}.in(Part::sums), w.step_sums.contact_force);
     visit(Field{Owner::block, "apart", 1, "-"}.in(nothing).on_all_ranks(), w.units.apart);
     visit(Field{Owner::block, "by_zone", 1, "-"}.in(nothing).on_all_ranks(), w.frames.by_zone);
+    visit(Field{Owner::block, "fixed_frame", 1, "-"}.in(nothing).on_all_ranks(), w.frames.fixed);
     visit(Field{Owner::block, "pose_at_broad_phase", 12, "m, -"}.in(nothing), w.poses.broad);
     visit(Field{Owner::block, "next_look", 1, "steps"}.in(nothing).only(When::after_checks), w.checks.block);
     visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_checks), w.checks.assumed);

@@ -15,10 +15,51 @@ using namespace geometry;
 
 namespace {
 
+// Positions of the gridpoints of a congruent block at the start, from its mass centre. From the shared shape, so that
+// blocks of one orientation have the same bits.
+std::vector<Vector> arms_of(const World& w, int block) {
+  const ModelBlock& b = w.blocks[size_t(block)];
+  const std::vector<Vector>& place = w.zones.congruent[size_t(b.congruent)].place;
+  const double* const mass = w.nodes.mass.data() + b.first_node;
+  const Matrix r = start_of_frame(w, block);
+  double sum = 0.0;
+  Vector centre;
+  for (size_t n = 0; n < place.size(); ++n) sum += mass[n], centre += mass[n] * place[n];
+  centre = centre / sum;
+  std::vector<Vector> arms;
+  for (const Vector& x : place) arms.push_back(r * (x - centre));
+  return arms;
+}
+
+InertiaLanes inertia_at_start(const World& w, std::span<const int32_t> blocks) {
+  InertiaLanes lanes;
+  for (size_t l = 0; l < size_t(kLanes); ++l) {
+    const int32_t block = blocks[std::min(l, blocks.size() - 1)];
+    const ModelBlock& b = w.blocks[size_t(block)];
+    const std::vector<Vector> arms = arms_of(w, block);
+    const auto first = size_t(b.first_node);
+    const Vector centre = w.nodes.reference[first] - arms[0];
+    double mass = 0.0;
+    Matrix second = Matrix::zero();
+    uint8_t held = 0;
+    for (size_t n = 0; n < arms.size(); ++n) {
+      mass += w.nodes.mass[first + n], held |= w.nodes.held[first + n];
+      second += w.nodes.mass[first + n] * outer(arms[n], arms[n]);
+    }
+    lanes.mass.of[l] = mass;
+    for (int i = 0; i < 3; ++i) {
+      lanes.centre[i].of[l] = centre[i], lanes.held[i].of[l] = held >> i & 1;
+      for (int j = 0; j < 3; ++j) lanes.second[i][j].of[l] = second.row[i][j];
+    }
+  }
+  return lanes;
+}
+
 void fill_columns(const World& w, std::span<const int32_t> blocks, const FixedColumns<double>& to) {
   if (to.held_v) std::fill_n(to.held_v, most_gridpoints(w, blocks) * kLine, std::nan(""));
   for (size_t l = 0; l < size_t(kLanes); ++l) {
-    const ModelBlock& b = w.blocks[size_t(blocks[std::min(l, blocks.size() - 1)])];
+    const int32_t block = blocks[std::min(l, blocks.size() - 1)];
+    const ModelBlock& b = w.blocks[size_t(block)];
     for (size_t n = 0; n < size_t(b.node_count); ++n) {
       const size_t node = size_t(b.first_node) + n;
       to.mass[n * kLanes + l] = w.nodes.mass[node], to.over_mass[n * kLanes + l] = 1.0 / w.nodes.mass[node];
@@ -29,6 +70,9 @@ void fill_columns(const World& w, std::span<const int32_t> blocks, const FixedCo
         if (w.nodes.held[node] >> c & 1) to.held_v[at] = w.nodes.held_v[node][c];
       }
     }
+    if (!to.arm) continue;
+    const std::vector<Vector> arms = arms_of(w, block);
+    for (size_t i = 0; i < arms.size() * 3; ++i) to.arm[i / 3 * kLine + i % 3 * kLanes + l] = arms[i / 3][int(i % 3)];
   }
 }
 
@@ -41,16 +85,19 @@ void fill_columns(World& w, Piece& piece) {
     const auto held = std::span(w.nodes.held).subspan(size_t(b.first_node), size_t(b.node_count));
     return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
   });
-  const bool distinct = piece.kind == Piece::Kind::distinct;
+  const bool held_as_before = some_held == std::exchange(piece.some_held, some_held);
+  piece.inertia.clear();
   thread_local LaneVector<double> numbers;
   for (size_t group = 0; group < piece.group_count(); ++group) {
     const int most = most_gridpoints(w, w.pieces.blocks_of(piece, group));
-    numbers.assign(FixedColumns<double>::size(most, distinct, some_held), 0.0);
-    fill_columns(w, w.pieces.blocks_of(piece, group), FixedColumns<double>(numbers.data(), most, distinct, some_held));
+    if (piece.fixed) piece.inertia.push_back(inertia_at_start(w, w.pieces.blocks_of(piece, group)));
+    numbers.assign(FixedColumns<double>::size(most, piece), 0.0);
+    fill_columns(w, w.pieces.blocks_of(piece, group), FixedColumns<double>(numbers.data(), most, piece));
     size_t& columns = piece.columns[group];
-    size_t* const shared = piece.kind == Piece::Kind::congruent
-                               ? &w.pieces.shared_columns[2 * size_t(piece.congruent[group]) + some_held]
-                               : nullptr;
+    size_t* const shared =
+        piece.kind == Piece::Kind::congruent
+            ? &w.pieces.shared_columns[4 * size_t(piece.congruent[group]) + 2 * piece.fixed + some_held]
+            : nullptr;
     const auto agree = [&](size_t at) {
       return at != Piece::kNoColumns &&
              std::memcmp(w.pieces.columns.data() + at, numbers.data(), numbers.size() * sizeof(double)) == 0;
@@ -59,12 +106,11 @@ void fill_columns(World& w, Piece& piece) {
       columns = *shared;
       continue;
     }
-    const bool stays = columns != Piece::kNoColumns && some_held == piece.some_held && !(shared && columns == *shared);
+    const bool stays = columns != Piece::kNoColumns && held_as_before && !(shared && columns == *shared);
     if (!stays) columns = w.pieces.columns.size(), w.pieces.columns.resize(columns + numbers.size());
     std::copy(numbers.begin(), numbers.end(), w.pieces.columns.begin() + std::ptrdiff_t(columns));
     if (shared && *shared == Piece::kNoColumns) *shared = columns;
   }
-  piece.some_held = some_held;
 }
 
 RowLine line_without_rows(const World& w) {
@@ -119,6 +165,10 @@ int zones_of(const World& w, const Unit& unit) {
 
 using Kinds = std::array<int32_t, 2>;  // congruent kinds of a unit's blocks
 
+bool has_fixed_frames(const World& w, const Unit& unit) {
+  return std::ranges::all_of(unit.blocks(), [&](int block) { return w.frames.fixed[size_t(block)]; });
+}
+
 // Divides those units of the list that have `count` blocks, which are apart or not, in its order into pieces.
 void append_pieces(World& w, std::span<const Unit> units, Piece::Kind kind, const Kinds& congruent, int count,
                    bool apart) {
@@ -136,6 +186,7 @@ void append_pieces(World& w, std::span<const Unit> units, Piece::Kind kind, cons
                             apart,
                             kind,
                             {congruent[0], halves ? congruent[1] : -1}});
+    w.pieces.all.back().fixed = kind == Piece::Kind::congruent && has_fixed_frames(w, together.front());
     for (int half = 0; half < count; ++half) {
       for (const Unit& unit : together) w.pieces.blocks.push_back(unit.block[half]);
     }
@@ -165,7 +216,7 @@ void append_pieces(World& w, std::span<const Unit> units, Piece::Kind kind, cons
 void divide_blocks(World& w) {
   w.pieces.all.clear(), w.pieces.blocks.clear();
   std::vector<Unit> rigid, fixed, distinct, by_zone;
-  std::map<Kinds, std::vector<Unit>> of_kinds;
+  std::map<Kinds, std::vector<Unit>> of_kinds[2];            // in frames that follow the blocks, in fixed frames
   std::vector<size_t> of_kind(w.zones.congruent.size(), 0);  // number of blocks
   for (int i = 0; i < w.block_count(); ++i) {
     if (w.blocks[size_t(i)].body >= 0) {
@@ -182,16 +233,18 @@ void divide_blocks(World& w) {
     } else if (kinds[0] < 0) {
       distinct.push_back(unit);
     } else {
-      of_kinds[kinds].push_back(unit);
+      of_kinds[has_fixed_frames(w, unit)][kinds].push_back(unit);
       for (size_t k = 0; k < size_t(unit.count); ++k) ++of_kind[size_t(kinds[k])];
     }
   }
-  for (const auto& [kinds, units] : of_kinds) {
-    const auto has_few = [&](int32_t kind) { return kind >= 0 && of_kind[size_t(kind)] < kFewestCongruent; };
-    if (std::ranges::none_of(kinds, has_few))
-      append_pieces(w, units, Piece::Kind::congruent, kinds);
-    else
-      by_zone.insert(by_zone.end(), units.begin(), units.end());
+  for (const bool stay : {false, true}) {  // fixed frames stay, however few there are
+    for (const auto& [kinds, units] : of_kinds[stay]) {
+      const auto has_few = [&](int32_t kind) { return kind >= 0 && of_kind[size_t(kind)] < kFewestCongruent; };
+      if (stay || std::ranges::none_of(kinds, has_few))
+        append_pieces(w, units, Piece::Kind::congruent, kinds);
+      else
+        by_zone.insert(by_zone.end(), units.begin(), units.end());
+    }
   }
   std::stable_sort(distinct.begin(), distinct.end(),
                    [&](const Unit& a, const Unit& b) { return zones_of(w, a) > zones_of(w, b); });
@@ -211,7 +264,7 @@ namespace {
 // Binds pieces to columns, and to the memory of positions and velocities.
 void bind_columns_of_pieces(World& w) {
   w.pieces.columns.clear(), w.pieces.held_changed.clear();
-  w.pieces.shared_columns.assign(2 * w.zones.congruent.size(), Piece::kNoColumns);
+  w.pieces.shared_columns.assign(4 * w.zones.congruent.size(), Piece::kNoColumns);
   w.pieces.any_held_changed = false;
   w.pieces.of_block.assign(w.blocks.size(), -1), w.pieces.lane_of_block.assign(w.blocks.size(), -1);
   size_t motion = 0;
@@ -246,6 +299,7 @@ void bind_pieces(World& w) {
     });
     for (size_t group = 0; group < piece.group_count(); ++group)
       list_lines(w, w.pieces.blocks_of(piece, group), piece.lines[group], piece.moments[group]);
+    for (size_t group = 0; piece.fixed && group < piece.group_count(); ++group) piece.moments[group].clear();
   };
   each_part(w.pool, w.pieces.all.size(), kPiecesAPart, [&](size_t begin, size_t end) {
     std::ranges::for_each(std::span(w.pieces.all).subspan(begin, end - begin), bind);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "model/block_inertia.h"
 #include "model/lanes.h"
 
 namespace quoin::blocks {
@@ -38,7 +39,9 @@ struct Piece {
   static constexpr size_t kNoColumns = size_t(-1);
   size_t columns[2] = {kNoColumns, kNoColumns};  // first number of the FixedColumns of its groups in Pieces::columns
   bool some_held = false;
-  bool other_sides = true;  // whether blocks have sides of contact points beside those of `lines`
+  bool fixed = false;                      // whether the frames of its blocks are fixed; of congruent blocks
+  std::vector<InertiaLanes> inertia = {};  // of its groups in fixed frames, at the start
+  bool other_sides = true;                 // whether blocks have sides of contact points beside those of `lines`
   // Of its groups, in frames: contact points on gridpoints, and moments on the frames.
   std::vector<GridpointLine> lines[2] = {};
   std::vector<RowLine> moments[2] = {};
@@ -56,18 +59,23 @@ struct FixedColumns {
   Number *mass, *over_mass;  // mass for inertia, kg; its inverse, 1/kg, or 0
   Number *place, *anchor;    // of distinct blocks: X from the first gridpoint, m, and b, 1/m; else null
   Number* held_v;            // velocities of supports, m/s, NaN where free; null: no gridpoint is held
-  FixedColumns(Number* from, int node_count, bool distinct, bool some_held) {
+  Number* arm;               // of blocks in fixed frames: reference position from the mass centre, m; else null
+  FixedColumns(Number* from, int node_count, const Piece& piece) {
     const auto take = [&](bool wanted, int numbers) {
       Number* const column = wanted ? from : nullptr;
       if (wanted) from += size_t(node_count) * size_t(numbers);
       return column;
     };
+    const bool distinct = piece.kind == Piece::Kind::distinct;
     mass = take(true, kLanes), over_mass = take(true, kLanes);
     place = take(distinct, kLine), anchor = take(distinct, kLine);
-    held_v = take(some_held, kLine);
+    held_v = take(piece.some_held, kLine);
+    arm = take(piece.fixed, kLine);
   }
-  static size_t size(int node_count, bool distinct, bool some_held) {
-    return size_t(node_count) * size_t(2 * kLanes + (distinct ? 2 * kLine : 0) + (some_held ? kLine : 0));
+  static size_t size(int node_count, const Piece& piece) {
+    const int distinct = piece.kind == Piece::Kind::distinct ? 2 * kLine : 0;
+    const int held = piece.some_held ? kLine : 0, arms = piece.fixed ? kLine : 0;
+    return size_t(node_count) * size_t(2 * kLanes + distinct + held + arms);
   }
 };
 
@@ -88,7 +96,7 @@ struct Pieces {
   bool velocities_lag = false;              // whether steps have changed velocities in lanes alone
   // By piece: whether end_step must check its blocks, as the last step has found something unusual. Of own pieces.
   std::vector<uint8_t> needs_check;
-  std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks and by supports
+  std::vector<size_t> shared_columns;  // columns of groups, by kind of congruent blocks, frames and supports
   std::vector<int> held_changed;       // deformable blocks whose supports changed since the last step
   bool any_held_changed = false;       // whether supports of any gridpoint have changed
 

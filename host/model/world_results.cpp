@@ -46,6 +46,10 @@ Matrix orientation_of(const World& w, int block) {
   return pose(w, block).r * transposed(w.poses.start[size_t(block)].r);
 }
 
+Matrix turn_of_frame(const World& w, int block) {
+  return w.frames.fixed[size_t(block)] ? Matrix{} : orientation_of(w, block);
+}
+
 Vector moved_by_now(const World& w, int block) { return position_of(w, block) - start_position_of(w, block); }
 
 Vector moved(const World& w, int block) {
@@ -123,8 +127,10 @@ Matrix zone_stress(const World& w, int block, int z) {
   const Vector* const x = w.nodes.x.data() + w.blocks[size_t(block)].first_node;
   Matrix f = Matrix::zero();
   for (int k = 0; k < 4; ++k) f += outer(x[zone.node[k]], zone.gradient[k]);
-  const Matrix strain = 0.5 * (transposed(f) * f - Matrix{});
+  const bool is_fixed = w.frames.fixed[size_t(block)] != 0;
+  const Matrix strain = is_fixed ? 0.5 * (f + transposed(f)) - Matrix{} : 0.5 * (transposed(f) * f - Matrix{});
   const Matrix second = 2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{};
+  if (is_fixed) return second;
   return 1 / determinant(f) * (f * second * transposed(f));
 }
 
@@ -136,7 +142,8 @@ double strain_energy(const World& w) {
       const auto node = size_t(b.first_node + zone.node[k]);
       h += outer(w.nodes.x[node] - w.nodes.reference[node], zone.gradient[k]);
     }
-    sum += zone.energy(0.5 * (h + transposed(h) + transposed(h) * h));
+    const bool is_fixed = w.frames.fixed[size_t(&b - w.blocks.data())] != 0;
+    sum += zone.energy(0.5 * (h + transposed(h) + (is_fixed ? Matrix::zero() : transposed(h) * h)));
   });
   return sum;
 }

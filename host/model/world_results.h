@@ -10,6 +10,7 @@ Vector start_position_of(const World& w, int block);
 Vector velocity_of(const World& w, int block);     // velocity of the centre of mass, m/s
 Vector spin_of(const World& w, int block);         // of a rigid block, rad/s
 Matrix orientation_of(const World& w, int block);  // rotation since the start
+Matrix turn_of_frame(const World& w, int block);   // rotation since the start that internal forces follow
 Vector moved(const World& w, int block);           // displacement since the start, m
 double turned(const World& w, int block);          // rotation angle since the start, rad
 Vector moved_by_now(const World& w, int block);    // moved() of an own block, within a step

@@ -397,6 +397,71 @@ HWY_INLINE void frame_forces(const Frame (&frames)[kCount], const FramedGroup* g
   }
 }
 
+// Rotations of the fixed frames of a vector of blocks.
+HWY_INLINE Lanes33 fixed_rotations(std::span<const LaneBlock> blocks, int first) {
+  Lanes33 r;
+  for (int i = 0; i < 3; ++i) {
+    const Lanes3 column = load_vectors([&](int l) {
+      return &blocks[std::min(static_cast<std::size_t>(first + l), blocks.size() - 1)].frame->transposed_r.row[i].x;
+    });
+    for (int k = 0; k < 3; ++k) r.row[k][i] = column[k];
+  }
+  return r;
+}
+
+// Stores displacements u in fixed frames, up to a translation, and u + beta v (`weighted`).
+HWY_INLINE void fixed_displacements(const LaneColumns& c, int first, double beta, const Lanes33& r) {
+  const V of_rate = hn::Set(D(), beta);
+  const Lanes3 origin = difference_of(load_line(c.x + first), load_line(c.arm + first));
+  for (int n = 0; n < c.node_count; ++n) {
+    const int at = n * kLine + first;
+    const Lanes3 moved = difference_of(difference_of(load_line(c.x + at), load_line(c.arm + at)), origin);
+    const Lanes3 u = transposed_times_of(r, moved);
+    store_line(u, c.u + at);
+    if (beta > 0.0) store_line(plus_scaled(u, of_rate, transposed_times_of(r, load_line(c.v + at))), c.weighted + at);
+  }
+}
+
+template <int kCount>
+HWY_INLINE void fixed_forces(const FramedGroup* groups, const CongruentBlocks& congruent, const ZoneStep& step) {
+  const LaneColumns* columns[kCount];
+  Lanes33 r[kCount][kParts];
+  StiffnessRows<kCount> rows(congruent.stiffness), elastic_rows(congruent.stiffness);
+  const double *w[kCount], *u[kCount];
+  for (int b = 0; b < kCount; ++b) {
+    const LaneColumns& c = *(columns[b] = groups[b].columns);
+    w[b] = step.beta > 0.0 ? c.weighted : c.u, u[b] = c.u;
+    for (int p = 0; p < kParts; ++p) {
+      r[b][p] = fixed_rotations(groups[b].blocks, p * kWidth);
+      fixed_displacements(c, p * kWidth, step.beta, r[b][p]);
+    }
+    std::fill(groups[b].sums->deformation, std::end(groups[b].sums->deformation), 0.0);
+  }
+  for (int n = 0; n < columns[0]->node_count; ++n) {
+    V f[kCount][3][kParts], elastic[kCount][3][kParts];
+    rows.next(w, f);
+    if (step.energies) elastic_rows.next(u, elastic);
+    for (int b = 0; b < kCount; ++b) {
+      const LaneColumns& c = *columns[b];
+      for (int p = 0; p < kParts; ++p) {
+        const int at = n * kLine + p * kWidth;
+        const Lanes3 g{f[b][0][p], f[b][1][p], f[b][2][p]};
+        store_line(difference_of(load_line(c.force + at), times(r[b][p], g)), c.force + at);
+        if (!step.energies) continue;
+        const Lanes3 of_strain{elastic[b][0][p], elastic[b][1][p], elastic[b][2][p]};
+        store_line(of_strain, c.elastic + at);
+        if (c.viscous) store_line(times(r[b][p], difference_of(of_strain, g)), c.viscous_force + at);
+      }
+    }
+  }
+  for (int b = 0; step.energies && b < kCount; ++b) store_strain_energies(*columns[b], groups[b].sums);
+}
+
+void FixedFrameForces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step) {
+  groups.size() == 2 ? fixed_forces<2>(groups.data(), congruent, step)
+                     : fixed_forces<1>(groups.data(), congruent, step);
+}
+
 void CongruentForces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step) {
   const SharedFrame frame{congruent};
   if (groups.size() == 2)
@@ -435,7 +500,7 @@ HWY_INLINE void store_vectors(const double* lanes, std::span<const LaneBlock> bl
   }
 }
 
-// No frame: forces zone by zone.
+// No frame that follows the block: a fixed one, or forces zone by zone.
 struct NoFrame {};
 
 // Stores F, and its R, of the blocks in the lanes from `first` on.
@@ -493,7 +558,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   // After each store the compiler would load these pointers again, as the store might change them.
   double *const all_x = columns.x, *const all_v = columns.v;
   const double *const all_forces = columns.force, *const masses = columns.mass, *const over_masses = columns.over_mass;
-  const double* const held_velocities = columns.held_v;
+  const double *const held_velocities = columns.held_v, *const arms = columns.arm;
   const int count = columns.node_count;
   for (int n = 0; n < count; ++n) {
     const int at = n * kLine + first;
@@ -501,7 +566,10 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     const V mass = hn::Load(d, masses + n * kLanes + first);
     const V dt_over_mass = hn::Mul(dt, hn::Load(d, over_masses + n * kLanes + first));
     Lanes3 driven = scaled(hn::Mul(dt_over_mass, over_factor), force);  // change of velocity
-    if (gains) driven = sum_of(driven, sum_of(linear, times(turning, difference_of(x, centre))));
+    if (gains) {
+      const Lanes3 r = arms ? load_line(arms + at) : difference_of(x, centre);
+      driven = sum_of(driven, sum_of(linear, times(turning, r)));
+    }
     Lanes3 next, held_v;
     if constexpr (kNeeds.held) held_v = load_line(held_velocities + at);
     V free = zero;
@@ -582,7 +650,7 @@ HWY_INLINE void advance_all(std::span<const LaneBlock> blocks, const LaneColumns
 void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
                        const GridpointStep& step, const CongruentBlocks* shared, BlockSums* sums) {
   GridpointSums lanes;
-  if (!blocks.front().frame)
+  if (!blocks.front().frame || columns.arm)
     advance_all(blocks, columns, gains, step, NoFrame{}, &lanes);
   else if (shared)
     advance_all(blocks, columns, gains, step, SharedFrame{*shared}, &lanes);
@@ -607,6 +675,7 @@ namespace quoin::blocks {
 
 HWY_EXPORT(LoadBlocks);
 HWY_EXPORT(AddGridpointLines);
+HWY_EXPORT(FixedFrameForces);
 HWY_EXPORT(CongruentForces);
 HWY_EXPORT(DistinctForces);
 HWY_EXPORT(AdvanceGridpoints);
@@ -632,12 +701,17 @@ void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const dou
   columns->mass = fixed.mass, columns->over_mass = fixed.over_mass;
   columns->place = fixed.place, columns->anchor = fixed.anchor;
   columns->held_v = fixed.held_v;
+  columns->arm = fixed.arm;
   HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, !kept.is_current, columns);
 }
 
 LaneSums add_gridpoint_lines(std::span<const GridpointLine> lines, std::span<const RowLine> moments,
                              const FacetRow* rows, std::size_t count, LaneColumns* columns) {
   return HWY_DYNAMIC_DISPATCH(AddGridpointLines)(lines, moments, rows, count, columns);
+}
+
+void fixed_frame_forces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step) {
+  HWY_DYNAMIC_DISPATCH(FixedFrameForces)(groups, congruent, step);
 }
 
 void congruent_forces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step) {

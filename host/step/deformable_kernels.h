@@ -46,8 +46,9 @@ struct LaneColumns {
   double *u, *weighted, *product, *elastic;  // scratch of congruent_forces and distinct_forces
   double* moment;                            // one line: of contact forces on the frames (gridpoint_kernels.h), N m
   double* rows;                              // scratch of distinct_forces, for one block
-  // FixedColumns; place and anchor for distinct_forces.
-  const double *mass, *over_mass, *place, *anchor, *held_v;
+  // FixedColumns; place and anchor for distinct_forces; arm is null where frames follow their blocks.
+  const double *mass, *over_mass, *place, *anchor, *held_v, *arm;
+  const InertiaLanes* inertia;  // at the start, of blocks in fixed frames; else null
 
   void resize(int nodes, double* motion);  // motion: memory for x and v, as in KeptMotion
 
@@ -88,7 +89,9 @@ struct FramedGroup {
   FrameSums* sums;
 };
 
-// Add internal forces to the forces in the columns. groups: one or two of the same shape.
+// Add internal forces to the forces in the columns. groups: one or two of the same shape. fixed_frame_forces: of blocks
+// in fixed frames R, -R K u with u = R^T (x - x_0) up to a translation, x_0 the reference position.
+void fixed_frame_forces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step);
 void congruent_forces(std::span<const FramedGroup> groups, const CongruentBlocks& congruent, const ZoneStep& step);
 void distinct_forces(const FramedGroup& group, const ZoneStep& step);
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "members/members.h"
 #include "model/contact_frames.h"
+#include "model/fixed_frames.h"
 #include "model/world_results.h"
 
 namespace quoin::blocks {
@@ -131,6 +132,7 @@ bool Model::end_step() {
     leave_frames(*this);
     std::ranges::fill(pieces.needs_check, 0);  // each step sets it again for own pieces
   }
+  leave_fixed_frames(*this);
   part_units(*this);
   return moved_enough(*this);
 }

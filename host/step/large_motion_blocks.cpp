@@ -38,11 +38,11 @@ bool is_at_rest(const Body& b) {
   return b.held == 0x3f && still(b.v) && still(b.omega) && still(b.held_v) && still(b.held_omega);
 }
 
-RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int lane) {
+RigidInertia inertia_in(const InertiaLanes& lanes, int lane) {
   uint8_t held = 0;
   for (int k = 0; k < 3; ++k) held = uint8_t(held | int(lanes.held[k].of[lane] != 0.0) << k);
   const Matrix second{{in_lane(lanes.second[0], lane), in_lane(lanes.second[1], lane), in_lane(lanes.second[2], lane)}};
-  return {in_lane(gains.centre, lane), lanes.mass.of[lane], second, held};
+  return {in_lane(lanes.centre, lane), lanes.mass.of[lane], second, held};
 }
 
 template <class Visit>
@@ -252,7 +252,6 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   const std::span<const int32_t> blocks = m.pieces.blocks_of(piece, g);
   group.count = blocks.size();
   columns.viscous = m.books_energy && zone_damping(m) > 0;
-  const bool distinct = piece.kind == Piece::Kind::distinct;
   const bool has_rows = has_other_forces(m, piece);
   const Vector weight = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
   size_t size = 0;
@@ -286,8 +285,8 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
     force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
   }
   lap(clock, Phase::motion);
-  const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, blocks),
-                                         distinct, piece.some_held);
+  const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, blocks), piece);
+  columns.inertia = piece.fixed ? &piece.inertia[g] : nullptr;
   KeptMotion kept;
   if (piece.kind == Piece::Kind::congruent) kept = {m.pieces.motion.data() + piece.motion[g], !m.pieces.motion_is_old};
   load_blocks(group.blocks(), fixed, kept, &columns);
@@ -314,7 +313,9 @@ void add_internal_forces(Model& m, const Piece& piece, LaneGroup* groups, LaneCo
   for (size_t g = 0; g < count; ++g) framed[g] = {groups[g].blocks(), &columns[g], &sums[g]};
   const bool together = count == 2 && piece.kind == Piece::Kind::congruent && piece.congruent[0] == piece.congruent[1];
   for (size_t g = 0; g < count; g += together ? 2 : 1) {
-    if (piece.kind == Piece::Kind::congruent)
+    if (piece.fixed)
+      fixed_frame_forces({framed + g, together ? size_t(2) : 1}, *shared_shape(m, piece, g), step);
+    else if (piece.kind == Piece::Kind::congruent)
       congruent_forces({framed + g, together ? size_t(2) : 1}, *shared_shape(m, piece, g), step);
     else
       distinct_forces(framed[g], step);
@@ -345,7 +346,7 @@ void split(const Model& m, LaneGroup& group, std::span<const LaneColumns> column
     BlockSums& of_unit = group.sums[u];
     for (size_t k = 0; k < count; ++k) {
       const RigidLanes& of_half = lanes[k];
-      inertia.block[k] = inertia_in(of_half, gains[k], lane);
+      inertia.block[k] = inertia_in(of_half.inertia, lane);
       mean[k] = 1 / (1 + 0.5 * alpha * m.stepping.dt) *
                 (motion_in(of_half.velocity, lane) + 0.5 * motion_in(of_half.change, lane));
       of_unit.damping += m.stepping.dt * dot(motion_in(of_half.damping, lane), mean[k]);

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/rank_rows.h"
 #include "base/ranks.h"
+#include "model/fixed_frames.h"
 #include "model/world_results.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
@@ -51,40 +52,9 @@ GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
   return field;
 }
 
-// Rigid part of a vector field: the U + theta x (X - centre) whose difference from the field has neither momentum nor
-// angular momentum. With a plane of symmetry, the part that keeps points on the plane.
-struct RigidPart {
-  Vector centre, mean, turn;
-};
-
-RigidPart rigid_part(const GridpointMotion& f, const std::vector<Vector>& of, bool symmetry_plane) {
-  RigidPart part;
-  double mass = 0.0;
-  for (std::size_t i = 0; i < f.place.size(); ++i) {
-    mass += f.mass[i];
-    part.centre += f.mass[i] * f.place[i];
-    part.mean += f.mass[i] * of[i];
-  }
-  part.centre = part.centre / mass, part.mean = part.mean / mass;
-  Matrix inertia = Matrix::zero();
-  Vector moment;
-  for (std::size_t i = 0; i < f.place.size(); ++i) {
-    const Vector r = f.place[i] - part.centre;
-    inertia += f.mass[i] * (dot(r, r) * Matrix{} - outer(r, r));
-    moment += f.mass[i] * cross(r, of[i]);
-  }
-  if (symmetry_plane) {
-    part.mean.z = 0.0;
-    part.turn = {0.0, 0.0, moment.z / inertia.row[2].z};
-  } else {
-    part.turn = inverse(inertia) * moment;
-  }
-  return part;
-}
-
 // Kinetic energy of the rigid part, J.
 double rigid_kinetic_energy(const GridpointMotion& f, bool symmetry_plane) {
-  const RigidPart part = rigid_part(f, f.velocity, symmetry_plane);
+  const blocks::RigidPart part = blocks::rigid_part(f.place, f.mass, f.velocity, symmetry_plane);
   double sum = 0.0;
   for (std::size_t i = 0; i < f.place.size(); ++i) {
     const Vector v = part.mean + cross(part.turn, f.place[i] - part.centre);
@@ -108,17 +78,6 @@ std::vector<std::size_t> gridpoint_order(const Brick& brick, const std::vector<V
   std::vector<std::size_t> order;
   for (const Vector& x : place) order.push_back(index.at(key(x)));
   return order;
-}
-
-// Strain energy from the small strains of the lattice, J; strain_energy(m) uses those of large rotations.
-double strain_energy(const blocks::Model& m, const std::vector<Vector>& displacement) {
-  double sum = 0.0;
-  each_zone(m, [&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
-    Matrix h = Matrix::zero();
-    for (std::size_t k = 0; k < 4; ++k) h += outer(displacement[at(b.first_node + zone.node[k])], zone.gradient[k]);
-    sum += zone.energy(0.5 * (h + transposed(h)));
-  });
-  return sum;
 }
 
 // Motion of a rigid block of the lattice: position at the start, displacement, rotation, velocities; m, rad, m/s,
@@ -205,25 +164,6 @@ std::vector<Drive> drives_of(const Simulation::Impl& s) {
   return drives;
 }
 
-// Splits the field into rigid motion and the rest (head of this file). before: displacements, by gridpoint.
-void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& order, bool symmetry_plane,
-                      blocks::Model* m, std::vector<Vector>* before) {
-  const RigidPart moved = rigid_part(f, f.displacement, symmetry_plane);
-  const RigidPart moving = rigid_part(f, f.velocity, symmetry_plane);
-  const Matrix turn = matrix(geometry::rotation(moved.turn));
-  for (std::size_t i = 0; i < f.place.size(); ++i) {
-    const Vector r = f.place[i] - moved.centre;
-    const Vector strained = r + (f.displacement[i] - moved.mean - cross(moved.turn, r));
-    Vector& x = change_node_positions(*m)[order[i]];
-    Vector& v = change_node_velocities(*m)[order[i]];
-    (*before)[order[i]] = f.displacement[i];
-    x = moved.centre + moved.mean + turn * strained;
-    v = moving.mean + cross(moving.turn, turn * strained) +
-        turn * (f.velocity[i] - moving.mean - cross(moving.turn, r));
-    if (symmetry_plane && f.place[i].z == 0.0) x.z = v.z = 0.0;
-  }
-}
-
 }  // namespace
 
 // v M' v/2 less v M v/2 (model/rigid_motion.h). All ranks call it together.
@@ -288,13 +228,15 @@ void promote(Simulation::Impl& s, const std::string& why) {
   m.stepping.time = promotion.time, m.stepping.count = s.progress.step;
   for (const Drive& drive : continued)
     m.prescribe(drive.block, {}, {}, drive.held);  // at rest: supports take no motion
-  std::vector<Vector> before(m.nodes.x.size());
   for (std::size_t b = 0; b < count; ++b) {
     const int i = static_cast<int>(b);
     const blocks::ModelBlock& block = m.blocks[i];
     if (block.body < 0) {
       const auto order = gridpoint_order(s.left->bricks[b], fields[b].place, m.nodes.reference, block);
-      place_gridpoints(fields[b], order, s.left->symmetry_plane_z0, &m, &before);
+      for (std::size_t n = 0; n < order.size(); ++n) {
+        change_node_positions(m)[order[n]] = m.nodes.reference[order[n]] + fields[b].displacement[n];
+        change_node_velocities(m)[order[n]] = fields[b].velocity[n];
+      }
     } else {
       const BodyMotion& body = bodies[b];
       set_pose(m, i, geometry::vector(body.centre) + geometry::vector(body.displacement),
@@ -302,6 +244,10 @@ void promote(Simulation::Impl& s, const std::string& why) {
       m.set_velocity(i, geometry::vector(body.velocity), geometry::vector(body.spin));
     }
   }
+  m.frames.fixed.assign(m.blocks.size(), 1);
+  promotion.strain_energy = strain_energy(m);
+  begin_with_fixed_frames(m);
+  promotion.energy_jump = strain_energy(m) - promotion.strain_energy;
   adopt_histories(m, histories);
 
   s.actions.drives = std::move(continued);
@@ -314,11 +260,9 @@ void promote(Simulation::Impl& s, const std::string& why) {
   s.controls.settled = false;  // the next step applies the controls of the stage to these blocks
   s.progress.row_interval =
       std::max(1L, std::lround(static_cast<double>(s.progress.row_interval) * dt / s.data.time_step));
-  promotion.strain_energy = strain_energy(m, before);
-  promotion.energy_jump = strain_energy(m) - promotion.strain_energy;
   s.outcome.promotion = promotion;
-  s.watch.pending = false;         // energies of the lattice are computed differently: no comparison with them
-  if (s.ranks) partition_work(s);  // monitored blocks have changed
+  s.watch.pending = false;  // energies of the lattice are computed differently: no comparison with them
+  partition_work(s);        // pieces and monitored blocks have changed
 }
 
 void leave_lattice(Simulation::Impl& s) {

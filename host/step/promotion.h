@@ -1,10 +1,9 @@
 // Promotion: a run continues in large motion when blocks leave small displacements. Gridpoints, bodies and contact
 // points are kept, with their velocities, tractions and states.
 //
-// Small displacements turn blocks by the linear field theta x r, which stretches them by theta^2/2. So the displacement
-// u of a block is split into its rigid motion U + theta x r about its centre and the rest w. Both are by mass. The
-// block continues at X + U + R(theta) (r + w). Its strain is that of w, as before, up to terms of the order of strain
-// squared. The reference from which a contact point measures its opening absorbs the change of its gap.
+// Small displacements turn blocks by the linear field theta x r, which stretches them by theta^2/2. Blocks that have
+// turned little keep small displacements in a fixed frame, the others turn (model/fixed_frames.h). The reference from
+// which a contact point measures its opening absorbs the change of its gap.
 #pragma once
 
 #include "step/state.h"

@@ -125,7 +125,7 @@ class Search {
       const Vector per_mass = (m.blocks[b].mass * g + applied[at(b)]) / inertia;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
         add_to(sum, u.gridpoint[n], m.nodes.mass[at(block.first_node) + n] * per_mass);
-      const geometry::Matrix turned = orientation_of(m, b);
+      const geometry::Matrix turned = turn_of_frame(m, b);
       for (int z = 0; z < block.zone_count; ++z) {
         const blocks::Zone zone = zone_of(m, b, z);
         const geometry::Matrix stress = zone_stress(m, b, z);

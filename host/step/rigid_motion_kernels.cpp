@@ -29,9 +29,8 @@ HWY_INLINE void store3(const Lanes3& a, ByLane (&to)[3], int lane) {
 // ---- Sums over gridpoints ------------------------------------------------------------------------------------------
 
 struct Sums {
-  ByLane centre[3], mass, second[3][3];
+  InertiaLanes inertia;
   ByLane momentum[2][3], force[2][3];  // linear and about the centre
-  ByLane held[3];
 };
 
 // Sums of mass, momentum and moments in one pass about the first gridpoint, then shifted to the mass centre.
@@ -63,21 +62,36 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
   }
   const V is_some = hn::IfThenElse(hn::Eq(mass, hn::Zero(d)), hn::Set(d, 1.0), mass);
   const Lanes3 r = scaled(hn::Div(hn::Set(d, 1.0), is_some), weighted), m_r = scaled(mass, r);
-  store3(sum_of(origin, r), sums->centre, first);
-  hn::Store(mass, d, sums->mass.of + first);
+  store3(sum_of(origin, r), sums->inertia.centre, first);
+  hn::Store(mass, d, sums->inertia.mass.of + first);
   store3(momentum, sums->momentum[0], first);
   store3(difference_of(spin, cross_of(r, momentum)), sums->momentum[1], first);
   store3(force, sums->force[0], first);
   store3(difference_of(moment, cross_of(r, force)), sums->force[1], first);
   const V one = hn::Set(d, 1.0);
   store3({hn::IfThenElseZero(held[0], one), hn::IfThenElseZero(held[1], one), hn::IfThenElseZero(held[2], one)},
-         sums->held, first);
+         sums->inertia.held, first);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const V about_origin = i == j ? square[0][i] : square[1][i + j == 1 ? 0 : (i + j == 3 ? 1 : 2)];
-      hn::Store(hn::NegMulAdd(m_r[i], r[j], about_origin), d, sums->second[i][j].of + first);
+      hn::Store(hn::NegMulAdd(m_r[i], r[j], about_origin), d, sums->inertia.second[i][j].of + first);
     }
   }
+}
+
+// Sums of momentum, force and their moments of blocks in fixed frames, with constant arms.
+HWY_INLINE void add_up_at_rest(const LaneColumns& c, int first, Sums* sums) {
+  const D d;
+  Lanes3 momentum = zeros(), spin = zeros(), force = zeros(), moment = zeros();
+  for (int n = 0; n < c.node_count; ++n) {
+    const int at = n * kLine + first;
+    const Lanes3 r = load_line(c.arm + at), f = load_line(c.force + at);
+    const Lanes3 m_v = scaled(hn::Load(d, c.mass + n * kLanes + first), load_line(c.v + at));
+    momentum = sum_of(momentum, m_v), spin = sum_of(spin, cross_of(r, m_v));
+    force = sum_of(force, f), moment = sum_of(moment, cross_of(r, f));
+  }
+  store3(momentum, sums->momentum[0], first), store3(spin, sums->momentum[1], first);
+  store3(force, sums->force[0], first), store3(moment, sums->force[1], first);
 }
 
 // ---- Inertia -------------------------------------------------------------------------------------------------------
@@ -136,7 +150,7 @@ HWY_INLINE void add_at_arm(V mass, const Lanes3& arm, Lanes33& tensor) {
   }
 }
 
-HWY_INLINE Inertia inertia_of(const Sums& sums, int lane, bool some_held) {
+HWY_INLINE Inertia inertia_of(const InertiaLanes& sums, int lane, bool some_held) {
   const D d;
   Inertia a;
   a.centre = load3(sums.centre, lane);
@@ -244,15 +258,16 @@ HWY_INLINE void add_turning(const Inertia& block, const Lanes3& spin, double dt,
 }
 
 template <int kCount>
-HWY_INLINE void step_of(const Sums* sums, bool some_held, int lane, const RigidMotionStep& s, RigidGains* gains,
-                        RigidLanes* lanes) {
+HWY_INLINE void step_of(const Sums* sums, const LaneColumns& columns, int lane, const RigidMotionStep& s,
+                        RigidGains* gains, RigidLanes* lanes) {
   const D d;
   const double dt = s.time_step, s_b = s.factors.deformation, s_u = kCount == 1 ? 1.0 : s.factors.unit;
   const V time_step = hn::Set(d, dt);
+  const bool turns = !columns.arm;  // whether frames follow their blocks
   Unit<kCount> unit;
   Motion momentum[kCount], force[kCount], velocity[kCount], driven[kCount], damping[kCount], change[kCount];
   for (int b = 0; b < kCount; ++b) {
-    unit.block[b] = inertia_of(sums[b], lane, some_held);
+    unit.block[b] = inertia_of(sums[b].inertia, lane, columns.held_v != nullptr);
     momentum[b] = load_motion(sums[b].momentum, lane), force[b] = load_motion(sums[b].force, lane);
     velocity[b] = acceleration(unit.block[b], momentum[b]);
     driven[b] = acceleration(unit.block[b], force[b]);  // without damping
@@ -283,7 +298,8 @@ HWY_INLINE void step_of(const Sums* sums, bool some_held, int lane, const RigidM
       const Motion slowed = difference_of(difference_of(driven[b], along), beside);
       change[b] = scaled(time_step, sum_of(difference_of(along, along_damping), scaled(hn::Set(d, 1.0 / s_u), slowed)));
       const Lanes3 arm = difference_of(block.centre, unit.whole.centre);
-      for (const Lanes3& spin : unit_spin) {
+      for (int k = 0; turns && k < 2; ++k) {
+        const Lanes3& spin = unit_spin[k];
         const V weight = hn::Mul(hn::Set(d, 0.5 * dt * (1.0 - 1.0 / s_u)), chord_factor(spin, dt));
         const Lanes3 of_whole = gyration(unit.whole, spin);
         const Lanes3 towards = difference_of(cross_of(spin, cross_of(spin, arm)), cross_of(of_whole, arm));
@@ -298,10 +314,11 @@ HWY_INLINE void step_of(const Sums* sums, bool some_held, int lane, const RigidM
     const Lanes3 &g = gain.angular, &before = velocity[b].angular;
     const V zero = hn::Zero(d);
     Lanes33 turning = {{{zero, hn::Neg(g.z), g.y}, {g.z, zero, hn::Neg(g.x)}, {hn::Neg(g.y), g.x, zero}}};
-    for (const Lanes3& spin : {before, sum_of(before, change[b].angular)})
-      add_turning(block, spin, dt, 0.5 * dt * (1.0 - s_u / s_b), turning);
-    if constexpr (kCount == 2) {
-      for (const Lanes3& spin : unit_spin) add_turning(block, spin, dt, 0.5 * dt * (s_u - 1.0) / s_b, turning);
+    if (turns) {
+      for (const Lanes3& spin : {before, sum_of(before, change[b].angular)})
+        add_turning(block, spin, dt, 0.5 * dt * (1.0 - s_u / s_b), turning);
+      for (int k = 0; kCount == 2 && k < 2; ++k)
+        add_turning(block, unit_spin[k], dt, 0.5 * dt * (s_u - 1.0) / s_b, turning);
     }
     store3(block.centre, gains[b].centre, lane);
     store3(gain.linear, gains[b].linear, lane);
@@ -317,22 +334,17 @@ void SplitMotion(std::span<const LaneColumns> groups, int count, const RigidMoti
                  RigidLanes* lanes) {
   Sums sums[2];
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    for (int first = 0; first < count; first += kWidth) add_up(groups[g], first, &sums[g]);
+    if (groups[g].arm) sums[g].inertia = *groups[g].inertia;
+    for (int first = 0; first < count; first += kWidth)
+      groups[g].arm ? add_up_at_rest(groups[g], first, &sums[g]) : add_up(groups[g], first, &sums[g]);
   }
-  const bool some_held = groups.front().held_v != nullptr;
   for (int first = 0; first < count; first += kWidth) {
     if (groups.size() == 2)
-      step_of<2>(sums, some_held, first, step, gains, lanes);
+      step_of<2>(sums, groups.front(), first, step, gains, lanes);
     else
-      step_of<1>(sums, some_held, first, step, gains, lanes);
+      step_of<1>(sums, groups.front(), first, step, gains, lanes);
   }
-  for (std::size_t g = 0; lanes && g < groups.size(); ++g) {
-    lanes[g].mass = sums[g].mass;
-    for (int i = 0; i < 3; ++i) {
-      lanes[g].held[i] = sums[g].held[i];
-      for (int j = 0; j < 3; ++j) lanes[g].second[i][j] = sums[g].second[i][j];
-    }
-  }
+  for (std::size_t g = 0; lanes && g < groups.size(); ++g) lanes[g].inertia = sums[g].inertia;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -11,22 +11,17 @@ namespace quoin::blocks {
 
 struct LaneColumns;
 
-// One number a lane.
-struct alignas(64) ByLane {
-  double of[kLanes];
-};
-
-// Velocity added to gridpoints in a step: linear + turning r, r from the centre of their block; m, m/s, 1/s.
+// Velocity added to gridpoints in a step: linear + turning r, r from the centre of their block; m, m/s, 1/s. In fixed
+// frames r is the reference position from there, LaneColumns::arm.
 struct RigidGains {
   ByLane centre[3], linear[3], turning[3][3];
 };
 
 // Motion of each block about its mass centre, for energies.
 struct RigidLanes {
-  ByLane mass, second[3][3];  // kg; sum m r r^T, kg m2
+  InertiaLanes inertia;
   // Linear and angular: before the step; change in it; damping force and moment, N, N m.
   ByLane velocity[2][3], change[2][3], damping[2][3];
-  ByLane held[3];  // not 0: some gridpoint is held along this axis
 };
 
 struct RigidMotionStep {

@@ -115,7 +115,7 @@ void Unknowns::add_zones(Entries* entries) const {
       continue;
     }
     const blocks::ModelBlock& block = s_.large_motion->blocks[b];
-    const geometry::Matrix turned = orientation_of(*s_.large_motion, b);
+    const geometry::Matrix turned = turn_of_frame(*s_.large_motion, b);
     for (int z = 0; z < block.zone_count; ++z) {
       const blocks::Zone zone = zone_of(*s_.large_motion, b, z);
       for (std::size_t i = 0; i < 4; ++i)
@@ -206,7 +206,7 @@ void Unknowns::for_each_stressed_zone(int b, const Visit& visit) const {
   std::array<Vector, 4> gradient;
   if (s_.large_motion) {
     const blocks::ModelBlock& block = s_.large_motion->blocks[b];
-    const geometry::Matrix turned = orientation_of(*s_.large_motion, b);
+    const geometry::Matrix turned = turn_of_frame(*s_.large_motion, b);
     for (int z = 0; z < block.zone_count; ++z) {
       const blocks::Zone zone = zone_of(*s_.large_motion, b, z);
       std::array<int, 4> node;

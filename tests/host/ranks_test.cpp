@@ -235,7 +235,11 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"HalvesThatPart",
              kTests + "host/halves_part.toml",
              {"solver.large_motion=always", "output.energy=true"},
-             Case::parting}),
+             Case::parting},
+        Case{"LeavingFrames",
+             kTests + "host/small_building.toml",
+             {"stage.push.displacement=0.006", "stage.push.record_interval=10", "output.energy=true"},
+             Case::promotion}),
     [](const auto& of) { return std::string(of.param.name); });
 
 // Load balancing in mid-run moves blocks between ranks, with all arrays of their contact points: initial openings,
