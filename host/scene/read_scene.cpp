@@ -111,9 +111,7 @@ const Quality* read_solver_table(Table solver, const Quality* quality, bool of_b
 
 void read_output(Table& o, bool of_blocks, OutputSettings* output) {
   o.integer("frames", output->frames, 0, 100000);
-  std::string of = output->all_stages ? "all" : "last";
-  o.choice("frames_of", of, {"all", "last"});
-  output->all_stages = of == "all";
+  o.choice("frames_of", output->all_stages, {{"all", true}, {"last", false}});
   o.boolean("plots", output->plots);
   o.boolean("picture", output->plots);
   o.boolean("energy", output->energy);
