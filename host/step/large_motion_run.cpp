@@ -207,7 +207,7 @@ void follow_time_step(Simulation::Impl& s) {
 void measure_large_motion_step(Simulation::Impl& s) {
   if (s.parts.divided) gather(s, Part::row);
   s.progress.unbalanced_ratio = unbalanced_ratio(*s.large_motion);
-  const blocks::Energies& e = s.large_motion->step_sums.energies;
+  const Energies& e = s.large_motion->step_sums.energies;
   s.energy.kinetic = s.large_motion->measured_kinetic;
   if (s.energy.sampled) {
     Energies now;
@@ -219,16 +219,10 @@ void measure_large_motion_step(Simulation::Impl& s) {
   if (!s.energy.wanted) return;
   // Includes the work on the lattice before a promotion.
   const double jump = s.outcome.promotion ? s.outcome.promotion->energy_jump : 0.0;
-  s.energy.now = Energies{e.kinetic,
-                          e.strain,
-                          e.contact_stored,
-                          s.energy.dissipated,
-                          s.energy.external + e.external,
-                          s.energy.damping + e.damping,
-                          s.energy.lost_inertia + e.detection - jump,
-                          e.members_stored,
-                          e.members_dissipated};
-  for (std::size_t k = 0; k < 4; ++k) s.energy.now->dissipated[k] += e.dissipated[k];
+  Energies& now = s.energy.now.emplace(e);
+  for (std::size_t k = 0; k < now.dissipated.size(); ++k) now.dissipated[k] += s.energy.dissipated[k];
+  now.external += s.energy.external, now.damping += s.energy.damping;
+  now.detection = s.energy.lost_inertia + e.detection - jump;
 }
 
 Vec3 block_translation(const Simulation::Impl& s, int block) {
