@@ -57,7 +57,7 @@ std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std
       const std::vector<Vec3> corners = block_mesh(simulation, block).gridpoint;
       if (!m.point) place.gridpoint.emplace_back(block, -1);
       for (std::size_t i = 0; i < corners.size(); ++i) {
-        for (std::size_t c = 0; c < 3; ++c) middle[c] += corners[i][c];
+        middle += corners[i];
         count += 1.0;
         if (!m.point) continue;
         const double far =
@@ -67,7 +67,7 @@ std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std
         place.gridpoint = {{block, static_cast<int>(i)}};
       }
     }
-    for (std::size_t c = 0; c < 3 && !m.point; ++c) place.start[c] = middle[c] / count;
+    if (!m.point) place.start = middle / count;
     places.push_back(std::move(place));
   }
   return places;
@@ -99,9 +99,7 @@ MonitorFile::Motion MonitorFile::motion_of(const MonitorPlace& place) const {
   Motion mean;
   const auto add = [](const std::vector<Vec3>& of_points, int point, double share, Vec3& sum) {
     const std::size_t first = point < 0 ? 0 : at(point), end = point < 0 ? of_points.size() : first + 1;
-    for (std::size_t i = first; i < end; ++i) {
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += share * of_points[i][c] / static_cast<double>(end - first);
-    }
+    for (std::size_t i = first; i < end; ++i) sum += share * of_points[i] / static_cast<double>(end - first);
   };
   const double share = 1.0 / static_cast<double>(place.gridpoint.size());
   for (const auto& [block, point] : place.gridpoint) {
@@ -110,7 +108,7 @@ MonitorFile::Motion MonitorFile::motion_of(const MonitorPlace& place) const {
   }
   // Forces of a row belong to the positions one step ago.
   const double step = simulation_.time_step_report().time_step;
-  for (std::size_t c = 0; c < 3; ++c) mean.displacement[c] -= step * mean.velocity[c];
+  mean.displacement -= step * mean.velocity;
   return mean;
 }
 
@@ -157,8 +155,7 @@ void MonitorFile::add(const HistoryRow& row) {
     Motion motion = motion_of(places_[i]);
     moved.push_back(motion.displacement);
     append_motion(motion);
-    for (std::size_t c = 0; c < 3; ++c)
-      motion.displacement[c] -= ground.displacement[c], motion.velocity[c] -= ground.velocity[c];
+    motion.displacement -= ground.displacement, motion.velocity -= ground.velocity;
     append_motion(motion);
     const auto below = std::find_if(monitors_.begin(), monitors_.begin() + static_cast<std::ptrdiff_t>(i),
                                     [&](const Monitor& m) { return m.name == monitors_[i].below; });

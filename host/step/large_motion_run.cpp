@@ -231,20 +231,15 @@ Vec3 block_translation(const Simulation::Impl& s, int block) {
 
 Vec3 block_translation(const Simulation::Impl& s, const std::vector<int>& blocks) {
   Vec3 mean{};
-  for (const int block : blocks) {
-    const Vec3 moved = block_translation(s, block);
-    for (std::size_t c = 0; c < 3; ++c) mean[c] += moved[c] / static_cast<double>(blocks.size());
-  }
+  for (const int block : blocks) mean += block_translation(s, block) / static_cast<double>(blocks.size());
   return mean;
 }
 
 Vec3 block_translation_at_forces(const Simulation::Impl& s, const std::vector<int>& blocks) {
   Vec3 mean = block_translation(s, blocks);
-  for (const int block : blocks) {
-    const Vector v = velocity_of(*s.large_motion, block);
-    for (std::size_t c = 0; c < 3; ++c)
-      mean[c] -= s.data.time_step * v[static_cast<int>(c)] / static_cast<double>(blocks.size());
-  }
+  for (const int block : blocks)
+    mean -=
+        geometry::array(s.data.time_step * velocity_of(*s.large_motion, block)) / static_cast<double>(blocks.size());
   return mean;
 }
 

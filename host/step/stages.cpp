@@ -115,10 +115,8 @@ void begin_stage(Simulation::Impl& s, int index) {
   choose_damping(s);
   // The whiffletree starts without force: from the mean displacement of the floors.
   if (!s.controls.floors.empty()) s.monitor.start = {};
-  for (const WatchedBlocks& floor : s.controls.floors) {
-    const Vec3 moved = displacement_at_forces(s, floor);
-    for (std::size_t c = 0; c < 3; ++c) s.monitor.start[c] += moved[c] / static_cast<double>(s.controls.floors.size());
-  }
+  for (const WatchedBlocks& floor : s.controls.floors)
+    s.monitor.start += displacement_at_forces(s, floor) / static_cast<double>(s.controls.floors.size());
   s.progress.calm_checks = 0;
   // The last frame of the stage before shows the beginning of this one.
   s.progress.next_frame = index > 0 && s.scene.frames_in(static_cast<std::size_t>(index) - 1) > 0 ? 1 : 0;

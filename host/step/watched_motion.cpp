@@ -11,17 +11,14 @@ namespace {
 Vec3 mean_on_lattice(const Simulation::Impl& s, const WatchedBlocks& blocks, BodyLanes::Quantity BodyLanes::*of_bodies,
                      const LaneVector<double>& of_gridpoints) {
   Vec3 mean{};
-  const auto add = [&](const Vec3& of_block) {
-    for (std::size_t c = 0; c < 3; ++c) mean[c] += of_block[c] / blocks.count();
-  };
-  for (const int body : blocks.bodies) add(s.lattice.of_body(body, of_bodies));
+  for (const int body : blocks.bodies) mean += s.lattice.of_body(body, of_bodies) / blocks.count();
   for (const int i : blocks.loaded) {
     const LoadedBlock& block = s.controls.loaded_blocks[static_cast<std::size_t>(i)];
     Vec3 sum{};
     s.model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) {
       for (std::size_t c = 0; c < 3; ++c) sum[c] += mass / block.mass * of_gridpoints[offset + c * kLanes];
     });
-    add(sum);
+    mean += sum / blocks.count();
   }
   return mean;
 }
@@ -50,10 +47,8 @@ Vec3 displacement_now(const Simulation::Impl& s, const WatchedBlocks& blocks) {
 
 Vec3 displacement_at_forces(const Simulation::Impl& s, const WatchedBlocks& blocks) {
   if (s.large_motion) return block_translation_at_forces(s, blocks.large_motion);
-  Vec3 moved = displacement_now(s, blocks);
-  const Vec3 rate = mean_on_lattice(s, blocks, &BodyLanes::velocity, s.lattice.velocity);
-  for (std::size_t c = 0; c < 3; ++c) moved[c] -= s.data.time_step * rate[c];
-  return moved;
+  return displacement_now(s, blocks) -
+         s.data.time_step * mean_on_lattice(s, blocks, &BodyLanes::velocity, s.lattice.velocity);
 }
 
 }  // namespace quoin

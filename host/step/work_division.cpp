@@ -183,7 +183,7 @@ RankShare share_of_this_rank(const Simulation::Impl& s) {
     const std::vector<int> blocks = blocks_of_item(s, i);
     for (const int b : blocks) {
       const Vec3 centre = s.large_motion ? place_in_large_motion(s, b) : centre_of(s.model.assembly.bricks[at(b)]);
-      for (std::size_t c = 0; c < 3; ++c) mean.back()[c] += centre[c] / static_cast<double>(blocks.size());
+      mean.back() += centre / static_cast<double>(blocks.size());
       if (b == blocks.front()) first.push_back(centre);
     }
   }
