@@ -104,7 +104,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
 }
 
 std::vector<int> followed_blocks(const Simulation::Impl& s) {
-  std::vector<int> followed = s.monitor.blocks.large_motion;
+  std::vector<int> followed = s.monitor.blocks;
   bool on_ground = false;  // whether a block that moves with the ground is included: one stands for all
   for (const Drive& drive : s.actions.drives) {
     if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
@@ -112,8 +112,7 @@ std::vector<int> followed_blocks(const Simulation::Impl& s) {
   }
   for (const blocks::Load& given : s.large_motion->actions.loads) followed.push_back(given.block);
   for (const blocks::Pressure& given : s.large_motion->actions.pressures) followed.push_back(given.block);
-  for (const WatchedBlocks& floor : s.controls.floors)
-    followed.insert(followed.end(), floor.large_motion.begin(), floor.large_motion.end());
+  for (const std::vector<int>& floor : s.controls.floors) followed.insert(followed.end(), floor.begin(), floor.end());
   return followed;
 }
 
@@ -146,9 +145,8 @@ std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name
 
 void watch_blocks(Simulation::Impl& s, const Stage& settings) {
   const std::string& watched = watched_block(s, settings);
-  s.monitor.blocks = {};
-  if (!watched.empty()) s.monitor.blocks.large_motion = blocks_named(s, watched, settings.source.text);
-  s.monitor.stands_below = stands_below(s, s.monitor.blocks.large_motion);
+  s.monitor.blocks = watched.empty() ? std::vector<int>{} : blocks_named(s, watched, settings.source.text);
+  s.monitor.stands_below = stands_below(s, s.monitor.blocks);
 }
 
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
