@@ -40,11 +40,11 @@ void name_motion(const std::string& prefix, std::vector<std::string>& columns) {
 
 }  // namespace
 
-std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std::vector<Monitor>& monitors) {
+std::vector<MonitorPlace> monitor_places(const Simulation& simulation) {
   const blocks::Assembly shapes = assembly_of(simulation);
   const std::optional<BuildingSpec>& building = simulation.scene().building;
   std::vector<MonitorPlace> places;
-  for (const Monitor& m : monitors) {
+  for (const Monitor& m : simulation.scene().monitors) {
     std::vector<int> blocks;
     for (const std::string& name : bodies_called(m.block, building.value_or(BuildingSpec{}))) {
       const std::vector<int> found = blocks::find_blocks(shapes, name, m.source.text);
@@ -73,9 +73,9 @@ std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std
   return places;
 }
 
-MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
+MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation,
                          const std::vector<std::vector<double>>& before)
-    : folder_(folder), simulation_(simulation), monitors_(std::move(monitors)), columns_{"step", "time_s"} {
+    : folder_(folder), simulation_(simulation), monitors_(simulation.scene().monitors), columns_{"step", "time_s"} {
   find_places();
   name_motion("ground", columns_);
   for (const Monitor& m : monitors_) {
@@ -92,7 +92,7 @@ MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, s
 // Called again after promotion to large motion, whose gridpoints have another order.
 void MonitorFile::find_places() {
   found_in_ = simulation_.large_motion();
-  places_ = monitor_places(simulation_, monitors_);
+  places_ = monitor_places(simulation_);
 }
 
 MonitorFile::Motion MonitorFile::motion_of(const MonitorPlace& place) const {

@@ -145,13 +145,4 @@ std::vector<Derivation> fill_in_from_tests(toml::table& root, Context& context) 
   return numbers.derivation;
 }
 
-std::vector<Derivation> derivation_of(const std::string& text, const std::string& path,
-                                      const std::vector<std::string>& overrides) {
-  toml::table root = parse(text, path);
-  Context context;
-  context.file = path;
-  for (const std::string& setting : overrides) apply_override(root, setting, context);
-  return fill_in_from_tests(root, context);
-}
-
 }  // namespace quoin
