@@ -255,6 +255,17 @@ std::vector<int> chunks_here(const Simulation::Impl& s) {
   return s.parts.holds_all ? whole_share(static_cast<int>(s.model.chunks.size()), 0).chunks : s.division.share.chunks;
 }
 
+PointRange points_of_chunk(const Simulation::Impl& s, int chunk) {
+  if (!s.large_motion) {
+    const ContactChunk& c = s.model.chunks[at(chunk)];
+    return {c.first_point, c.first_point + c.point_count};
+  }
+  const blocks::Chunk& c = s.large_motion->chunks.all[at(chunk)];
+  std::size_t first = c.first;
+  for (int f = 0; f < c.family; ++f) first += s.large_motion->contacts.families[at(f)].size();
+  return {static_cast<std::int32_t>(first), static_cast<std::int32_t>(first + c.count)};
+}
+
 void partition_work(Simulation::Impl& s) {
   divide_work(s);
   hold_part(s);
