@@ -21,7 +21,6 @@
 #include "results/surface.h"
 #include "scene/collapse_load.h"
 #include "scene/damping_text.h"
-#include "scene/read_tests.h"
 #include "scene/scatter_text.h"
 #include "scene/size.h"
 #include "step/findings.h"
@@ -329,14 +328,9 @@ void print_motion(const blocks::World& world) {
              fmt::join(parts, ", "));
 }
 
-// Throws Error(bad_input) for a monitor of a block that does not exist.
-void check_monitors(const Simulation& simulation, const SceneOptions& options) {
-  monitor_places(simulation, monitors_of(simulation.scene().text, simulation.scene().file, options.overrides));
-}
-
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   Simulation simulation(scene, 0);
-  check_monitors(simulation, options);
+  monitor_places(simulation);  // throws for a monitor of a block that does not exist
   const TimeStepReport& step = simulation.time_step_report();
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
@@ -364,14 +358,10 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   print_time(simulation, print_stages(scene, step), options.force);
 }
 
-void print_derivation(const Scene& scene, const SceneOptions& options) {
-  for (const Derivation& d : derivation_of(scene.text, options.scene, options.overrides))
-    fmt::print("  from tests: {} {:.4g} {}: {}\n", d.name, d.value, d.unit, d.from);
-}
-
 void check(const SceneOptions& options) {
   const Scene scene = prepare_scene(options);
-  print_derivation(scene, options);
+  for (const Derivation& d : scene.derivation)
+    fmt::print("  from tests: {} {:.4g} {}: {}\n", d.name, d.value, d.unit, d.from);
   const SceneSize scene_size = size_of(scene);
   Motion motion = choose_motion(scene);
   if (motion.shapes) return check_blocks(options, scene, motion.why_not_lattice);
@@ -380,7 +370,7 @@ void check(const SceneOptions& options) {
   Inertia inertia;
   const TimeStepReport report = choose_time_step(model, scene.solver, &inertia, Limits::all, motion.scene.stages);
   Simulation simulation(scene, 0);
-  check_monitors(simulation, options);
+  monitor_places(simulation);
 
   const auto& bricks = model.assembly.bricks;
   const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });

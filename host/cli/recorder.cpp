@@ -89,9 +89,9 @@ void Recorder::serve(int port, const fs::path& folder, const Simulation& simulat
   progress_.message("the run goes on at " + live_->address());
 }
 
-void Recorder::follow(const fs::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
+void Recorder::follow(const fs::path& folder, const Simulation& simulation,
                       const std::vector<std::vector<double>>& before) {
-  monitors_.emplace(folder, simulation, std::move(monitors), before);
+  monitors_.emplace(folder, simulation, before);
 }
 
 void Recorder::finish_tables() {

@@ -34,7 +34,7 @@ class Recorder : public Observer {
   void on_row(const HistoryRow& row) override;
   // Serves a page with the state of the run, from its start on.
   void serve(int port, const std::filesystem::path& folder, const Simulation& simulation);
-  void follow(const std::filesystem::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
+  void follow(const std::filesystem::path& folder, const Simulation& simulation,
               const std::vector<std::vector<double>>& before);
   void finish_tables();
   bool wants_pause(bool last) override { return clock_.due() || (last && clock_.on()); }

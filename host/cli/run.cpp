@@ -190,8 +190,6 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
     SharedFolder shared{fs::absolute(folder).string(), part_token(), before.results.frame_times};
     share(*ranks, shared);
   }
-  std::vector<Monitor> monitors =
-      monitors_of(simulation.scene().text, simulation.scene().file, options.scene.overrides);
   // Removes results of an earlier run, so that those of a failed run are not mistaken for them.
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
     return resumed && is_kept(name, before.results.frame_times.size());
@@ -202,10 +200,11 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   require_room(folder, simulation, surfaces);
   Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before.results,
                     options.compressed, pieces);
-  if (!monitors.empty() && ranks)
+  const bool has_monitors = !simulation.scene().monitors.empty();
+  if (has_monitors && ranks)
     recorder.progress().message("quoin: no monitors.csv, as no rank has all blocks; run it in one process for that");
-  else if (!monitors.empty())
-    recorder.follow(folder, simulation, std::move(monitors), before.results.monitor_rows);
+  else if (has_monitors)
+    recorder.follow(folder, simulation, before.results.monitor_rows);
   say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
   if (options.serve >= 0) recorder.serve(options.serve, folder, simulation);
   run_and_keep(folder, simulation, surfaces, options, recorder, info, exit_code);

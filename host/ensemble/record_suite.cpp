@@ -162,14 +162,12 @@ RecordSuite read_record_suite(Table& study, const std::string& folder) {
   }
   Table t(study.context(), *table, "shaking");
   using Method = RecordSuite::Method;
-  std::string method = "incremental", measure = "pga";
-  t.choice("method", method, {"incremental", "stripes", "cloud"});
-  suite.method = method == "cloud" ? Method::cloud : method == "stripes" ? Method::stripes : Method::incremental;
+  suite.method = Method::incremental;
+  t.choice("method", suite.method,
+           {{"incremental", Method::incremental}, {"stripes", Method::stripes}, {"cloud", Method::cloud}});
   t.text("stage", suite.stage, "the name of the stage that shakes", true);
-  t.choice("intensity", measure, {"pga", "pgv", "sa"});
-  suite.measure = measure == "sa"    ? IntensityMeasure::sa
-                  : measure == "pgv" ? IntensityMeasure::pgv
-                                     : IntensityMeasure::pga;
+  t.choice("intensity", suite.measure,
+           {{"pga", IntensityMeasure::pga}, {"pgv", IntensityMeasure::pgv}, {"sa", IntensityMeasure::sa}});
   t.number("sa_period", suite.period, kPositive, "s", suite.measure == IntensityMeasure::sa);
   t.number("free_time", suite.free_time, kNotNegative, "s");
   t.number("collapse_displacement", suite.displacement, kPositive, "m", true);

@@ -76,7 +76,7 @@ class CollapseWatch : public Observer {
       for (const Vec3& x : block_mesh(*simulation, block).gridpoint) {
         for (std::size_t c = 0; c < 3; ++c) low[c] = std::min(low[c], x[c]), high[c] = std::max(high[c], x[c]);
       }
-      extent_.push_back({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+      extent_.push_back(high - low);
     }
   }
 

@@ -113,18 +113,18 @@ Study read_study(const std::string& file) {
   if (study.suite.any()) study.samples = 1;
   t.integer("samples", study.samples, 1, 1000000);
   t.integer("seed", study.seed, 0, 1L << 53);
-  std::string method = "monte_carlo";
-  t.choice("method", method, {"monte_carlo", "latin_hypercube", "sobol"});
-  if (method == "latin_hypercube") study.method = random::Method::latin_hypercube;
-  if (method == "sobol") study.method = random::Method::sobol;
+  using random::Method;
+  t.choice(
+      "method", study.method,
+      {{"monte_carlo", Method::monte_carlo}, {"latin_hypercube", Method::latin_hypercube}, {"sobol", Method::sobol}});
   t.number("crack_opening", study.crack_opening, kPositive, "m");
   if (const toml::table* set = t.table("set", "a table [set] of keys of the scene"))
     add_overrides(context, *set, "", study);
   read_quantities(t, study);
   read_quantity_correlation(t, study);
-  if (study.method != random::Method::monte_carlo && study.quantities.empty())
+  if (study.method != Method::monte_carlo && study.quantities.empty())
     t.refuse("method", "\"monte_carlo\" where there is no [[quantity]]: fields of joints are drawn independently");
-  if (study.method == random::Method::sobol && study.quantities.size() > random::kMostSobolDimensions)
+  if (study.method == Method::sobol && study.quantities.size() > random::kMostSobolDimensions)
     t.refuse("method", fmt::format("\"sobol\" with at most {} quantities", random::kMostSobolDimensions));
   read_limits(t, study);
   t.finish();

@@ -5,11 +5,6 @@
 namespace quoin {
 namespace {
 
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 // The corners of a hexahedron are numbered by bits x + 2 y + 4 z. Pattern 0 has the corners with an even number of bits
 // in the middle tetrahedron, pattern 1 the others. The remaining four corners are cut off, one tetrahedron each.
 // Neighbouring hexahedra have different patterns, so that the diagonals of a shared face agree.
@@ -18,17 +13,15 @@ constexpr int kOddCorner[4] = {1, 2, 4, 7};
 
 Zone make_zone(std::array<int, 4> node, const std::vector<Vec3>& position) {
   const auto at = [&](int i) { return position[static_cast<std::size_t>(node[static_cast<std::size_t>(i)])]; };
-  if (dot(cross(minus(at(1), at(0)), minus(at(2), at(0))), minus(at(3), at(0))) < 0.0) std::swap(node[2], node[3]);
+  if (dot(cross(at(1) - at(0), at(2) - at(0)), at(3) - at(0)) < 0.0) std::swap(node[2], node[3]);
   Zone zone;
   zone.node = node;
-  zone.volume = dot(cross(minus(at(1), at(0)), minus(at(2), at(0))), minus(at(3), at(0))) / 6.0;
+  zone.volume = dot(cross(at(1) - at(0), at(2) - at(0)), at(3) - at(0)) / 6.0;
   // The gradient of a shape function is the inward area vector of the opposite face over three times the volume.
   for (int i = 0; i < 4; ++i) {
     const Vec3 p = at((i + 1) % 4), q = at((i + 2) % 4), r = at((i + 3) % 4);
-    Vec3 normal = cross(minus(q, p), minus(r, p));
-    const double side = dot(normal, minus(at(i), p));  // +- 6 V
-    for (double& x : normal) x /= side;
-    zone.shape_gradient[static_cast<std::size_t>(i)] = normal;
+    const Vec3 normal = cross(q - p, r - p);
+    zone.shape_gradient[static_cast<std::size_t>(i)] = normal / dot(normal, at(i) - p);  // the product is +- 6 V
   }
   return zone;
 }

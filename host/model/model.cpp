@@ -26,8 +26,7 @@ bool same_template(const BrickTemplate& t, const Brick& brick) {
 }
 
 Vec3 offset_between(const Assembly& assembly, int first, int block) {
-  const Vec3 &from = assembly.bricks[at(first)].origin, &to = assembly.bricks[at(block)].origin;
-  return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+  return assembly.bricks[at(block)].origin - assembly.bricks[at(first)].origin;
 }
 
 // Congruent units: the same templates at the same offsets.
@@ -240,8 +239,7 @@ class ModelBuilder {
 
   std::vector<std::vector<BodyPoint>> points_of_bodies() const {
     const auto as_seen_by = [&](const RigidBody& body, const NewPoint& p, bool side_a) {
-      const Vec3 &x = p.position, &centre = body.centre;
-      return BodyPoint{2 * p.axis + (side_a ? 1 : 0), {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}};
+      return BodyPoint{2 * p.axis + (side_a ? 1 : 0), p.position - body.centre};
     };
     std::vector<std::vector<BodyPoint>> seen(m.bodies.size());
     for (const NewPoint& p : of_bodies_) {
@@ -380,7 +378,7 @@ class ModelBuilder {
         RigidBody& body = m.bodies[at(body_of(block))];
         body.point.push_back(i);
         body.slave.push_back(offset);
-        body.arm.push_back({position[0] - body.centre[0], position[1] - body.centre[1], position[2] - body.centre[2]});
+        body.arm.push_back(position - body.centre);
         body.sign.push_back(sign);
       };
       attach(sides.a, nodes_[at(found)].a, +1.0);

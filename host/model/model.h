@@ -176,9 +176,8 @@ struct Model {
     return templates[static_cast<std::size_t>(groups[static_cast<std::size_t>(where.group)].brick_template)];
   }
   Vec3 gridpoint_position(int block, int node) const {  // of a deformable block, at the start, m
-    Vec3 p = assembly.bricks[static_cast<std::size_t>(block)].origin;
-    for (std::size_t c = 0; c < 3; ++c) p[c] += template_of(block).node[static_cast<std::size_t>(node)][c];
-    return p;
+    return assembly.bricks[static_cast<std::size_t>(block)].origin +
+           template_of(block).node[static_cast<std::size_t>(node)];
   }
 
   std::vector<int> bodies_named(const std::string& name) const;  // indices into bodies

@@ -32,9 +32,7 @@ std::vector<FaceNode> face_nodes(const Brick& brick, const BrickTemplate& shape,
         const int index[3] = {i, j, k};
         if (index[axis] != layer) continue;
         const int node = shape.node_index(i, j, k);
-        Vec3 p = shape.node[at(node)];
-        for (std::size_t c = 0; c < 3; ++c) p[c] += brick.origin[c];
-        result.push_back({node, p});
+        result.push_back({node, shape.node[at(node)] + brick.origin});
       }
     }
   }

@@ -78,7 +78,7 @@ RigidMotions rigid_motions(const Model& model, const LaneVector<double>& node_ma
     RigidMotion& motion = motions.block.emplace_back();
     if (!is_laid_out(group)) continue;
     motion = motion_of(model, &group, 1, node_mass);
-    for (std::size_t c = 0; c < 3; ++c) motion.centre[c] -= group.offset[c];
+    motion.centre -= group.offset;
   }
   for (const UnitGroup& unit : model.unit_groups) {
     const BlockGroup* first = &model.groups[static_cast<std::size_t>(unit.first_group)];

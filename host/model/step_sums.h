@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "geometry/vector.h"
-#include "law/law_library.h"
+#include "model/energies.h"
 #include "model/lanes.h"
 
 namespace quoin::blocks {
@@ -21,24 +21,6 @@ struct BlockSums {
   bool deviates = false;     // whether it deviates from the motion of its last check
   Vector moved;              // displacement since the start, for a row of the history, m
   double turned = 0.0;       // rotation since the start, for such a row, rad
-};
-
-struct Energies {        // J
-  double kinetic = 0.0;  // kinetic energy of components that are free to move
-  double strain = 0.0, contact_stored = 0.0;
-  double dissipated[QUOIN_DISSIPATED_COUNT] = {};  // tension, cohesion, friction, crushing
-  double damping = 0.0;                            // energy dissipated by damping
-  double external = 0.0;  // work of weight, loads and supports on joints, independent of inertia scaling
-  // Energy lost (> 0) or gained when contact points were placed again. Also the kinetic energy of halves' added inertia
-  // that is lost when a unit comes apart.
-  double detection = 0.0;
-  double members_stored = 0.0, members_dissipated = 0.0;  // energies of host/members
-  double dissipated_total() const { return dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3]; }
-  // Energy that has appeared (> 0) or vanished without a cause since the start, J.
-  double balance_error(double at_start) const {
-    return kinetic + strain + contact_stored + members_stored + dissipated_total() + members_dissipated + damping +
-           detection - external - at_start;
-  }
 };
 
 // Energies that are booked in the next step: work of forces in the second half of a step, and losses at its end. These

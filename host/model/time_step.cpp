@@ -670,8 +670,7 @@ Inertia inertia_in_use(const Model& model, const SolverSettings& settings, Share
   }
   for (const RigidBody& body : model.bodies) {
     inertia.body_mass.push_back(settings.mass_scaling * body.mass);
-    inertia.body_inertia.push_back({settings.mass_scaling * body.inertia[0], settings.mass_scaling * body.inertia[1],
-                                    settings.mass_scaling * body.inertia[2]});
+    inertia.body_inertia.push_back(settings.mass_scaling * body.inertia);
   }
 
   if (settings.selective_time_step > 0.0) {

@@ -136,9 +136,8 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   if (!folder.empty()) {
     own_ = std::make_unique<ResultFolder>(folder_);
     file_.emplace(folder_ / "history.csv", *simulation_);
-    const Scene& of = simulation_->scene();
-    if (std::vector<Monitor> monitors = monitors_of(of.text, of.file, {}); !monitors.empty())
-      monitors_.emplace(folder_, *simulation_, std::move(monitors), std::vector<std::vector<double>>());
+    if (!simulation_->scene().monitors.empty())
+      monitors_.emplace(folder_, *simulation_, std::vector<std::vector<double>>());
     if (simulation_->scene().has_frames()) series_.emplace(folder_, *surfaces_);
     if (simulation_->scene().has_frames() && simulation_->scene().output.pieces) {
       const py::gil_scoped_acquire lock;

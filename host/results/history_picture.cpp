@@ -54,8 +54,7 @@ Panel energies(bool all) {
   };
   add("strain", [](const Energies& e) { return e.strain; });
   add("stored in joints", [](const Energies& e) { return e.contact_stored; });
-  add("dissipated",
-      [](const Energies& e) { return e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3]; });
+  add("dissipated", [](const Energies& e) { return e.dissipated_total(); });
   add("damping", [](const Energies& e) { return e.damping; });
   add("external work", [](const Energies& e) { return e.external; });
   return panel;

@@ -40,11 +40,11 @@ void name_motion(const std::string& prefix, std::vector<std::string>& columns) {
 
 }  // namespace
 
-std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std::vector<Monitor>& monitors) {
+std::vector<MonitorPlace> monitor_places(const Simulation& simulation) {
   const blocks::Assembly shapes = assembly_of(simulation);
   const std::optional<BuildingSpec>& building = simulation.scene().building;
   std::vector<MonitorPlace> places;
-  for (const Monitor& m : monitors) {
+  for (const Monitor& m : simulation.scene().monitors) {
     std::vector<int> blocks;
     for (const std::string& name : bodies_called(m.block, building.value_or(BuildingSpec{}))) {
       const std::vector<int> found = blocks::find_blocks(shapes, name, m.source.text);
@@ -57,7 +57,7 @@ std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std
       const std::vector<Vec3> corners = block_mesh(simulation, block).gridpoint;
       if (!m.point) place.gridpoint.emplace_back(block, -1);
       for (std::size_t i = 0; i < corners.size(); ++i) {
-        for (std::size_t c = 0; c < 3; ++c) middle[c] += corners[i][c];
+        middle += corners[i];
         count += 1.0;
         if (!m.point) continue;
         const double far =
@@ -67,15 +67,15 @@ std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std
         place.gridpoint = {{block, static_cast<int>(i)}};
       }
     }
-    for (std::size_t c = 0; c < 3 && !m.point; ++c) place.start[c] = middle[c] / count;
+    if (!m.point) place.start = middle / count;
     places.push_back(std::move(place));
   }
   return places;
 }
 
-MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
+MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation,
                          const std::vector<std::vector<double>>& before)
-    : folder_(folder), simulation_(simulation), monitors_(std::move(monitors)), columns_{"step", "time_s"} {
+    : folder_(folder), simulation_(simulation), monitors_(simulation.scene().monitors), columns_{"step", "time_s"} {
   find_places();
   name_motion("ground", columns_);
   for (const Monitor& m : monitors_) {
@@ -92,16 +92,14 @@ MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, s
 // Called again after promotion to large motion, whose gridpoints have another order.
 void MonitorFile::find_places() {
   found_in_ = simulation_.large_motion();
-  places_ = monitor_places(simulation_, monitors_);
+  places_ = monitor_places(simulation_);
 }
 
 MonitorFile::Motion MonitorFile::motion_of(const MonitorPlace& place) const {
   Motion mean;
   const auto add = [](const std::vector<Vec3>& of_points, int point, double share, Vec3& sum) {
     const std::size_t first = point < 0 ? 0 : at(point), end = point < 0 ? of_points.size() : first + 1;
-    for (std::size_t i = first; i < end; ++i) {
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += share * of_points[i][c] / static_cast<double>(end - first);
-    }
+    for (std::size_t i = first; i < end; ++i) sum += share * of_points[i] / static_cast<double>(end - first);
   };
   const double share = 1.0 / static_cast<double>(place.gridpoint.size());
   for (const auto& [block, point] : place.gridpoint) {
@@ -110,7 +108,7 @@ MonitorFile::Motion MonitorFile::motion_of(const MonitorPlace& place) const {
   }
   // Forces of a row belong to the positions one step ago.
   const double step = simulation_.time_step_report().time_step;
-  for (std::size_t c = 0; c < 3; ++c) mean.displacement[c] -= step * mean.velocity[c];
+  mean.displacement -= step * mean.velocity;
   return mean;
 }
 
@@ -157,8 +155,7 @@ void MonitorFile::add(const HistoryRow& row) {
     Motion motion = motion_of(places_[i]);
     moved.push_back(motion.displacement);
     append_motion(motion);
-    for (std::size_t c = 0; c < 3; ++c)
-      motion.displacement[c] -= ground.displacement[c], motion.velocity[c] -= ground.velocity[c];
+    motion.displacement -= ground.displacement, motion.velocity -= ground.velocity;
     append_motion(motion);
     const auto below = std::find_if(monitors_.begin(), monitors_.begin() + static_cast<std::ptrdiff_t>(i),
                                     [&](const Monitor& m) { return m.name == monitors_[i].below; });

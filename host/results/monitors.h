@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "scene/read_monitors.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -17,13 +16,13 @@ struct MonitorPlace {
   Vec3 start{};                                // m
 };
 
-// By monitor. Throws Error(bad_input) for a block that does not exist.
-std::vector<MonitorPlace> monitor_places(const Simulation& simulation, const std::vector<Monitor>& monitors);
+// By monitor of the scene. Throws Error(bad_input) for a block that does not exist.
+std::vector<MonitorPlace> monitor_places(const Simulation& simulation);
 
 class MonitorFile {
  public:
   // before: rows of the run that this one continues. Throws Error(bad_input) for a block that does not exist.
-  MonitorFile(const std::filesystem::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
+  MonitorFile(const std::filesystem::path& folder, const Simulation& simulation,
               const std::vector<std::vector<double>>& before);
   // Throw Error(bad_input) where the files cannot be written.
   void add(const HistoryRow& row);
@@ -41,7 +40,7 @@ class MonitorFile {
 
   std::filesystem::path folder_;
   const Simulation& simulation_;
-  std::vector<Monitor> monitors_;
+  const std::vector<Monitor>& monitors_;
   std::vector<MonitorPlace> places_;
   const void* found_in_ = nullptr;  // model in which the places were found
   std::vector<std::string> columns_;

@@ -16,9 +16,7 @@ Wall read_wall(Table& t, const BuildingSpec& b, const Scene& scene) {
   Wall w;
   w.source = {t.where()};
   t.text("name", w.name, "text, as \"B\"", true);
-  std::string axis = "x";
-  t.choice("axis", axis, {"x", "z"});
-  w.axis = axis == "x" ? 0 : 2;
+  t.choice("axis", w.axis, {{"x", 0}, {"z", 2}});
   t.numbers("start", w.start, kAny, "m (x and z of the lowest corner)", true);
   const bool counted = t.integer("half_units", w.half_units, 1, 20000, true);
   const bool measured = t.number("half_unit", w.half_unit, kPositive, "m (length)", true);

@@ -64,11 +64,10 @@ void read_cycles(Table& t, Stage& stage, const char* velocity) {
 }
 
 void read_cycled_body(Table& t, const char* key, const std::vector<std::string>* bodies, Stage& stage) {
-  std::string body, direction = "x";
+  std::string body;
   const bool known =
       bodies ? t.choice(key, body, *bodies, true) : t.text(key, body, "the name of the block that moves", true);
-  t.choice("direction", direction, {"x", "y", "z"});
-  stage.direction = direction[0] - 'x';
+  t.choice("direction", stage.direction, {{"x", 0}, {"y", 1}, {"z", 2}});
   if (!known) return;
   auto control =
       std::find_if(stage.controls.begin(), stage.controls.end(), [&](const BodyControl& c) { return c.body == body; });
@@ -78,7 +77,7 @@ void read_cycled_body(Table& t, const char* key, const std::vector<std::string>*
   }
   const auto c = static_cast<size_t>(stage.direction);
   if (control->kind[c] != DofKind::velocity || control->velocity[c] != 0.0)
-    t.refuse(key, fmt::format("a body whose velocity along {} is 0 in its own table: the cycles give it", direction));
+    t.refuse(key, fmt::format("a body whose velocity along {} is 0 in its own table: the cycles give it", "xyz"[c]));
   control->velocity[c] = stage.cycles->velocity;
   control->in_cycles = stage.direction;
   stage.monitor = body;

@@ -27,8 +27,7 @@ void read_joints(Table& t, const Scene& scene, Damage& damage) {
 void read_crack(Table& t, Damage& damage) {
   t.line("crack", damage.crack, kAny,
          "a list of 2 or more points [along the wall, up], numbers in m, no two in a row the same");
-  std::string along = "x";
-  if (t.choice("along", along, {"x", "z"}) && along == "z") damage.crack_along = 2;
+  t.choice("along", damage.crack_along, {{"x", 0}, {"z", 2}});
   t.boolean("through_units", damage.through_units);
   for (const char* key : {"along", "through_units"}) {
     if (t.has(key) && !t.has("crack")) t.refuse(key, "only with a crack; give crack, or remove it");

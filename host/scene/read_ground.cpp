@@ -268,12 +268,11 @@ void scale(Table& t, bool states_unit, GroundMotion& ground) {
 
 // Appends a triangle of acceleration over rest_time that cancels the velocity at the end of the record.
 void come_to_rest(Table& t, GroundMotion& ground) {
-  std::string after = "goes_on";
+  bool rests = false;
   double duration = 0.5;
-  t.choice("after", after, {"goes_on", "rest"});
-  if (t.number("rest_time", duration, kPositive, "s") && after != "rest")
-    t.refuse("rest_time", "only with after = \"rest\"");
-  if (after != "rest") return;
+  t.choice("after", rests, {{"goes_on", false}, {"rest", true}});
+  if (t.number("rest_time", duration, kPositive, "s") && !rests) t.refuse("rest_time", "only with after = \"rest\"");
+  if (!rests) return;
   for (GroundMotion::Component& c : ground.components) {
     TimeSeries& s = c.acceleration;
     const double end = s.time.back(), last = s.value.back(), velocity = s.integral(end);

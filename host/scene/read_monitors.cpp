@@ -38,16 +38,4 @@ std::vector<Monitor> read_monitors(Table& scene) {
   return monitors;
 }
 
-std::vector<Monitor> monitors_of(const std::string& text, const std::string& path,
-                                 const std::vector<std::string>& overrides) {
-  toml::table root = parse(text, path);
-  Context context;
-  context.file = path;
-  for (const std::string& setting : overrides) apply_override(root, setting, context);
-  Table t(context, root, "");
-  std::vector<Monitor> monitors = read_monitors(t);
-  context.throw_faults();
-  return monitors;
-}
-
 }  // namespace quoin

@@ -7,26 +7,15 @@ namespace quoin::reader {
 
 namespace {
 
-const std::vector<std::pair<std::string, random::Shape>> kShapes = {{"normal", random::Shape::normal},
-                                                                    {"lognormal", random::Shape::lognormal},
-                                                                    {"weibull", random::Shape::weibull},
-                                                                    {"uniform", random::Shape::uniform}};
-const std::vector<std::pair<std::string, ScatterLevel>> kLevels = {{"point", ScatterLevel::point},
-                                                                   {"joint", ScatterLevel::joint},
-                                                                   {"unit", ScatterLevel::unit},
-                                                                   {"course", ScatterLevel::course},
-                                                                   {"wall", ScatterLevel::wall}};
-
-template <class Value>
-bool choose(Table& t, const std::string& key, const std::vector<std::pair<std::string, Value>>& known, Value& value,
-            bool required = false) {
-  std::string word;
-  if (!t.choice(key, word, names_of(known), required)) return false;
-  for (const auto& [name, of] : known) {
-    if (name == word) value = of;
-  }
-  return true;
-}
+const Named<random::Shape> kShapes = {{"normal", random::Shape::normal},
+                                      {"lognormal", random::Shape::lognormal},
+                                      {"weibull", random::Shape::weibull},
+                                      {"uniform", random::Shape::uniform}};
+const Named<ScatterLevel> kLevels = {{"point", ScatterLevel::point},
+                                     {"joint", ScatterLevel::joint},
+                                     {"unit", ScatterLevel::unit},
+                                     {"course", ScatterLevel::course},
+                                     {"wall", ScatterLevel::wall}};
 
 const Scatter* scatter_of(const JointFamily& family, const std::string& id) {
   for (const PropertySetting& p : family.properties) {
@@ -39,7 +28,7 @@ const Scatter* scatter_of(const JointFamily& family, const std::string& id) {
 
 random::Distribution read_distribution(Table& t) {
   random::Distribution d;
-  if (!choose(t, "distribution", kShapes, d.shape, true)) {
+  if (!t.choice("distribution", d.shape, kShapes, true)) {
     for (const char* key : {"mean", "cov", "sd", "lower", "upper"}) t.accept(key);
     return d;
   }
@@ -69,14 +58,14 @@ random::Distribution read_distribution(Table& t) {
 Scatter read_scatter(Table t) {
   Scatter s;
   s.distribution = read_distribution(t);
-  choose(t, "level", kLevels, s.level);
+  t.choice("level", s.level, kLevels);
   const bool along = s.level == ScatterLevel::point || s.level == ScatterLevel::joint || s.level == ScatterLevel::unit;
   if (t.number("correlation_length", s.correlation_length, kNotNegative, "m along the wall (0: independent)") &&
       !along && s.correlation_length > 0.0)
     t.refuse("correlation_length",
              "only with level = \"point\", \"joint\" or \"unit\": a course or wall has one value");
-  std::string of = "point";
-  if (t.choice("scatter_of", of, {"point", "joint"}) && of == "joint") {
+  t.choice("scatter_of", s.of_joint_mean, {{"point", false}, {"joint", true}});
+  if (s.of_joint_mean) {
     const bool known =
         (s.distribution.shape == random::Shape::normal || s.distribution.shape == random::Shape::lognormal) &&
         !s.distribution.truncated();
@@ -84,7 +73,6 @@ Scatter read_scatter(Table t) {
       t.refuse("scatter_of", "only with level = \"point\"; of other levels a joint has one value, which is its mean");
     else if (!known)
       t.refuse("scatter_of", "\"joint\" only with a normal or lognormal distribution without lower and upper");
-    s.of_joint_mean = of == "joint";
   }
   t.finish();
   return s;

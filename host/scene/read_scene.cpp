@@ -111,9 +111,7 @@ const Quality* read_solver_table(Table solver, const Quality* quality, bool of_b
 
 void read_output(Table& o, bool of_blocks, OutputSettings* output) {
   o.integer("frames", output->frames, 0, 100000);
-  std::string of = output->all_stages ? "all" : "last";
-  o.choice("frames_of", of, {"all", "last"});
-  output->all_stages = of == "all";
+  o.choice("frames_of", output->all_stages, {{"all", true}, {"last", false}});
   o.boolean("plots", output->plots);
   o.boolean("picture", output->plots);
   o.boolean("energy", output->energy);
@@ -217,15 +215,14 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
       context.fault(error.what());
     }
   }
-  fill_in_from_tests(root, context);
-
-  const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
-  const std::string folder = path.substr(0, path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1);
   Scene scene;
   scene.file = path;
+  scene.derivation = fill_in_from_tests(root, context);
+  const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
+  const std::string folder = path.substr(0, path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1);
   Table t(context, root, "");
   t.text("title", scene.title, "text");
-  read_monitors(t);
+  scene.monitors = read_monitors(t);
   read_settings(t, of_blocks, &scene);
   read_materials_and_joints(t, &scene);
   read_masonry(t, of_blocks, folder, &scene);

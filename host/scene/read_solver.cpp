@@ -1,7 +1,6 @@
 // The solver tables of the scene and of its stages.
 #include <algorithm>
 #include <initializer_list>
-#include <map>
 #include <string_view>
 
 #include "scene/reader.h"
@@ -11,25 +10,18 @@ namespace quoin::reader {
 namespace {
 
 void read_large_motion(Table& t, SolverSettings* s) {
-  const std::map<std::string, LargeMotion> kinds = {
-      {"automatic", LargeMotion::automatic}, {"never", LargeMotion::never}, {"always", LargeMotion::always}};
-  std::string chosen;
-  t.choice("large_motion", chosen, {"automatic", "never", "always"});
-  if (kinds.contains(chosen)) s->large_motion = kinds.at(chosen);
+  t.choice("large_motion", s->large_motion,
+           {{"automatic", LargeMotion::automatic}, {"never", LargeMotion::never}, {"always", LargeMotion::always}});
   t.number("rotation_bound", s->motion_bound.rotation, kPositive, "rad");
   t.number("sliding_bound", s->motion_bound.sliding, kPositive, "of the length of a joint");
-  std::string past = "stop";
-  if (t.choice("past_motion_bound", past, {"stop", "warn"}) && s->large_motion != LargeMotion::never)
+  bool& stop = s->motion_bound.stop;
+  if (t.choice("past_motion_bound", stop, {{"stop", true}, {"warn", false}}) && s->large_motion != LargeMotion::never)
     t.refuse("past_motion_bound", "only with large_motion = \"never\"; remove it, or change large_motion");
-  s->motion_bound.stop = past == "stop";
 }
 
 void read_kernels(Table& t, SolverSettings* s) {
-  const std::map<std::string, Kernels> kinds = {
-      {"automatic", Kernels::automatic}, {"lattice", Kernels::lattice}, {"general", Kernels::general}};
-  std::string chosen;
-  t.choice("kernels", chosen, {"automatic", "lattice", "general"});
-  if (kinds.contains(chosen)) s->kernels = kinds.at(chosen);
+  t.choice("kernels", s->kernels,
+           {{"automatic", Kernels::automatic}, {"lattice", Kernels::lattice}, {"general", Kernels::general}});
   if (s->kernels == Kernels::lattice && s->large_motion == LargeMotion::always)
     t.refuse("kernels", "\"automatic\" or \"general\" with large_motion = \"always\", which the lattice does not have");
 }
@@ -73,21 +65,17 @@ SolverSettings read_solver(Table t, const Quality* quality) {
   read_inertia(t, s);
   read_large_motion(t, &s);
   read_kernels(t, &s);
-  std::string critical = "assembled";
-  t.choice("critical_time_step", critical, {"assembled", "nodal"});
-  if (critical == "nodal") {
-    s.critical_time_step = CriticalTimeStep::nodal;
-    if (s.selective_time_step > 0.0 || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0)
-      t.refuse("critical_time_step",
-               "\"assembled\" where inertia is raised, of which eq. 3 knows nothing; for \"nodal\" take damping = "
-               "\"local\", or deformation_inertia = 1 and unit_inertia = 1, and no selective_time_step");
-  }
-  const std::map<std::string, InternalForces> ways = {{"automatic", InternalForces::automatic},
-                                                      {"assembled", InternalForces::assembled},
-                                                      {"zones", InternalForces::zones}};
-  std::string way = "automatic";
-  t.choice("internal_forces", way, {"automatic", "assembled", "zones"});
-  if (ways.contains(way)) s.internal_forces = ways.at(way);
+  t.choice("critical_time_step", s.critical_time_step,
+           {{"assembled", CriticalTimeStep::assembled}, {"nodal", CriticalTimeStep::nodal}});
+  if (s.critical_time_step == CriticalTimeStep::nodal &&
+      (s.selective_time_step > 0.0 || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
+    t.refuse("critical_time_step",
+             "\"assembled\" where inertia is raised, of which eq. 3 knows nothing; for \"nodal\" take damping = "
+             "\"local\", or deformation_inertia = 1 and unit_inertia = 1, and no selective_time_step");
+  t.choice("internal_forces", s.internal_forces,
+           {{"automatic", InternalForces::automatic},
+            {"assembled", InternalForces::assembled},
+            {"zones", InternalForces::zones}});
   t.boolean("skip_resting_bodies", s.skip_resting_bodies);
   t.finish();
   return s;

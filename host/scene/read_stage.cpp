@@ -30,9 +30,7 @@ void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies
     t.choice("monitor", stage.monitor, *bodies);
   else
     t.text("monitor", stage.monitor, "the name of a block");
-  std::string direction = "x";
-  t.choice("direction", direction, {"x", "y", "z"});
-  stage.direction = direction[0] - 'x';
+  t.choice("direction", stage.direction, {{"x", 0}, {"y", 1}, {"z", 2}});
 }
 
 void read_law_swaps(Table& t, const Scene& scene, Stage& stage) {

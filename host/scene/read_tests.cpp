@@ -1,7 +1,5 @@
 #include "scene/read_tests.h"
 
-#include <map>
-
 namespace quoin {
 
 using namespace reader;
@@ -11,16 +9,17 @@ namespace {
 constexpr const char* kKey = "properties";
 constexpr const char* kWord = "from_tests";
 
-const std::map<std::string, UnitKind> kUnits{
-    {"clay", UnitKind::clay},         {"hollow_clay", UnitKind::hollow_clay},
-    {"concrete", UnitKind::concrete}, {"calcium_silicate", UnitKind::calcium_silicate},
-    {"stone", UnitKind::stone},       {"aerated_concrete", UnitKind::aerated_concrete}};
-const std::map<std::string, JointKind> kBeds{
-    {"mortar", JointKind::mortar}, {"thin", JointKind::thin}, {"dry", JointKind::dry}};
-const std::map<std::string, JointKind> kHeads{{"mortar", JointKind::mortar},
-                                              {"thin", JointKind::thin},
-                                              {"dry", JointKind::dry},
-                                              {"unfilled", JointKind::unfilled}};
+const Named<UnitKind> kUnits{{"aerated_concrete", UnitKind::aerated_concrete},
+                             {"calcium_silicate", UnitKind::calcium_silicate},
+                             {"clay", UnitKind::clay},
+                             {"concrete", UnitKind::concrete},
+                             {"hollow_clay", UnitKind::hollow_clay},
+                             {"stone", UnitKind::stone}};
+const Named<JointKind> kBeds{{"dry", JointKind::dry}, {"mortar", JointKind::mortar}, {"thin", JointKind::thin}};
+const Named<JointKind> kHeads{{"dry", JointKind::dry},
+                              {"mortar", JointKind::mortar},
+                              {"thin", JointKind::thin},
+                              {"unfilled", JointKind::unfilled}};
 
 // Whether the table requests properties from tests. Removes that key.
 bool asks(toml::table& table, const std::string& path, Context& context) {
@@ -51,13 +50,10 @@ double first_pressure(const toml::table& root) {
 
 TestedMasonry read_tests(Table t, double block_height, double axial_stress) {
   TestedMasonry tested;
-  std::string unit = "clay", bed = "mortar", head;
-  t.choice("unit", unit, names_of(kUnits));
-  t.choice("bed_joints", bed, names_of(kBeds));
-  t.choice("head_joints", head, names_of(kHeads));
-  if (kUnits.contains(unit)) tested.unit = kUnits.at(unit);
-  if (kBeds.contains(bed)) tested.bed = tested.head = kBeds.at(bed);
-  if (kHeads.contains(head)) tested.head = kHeads.at(head);
+  t.choice("unit", tested.unit, kUnits);
+  t.choice("bed_joints", tested.bed, kBeds);
+  tested.head = tested.bed;
+  t.choice("head_joints", tested.head, kHeads);
   tested.block_height = block_height, tested.axial_stress = axial_stress;
   t.number("block_height", tested.block_height, kPositive, "m");
   t.number("axial_stress", tested.axial_stress, kNotNegative, "Pa");
@@ -147,15 +143,6 @@ std::vector<Derivation> fill_in_from_tests(toml::table& root, Context& context) 
   });
   root.erase("tests");
   return numbers.derivation;
-}
-
-std::vector<Derivation> derivation_of(const std::string& text, const std::string& path,
-                                      const std::vector<std::string>& overrides) {
-  toml::table root = parse(text, path);
-  Context context;
-  context.file = path;
-  for (const std::string& setting : overrides) apply_override(root, setting, context);
-  return fill_in_from_tests(root, context);
 }
 
 }  // namespace quoin

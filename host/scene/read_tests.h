@@ -19,8 +19,4 @@ std::vector<std::pair<const char*, double>> joint_properties(const MasonryNumber
 // numbers follow from the tests; empty without [tests].
 std::vector<Derivation> fill_in_from_tests(toml::table& root, reader::Context& context);
 
-// Derivation of the numbers of a scene's text, to be shown. Throws Error(bad_input).
-std::vector<Derivation> derivation_of(const std::string& text, const std::string& path,
-                                      const std::vector<std::string>& overrides);
-
 }  // namespace quoin

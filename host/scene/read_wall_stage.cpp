@@ -161,17 +161,17 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
     add_beam_controls(stage, bodies, pressure * area, true, 0.0);
   } else if (kind == "shear") {
     double velocity = quality.velocity;
-    std::string vertical = "held";
+    bool pressed = false;
     const bool velocity_known = !t.has("velocity") || t.number("velocity", velocity, kAny, "m/s");
     scene.quality_as_is = scene.quality_as_is && velocity == quality.velocity;
     t.number("displacement", stage.displacement, kPositive, "m");
-    t.choice("vertical", vertical, {"held", "pressure"});
+    t.choice("vertical", pressed, {{"held", false}, {"pressure", true}});
     if (!t.has("ramp_time")) stage.ramp_time = 0.05;
     if (!t.has("displacement") && !t.has("duration") && !t.has("equilibrium_ratio"))
       t.find("displacement", "a number, more than 0 m (or give duration)", true);
     if (velocity_known && velocity == 0.0 && stage.displacement)
       t.refuse("velocity", "not 0: the stage would never reach its displacement");
-    add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", velocity);
+    add_beam_controls(stage, bodies, pressure * area, pressed, velocity);
   } else if (kind == "weight") {
     read_weight(t, stage, *scene.building);
   } else if (kind == "rest") {
@@ -192,9 +192,9 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
   } else if (kind == "cycles") {
     if (!top) t.refuse("kind", "cycles move the top beam, which the wall does not have: wall.top_beam = true, or body");
     read_cycles(t, stage);
-    std::string vertical = "held";
-    t.choice("vertical", vertical, {"held", "pressure"});
-    add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", stage.cycles->velocity);
+    bool pressed = false;
+    t.choice("vertical", pressed, {{"held", false}, {"pressure", true}});
+    add_beam_controls(stage, bodies, pressure * area, pressed, stage.cycles->velocity);
     if (top) stage.controls.back().in_cycles = 0;
   } else if (kind_known) {
     read_custom(t, stage, scene, bodies, pressure * area, folder);

@@ -13,6 +13,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,10 @@ std::vector<std::string> names_of(const Listed& listed) {
   for (const auto& [name, value] : listed) names.push_back(name);
   return names;
 }
+
+// Values by their names in scenes.
+template <class Value>
+using Named = std::vector<std::pair<std::string, Value>>;
 
 // Allowed values of a number, with their text in messages.
 struct Range {
@@ -194,6 +199,18 @@ class Table {
     if (std::find(choices.begin(), choices.end(), word) == choices.end())
       return refuse(key, "one of " + join(choices) + did_you_mean(word, choices)), false;
     value = word;
+    return true;
+  }
+
+  // Reads one of the names, and gives its value.
+  template <class Value>
+  bool choice(const std::string& key, Value& value, const Named<std::type_identity_t<Value>>& named,
+              bool required = false) {
+    std::string word;
+    if (!choice(key, word, names_of(named), required)) return false;
+    for (const auto& [name, of_name] : named) {
+      if (name == word) value = of_name;
+    }
     return true;
   }
 

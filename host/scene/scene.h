@@ -14,6 +14,7 @@
 
 #include "base/time_series.h"
 #include "base/vec3.h"
+#include "properties/from_tests.h"
 #include "random/distribution.h"
 #include "scene/cyclic_motion.h"
 #include "scene/damping.h"
@@ -444,6 +445,15 @@ struct AddedMass {
   Source source;
 };
 
+// A monitor of a run, [[monitor]] of a scene, in addition to those of its stages.
+struct Monitor {
+  std::string name;           // name of its columns
+  std::string block;          // name of a block, of a body, or of a floor
+  std::optional<Vec3> point;  // m; nearest corner or gridpoint at the start; none: mean of all
+  std::string below;          // monitor against which its drift is measured; empty: none
+  Source source;
+};
+
 struct MemberSpecs;  // members.h
 
 struct Scene {
@@ -477,6 +487,8 @@ struct Scene {
   std::vector<Stage> stages;
   bool had_actions = false;  // whether stages of the file have actions on blocks that at_rest() has left out
   OutputSettings output;
+  std::vector<Monitor> monitors;       // they serve results alone
+  std::vector<Derivation> derivation;  // how properties follow from tests, to be shown; empty: no [tests]
 
   // Settings of a stage; for an index past the last stage, those of the last one.
   const SolverSettings& solver_in(std::size_t stage) const {

@@ -36,45 +36,33 @@ void numbers_of(Simulation::Impl& s, std::int64_t key, std::vector<double*>& num
 // Visits motion that all ranks receive in every step, of the monitor and of floors: visit(item, addresses of its
 // numbers).
 void each_watched(Simulation::Impl& s, const std::function<void(int, const std::vector<double*>&)>& visit) {
-  const auto of_large_motion = [&](const std::vector<int>& blocks) {
-    for (const int block : blocks) {
-      std::vector<double*> numbers;
+  const auto of_block = [&](int block) {
+    std::vector<double*> numbers;
+    if (s.large_motion) {
       s.large_motion->motion_of(block, numbers);
-      visit(s.division.item_by_block[at(block)], numbers);
+      return visit(s.division.item_by_block[at(block)], numbers);
     }
-  };
-  const auto of_bodies = [&](const std::vector<int>& bodies) {
-    for (const int body : bodies) {
+    if (const int body = s.model.place[at(block)].body; body >= 0) {
       const auto [place, lane] = s.lattice.place[at(body)];
       BodyLanes& lanes = s.lattice.bodies[at(place)];
-      std::vector<double*> numbers;
       for (auto* quantity : {&lanes.displacement, &lanes.velocity}) {
         for (auto& component : *quantity) numbers.push_back(&component[lane]);
       }
-      visit(static_cast<int>(s.model.unit_groups.size()) + place, numbers);
+    } else {
+      s.model.for_each_gridpoint(block, [&](std::size_t offset, double) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          const std::size_t k = offset + c * kLanes;
+          numbers.push_back(&s.lattice.displacement[k]), numbers.push_back(&s.lattice.velocity[k]);
+        }
+      });
     }
-  };
-  const auto of_loaded = [&](int i) {
-    const int block = s.controls.loaded_blocks[at(i)].block;
-    std::vector<double*> numbers;
-    s.model.for_each_gridpoint(block, [&](std::size_t offset, double) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::size_t k = offset + c * kLanes;
-        numbers.push_back(&s.lattice.displacement[k]), numbers.push_back(&s.lattice.velocity[k]);
-      }
-    });
     visit(item_of_block(s, block), numbers);
   };
-  const auto of_watched = [&](const WatchedBlocks& blocks) {
-    if (s.large_motion) of_large_motion(blocks.large_motion);
-    of_bodies(blocks.bodies);
-    for (const int i : blocks.loaded) of_loaded(i);
-  };
-  of_watched(s.monitor.blocks);
+  std::ranges::for_each(s.monitor.blocks, of_block);
   // Motion of the ground, relative to which ranks measure displacements of their blocks.
   const int ground = s.large_motion ? -1 : ground_block(s);
-  if (ground >= 0 && s.model.place[at(ground)].body >= 0) of_bodies({s.model.place[at(ground)].body});
-  for (const WatchedBlocks& floor : s.controls.floors) of_watched(floor);
+  if (ground >= 0 && s.model.place[at(ground)].body >= 0) of_block(ground);
+  for (const std::vector<int>& floor : s.controls.floors) std::ranges::for_each(floor, of_block);
 }
 
 // Keys of sides by rank: those that are sent to it, and those that are received from it.

@@ -83,14 +83,9 @@ std::vector<ResultRun> runs_of_blocks(const Simulation::Impl& s) {
 
 std::vector<ResultRun> runs_of_points(const Simulation::Impl& s) {
   std::vector<ResultRun> runs;
-  std::int32_t end = 0;
-  for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c) {
-    end += static_cast<std::int32_t>(s.large_motion->chunks.all[at(c)].count);  // family after family
-    extend(runs, end, rank_in(s.division.share.rank_of_chunk, at(c)), kPoints);
-  }
-  for (std::size_t c = 0; !s.large_motion && c < s.model.chunks.size(); ++c)
-    extend(runs, s.model.chunks[c].first_point + s.model.chunks[c].point_count,
-           rank_in(s.division.share.rank_of_chunk, c), kPoints);
+  const int chunks = s.large_motion ? s.large_motion->chunk_count() : static_cast<int>(s.model.chunks.size());
+  for (int c = 0; c < chunks; ++c)
+    extend(runs, points_of_chunk(s, c).end, rank_in(s.division.share.rank_of_chunk, at(c)), kPoints);
   return runs;
 }
 

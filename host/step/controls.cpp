@@ -118,9 +118,9 @@ double velocity_in_cycles(const Simulation::Impl& s, double initial_velocity) {
 
 // Also finds deformable blocks, in stages with ground motion.
 void find_monitor(Simulation::Impl& s, const Stage& settings) {
-  WatchedBlocks found;
-  add_named(s, settings.monitor, found);
-  if (!settings.ground || !found.bodies.empty()) found.loaded.clear();
+  std::vector<int> found = blocks_on_lattice(s, settings.monitor);
+  const auto is_deformable = [&s](int block) { return s.model.place[at(block)].body < 0; };
+  if (!settings.ground || !std::ranges::all_of(found, is_deformable)) std::erase_if(found, is_deformable);
   if (!settings.monitor.empty() && found.empty()) {
     throw Error(Exit::bad_input,
                 fmt::format("{}: stage '{}' monitors the body '{}', but the assembly has no rigid block of that "
@@ -133,12 +133,12 @@ void find_monitor(Simulation::Impl& s, const Stage& settings) {
   }
   s.monitor.blocks = std::move(found);
   s.monitor.points.clear();
-  std::vector<char> watched(s.monitor.blocks.loaded.empty() ? 0 : s.model.assembly.bricks.size(), 0);
-  for (const int i : s.monitor.blocks.loaded)
-    watched[static_cast<std::size_t>(s.controls.loaded_blocks[static_cast<std::size_t>(i)].block)] = 1;
-  for (std::int32_t p = 0; !watched.empty() && p < s.model.point_count; ++p) {
+  if (!std::ranges::any_of(s.monitor.blocks, is_deformable)) return;
+  std::vector<char> watched(s.model.assembly.bricks.size(), 0);
+  for (const int block : s.monitor.blocks) watched[at(block)] = 1;
+  for (std::int32_t p = 0; p < s.model.point_count; ++p) {
     const Model::Sides sides = s.model.sides_of(p);
-    const bool a = watched[static_cast<std::size_t>(sides.a)] != 0, b = watched[static_cast<std::size_t>(sides.b)] != 0;
+    const bool a = watched[at(sides.a)] != 0, b = watched[at(sides.b)] != 0;
     if (a != b) s.monitor.points.push_back({p, a ? 1.0 : -1.0});
   }
 }

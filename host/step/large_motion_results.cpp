@@ -12,6 +12,7 @@
 #include "step/points_at_rest.h"
 #include "step/results.h"
 #include "step/state.h"
+#include "step/work_division.h"
 
 namespace quoin {
 
@@ -34,21 +35,16 @@ struct FamilyPart {
 };
 
 // Parts of a range, chunk by chunk.
-std::vector<FamilyPart> parts_of(const blocks::Model& large_motion, std::span<const int> chunks,
-                                 const PointRange& range) {
-  std::vector<std::size_t> before;
-  std::size_t points = 0;
-  for (const blocks::Family& f : large_motion.contacts.families) before.push_back(points), points += f.size();
+std::vector<FamilyPart> parts_of(const Simulation::Impl& s, std::span<const int> chunks, const PointRange& range) {
   std::vector<FamilyPart> parts;
-  const auto from = at(range.first), to = at(range.end);
   for (const int c : chunks) {
-    const blocks::Chunk& chunk = large_motion.chunks.all[at(c)];
-    const std::size_t of_families = before[at(chunk.family)];
-    const std::size_t first = std::max(from, of_families + chunk.first);
-    const std::size_t end = std::min(to, of_families + chunk.first + chunk.count);
+    const blocks::Chunk& chunk = s.large_motion->chunks.all[at(c)];
+    const PointRange of_chunk = points_of_chunk(s, c);
+    const std::size_t before = at(of_chunk.first) - chunk.first;
+    const int first = std::max(range.first, of_chunk.first), end = std::min(range.end, of_chunk.end);
     if (first < end)
-      parts.push_back({large_motion.contacts.families[at(chunk.family)], chunk.family, first - of_families,
-                       end - of_families, of_families});
+      parts.push_back({s.large_motion->contacts.families[at(chunk.family)], chunk.family, at(first) - before,
+                       at(end) - before, before});
   }
   return parts;
 }
@@ -57,7 +53,7 @@ std::vector<FamilyPart> parts_of(const blocks::Model& large_motion, std::span<co
 
 void evaluate_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
                                    const PointOutputs& outputs) {
-  for (const auto& [f, index, first, end, before] : parts_of(*s.large_motion, chunks_in_large_motion(s), range)) {
+  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_in_large_motion(s), range)) {
     if (!(f.material->api().capabilities & capability)) continue;
     RestingPoints points{
         end - first, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
@@ -131,8 +127,7 @@ std::vector<std::array<double, 6>> zone_stresses(const Simulation::Impl& s, int 
 }
 
 void each_point_in_large_motion(const Simulation::Impl& s, const std::function<void(std::int32_t, int)>& visit) {
-  for (const auto& [f, index, first, end, before] :
-       parts_of(*s.large_motion, chunks_in_large_motion(s), whole_range(s))) {
+  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_in_large_motion(s), whole_range(s))) {
     for (std::size_t i = first; i < end; ++i) visit(static_cast<std::int32_t>(before + i), f.point[i].a);
   }
 }
@@ -141,7 +136,7 @@ std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, cons
                                                  const std::function<bool(int block)>& wanted) {
   const std::vector<std::uint32_t> flags_there = current_flags(s, range);
   std::vector<ContactPoint> points;
-  for (const auto& [f, index, first, end, before] : parts_of(*s.large_motion, chunks_in_large_motion(s), range)) {
+  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_in_large_motion(s), range)) {
     for (std::size_t i = first; i < end; ++i) {
       const blocks::Point& p = f.point[i];
       if (!wanted(p.a)) continue;
@@ -170,7 +165,7 @@ std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, cons
 std::vector<double> state_in_large_motion(const Simulation::Impl& s, const std::string& id, const PointRange& range) {
   std::vector<double> values;
   for (const auto& [f, index, first, end, before] :
-       parts_of(*s.large_motion, whole_share(s.large_motion->chunk_count(), 0).chunks, range)) {
+       parts_of(s, whole_share(s.large_motion->chunk_count(), 0).chunks, range)) {
     const int k = f.material->law().state_index(id);
     const std::size_t count = end - first;
     if (k < 0) {

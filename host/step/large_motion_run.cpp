@@ -104,7 +104,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
 }
 
 std::vector<int> followed_blocks(const Simulation::Impl& s) {
-  std::vector<int> followed = s.monitor.blocks.large_motion;
+  std::vector<int> followed = s.monitor.blocks;
   bool on_ground = false;  // whether a block that moves with the ground is included: one stands for all
   for (const Drive& drive : s.actions.drives) {
     if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
@@ -112,8 +112,7 @@ std::vector<int> followed_blocks(const Simulation::Impl& s) {
   }
   for (const blocks::Load& given : s.large_motion->actions.loads) followed.push_back(given.block);
   for (const blocks::Pressure& given : s.large_motion->actions.pressures) followed.push_back(given.block);
-  for (const WatchedBlocks& floor : s.controls.floors)
-    followed.insert(followed.end(), floor.large_motion.begin(), floor.large_motion.end());
+  for (const std::vector<int>& floor : s.controls.floors) followed.insert(followed.end(), floor.begin(), floor.end());
   return followed;
 }
 
@@ -146,9 +145,8 @@ std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name
 
 void watch_blocks(Simulation::Impl& s, const Stage& settings) {
   const std::string& watched = watched_block(s, settings);
-  s.monitor.blocks = {};
-  if (!watched.empty()) s.monitor.blocks.large_motion = blocks_named(s, watched, settings.source.text);
-  s.monitor.stands_below = stands_below(s, s.monitor.blocks.large_motion);
+  s.monitor.blocks = watched.empty() ? std::vector<int>{} : blocks_named(s, watched, settings.source.text);
+  s.monitor.stands_below = stands_below(s, s.monitor.blocks);
 }
 
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
@@ -207,7 +205,7 @@ void follow_time_step(Simulation::Impl& s) {
 void measure_large_motion_step(Simulation::Impl& s) {
   if (s.parts.divided) gather(s, Part::row);
   s.progress.unbalanced_ratio = unbalanced_ratio(*s.large_motion);
-  const blocks::Energies& e = s.large_motion->step_sums.energies;
+  const Energies& e = s.large_motion->step_sums.energies;
   s.energy.kinetic = s.large_motion->measured_kinetic;
   if (s.energy.sampled) {
     Energies now;
@@ -219,16 +217,10 @@ void measure_large_motion_step(Simulation::Impl& s) {
   if (!s.energy.wanted) return;
   // Includes the work on the lattice before a promotion.
   const double jump = s.outcome.promotion ? s.outcome.promotion->energy_jump : 0.0;
-  s.energy.now = Energies{e.kinetic,
-                          e.strain,
-                          e.contact_stored,
-                          s.energy.dissipated,
-                          s.energy.external + e.external,
-                          s.energy.damping + e.damping,
-                          s.energy.lost_inertia + e.detection - jump,
-                          e.members_stored,
-                          e.members_dissipated};
-  for (std::size_t k = 0; k < 4; ++k) s.energy.now->dissipated[k] += e.dissipated[k];
+  Energies& now = s.energy.now.emplace(e);
+  for (std::size_t k = 0; k < now.dissipated.size(); ++k) now.dissipated[k] += s.energy.dissipated[k];
+  now.external += s.energy.external, now.damping += s.energy.damping;
+  now.detection = s.energy.lost_inertia + e.detection - jump;
 }
 
 Vec3 block_translation(const Simulation::Impl& s, int block) {
@@ -237,20 +229,15 @@ Vec3 block_translation(const Simulation::Impl& s, int block) {
 
 Vec3 block_translation(const Simulation::Impl& s, const std::vector<int>& blocks) {
   Vec3 mean{};
-  for (const int block : blocks) {
-    const Vec3 moved = block_translation(s, block);
-    for (std::size_t c = 0; c < 3; ++c) mean[c] += moved[c] / static_cast<double>(blocks.size());
-  }
+  for (const int block : blocks) mean += block_translation(s, block) / static_cast<double>(blocks.size());
   return mean;
 }
 
 Vec3 block_translation_at_forces(const Simulation::Impl& s, const std::vector<int>& blocks) {
   Vec3 mean = block_translation(s, blocks);
-  for (const int block : blocks) {
-    const Vector v = velocity_of(*s.large_motion, block);
-    for (std::size_t c = 0; c < 3; ++c)
-      mean[c] -= s.data.time_step * v[static_cast<int>(c)] / static_cast<double>(blocks.size());
-  }
+  for (const int block : blocks)
+    mean -=
+        geometry::array(s.data.time_step * velocity_of(*s.large_motion, block)) / static_cast<double>(blocks.size());
   return mean;
 }
 

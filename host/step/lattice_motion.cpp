@@ -9,10 +9,8 @@
 namespace quoin {
 
 Vec3 body_displacement_at_forces(const Simulation::Impl& s, int body) {
-  Vec3 moved = s.lattice.of_body(body, &BodyLanes::displacement);
-  const Vec3 v = s.lattice.of_body(body, &BodyLanes::velocity);
-  for (std::size_t c = 0; c < 3; ++c) moved[c] -= s.data.time_step * v[c];
-  return moved;
+  return s.lattice.of_body(body, &BodyLanes::displacement) -
+         s.data.time_step * s.lattice.of_body(body, &BodyLanes::velocity);
 }
 
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index) {
@@ -60,8 +58,7 @@ std::pair<Vec3, Vec3> motion_of_sides(const Simulation::Impl& s, std::int32_t po
       u = of_body_at(s, body, &BodyLanes::displacement, &BodyLanes::rotation, s.model.point_position[p]);
       v = of_body_at(s, body, &BodyLanes::velocity, &BodyLanes::spin, s.model.point_position[p]);
     }
-    for (std::size_t c = 0; c < 3; ++c) u[c] = of_displacement * u[c] + of_velocity * v[c];
-    return u;
+    return of_displacement * u + of_velocity * v;
   };
   const Model::Sides sides = s.model.sides_of(point);
   return {motion_of(sides.a, s.model.node_a[p]), motion_of(sides.b, s.model.node_b[p])};
@@ -87,11 +84,7 @@ JointWrench sum_joint_wrench(const Simulation::Impl& s, int body) {
     Vec3 of_point{};
     const Vec3 all = point_traction(s, p);
     for (std::size_t c = 0; c < 3; ++c) of_point[(n + c) % 3] = b.sign[i] * (s.model.area[p] * all[c]);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
-      sum.force[c] += of_point[c];
-      sum.moment[c] += b.arm[i][next] * of_point[last] - b.arm[i][last] * of_point[next];
-    }
+    sum.force += of_point, sum.moment += cross(b.arm[i], of_point);
   }
   sum.displacement = body_displacement_at_forces(s, body);
   return sum;
@@ -108,9 +101,8 @@ WholeMotion whole_motion_of(const Simulation::Impl& s, std::size_t brick) {
   const int ground = s.controls.ground_body();
   // Prescribed velocities are equal on all ranks.
   const Vec3 of_ground = ground >= 0 ? s.lattice.of_body(ground, &BodyLanes::prescribed_velocity) : Vec3{};
-  const auto speed = [&](Vec3 linear, const Vec3& spin) {
-    for (std::size_t c = 0; c < 3; ++c) linear[c] -= of_ground[c];
-    return norm_of(linear) + radius * norm_of(spin);
+  const auto speed = [&](const Vec3& linear, const Vec3& spin) {
+    return norm_of(linear - of_ground) + radius * norm_of(spin);
   };
   if (where.body >= 0)
     return {

@@ -30,7 +30,7 @@ namespace {
 // forces.
 void show_response(const Simulation::Impl& s, std::size_t direction, HistoryRow& row) {
   row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, shown_blocks(s));
-  for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
+  row.monitor_relative -= row.ground_displacement;
   row.joint_force = force_on_whole(s, row.joint_force);
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = s.controls.floors.empty() ? -row.joint_force[direction] : row.joint_force[direction];
@@ -44,10 +44,8 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.dynamic_force = whole * s.large_motion->step_sums.net[static_cast<int>(direction)];
   measure_base(s, row);
   if (s.monitor.blocks.empty()) return;
-  for (const int block : s.monitor.blocks.large_motion) {
-    const Vec3 joints = geometry::array(s.large_motion->step_sums.contact_force[block]);
-    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
-  }
+  for (const int block : s.monitor.blocks)
+    row.joint_force += geometry::array(s.large_motion->step_sums.contact_force[block]);
   show_response(s, direction, row);
   row.vertical_force = s.monitor.stands_below ? -row.joint_force[1] : row.joint_force[1];  // compression positive
 }
@@ -55,25 +53,24 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
 // Numbers of the monitor on the lattice.
 void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
   MonitorSide side;
-  for (const int b : s.monitor.blocks.bodies) {
-    const Vec3 joints = joint_wrench(s, b).force;
-    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
-    const RigidBody& body = s.model.bodies[static_cast<std::size_t>(b)];
-    const Brick& brick = s.model.assembly.bricks[static_cast<std::size_t>(body.block)];
+  bool deformable = false;
+  for (const int block : s.monitor.blocks) {
+    const Brick& brick = s.model.assembly.bricks[at(block)];
+    const int b = s.model.place[at(block)].body;
+    if (b < 0) {
+      deformable = true;
+      for (const StageMonitor::Point& of_joint : s.monitor.points)
+        side.add(s.model.point_position[at(of_joint.point)][1] - brick.origin[1] - 0.5 * brick.size[1]);
+      continue;
+    }
+    row.joint_force += joint_wrench(s, b).force;
+    const RigidBody& body = s.model.bodies[at(b)];
     const double middle = brick.origin[1] + 0.5 * brick.size[1];
     for (const Vec3& arm : body.arm) side.add(body.centre[1] + arm[1] - middle);
   }
   const auto direction = static_cast<std::size_t>(current_stage(s).direction);
-  for (const int i : s.monitor.blocks.loaded) {
-    const Brick& brick =
-        s.model.assembly.bricks[static_cast<std::size_t>(s.controls.loaded_blocks[static_cast<std::size_t>(i)].block)];
-    for (const StageMonitor::Point& at : s.monitor.points)
-      side.add(s.model.point_position[static_cast<std::size_t>(at.point)][1] - brick.origin[1] - 0.5 * brick.size[1]);
-  }
-  for (std::size_t chunk = 0; chunk < s.contacts.calls.size() && !s.monitor.blocks.loaded.empty(); ++chunk) {
-    const Vec3 joints = has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.sums[chunk].on_monitor;
-    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += joints[c];
-  }
+  for (std::size_t chunk = 0; deformable && chunk < s.contacts.calls.size(); ++chunk)
+    row.joint_force += has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.sums[chunk].on_monitor;
   show_response(s, direction, row);
   row.vertical_force = side.joints_are_above() ? -row.joint_force[1] : row.joint_force[1];  // compression positive
 }

@@ -20,12 +20,7 @@ std::string describe(const Assembly& assembly, int block) {
 
 }  // namespace
 
-Vec3 at_arm(const WholeMotion& m, const Vec3& arm) {
-  Vec3 u = m.translation;
-  for (std::size_t c = 0; c < 3; ++c)
-    u[c] += m.rotation[kNext[c]] * arm[kLast[c]] - m.rotation[kLast[c]] * arm[kNext[c]];
-  return u;
-}
+Vec3 at_arm(const WholeMotion& m, const Vec3& arm) { return m.translation + cross(m.rotation, arm); }
 
 double diagonal_of(const std::vector<Brick>& bricks) {
   double squares = 0.0;
@@ -37,11 +32,7 @@ double diagonal_of(const std::vector<Brick>& bricks) {
   return std::sqrt(squares);
 }
 
-Vec3 centre_of(const Brick& brick) {
-  Vec3 centre;
-  for (std::size_t c = 0; c < 3; ++c) centre[c] = brick.origin[c] + 0.5 * brick.size[c];
-  return centre;
-}
+Vec3 centre_of(const Brick& brick) { return brick.origin + 0.5 * brick.size; }
 
 WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
   WholeMotion m;
@@ -52,8 +43,8 @@ WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
       for (std::size_t i = 0; i < 8; ++i) difference += (i >> k & 1 ? 0.25 : -0.25) * corner[i][c];
       gradient[c][k] = difference / size[k];
     }
-    for (const Vec3& u : corner) m.translation[c] += 0.125 * u[c];
   }
+  for (const Vec3& u : corner) m.translation += 0.125 * u;
   for (std::size_t c = 0; c < 3; ++c)
     m.rotation[c] = 0.5 * (gradient[kLast[c]][kNext[c]] - gradient[kNext[c]][kLast[c]]);
   return m;
@@ -81,11 +72,7 @@ JointSliding::Place JointSliding::place_of(const Joint& joint) const {
     place.along[static_cast<std::size_t>(i)] = static_cast<int>(c);
     place.length[static_cast<std::size_t>(i++)] = to - from;
   }
-  const Vec3 centre_a = centre_of(a), centre_b = centre_of(b);
-  for (std::size_t c = 0; c < 3; ++c) {
-    place.arm_a[c] = place.centre[c] - centre_a[c];
-    place.arm_b[c] = place.centre[c] - centre_b[c];
-  }
+  place.arm_a = place.centre - centre_of(a), place.arm_b = place.centre - centre_of(b);
   return place;
 }
 

@@ -12,6 +12,7 @@
 #include "step/lattice_motion.h"
 #include "step/results.h"
 #include "step/state.h"
+#include "step/work_division.h"
 
 namespace quoin {
 
@@ -19,20 +20,11 @@ namespace {
 
 std::array<long, kConditionCount> own_conditions(Simulation::Impl& s) {
   const std::vector<std::uint32_t> now = current_flags(s, whole_range(s));
-  std::vector<std::size_t> first_of_family{0};
-  for (std::size_t f = 0; s.large_motion && f < s.large_motion->contacts.families.size(); ++f)
-    first_of_family.push_back(first_of_family.back() + s.large_motion->contacts.families[f].size());
   std::array<long, kConditionCount> counts{};
   for (const int c : s.division.share.chunks) {
     if (!s.division.share.owns_chunk(c, s.ranks->rank())) continue;
-    std::size_t first, count;
-    if (s.large_motion) {
-      const blocks::Chunk& range = s.large_motion->chunks.all[at(c)];
-      first = first_of_family[at(range.family)] + range.first, count = range.count;
-    } else {
-      first = at(s.model.chunks[at(c)].first_point), count = at(s.model.chunks[at(c)].point_count);
-    }
-    for (std::size_t i = first; i < first + count; ++i) ++counts[static_cast<std::size_t>(condition_of(now[i]))];
+    const PointRange points = points_of_chunk(s, c);
+    for (int i = points.first; i < points.end; ++i) ++counts[static_cast<std::size_t>(condition_of(now[at(i)]))];
   }
   return counts;
 }

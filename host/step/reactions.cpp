@@ -108,8 +108,7 @@ std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, co
   }
   if (blocks.empty()) return sums;
   const auto add_moment = [](JointWrench& sum, const Vector& at, const Vector& force) {
-    const Vector moment = cross(at - geometry::vector(sum.centre), force);
-    for (std::size_t k = 0; k < 3; ++k) sum.moment[k] += moment[static_cast<int>(k)];
+    sum.moment += geometry::array(cross(at - geometry::vector(sum.centre), force));
   };
   if (const members::Members* const members = s.large_motion->held_by.members.get()) {
     for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -153,14 +152,13 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
     for (const int b : members) wrenches.push_back(s.reactions.block_wrench[at(b)]);
   } else {
     members.clear();
-    const Vector ground = ground_of_lattice_at_forces(s);
+    const Vec3 ground = geometry::array(ground_of_lattice_at_forces(s));
     for (int b = 0; b < static_cast<int>(held.size()); ++b) {
       if (held[at(b)] == 0 && s.reactions.restraint_of[at(b)] < 0) continue;
       members.push_back(b);
       wrenches.push_back(joint_wrench(s, b));
       // Joints lie where the ground has carried them, against the centre at the start.
-      const Vector moment = cross(ground, geometry::vector(wrenches.back().force));
-      for (std::size_t c = 0; c < 3; ++c) wrenches.back().moment[c] += moment[static_cast<int>(c)];
+      wrenches.back().moment += cross(ground, wrenches.back().force);
     }
   }
   std::vector<Vector> centre(s.reactions.restraints.size());
@@ -170,8 +168,8 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
     if (r >= 0) centre[at(r)] += geometry::vector(wrenches[i].centre), count[at(r)] += 1.0;
   }
   const auto add = [&](Reaction& sum, const Vector& given, const Vector& moment) {
-    const Vec3 force = force_on_whole(s, geometry::array(given)), about = moment_on_whole(s, geometry::array(moment));
-    for (std::size_t c = 0; c < 3; ++c) sum.force[c] += force[c], sum.moment[c] += about[c];
+    sum.force += force_on_whole(s, geometry::array(given));
+    sum.moment += moment_on_whole(s, geometry::array(moment));
   };
   for (std::size_t i = 0; i < members.size(); ++i) {
     const JointWrench& of = wrenches[i];
@@ -187,7 +185,7 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
     if (r < 0) continue;
     Reaction& reaction = row.reactions[at(r)];
     add(reaction, given, moment + cross(geometry::vector(of.centre) - centre[at(r)] / count[at(r)], given));
-    for (std::size_t c = 0; c < 3; ++c) reaction.displacement[c] += of.displacement[c] / count[at(r)];
+    reaction.displacement += of.displacement / count[at(r)];
   }
 }
 

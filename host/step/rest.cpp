@@ -108,6 +108,14 @@ class Search {
     add_to(sum, {u.body[3], u.body[4], u.body[5]}, cross(place - u.centre, force));
   }
 
+  void add_zones(int b, VectorXd* sum) const {
+    const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
+    each_zone(s_, b, [&](const StressedZone& zone) {
+      for (std::size_t i = 0; i < 4; ++i)
+        add_to(sum, u.gridpoint[at(zone.node[i])], -zone.volume * (zone.stress * zone.gradient[i]));
+    });
+  }
+
   void add_large_motion_loads(VectorXd* sum) const {
     blocks::Model& m = *s_.large_motion;
     const Vector g = geometry::vector(s_.data.gravity);
@@ -125,13 +133,7 @@ class Search {
       const Vector per_mass = (m.blocks[b].mass * g + applied[at(b)]) / inertia;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
         add_to(sum, u.gridpoint[n], m.nodes.mass[at(block.first_node) + n] * per_mass);
-      const geometry::Matrix turned = turn_of_frame(m, b);
-      for (int z = 0; z < block.zone_count; ++z) {
-        const blocks::Zone zone = zone_of(m, b, z);
-        const geometry::Matrix stress = zone_stress(m, b, z);
-        for (std::size_t i = 0; i < 4; ++i)
-          add_to(sum, u.gridpoint[at(zone.node[i])], -zone.volume * (stress * (turned * zone.gradient[i])));
-      }
+      add_zones(b, sum);
     }
     for (const blocks::Load& load : m.actions.loads) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(load.block)];
@@ -175,19 +177,10 @@ class Search {
       Vector acceleration = g;
       if (const double* const load = s_.controls.load_of_group[at(place.group)])
         for (int c = 0; c < 3; ++c) acceleration[c] += load[c * static_cast<int>(kLanes) + place.lane];
-      std::vector<Vector> moved;
-      s_.model.for_each_gridpoint(b, [&](std::size_t o, double mass) {
-        add_to(sum, u.gridpoint[moved.size()], mass * acceleration);
-        moved.push_back(
-            {s_.lattice.displacement[o], s_.lattice.displacement[o + kLanes], s_.lattice.displacement[o + 2 * kLanes]});
-      });
-      const BrickTemplate& shape = s_.model.template_of(b);
-      for (const auto& zone : shape.zone) {
-        const geometry::Matrix stress = stress_of(shape, zone, moved);
-        for (std::size_t a = 0; a < 4; ++a)
-          add_to(sum, u.gridpoint[at(zone.node[a])],
-                 -zone.volume * (stress * geometry::vector(zone.shape_gradient[a])));
-      }
+      std::size_t n = 0;
+      s_.model.for_each_gridpoint(
+          b, [&](std::size_t, double mass) { add_to(sum, u.gridpoint[n++], mass * acceleration); });
+      add_zones(b, sum);
     }
   }
 

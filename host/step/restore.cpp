@@ -181,7 +181,7 @@ void take_large_motion(Simulation::Impl& s, ArchiveReader& reader) {
   const auto is_block = [&](int i) { return i >= 0 && i < s.large_motion->block_count(); };
   if (!s.energy.wanted) s.large_motion->book_energy(s.watch.pending);
   s.large_motion->restore(reader);
-  if (!std::ranges::all_of(s.monitor.blocks.large_motion, is_block)) throw of_another_model();
+  if (!std::ranges::all_of(s.monitor.blocks, is_block)) throw of_another_model();
   for (const Drive& drive : s.actions.drives) {
     if (!is_block(drive.block)) throw of_another_model();
   }
@@ -191,12 +191,10 @@ void take_large_motion(Simulation::Impl& s, ArchiveReader& reader) {
 
 // Binds data that follow from the state.
 void bind_restored(Simulation::Impl& s) {
-  if (s.large_motion)
-    s.monitor.blocks.bodies.clear(), s.monitor.blocks.loaded.clear();
-  else if (s.progress.stage >= 0)
-    find_monitor(s, current_stage(s));
-  else
-    s.monitor.blocks = {};
+  if (!s.large_motion) {
+    s.monitor.blocks.clear();
+    if (s.progress.stage >= 0) find_monitor(s, current_stage(s));
+  }
   bind_floors(s);
   choose_damping(s);
   s.controls.settled = s.progress.stage < 0;

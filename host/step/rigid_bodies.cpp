@@ -5,10 +5,6 @@
 namespace quoin {
 namespace {
 
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 // Advances one degree of freedom with eq. 1, relative to a ground of this velocity. Returns the damping force.
 double advance_component(double force, double inertia, const StepData& step, double ground, double* velocity) {
   double damping = 0.0;
@@ -30,11 +26,7 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
     const std::size_t point = static_cast<std::size_t>(body.point[i]);
     const Vec3 f{body.sign[i] * step.force[0][point], body.sign[i] * step.force[1][point],
                  body.sign[i] * step.force[2][point]};
-    const Vec3 m = cross(body.arm[i], f);
-    for (std::size_t c = 0; c < 3; ++c) {
-      force[c] += f[c];
-      moment[c] += m[c];
-    }
+    force += f, moment += cross(body.arm[i], f);
   }
 
   Measured work;
@@ -76,11 +68,10 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
     rotation[c] = state->rotation[c][0] += step.time_step * spin_after;
   }
   for (std::size_t i = 0; i < body.slave.size(); ++i) {
-    const Vec3 turn = cross(spin, body.arm[i]), turned = cross(rotation, body.arm[i]);
+    const Vec3 v = velocity + cross(spin, body.arm[i]), u = displacement + cross(rotation, body.arm[i]);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t at = static_cast<std::size_t>(body.slave[i]) + kLanes * c;
-      step.velocity[at] = velocity[c] + turn[c];
-      step.displacement[at] = displacement[c] + turned[c];
+      step.velocity[at] = v[c], step.displacement[at] = u[c];
     }
   }
   if (measured) *measured = work;

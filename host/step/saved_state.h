@@ -59,7 +59,7 @@ void transfer_state(Archive& archive, Impl& s) {
     save_actions(archive, s);
   else
     restore_actions(archive, s);
-  archive.array(s.monitor.blocks.large_motion);
+  archive.array(s.monitor.blocks);
   archive.value(s.monitor.stands_below);
   archive.value(s.outcome.collapse_multiplier);
   archive.value(s.outcome.base_slip_at_uplift);

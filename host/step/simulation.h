@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "base/phase_clock.h"
 #include "base/ranks.h"
+#include "model/energies.h"
 #include "model/model.h"
 #include "model/time_step.h"
 #include "scene/assembly.h"
@@ -31,24 +32,6 @@ struct Model;
 namespace quoin {
 
 class ByteSource;
-
-// Energies of the model as computed (not multiplied by the symmetry factor), J. Closure:
-//   kinetic + strain + contact_stored + members_stored
-//     + dissipated + members_dissipated + damping + detection = external + energy at the start
-struct Energies {
-  double kinetic = 0.0;
-  double strain = 0.0;                 // elastic energy of zones
-  double contact_stored = 0.0;         // elastic energy of joints
-  std::array<double, 4> dissipated{};  // dissipated in joints since the start: tension, cohesion, friction, crushing
-  double external = 0.0;               // work of weight, forces and prescribed velocities since the start
-  double damping = 0.0;                // work taken by damping since the start
-  double detection = 0.0;              // stored energy lost (> 0) or gained when contact detection places points again
-  double members_stored = 0.0, members_dissipated = 0.0;  // energies of members (host/members)
-  double balance_error() const {
-    return kinetic + strain + contact_stored + members_stored + dissipated[0] + dissipated[1] + dissipated[2] +
-           dissipated[3] + members_dissipated + damping + detection - external;
-  }
-};
 
 // Reaction of a support or of a prescribed motion: what it exerts on the joints of the blocks that it holds. Free
 // components are 0. The weight of these blocks is not included.

@@ -51,9 +51,7 @@ void check_motion(Simulation::Impl& s) {
   std::vector<WholeMotion> motions = s.small_motion.whole_motions;
   if (const int ground = ground_block(s); ground >= 0) {
     const Vec3 moved = s.small_motion.whole_motions[at(ground)].translation;
-    for (WholeMotion& m : motions) {
-      for (std::size_t c = 0; c < 3; ++c) m.translation[c] -= moved[c];
-    }
+    for (WholeMotion& m : motions) m.translation -= moved;
   }
   s.small_motion.joint_sliding.look(motions, &s.small_motion.seen);
   s.small_motion.next_check = s.progress.step + kMostSteps;

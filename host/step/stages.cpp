@@ -43,16 +43,15 @@ long chosen_record_interval(const Simulation::Impl& s) {
   if (settings.duration) steps = *settings.duration / s.data.time_step;
   if (settings.displacement) {
     const auto direction = static_cast<std::size_t>(settings.direction);
+    const int monitor = s.monitor.blocks.empty() ? -1 : s.monitor.blocks.front();
+    const int body = monitor < 0 || s.large_motion ? -1 : s.model.place[at(monitor)].body;
     double speed = 0.0;
     if (settings.whiffletree)
       speed = std::abs(settings.whiffletree->velocity);
-    else if (!s.monitor.blocks.bodies.empty())
-      speed =
-          std::abs(s.controls.ramps[static_cast<std::size_t>(s.monitor.blocks.bodies.front())].velocity_to[direction]);
+    else if (body >= 0)
+      speed = std::abs(s.controls.ramps[at(body)].velocity_to[direction]);
     for (const Drive& drive : s.actions.drives) {
-      if (!settings.whiffletree && !s.monitor.blocks.large_motion.empty() &&
-          drive.block == s.monitor.blocks.large_motion.front())
-        speed = std::abs(drive.velocity_to[settings.direction]);
+      if (!settings.whiffletree && drive.block == monitor) speed = std::abs(drive.velocity_to[settings.direction]);
     }
     if (speed > 0.0)
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / s.data.time_step);
@@ -115,10 +114,8 @@ void begin_stage(Simulation::Impl& s, int index) {
   choose_damping(s);
   // The whiffletree starts without force: from the mean displacement of the floors.
   if (!s.controls.floors.empty()) s.monitor.start = {};
-  for (const WatchedBlocks& floor : s.controls.floors) {
-    const Vec3 moved = displacement_at_forces(s, floor);
-    for (std::size_t c = 0; c < 3; ++c) s.monitor.start[c] += moved[c] / static_cast<double>(s.controls.floors.size());
-  }
+  for (const std::vector<int>& floor : s.controls.floors)
+    s.monitor.start += displacement_at_forces(s, floor) / static_cast<double>(s.controls.floors.size());
   s.progress.calm_checks = 0;
   // The last frame of the stage before shows the beginning of this one.
   s.progress.next_frame = index > 0 && s.scene.frames_in(static_cast<std::size_t>(index) - 1) > 0 ? 1 : 0;

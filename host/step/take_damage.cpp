@@ -68,8 +68,7 @@ void damage_lattice(Simulation::Impl& s, std::size_t f, const std::vector<Cracke
 void take_damage(Simulation::Impl& s) {
   if (s.scene.damage.empty()) return;
   std::vector<CrackedBlock> blocks;
-  for (const Brick& b : s.model.assembly.bricks)
-    blocks.push_back({{b.origin[0] + b.size[0] / 2, b.origin[1] + b.size[1] / 2, b.origin[2] + b.size[2] / 2}, b.unit});
+  for (const Brick& b : s.model.assembly.bricks) blocks.push_back({centre_of(b), b.unit});
   for (int b = 0; s.large_motion && b < s.large_motion->block_count(); ++b)
     blocks.push_back({geometry::array(position_of(*s.large_motion, b)), s.large_motion->assembly.blocks[at(b)].unit});
   std::vector<double> hit(s.scene.damage.size(), 0.0);  // contact points by entry of Scene::damage

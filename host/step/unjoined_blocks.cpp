@@ -32,9 +32,7 @@ UnjoinedBlocks::UnjoinedBlocks(const Assembly& assembly) : assembly_(&assembly) 
 bool UnjoinedBlocks::has_moved(const std::vector<WholeMotion>& motion) const {
   if (there_.empty()) return true;
   for (std::size_t i = 0; i < motion.size(); ++i) {
-    Vec3 moved;
-    for (std::size_t c = 0; c < 3; ++c) moved[c] = motion[i].translation[c] - there_[i][c];
-    if (exceeds(norm_of(moved), 0.125 * reach_)) return true;
+    if (exceeds(norm_of(motion[i].translation - there_[i]), 0.125 * reach_)) return true;
   }
   return false;
 }
@@ -62,15 +60,13 @@ UnjoinedBlocks::Near UnjoinedBlocks::nearness(const Pair& pair, const std::vecto
                                               double sliding_bound) const {
   const Brick &a = assembly_->bricks[at(pair.a)], &b = assembly_->bricks[at(pair.b)];
   const WholeMotion &of_a = motion[at(pair.a)], &of_b = motion[at(pair.b)];
-  Vec3 from, to, arm_a, arm_b;
+  Vec3 from, to;
   for (std::size_t c = 0; c < 3; ++c) {
     from[c] = std::max(a.origin[c], b.origin[c]);
     to[c] = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]);
-    const double middle = 0.5 * (from[c] + to[c]);
-    arm_a[c] = middle - (a.origin[c] + 0.5 * a.size[c]);
-    arm_b[c] = middle - (b.origin[c] + 0.5 * b.size[c]);
   }
-  const Vec3 u_a = at_arm(of_a, arm_a), u_b = at_arm(of_b, arm_b);
+  const Vec3 middle = 0.5 * (from + to);
+  const Vec3 u_a = at_arm(of_a, middle - centre_of(a)), u_b = at_arm(of_b, middle - centre_of(b));
   Near near{-std::numeric_limits<double>::infinity(), 0.0, 0};
   double at_start = near.gap;
   for (std::size_t c = 0; c < 3; ++c) {

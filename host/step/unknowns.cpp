@@ -11,27 +11,7 @@ namespace {
 
 using geometry::Vector;
 
-// Adds V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I) for nodes i and j, g the gradients of shape functions.
-void add_zone(const std::array<std::array<int, 3>, 4>& unknown, const std::array<Vector, 4>& gradient, double volume,
-              double lambda, double mu, Unknowns::Entries* entries) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t j = 0; j < 4; ++j) {
-      const double along = mu * dot(gradient[i], gradient[j]);
-      for (int c = 0; c < 3; ++c) {
-        const int row = unknown[i][at(c)];
-        for (int d = 0; row >= 0 && d < 3; ++d) {
-          const int column = unknown[j][at(d)];
-          if (column < 0 || column > row) continue;
-          const double k = lambda * gradient[i][c] * gradient[j][d] + mu * gradient[j][c] * gradient[i][d];
-          entries->emplace_back(row, column, volume * (k + (c == d ? along : 0.0)));
-        }
-      }
-    }
-  }
-}
-
-}  // namespace
-
+// Stress of a zone on the lattice, Pa, from the displacements of its block's gridpoints, m.
 geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<Vector>& moved) {
   geometry::Matrix stress{};
   for (std::size_t a = 0; a < 4; ++a) {
@@ -43,6 +23,32 @@ geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const s
     }
   }
   return stress;
+}
+
+}  // namespace
+
+void each_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit) {
+  if (s.large_motion) {
+    const geometry::Matrix turned = turn_of_frame(*s.large_motion, block);
+    for (int z = 0; z < s.large_motion->blocks[block].zone_count; ++z) {
+      const blocks::Zone zone = zone_of(*s.large_motion, block, z);
+      StressedZone now{{}, {}, zone.volume, zone.lambda, zone.mu, zone_stress(*s.large_motion, block, z)};
+      for (std::size_t i = 0; i < 4; ++i) now.node[i] = zone.node[i], now.gradient[i] = turned * zone.gradient[i];
+      visit(now);
+    }
+    return;
+  }
+  const BrickTemplate& shape = s.model.template_of(block);
+  std::vector<Vector> moved;
+  s.model.for_each_gridpoint(block, [&](std::size_t o, double) {
+    moved.push_back(
+        {s.lattice.displacement[o], s.lattice.displacement[o + kLanes], s.lattice.displacement[o + 2 * kLanes]});
+  });
+  for (const Zone& zone : shape.zone) {
+    StressedZone now{zone.node, {}, zone.volume, shape.lambda, shape.shear_modulus, stress_of(shape, zone, moved)};
+    for (std::size_t i = 0; i < 4; ++i) now.gradient[i] = geometry::vector(zone.shape_gradient[i]);
+    visit(now);
+  }
 }
 
 Unknowns::Unknowns(const Simulation::Impl& s) : s_(s) {
@@ -99,29 +105,28 @@ void Unknowns::number_large_motion(int b) {
   }
 }
 
+// Adds V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I) for nodes i and j, g the gradients of shape functions.
 void Unknowns::add_zones(Entries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
-    std::array<std::array<int, 3>, 4> unknown;
-    std::array<Vector, 4> gradient;
     if (u.rigid) continue;
-    if (!s_.large_motion) {
-      const BrickTemplate& shape = s_.model.template_of(b);
-      for (const auto& zone : shape.zone) {
-        for (std::size_t i = 0; i < 4; ++i)
-          unknown[i] = u.gridpoint[at(zone.node[i])], gradient[i] = geometry::vector(zone.shape_gradient[i]);
-        add_zone(unknown, gradient, zone.volume, shape.lambda, shape.shear_modulus, entries);
+    each_zone(s_, b, [&](const StressedZone& zone) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = 0; j < 4; ++j) {
+          const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
+          const double along = zone.mu * dot(gi, gj);
+          for (int c = 0; c < 3; ++c) {
+            const int row = u.gridpoint[at(zone.node[i])][at(c)];
+            for (int d = 0; row >= 0 && d < 3; ++d) {
+              const int column = u.gridpoint[at(zone.node[j])][at(d)];
+              if (column < 0 || column > row) continue;
+              const double k = zone.lambda * gi[c] * gj[d] + zone.mu * gj[c] * gi[d];
+              entries->emplace_back(row, column, zone.volume * (k + (c == d ? along : 0.0)));
+            }
+          }
+        }
       }
-      continue;
-    }
-    const blocks::ModelBlock& block = s_.large_motion->blocks[b];
-    const geometry::Matrix turned = turn_of_frame(*s_.large_motion, b);
-    for (int z = 0; z < block.zone_count; ++z) {
-      const blocks::Zone zone = zone_of(*s_.large_motion, b, z);
-      for (std::size_t i = 0; i < 4; ++i)
-        unknown[i] = u.gridpoint[at(zone.node[i])], gradient[i] = turned * zone.gradient[i];
-      add_zone(unknown, gradient, zone.volume, zone.lambda, zone.mu, entries);
-    }
+    });
   }
 }
 
@@ -201,51 +206,23 @@ void Unknowns::add_point(const ContactPoint& p, double normal, double shear, Ent
   }
 }
 
-template <class Visit>
-void Unknowns::for_each_stressed_zone(int b, const Visit& visit) const {
-  std::array<Vector, 4> gradient;
-  if (s_.large_motion) {
-    const blocks::ModelBlock& block = s_.large_motion->blocks[b];
-    const geometry::Matrix turned = turn_of_frame(*s_.large_motion, b);
-    for (int z = 0; z < block.zone_count; ++z) {
-      const blocks::Zone zone = zone_of(*s_.large_motion, b, z);
-      std::array<int, 4> node;
-      for (std::size_t i = 0; i < 4; ++i) node[i] = zone.node[i], gradient[i] = turned * zone.gradient[i];
-      visit(node, gradient, zone.volume, zone_stress(*s_.large_motion, b, z));
-    }
-    return;
-  }
-  const BrickTemplate& shape = s_.model.template_of(b);
-  std::vector<Vector> moved;
-  s_.model.for_each_gridpoint(b, [&](std::size_t o, double) {
-    moved.push_back(
-        {s_.lattice.displacement[o], s_.lattice.displacement[o + kLanes], s_.lattice.displacement[o + 2 * kLanes]});
-  });
-  for (const auto& zone : shape.zone) {
-    for (std::size_t i = 0; i < 4; ++i) gradient[i] = geometry::vector(zone.shape_gradient[i]);
-    visit(zone.node, gradient, zone.volume, stress_of(shape, zone, moved));
-  }
-}
-
 // For a zone V (g_i . stress g_j) I. A force F on the arm r turns by theta. Its work of second order is F . theta x
 // (theta x r)/2, whose stiffness is (F . r) I - (F r^T + r F^T)/2.
 void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
-    const auto add = [&](const std::array<int, 4>& node, const std::array<Vector, 4>& gradient, double volume,
-                         const geometry::Matrix& stress) {
+    if (u.rigid) continue;
+    each_zone(s_, b, [&](const StressedZone& zone) {
       for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t j = 0; j < 4; ++j) {
-          const double k = volume * dot(gradient[i], stress * gradient[j]);
+          const double k = zone.volume * dot(zone.gradient[i], zone.stress * zone.gradient[j]);
           for (std::size_t c = 0; c < 3; ++c) {
-            const int row = u.gridpoint[at(node[i])][c], column = u.gridpoint[at(node[j])][c];
+            const int row = u.gridpoint[at(zone.node[i])][c], column = u.gridpoint[at(zone.node[j])][c];
             if (column >= 0 && column <= row) entries->emplace_back(row, column, k);
           }
         }
       }
-    };
-    if (u.rigid) continue;
-    for_each_stressed_zone(b, add);
+    });
   }
   for (const ContactPoint& p : points) {
     const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) + p.traction[1] * geometry::vector(p.s) +

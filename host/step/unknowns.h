@@ -4,6 +4,7 @@
 
 #include <Eigen/SparseCore>
 #include <array>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -18,8 +19,14 @@ struct UnknownShare {
   geometry::Vector moves;
 };
 
-// Stress of a zone on the lattice, Pa, from the displacements of its block's gridpoints, m.
-geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<geometry::Vector>& moved);
+// A zone of a deformable block, in either model.
+struct StressedZone {
+  std::array<int, 4> node;                   // gridpoints, numbered within the block
+  std::array<geometry::Vector, 4> gradient;  // gradients of the shape functions, which turn with the block, 1/m
+  double volume, lambda, mu;                 // m3, Pa
+  geometry::Matrix stress;                   // current, Pa
+};
+void each_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit);
 
 class Unknowns {
  public:
@@ -51,8 +58,6 @@ class Unknowns {
   void number_large_motion(int block);
   int next(bool held) { return held ? -1 : count_++; }
   void close_group(int block, const geometry::Vector& place);
-  template <class Visit>  // visit(nodes, gradients, volume, stress)
-  void for_each_stressed_zone(int block, const Visit& visit) const;
   void add_side(const ContactPoint& point, int block, double sign, std::vector<UnknownShare>* shares) const;
   std::pair<std::array<int, 3>, std::array<double, 3>> on_surface(int block, const geometry::Vector& place) const;
   int gridpoint_at(int block, const geometry::Vector& place) const;

@@ -5,13 +5,13 @@
 
 namespace quoin {
 
-// Adds bodies and deformable blocks of a name on the lattice. Returns whether there are any.
-bool add_named(const Simulation::Impl& s, const std::string& name, WatchedBlocks& to);
+// Blocks of a name on the lattice: bodies, then deformable ones.
+std::vector<int> blocks_on_lattice(const Simulation::Impl& s, const std::string& name);
 // Blocks whose displacement rows have and stages end by: the roof, else the monitor.
-const WatchedBlocks& shown_blocks(const Simulation::Impl& s);
+const std::vector<int>& shown_blocks(const Simulation::Impl& s);
 // Mean displacement of the blocks, m: current, and at the time of the last forces, one step before. That of a
 // deformable block is its mean by mass.
-Vec3 displacement_now(const Simulation::Impl& s, const WatchedBlocks& blocks);
-Vec3 displacement_at_forces(const Simulation::Impl& s, const WatchedBlocks& blocks);
+Vec3 displacement_now(const Simulation::Impl& s, const std::vector<int>& blocks);
+Vec3 displacement_at_forces(const Simulation::Impl& s, const std::vector<int>& blocks);
 
 }  // namespace quoin

@@ -183,7 +183,7 @@ RankShare share_of_this_rank(const Simulation::Impl& s) {
     const std::vector<int> blocks = blocks_of_item(s, i);
     for (const int b : blocks) {
       const Vec3 centre = s.large_motion ? place_in_large_motion(s, b) : centre_of(s.model.assembly.bricks[at(b)]);
-      for (std::size_t c = 0; c < 3; ++c) mean.back()[c] += centre[c] / static_cast<double>(blocks.size());
+      mean.back() += centre / static_cast<double>(blocks.size());
       if (b == blocks.front()) first.push_back(centre);
     }
   }
@@ -253,6 +253,17 @@ void each_item_of_chunk(const Simulation::Impl& s, int chunk, const std::functio
 
 std::vector<int> chunks_here(const Simulation::Impl& s) {
   return s.parts.holds_all ? whole_share(static_cast<int>(s.model.chunks.size()), 0).chunks : s.division.share.chunks;
+}
+
+PointRange points_of_chunk(const Simulation::Impl& s, int chunk) {
+  if (!s.large_motion) {
+    const ContactChunk& c = s.model.chunks[at(chunk)];
+    return {c.first_point, c.first_point + c.point_count};
+  }
+  const blocks::Chunk& c = s.large_motion->chunks.all[at(chunk)];
+  std::size_t first = c.first;
+  for (int f = 0; f < c.family; ++f) first += s.large_motion->contacts.families[at(f)].size();
+  return {static_cast<std::int32_t>(first), static_cast<std::int32_t>(first + c.count)};
 }
 
 void partition_work(Simulation::Impl& s) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "step/results.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -22,7 +23,8 @@ RankShare share_of_this_rank(const Simulation::Impl& s);
 void each_side(const Simulation::Impl& s, int chunk, const std::function<void(int, std::int64_t)>& visit);
 // Visits the items on the sides of a chunk's contact points; the chunk may be of another rank.
 void each_item_of_chunk(const Simulation::Impl& s, int chunk, const std::function<void(int)>& visit);
-std::vector<int> chunks_here(const Simulation::Impl& s);  // chunks that this process holds
+PointRange points_of_chunk(const Simulation::Impl& s, int chunk);  // in either model, over all families
+std::vector<int> chunks_here(const Simulation::Impl& s);           // chunks that this process holds
 void partition_work(Simulation::Impl& s);  // divides work; ranks then hold their parts, and halo and threads follow
 void divide_work(Simulation::Impl& s);     // computes costs, and the share of this rank
 

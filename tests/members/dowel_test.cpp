@@ -68,8 +68,8 @@ TEST(Dowels, TakesWhatFrictionLeaves) {
   EXPECT_EQ(norm(held.state.slid), 0.0);
   const auto slides = pushed(mu + 1.1 * yield / weight);
   EXPECT_GT(norm(members_of(*slides).dowels().front().state.slid), 0.05);
-  const blocks::Energies& e = slides->large_motion()->step_sums.energies;
-  EXPECT_LT(std::abs(e.balance_error(0.0)), 2e-3 * e.external);
+  const Energies& e = slides->large_motion()->step_sums.energies;
+  EXPECT_LT(std::abs(e.balance_error()), 2e-3 * e.external);
 }
 
 TEST(Dowels, BadOnesAreRefusedWithPlaces) {

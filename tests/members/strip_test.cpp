@@ -56,8 +56,8 @@ Pull pulled(const Scene& scene, int every = 20) {
     const std::vector<double> columns = simulation.large_motion()->held_by.members.get()->columns();
     result.largest = std::max(result.largest, columns[0]);
     result.debonded = columns[1];
-    const blocks::Energies& e = simulation.large_motion()->step_sums.energies;
-    result.energy_error = std::max(result.energy_error, std::abs(e.balance_error(0.0)) / std::max(1e-3, e.external));
+    const Energies& e = simulation.large_motion()->step_sums.energies;
+    result.energy_error = std::max(result.energy_error, std::abs(e.balance_error()) / std::max(1e-3, e.external));
   }
   return result;
 }

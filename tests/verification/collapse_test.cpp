@@ -40,7 +40,7 @@ void collapse(int courses, int width, double rest) {
   while (m->stepping.time < rest) {
     m->run(0.01);
     curves.add(*m);
-    created = std::max(created, m->step_sums.energies.balance_error(0.0) / work_scale);
+    created = std::max(created, m->step_sums.energies.balance_error() / work_scale);
     for (int i = 0; i < m->block_count(); ++i) {
       ASSERT_TRUE(std::isfinite(position_of(*m, i).y + orientation_of(*m, i).row[0].x)) << i;
       largest_speed = std::max(largest_speed, norm(velocity_of(*m, i)));
@@ -71,7 +71,7 @@ void collapse(int courses, int width, double rest) {
       "  energies J: kinetic %.3g stored %.3g dissipated %.3g %.3g %.3g %.3g damping %.3g external %.3g detection %.3g "
       "balance %.3g\n",
       e.kinetic, e.contact_stored, e.dissipated[0], e.dissipated[1], e.dissipated[2], e.dissipated[3], e.damping,
-      e.external, e.detection, e.balance_error(0));
+      e.external, e.detection, e.balance_error());
   if (courses == 6) curves.write("collapse");
   const std::string name = "collapse of " + std::to_string(m->block_count() - 1) + " blocks: ";
   check_error(name + "deepest corner below the floor", deepest, 2e-3, "m", "residual compression holds");

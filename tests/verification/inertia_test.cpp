@@ -251,7 +251,7 @@ TEST(ScaledInertia, EnergyBalanceCloses) {
     add_noise(*m, 1.0);
     m->track_energy(true);
     m->step();
-    const double start = m->step_sums.energies.balance_error(0.0), kinetic = m->step_sums.energies.kinetic;
+    const double start = m->step_sums.energies.balance_error(), kinetic = m->step_sums.energies.kinetic;
     while (m->stepping.time < 0.02) m->step();
     EXPECT_GT(m->step_sums.energies.damping, 0.02 * kinetic);
     return std::abs(m->step_sums.energies.balance_error(start)) / kinetic;
@@ -286,7 +286,7 @@ TEST(ScaledInertia, HalvesThatComeApartAreTwoBlocks) {
   m->step();
   EXPECT_EQ(m->units.count, 1);
   const Vector linear = linear_momentum(*m), angular = angular_momentum(*m);
-  const double start = m->step_sums.energies.balance_error(0.0), step = m->stepping.dt;
+  const double start = m->step_sums.energies.balance_error(), step = m->stepping.dt;
   while (m->units.count == 1 && m->stepping.time < 0.01) m->step();
   EXPECT_EQ(m->units.count, 0);
   const double opening = position_of(*m, 1).x - position_of(*m, 0).x - 0.2;
@@ -321,7 +321,7 @@ TEST(ScaledInertia, HalvesThatMeetAgainBounce) {
   m->track_energy(true);
   m->step();
   const Vector linear = linear_momentum(*m), about = position_of(*m, 0), angular = angular_momentum(*m, about);
-  const double start = m->step_sums.energies.balance_error(0.0), step = m->stepping.dt;
+  const double start = m->step_sums.energies.balance_error(), step = m->stepping.dt;
   double deepest = 1.0;
   int meetings = 0;
   for (int before = 0; m->stepping.time < 0.2 && !(meetings == 1 && m->units.count == 0);) {

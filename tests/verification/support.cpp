@@ -84,10 +84,10 @@ void write_figure(const std::string& name, const std::string& x, const std::stri
 }
 
 void EnergyCurves::add(const Model& m) {
-  const blocks::Energies& e = m.step_sums.energies;
+  const Energies& e = m.step_sums.energies;
   work.add(m.stepping.time, e.external), kinetic.add(m.stepping.time, e.kinetic);
   lost.add(m.stepping.time, e.dissipated_total() + e.damping + e.contact_stored + e.strain + e.detection);
-  sum.add(m.stepping.time, e.balance_error(0.0) + e.external);
+  sum.add(m.stepping.time, e.balance_error() + e.external);
 }
 void EnergyCurves::write(const std::string& figure) const {
   write_figure(figure, "time, s", "energy, J", {work, sum, kinetic, lost});

@@ -38,7 +38,7 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
       continue;
     const JointWrench joints = joint_wrench(s, b);
     any = true;
-    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += joints.force[c];
+    row.base_force += joints.force;
     moment += geometry::vector(joints.moment) +
               cross(geometry::vector(joints.centre) - s.reactions.base_centre, geometry::vector(joints.force));
   }

@@ -15,6 +15,21 @@
 
 namespace quoin {
 
+namespace {
+
+void pull_on_lattice(Simulation::Impl& s, int block, double force) {
+  if (const int body = s.model.place[at(block)].body; body >= 0) {
+    const auto [lanes, lane] = s.lattice.place[at(body)];
+    s.lattice.bodies[at(lanes)].applied_force[0][lane] = force;
+    return;
+  }
+  const std::size_t loaded = s.controls.loaded(block);
+  s.controls.load_ramps[loaded].now[0] = force;
+  s.controls.apply_load(s.model, loaded);
+}
+
+}  // namespace
+
 void bind_floors(Simulation::Impl& s) {
   s.controls.floors.clear();
   if (s.progress.stage < 0) return;
@@ -25,16 +40,16 @@ void bind_floors(Simulation::Impl& s) {
   else if (!settings.roof.empty())
     floors = {settings.roof};
   for (const auto& floor : floors) {
-    WatchedBlocks& blocks = s.controls.floors.emplace_back();
+    std::vector<int>& blocks = s.controls.floors.emplace_back();
     for (const std::string& name : floor) {
-      if (s.large_motion) {
-        const std::vector<int> named = blocks_named(s, name, settings.source.text);
-        blocks.large_motion.insert(blocks.large_motion.end(), named.begin(), named.end());
-      } else if (!add_named(s, name, blocks)) {
+      const std::vector<int> named =
+          s.large_motion ? blocks_named(s, name, settings.source.text) : blocks_on_lattice(s, name);
+      if (named.empty()) {
         throw Error(Exit::bad_input, fmt::format("{}: stage '{}' has the floor '{}', but the assembly has no block of "
                                                  "that name",
                                                  settings.source.text, settings.name, name));
       }
+      blocks.insert(blocks.end(), named.begin(), named.end());
     }
   }
 }
@@ -46,18 +61,13 @@ void pull_whiffletree(Simulation::Impl& s) {
                                          : tree.velocity * smooth_way(stage_time(s), settings.ramp_time);
   // Current displacements, as for joints: a spring with those of a step before would add energy in every step.
   double mean = 0.0;
-  for (const WatchedBlocks& floor : s.controls.floors)
+  for (const std::vector<int>& floor : s.controls.floors)
     mean += displacement_now(s, floor)[0] / static_cast<double>(s.controls.floors.size());
   const double pull = tree.stiffness * (s.monitor.start[0] + moved - mean);
-  for (const WatchedBlocks& floor : s.controls.floors) {
-    for (const int block : floor.large_motion) pull_block(s, block, pull / floor.count());
-    for (const int body : floor.bodies) {
-      const auto [lanes, lane] = s.lattice.place[static_cast<std::size_t>(body)];
-      s.lattice.bodies[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / floor.count();
-    }
-    for (const int i : floor.loaded) {
-      s.controls.load_ramps[static_cast<std::size_t>(i)].now[0] = pull / floor.count();
-      s.controls.apply_load(s.model, static_cast<std::size_t>(i));
+  for (const std::vector<int>& floor : s.controls.floors) {
+    for (const int block : floor) {
+      const double force = pull / static_cast<double>(floor.size());
+      s.large_motion ? pull_block(s, block, force) : pull_on_lattice(s, block, force);
     }
   }
 }

@@ -1,5 +1,7 @@
 #include "step/state/controls.h"
 
+#include <algorithm>
+
 namespace quoin {
 
 void Controls::find_loaded_blocks(const Model& model) {
@@ -18,6 +20,11 @@ void Controls::find_loaded_blocks(const Model& model) {
   load.assign(static_cast<std::size_t>(count) * kLine, 0.0);
   for (const int group : place) load_of_group.push_back(group < 0 ? nullptr : load.data() + group * kLine);
   load_ramps.resize(loaded_blocks.size());
+}
+
+std::size_t Controls::loaded(int block) const {
+  const auto found = std::ranges::lower_bound(loaded_blocks, block, {}, &LoadedBlock::block);
+  return static_cast<std::size_t>(found - loaded_blocks.begin());
 }
 
 void Controls::apply_load(const Model& model, std::size_t loaded) {

@@ -8,7 +8,6 @@
 
 #include "model/model.h"
 #include "scene/cyclic_motion.h"
-#include "step/state/watched_blocks.h"
 
 namespace quoin {
 
@@ -41,13 +40,14 @@ struct Controls {
   std::vector<LoadedBlock> loaded_blocks;    // deformable blocks that have a name
   LaneVector<double> load;                   // acceleration of groups with loaded blocks: [component][lane], m/s2
   std::vector<const double*> load_of_group;  // by block group, into load; null: none
-  // Floors that the whiffletree of the stage pulls, else the roof alone; the last is the roof.
-  std::vector<WatchedBlocks> floors;
+  // Blocks of the floors that the whiffletree of the stage pulls, else of the roof alone; the last is the roof.
+  std::vector<std::vector<int>> floors;
   std::optional<CyclicMotion> cycles;  // cycles of the stage
   bool settled = true;                 // the ramp of the stage is over, and no body moves in cycles
   bool rest_known = true;              // BodyLanes::at_rest is up to date
 
   void find_loaded_blocks(const Model& model);
+  std::size_t loaded(int block) const;                      // index into loaded_blocks and load_ramps
   void apply_load(const Model& model, std::size_t loaded);  // writes the current value of load_ramps into `load`
   int ground_body() const;                                  // a body that moves as the ground does; -1: none
 };

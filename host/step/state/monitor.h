@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "scene/assembly.h"
-#include "step/state/watched_blocks.h"
 
 namespace quoin {
 
@@ -17,7 +16,7 @@ struct StageMonitor {
   };
 
   Vec3 start{};               // displacement at the beginning of the stage, m
-  WatchedBlocks blocks;       // that it is
+  std::vector<int> blocks;    // that it is: rigid ones, or deformable ones
   std::vector<Point> points;  // contact points of its deformable blocks on the lattice, in ascending order
   bool stands_below = false;  // whether blocks lie below their neighbours at the beginning of the stage
 };
