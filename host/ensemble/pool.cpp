@@ -129,6 +129,7 @@ class Pool {
       left_.pop_front();
       if (actions_.is_finished(folder_.sample(sample))) {  // computed by another process
         ++done_;
+        print_progress();
         continue;
       }
       if (!start(sample)) {

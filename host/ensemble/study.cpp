@@ -211,7 +211,7 @@ std::vector<StudyQuantity> Study::inputs() const {
 }
 
 void Study::draw() const {
-  if (!design) design.emplace(method, seed, samples, inputs().size());
+  if (!design && trials == Trials::drawn) design.emplace(method, seed, samples, inputs().size());
 }
 
 std::vector<double> Study::values(std::uint64_t sample) const {

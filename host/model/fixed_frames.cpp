@@ -10,6 +10,8 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
+double largest_fixed_rotation(const World& w) { return std::min(kFixedFrame, w.solver.motion_bound.rotation); }
+
 RigidPart rigid_part(std::span<const Vector> place, std::span<const double> mass, std::span<const Vector> of,
                      bool symmetry_plane) {
   RigidPart part;
@@ -38,37 +40,30 @@ RigidPart rigid_part(std::span<const Vector> place, std::span<const double> mass
 
 namespace {
 
-// A block in small displacements, m and m/s by gridpoint, and the rigid parts of its motion.
-struct Displaced {
-  std::span<const Vector> place;
-  std::span<const double> mass;
-  std::vector<Vector> displacement, velocity;
-  RigidPart moved, moving;
-  bool on_plane = false;  // whether a plane of symmetry holds gridpoints
-};
-
-Displaced displaced(const World& w, int block) {
-  const ModelBlock& b = w.blocks[size_t(block)];
-  const auto first = size_t(b.first_node), count = size_t(b.node_count);
-  Displaced m{{w.nodes.reference.data() + first, count}, {w.nodes.mass.data() + first, count}, {}, {}, {}, {}};
-  for (size_t n = 0; n < count; ++n) {
-    m.displacement.push_back(w.nodes.x[first + n] - m.place[n]);
-    m.velocity.push_back(gridpoint_velocity(w, block, int(n)));
-    m.on_plane |= w.nodes.support[first + n] != 0;
-  }
-  m.moved = rigid_part(m.place, m.mass, m.displacement, m.on_plane);
-  m.moving = rigid_part(m.place, m.mass, m.velocity, m.on_plane);
-  return m;
+std::vector<Vector> displacements_of(const World& w, const ModelBlock& b) {
+  std::vector<Vector> u;
+  for (size_t n = size_t(b.first_node); n < size_t(b.first_node + b.node_count); ++n)
+    u.push_back(w.nodes.x[n] - w.nodes.reference[n]);
+  return u;
 }
 
-// Whether the small displacements of a block are still small: its rotation, and the largest displacement beside it.
+// Rigid part of a field on the gridpoints of a block.
+RigidPart rigid_part_of(const World& w, const ModelBlock& b, std::span<const Vector> of) {
+  const auto first = size_t(b.first_node), count = size_t(b.node_count);
+  const auto support = std::span(w.nodes.support).subspan(first, count);
+  const bool on_plane = std::ranges::any_of(support, [](uint8_t bits) { return bits != 0; });
+  return rigid_part({w.nodes.reference.data() + first, count}, {w.nodes.mass.data() + first, count}, of, on_plane);
+}
+
+// Whether the displacements of a block are still small: its rotation, and the largest displacement beside rigid motion.
 bool keeps_fixed_frame(const World& w, int block) {
-  const Displaced m = displaced(w, block);
-  if (norm(m.moved.turn) > kFixedFrame) return false;
-  const double bound = kLargestDeformation * w.blocks[size_t(block)].least_extent;
-  for (size_t n = 0; n < m.place.size(); ++n) {
-    const Vector rigid = m.moved.mean + cross(m.moved.turn, m.place[n] - m.moved.centre);
-    if (!(norm(m.displacement[n] - rigid) <= bound)) return false;
+  const ModelBlock& b = w.blocks[size_t(block)];
+  const std::vector<Vector> u = displacements_of(w, b);
+  const RigidPart moved = rigid_part_of(w, b, u);
+  if (norm(moved.turn) > largest_fixed_rotation(w)) return false;
+  for (size_t n = 0; n < u.size(); ++n) {
+    const Vector r = w.nodes.reference[size_t(b.first_node) + n] - moved.centre;
+    if (!(norm(u[n] - moved.mean - cross(moved.turn, r)) <= kLargestDeformation * b.least_extent)) return false;
   }
   return true;
 }
@@ -76,19 +71,21 @@ bool keeps_fixed_frame(const World& w, int block) {
 }  // namespace
 
 void turn_gridpoints(World& w, int block) {
-  const Displaced m = displaced(w, block);
-  const auto first = size_t(w.blocks[size_t(block)].first_node);
-  const Matrix turn = matrix(rotation(m.moved.turn));
-  // The angular momentum stays: the inertia has turned.
-  const Vector spin =
-      m.on_plane ? m.moving.turn
-                 : turn * (inverse(m.moving.inertia) * transposed_times(turn, m.moving.inertia * m.moving.turn));
-  for (size_t n = 0; n < m.place.size(); ++n) {
-    const Vector r = m.place[n] - m.moved.centre;
-    const Vector turned = turn * (r + (m.displacement[n] - m.moved.mean - cross(m.moved.turn, r)));
-    const Vector x = m.moved.centre + m.moved.mean + turned;
-    const Vector v =
-        m.moving.mean + cross(spin, turned) + turn * (m.velocity[n] - m.moving.mean - cross(m.moving.turn, r));
+  const ModelBlock& b = w.blocks[size_t(block)];
+  const auto first = size_t(b.first_node);
+  const std::vector<Vector> u = displacements_of(w, b);
+  std::vector<Vector> velocity;
+  for (int n = 0; n < b.node_count; ++n) velocity.push_back(gridpoint_velocity(w, block, n));
+  const RigidPart moved = rigid_part_of(w, b, u), moving = rigid_part_of(w, b, velocity);
+  const Matrix turn = matrix(rotation(moved.turn));
+  // The angular momentum stays, while the inertia turns; about the normal of a plane of symmetry both stay.
+  const Vector turned_spin = turn * (inverse(moving.inertia) * transposed_times(turn, moving.inertia * moving.turn));
+  const Vector spin = w.assembly.symmetry_plane_z0 ? moving.turn : turned_spin;
+  for (size_t n = 0; n < u.size(); ++n) {
+    const Vector r = w.nodes.reference[first + n] - moved.centre;
+    const Vector turned = turn * (r + (u[n] - moved.mean - cross(moved.turn, r)));
+    const Vector x = moved.centre + moved.mean + turned;
+    const Vector v = moving.mean + cross(spin, turned) + turn * (velocity[n] - moving.mean - cross(moving.turn, r));
     for (int k = 0; k < 3; ++k) {
       if (w.nodes.held[first + n] >> k & 1) continue;
       w.nodes.x[first + n][k] = x[k], w.nodes.v[first + n][k] = v[k];
@@ -98,14 +95,12 @@ void turn_gridpoints(World& w, int block) {
 
 void begin_with_fixed_frames(World& w) {
   copy_velocities(w);
+  for (int i = 0; i < w.block_count(); ++i)
+    w.frames.fixed[size_t(i)] = w.blocks[size_t(i)].congruent >= 0 && keeps_fixed_frame(w, i);
   for (int i = 0; i < w.block_count(); ++i) {
-    w.frames.fixed[size_t(i)] = 0;
-    if (w.blocks[size_t(i)].body >= 0) continue;
-    const Unit unit = w.units.of(i);
-    w.frames.fixed[size_t(i)] = std::ranges::all_of(unit.blocks(), [&](int block) {
-      return w.blocks[size_t(block)].congruent >= 0 && keeps_fixed_frame(w, block);
-    });
-    if (!w.frames.fixed[size_t(i)]) turn_gridpoints(w, i);
+    const int other = w.units.other_half[size_t(i)];
+    if (other >= 0 && !w.frames.fixed[size_t(other)]) w.frames.fixed[size_t(i)] = 0;
+    if (w.blocks[size_t(i)].body < 0 && !w.frames.fixed[size_t(i)]) turn_gridpoints(w, i);
   }
   w.pieces.are_old = w.pieces.motion_is_old = w.frames.are_old = true;
 }
@@ -155,17 +150,20 @@ void follow(World& w, const MovedPoint& moved) {
 
 void leave_fixed_frames(World& w) {
   if (w.stepping.count < w.checks.next || w.checks.block.empty()) return;
-  std::vector<double> leaves(w.blocks.size(), 0.0);  // not 0: the block leaves its fixed frame
+  if (std::ranges::none_of(w.frames.fixed, [](uint8_t is_fixed) { return is_fixed != 0; })) return;
+  std::vector<double> leaves(w.blocks.size(), 0.0);  // by block; not 0: it leaves its fixed frame
   bool some = false;
   for (int i = 0; i < w.block_count(); ++i) {
-    if (!w.frames.fixed[size_t(i)] || !w.part.owns(i) || w.checks.block[size_t(i)] > w.stepping.count) continue;
-    if (leaves[size_t(i)] > 0.0 || keeps_fixed_frame(w, i)) continue;
-    const int32_t piece = w.pieces.of_block[size_t(i)];
-    for (const int32_t block : w.pieces.blocks_of(piece)) leaves[size_t(block)] = 1.0;
-    some = true;
+    const bool is_due = w.frames.fixed[size_t(i)] && w.part.owns(i) && w.checks.block[size_t(i)] <= w.stepping.count;
+    if (is_due && !keeps_fixed_frame(w, i)) leaves[size_t(i)] = 1.0, some = true;
   }
   if (!w.part.any(some)) return;
   w.part.gather_by_block(leaves);
+  for (const Piece& piece : w.pieces.all) {
+    const auto blocks = w.pieces.blocks_of(piece);
+    if (piece.fixed && std::ranges::any_of(blocks, [&](int32_t block) { return leaves[size_t(block)] > 0.0; }))
+      for (const int32_t block : blocks) leaves[size_t(block)] = 1.0;
+  }
   w.part.fetch();
   take_back_facets(w);
   copy_velocities(w);

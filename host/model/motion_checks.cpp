@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "model/block_layout.h"
+#include "model/fixed_frames.h"
 #include "model/world.h"
 #include "model/world_parts.h"
 
@@ -106,23 +107,21 @@ long step_of_gridpoints(const World& w, double left, double speed) {
 // still have the right direction.
 bool check_block_motion(const World& w, int i, const CheckedMotion& now, long& step) {
   const ModelBlock& b = w.blocks[size_t(i)];
-  double moved, turned = 0.0;
-  if (w.is_small) {
-    const Pose& start = w.poses.start[size_t(i)];
-    moved = norm(now.pose.x - start.x), turned = angle_between(now.pose.r, start.r);
-  } else {
-    moved = motion_since_broad_phase(w, i, now.pose);
-  }
+  const Pose& start = w.poses.start[size_t(i)];
+  const bool is_fixed = w.frames.fixed[size_t(i)] != 0;
+  const double moved = w.is_small ? norm(now.pose.x - start.x) : motion_since_broad_phase(w, i, now.pose);
+  const double turned = w.is_small || is_fixed ? angle_between(now.pose.r, start.r) : 0.0;
   const double way = kOfSkin * w.detection.skin;
   if (b.body < 0) {
-    step = step_of_gridpoints(w, way - moved, now.speed);
+    const double rest = is_fixed ? (largest_fixed_rotation(w) - turned) * b.radius : way - moved;
+    step = step_of_gridpoints(w, std::min(way - moved, rest), now.speed);
   } else {
     const AssumedMotion& assumed = w.checks.assumed[size_t(b.body)];
     const double spin = norm(assumed.omega) + assumed.tolerated / b.radius;
     step = step_after(w, way - moved, norm(assumed.v) + assumed.tolerated + norm(assumed.omega) * b.radius);
     if (w.is_small) step = std::min(step, step_after(w, kSmallRotation - turned, spin));
   }
-  return moved > way || turned > kSmallRotation;
+  return moved > way || (w.is_small && turned > kSmallRotation);
 }
 
 // Result of checks: whether a motion was past its bound, and the step of the next check.

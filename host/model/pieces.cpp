@@ -31,20 +31,23 @@ std::vector<Vector> arms_of(const World& w, int block) {
   return arms;
 }
 
-InertiaLanes inertia_at_start(const World& w, std::span<const int32_t> blocks) {
+// arm: line of a group's columns. held: by the supports of now.
+InertiaLanes inertia_at_start(const World& w, std::span<const int32_t> blocks, const double* arm) {
   InertiaLanes lanes;
   for (size_t l = 0; l < size_t(kLanes); ++l) {
-    const int32_t block = blocks[std::min(l, blocks.size() - 1)];
-    const ModelBlock& b = w.blocks[size_t(block)];
-    const std::vector<Vector> arms = arms_of(w, block);
+    const ModelBlock& b = w.blocks[size_t(blocks[std::min(l, blocks.size() - 1)])];
+    const auto arm_of = [&](size_t n) {
+      const double* const x = arm + n * kLine + l;
+      return Vector{x[0], x[kLanes], x[2 * kLanes]};
+    };
     const auto first = size_t(b.first_node);
-    const Vector centre = w.nodes.reference[first] - arms[0];
+    const Vector centre = w.nodes.reference[first] - arm_of(0);
     double mass = 0.0;
     Matrix second = Matrix::zero();
     uint8_t held = 0;
-    for (size_t n = 0; n < arms.size(); ++n) {
+    for (size_t n = 0; n < size_t(b.node_count); ++n) {
       mass += w.nodes.mass[first + n], held |= w.nodes.held[first + n];
-      second += w.nodes.mass[first + n] * outer(arms[n], arms[n]);
+      second += w.nodes.mass[first + n] * outer(arm_of(n), arm_of(n));
     }
     lanes.mass.of[l] = mass;
     for (int i = 0; i < 3; ++i) {
@@ -90,9 +93,10 @@ void fill_columns(World& w, Piece& piece) {
   thread_local LaneVector<double> numbers;
   for (size_t group = 0; group < piece.group_count(); ++group) {
     const int most = most_gridpoints(w, w.pieces.blocks_of(piece, group));
-    if (piece.fixed) piece.inertia.push_back(inertia_at_start(w, w.pieces.blocks_of(piece, group)));
     numbers.assign(FixedColumns<double>::size(most, piece), 0.0);
-    fill_columns(w, w.pieces.blocks_of(piece, group), FixedColumns<double>(numbers.data(), most, piece));
+    const FixedColumns<double> to(numbers.data(), most, piece);
+    fill_columns(w, w.pieces.blocks_of(piece, group), to);
+    if (to.arm) piece.inertia.push_back(inertia_at_start(w, w.pieces.blocks_of(piece, group), to.arm));
     size_t& columns = piece.columns[group];
     size_t* const shared =
         piece.kind == Piece::Kind::congruent
@@ -215,12 +219,12 @@ void append_pieces(World& w, std::span<const Unit> units, Piece::Kind kind, cons
 // Other units are grouped by size, so that lanes of a group have similar lengths.
 void divide_blocks(World& w) {
   w.pieces.all.clear(), w.pieces.blocks.clear();
-  std::vector<Unit> rigid, fixed, distinct, by_zone;
+  std::vector<Unit> rigid, held_rigid, distinct, by_zone;
   std::map<Kinds, std::vector<Unit>> of_kinds[2];            // in frames that follow the blocks, in fixed frames
   std::vector<size_t> of_kind(w.zones.congruent.size(), 0);  // number of blocks
   for (int i = 0; i < w.block_count(); ++i) {
     if (w.blocks[size_t(i)].body >= 0) {
-      (w.assembly.blocks[size_t(i)].fixed ? fixed : rigid).push_back({{i, -1}, 1});
+      (w.assembly.blocks[size_t(i)].fixed ? held_rigid : rigid).push_back({{i, -1}, 1});
       continue;
     }
     const Unit unit = w.units.of(i, Units::Halves::also_apart);
@@ -237,10 +241,10 @@ void divide_blocks(World& w) {
       for (size_t k = 0; k < size_t(unit.count); ++k) ++of_kind[size_t(kinds[k])];
     }
   }
-  for (const bool stay : {false, true}) {  // fixed frames stay, however few there are
-    for (const auto& [kinds, units] : of_kinds[stay]) {
+  for (const bool in_fixed_frames : {false, true}) {  // fixed frames stay, however few there are
+    for (const auto& [kinds, units] : of_kinds[in_fixed_frames]) {
       const auto has_few = [&](int32_t kind) { return kind >= 0 && of_kind[size_t(kind)] < kFewestCongruent; };
-      if (stay || std::ranges::none_of(kinds, has_few))
+      if (in_fixed_frames || std::ranges::none_of(kinds, has_few))
         append_pieces(w, units, Piece::Kind::congruent, kinds);
       else
         by_zone.insert(by_zone.end(), units.begin(), units.end());
@@ -251,7 +255,7 @@ void divide_blocks(World& w) {
   append_pieces(w, distinct, Piece::Kind::distinct);
   append_pieces(w, by_zone, Piece::Kind::by_zone);
   append_pieces(w, rigid, Piece::Kind::rigid);
-  append_pieces(w, fixed, Piece::Kind::rigid);  // mostly at rest: so are their pieces as a whole
+  append_pieces(w, held_rigid, Piece::Kind::rigid);  // mostly at rest: so are their pieces as a whole
   w.pieces.needs_check.assign(w.pieces.all.size(), 0);
   w.pieces.in_frame.assign(w.blocks.size(), 0);
   for (const Piece& piece : w.pieces.all) {
@@ -299,7 +303,6 @@ void bind_pieces(World& w) {
     });
     for (size_t group = 0; group < piece.group_count(); ++group)
       list_lines(w, w.pieces.blocks_of(piece, group), piece.lines[group], piece.moments[group]);
-    for (size_t group = 0; piece.fixed && group < piece.group_count(); ++group) piece.moments[group].clear();
   };
   each_part(w.pool, w.pieces.all.size(), kPiecesAPart, [&](size_t begin, size_t end) {
     std::ranges::for_each(std::span(w.pieces.all).subspan(begin, end - begin), bind);

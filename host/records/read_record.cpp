@@ -259,11 +259,11 @@ class CsvRecord {
                                         "displacements, not a mixture",
                                         c + 1, unit->name, record_.components.front().unit));
       kind = unit->kind;
-      if (std::find(cells.begin() + 1, cells.begin() + static_cast<std::ptrdiff_t>(c), cells[c]) !=
-          cells.begin() + static_cast<std::ptrdiff_t>(c))
-        lines_.refuse(line, fmt::format("two columns '{}'; allowed: a name of its own for each", cells[c]));
+      const std::string& component = unit == &kUnits[0] && unit_name != unit->name ? cells[c] : name;
+      if (std::ranges::any_of(record_.components, [&](const auto& other) { return other.name == component; }))
+        lines_.refuse(line, fmt::format("two columns '{}'; allowed: a name of its own for each", component));
       factors_.push_back(unit->factor);
-      record_.components.push_back({unit == &kUnits[0] && unit_name != unit->name ? cells[c] : name, {}, unit->name});
+      record_.components.push_back({component, {}, unit->name});
     }
     record_.kind = *kind;
   }

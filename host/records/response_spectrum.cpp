@@ -21,7 +21,7 @@ struct Moment {
 };
 
 // Largest absolute value in a step after its beginning, of the cubic through both ends with their rates. Peaks lie
-// between the ends where the rate changes its sign: those of velocities and accelerations follow kinks of the record,
+// between the ends where the rate changes its sign. Those of velocities and accelerations follow kinks of the record,
 // and may be far from steps. The error of the cubic is of the fourth order in the step.
 double largest_of_step(double step, const Moment& from, const Moment& to) {
   const double largest = std::abs(to.value);

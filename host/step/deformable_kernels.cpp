@@ -426,6 +426,7 @@ template <int kCount>
 HWY_INLINE void fixed_forces(const FramedGroup* groups, const CongruentBlocks& congruent, const ZoneStep& step) {
   const LaneColumns* columns[kCount];
   Lanes33 r[kCount][kParts];
+  Lanes3 q[kCount][kParts];  // in the frames: half of the moments on them, as U = 1
   StiffnessRows<kCount> rows(congruent.stiffness), elastic_rows(congruent.stiffness);
   const double *w[kCount], *u[kCount];
   for (int b = 0; b < kCount; ++b) {
@@ -433,10 +434,12 @@ HWY_INLINE void fixed_forces(const FramedGroup* groups, const CongruentBlocks& c
     w[b] = step.beta > 0.0 ? c.weighted : c.u, u[b] = c.u;
     for (int p = 0; p < kParts; ++p) {
       r[b][p] = fixed_rotations(groups[b].blocks, p * kWidth);
+      q[b][p] = scaled(hn::Set(D(), 0.5), transposed_times_of(r[b][p], load_line(c.moment + p * kWidth)));
       fixed_displacements(c, p * kWidth, step.beta, r[b][p]);
     }
     std::fill(groups[b].sums->deformation, std::end(groups[b].sums->deformation), 0.0);
   }
+  const int anchors = static_cast<int>(congruent.anchor.size());
   for (int n = 0; n < columns[0]->node_count; ++n) {
     V f[kCount][3][kParts], elastic[kCount][3][kParts];
     rows.next(w, f);
@@ -446,7 +449,10 @@ HWY_INLINE void fixed_forces(const FramedGroup* groups, const CongruentBlocks& c
       for (int p = 0; p < kParts; ++p) {
         const int at = n * kLine + p * kWidth;
         const Lanes3 g{f[b][0][p], f[b][1][p], f[b][2][p]};
-        store_line(difference_of(load_line(c.force + at), times(r[b][p], g)), c.force + at);
+        Lanes3 internal = g;
+        if (n < anchors)
+          internal = difference_of(g, cross_of(q[b][p], broadcast(&congruent.anchor[static_cast<std::size_t>(n)].x)));
+        store_line(difference_of(load_line(c.force + at), times(r[b][p], internal)), c.force + at);
         if (!step.energies) continue;
         const Lanes3 of_strain{elastic[b][0][p], elastic[b][1][p], elastic[b][2][p]};
         store_line(of_strain, c.elastic + at);

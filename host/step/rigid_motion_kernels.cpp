@@ -80,7 +80,7 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
 }
 
 // Sums of momentum, force and their moments of blocks in fixed frames, with constant arms.
-HWY_INLINE void add_up_at_rest(const LaneColumns& c, int first, Sums* sums) {
+HWY_INLINE void add_up_with_fixed_arms(const LaneColumns& c, int first, Sums* sums) {
   const D d;
   Lanes3 momentum = zeros(), spin = zeros(), force = zeros(), moment = zeros();
   for (int n = 0; n < c.node_count; ++n) {
@@ -336,7 +336,7 @@ void SplitMotion(std::span<const LaneColumns> groups, int count, const RigidMoti
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (groups[g].arm) sums[g].inertia = *groups[g].inertia;
     for (int first = 0; first < count; first += kWidth)
-      groups[g].arm ? add_up_at_rest(groups[g], first, &sums[g]) : add_up(groups[g], first, &sums[g]);
+      groups[g].arm ? add_up_with_fixed_arms(groups[g], first, &sums[g]) : add_up(groups[g], first, &sums[g]);
   }
   for (int first = 0; first < count; first += kWidth) {
     if (groups.size() == 2)

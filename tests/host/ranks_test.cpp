@@ -238,7 +238,8 @@ INSTANTIATE_TEST_SUITE_P(
              Case::parting},
         Case{"LeavingFrames",
              kTests + "host/small_building.toml",
-             {"stage.push.displacement=0.006", "stage.push.record_interval=10", "output.energy=true"},
+             {"solver.sliding_bound=0.01", "stage.push.displacement=0.006", "stage.push.record_interval=10",
+              "output.energy=true"},
              Case::promotion}),
     [](const auto& of) { return std::string(of.param.name); });
 
