@@ -21,8 +21,9 @@ namespace quoin::blocks {
 struct World;
 
 // Rotation from which on a frame follows its block, rad. A fixed frame mistakes a rotation theta for a strain
-// theta^2/2: 2e-6 at this bound, 20 kPa at 10 GPa in a confined block. Axes of its contact points are off by theta.
-inline constexpr double kFixedFrame = 2e-3;
+// theta^2/2: 1.3e-5 at this bound, a seventh of what the lattice allows (0.013 rad). Axes of its contact points are off
+// by theta.
+inline constexpr double kFixedFrame = 5e-3;
 double largest_fixed_rotation(const World& w);  // that, or solver.rotation_bound where it is less
 
 // Rigid part of a vector field on gridpoints: the mean + turn x (X - centre) whose difference from the field has

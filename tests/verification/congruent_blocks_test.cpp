@@ -292,7 +292,7 @@ TEST(FixedFrames, EnergyOfVibrationCloses) {
   }
 }
 
-// A brick that spins about an oblique axis leaves its fixed frame at 2e-3 rad. The other seven of its piece leave with
+// A brick that spins about an oblique axis leaves its fixed frame at 5e-3 rad. The other seven of its piece leave with
 // it, those of the next piece stay. Momentum and angular momentum stay to rounding, energy to the square of the
 // rotation. Strain is that of the centrifugal force, far below E (theta^2/2)^2.
 TEST(FixedFrames, ABlockThatTurnsLeavesWithItsPiece) {
@@ -306,7 +306,7 @@ TEST(FixedFrames, ABlockThatTurnsLeavesWithItsPiece) {
   double turned_then = 0.0;
   while (fixed_count(*m) == 20 && m->stepping.time < 0.1) turned_then = turned(*m, 0), m->step();
   EXPECT_EQ(fixed_count(*m), 12);
-  EXPECT_NEAR(turned_then, 2e-3, 4e-4);
+  EXPECT_NEAR(turned_then, 5e-3, 4e-4);
   check_error("Left fixed frames: momentum", norm(linear_momentum(*m) - linear) / norm(linear), 1e-12, "-", "relative");
   check_error("Left fixed frames: angular momentum",
               norm(angular_momentum(*m, position_of(*m, 0)) - angular) / norm(angular), 1e-10, "-", "relative");

@@ -40,10 +40,10 @@ int points_on_gridpoints(const Model& m) {
 
 }  // namespace
 
-// In fixed frames too (host/model/fixed_frames.h). The last brick slides by 16 mm off the centre, under pressure, before
-// any block turns by 2e-3 rad. Arms are those of the start. So angular momentum changes by the rotation times the
-// couple of contact forces, d x f, at most: by a twentieth of the couple. Without the moment on the frame it changes by
-// all of it.
+// In fixed frames too (host/model/fixed_frames.h). The last brick slides by 16 mm off the centre, under pressure,
+// before any block turns by 5e-3 rad. Arms are those of the start. So angular momentum changes by the rotation times
+// the couple of contact forces, d x f, at most: by a twentieth of the couple. Without the moment on the frame it
+// changes by all of it.
 TEST(PointsOnGridpoints, KeepAngularMomentumInFixedFrames) {
   for (const Row row : {Row::of_one_mesh, Row::rigid_end}) {
     Scene scene(elastic_joint(1e8, 1e5), 2000, 1e10, 0.2);
