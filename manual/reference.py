@@ -79,7 +79,11 @@ def allowed_of(accessor, arguments):
             found = re.fullmatch(kind + r"\((.+?), (.+)\)", a)
             if found:
                 words.append(lower.format(*found.groups()))
-        if a.startswith("{\""):
+        if re.fullmatch(r"k[A-Z]\w+", a):
+            a = named(a)
+        if a.startswith("{{"):  # names with their values
+            words.append(", ".join(re.findall(r'\{"([^"]*)"', a)))
+        elif a.startswith("{\""):
             words.append(", ".join(re.findall(r'"([^"]*)"', a)))
         elif re.fullmatch(r'"[^"]+"', a):
             words.append(a[1:-1])
@@ -106,6 +110,12 @@ def constant(name):
         if found:
             return found[1]
     return name
+
+
+def named(name):
+    """The names, with their values, that a constant of the readers stands for, or its name."""
+    found = [re.search(r"\b%s = (\{\{.*?\}\});" % name, read(path), re.S) for path in KEY_SOURCES]
+    return next((f[1] for f in found if f), name)
 
 
 def keys_of_code():

@@ -98,7 +98,8 @@ TEST_F(ReadRecord, CsvWithUnits) {
   EXPECT_THAT(record.time, ElementsAre(0.0, 0.01));
   ASSERT_EQ(record.components.size(), 2u);
   EXPECT_THAT(fault("k.csv", "time_s,x_g,x_g\n0,0,0\n1,0,0\n"),
-              HasSubstr("k.csv:1: 'time_s,x_g,x_g': two columns 'x_g'"));
+              HasSubstr("k.csv:1: 'time_s,x_g,x_g': two columns 'x'"));
+  EXPECT_THAT(fault("k.csv", "time_s,x_g,x_cm/s2\n0,0,0\n1,0,0\n"), HasSubstr("two columns 'x'"));
   EXPECT_EQ(record.components[0].name, "east");
   EXPECT_NEAR(record.components[0].value[0], 0.980665, 1e-12);
   EXPECT_THAT(record.components[1].value, ElementsAre(0.05, -0.05));
