@@ -73,8 +73,7 @@ void adopt_histories(World& w, const std::vector<PointHistory>& histories) {
         }
       }
       p.at = now.at;
-      p.reference += now.jump - opening;
-      if (p.facet_a < 0) p.offset += now.jump - opening;
+      keep_opening(p, now.jump, opening);
       for (int k = 0; k < 2; ++k) f.slid[k][i] = now.slid[k] - slip[k];
     }
   }

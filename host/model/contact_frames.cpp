@@ -72,6 +72,11 @@ Location locate(const World& w, const Point& p, const LaneVector<Facet>& facets)
   return l;
 }
 
+void keep_opening(Point& p, double jump, double opening) {
+  p.reference += jump - opening;
+  if (p.facet_a < 0) p.offset += jump - opening;
+}
+
 std::pair<double, double> turned_into(const Vector& s, const Vector& t, const Vector& v) {
   const double along_s = dot(v, s), along_t = dot(v, t);
   const double size = std::sqrt(along_s * along_s + along_t * along_t), keep = size > 0 ? norm(v) / size : 1.0;
@@ -96,7 +101,7 @@ void leave_gridpoints(World& w, Family& f, size_t i) {
   turn(f.slid[0], f.slid[1], f.slid[0], f.slid[1]);
   const Location now = locate(w, p, w.contacts.facets);
   move_foot(facet, frame.gradient, now.slid[0], now.slid[1]);
-  p.reference += locate(w, p, w.contacts.facets).jump - before.jump;
+  keep_opening(p, locate(w, p, w.contacts.facets).jump, before.jump);
 }
 
 }  // namespace quoin::blocks

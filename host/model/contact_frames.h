@@ -27,6 +27,7 @@ struct TriangleFrame {
 TriangleFrame triangle_frame(const LaneVector<Vector>& gridpoints, const Facet& facet);
 void take_axes(Point& p, const TriangleFrame& frame);
 void move_foot(Facet& facet, const ShapeGradients& gradient, double along_s, double along_t);  // m
+void keep_opening(Point& p, double jump, double opening);  // moves the zero of a point whose jump is now `jump`, m
 void take_back_facets(World& w);                           // copies frames and feet from lanes to points
 void leave_gridpoints(World& w, Family& f, size_t point);  // frame: from block a to its triangle
 

@@ -12,86 +12,65 @@ using namespace geometry;
 
 double largest_fixed_rotation(const World& w) { return std::min(kFixedFrame, w.solver.motion_bound.rotation); }
 
-RigidPart rigid_part(std::span<const Vector> place, std::span<const double> mass, std::span<const Vector> of,
-                     bool symmetry_plane) {
-  RigidPart part;
-  double sum = 0.0;
-  for (size_t i = 0; i < place.size(); ++i) {
-    sum += mass[i];
-    part.centre += mass[i] * place[i];
-    part.mean += mass[i] * of[i];
-  }
-  part.centre = part.centre / sum, part.mean = part.mean / sum;
-  part.inertia = Matrix::zero();
-  Vector moment;
-  for (size_t i = 0; i < place.size(); ++i) {
-    const Vector r = place[i] - part.centre;
-    part.inertia += mass[i] * (dot(r, r) * Matrix{} - outer(r, r));
-    moment += mass[i] * cross(r, of[i]);
-  }
-  if (symmetry_plane) {
-    part.mean.z = 0.0;
-    part.turn = {0.0, 0.0, moment.z / part.inertia.row[2].z};
-  } else {
-    part.turn = inverse(part.inertia) * moment;
-  }
-  return part;
-}
-
 namespace {
 
-std::vector<Vector> displacements_of(const World& w, const ModelBlock& b) {
-  std::vector<Vector> u;
-  for (size_t n = size_t(b.first_node); n < size_t(b.first_node + b.node_count); ++n)
-    u.push_back(w.nodes.x[n] - w.nodes.reference[n]);
-  return u;
-}
+// The gridpoints of a deformable block at the start, and the small motion of each; m, m/s.
+struct Displaced {
+  std::span<const Vector> place;
+  std::span<const double> mass;
+  RigidInertia inertia;  // of the motions that a plane of symmetry leaves free
+  std::vector<Vector> displacement;
 
-// Rigid part of a field on the gridpoints of a block.
-RigidPart rigid_part_of(const World& w, const ModelBlock& b, std::span<const Vector> of) {
-  const auto first = size_t(b.first_node), count = size_t(b.node_count);
-  const auto support = std::span(w.nodes.support).subspan(first, count);
-  const bool on_plane = std::ranges::any_of(support, [](uint8_t bits) { return bits != 0; });
-  return rigid_part({w.nodes.reference.data() + first, count}, {w.nodes.mass.data() + first, count}, of, on_plane);
-}
+  Displaced(const World& w, const ModelBlock& b)
+      : place(w.nodes.reference.data() + b.first_node, size_t(b.node_count)),
+        mass(w.nodes.mass.data() + b.first_node, size_t(b.node_count)),
+        inertia(place, mass, {w.nodes.support.data() + b.first_node, size_t(b.node_count)}) {
+    for (size_t n = 0; n < place.size(); ++n) displacement.push_back(w.nodes.x[size_t(b.first_node) + n] - place[n]);
+  }
+  Vector arm(size_t n) const { return place[n] - inertia.centre(); }
+  // Rigid part of a field on the gridpoints: what is left has neither momentum nor angular momentum.
+  Rigid rigid_part(std::span<const Vector> of) const {
+    return inertia.acceleration(sum_about(inertia.centre(), place, of, mass));
+  }
+};
+
+Vector at_arm(const Rigid& motion, const Vector& arm) { return motion.linear + cross(motion.angular, arm); }
 
 // Whether the displacements of a block are still small: its rotation, and the largest displacement beside rigid motion.
 bool keeps_fixed_frame(const World& w, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
-  const std::vector<Vector> u = displacements_of(w, b);
-  const RigidPart moved = rigid_part_of(w, b, u);
-  if (norm(moved.turn) > largest_fixed_rotation(w)) return false;
-  for (size_t n = 0; n < u.size(); ++n) {
-    const Vector r = w.nodes.reference[size_t(b.first_node) + n] - moved.centre;
-    if (!(norm(u[n] - moved.mean - cross(moved.turn, r)) <= kLargestDeformation * b.least_extent)) return false;
-  }
+  const Displaced d(w, b);
+  const Rigid moved = d.rigid_part(d.displacement);
+  if (norm(moved.angular) > largest_fixed_rotation(w)) return false;
+  for (size_t n = 0; n < d.place.size(); ++n)
+    if (!(norm(d.displacement[n] - at_arm(moved, d.arm(n))) <= kLargestDeformation * b.least_extent)) return false;
   return true;
 }
 
-}  // namespace
-
+// Turns the gridpoints of a deformable block, whose displacements and velocities are small ones.
 void turn_gridpoints(World& w, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
-  const auto first = size_t(b.first_node);
-  const std::vector<Vector> u = displacements_of(w, b);
+  const Displaced d(w, b);
   std::vector<Vector> velocity;
   for (int n = 0; n < b.node_count; ++n) velocity.push_back(gridpoint_velocity(w, block, n));
-  const RigidPart moved = rigid_part_of(w, b, u), moving = rigid_part_of(w, b, velocity);
-  const Matrix turn = matrix(rotation(moved.turn));
-  // The angular momentum stays, while the inertia turns; about the normal of a plane of symmetry both stay.
-  const Vector turned_spin = turn * (inverse(moving.inertia) * transposed_times(turn, moving.inertia * moving.turn));
-  const Vector spin = w.assembly.symmetry_plane_z0 ? moving.turn : turned_spin;
-  for (size_t n = 0; n < u.size(); ++n) {
-    const Vector r = w.nodes.reference[first + n] - moved.centre;
-    const Vector turned = turn * (r + (u[n] - moved.mean - cross(moved.turn, r)));
-    const Vector x = moved.centre + moved.mean + turned;
-    const Vector v = moving.mean + cross(spin, turned) + turn * (velocity[n] - moving.mean - cross(moving.turn, r));
+  const Rigid moved = d.rigid_part(d.displacement), moving = d.rigid_part(velocity);
+  const Matrix turn = matrix(rotation(moved.angular));
+  // The angular momentum stays, while the inertia turns.
+  const Vector momentum = d.inertia.force(moving).angular;
+  const Vector spin = turn * d.inertia.acceleration({{}, transposed_times(turn, momentum)}).angular;
+  for (size_t n = 0; n < d.place.size(); ++n) {
+    const Vector r = d.arm(n), turned = turn * (r + (d.displacement[n] - at_arm(moved, r)));
+    const Vector x = d.inertia.centre() + moved.linear + turned;
+    const Vector v = at_arm({moving.linear, spin}, turned) + turn * (velocity[n] - at_arm(moving, r));
+    const size_t node = size_t(b.first_node) + n;
     for (int k = 0; k < 3; ++k) {
-      if (w.nodes.held[first + n] >> k & 1) continue;
-      w.nodes.x[first + n][k] = x[k], w.nodes.v[first + n][k] = v[k];
+      if (w.nodes.held[node] >> k & 1) continue;
+      w.nodes.x[node][k] = x[k], w.nodes.v[node][k] = v[k];
     }
   }
 }
+
+}  // namespace
 
 void begin_with_fixed_frames(World& w) {
   copy_velocities(w);
@@ -131,19 +110,17 @@ std::vector<MovedPoint> points_at(World& w, const std::vector<double>& leaves) {
 void follow(World& w, const MovedPoint& moved) {
   Family& f = *moved.family;
   Point& p = f.point[moved.index];
-  const bool on_triangle = p.facet_a >= 0 && !p.on_gridpoints;
-  if (on_triangle && !w.is_small) {
+  const bool moves_foot = p.facet_a >= 0 && !p.on_gridpoints && !w.is_small;
+  if (moves_foot) {
     Facet& facet = w.contacts.facets[size_t(p.facet_a)];
     const TriangleFrame frame = triangle_frame(w.nodes.x, facet);
     take_axes(p, frame);
-    const Location now = locate(w, p, w.contacts.facets);
-    move_foot(facet, frame.gradient, now.slid[0], now.slid[1]);
+    const Location off = locate(w, p, w.contacts.facets);
+    move_foot(facet, frame.gradient, off.slid[0], off.slid[1]);
   }
   const Location now = locate(w, p, w.contacts.facets);
-  p.reference += now.jump - moved.before.jump;
-  if (p.facet_a < 0) p.offset += now.jump - moved.before.jump;
-  for (int k = 0; k < 2 && !(on_triangle && !w.is_small); ++k)
-    f.slid[k][moved.index] += now.slid[k] - moved.before.slid[k];
+  keep_opening(p, now.jump, moved.before.jump);
+  for (int k = 0; k < 2 && !moves_foot; ++k) f.slid[k][moved.index] += now.slid[k] - moved.before.slid[k];
 }
 
 }  // namespace

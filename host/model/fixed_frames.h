@@ -10,12 +10,6 @@
 // nothing.
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <vector>
-
-#include "geometry/vector.h"
-
 namespace quoin::blocks {
 
 struct World;
@@ -26,19 +20,8 @@ struct World;
 inline constexpr double kFixedFrame = 5e-3;
 double largest_fixed_rotation(const World& w);  // that, or solver.rotation_bound where it is less
 
-// Rigid part of a vector field on gridpoints: the mean + turn x (X - centre) whose difference from the field has
-// neither momentum nor angular momentum. With a plane of symmetry z = 0, the part that keeps points on the plane.
-struct RigidPart {
-  geometry::Vector centre, mean, turn;
-  geometry::Matrix inertia;  // sum m (r^2 1 - r r^T), kg m2
-};
-RigidPart rigid_part(std::span<const geometry::Vector> place, std::span<const double> mass,
-                     std::span<const geometry::Vector> of, bool symmetry_plane);
-
-// Turns the gridpoints of a deformable block, whose displacements and velocities are small ones, as above.
-void turn_gridpoints(World& w, int block);
-// Gives fixed frames to congruent blocks that have turned by less than that, before contact points are adopted;
-// turns the others.
+// Gives fixed frames to congruent blocks that have turned by less than that, and turns the others, before
+// contact points are adopted.
 void begin_with_fixed_frames(World& w);
 // Lets the frames of blocks that have turned follow them, after a step in which motion is checked.
 void leave_fixed_frames(World& w);

@@ -70,7 +70,7 @@ SolverSettings read_solver(Table t, const Quality* quality) {
   if (s.critical_time_step == CriticalTimeStep::nodal &&
       (s.selective_time_step > 0.0 || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
     t.refuse("critical_time_step",
-             "\"assembled\" where inertia is raised, of which eq. 3 knows nothing; for \"nodal\" take damping = "
+             "\"assembled\" where inertia is raised, which eq. 3 leaves out; for \"nodal\" take damping = "
              "\"local\", or deformation_inertia = 1 and unit_inertia = 1, and no selective_time_step");
   t.choice("internal_forces", s.internal_forces,
            {{"automatic", InternalForces::automatic},

@@ -54,13 +54,11 @@ GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
 
 // Kinetic energy of the rigid part, J.
 double rigid_kinetic_energy(const GridpointMotion& f, bool symmetry_plane) {
-  const blocks::RigidPart part = blocks::rigid_part(f.place, f.mass, f.velocity, symmetry_plane);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < f.place.size(); ++i) {
-    const Vector v = part.mean + cross(part.turn, f.place[i] - part.centre);
-    sum += 0.5 * f.mass[i] * dot(v, v);
-  }
-  return sum;
+  constexpr std::uint8_t kAlongZ = 4;
+  const std::vector<std::uint8_t> held(f.place.size(), symmetry_plane ? kAlongZ : 0);
+  const blocks::RigidInertia inertia(f.place, f.mass, held);
+  const blocks::Rigid moving = inertia.acceleration(blocks::sum_about(inertia.centre(), f.place, f.velocity, f.mass));
+  return 0.5 * dot(inertia.force(moving), moving);
 }
 
 // Index of each gridpoint of a brick among those of its block in large motion, by position at the start.
@@ -233,9 +231,10 @@ void promote(Simulation::Impl& s, const std::string& why) {
     const blocks::ModelBlock& block = m.blocks[i];
     if (block.body < 0) {
       const auto order = gridpoint_order(s.left->bricks[b], fields[b].place, m.nodes.reference, block);
+      LaneVector<Vector>& x = change_node_positions(m);  // velocities change with them
       for (std::size_t n = 0; n < order.size(); ++n) {
-        change_node_positions(m)[order[n]] = m.nodes.reference[order[n]] + fields[b].displacement[n];
-        change_node_velocities(m)[order[n]] = fields[b].velocity[n];
+        x[order[n]] = m.nodes.reference[order[n]] + fields[b].displacement[n];
+        m.nodes.v[order[n]] = fields[b].velocity[n];
       }
     } else {
       const BodyMotion& body = bodies[b];
@@ -244,7 +243,7 @@ void promote(Simulation::Impl& s, const std::string& why) {
       m.set_velocity(i, geometry::vector(body.velocity), geometry::vector(body.spin));
     }
   }
-  m.frames.fixed.assign(m.blocks.size(), 1);
+  m.frames.fixed.assign(m.blocks.size(), 1);  // displacements are small ones so far, of all blocks
   promotion.strain_energy = strain_energy(m);
   begin_with_fixed_frames(m);
   promotion.energy_jump = strain_energy(m) - promotion.strain_energy;

@@ -15,25 +15,13 @@
 #include <string>
 #include <vector>
 
+#include "../dry_stone.h"
+
 namespace fs = std::filesystem;
 
 inline std::string read_all(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-// Head of a scene of dry stone. friction_angle: degrees.
-inline std::string dry_stone(double friction_angle) {
-  return R"(
-[materials.stone]
-density = 2000.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = )" +
-         fmt::format("{}\n", friction_angle);
 }
 
 class Cli : public ::testing::Test {

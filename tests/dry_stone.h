@@ -1,0 +1,20 @@
+// Head of a scene of rigid blocks of dry stone.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <string>
+
+// friction_angle: degrees.
+inline std::string dry_stone(double friction_angle) {
+  return R"(
+[materials.stone]
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = )" +
+         fmt::format("{}\n", friction_angle);
+}
