@@ -11,6 +11,7 @@
 #include <random>
 #include <set>
 
+#include "../scratch.h"
 #include "base/error.h"
 #include "geometry/mesh_file.h"
 #include "geometry/zoning.h"
@@ -415,15 +416,15 @@ TEST(Zoning, TheSizeOfAZoneIsItsSmallest) {
 }
 
 TEST(MeshFile, OffObjAndStl) {
-  const std::string folder = ::testing::TempDir();
+  const Scratch scratch;
   const ConvexPolyhedron b = box({0, 0, 0}, {2, 1, 1});
   {
-    std::ofstream off(folder + "b.off");
+    std::ofstream off(scratch.path("b.off"));
     off << "OFF\n# a box\n8 6 0\n";
     for (const Vector& p : b.vertices) off << p.x << ' ' << p.y << ' ' << p.z << '\n';
     for (const auto& f : b.faces) off << "4 " << f[0] << ' ' << f[1] << ' ' << f[2] << ' ' << f[3] << '\n';
-    std::ofstream(folder + "b.obj") << to_obj({{"first", b}, {"second", box({5, 0, 0}, {1, 1, 1})}});
-    std::ofstream stl(folder + "b.stl");
+    std::ofstream(scratch.path("b.obj")) << to_obj({{"first", b}, {"second", box({5, 0, 0}, {1, 1, 1})}});
+    std::ofstream stl(scratch.path("b.stl"));
     stl << "solid brick\n";
     std::string binary(84, ' ');
     uint32_t count = 0;
@@ -444,20 +445,21 @@ TEST(MeshFile, OffObjAndStl) {
     }
     stl << "endsolid brick\n";
     std::memcpy(binary.data() + 80, &count, 4);
-    std::ofstream(folder + "binary.stl", std::ios::binary) << binary;
+    scratch.file("binary.stl", binary);
   }
   for (const char* file : {"b.off", "b.obj", "b.stl", "binary.stl"}) {
-    const auto shapes = read_mesh_file(folder + file, 0.001);
+    const auto shapes = read_mesh_file(scratch.path(file), 0.001);
     ASSERT_FALSE(shapes.empty()) << file;
     EXPECT_EQ(shapes[0].shape.faces.size(), 6u) << file;
     EXPECT_NEAR(mass_properties(shapes[0].shape).volume, 2e-9, 1e-18) << file;
   }
-  EXPECT_EQ(read_mesh_file(folder + "b.obj").size(), 2u);
-  EXPECT_EQ(read_mesh_file(folder + "b.obj")[1].name, "second");
-  std::ofstream(folder + "bad.off") << "OFF\n4 4 0\n0 0 0\n1 0 x\n";
-  EXPECT_NE(refusal([&] { read_mesh_file(folder + "bad.off"); }).find("bad.off:4: 'x' is not a number"),
+  EXPECT_EQ(read_mesh_file(scratch.path("b.obj")).size(), 2u);
+  EXPECT_EQ(read_mesh_file(scratch.path("b.obj"))[1].name, "second");
+  scratch.file("bad.off", "OFF\n4 4 0\n0 0 0\n1 0 x\n");
+  EXPECT_NE(refusal([&] { read_mesh_file(scratch.path("bad.off")); }).find("bad.off:4: 'x' is not a number"),
             std::string::npos);
-  EXPECT_NE(refusal([&] { read_mesh_file(folder + "none.ply"); }).find("unknown kind of mesh file"), std::string::npos);
+  EXPECT_NE(refusal([&] { read_mesh_file(scratch.path("none.ply")); }).find("unknown kind of mesh file"),
+            std::string::npos);
 }
 
 // Points within faces and edges, as on the surface of a mesh, are not corners, for any order.

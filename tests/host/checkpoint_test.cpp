@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
+#include "../scene_of_text.h"
 #include "base/archive.h"
 #include "base/error.h"
 #include "scene/read_scene.h"
@@ -183,8 +183,7 @@ TEST(Checkpoint, CollapseOfAnArchGoesOnBitForBit) {
 // Rigid and deformable blocks with initial velocity, forces, pressures and ground motion, with viscous damping. Loads
 // fade between stages, a support is removed, and the time step changes with the contacts.
 TEST(Checkpoint, FallingDryWallGoesOnBitForBit) {
-  const std::string path = ::testing::TempDir() + "falling_wall.toml";
-  std::ofstream(path) << R"(
+  Scene scene = scene_of_text(R"(
 [solver]
 damping = "viscous"
 mass_damping = 1.0
@@ -246,8 +245,7 @@ solver = { damping = "local", local_damping = 0.1 }
 energy = true
 monitor = "wall/3/0"
 record_interval = 0.01
-)";
-  Scene scene = read_scene(path);
+)");
   const TimeSeries record{{0.0, 0.05, 0.1, 0.2, 0.3}, {0.0, 12.0, -12.0, 12.0, 0.0}};
   scene.stages.back().ground = GroundMotion{{{{1.0, 0.0, 0.0}, record, RunningIntegral(record)}}, {}, {}, {}};
   EXPECT_GT(expect_restores(scene), 10);

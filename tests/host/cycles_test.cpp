@@ -1,13 +1,10 @@
 // Cyclic displacements: on the lattice, in large motion, of blocks of any shape, and through a whiffletree.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
-#include "scene/read_scene.h"
+#include "../scene_of_text.h"
 #include "support.h"
 
 namespace quoin {
@@ -21,11 +18,7 @@ Scene wall(std::vector<std::string> more = {}) {
   text.replace(stage, output - stage,
                "[[stage]]\nname = \"cycles\"\nkind = \"cycles\"\namplitudes = [1e-4, 2e-4]\nvelocity = 0.05\n"
                "ramp_time = 0.001\nrecord_interval = 1\n\n");
-  const auto file = std::filesystem::temp_directory_path() / fmt::format("quoin_cycles_run_{}.toml", getpid());
-  std::ofstream(file) << text;
-  Scene scene = read_scene(file.string(), more);
-  std::filesystem::remove(file);
-  return scene;
+  return scene_of_text(text, more);
 }
 
 struct RowsOfStage : Observer {
@@ -201,19 +194,11 @@ block = "head"
 velocity = [0.0, "free", 0.0]
 )";
 
-Scene blocks(const std::vector<std::string>& more) {
-  const auto file = std::filesystem::temp_directory_path() / fmt::format("quoin_cycled_blocks_{}.toml", getpid());
-  std::ofstream(file) << kBlocks;
-  Scene scene = read_scene(file.string(), more);
-  std::filesystem::remove(file);
-  return scene;
-}
-
 // A dry block of 400 kg slides back and forth on another one: friction mu N in every half cycle, 0.577 x 3924 N.
 TEST(Cycles, OfABlockReachTheirAmplitudesInEveryKindOfMotion) {
   for (const char* how : {"solver.kernels=lattice", "solver.kernels=general", "solver.large_motion=always"}) {
     SCOPED_TRACE(how);
-    const Scene scene = blocks({how});
+    const Scene scene = scene_of_text(kBlocks, {how});
     Simulation s(scene);
     RowsOfStage rows(1);
     s.run(rows);
@@ -233,10 +218,7 @@ TEST(Cycles, OfAWhiffletreeReachTheirAmplitudes) {
   text +=
       "[[stage]]\nname = \"cycles\"\nkind = \"cycles\"\namplitudes = [2e-4, 5e-4]\nvelocity = 0.01\nstiffness = 1e8\n"
       "ramp_time = 0.02\nrecord_interval = 1\n";
-  const auto file = std::filesystem::temp_directory_path() / fmt::format("quoin_cycled_floor_{}.toml", getpid());
-  std::ofstream(file) << text;
-  const Scene scene = read_scene(file.string(), {"stage.weight.equilibrium_ratio=0.1"});
-  std::filesystem::remove(file);
+  const Scene scene = scene_of_text(text, {"stage.weight.equilibrium_ratio=0.1"});
   ASSERT_TRUE(scene.stages[1].whiffletree);
   Simulation s(scene);
   RowsOfStage rows(1);

@@ -2,16 +2,15 @@
 // are bitwise identical to those of a [wall]. Messages name blocks that do not fit.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
 
+#include "../scene_of_text.h"
 #include "base/error.h"
 #include "geometry/zoning.h"
 #include "model/brick_template.h"
@@ -35,14 +34,6 @@ std::string text_of(const std::string& file) {
   std::stringstream text;
   text << stream.rdbuf();
   return text.str();
-}
-
-Scene read_text(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  const auto file = std::filesystem::temp_directory_path() / ("quoin_kernels_" + std::to_string(getpid()) + ".toml");
-  std::ofstream(file) << text;
-  Scene scene = read_scene(file.string(), overrides);
-  std::filesystem::remove(file);
-  return scene;
 }
 
 std::string list(const auto& values) { return fmt::format("[{}, {}, {}]", values[0], values[1], values[2]); }
@@ -197,7 +188,7 @@ void expect_same_assembly(const Assembly& a, const Assembly& b, std::size_t shif
 // A wall as a list of blocks is bitwise identical to the [wall].
 TEST(KernelsChoice, ListOfBlocksIsTheWallItself) {
   Simulation wall(read_scene(QUOIN_SCENES "/solid_wall_030.toml", {"output.frames=0"}));
-  Simulation blocks(read_text(solid_wall_as_blocks(), {"output.frames=0"}));
+  Simulation blocks(scene_of_text(solid_wall_as_blocks(), {"output.frames=0"}));
   ASSERT_FALSE(blocks.large_motion());
   expect_same_assembly(blocks.assembly(), wall.assembly(), 0, 0.0);
   const Stopper a = run_for(wall, 500), b = run_for(blocks, 500);
@@ -227,7 +218,7 @@ TEST(KernelsChoice, DryWallOfZonedHalfUnitsIsTheWallItself) {
 // rounding, which cracks amplify to 2e-9 at the end.
 TEST(KernelsChoice, ListOfCubesMovesInRigidLanes) {
   Simulation wall(read_scene(QUOIN_SCENES "/cube_wall_10.toml", {"output.frames=0"}));
-  Simulation blocks(read_text(cube_wall_as_blocks(), {"solver.kernels=lattice", "output.frames=0"}));
+  Simulation blocks(scene_of_text(cube_wall_as_blocks(), {"solver.kernels=lattice", "output.frames=0"}));
   ASSERT_FALSE(blocks.large_motion());
   EXPECT_EQ(blocks.point_count(), wall.point_count());
   EXPECT_EQ(blocks.model().lone_bodies.size(), 1u);
@@ -256,7 +247,7 @@ TEST(KernelsChoice, ListOfCubesMovesInRigidLanes) {
 
 // Scenes that fit the lattice use it by default; arches and panels with crossing joints do not fit.
 TEST(KernelsChoice, GeometryChooses) {
-  EXPECT_FALSE(choose_motion(read_text(cube_wall_as_blocks())).shapes);
+  EXPECT_FALSE(choose_motion(scene_of_text(cube_wall_as_blocks())).shapes);
   for (const char* scene : {"arch", "ferris_tin_loi_1", "ferris_tin_loi_2"})
     EXPECT_TRUE(choose_motion(read_scene(fmt::format("{}/{}.toml", QUOIN_SCENES, scene))).shapes) << scene;
 }
@@ -349,7 +340,7 @@ duration = 0.01
 
 std::string refusal(const std::vector<std::string>& overrides, const std::string& more = "") {
   try {
-    choose_motion(read_text(kTwoBlocks + more, overrides));
+    choose_motion(scene_of_text(kTwoBlocks + more, overrides));
   } catch (const Error& error) {
     EXPECT_EQ(error.exit_code, Exit::bad_input);
     return error.what();
@@ -404,11 +395,11 @@ box = { lower = [0, 1, 0], size = [1, 0.5, 1] }
 
 // Keys of stages that the lattice expresses by controls: fixed blocks, forces beside fixed components, pressures.
 TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
-  const Motion motion =
-      choose_motion(read_text(kTwoBlocks, {"stage.1.velocity=[{block=\"stone\",velocity=[0,\"free\",0.5]}]",
-                                           "stage.1.force=[{block=\"stone\",point=[0,0.5,0],force=[7,-3,0]}]",
-                                           "stage.1.pressure=[{block=\"stone\",normal=[0.1,1,0],pressure=10},{block="
-                                           "\"stone\",normal=[1,0,0],pressure=4}]"}));
+  const Motion motion = choose_motion(
+      scene_of_text(kTwoBlocks, {"stage.1.velocity=[{block=\"stone\",velocity=[0,\"free\",0.5]}]",
+                                 "stage.1.force=[{block=\"stone\",point=[0,0.5,0],force=[7,-3,0]}]",
+                                 "stage.1.pressure=[{block=\"stone\",normal=[0.1,1,0],pressure=10},{block="
+                                 "\"stone\",normal=[1,0,0],pressure=4}]"}));
   ASSERT_FALSE(motion.shapes);
   const auto& controls = motion.scene.stages[0].controls;
   ASSERT_EQ(controls.size(), 2u);
@@ -420,17 +411,17 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
   EXPECT_EQ(motion.bricks.bricks[1].body, "stone");
   EXPECT_EQ(controls[1].kind, (std::array{DofKind::velocity, DofKind::velocity, DofKind::velocity}));
 
-  const Motion free =
-      choose_motion(read_text(kTwoBlocks, {"stage.1.force=[{block=\"stone\",point=[0.5,0.25,0.5],force=[7,-3,0]}]"}));
+  const Motion free = choose_motion(
+      scene_of_text(kTwoBlocks, {"stage.1.force=[{block=\"stone\",point=[0.5,0.25,0.5],force=[7,-3,0]}]"}));
   ASSERT_EQ(free.scene.stages[0].controls.size(), 2u);
   EXPECT_EQ(free.scene.stages[0].controls[1].body, "stone");
   EXPECT_EQ(free.scene.stages[0].controls[1].force, (Vec3{7.0, -3.0, 0.0}));
   EXPECT_TRUE(free.scene.stages[0].controls[1].may_turn);
 
   // Areas are 0.5 m2 at the ends and 1 m2 at the top. Each pressure acts against the normal of its face.
-  const Motion pressed = choose_motion(
-      read_text(kTwoBlocks, {"stage.1.pressure=[{block=\"stone\",normal=[-1,0,0],pressure=6},{block=\"stone\",normal="
-                             "[0,1,0],pressure=5},{block=\"stone\",normal=[0,0,-1],pressure=8}]"}));
+  const Motion pressed = choose_motion(scene_of_text(
+      kTwoBlocks, {"stage.1.pressure=[{block=\"stone\",normal=[-1,0,0],pressure=6},{block=\"stone\",normal="
+                   "[0,1,0],pressure=5},{block=\"stone\",normal=[0,0,-1],pressure=8}]"}));
   ASSERT_EQ(pressed.scene.stages[0].controls.size(), 2u);
   EXPECT_EQ(pressed.scene.stages[0].controls[1].body, "stone");
   EXPECT_EQ(pressed.scene.stages[0].controls[1].force, (Vec3{3.0, -5.0, 4.0}));
@@ -441,8 +432,8 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
 TEST(KernelsChoice, BothKernelsCarryTheWeight) {
   for (const char* kernels : {"lattice", "general"}) {
     const Scene scene =
-        read_text(kTwoBlocks, {fmt::format("solver.kernels={}", kernels), "stage.1.duration=1000",
-                               "stage.1.equilibrium_ratio=1e-6", "stage.1.monitor=stone", "output.frames=0"});
+        scene_of_text(kTwoBlocks, {fmt::format("solver.kernels={}", kernels), "stage.1.duration=1000",
+                                   "stage.1.equilibrium_ratio=1e-6", "stage.1.monitor=stone", "output.frames=0"});
     Simulation simulation(scene);
     EXPECT_EQ(simulation.large_motion() != nullptr, std::string(kernels) == "general");
     Observer nobody;

@@ -1,11 +1,9 @@
 // Promotions: runs that change from small displacements to large motion.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -13,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "../scene_of_text.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
 #include "step/results.h"
@@ -188,14 +187,11 @@ TEST(Promotion, AWallFallsToTheGround) {
   std::string text = shipped.str();
   const std::string held = "[0.5, 0.0, 0.0]";
   text.replace(text.find(held), held.size(), "[0.8, 'free', 0.0]");
-  const auto file = std::filesystem::temp_directory_path() / ("quoin_fall_" + std::to_string(getpid()) + ".toml");
-  std::ofstream(file) << text;
-  Scene scene = read_scene(
-      file.string(), {"dry_wall.wall.courses=8", "dry_wall.wall.units_per_course=1",
-                      "block.top_beam.position=[0,0.5,0]", "block.top_beam.box={lower=[0,0,0],size=[0.22,0.1,0.1]}",
-                      "block.bottom_beam.box={lower=[0,-0.1,0],size=[0.22,0.1,0.1]}", "stage.push.displacement=0.35",
-                      "stage.fall.duration=1", "output.frames=0"});
-  std::filesystem::remove(file);
+  Scene scene = scene_of_text(
+      text, {"dry_wall.wall.courses=8", "dry_wall.wall.units_per_course=1", "block.top_beam.position=[0,0.5,0]",
+             "block.top_beam.box={lower=[0,0,0],size=[0.22,0.1,0.1]}",
+             "block.bottom_beam.box={lower=[0,-0.1,0],size=[0.22,0.1,0.1]}", "stage.push.displacement=0.35",
+             "stage.fall.duration=1", "output.frames=0"});
   Simulation s(scene);
   const auto pairs = [&](bool pressed) {
     std::set<std::pair<int, int>> met;

@@ -1,15 +1,11 @@
 // Cycles: their closed form, the loss of force, and scenes with cycles.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
+#include "../scene_of_text.h"
 #include "base/error.h"
-#include "scene/read_scene.h"
 
 namespace quoin {
 namespace {
@@ -127,11 +123,7 @@ TEST(ForceLoss, SmallerAmplitudesLoseNoForce) {
 class ReadCycles : public ::testing::Test {
  protected:
   Scene read(const std::string& scene, const std::vector<std::string>& overrides) {
-    const auto file = std::filesystem::temp_directory_path() / fmt::format("quoin_cycles_{}.toml", getpid());
-    std::ofstream(file) << scene;
-    const Scene result = read_scene(file.string(), overrides);
-    std::filesystem::remove(file);
-    return result;
+    return scene_of_text(scene, overrides);
   }
   std::string fault(const std::string& scene, const std::vector<std::string>& overrides) {
     try {

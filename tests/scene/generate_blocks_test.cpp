@@ -3,16 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <vector>
 
-#include "scene/read_scene.h"
+#include "../scene_of_text.h"
 #include "scene/size.h"
 
 namespace quoin::blocks {
@@ -22,8 +19,7 @@ constexpr double kLength = 0.3, kThickness = 0.2;
 constexpr int kCourses = 7, kUnits = 4;
 
 Scene scene_with(const std::string& keys) {
-  const auto file = std::filesystem::temp_directory_path() / ("quoin_dry_wall_" + std::to_string(getpid()) + ".toml");
-  std::ofstream(file) << R"([materials.stone]
+  return scene_of_text(R"([materials.stone]
 density = 2000
 young_modulus = 1e10
 poisson_ratio = 0.2
@@ -36,10 +32,7 @@ material = "stone"
 courses = 7
 units_per_course = 4
 unit = [0.3, 0.1, 0.2]
-)" << keys << "[[stage]]\nduration = 0.1\n";
-  const Scene scene = read_scene(file.string());
-  std::filesystem::remove(file);
-  return scene;
+)" + keys + "[[stage]]\nduration = 0.1\n");
 }
 
 Assembly wall_with(const std::string& keys) { return assemble(scene_with(keys)); }

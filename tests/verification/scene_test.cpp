@@ -1,12 +1,10 @@
 // Block scenes: reader, generators and stages.
-#include <unistd.h>
 
 #include <cmath>
 #include <complex>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 
+#include "../scratch.h"
 #include "base/error.h"
 #include "model/world_results.h"
 #include "scene/generate_blocks.h"
@@ -17,11 +15,8 @@
 namespace quoin::verification {
 namespace {
 
-std::string scene_file(const std::string& body) {
-  static int number = 0;
-  const std::string path =
-      ::testing::TempDir() + "scene_" + std::to_string(getpid()) + "_" + std::to_string(++number) + ".toml";
-  std::ofstream(path) << R"(
+std::string with_stone(const std::string& body) {
+  return R"(
 [materials.stone]
 young_modulus = 1e10
 poisson_ratio = 0.2
@@ -32,8 +27,7 @@ initial_state = "dry"
 normal_stiffness = 1e9
 shear_stiffness = 5e8
 friction_angle = 35.0
-)" << body;
-  return path;
+)" + body;
 }
 void run_through(Simulation& simulation) {
   Observer nobody;
@@ -48,10 +42,11 @@ duration = 0.1
 )";
 
 TEST(BlockScenes, EveryShapeAndGenerator) {
-  const std::string mesh = ::testing::TempDir() + std::to_string(getpid()) + "_wedge.off";
-  std::ofstream(mesh)
-      << "OFF\n6 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 1\n0 1 1\n3 0 2 1\n3 3 4 5\n4 0 1 4 3\n4 1 2 5 4\n4 2 0 3 5\n";
-  const std::string path = scene_file(R"(
+  const Scratch scratch;
+  scratch.file(
+      "wedge.off",
+      "OFF\n6 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 1\n0 1 1\n3 0 2 1\n3 3 4 5\n4 0 1 4 3\n4 1 2 5 4\n4 2 0 3 5\n");
+  const std::string text = with_stone(R"(
 [[block]]
 name = "box"
 material = "stone"
@@ -65,8 +60,7 @@ position = [0, 0.0, -4]
 [[block]]
 name = "mesh"
 material = "stone"
-mesh = ")" + std::to_string(getpid()) +
-                                      R"(_wedge.off"
+mesh = "wedge.off"
 rotation = [-90, 0, 0]
 position = [4, 0, -4]
 [[block]]
@@ -108,7 +102,7 @@ trim_start = [0.2, 0.0]
 family = "none"
 between = ["hull", "mesh"]
 )" + std::string(rest_stage));
-  Simulation run(read_scene(path));
+  Simulation run(read_scene(scratch.file("scene.toml", text)));
   const blocks::Assembly& a = run.large_motion()->assembly;
   double wall = 0.0, expected = 0.0;
   for (size_t i = 0; i < a.blocks.size(); ++i) {
@@ -127,7 +121,7 @@ between = ["hull", "mesh"]
 }
 
 TEST(BlockScenes, FaultsAreLocated) {
-  const std::string path = scene_file(R"(
+  const std::string faulty = with_stone(R"(
 [[block]]
 name = "a"
 material = "ston"
@@ -142,7 +136,7 @@ unit = [0.4, 0.2, 0.2]
 gravity = [0, -9.81, 0]
 )");
   try {
-    read_scene(path);
+    scene_of(faulty);
     FAIL();
   } catch (const Error& e) {
     const std::string text = e.what();
@@ -151,14 +145,14 @@ gravity = [0, -9.81, 0]
       EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
     }
   }
-  const std::string concave = scene_file(R"(
+  const std::string concave = with_stone(R"(
 [[block]]
 name = "flat"
 material = "stone"
 vertices = [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]
 )" + std::string(rest_stage));
   try {
-    Simulation run(read_scene(concave));
+    Simulation run(scene_of(concave));
     FAIL();
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("block flat: its vertices lie in one plane"), std::string::npos) << e.what();
@@ -196,14 +190,14 @@ void expect_words(const std::string& text, std::initializer_list<const char*> wo
 TEST(BlockScenes, ABlockThatIsNowhereEndsTheRun) {
   const double nowhere[] = {NAN, INFINITY, -INFINITY};
   for (double wrong : nowhere) {
-    const quoin::Scene scene = read_scene(scene_file(two_free_blocks + std::string(rest_stage)));
+    const quoin::Scene scene = scene_of(with_stone(two_free_blocks + std::string(rest_stage)));
     Model m(blocks::assemble(scene), scene.solver);
     run_steps(m, 3);
     body_of(m, 1).v.y = wrong;
     expect_words(failure([&] { m.step(); }, Exit::numerical),
                  {"block #1 'there', (5.5, 0.5, 0.5) m at the start", "no finite number at step 4"});
   }
-  Simulation spinning(read_scene(scene_file(two_free_blocks + std::string(R"(
+  Simulation spinning(scene_of(with_stone(two_free_blocks + std::string(R"(
 [[stage]]
 duration = 0.1
 [[stage.velocity]]
@@ -216,7 +210,7 @@ omega = [0, 1e300, 0]
   // of deformable blocks, gridpoints
   std::string soft = two_free_blocks;
   soft.replace(soft.rfind("material"), 0, "rigid = false\nzone_edge = 1.0\n");
-  const quoin::Scene scene = read_scene(scene_file(soft + rest_stage));
+  const quoin::Scene scene = scene_of(with_stone(soft + rest_stage));
   Model m(blocks::assemble(scene), scene.solver);
   run_steps(m, 3);
   change_node_velocities(m)[2].z = NAN;
@@ -235,7 +229,7 @@ box = { lower = [-1, -1, 0], size = [9, 1, 1] }
   for (const char* x : {"0", "2", "4"})
     three += std::string("[[block]]\nname = \"at ") + x + "\"\nmaterial = \"stone\"\nbox = { lower = [" + x +
              ", 0, 0], size = [1, 1, 1] }\n";
-  const quoin::Scene scene = read_scene(scene_file(three + rest_stage));
+  const quoin::Scene scene = scene_of(with_stone(three + rest_stage));
   Model m(blocks::assemble(scene), scene.solver);
   run_steps(m, 3);
   body_of(m, 2).x.y = -1e300;
@@ -248,12 +242,12 @@ TEST(BlockScenes, HistoriesHoldFiniteNumbers) {
   // Positions stay finite, but the square of the velocity does not.
   std::string stage = rest_stage;
   stage.replace(stage.find("-9.81"), 5, "-1e200");
-  Simulation run(read_scene(scene_file(two_free_blocks + stage)));
+  Simulation run(scene_of(with_stone(two_free_blocks + stage)));
   expect_words(failure([&] { run_through(run); }, Exit::numerical), {"stage 'stage'", "step", "no finite number"});
 }
 
 TEST(BlockScenes, ModelsStartSomewhere) {
-  const quoin::Scene scene = read_scene(scene_file(two_free_blocks + std::string(rest_stage)));
+  const quoin::Scene scene = scene_of(with_stone(two_free_blocks + std::string(rest_stage)));
   const auto refused = [&](const std::function<void(blocks::Assembly&)>& spoil) {
     blocks::Assembly a = blocks::assemble(scene);
     spoil(a);
@@ -283,23 +277,23 @@ TEST(BlockScenes, ALoadOnOneOfTwoBlocksOfTheSameNameIsRefused) {
   std::string twins = two_free_blocks;
   twins.replace(twins.find("there"), 5, "here");
   const std::string load = "[[stage.force]]\nblock = \"here\"\npoint = [0, 0, 0]\nforce = [1, 0, 0]\n";
-  expect_words(failure([&] { Simulation run(read_scene(scene_file(twins + rest_stage + load))); }, Exit::bad_input),
+  expect_words(failure([&] { Simulation run(scene_of(with_stone(twins + rest_stage + load))); }, Exit::bad_input),
                {"blocks #0 and #1 are both called 'here'"});
-  EXPECT_NO_THROW(Simulation(read_scene(scene_file(twins + rest_stage))));
+  EXPECT_NO_THROW(Simulation(scene_of(with_stone(twins + rest_stage))));
 }
 
 TEST(BlockScenes, BlocksHaveNoMoreZonesThanMemory) {
   for (const char* zones : {"zone_edge = 1e-9", "divisions = [200, 200, 200]"}) {
     std::string soft = two_free_blocks;
     soft.replace(soft.rfind("material"), 0, "rigid = false\n" + std::string(zones) + "\n");
-    expect_words(failure([&] { Simulation run(read_scene(scene_file(soft + rest_stage))); }, Exit::bad_input),
+    expect_words(failure([&] { Simulation run(scene_of(with_stone(soft + rest_stage))); }, Exit::bad_input),
                  {"block #1 'there'", "zones, more than 1e+07"});
   }
 }
 
 // Ground motion: a stiff block bonded to the ground follows it; the ground velocity is the integral of the record.
 TEST(BlockScenes, GroundMotionIsIntegratedExactly) {
-  const std::string path = scene_file(R"(
+  const std::string text = with_stone(R"(
 [[block]]
 name = "ground"
 material = "stone"
@@ -323,7 +317,7 @@ ground_motion = { direction = [1, 0, 0], time = [0.0, 0.1, 0.2, 0.3], accelerati
 [output]
 monitor = "block"
 )");
-  Simulation run(read_scene(path));
+  Simulation run(scene_of(text));
   struct Recorder : Observer {
     Curve ground{"ground"}, block{"block"};
     void on_row(const HistoryRow& row) override {

@@ -1,13 +1,11 @@
 #include "support.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 
-#include "scene/read_scene.h"
+#include "../scene_of_text.h"
 
 namespace quoin::verification {
 
@@ -166,13 +164,7 @@ int Scene::soft(const Vector& lower, const Vector& size, std::array<int, 3> divi
   return assembly.add(box(lower, size), b);
 }
 
-quoin::Scene scene_of(const std::string& toml) {
-  const std::string path = ::testing::TempDir() + "scene_of_" + std::to_string(getpid()) + ".toml";
-  std::ofstream(path) << toml;
-  quoin::Scene scene = read_scene(path);
-  std::filesystem::remove(path);
-  return scene;
-}
+quoin::Scene scene_of(const std::string& toml) { return scene_of_text(toml); }
 
 std::string stone_and_ground(double young_modulus) {
   return "[materials.stone]\nyoung_modulus = " + std::to_string(young_modulus) + R"(
