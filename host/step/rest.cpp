@@ -110,7 +110,7 @@ class Search {
 
   void add_zones(int b, VectorXd* sum) const {
     const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
-    each_zone(s_, b, [&](const StressedZone& zone) {
+    each_stressed_zone(s_, b, [&](const StressedZone& zone) {
       for (std::size_t i = 0; i < 4; ++i)
         add_to(sum, u.gridpoint[at(zone.node[i])], -zone.volume * (zone.stress * zone.gradient[i]));
     });

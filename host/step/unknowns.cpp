@@ -27,7 +27,7 @@ geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const s
 
 }  // namespace
 
-void each_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit) {
+void each_stressed_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit) {
   if (s.large_motion) {
     const geometry::Matrix turned = turn_of_frame(*s.large_motion, block);
     for (int z = 0; z < s.large_motion->blocks[block].zone_count; ++z) {
@@ -110,7 +110,7 @@ void Unknowns::add_zones(Entries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
     if (u.rigid) continue;
-    each_zone(s_, b, [&](const StressedZone& zone) {
+    each_stressed_zone(s_, b, [&](const StressedZone& zone) {
       for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t j = 0; j < 4; ++j) {
           const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
@@ -212,7 +212,7 @@ void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* en
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
     if (u.rigid) continue;
-    each_zone(s_, b, [&](const StressedZone& zone) {
+    each_stressed_zone(s_, b, [&](const StressedZone& zone) {
       for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t j = 0; j < 4; ++j) {
           const double k = zone.volume * dot(zone.gradient[i], zone.stress * zone.gradient[j]);

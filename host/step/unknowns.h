@@ -26,7 +26,7 @@ struct StressedZone {
   double volume, lambda, mu;                 // m3, Pa
   geometry::Matrix stress;                   // current, Pa
 };
-void each_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit);
+void each_stressed_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit);
 
 class Unknowns {
  public:
