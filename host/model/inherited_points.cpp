@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
+#include "law/property_text.h"
 #include "model/contact_frames.h"
 #include "model/fields.h"
 #include "model/world.h"
@@ -116,6 +118,18 @@ double plastic_closure(const Family& f, size_t i) {
   return f.traction[0][i] < 0 ? f.traction[0][i] / f.kn - f.normal_jump[i] : std::max(0.0, -f.normal_jump[i]);
 }
 
+// Largest tan of the friction angle of a family's points; 0: its law has none, and strength in shear does not depend on
+// pressure.
+double friction_of(const Family& f) {
+  constexpr const char* kAngle = "friction_angle";
+  if (!find_property(f.material->api(), kAngle)) return 0.0;
+  double degrees = f.material->number(kAngle);
+  for (const PropertyColumn& c : f.columns) {
+    if (c.id == kAngle) degrees = std::max(degrees, c.most);
+  }
+  return std::tan(degrees * std::numbers::pi / 180.0);
+}
+
 // Gives new points the elastic energy of those that they replace: the reference gap shifts, and shear traction is
 // scaled. Fewer points, or less area, store it at a deeper overlap. The overlap grows by no more than the lost area
 // explains.
@@ -146,6 +160,8 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
   };
   const double deeper = scale(then.normal, now.normal, then.deepest, now.deepest);
   const double stronger = scale(then.shear, now.shear, then.largest, now.largest);
+  const double friction = friction_of(f);
+  constexpr double kSlightly = 1e-9;  // relative; far above the rounding of a traction at its strength
   for (uint32_t k = 0; k < c.count; ++k) {
     const uint32_t i = c.first + k;
     Point& p = f.point[i];
@@ -160,8 +176,14 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
     f.normal_jump[i] = locate(w, p, w.contacts.facets).jump - heirs[k].opening;
     if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
     if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
-    // Shear traction falls with the pressure: a traction within its strength stays within it.
-    const double share = std::min(stronger, pressed < 0 ? f.traction[0][i] / pressed : 1.0);
+    // A traction within the strength c + mu |sigma| stays within it, as it falls by mu times the pressure that is lost.
+    // So bonded and elastic joints keep what friction does not carry. Where friction carries all, it falls in
+    // proportion.
+    const double shear = std::hypot(f.traction[1][i], f.traction[2][i]), lost = f.traction[0][i] - pressed;
+    double most = pressed < 0.0 ? f.traction[0][i] / pressed : 1.0;
+    const bool exceeds_friction = shear > (1.0 + kSlightly) * friction * -pressed;
+    if (pressed < 0.0 && lost > 0.0 && exceeds_friction) most = 1.0 - friction * lost / shear;
+    const double share = std::min(stronger, most);
     f.traction[1][i] *= share, f.traction[2][i] *= share;
   }
 }

@@ -46,7 +46,7 @@ struct Assembly {
   std::vector<JointFamily> families;
   std::vector<Brick> bricks;
   std::vector<Joint> joints;
-  std::vector<std::array<int, 2>> apart{};  // pairs of blocks that touch without a joint, as their mortar is missing
+  std::vector<std::array<int, 2>> apart{};  // pairs that touch without a joint: mortar is missing, or a beam is cut
   double symmetry_factor = 1.0;    // 2 when only half of the thickness is modelled: forces are multiplied by it
   bool symmetry_plane_z0 = false;  // u_z = 0 for gridpoints at z = 0
 };

@@ -195,6 +195,9 @@ Beams add_beams(const WallSpec& wall, const WallGrid& grid, Assembly& assembly) 
     const int end = ends[part++];
     std::fill(beams.bottom.begin() + first, beams.bottom.begin() + end,
               add_beam(wall, name, first, end, -wall.beam_height, assembly));
+    if (first > 0)
+      assembly.apart.push_back(
+          {beams.bottom[static_cast<size_t>(first) - 1], beams.bottom[static_cast<size_t>(first)]});
     first = end;
   }
   if (!wall.top_beam) return beams;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 #include "model/time_step.h"
@@ -151,7 +152,10 @@ void watch_blocks(Simulation::Impl& s, const Stage& settings) {
 
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   blocks::Model& m = *s.large_motion;
+  auto loads = std::exchange(m.actions.loads, {});
+  auto pressures = std::exchange(m.actions.pressures, {});
   m.clear_loads();
+  m.actions.loads = std::move(loads), m.actions.pressures = std::move(pressures);
   bind_actions(s, settings, previous);
   s.progress.stage_start = m.stepping.time;
   if (settings.solver) m.set_solver(*settings.solver);

@@ -149,6 +149,8 @@ std::vector<Drive> drives_of(const Simulation::Impl& s) {
     drive.velocity_from = geometry::vector(ramp.velocity_from);
     drive.velocity_to = geometry::vector(ramp.velocity_to);
     drive.force_from = geometry::vector(ramp.force_from), drive.force_to = geometry::vector(ramp.force_to);
+    for (std::size_t c = 0; c < 3; ++c)
+      drive.force_now[static_cast<int>(c)] = s.lattice.bodies[at(lanes)].applied_force[c][lane];
     const Vec3 none{};
     if (drive.held != 0 || ramp.force_from != none || ramp.force_to != none) drives.push_back(drive);
   }
@@ -157,6 +159,7 @@ std::vector<Drive> drives_of(const Simulation::Impl& s) {
     drive.block = s.controls.loaded_blocks[i].block;
     drive.force_from = geometry::vector(s.controls.load_ramps[i].from),
     drive.force_to = geometry::vector(s.controls.load_ramps[i].to);
+    drive.force_now = geometry::vector(s.controls.load_ramps[i].now);
     drives.push_back(drive);
   }
   return drives;

@@ -89,8 +89,11 @@ void find_restrained_blocks(Simulation::Impl& s) {
     if (blocks[b].fixed) found.insert(static_cast<int>(b));
   for (const Stage& of : s.scene.stages) {
     for (const BodyControl& control : of.controls) {
-      if (!holds(control)) continue;
-      for (const int b : blocks_named(s, control.body, of.source.text)) found.insert(b);
+      if (control.body.empty() || (!holds(control) && control.may_turn)) continue;
+      for (const int b : blocks_named(s, control.body, of.source.text)) {
+        // Where rotation alone is held, its moment is a reaction, too.
+        if (holds(control) || s.large_motion->blocks[at(b)].body >= 0) found.insert(b);
+      }
     }
   }
   s.reactions.restrained_blocks.assign(found.begin(), found.end());

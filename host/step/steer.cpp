@@ -98,7 +98,7 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
         drive->in_cycles = static_cast<std::uint8_t>(drive->in_cycles & ~(1 << c));
         drive->of_ground = static_cast<std::uint8_t>(drive->of_ground & ~(1 << c));
       } else {
-        drive->force_from[c] = drive->force_to[c] = value[k];
+        drive->force_from[c] = drive->force_to[c] = drive->force_now[c] = value[k];
       }
     }
     if (!velocities) s.large_motion->apply_force(block, drive->force_to);

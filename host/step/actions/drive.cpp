@@ -16,8 +16,9 @@ using geometry::Vector;
 
 namespace {
 
-// Binds the drives of the stage, and those of blocks that it releases. Velocities change from the current ones, forces
-// of released components from the reactions of their supports. previous: the stage before; null: there is none.
+// Binds the drives of the stage, and those of blocks that it releases. Velocities and forces change from the current
+// ones, forces of released components from the reactions of their supports. previous: the stage before; null: there is
+// none.
 void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   blocks::Model& m = *s.large_motion;
   std::vector<Drive> before = std::move(s.actions.drives);
@@ -36,7 +37,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
     }
     const Vector carried =
         -1.0 * m.step_sums.contact_force[block] - m.blocks[block].mass * geometry::vector(s.data.gravity);
-    for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_to[c];
+    for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_now[c];
     return drive;
   };
   for (const BodyControl& control : settings.controls) {
@@ -87,7 +88,7 @@ void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
       if (d.of_ground >> c & 1) driven[c] += record[c];
     }
     m.prescribe(d.block, driven, d.omega_from + ramp * (d.omega_to - d.omega_from), d.held);
-    d.force_now = d.force_from + ramp * (d.force_to - d.force_from);
+    d.force_now = ramp >= 1.0 ? d.force_to : d.force_from + ramp * (d.force_to - d.force_from);
     if (dot(d.force_now, d.force_now) > 0.0 || dot(d.force_from, d.force_from) > 0.0)
       m.apply_force(d.block, d.force_now);
   }

@@ -1,10 +1,11 @@
-// Forces at points of blocks: those of the stage before fade while those of this one grow. A moving load is a force at
-// each of its positions: neighbouring positions share it by linear interpolation.
+// Forces at points of blocks: those that act at the end of the stage before fade while those of this one grow. A moving
+// load is a force at each of its positions: neighbouring positions share it by linear interpolation.
 #include <algorithm>
 #include <cmath>
 
 #include "scene/load_place.h"
 #include "step/actions/action.h"
+#include "step/actions/fading.h"
 #include "step/large_motion_run.h"
 #include "step/state.h"
 
@@ -36,26 +37,22 @@ double share_at(std::size_t k, std::size_t n, double way) {
   return std::max(0.0, 1.0 - std::abs(way * static_cast<double>(n - 1) - static_cast<double>(k)));
 }
 
-void bind_forces(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
-  if (previous) add_forces(s, *previous);
-  s.actions.fading_loads = s.large_motion->actions.loads.size();
+void bind_forces(Simulation::Impl& s, const Stage& settings, const Stage*) {
+  s.actions.fading_loads = keep_acting(*s.large_motion, s.large_motion->actions.loads,
+                                       [](blocks::Load& load) { load.force = load.scale * load.force; });
   add_forces(s, settings);
 }
 
 void scale_forces(Simulation::Impl& s, const Stage& settings, double ramp) {
   auto& loads = s.large_motion->actions.loads;
   for (std::size_t i = 0; i < loads.size(); ++i) loads[i].scale = i < s.actions.fading_loads ? 1.0 - ramp : ramp;
-  // The positions of a moving load are the last loads of its stage.
-  const auto spread = [&](const MovingLoad& moving, std::size_t end, double way) {
-    const auto n = static_cast<std::size_t>(moving.positions);
-    for (std::size_t k = 0; k < n; ++k) loads[end - n + k].scale *= share_at(k, n, way);
-  };
-  if (s.progress.stage > 0 && s.scene.stages[static_cast<std::size_t>(s.progress.stage) - 1].moving_load)
-    spread(*s.scene.stages[static_cast<std::size_t>(s.progress.stage) - 1].moving_load, s.actions.fading_loads, 1.0);
+  // The positions of a moving load are the last loads.
   if (!settings.moving_load) return;
   const double moves = *settings.duration - settings.ramp_time;
   const double gone = s.large_motion->stepping.time - s.progress.stage_start - settings.ramp_time;
-  spread(*settings.moving_load, loads.size(), std::clamp(gone / moves, 0.0, 1.0));
+  const double way = std::clamp(gone / moves, 0.0, 1.0);
+  const auto n = static_cast<std::size_t>(settings.moving_load->positions);
+  for (std::size_t k = 0; k < n; ++k) loads[loads.size() - n + k].scale *= share_at(k, n, way);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-// Pressures on faces of blocks: those of the stage before fade while those of this one grow.
+// Pressures on faces of blocks: those that act at the end of the stage before fade while those of this one grow.
 #include "scene/load_place.h"
 #include "step/actions/action.h"
+#include "step/actions/fading.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -19,9 +20,9 @@ void add_pressures(Simulation::Impl& s, const Stage& settings) {
   }
 }
 
-void bind_pressures(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
-  if (previous) add_pressures(s, *previous);
-  s.actions.fading_pressures = s.large_motion->actions.pressures.size();
+void bind_pressures(Simulation::Impl& s, const Stage& settings, const Stage*) {
+  s.actions.fading_pressures = keep_acting(*s.large_motion, s.large_motion->actions.pressures,
+                                           [](blocks::Pressure& pressure) { pressure.value *= pressure.scale; });
   add_pressures(s, settings);
 }
 
