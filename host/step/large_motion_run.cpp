@@ -201,7 +201,7 @@ void end_large_motion_step(Simulation::Impl& s) {
 
 void follow_time_step(Simulation::Impl& s) {
   s.time_step.critical.value = s.large_motion->stepping.critical_dt;
-  s.time_step.quiet_fraction = quiet_fraction_of(s.scene.solver);
+  s.time_step.quiet_fraction = quiet_fraction_of(s.large_motion->solver);
   s.time_step.time_step = s.data.time_step = s.large_motion->stepping.dt;
   s.time_step.impacts = s.large_motion->impact_damping();
 }

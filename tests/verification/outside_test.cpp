@@ -605,6 +605,22 @@ monitor = "slab"
   EXPECT_NEAR(run->large_motion()->step_sums.energies.detection, 0.0, 1e-6 * 50.0);  // F u/2 = 50 J
 }
 
+// A stage without damping has no sign to chatter. The bound was that of the damping of the scene.
+TEST(Outside, AStageWithoutDampingDoesNotChatter) {
+  const std::string stages = R"(
+[[stage]]
+gravity = [0, -9.81, 0]
+duration = 0.01
+[[stage]]
+duration = 0.01
+)";
+  for (const std::string solver : {"", "solver = { damping = \"none\" }\n"}) {
+    std::unique_ptr<Simulation> run;
+    rows_of(kBase + kCube + "[solver]\nkernels = \"general\"\ntime_step_fraction = 0.9\n" + stages + solver, &run);
+    EXPECT_EQ(run->time_step_report().warning().empty(), !solver.empty()) << solver;
+  }
+}
+
 // A stage that drives a block across the model and holds it up is no fall.
 TEST(Outside, ABlockThatIsDrivenFarDoesNotFall) {
   const Rows rows = rows_of(kBase + kCube + R"(
