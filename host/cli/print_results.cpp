@@ -81,16 +81,14 @@ void print_results(const std::filesystem::path& folder, const Simulation& simula
              info.wall_clock_s, folder.string());
   if (shaken) print_response(rows, scene);
   if (shaken && !rows.empty() && rows.back().energies) {
-    const Energies& e = *rows.back().energies;
-    const double joints = e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];
-    const double all = e.damping + e.members_dissipated + joints;
+    const DissipatedEnergy taken = dissipated_in_earthquake(rows, scene);
+    const double all = taken.all();
     const auto share = [&](double part) { return 100.0 * part / all; };
-    if (e.members_dissipated > 0.0) {
-      fmt::print("dissipated {:.4g} J: damping {:.0f} %, members {:.0f} %, joints {:.0f} %\n", all, share(e.damping),
-                 share(e.members_dissipated), share(joints));
-    } else if (all > 0.0) {
-      fmt::print("dissipated {:.4g} J: damping {:.0f} %, joints {:.0f} %\n", all, share(e.damping), share(joints));
-    }
+    const std::string members =
+        taken.members > 0.0 ? fmt::format("members {:.0f} %, ", share(taken.members)) : std::string();
+    if (all > 0.0)
+      fmt::print("dissipated in the earthquake {:.4g} J: damping {:.0f} %, {}joints {:.0f} %\n", all,
+                 share(taken.damping), members, share(taken.joints));
   }
   fmt::print("{}\n", phases_text(phase_times(simulation), info.wall_clock_s));
   if (!rank_traffic(simulation).empty()) fmt::print("{}\n", ranks_text(rank_traffic(simulation)));

@@ -117,6 +117,10 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
 
 // Refuses stages that blocks of any shape cannot have, or members.
 void refuse_stages(const Scene& scene) {
+  if (damping_of(scene.solver).is_implicit())
+    refuse(scene,
+           "solver.implicit_contacts is for blocks on the lattice, and this scene runs in the general kernels; remove "
+           "it from [solver]");
   for (const Stage& stage : scene.stages) {
     if (stage.solver && damping_of(*stage.solver).is_implicit())
       throw Error(

@@ -577,7 +577,7 @@ ImpactStep damp_impacts(const Model& model, const SolverSettings& settings, cons
 double step_of_zones(const Model& model, const SolverSettings& settings, const Inertia& inertia, double tree,
                      SharedModel* shared, TimeStepReport* report) {
   const auto refuse = [](const std::string& what) {
-    throw Error(Exit::bad_input, "solver.implicit_contacts takes " + what + "; remove it from the stage");
+    throw Error(Exit::bad_input, "solver.implicit_contacts takes " + what + "; remove it");
   };
   if (shared) refuse("one process");
   if (inertia.deformation != 1.0 || inertia.unit != 1.0 || settings.selective_time_step > 0.0)

@@ -45,10 +45,34 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
 }
 
+// Unit of a name, also as names of columns have it: "cm_s2", "m s^2", "cm_s_s".
 const Unit* unit_named(const std::string& name) {
-  const auto* found =
-      std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& unit) { return lower(name) == unit.name; });
-  return found == std::end(kUnits) ? nullptr : found;
+  const std::string given = lower(name);
+  std::string fraction = given;
+  for (char& c : fraction) c = c == '_' || c == ' ' ? '/' : c;
+  for (const std::string& text : {given, fraction}) {
+    const auto* found =
+        std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& unit) { return text == unit.name; });
+    if (found != std::end(kUnits)) return found;
+  }
+  return nullptr;
+}
+
+// Whether the end of a column's name is a unit that is not known, as "ft_s2", "km/s" and "in". Read as m/s2, such a
+// column would be wrong by a factor.
+bool is_foreign_unit(const std::string& tail) {
+  const auto is_any_of = [](const std::string& text, std::initializer_list<const char*> names) {
+    return std::ranges::any_of(names, [&](const char* name) { return text == name; });
+  };
+  const auto is_length = [&](const std::string& text) {
+    return is_any_of(text, {"m", "cm", "mm", "dm", "km", "um", "nm", "in", "inch", "ft", "feet"});
+  };
+  const std::string text = lower(tail);
+  const auto part = text.find_first_of("_/ ");
+  if (part == std::string::npos) return is_length(text) || is_any_of(text, {"mg", "%g", "mgal"});
+  const std::string per = text.substr(part + 1);
+  return is_any_of(per, {"s2", "s^2", "s_2", "s-2", "s/s", "s_s", "sec2", "sec^2", "sec/sec", "sec_sec"}) ||
+         (is_length(text.substr(0, part)) && is_any_of(per, {"s", "sec", "h", "min", "ms"}));
 }
 
 // Lines of a file, with the place of faults.
@@ -193,7 +217,8 @@ char separator_of(const std::string& line) {
   return ' ';
 }
 
-// Name and unit in "x (g)", "x [g]" and "x_g".
+// Name and unit in "x (g)", "x [g]", "x_g" and "x_m_s2". The longest tail that is a unit is it: that of "x_m_s2" is not
+// "s2".
 std::pair<std::string, std::string> name_and_unit(const std::string& cell) {
   const auto open = cell.find_last_of("([");
   if (open != std::string::npos && open > 0) {
@@ -201,9 +226,20 @@ std::pair<std::string, std::string> name_and_unit(const std::string& cell) {
     if (close != std::string::npos)
       return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, close - open - 1))};
   }
+  for (auto at = cell.find('_'); at != std::string::npos; at = cell.find('_', at + 1)) {
+    if (at > 0 && unit_named(cell.substr(at + 1))) return {cell.substr(0, at), cell.substr(at + 1)};
+  }
   const auto underscore = cell.find_last_of('_');
   if (underscore == std::string::npos || underscore == 0) return {cell, ""};
   return {cell.substr(0, underscore), cell.substr(underscore + 1)};
+}
+
+// The longest tail of a column's name that looks like a unit; empty: none.
+std::string unknown_unit(const std::string& cell) {
+  for (auto at = cell.find('_'); at != std::string::npos; at = cell.find('_', at + 1)) {
+    if (is_foreign_unit(cell.substr(at + 1))) return cell.substr(at + 1);
+  }
+  return "";
 }
 
 class CsvRecord {
@@ -244,12 +280,14 @@ class CsvRecord {
     for (std::size_t c = 1; c < cells.size(); ++c) {
       const auto [name, unit_name] = name_and_unit(cells[c]);
       const Unit* unit = unit_named(unit_name);
-      if (!unit && !unit_name.empty() && cells[c].find_first_of("([") != std::string::npos)
+      const bool bracketed = !unit_name.empty() && cells[c].find_first_of("([") != std::string::npos;
+      if (!unit && (bracketed || !unknown_unit(cells[c]).empty()))
         lines_.refuse(line,
                       fmt::format("the unit '{}' of column {} is unknown; allowed: m/s2, cm/s2, mm/s2, gal, g, m/s, "
                                   "cm/s, mm/s, m, cm, mm",
-                                  unit_name, c + 1));
-      if (!unit) {
+                                  bracketed ? unit_name : unknown_unit(cells[c]), c + 1));
+      const bool assumed = !unit;
+      if (assumed) {
         record_.assumptions.push_back(
             fmt::format("{}: column '{}' is an acceleration in m/s2", lines_.file(), cells[c]));
         unit = &kUnits[0];
@@ -259,7 +297,7 @@ class CsvRecord {
                                         "displacements, not a mixture",
                                         c + 1, unit->name, record_.components.front().unit));
       kind = unit->kind;
-      const std::string& component = unit == &kUnits[0] && unit_name != unit->name ? cells[c] : name;
+      const std::string& component = assumed ? cells[c] : name;
       if (std::ranges::any_of(record_.components, [&](const auto& other) { return other.name == component; }))
         lines_.refuse(line, fmt::format("two columns '{}'; allowed: a name of its own for each", component));
       factors_.push_back(unit->factor);

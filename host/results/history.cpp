@@ -101,6 +101,25 @@ Response response(const HistoryRow& row, const Stage& stage) {
   return {row.monitor_displacement[axis], resists(row, stage, axis), row.vertical_force};
 }
 
+DissipatedEnergy dissipated_so_far(const Energies& e) {
+  return {e.damping, e.members_dissipated, e.dissipated_total()};
+}
+
+DissipatedEnergy dissipated_in_earthquake(const std::vector<HistoryRow>& rows, const Scene& scene) {
+  DissipatedEnergy sum, before;
+  for (const HistoryRow& row : rows) {
+    if (!row.energies) continue;
+    const DissipatedEnergy now = dissipated_so_far(*row.energies);
+    if (scene.stages[static_cast<size_t>(row.stage)].ground) {
+      sum.damping += now.damping - before.damping;
+      sum.members += now.members - before.members;
+      sum.joints += now.joints - before.joints;
+    }
+    before = now;
+  }
+  return sum;
+}
+
 const char* curve_kind(const Stage& stage) {
   if (stage.ground) return "earthquake";
   if (stage.collapse) return "collapse";

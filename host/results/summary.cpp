@@ -244,6 +244,31 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   return json;
 }
 
+// Energies at the end, and what was dissipated in the whole run; without them null.
+Json energies_of(const std::vector<HistoryRow>& rows, const Scene& scene, bool on_ground) {
+  if (rows.empty() || !rows.back().energies) return nullptr;
+  const Energies& e = *rows.back().energies;
+  const auto damping_share = [](double damping, double joints) {
+    return damping + joints > 0.0 ? Json(damping / (damping + joints)) : Json(nullptr);
+  };
+  Json json = {{"kinetic", e.kinetic},
+               {"strain", e.strain},
+               {"contact_stored", e.contact_stored},
+               {"dissipated", e.dissipated_total()},
+               {"damping", e.damping},
+               {"damping_share", damping_share(e.damping, e.dissipated_total())},
+               {"external", e.external},
+               {"detection", e.detection},
+               {"members_stored", e.members_stored},
+               {"members_dissipated", e.members_dissipated},
+               {"balance_error", e.balance_error()}};
+  if (on_ground) {
+    const DissipatedEnergy taken = dissipated_in_earthquake(rows, scene);
+    json["damping_share_in_earthquake"] = damping_share(taken.damping, taken.joints);
+  }
+  return json;
+}
+
 // Keys of blocks of any shape, and of bricks under ground motion.
 Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   Json json;
@@ -251,22 +276,6 @@ Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows
   if (const double in_use = simulation.time_step_report().impacts.in_use; in_use > 0.0) {
     json["impact_damping_in_use"] = in_use;
     json["landing_restitution"] = landing_restitution(in_use);
-  }
-  if (!rows.empty() && rows.back().energies) {
-    const Energies& e = *rows.back().energies;
-    const double dissipated = e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];
-    const double taken = dissipated + e.damping;
-    json["energy_J"] = {{"kinetic", e.kinetic},
-                        {"strain", e.strain},
-                        {"contact_stored", e.contact_stored},
-                        {"dissipated", dissipated},
-                        {"damping", e.damping},
-                        {"damping_share", taken > 0.0 ? Json(e.damping / taken) : Json(nullptr)},
-                        {"external", e.external},
-                        {"detection", e.detection},
-                        {"members_stored", e.members_stored},
-                        {"members_dissipated", e.members_dissipated},
-                        {"balance_error", e.balance_error()}};
   }
   return json;
 }
@@ -280,10 +289,10 @@ Json block_names(const Simulation& simulation) {
       if (!name(blocks[i]).empty()) names[std::to_string(i)] = name(blocks[i]);
     }
   };
-  if (simulation.scene().blocks && simulation.large_motion())
+  if (simulation.large_motion())
     add(simulation.large_motion()->assembly.blocks, [](const auto& block) { return block.name; });
   else
-    add(simulation.assembly().bricks, [](const Brick& brick) { return brick.body; });
+    add(simulation.assembly().bricks, [](const Brick& brick) { return brick.name.empty() ? brick.body : brick.name; });
   return names;
 }
 
@@ -295,7 +304,7 @@ Json motion_of(const Simulation& simulation) {
   Json promoted = nullptr;
   if (const auto& p = simulation.outcome().promotion) {
     promoted = {{"why", p->why},
-                {"stage", p->stage},
+                {"stage", p->stage + 1},  // as in history.csv
                 {"step", p->step},
                 {"time_s", p->time},
                 {"strain_energy_J", p->strain_energy},
@@ -519,6 +528,7 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
       std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
   if (simulation.large_motion()) json.update(of_blocks(simulation, rows));
   if (simulation.large_motion() || on_ground) json.update(of_motion(simulation, rows));
+  if (const Json energies = energies_of(rows, scene, on_ground); !energies.is_null()) json["energy_J"] = energies;
   for (const StageModes& of_stage : info.modes)
     json["damping_of_modes"][scene.stages[static_cast<size_t>(of_stage.stage)].name] = damping_of(of_stage);
   json["watch"] = watch_json(simulation);

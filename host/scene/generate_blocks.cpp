@@ -1,7 +1,9 @@
 #include "scene/generate_blocks.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 
@@ -380,6 +382,22 @@ std::string label(const Assembly& a, int block) {
   return b.name.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, b.name);
 }
 
+namespace {
+
+// The names that blocks have. Units of walls and buildings have none.
+std::string names_text(std::vector<std::string> names) {
+  constexpr std::size_t kListed = 8;
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  std::erase(names, "");
+  if (names.empty()) return "no block of this scene has a name";
+  const bool whole = names.size() <= kListed;
+  names.resize(std::min(names.size(), kListed));
+  return fmt::format("blocks with a name here: {}{}", fmt::join(names, ", "), whole ? "" : ", ...");
+}
+
+}  // namespace
+
 std::vector<int> find_blocks(const Assembly& assembly, const std::string& name, const std::string& where) {
   std::vector<std::string> names;
   std::vector<int> found;
@@ -393,7 +411,9 @@ std::vector<int> find_blocks(const Assembly& assembly, const std::string& name, 
                             found[0], found[1], name));
   }
   if (!found.empty()) return found;
-  throw Error(Exit::bad_input, fmt::format("{}: no block is called '{}'{}", where, name, did_you_mean(name, names)));
+  std::string hint = did_you_mean(name, names);
+  if (hint.empty()) hint = "; " + names_text(std::move(names));
+  throw Error(Exit::bad_input, fmt::format("{}: no block is called '{}'{}", where, name, hint));
 }
 
 }  // namespace quoin::blocks

@@ -31,7 +31,7 @@ std::optional<GroundRecord> record_of(Table& t, const std::string& key, const st
   t.context().inputs.push_back(file.starts_with('/') ? file : folder + file);
   try {
     GroundRecord record = read_record(t.context().inputs.back());
-    ground.notes.insert(ground.notes.end(), record.assumptions.begin(), record.assumptions.end());
+    for (const std::string& assumption : record.assumptions) ground.notes.push_back("assumed: " + assumption);
     return record;
   } catch (const Error& error) {
     t.context().fault(fmt::format("{} = '{}':\n{}", t.where(key), file, error.what()));

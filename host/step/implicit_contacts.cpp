@@ -241,7 +241,7 @@ std::size_t ImplicitContacts::kind_of(const Cluster& cluster, const Model& model
   if (nodes.size() > at(HWY_NAMESPACE::kMostNodes))
     throw Error(Exit::bad_input,
                 fmt::format("solver.implicit_contacts takes {} gridpoints that meet at one place at most, and {} do; "
-                            "remove it from the stage",
+                            "remove it",
                             HWY_NAMESPACE::kMostNodes, nodes.size()));
   Kind kind{static_cast<int>(nodes.size()), {}};
   const auto place = [&](int node) {

@@ -59,7 +59,20 @@ void evaluate_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capa
         end - first, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
     for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data() + first;
     for (const auto& column : f.state) points.state.push_back(column.data() + first);
-    evaluate_at_rest(*f.material, points, [&, at = before + first](quoin_batch& batch) { outputs(batch, at); });
+    quoin_out_u32 flags{};
+    evaluate_at_rest(*f.material, points, [&, at = before + first](quoin_batch& batch) {
+      outputs(batch, at);
+      flags = batch.flags;
+    });
+    if (!flags.data) continue;
+    // Nothing slips at rest: that is asked with the slip of the last step, which steps keep.
+    std::vector<std::uint32_t> in_motion(end - first, 0);
+    evaluate_at_rest(*f.material, points, [&](quoin_batch& batch) {
+      for (std::size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {f.slip[k].data() + first, 1};
+      batch.flags = {in_motion.data(), 1};
+    });
+    for (std::size_t i = 0; i < in_motion.size(); ++i)
+      flags.data[static_cast<std::ptrdiff_t>(i) * flags.stride] |= in_motion[i] & QUOIN_FLAG_SLIPPING;
   }
 }
 

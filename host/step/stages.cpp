@@ -82,6 +82,7 @@ void begin_stage(Simulation::Impl& s, int index) {
       !s.large_motion && !beyond.empty()) {
     gather(s, Part::all);
     promote(s, fmt::format("stage '{}' {}", settings.name, beyond));
+    s.outcome.promotion->stage = index;  // that of the run is still the one before
   }
   gather(s, Part::row);
   const bool swaps_laws = !settings.law_swaps.empty();

@@ -447,9 +447,33 @@ TEST_F(GroundUnderWalls, WhatActsOnBlocksActsOnWalls) {
                                "[[stage.control]]\nbody = \"bottom_beam\"\n[[stage]]\nname = \"shake\"\n" + action;
     ASSERT_EQ(quoin({"run", wall(false, stages), "--out", out(), "--threads", "1"}), 0) << action << error_;
     EXPECT_THAT(std::string(summary()["motion"]["promoted"]["why"]), HasSubstr("stage 'shake'")) << action;
+    EXPECT_EQ(summary()["motion"]["promoted"]["stage"], 2) << action;  // from 1, as in history.csv
     EXPECT_EQ(quoin({"run", wall(false, stages), "--out", out(), "--set", "solver.kernels=lattice"}), 3) << action;
     EXPECT_THAT(error_, HasSubstr("is not to be had with solver.kernels")) << action;
   }
+}
+
+// Damping of settling before the shake does not count, which took most of what all stages dissipate.
+TEST_F(GroundUnderWalls, TheShareOfDampingIsThatOfTheShake) {
+  const std::string stages = R"([[stage]]
+name = "weight"
+kind = "custom"
+gravity = [0, -9.81, 0]
+duration = 0.1
+[[stage.control]]
+body = "bottom_beam"
+[[stage]]
+name = "shake"
+duration = 0.1
+ground_motion = { direction = [1, 0, 0], time = [0, 0.05, 0.1], acceleration = [0, 1, 0] }
+)";
+  ASSERT_EQ(quoin({"run", wall(false, stages), "--out", out(), "--threads", "1"}), 0) << error_;
+  const double before = rows("weight", "damping_work_J").back().moved;
+  const double taken = rows("shake", "damping_work_J").back().moved - before;
+  ASSERT_GT(before, 0.0);
+  ASSERT_GT(taken, 0.0);
+  EXPECT_EQ(summary()["energy_J"]["damping_share_in_earthquake"], 1.0);  // elastic joints dissipate nothing
+  EXPECT_THAT(out_, HasSubstr(fmt::format("dissipated in the earthquake {:.4g} J: damping 100 %", taken)));
 }
 
 // The Pavia building with a record, as in a user's scene, with shorter first stages.

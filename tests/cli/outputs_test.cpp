@@ -209,6 +209,31 @@ TEST_F(Outputs, NamesOfStagesDoNotTearTheHistory) {
   EXPECT_THAT(history, HasSubstr("\n2,\"a \"\"b\"\", c d\","));
 }
 
+// Runs on the lattice without ground motion had none.
+TEST_F(Outputs, EnergiesAreInTheSummaryOfEveryRunThatHasThem) {
+  for (const char* energy : {"true", "false"}) {
+    ASSERT_EQ(run_small({"--set", std::string("output.energy=") + energy, "--set", "output.plots=false"}), 0) << error_;
+    const nlohmann::json s = summary();
+    EXPECT_EQ(s.contains("energy_J"), energy == std::string("true"));
+    if (!s.contains("energy_J")) continue;
+    const double damping = s["energy_J"]["damping"], joints = s["energy_J"]["dissipated"];
+    EXPECT_GT(damping, 0.0);
+    EXPECT_NEAR(s["energy_J"]["damping_share"], damping / (damping + joints), 1e-12);
+    EXPECT_FALSE(s["energy_J"].contains("damping_share_in_earthquake"));
+  }
+}
+
+// gnuplot fails at a file without a point.
+TEST_F(Outputs, ARunWithoutARowSaysThatThereIsNothingToDraw) {
+  std::string text = read_all(small_);
+  const size_t stage = text.find("[[stage]]"), output = text.find("[output]");
+  text.replace(stage, output - stage, "[[stage]]\nkind = \"rest\"\ngravity = [0, -9.81, 0]\n");
+  EXPECT_EQ(quoin({"run", write("rest.toml", text), "--out", out(), "--histories", "--set", "wall.bottom_beam=false"}),
+            5);
+  EXPECT_THAT(error_, AllOf(HasSubstr("no curve.png: the history has no row, so there is nothing to draw"),
+                            HasSubstr("no histories.png: the history has no row"), Not(HasSubstr("gnuplot failed"))));
+}
+
 // The third half cycle of equal amplitude has a smaller force than the first: the run reports the half cycle and the
 // loss.
 TEST_F(Outputs, AStopAtForceLossIsToldWithItsForces) {

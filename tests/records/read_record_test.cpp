@@ -110,6 +110,43 @@ TEST_F(ReadRecord, CsvWithUnits) {
   EXPECT_THAT(underscores.components[0].value, ElementsAre(0.001, 0.002));
 }
 
+// As monitors.csv and spectrum.csv of the program name their columns. The last part alone, "s2", is no unit: such a
+// column was taken for m/s2.
+TEST_F(ReadRecord, UnitsWithUnderscoresAreUnits) {
+  struct Case {
+    const char* tail;
+    double factor;
+    MotionKind kind;
+  };
+  for (const Case& c : std::initializer_list<Case>{{"m_s2", 1.0, MotionKind::acceleration},
+                                                   {"cm_s2", 1e-2, MotionKind::acceleration},
+                                                   {"mm_s2", 1e-3, MotionKind::acceleration},
+                                                   {"CM_SEC_SEC", 1e-2, MotionKind::acceleration},
+                                                   {"m_s", 1.0, MotionKind::velocity},
+                                                   {"cm_s", 1e-2, MotionKind::velocity},
+                                                   {"mm_s", 1e-3, MotionKind::velocity},
+                                                   {"m", 1.0, MotionKind::displacement},
+                                                   {"cm", 1e-2, MotionKind::displacement},
+                                                   {"mm", 1e-3, MotionKind::displacement}}) {
+    for (const char* name : {"x", "top_floor_x"}) {
+      for (const bool bracketed : {false, true}) {
+        const std::string head = std::string(name) + (bracketed ? " (" : "_") + c.tail + (bracketed ? ")" : "");
+        const GroundRecord record = read_record(file("u.csv", "time_s," + head + "\n0,0\n1,2\n"));
+        EXPECT_EQ(record.kind, c.kind) << head;
+        EXPECT_EQ(record.components[0].name, name) << head;
+        EXPECT_NEAR(record.components[0].value[1], 2.0 * c.factor, 1e-15) << head;
+        EXPECT_TRUE(record.assumptions.empty()) << head;
+      }
+    }
+  }
+  for (const char* tail : {"ft_s2", "ft/s2", "in", "km_s", "mgal", "m_s_2"})
+    EXPECT_THAT(fault("v.csv", std::string("time_s,top_x_") + tail + "\n0,0\n1,2\n"),
+                HasSubstr(std::string("the unit '") + tail + "' of column 2 is unknown; allowed: m/s2"));
+  for (const char* name : {"acc_n_s", "s2", "north_s_wave"})
+    EXPECT_THAT(read_record(file("w.csv", std::string("time_s,") + name + "\n0,0\n1,2\n")).assumptions,
+                ElementsAre(HasSubstr(std::string("column '") + name + "' is an acceleration in m/s2")));
+}
+
 TEST_F(ReadRecord, WhatAFileDoesNotStateIsAnAssumption) {
   const GroundRecord bare = read_record(file("k.csv", "0 1\n0.5 2\n"));
   EXPECT_THAT(bare.components[0].value, ElementsAre(1.0, 2.0));

@@ -141,6 +141,13 @@ TEST_F(ReadBlockScene, RecordsStandBesideTheScene) {
   write("quake.csv", "0, 0\n1, 2\n");
   const Scene s = read({"stage.1.ground_motion={direction=[1,0,0],file='quake.csv',scale=9.81}"});
   EXPECT_THAT(s.stages[0].ground->components.at(0).acceleration.value, ElementsAre(0.0, 19.62));
+  // `quoin check` and the screen of a run print these notes.
+  EXPECT_THAT(s.stages[0].ground->notes,
+              ElementsAre(AllOf(HasSubstr("assumed: "), HasSubstr("values are accelerations in m/s2"))));
+  write("named.csv", "time_s, x_cm_s2\n0, 0\n1, 200\n");
+  const Scene named = read({"stage.1.ground_motion={direction=[1,0,0],file='named.csv'}"});
+  EXPECT_THAT(named.stages[0].ground->components.at(0).acceleration.value, ElementsAre(0.0, 2.0));
+  EXPECT_TRUE(named.stages[0].ground->notes.empty());
   write("quake.csv", "0, 0\n1, nan\n");
   EXPECT_THAT(fault("stage.1.ground_motion={direction=[1,0,0],file='quake.csv'}"),
               AllOf(HasSubstr("stage.1.ground_motion.file = 'quake.csv'"), HasSubstr("quake.csv:2: '1, nan'")));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "step/results.h"
 #include "step/simulation.h"
 #include "support.h"
 
@@ -361,6 +362,44 @@ TEST(Outside, WhatAStageCannotHaveIsRefusedBeforeTheRun) {
           "ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }\n" +
           "solver = { implicit_contacts = true }\n",
       "solver.implicit_contacts is for blocks on the lattice");
+  // In [solver] it was left out in silence.
+  for (const char* general : {"kernels = \"general\"", "large_motion = \"always\""})
+    expect_refused(
+        wall("top_beam = false\nzones = [2, 1, 1]\n[solver]\ndamping = \"impact\"\nimplicit_contacts = true\n") +
+            general + "\n" + first + "kind = \"custom\"\n",
+        "solver.implicit_contacts is for blocks on the lattice");
+}
+
+TEST(Outside, AMemberOnABlockWithoutANameIsToldTheNames) {
+  expect_refused(wall("") + R"(
+[[fill]]
+block = "wall"
+towards = [0, 0, 1]
+surface = [0.0, 0.3, 0.0]
+unit_weight = 18e3
+friction_angle = 30
+stiffness = 20e6
+[[stage]]
+kind = "pressure"
+pressure = 1e5
+equilibrium_ratio = 1e-4
+)",
+                 "no block is called 'wall'; blocks with a name here: bottom_beam, top_beam");
+}
+
+// A cube slides down: 8 m/s2 along its joint are more than tan(35) times 9.81. In the general kernels its points
+// counted as elastic, as states were asked of a step without motion.
+TEST(Outside, SlippingPointsAreCountedInBothKernels) {
+  std::vector<long> slipping;
+  for (const char* kernels : {"lattice", "general"}) {
+    std::unique_ptr<Simulation> run;
+    rows_of(kBase + kCube + "[solver]\ndamping = \"none\"\nkernels = \"" + kernels +
+                "\"\n[[stage]]\ngravity = [8, -9.81, 0]\nramp_time = 0.05\nduration = 0.1\n",
+            &run);
+    slipping.push_back(condition_counts(*run)[static_cast<std::size_t>(Condition::slipping)]);
+  }
+  EXPECT_GT(slipping[0], 3);
+  EXPECT_EQ(slipping[1], slipping[0]);
 }
 
 TEST(Outside, AStripRefusesASwapOfItsLaw) {

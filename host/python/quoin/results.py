@@ -197,7 +197,7 @@ class Results(Pictures):
 
     @property
     def peak(self):
-        """Largest force, N, and its displacement, m."""
+        """Largest force, N, and its displacement, m: magnitudes; the history has the signs."""
         upright = self.summary["peak_vertical_force_N"]
         return self.summary["peak_horizontal_force_N"] if upright is None else upright, self.summary["displacement_at_peak_m"]
 

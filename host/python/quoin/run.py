@@ -63,7 +63,8 @@ class Run(Pictures):
 
     @property
     def peak(self):
-        """Largest horizontal force, N, and its displacement, m; vertical ones if the last stage is driven vertically."""
+        """Largest horizontal force, N, and its displacement, m; vertical ones if the last stage is driven vertically. Magnitudes:
+        the history has the signs."""
         upright = self.summary["peak_vertical_force_N"]
         return self.summary["peak_horizontal_force_N"] if upright is None else upright, self.summary["displacement_at_peak_m"]
 
