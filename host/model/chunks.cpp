@@ -4,11 +4,19 @@
 #include <algorithm>
 
 #include "model/contact_frames.h"
+#include "model/contact_lists.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
 
 using namespace geometry;
+
+void list_contacts_by_family(World& w) {
+  for (auto& of_family : w.contacts.of_family) of_family.clear();
+  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
+    if (w.contacts.list[i].count > 0) w.contacts.of_family[size_t(w.contacts.list[i].family)].push_back(uint32_t(i));
+  }
+}
 
 namespace {
 
@@ -20,10 +28,7 @@ bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y &&
 
 void number_chunks(World& w) {
   w.chunks.all.clear(), w.chunks.own.clear();
-  for (auto& of_family : w.contacts.of_family) of_family.clear();
-  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
-    if (w.contacts.list[i].count > 0) w.contacts.of_family[size_t(w.contacts.list[i].family)].push_back(uint32_t(i));
-  }
+  list_contacts_by_family(w);
   for (size_t k = 0; k < w.contacts.families.size(); ++k) {
     Family& f = w.contacts.families[k];
     for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area}) {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "model/block_layout.h"
 #include "model/contact_frames.h"
+#include "model/contact_lists.h"
 #include "model/inherited_points.h"
 #include "model/new_points.h"
 #include "model/placed_blocks.h"
@@ -336,6 +337,7 @@ void detect_contacts(World& w, bool everything) {
     place_points(w, found);
   } else {
     w.contacts.list = std::move(found.contacts);
+    list_contacts_by_family(w);
   }
   for (size_t i = 0; i < w.contacts.list.size(); ++i) {
     if (w.part.owns(w.contacts.list[i].pair)) w.checks.next = std::min(w.checks.next, w.checks.pair[i].step);
