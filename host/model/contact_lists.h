@@ -5,8 +5,7 @@ namespace quoin::blocks {
 
 struct World;
 
-// Lists them anew (Contacts::of_family), after pairs have come or gone: also one without points gives others new
-// numbers.
+// Updates Contacts::of_family after pairs have come or gone. A pair without points, too, gives others new numbers.
 void list_contacts_by_family(World& w);
 
 }  // namespace quoin::blocks

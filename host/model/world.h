@@ -6,7 +6,7 @@
 // the points. Jumps are measured in a frame that moves with a. d_n is the distance from the plane less its reference;
 // the slip increment is the change of b's position in that frame. So traction turns with a, spin about n included, and
 // a common rigid rotation of both blocks changes no stress. The opposite forces act at one point in space: force and
-// moment balance exactly, in fixed frames moments to the order of the rotation (fixed_frames.h).
+// moment balance exactly. In fixed frames moments do to the order of the rotation (fixed_frames.h).
 #pragma once
 
 #include <algorithm>

@@ -53,7 +53,9 @@ std::vector<FamilyPart> parts_of(const Simulation::Impl& s, std::span<const int>
 
 void evaluate_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
                                    const PointOutputs& outputs) {
-  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_in_large_motion(s), range)) {
+  for (const FamilyPart& part : parts_of(s, chunks_in_large_motion(s), range)) {
+    const blocks::Family& f = part.family;
+    const std::size_t first = part.first, end = part.end, before = part.before;
     if (!(f.material->api().capabilities & capability)) continue;
     RestingPoints points{
         end - first, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
