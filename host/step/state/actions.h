@@ -40,7 +40,7 @@ struct FirstLoad {
 
 struct Actions {
   std::vector<Drive> drives;
-  std::size_t fading_loads = 0, fading_pressures = 0;  // number of loads of the stage before, which fade
+  std::size_t fading_loads = 0, fading_pressures = 0;  // number of loads of earlier stages, which fade
   double multiplier = 0.0;                             // multiplier of the body force in a collapse stage
   FirstLoad first_load;                                // for collapse stages
   std::vector<geometry::Vector> collapse_from;         // positions of blocks when a collapse stage began, m
