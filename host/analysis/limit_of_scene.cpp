@@ -15,6 +15,7 @@
 #include "files/notice.h"
 #include "geometry/polyhedron.h"
 #include "law/law_library.h"
+#include "law/property_text.h"
 #include "members/linear.h"
 #include "members/members.h"
 #include "scene/generate.h"
@@ -115,11 +116,7 @@ struct Strength {
 
 Strength strength_of(const JointFamily& family, const std::string& file) {
   const Material material(Law::find(family.law), family.properties);
-  const auto has = [&](const char* id) {
-    const quoin_law& api = material.api();
-    return std::any_of(api.properties, api.properties + api.property_count,
-                       [&](const quoin_property_info* p) { return std::string(law_text(p->id)) == id; });
-  };
+  const auto has = [&](const char* id) { return find_property(material.api(), id) != nullptr; };
   if (!has("friction_angle"))
     throw Error(Exit::bad_input,
                 fmt::format("{}: joints.{}: law '{}' has no friction_angle, so its joints have no limit; "

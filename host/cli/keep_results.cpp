@@ -52,16 +52,18 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   const auto& rows = recorder.history().rows();
   const std::string label = warning_label(info.warnings), law = law_names(simulation.assembly());
   // Each runs gnuplot in a process of its own.
-  auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
+  const auto notice_of_rows = [&](const char* picture, const auto& plot) {
     // gnuplot fails at a file without a point.
-    if (rows.empty()) return std::string("no curve.png: the history has no row, so there is nothing to draw");
-    return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
+    return rows.empty() ? fmt::format("no {}: the history has no row, so there is nothing to draw", picture)
+                        : notice_of(plot);
+  };
+  auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
+    return notice_of_rows("curve.png", [&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
   });
   std::string of_cracks, of_mechanism, of_histories;
-  if (options.histories && rows.empty())
-    of_histories = "no histories.png: the history has no row, so there is nothing to draw";
-  else if (options.histories)
-    of_histories = notice_of([&] { return plot_histories(folder, rows, simulation.scene(), label); });
+  if (options.histories)
+    of_histories =
+        notice_of_rows("histories.png", [&] { return plot_histories(folder, rows, simulation.scene(), label); });
   if (!info.law_answers) {
     of_cracks = "no cracks.png: the law no longer tells the states of contact points";
   } else if (shows_blocks(simulation)) {

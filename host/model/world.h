@@ -63,10 +63,6 @@ struct World {
   void add(Pressure pressure);
   // Force on the centre of mass of a block, N; gridpoints of a deformable block share it by mass. Stays until changed.
   void apply_force(int block, const Vector& force);
-  void clear_loads() {
-    actions.loads.clear(), actions.pressures.clear(), actions.applied.clear();
-    actions.loaded.assign(blocks.size(), 0);
-  }
   // Settings of a stage; mass_scaling keeps its value of the start. The time step is chosen again.
   void set_solver(const SolverSettings& settings);
   void settle(bool on);  // on: damping of stages that run to equilibrium

@@ -101,15 +101,12 @@ Response response(const HistoryRow& row, const Stage& stage) {
   return {row.monitor_displacement[axis], resists(row, stage, axis), row.vertical_force};
 }
 
-DissipatedEnergy dissipated_so_far(const Energies& e) {
-  return {e.damping, e.members_dissipated, e.dissipated_total()};
-}
-
 DissipatedEnergy dissipated_in_earthquake(const std::vector<HistoryRow>& rows, const Scene& scene) {
   DissipatedEnergy sum, before;
   for (const HistoryRow& row : rows) {
     if (!row.energies) continue;
-    const DissipatedEnergy now = dissipated_so_far(*row.energies);
+    const Energies& e = *row.energies;
+    const DissipatedEnergy now{e.damping, e.members_dissipated, e.dissipated_total()};
     if (scene.stages[static_cast<size_t>(row.stage)].ground) {
       sum.damping += now.damping - before.damping;
       sum.members += now.members - before.members;

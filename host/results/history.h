@@ -45,12 +45,11 @@ struct HistoryColumn {
 // Columns in the order of the file.
 std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector<Restraint>& restraints);
 
-// Energy dissipated in a run, J.
+// Energy that was dissipated, J.
 struct DissipatedEnergy {
   double damping = 0.0, members = 0.0, joints = 0.0;
   double all() const { return damping + members + joints; }
 };
-DissipatedEnergy dissipated_so_far(const Energies& energies);
 // In the stages that move the ground. Stages of settling before them do not count. Rows must have energies.
 DissipatedEnergy dissipated_in_earthquake(const std::vector<HistoryRow>& rows, const Scene& scene);
 

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "base/error.h"
 #include "model/time_step.h"
@@ -152,10 +151,8 @@ void watch_blocks(Simulation::Impl& s, const Stage& settings) {
 
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   blocks::Model& m = *s.large_motion;
-  auto loads = std::exchange(m.actions.loads, {});
-  auto pressures = std::exchange(m.actions.pressures, {});
-  m.clear_loads();
-  m.actions.loads = std::move(loads), m.actions.pressures = std::move(pressures);
+  m.actions.applied.clear();
+  m.actions.loaded.assign(m.blocks.size(), 0);
   bind_actions(s, settings, previous);
   s.progress.stage_start = m.stepping.time;
   if (settings.solver) m.set_solver(*settings.solver);

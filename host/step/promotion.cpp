@@ -196,14 +196,14 @@ double added_kinetic_energy(const Simulation::Impl& s) {
   return std::accumulate(added.begin(), added.end(), 0.0);
 }
 
-void promote(Simulation::Impl& s, const std::string& why) {
+void promote(Simulation::Impl& s, const std::string& why, int stage) {
   if (s.scene.solver.selective_time_step > 0.0)  // before the lattice is changed
     throw Error(Exit::numerical,
                 fmt::format("step {} of stage '{}': {}, and large motion, in which the run would go on, takes no "
                             "solver.selective_time_step; make that smaller than {:g} s, use mass_scaling, or choose "
                             "solver.large_motion = \"never\"",
                             s.progress.stage_step, current_stage(s).name, why, s.scene.solver.selective_time_step));
-  Promotion promotion{why, s.progress.stage, s.progress.step, time_now(s), 0.0, 0.0};
+  Promotion promotion{why, stage, s.progress.step, time_now(s), 0.0, 0.0};
   const double dt = s.data.time_step;
 
   // Data of the lattice, before it is removed.

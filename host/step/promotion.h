@@ -11,7 +11,8 @@
 namespace quoin {
 
 double added_kinetic_energy(const Simulation::Impl& s);  // kinetic energy of the added inertia, s_b and s_u, J
-void promote(Simulation::Impl& s, const std::string& why);
+// stage: the one that goes over, from 0; as it begins, that of the run is still the one before.
+void promote(Simulation::Impl& s, const std::string& why, int stage);
 void leave_lattice(Simulation::Impl& s);  // builds the blocks in large motion at rest, and removes the lattice
 void return_to_lattice(Simulation::Impl& s);
 

@@ -108,7 +108,7 @@ bool follow_motion(Simulation::Impl& s, bool stage_ends, std::vector<Warning>* w
   }
   if (s.large_motion || s.outcome.promotion || solver.large_motion != LargeMotion::automatic) return false;
   gather(s, Part::all);
-  promote(s, past);
+  promote(s, past, s.progress.stage);
   return true;
 }
 

@@ -81,8 +81,7 @@ void begin_stage(Simulation::Impl& s, int index) {
   if (const std::string beyond = leaves_lattice(s.scene, static_cast<std::size_t>(index));
       !s.large_motion && !beyond.empty()) {
     gather(s, Part::all);
-    promote(s, fmt::format("stage '{}' {}", settings.name, beyond));
-    s.outcome.promotion->stage = index;  // that of the run is still the one before
+    promote(s, fmt::format("stage '{}' {}", settings.name, beyond), index);
   }
   gather(s, Part::row);
   const bool swaps_laws = !settings.law_swaps.empty();

@@ -78,7 +78,7 @@ void collapse(int courses, int width, double rest) {
   check_error(name + "largest overlap of two blocks", overlap, 4e-3, "m", "no tunnelling: 2 % of the height");
   check_error(name + "energy from nothing / m g h", created, 1e-2, "-");
   check_error(name + "energy gained at detection / m g h", std::max(0.0, -e.detection) / work_scale, 2e-2, "-",
-              "points placed anew");
+              "new contact points");
   EXPECT_LT(top, 0.9 * courses * height);
 }
 TEST(Collapse, SmallWallToTheFloor) { collapse(6, 3, 2.5); }

@@ -301,7 +301,7 @@ Beam cantilever(std::array<int, 3> n) {
   };
   m->run(6 / f1);
   const double deflection = -mean();
-  m->clear_loads();
+  m->actions.loads.clear();
   m->set_solver(undamped(0.8));
   // upward zero crossings of the tip's displacement over some periods
   double first = -1, last = -1, before = mean();

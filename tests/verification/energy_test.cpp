@@ -23,7 +23,7 @@ void check_balance(const std::string& what, const Model& m, double start, double
   const Energies& e = m.step_sums.energies;
   EXPECT_GT(m.detection.count, 100) << "nothing is placed anew: nothing is tested";
   check_error(what + ": energy balance", e.balance_error(start) / energy, bounds.balance, "-");
-  check_error(what + ": energy of points placed anew", e.detection / energy, bounds.detection, "-");
+  check_error(what + ": energy of new contact points", e.detection / energy, bounds.detection, "-");
 }
 
 // Drops a block, which lands on a corner, then on an edge and a face, on another block on the ground.
