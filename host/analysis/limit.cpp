@@ -27,6 +27,11 @@ constexpr std::size_t kManyPoints = 1000;
 constexpr double kGap =
     2e-7;  // Gap of the bounds of the multiplier, over max(1, multiplier); within kAll of stands.cpp.
 
+// Multiple of the mean load, or strength if that is more, of a block that live loads may reach without a mechanism;
+// past it none counts as one. Without a bound Clp's interior point method ends the process where a programme has no
+// largest multiplier. A larger number costs digits of forces there.
+constexpr double kWithoutLimit = 1e5;
+
 [[noreturn]] void refuse(const std::string& why) { throw Error(Exit::bad_input, "limit analysis: " + why); }
 
 bool finite(const Vector& v) { return std::isfinite(v.x + v.y + v.z); }
@@ -82,6 +87,7 @@ class Programme {
   }
 
   const LinearProgram& linear() const { return linear_; }
+  bool reaches(double multiplier) const { return multiplier > 0.99 * without_limit_; }  // no mechanism
 
   LimitResult result(const LinearSolution& solution) const {
     LimitResult r;
@@ -125,8 +131,22 @@ class Programme {
     }
   }
 
+  // Bound of the multiplier past which no mechanism counts; infinite if strengths grow with it.
+  double bound_of_multiplier() const {
+    double live = 0.0, strength = 0.0;
+    const auto add = [&](double force) { strength += std::isfinite(force) ? force : 0.0; };
+    for (const LimitBlock& b : problem_.blocks) live += norm(b.live.force) + norm(b.live.moment) / length_;
+    for (const LimitPoint& p : problem_.points) {
+      if (p.live_cohesion != 0.0) return kNoBound;
+      add(p.tension), add(p.cohesion), add(p.crushing);
+    }
+    for (const LimitForce& f : problem_.forces) add(std::max(std::abs(f.low), std::abs(f.high)));
+    return kWithoutLimit * (force_ * static_cast<double>(problem_.blocks.size()) + strength) / live;
+  }
+
   void add_multiplier() {
-    linear_.add_column(1.0, -kNoBound, settings_.most);
+    without_limit_ = bound_of_multiplier();
+    linear_.add_column(1.0, -kNoBound, std::min(settings_.most, without_limit_));
     for (std::size_t k = 0; k < problem_.blocks.size(); ++k) {
       if (rows_[k] < 0) continue;
       const Wrench& live = problem_.blocks[k].live;
@@ -232,6 +252,7 @@ class Programme {
   const LimitProblem& problem_;
   const LimitSettings& settings_;
   double force_ = 1.0, length_ = 1.0;  // N, m
+  double without_limit_ = kNoBound;
   LinearProgram linear_;
   std::vector<int> rows_;  // first of each block; -1: fixed
   std::vector<Columns> columns_;
@@ -346,6 +367,7 @@ LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& g
   LimitResult result;
   if (solution.status == LinearStatus::solved) result = programme.result(solution);
   result.status = status_of(solution, settings.interior);
+  if (programme.reaches(solution.objective)) result.status = LimitStatus::unbounded;
   result.facets = settings.facets;
   scale_mechanism(problem, &result);
   if (result.status == LimitStatus::no_equilibrium) result.blocks_concerned = unheld_blocks(problem, settings);

@@ -124,8 +124,9 @@ Strength strength_of(const JointFamily& family, const std::string& file) {
                             file, family.name, family.law));
   constexpr double degree = std::numbers::pi / 180.0;
   Strength s;
-  s.friction = std::tan(degree * material.number("friction_angle"));
-  const bool dry = family.initial_state == "dry";
+  const bool dry = family.initial_state == "dry";  // its strengths have softened
+  const bool softens = has("friction_angle_residual");
+  s.friction = std::tan(degree * material.number(dry && softens ? "friction_angle_residual" : "friction_angle"));
   if (!dry && has("tensile_strength")) s.tension = material.number("tensile_strength");
   if (has(dry ? "cohesion_residual" : "cohesion")) s.cohesion = material.number(dry ? "cohesion_residual" : "cohesion");
   if (has("compressive_strength")) s.crushing = material.number("compressive_strength");

@@ -542,6 +542,32 @@ TEST(Limit, WhatHasNoAnswerIsNamed) {
   EXPECT_ANY_THROW(limit_multiplier(pressed.problem, settings));
 }
 
+// A slab of 4 x 0.4 x 1 m on piers at x = -1.25 and 1.25 m, each 0.5 m wide, under a load at x. Between the outer edges
+// of the piers nothing moves, whatever the load; Clp's interior point method ended the process there. Past the edge at
+// 1.5 m the slab of weight 1.6 tips about it: 1.6 (1.5 - 0.5)/(x - 1.5).
+TEST(Limit, LoadsThatNothingMovesUnderAreNamed) {
+  for (int k = 0; k <= 76; ++k) {
+    const double x = -1.4 + 3.8 * k / 76;
+    Boxes bridge;
+    bridge.add({-3.0, -0.5, -1.0}, {6.0, 0.5, 3.0}, {}, true);
+    bridge.add({-1.5, 0.0, 0.0}, {0.5, 1.0, 1.0}, {});
+    bridge.add({1.0, 0.0, 0.0}, {0.5, 1.0, 1.0}, {});
+    bridge.add({-1.5, 1.0, 0.0}, {4.0, 0.4, 1.0}, {});
+    bridge.join(std::tan(pi / 6));
+    LimitBlock& slab = bridge.problem.blocks[3];
+    slab.live = {{0.0, -1.0, 0.0}, cross(Vector{x, 1.4, 0.5} - slab.centre, {0.0, -1.0, 0.0})};
+    for (const LimitSettings& settings : {LimitSettings{}, whole_cones()}) {
+      const LimitResult result = limit_multiplier(bridge.problem, settings);
+      if (x < 1.5 + 1e-3) {
+        EXPECT_EQ(result.status, LimitStatus::unbounded) << x;
+        continue;
+      }
+      ASSERT_EQ(result.status, LimitStatus::solved) << x;
+      EXPECT_NEAR(result.multiplier, 1.6 / (x - 1.5), 1e-5 * result.multiplier) << x;  // of whole cones: kGap
+    }
+  }
+}
+
 // Returns a block of 0.5 x 0.4 m on a plane tilted by atan(0.3), with friction 0.7. It slides below a friction of 0.3
 // and overturns only above 0.5/0.4. The result without dilation is equal, since the plane carries all normal force.
 LimitProblem tilted(double slope, double friction) {

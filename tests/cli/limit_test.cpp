@@ -78,6 +78,37 @@ collapse = { direction = [1, 0, 0], start = 0.1 }
   }
 }
 
+// Dry joints have softened, so the residual strengths hold: tan(10 deg), and with a residual cohesion of 2 kPa on 1 m2
+// that over the weight more. Limit analysis had tan(20 deg), twice what the run stands under.
+TEST_F(Limit, DryJointsHaveTheirResidualStrength) {
+  for (const double cohesion : {0.0, 2e3}) {
+    const std::string path = (folder_ / "residual.toml").string();
+    std::ofstream(path) << dry_stone(20)
+                        << fmt::format(
+                               "friction_angle_residual = 10\ncohesion = 1e4\n"
+                               "cohesion_residual = {}\n",
+                               cohesion)
+                        << R"([[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-2, -1, -2], size = [4, 1, 4] }
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[stage]]
+name = "push"
+gravity = [0, -9.81, 0]
+collapse = { direction = [1, 0, 0], start = 0.1 }
+)";
+    ASSERT_EQ(quoin({"limit", path, "--out", out()}), 0) << error_;
+    const auto found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+    const double right = std::tan(10.0 * std::numbers::pi / 180.0) + cohesion / (2000.0 * 9.81);
+    EXPECT_NEAR(found["multiplier"], right, 1e-4) << cohesion;
+  }
+}
+
 TEST_F(Limit, WhatHasNoAnswerIsSaid) {
   const std::string arch = QUOIN_SCENES "/arch.toml";
   EXPECT_EQ(quoin({"limit", arch, "--direction", "0", "-1", "0"}), 5);
