@@ -27,9 +27,9 @@ constexpr std::size_t kManyPoints = 1000;
 constexpr double kGap =
     2e-7;  // Gap of the bounds of the multiplier, over max(1, multiplier); within kAll of stands.cpp.
 
-// Multiple of the mean load, or strength if that is more, of a block that live loads may reach without a mechanism;
-// past it none counts as one. Without a bound Clp's interior point method ends the process where a programme has no
-// largest multiplier. A larger number costs digits of forces there.
+// Live loads of more than this multiple of the dead loads, or of the strengths, move nothing. Without a bound Clp's
+// interior point method ends the process where a programme has no largest multiplier. A larger number costs digits of
+// forces there.
 constexpr double kWithoutLimit = 1e5;
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Exit::bad_input, "limit analysis: " + why); }

@@ -109,6 +109,41 @@ collapse = { direction = [1, 0, 0], start = 0.1 }
   }
 }
 
+// A load between the outer edges of two piers moves nothing, whatever its multiple. Clp's interior point method ended
+// the process at 4, 11, 21 and 41 positions.
+TEST_F(Limit, ALoadThatNothingMovesUnderIsNamedFromAnyNumberOfPositions) {
+  const std::string path = (folder_ / "bridge.toml").string();
+  std::ofstream(path) << dry_stone(30) << R"([[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-3, -0.5, -1], size = [6, 0.5, 3] }
+[[block]]
+name = "left"
+material = "stone"
+box = { lower = [-1.5, 0, 0], size = [0.5, 1, 1] }
+[[block]]
+name = "right"
+material = "stone"
+box = { lower = [1, 0, 0], size = [0.5, 1, 1] }
+[[block]]
+name = "slab"
+material = "stone"
+box = { lower = [-1.5, 1, 0], size = [3, 0.4, 1] }
+[[stage]]
+name = "axle"
+gravity = [0, -9.81, 0]
+duration = 2
+moving_load = { from = [-1.4, 3, 0.5], to = [1.4, 3, 0.5], force = [0, -5000, 0] }
+)";
+  for (const char* positions : {"3", "4", "11", "21"}) {
+    EXPECT_EQ(quoin({"limit", path, "--moving", "--out", out(), "--set",
+                     std::string("stage.axle.moving_load.positions=") + positions}),
+              5);
+    EXPECT_THAT(error_, HasSubstr("no multiple of moving_load moves a block")) << positions;
+  }
+}
+
 TEST_F(Limit, WhatHasNoAnswerIsSaid) {
   const std::string arch = QUOIN_SCENES "/arch.toml";
   EXPECT_EQ(quoin({"limit", arch, "--direction", "0", "-1", "0"}), 5);
