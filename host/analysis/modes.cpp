@@ -158,6 +158,7 @@ void finish(const Vibrating& v, Modes* modes) {
         excited[static_cast<std::size_t>(c)] += v.mass[k] * column(i) * v.unknown[k].translation[c];
     }
     Mode& mode = modes->mode[m];
+    if (v.symmetry_factor != 1.0) excited[2] = 0.0;  // the other half moves against it along z
     for (std::size_t c = 0; c < 3; ++c) {
       mode.participation[c] = excited[c] / generalized;
       mode.effective_mass[c] = v.symmetry_factor * excited[c] * excited[c] / generalized;
@@ -170,14 +171,28 @@ void finish(const Vibrating& v, Modes* modes) {
 Rayleigh rayleigh(const std::array<double, 2>& frequencies, const std::array<double, 2>& ratios) {
   Rayleigh r{0.0, 0.0, frequencies, ratios};
   const double low = kTwoPi * frequencies[0], high = kTwoPi * frequencies[1];
-  if (!(low > 0.0)) return r;
-  if (high <= low * (1.0 + 1e-9)) {  // one frequency: each term gives half of its damping
+  if (!(low > 0.0 && high > 0.0)) return r;
+  if (std::abs(high - low) <= 1e-9 * low) {  // one frequency: each term gives half of its damping
+    if (ratios[0] != ratios[1])
+      throw Error(Exit::bad_input, fmt::format("modes: damping ratios of {:g} and {:g}, both at {:.4g} Hz; give one "
+                                               "ratio twice, or two frequencies",
+                                               ratios[0], ratios[1], frequencies[0]));
     r.mass_damping = ratios[0] * low, r.stiffness_damping = ratios[0] / low;
     return r;
   }
   const double over = 2.0 / (high * high - low * low);
   r.mass_damping = over * low * high * (ratios[0] * high - ratios[1] * low);
   r.stiffness_damping = over * (ratios[1] * high - ratios[0] * low);
+  // Ratios of the two terms are proportional to 1/f and to f, so their sum cannot change faster.
+  if (r.mass_damping < 0.0 || r.stiffness_damping < 0.0) {
+    const double apart = std::max(frequencies[0], frequencies[1]) / std::min(frequencies[0], frequencies[1]);
+    throw Error(
+        Exit::bad_input,
+        fmt::format("modes: damping ratios of {:g} at {:.4g} Hz and {:g} at {:.4g} Hz need alpha = {:.4g} 1/s "
+                    "and beta = {:.4g} s, of which none may be negative: the ratios may differ by a factor of "
+                    "{:.4g} at most, as the frequencies do",
+                    ratios[0], frequencies[0], ratios[1], frequencies[1], r.mass_damping, r.stiffness_damping, apart));
+  }
   return r;
 }
 

@@ -148,7 +148,7 @@ class Members {
   // Upper bound of the squared frequency of members' own nodes, 1/s2, for fixed blocks and doubled connections. With
   // each_spring it bounds the frequency of the whole.
   double own_eigenvalue(double mass_scaling) const;
-  // Sets the time step for which dashpots are to be stable, s.
+  // Sets the critical time step for which dashpots are reckoned, s.
   void set_step(double dt) { reckoned_step_ = dt; }
   bool has_dashpots() const;
   Work work() const;
@@ -195,7 +195,7 @@ class Members {
 
   template <class Archive, class Self>
   static void transfer(Archive& archive, Self& m) {
-    archive.value(m.jack_);
+    archive.value(m.jack_), archive.value(m.reckoned_step_);
     for (auto& tie : m.ties_) archive.value(tie.state);
     for (auto& dowel : m.dowels_) archive.value(dowel.state);
     for (auto& point : m.fill_points_) archive.value(point.state);

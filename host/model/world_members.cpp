@@ -50,14 +50,13 @@ void World::hold_by_members(std::shared_ptr<members::Members> members, ExchangeN
     }
   }
   find_time_step(*this, true);
-  // Forces of dashpots use velocities half a step ago. The step is stable where dt^2 times the eigenvalue of K + 2 C/dt
-  // is below 4. A smaller dt is stable too, so one valid dt is enough.
-  constexpr double kTry = 0.95;
-  for (double reckoned = stepping.dt; held_by.members->has_dashpots();) {
-    held_by.members->set_step(reckoned);
+  // Forces of dashpots use velocities half a step ago. A step dt is stable where dt^2 times the eigenvalue of K + 2
+  // C/dt is below 4, and so are smaller ones. The critical step for C/dt lies between the solution and dt.
+  constexpr double kBelow = 0.99;  // of that step, so that a few tries suffice
+  for (double whole = stepping.critical_dt; held_by.members->has_dashpots(); whole = kBelow * stepping.critical_dt) {
+    held_by.members->set_step(whole);
     find_time_step(*this, true);
-    if (stepping.dt >= reckoned) break;
-    reckoned *= kTry;
+    if (stepping.critical_dt >= whole) break;
   }
 }
 

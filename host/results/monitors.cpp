@@ -68,6 +68,15 @@ std::vector<MonitorPlace> monitor_places(const Simulation& simulation) {
       }
     }
     if (!m.point) place.start = middle / count;
+    for (std::size_t b = 0; b < places.size(); ++b) {
+      constexpr double kRounding = 1e-9;  // m
+      if (simulation.scene().monitors[b].name != m.below) continue;
+      if (std::abs(places[b].start[1] - place.start[1]) > kRounding) continue;
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: monitor {}: below = \"{}\", at the same height y = {:.6g} m; a drift needs monitors "
+                              "at two heights",
+                              m.source.text, m.name, m.below, place.start[1]));
+    }
     places.push_back(std::move(place));
   }
   return places;
@@ -162,7 +171,7 @@ void MonitorFile::add(const HistoryRow& row) {
     const auto b = static_cast<std::size_t>(below - monitors_.begin());
     const double height = places_[i].start[1] - places_[b].start[1];
     for (const std::size_t c : {std::size_t{0}, std::size_t{2}})
-      values.push_back(b < i && height != 0.0 ? (moved[i][c] - moved[b][c]) / height : kNone);
+      values.push_back(b < i ? (moved[i][c] - moved[b][c]) / height : kNone);
   }
   write(values);
 }

@@ -131,6 +131,17 @@ TEST_F(Monitors, AgreeWithTheHistoryAndWithEachOther) {
   EXPECT_GE(json["top"]["largest"]["top_relative_dx_m"].get<double>(), std::abs(monitors["top_relative_dx_m"][last]));
 }
 
+TEST_F(Monitors, DriftsAtOneHeightAreRefused) {
+  const std::string level = scene(both_ +
+                                  "[[monitor]]\nname = \"level\"\nblock = \"low\"\nbelow = \"top\"\n"
+                                  "[[monitor]]\nname = \"same\"\nblock = \"high\"\nbelow = \"top\"\n");
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"check", level}, {"run", level, "--out", out()}}) {
+    EXPECT_EQ(quoin(command), 3) << error_;
+    EXPECT_THAT(error_, HasSubstr("monitor same: below = \"top\", at the same height y = 0.75 m"));
+  }
+}
+
 TEST_F(Monitors, GoOnWhereAKilledRunWasLeft) {
   ASSERT_NO_FATAL_FAILURE(run_whole_and_killed());
   expect_resumed_as_whole();

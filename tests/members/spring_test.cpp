@@ -130,5 +130,27 @@ TEST(Springs, DashpotsDampHeave) {
   EXPECT_GT(e.members_dissipated, 0.3 * e.external);
 }
 
+// The critical step c of a mass on dashpots alone, nearly: c^2 (K + 2 C/c) = 4, so c = 2/C for K = 0. It holds for
+// rocking, which is stiffest: C = c_n I/I_0. The step is its fraction, whatever the dashpots are; the bound of springs
+// in all directions is at most 3 times stiffer.
+TEST(Springs, StepUnderDashpotsIsAFractionOfTheCriticalOne) {
+  const auto step = [](double fraction, double dashpot) {
+    return Simulation(
+               on_springs(fmt::format("normal_stiffness = 1e4\nshear_stiffness = 1e4\nnormal_dashpot = {0}\n"
+                                      "shear_dashpot = {0}\ntension = true\n",
+                                      dashpot),
+                          "duration = 0.4\n", fmt::format("damping = \"none\"\ntime_step_fraction = {}\n", fraction)),
+               1)
+        .time_step_report()
+        .time_step;
+  };
+  const double dashpot = 1e6, whole = step(1.0, dashpot);
+  for (const double fraction : {0.2, 0.5, 0.8}) EXPECT_NEAR(step(fraction, dashpot) / whole, fraction, 1e-9);
+  EXPECT_NEAR(step(0.8, 2 * dashpot) / step(0.8, dashpot), 0.5, 0.02);
+  const double heave = 2 * kMass / (dashpot * kWidth * kDepth);
+  EXPECT_LT(whole, heave);
+  EXPECT_GT(whole, heave / 12);
+}
+
 }  // namespace
 }  // namespace quoin

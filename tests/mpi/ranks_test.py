@@ -4,6 +4,7 @@ Results must be bitwise identical to those of one process: every row of the hist
 contact point (files for ParaView), and the summary without times, threads and ranks.
 """
 import json
+import mmap
 import os
 import pathlib
 import shutil
@@ -408,6 +409,24 @@ def large():
     print(f"3 ranks, {summary['blocks']} blocks: the same bits; {state / 1e6:.1f} MB of state")
 
 
+def takes_room_where_written():
+    """Whether this system counts memory where it is written to, by small pages: some virtual machines do not."""
+    def in_use():
+        lines = pathlib.Path("/proc/self/status").read_text().splitlines()
+        return sum(1024 * int(line.split()[1]) for line in lines if line.startswith("RssAnon:"))
+
+    size, page, other = 2**25, mmap.PAGESIZE, 2**20
+    memory = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    memory.madvise(mmap.MADV_NOHUGEPAGE)
+    before = in_use()
+    assert not any(memory[i] for i in range(0, size, page))
+    read = in_use() - before
+    for i in range(0, size // 2, page):
+        memory[i] = 1
+    written = in_use() - before
+    return read < other and abs(written - size / 2) < other
+
+
 def parts():
     """The memory of a rank is that of its share of the model. The memory of the program, by a model of six blocks, is
     subtracted.
@@ -436,6 +455,9 @@ def parts():
     whole = alone(100) - alone(2)
     shares = [large - small for large, small in zip(by_rank(100), by_rank(2))]
     same(results(folder / "1_100"), results(folder / "4_100"), "4 ranks")
+    if not takes_room_where_written():
+        print("4 ranks: the same bits; memory not compared, as this system does not count it by where it is written to")
+        return
     assert all(0 < share < 0.8 * whole for share in shares), (shares, whole)
     print(f"4 ranks: {', '.join(f'{share / whole:.2f}' for share in shares)} of {whole / 1e6:.0f} MB")
 
