@@ -207,7 +207,7 @@ void print_time(Simulation& simulation, double steps, bool force) {
 // Prints random properties of a family, and their range in the sample.
 void print_scatter(const JointFamily& family, const std::vector<PropertyColumn>& columns) {
   const RandomSample& random = family.random;
-  if (!family.scatters() && family.missing_mortar == 0.0) return;
+  if (!family.is_random()) return;
   fmt::print("  joints.{:<10} {}\n", family.name,
              random.sample == 0 ? std::string("sample 0: everything at its mean")
                                 : fmt::format("sample {} of seed {}", random.sample, random.seed));

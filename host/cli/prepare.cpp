@@ -100,6 +100,16 @@ void refuse_what_does_not_fit(const Scene& scene, const SceneOptions& options) {
     notice(fmt::format("{}, about {:.2g} GB; to make them takes a while", words, size.bytes / 1e9));
 }
 
+void say_where_nothing_is_random(const Scene& scene) {
+  const RandomSample usual;
+  if (scene.random.seed == usual.seed && scene.random.sample == usual.sample) return;
+  if (std::ranges::none_of(scene.joints, [](const auto& joint) { return joint.second.is_random(); }))
+    notice(
+        fmt::format("{}: [random]: without effect, as no property of a joint has a distribution, and no joint "
+                    "missing_mortar",
+                    scene.file));
+}
+
 // Fault of stiffnesses that are typing errors. Time steps follow from stiffnesses.
 std::string fault_of_stiffness(const JointFamily& family, const Law& law) {
   constexpr double kMost = 1e20;  // Pa/m; steel of 2 nm
@@ -217,6 +227,7 @@ Scene prepare_scene(const SceneOptions& options) {
 Scene prepare_scene(Scene scene, const SceneOptions& options) {
   refuse_what_does_not_fit(scene, options);
   faults_of_laws(scene, options).throw_any();
+  say_where_nothing_is_random(scene);
   if (const auto stage = rest_asked(options.overrides)) scene = at_rest(std::move(scene), *stage);
   if (options.runs) find_collapse_starts(&scene);
   return scene;

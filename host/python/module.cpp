@@ -241,6 +241,7 @@ PYBIND11_MODULE(_quoin, m) {
       .def("history", &Session::history)
       .def("measure", &Session::measure)
       .def("finish", &Session::finish)
+      .def("close", &Session::close)
       .def("frames", &Session::frames)
       .def("mesh", &Session::mesh)
       .def("contacts", [](const Session& s, const std::string& joint) { return s.contacts(s.family_named(joint)); })

@@ -135,10 +135,7 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>();
   if (!folder.empty()) {
     own_ = std::make_unique<ResultFolder>(folder_);
-    file_.emplace(folder_ / "history.csv", *simulation_);
-    if (!simulation_->scene().monitors.empty())
-      monitors_.emplace(folder_, *simulation_, std::vector<std::vector<double>>());
-    if (simulation_->scene().has_frames()) series_.emplace(folder_, *surfaces_);
+    begin_files({}, {});
     if (simulation_->scene().has_frames() && simulation_->scene().output.pieces) {
       const py::gil_scoped_acquire lock;
       if (PyErr_WarnEx(PyExc_UserWarning,
@@ -152,6 +149,14 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
     const auto is_it = [&](const ContactFamily& f) { return f.material.get() == &material; };
     if (std::any_of(families.begin(), families.end(), is_it)) end_with_law(material, batch, law_seconds);
   });
+}
+
+void Session::begin_files(const std::vector<std::vector<double>>& monitor_rows, std::vector<double> frame_times) {
+  if (!own_) return;
+  summary_.clear();
+  file_.emplace(folder_ / "history.csv", *simulation_, rows_);
+  if (!simulation_->scene().monitors.empty()) monitors_.emplace(folder_, *simulation_, monitor_rows);
+  if (simulation_->scene().has_frames()) series_.emplace(folder_, *surfaces_, std::move(frame_times));
 }
 
 // Called by the watching thread, without the interpreter's lock, while another thread never returns from the law.
@@ -181,6 +186,15 @@ Simulation& Session::use() const {
 }
 
 bool Session::step(long count, bool stop_at_stage_end) {
+  const bool more = advance(count, stop_at_stage_end);
+  if (!more && file_) finish("done", "");
+  for (const std::string& text : std::exchange(warnings_, {})) {
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+  }
+  return more;
+}
+
+bool Session::advance(long count, bool stop_at_stage_end) {
   Simulation& simulation = use();
   stepping_ = true;
   struct Done {
@@ -188,17 +202,12 @@ bool Session::step(long count, bool stop_at_stage_end) {
     ~Done() { stepping = false; }  // with the interpreter's lock, which has been taken again
   } const done{stepping_};
   bool more = true;
-  {
-    const py::gil_scoped_release release;
-    const Isolated isolated(isolation_);
-    const long end = simulation.step() + std::min(count, std::numeric_limits<long>::max() - simulation.step());
-    while (more && simulation.step() < end) {
-      more = simulation.run_stage(*this, end - simulation.step());
-      if (stop_at_stage_end && simulation.step() < end) break;
-    }
-  }
-  for (const std::string& text : std::exchange(warnings_, {})) {
-    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+  const py::gil_scoped_release release;
+  const Isolated isolated(isolation_);
+  const long end = simulation.step() + std::min(count, std::numeric_limits<long>::max() - simulation.step());
+  while (more && simulation.step() < end) {
+    more = simulation.run_stage(*this, end - simulation.step());
+    if (stop_at_stage_end && simulation.step() < end) break;
   }
   return more;
 }
@@ -293,6 +302,7 @@ py::dict Session::measure() const {
 
 std::string Session::finish(const std::string& status, const std::string& message) {
   const Simulation& simulation = use();
+  if (!summary_.empty()) return summary_;
   RunInfo info;
   info.status = status;
   info.message = message;
@@ -302,16 +312,22 @@ std::string Session::finish(const std::string& status, const std::string& messag
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   info.wall_clock_s = seconds_since(start_);
   info.modes = modes_;
-  if (file_ && !finished_) {
-    finished_ = true;
-    file_->finish();
-    if (monitors_) monitors_->finish();
-    if (series_ && status != "done" && info.law_answers) series_->add_frame(simulation);
-    if (series_) series_->finish();
-    write_summary(folder_ / "summary.json", simulation, rows_, info);
-    if (status == "done" && provenance_) write_end_state(folder_, simulation, *provenance_);
-  }
-  return summary_text(simulation, rows_, info);
+  const std::string summary = summary_text(simulation, rows_, info);
+  if (!file_) return summary;
+  file_->finish();
+  if (monitors_) monitors_->finish();
+  if (series_ && status != "done" && info.law_answers) series_->add_frame(simulation);
+  if (series_) series_->finish();
+  write_summary(folder_ / "summary.json", simulation, rows_, info);
+  if (status == "done" && provenance_) write_end_state(folder_, simulation, *provenance_);
+  return summary_ = summary;
+}
+
+void Session::close(const std::string& failure) {
+  const Simulation& simulation = use();
+  if (!file_) return;
+  const std::string left = fmt::format("left at step {}, before the end of its last stage", simulation.step());
+  finish(failure.empty() ? "interrupted" : "failed", failure.empty() ? left : failure);
 }
 
 py::list Session::frames() const {
@@ -479,6 +495,12 @@ void Session::restore(const py::bytes& bytes) {
   std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
   std::erase_if(modes_, [now = simulation_->measure().stage](const StageModes& of) { return of.stage > now; });
   if (surfaces_) *surfaces_ = Surfaces();
+  std::vector<std::vector<double>> of_monitors = monitors_ ? monitors_->rows() : std::vector<std::vector<double>>();
+  std::erase_if(of_monitors,
+                [&](const std::vector<double>& row) { return row.front() > static_cast<double>(simulation_->step()); });
+  std::vector<double> frame_times = series_ ? series_->times() : std::vector<double>();
+  std::erase_if(frame_times, [&](double time) { return time > simulation_->time(); });
+  begin_files(of_monitors, std::move(frame_times));
 }
 
 Identity Session::identity_of(const std::string& scene_hash) const {
@@ -489,7 +511,9 @@ Identity Session::identity_of(const std::string& scene_hash) const {
 }
 
 void Session::checkpoint(const std::string& path, const std::string& scene_hash) const {
-  write_checkpoint(path, identity_of(scene_hash), {{rows_, {}, modes_}, use().save()});
+  ResultsSoFar results{rows_, {}, modes_};
+  if (monitors_) results.monitor_rows = monitors_->rows();
+  write_checkpoint(path, identity_of(scene_hash), {results, use().save()});
 }
 
 void Session::resume(const std::string& path, const std::string& scene_hash) {
@@ -499,6 +523,7 @@ void Session::resume(const std::string& path, const std::string& scene_hash) {
   rows_ = checkpoint.results.rows;
   modes_ = checkpoint.results.modes;
   if (surfaces_) *surfaces_ = Surfaces();
+  begin_files(checkpoint.results.monitor_rows, {});
 }
 
 }  // namespace quoin::python

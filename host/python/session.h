@@ -54,8 +54,11 @@ class Session : private Observer {
   // Columns of the history so far, {name: array}; texts are lists.
   py::dict history() const;
   py::dict measure() const;  // the current row of the history
-  // Text of summary.json of the run; writes the files of the folder, if there is one.
+  // Text of summary.json of the run; completes the files of the folder, if there is one. The end of the last stage
+  // completes them too.
   std::string finish(const std::string& status, const std::string& message);
+  // Completes the files of a run that is left before its end. failure: what ended it; empty: nothing.
+  void close(const std::string& failure);
   py::list frames() const;
   py::dict mesh() const;
   py::dict contacts(int family) const;
@@ -78,6 +81,9 @@ class Session : private Observer {
   int stage() const { return stage_; }
 
  private:
+  bool advance(long count, bool stop_at_stage_end);
+  // Begins the files of the folder with the rows so far, and with rows of monitors and times of frames of the same run.
+  void begin_files(const std::vector<std::vector<double>>& monitor_rows, std::vector<double> frame_times);
   void on_stage_begin(const Simulation& simulation, int stage) override;
   void on_promotion(const Simulation& simulation) override;
   void on_warning(const Warning& warning) override { warnings_.push_back(warning.text); }
@@ -104,7 +110,8 @@ class Session : private Observer {
   std::optional<MonitorFile> monitors_;
   std::optional<VtkSeries> series_;
   py::object progress_ = py::none();
-  bool stepping_ = false, finished_ = false;
+  bool stepping_ = false;
+  std::string summary_;  // summary.json, when the files are complete; else empty
   int stage_ = -1;
   std::vector<StageModes> modes_;      // modes of stages with ground motion
   std::vector<std::string> warnings_;  // warnings not yet returned to Python

@@ -264,8 +264,7 @@ std::string masonry_hash(const Scene& scene) {
     for (const PropertySetting& p : f.properties)
       hash.add_text(
           fmt::format("{} {} {} {}", p.id, p.text, fmt::join(p.numbers, " "), p.scatter ? text_of(*p.scatter) : ""));
-    if (f.scatters() || f.missing_mortar > 0.0)
-      hash.add_text(fmt::format("{} {}", scene.random.seed, scene.random.sample));
+    if (f.is_random()) hash.add_text(fmt::format("{} {}", scene.random.seed, scene.random.sample));
   }
   return hash.end();
 }

@@ -109,7 +109,7 @@ Provenance provenance_of(const Simulation& simulation, const Request& request) {
   p.scene_text = scene.text;
   p.inputs = input_files(scene);
   for (const auto& [name, family] : scene.joints) {
-    if (family.scatters() || family.missing_mortar > 0.0) p.seed = family.random.seed;
+    if (family.is_random()) p.seed = family.random.seed;
   }
   p.request = request;
   std::error_code none;

@@ -135,8 +135,7 @@ std::string outside_measured(const Scene& scene) {
   if (!scene.start.empty()) return "start, measured from rest";
   if (!scene.quality_as_is) return fmt::format("settings of quality {} changed", scene.quality);
   for (const auto& [name, family] : scene.joints) {
-    if (family.scatters() || family.missing_mortar > 0.0)
-      return fmt::format("joints.{}, which scatter: measured with joints alike", name);
+    if (family.is_random()) return fmt::format("joints.{}, which scatter: measured with joints alike", name);
   }
   const std::string text = outside_wall(scene);
   return text.empty() ? outside_stages(scene) : text;

@@ -77,6 +77,7 @@ struct JointFamily {
   bool scatters() const {
     return std::any_of(properties.begin(), properties.end(), [](const auto& p) { return p.scatter.has_value(); });
   }
+  bool is_random() const { return missing_mortar > 0.0 || scatters(); }
 };
 
 struct BlockMaterial {

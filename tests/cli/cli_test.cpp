@@ -366,6 +366,9 @@ TEST_F(Cli, CheckTellsWhatScattersAndWhereStagesEnd) {
   at_mean.insert(at_mean.end(), {"--set", "random.sample=0"});
   ASSERT_EQ(quoin(at_mean), 0) << error_;
   EXPECT_THAT(out_, AllOf(HasSubstr(" sample 0: everything at its mean\n"), Not(HasSubstr("drawn for"))));
+  EXPECT_THAT(error_, Not(HasSubstr("without effect")));
+  ASSERT_EQ(quoin({"check", small_, "--set", "random.seed=5"}), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("[random]: without effect"));
 }
 
 // Every shipped scene passes the check, and the README of its folder describes it.

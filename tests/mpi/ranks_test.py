@@ -3,6 +3,7 @@
 Results must be bitwise identical to those of one process: every row of the history, the last state of every gridpoint and
 contact point (files for ParaView), and the summary without times, threads and ranks.
 """
+import atexit
 import json
 import mmap
 import os
@@ -19,6 +20,7 @@ from xml.etree import ElementTree
 quoin, mpirun, case = sys.argv[1:]
 root = pathlib.Path(__file__).resolve().parents[2]
 folder = pathlib.Path(tempfile.mkdtemp(prefix="quoin_mpi_"))
+atexit.register(shutil.rmtree, folder, ignore_errors=True)
 scenes = {
     # Bricks on the lattice, a law swap, rows with energies.
     "wall": (root / "tests/cli/small_wall.toml", ["output.energy=true", "stage.precompression.duration=0.006",

@@ -275,6 +275,59 @@ class Interruptions(Folder):
         with self.assertRaisesRegex(quoin.BadInput, "checkpoint"):
             sim.restore(b"rubbish")
 
+    def test_files_are_complete_at_the_end_and_after_a_restart(self):
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.output.frames = 2
+        scene.monitor.append(quoin.Monitor(name="top", block="top_beam"))
+
+        def contents(out):
+            names = sorted(os.listdir(self.path(out)))
+            self.assertFalse([name for name in names if name.endswith(".part")], names)
+            with open(self.path(f"{out}/summary.json"), encoding="utf-8") as file:
+                self.assertEqual(json.load(file)["status"], "done")
+            kept = [name for name in names if name.endswith((".csv", ".vtu", ".pvd")) or name == "monitors.json"]
+            self.assertGreater(len(kept), 8)
+            return {name: open(self.path(f"{out}/{name}"), "rb").read() for name in kept}
+
+        quoin.run(scene, out=self.path("whole"))
+        whole = contents("whole")
+        sim = quoin.Simulation(scene, out=self.path("stepped"))
+        sim.step(700)
+        state = sim.save()
+        sim.checkpoint(self.path("then.bin"))
+        sim.run()
+        self.assertEqual(contents("stepped"), whole)
+        sim.restore(state)
+        sim.step(100)
+        sim.restore(state)
+        sim.run()
+        self.assertEqual(contents("stepped"), whole)
+        sim.close()
+        self.assertEqual(contents("stepped"), whole)
+        quoin.Simulation.resume(scene, self.path("then.bin"), out=self.path("resumed")).run()
+        resumed = contents("resumed")
+        for name in ("history.csv", "monitors.csv", "monitors.json"):
+            self.assertEqual(resumed[name], whole[name], name)
+
+    def test_a_simulation_that_is_closed_early_has_whole_files(self):
+        def summary():
+            self.assertFalse([name for name in os.listdir(self.path("out")) if name.endswith(".part")])
+            with open(self.path("out/summary.json"), encoding="utf-8") as file:
+                return json.load(file)
+
+        with quoin.Simulation(SMALL_WALL, out=self.path("out")) as sim:
+            sim.step(700)
+            rows = len(sim.history)
+        self.assertEqual((summary()["status"], summary()["message"]),
+                         ("interrupted", "left at step 700, before the end of its last stage"))
+        with open(self.path("out/history.csv"), encoding="utf-8") as file:
+            self.assertEqual(len(file.readlines()), rows + 1)
+        with self.assertRaisesRegex(ArithmeticError, "mine"):
+            with quoin.Simulation(SMALL_WALL, out=self.path("out")) as sim:
+                sim.step(700)
+                raise ArithmeticError("mine")
+        self.assertEqual((summary()["status"], summary()["message"]), ("failed", "mine"))
+
     def test_a_law_is_swapped_after_resume_as_without(self):
         straight = quoin.Simulation(SMALL_WALL)
         straight.run(until="precompression")

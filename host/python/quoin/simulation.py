@@ -56,7 +56,8 @@ def table(columns):
 
 class Simulation:
     """A simulation of a scene. step and run advance it through its stages. Between two calls all its state can be read,
-    and bodies can be moved and loaded. threads 0: all of the machine; the bits do not depend on it.
+    and bodies can be moved and loaded. threads 0: all of the machine; the bits do not depend on it. out: a folder for
+    history.csv, summary.json and the files for ParaView, complete at the end of the last stage, or when it is closed.
 
     isolate_law: laws are evaluated in processes of their own. A law that crashes, exits or takes more than law_seconds
     (60) for a batch raises NumericalFailure. Without it, a law that does not return within law_seconds ends the program
@@ -261,16 +262,19 @@ class Simulation:
     closed = property(lambda self: self._session is None)
 
     def close(self):
-        """Frees its memory. Views of it then raise quoin.Gone."""
+        """Completes the files of `out`, and frees its memory. Views of it then raise quoin.Gone."""
+        self._close("")
+
+    def _close(self, failure):
         if self._session is not None:
-            self._session.steps  # raises an error while another thread steps it
+            self._session.close(failure)  # raises an error while another thread steps it
         self._session = None
 
     def __enter__(self):
         return self
 
-    def __exit__(self, *_):
-        self.close()
+    def __exit__(self, kind, error, trace):
+        self._close("" if error is None else str(error))
 
     def __repr__(self):
         if self.closed:
