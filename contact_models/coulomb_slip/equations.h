@@ -124,8 +124,10 @@ struct Equations {
       const V sigma_n = hn::IfThenZeroElse(plateau, p.kn);
       const V inv_trial = hn::IfThenElseZero(hn::Gt(trial, zero()), hn::Div(splat(1.0), trial));
       const V n_s = hn::Mul(trial_s, inv_trial), n_t = hn::Mul(trial_t, inv_trial);
-      const V across = select(r.slips, hn::Mul(tau, inv_trial), splat(1.0));
-      const V along = hn::IfThenZeroElse(r.slips, splat(1.0));
+      // An open joint without strength slips by the least movement.
+      const M slips = hn::Or(r.slips, hn::And(r.open, hn::Eq(hn::Max(S, trial), zero())));
+      const V across = select(slips, hn::Mul(tau, inv_trial), splat(1.0));
+      const V along = hn::IfThenZeroElse(slips, splat(1.0));
       const M rubs = hn::And(r.slips, hn::Gt(S, zero()));
       const V tau_n = hn::IfThenElseZero(rubs, hn::Neg(hn::Mul(p.mur, sigma_n)));
       const V spread = hn::Sub(along, across);

@@ -860,8 +860,10 @@ struct Equations {
     const V open_slope = p.ks + b * o.T * f_slope * c.line.rate;
     const V rate_n = T_n * p.inv_c0_su;
     const V open_n = b * hn::MulAdd(T_n, a.factor, o.T * f_slope * hn::MulAdd(rate_n, r.gamma, xi_n));
-    const V open_gamma[3] = {hn::IfThenElseZero(r.slips, zero() - open_n / open_slope),
-                             hn::IfThenElseZero(r.slips, one / open_slope), zero()};
+    // An open joint without strength slips by the least movement.
+    const M slips = hn::Or(r.slips, hn::And(open, hn::Max(b * o.T * a.factor, s.t) == zero()));
+    const V open_gamma[3] = {hn::IfThenElseZero(slips, zero() - open_n / open_slope),
+                             hn::IfThenElseZero(slips, one / open_slope), zero()};
 
     // Closed
     const V E0 = s.crushed.E;
@@ -911,9 +913,9 @@ struct Equations {
     }
 
     // delta tau = n (by d_n, by ks n.d, by the angle ks e.d/t) + tau e ks e.d/t, e = (-n_t, n_s)
-    const M turned = hn::Or(r.slips, r.crushes);
+    const M turned = hn::Or(slips, r.crushes);
     const V inv_t = hn::IfThenElseZero(s.t > zero(), one / s.t);
-    const V across = select(turned, a.tau * inv_t, one);
+    const V across = select(turned, select(s.t > zero(), a.tau * inv_t, by[1].tau), one);
     const V spread = hn::IfThenElseZero(turned, by[1].tau - across);
     const V twist = by[2].tau * inv_t, shear_n = by[0].tau, e_s = zero() - s.n_t, e_t = s.n_s;
     Tangent t;

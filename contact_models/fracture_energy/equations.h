@@ -591,12 +591,14 @@ struct Equations {
     const V one = splat(1.0);
     const V inv_trial = hn::IfThenElseZero(hn::Gt(trial, zero()), hn::Div(one, trial));
     const V n_s = hn::Mul(trial_s, inv_trial), n_t = hn::Mul(trial_t, inv_trial);
+    // An open joint without strength slips by the least movement.
+    const M slips = hn::Or(r.slips, hn::And(r.open, hn::Eq(hn::Max(a.S, trial), zero())));
     // |tau*| - ks slip - S(slip, d_n) = 0
     const V inv_slope = hn::Div(one, hn::Add(p.ks, a.S_slip));
-    const V slip_by_trial = hn::IfThenElseZero(r.slips, inv_slope);
-    const V slip_by_n = hn::IfThenElseZero(r.slips, hn::Neg(hn::Mul(a.S_n, inv_slope)));
-    const V along = hn::NegMulAdd(p.ks, slip_by_trial, one);         // d|tau| / d|tau*|
-    const V across = select(r.slips, hn::Mul(tau, inv_trial), one);  // |tau| / |tau*|
+    const V slip_by_trial = hn::IfThenElseZero(slips, inv_slope);
+    const V slip_by_n = hn::IfThenElseZero(slips, hn::Neg(hn::Mul(a.S_n, inv_slope)));
+    const V along = hn::NegMulAdd(p.ks, slip_by_trial, one);       // d|tau| / d|tau*|
+    const V across = select(slips, hn::Mul(tau, inv_trial), one);  // |tau| / |tau*|
     const V tau_by_n = hn::Neg(hn::Mul(p.ks, slip_by_n));
     const V sigma_by_trial = hn::Mul(hn::Mul(a.sigma_slip, slip_by_trial), p.ks);
     const V spread = hn::Sub(along, across);

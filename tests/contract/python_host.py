@@ -45,6 +45,26 @@ print(f"tension: peak {path.sigma.max():.6g} Pa, area {area:.6g} J/m2, law's own
       f"{path.dissipated['tension'][-1]:.12g} J/m2")
 assert abs(area - 15) < 0.02 and abs(path.dissipated["tension"][-1] - 15) < 1e-10
 
+# The tangent of joints without shear is the difference quotient: open without strength, closed, crushing. Tolerance 1e-6
+# of the shear stiffness.
+strong = dict(normal_stiffness=82e9, shear_stiffness=36e9, tensile_strength=0.2e6, cohesion=0.3e6, friction_angle=35)
+fractures = dict(fracture_energy_tension=15, fracture_energy_shear=125, compressive_strength=1e7,
+                 fracture_energy_compression=20000)
+for name, more in (("coulomb_slip", {}), ("fracture_energy", fractures), ("cyclic_joint", fractures)):
+    law = quoin.load(f"{laws}/{name}.so")[0]
+    joint = law.material(**strong, **more)
+    def sheared(opening, slip):
+        tractions, entries = [np.zeros(1) for _ in range(3)], [np.zeros(1) for _ in range(9)]
+        joint.evaluate(np.array([opening]), [np.array([slip]), np.zeros(1)], tractions, joint.initial_state(1, "dry"),
+                       tangent=entries)
+        return tractions[1][0], [entry[0] for entry in entries]
+    for opening in (1e-4, -1e-5, -3e-4):
+        tangent, step = sheared(opening, 0.0)[1], 1e-10
+        quotient = (sheared(opening, step)[0] - sheared(opening, -step)[0]) / (2 * step)
+        for entry in (tangent[4], tangent[8]):
+            assert abs(entry - quotient) < 1e-6 * 36e9, (name, opening, tangent, quotient)
+        assert opening > 0 or quotient > 1e9, (name, opening, quotient)
+
 # A path is bitwise identical to single steps, with sliding in both directions.
 walk = np.cumsum(np.random.default_rng(7).normal(scale=2e-6, size=(3, 300)), axis=1)
 walk[0] = 1e-5 * np.sin(np.arange(300) / 30)
