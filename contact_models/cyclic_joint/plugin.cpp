@@ -280,7 +280,7 @@ struct CyclicJointLaw {
   // Keeps the traction: h is chosen so that sigma(h) equals the normal stress. A point whose traction is outside the
   // strength that its history leaves gets status FAILED. A joint that a brittle law has failed becomes unbonded. From a
   // law without a seat: the faces are seated at their current position, and plastic closure becomes crushing beyond the
-  // peak.
+  // peak. Damage of bond_slip has no counterpart: CLAMPED.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;
@@ -322,7 +322,9 @@ struct CyclicJointLaw {
     }
     to.normal_shift = h + s[kQ] - w + v - from.normal_jump;
     to.energy_stored = 0.5 * from.sigma * h + 0.5 * tau * tau / g.ks;
-    to.status = inside && tau <= S + slack && std::isfinite(h) ? QUOIN_POINT_OK : QUOIN_POINT_FAILED;
+    to.status = !inside || tau > S + slack || !std::isfinite(h) ? QUOIN_POINT_FAILED
+                : from.state("lambda", 0.0) > 0.0               ? QUOIN_POINT_CLAMPED
+                                                                : QUOIN_POINT_OK;
   }
 };
 

@@ -198,13 +198,14 @@ struct FractureEnergyLaw {
   }
 
   // Keeps the traction: e is chosen so that sigma(e) equals the normal stress. A point whose traction is outside the
-  // strength that its history leaves gets status FAILED. A joint that a brittle law has failed becomes fully softened.
+  // strength that its history leaves gets status FAILED. A joint that a brittle law has failed becomes fully softened,
+  // and the bond damage xi of cyclic_joint that of both modes. Damage of bond_slip has no counterpart: CLAMPED.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;
-    const double failed = from.state("failed", 0.0) > 0.0 ? m.end : 0.0;
-    double xi_t = std::max(failed, from.state("xi_t", 0.0));
-    double xi_s = std::max(failed, from.state("xi_s", xi_t));
+    const double of_both = from.state("failed", 0.0) > 0.0 ? m.end : from.state("xi", 0.0);
+    double xi_t = std::max(of_both, from.state("xi_t", 0.0));
+    double xi_s = std::max(of_both, from.state("xi_s", xi_t));
     if (m.shared) xi_t = xi_s = std::max(xi_t, xi_s);
     const double w = from.state("w", 0.0), v = from.state("v", 0.0);
     to.states[kXiT] = xi_t, to.states[kXiS] = xi_s, to.states[kW] = w, to.states[kV] = v;
@@ -234,7 +235,9 @@ struct FractureEnergyLaw {
     const double S = F > 0.0 ? std::max(0.0, cohesion - from.sigma * mu) : 0.0;
     inside = inside && tau <= S + slack;
     to.energy_stored = 0.5 * from.sigma * e + 0.5 * tau * tau / g.ks;
-    to.status = inside && std::isfinite(e) ? QUOIN_POINT_OK : QUOIN_POINT_FAILED;
+    to.status = !inside || !std::isfinite(e)      ? QUOIN_POINT_FAILED
+                : from.state("lambda", 0.0) > 0.0 ? QUOIN_POINT_CLAMPED
+                                                  : QUOIN_POINT_OK;
   }
 };
 

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "files/notice.h"
@@ -114,23 +116,62 @@ struct Strength {
   double crushing = std::numeric_limits<double>::infinity();
 };
 
-Strength strength_of(const JointFamily& family, const std::string& file) {
-  const Material material(Law::find(family.law), family.properties);
-  const auto has = [&](const char* id) { return find_property(material.api(), id) != nullptr; };
-  if (!has("friction_angle"))
-    throw Error(Exit::bad_input,
-                fmt::format("{}: joints.{}: law '{}' has no friction_angle, so its joints have no limit; "
-                            "choose coulomb_slip, fracture_energy or cyclic_joint (--law)",
-                            file, family.name, family.law));
-  constexpr double degree = std::numbers::pi / 180.0;
-  Strength s;
-  const bool dry = family.initial_state == "dry";  // its strengths have softened
-  const bool softens = has("friction_angle_residual");
-  s.friction = std::tan(degree * material.number(dry && softens ? "friction_angle_residual" : "friction_angle"));
-  if (!dry && has("tensile_strength")) s.tension = material.number("tensile_strength");
-  if (has(dry ? "cohesion_residual" : "cohesion")) s.cohesion = material.number(dry ? "cohesion_residual" : "cohesion");
-  if (has("compressive_strength")) s.crushing = material.number("compressive_strength");
-  return s;
+// Strengths of the points of a family, which are alike but for properties that scatter.
+class Strengths {
+ public:
+  Strengths(const JointFamily& family, const std::vector<PropertyColumn>& columns, const std::string& file)
+      : material_(Law::find(family.law), family.properties),
+        dry_(family.initial_state == "dry"),
+        columns_(columns),
+        of_all_(at(std::nullopt)) {
+    if (!has("friction_angle"))
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: joints.{}: law '{}' has no friction_angle, so its joints have no limit; "
+                              "choose coulomb_slip, fracture_energy or cyclic_joint (--law)",
+                              file, family.name, family.law));
+  }
+  // point: index within the family
+  Strength of(std::size_t point) const { return columns_.empty() ? of_all_ : at(point); }
+
+ private:
+  bool has(const char* id) const { return find_property(material_.api(), id) != nullptr; }
+  double number(const char* id, std::optional<std::size_t> point) const {
+    const auto column = std::ranges::find(columns_, std::string_view(id), &PropertyColumn::id);
+    const bool scatters = point && column != columns_.end() && *point < column->values.size();
+    return scatters ? column->values[*point] : material_.number(id);
+  }
+  Strength at(std::optional<std::size_t> point) const {
+    const auto find = [&](const char* id, double& value) {
+      if (has(id)) value = number(id, point);
+    };
+    Strength s;
+    double degrees = 0.0;  // strengths of dry joints have softened
+    find("friction_angle", degrees);
+    if (dry_) find("friction_angle_residual", degrees);
+    s.friction = std::tan(std::numbers::pi / 180.0 * degrees);
+    if (!dry_) find("tensile_strength", s.tension);
+    find(dry_ ? "cohesion_residual" : "cohesion", s.cohesion);
+    find("compressive_strength", s.crushing);
+    return s;
+  }
+
+  Material material_;
+  bool dry_;
+  const std::vector<PropertyColumn>& columns_;
+  Strength of_all_;
+};
+
+// Columns of a family's properties that scatter, and the index of its first point among all.
+std::pair<const std::vector<PropertyColumn>&, std::size_t> columns_of(const Simulation& simulation, int family) {
+  const auto f = static_cast<std::size_t>(family);
+  const blocks::Model* const shapes = simulation.large_motion();
+  if (!shapes) {
+    const ContactFamily& found = simulation.model().families[f];
+    return {found.columns, static_cast<std::size_t>(found.first_point)};
+  }
+  std::size_t before = 0;
+  for (std::size_t k = 0; k < f; ++k) before += shapes->contacts.families[k].size();
+  return {shapes->contacts.families[f].columns, before};
 }
 
 void refuse_members(const members::Members& members, const std::string& file) {
@@ -321,11 +362,15 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
     const Vector& x = block.centre;
     limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", block_label(simulation, i), x.x, x.y, x.z));
   }
-  std::map<std::string, Strength> strengths;  // strengths of families that have points
+  std::map<int, std::pair<Strengths, std::size_t>> strengths;  // of families that have points, and their first points
   for (const ContactPoint& p : contact_points(simulation)) {
-    const std::string& family = assembly.families[static_cast<std::size_t>(p.family)].name;
-    if (!strengths.contains(family)) strengths[family] = strength_of(scene.joints.at(family), scene.file);
-    const Strength& s = strengths.at(family);
+    if (!strengths.contains(p.family)) {
+      const auto [columns, first] = columns_of(simulation, p.family);
+      const std::string& family = assembly.families[static_cast<std::size_t>(p.family)].name;
+      strengths.emplace(p.family, std::pair(Strengths(scene.joints.at(family), columns, scene.file), first));
+    }
+    const auto& [of_family, first] = strengths.at(p.family);
+    const Strength s = of_family.of(static_cast<std::size_t>(p.index) - first);
     limit->problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area, p.area});

@@ -103,15 +103,15 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
     steps += seconds / time_step;
     fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),
                seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / time_step) : "");
-    if (stage.ground) fmt::print("      ground motion, {}\n", ground_text(*stage.ground));
+    if (stage.ground) fmt::print("      ground motion, {}\n", ground_text(*stage.ground, stage.duration));
     if (!own.empty())
       fmt::print("      {}: time step {:.4g} s, {:.2f} of 2/omega_max{}\n", own, time_step,
                  time_step / (has_own_model ? alone.critical : report.critical.value),
                  impacts && alone.in_use < 0.99 * impacts->share
                      ? fmt::format(", at which {:.2g} of critical is in use", alone.in_use)
                      : "");
-    if (const std::string warning = ground_damping_warning(scene, i); !warning.empty())
-      fmt::print("      warning: {}\n", warning);
+    for (const std::string& warning : {ground_damping_warning(scene, i), record_outside(stage)})
+      if (!warning.empty()) fmt::print("      warning: {}\n", warning);
   }
   return steps;
 }

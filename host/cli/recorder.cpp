@@ -33,7 +33,7 @@ Recorder::Recorder(const fs::path& folder, const Simulation& simulation, Surface
 void Recorder::on_stage_begin(const Simulation& simulation, int stage) {
   const Stage& s = scene_.stages[static_cast<size_t>(stage)];
   std::string text = fmt::format("stage {}/{} {}: until {}", stage + 1, scene_.stages.size(), s.name, end_of(s));
-  if (s.ground) text += "; ground motion, " + ground_text(*s.ground);
+  if (s.ground) text += "; ground motion, " + ground_text(*s.ground, s.duration);
   const TimeStepReport& step = simulation.time_step_report();
   if (const std::string own = own_solver_text(scene_, static_cast<size_t>(stage)); !own.empty())
     text += fmt::format("; {}: time step {:.3g} s ({:.2f} of 2/omega_max)", own, step.time_step,

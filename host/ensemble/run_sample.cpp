@@ -77,6 +77,7 @@ class Recorder : public Observer {
 // Adds mean by area and least value of each random property of joints.
 void add_drawn(const Simulation& simulation, Values& inputs) {
   const auto add = [&](const std::string& family, const PropertyColumn& column, const auto& area_of) {
+    if (!column.is_drawn) return;
     double sum = 0.0, area = 0.0, least = HUGE_VAL;
     for (std::size_t i = 0; i < column.values.size(); ++i) {
       sum += area_of(i) * column.values[i], area += area_of(i);

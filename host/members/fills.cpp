@@ -1,6 +1,7 @@
 // Soil on faces: its points, and its forces in a step.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -22,6 +23,20 @@ bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, c
   return false;
 }
 
+// Visits the part of a triangle below the surface of the soil, as triangles: visit(triangle).
+void each_triangle_below(const std::array<Vector, 3>& triangle, const Vector& surface, const Vector& up,
+                         const std::function<void(const std::array<Vector, 3>&)>& visit) {
+  std::vector<Vector> part;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector &a = triangle[k], &b = triangle[(k + 1) % 3];
+    const double depth_a = dot(surface - a, up), depth_b = dot(surface - b, up);
+    if (depth_a >= 0.0) part.push_back(a);
+    if ((depth_a > 0.0 && depth_b < 0.0) || (depth_a < 0.0 && depth_b > 0.0))
+      part.push_back(a + depth_a / (depth_a - depth_b) * (b - a));
+  }
+  for (std::size_t k = 1; k + 1 < part.size(); ++k) visit({part[0], part[k], part[k + 1]});
+}
+
 // Blocks of this name, or of a group such as an arch, whose blocks are NAME/0 and so on, without its fixed abutments.
 std::vector<int> blocks_of(const FillSpec& spec, const blocks::Assembly& assembly) {
   std::vector<int> found;
@@ -41,7 +56,7 @@ void Members::add_fill_point(const FillSpec& spec, const Vector& at, double area
   const Vector level = out - lift * up;
   law.up = up, law.upright = area * lift, law.level = area * norm(level);
   law.out = norm(level) > 0.0 ? normalized(level) : Vector{};
-  law.vertical = spec.surcharge + spec.unit_weight * dot(geometry::vector(spec.surface) - at, up);
+  law.vertical = spec.surcharge + spec.unit_weight * std::max(0.0, dot(geometry::vector(spec.surface) - at, up));
   law.at_rest = spec.at_rest, law.active = spec.active, law.passive = spec.passive;
   law.stiffness = spec.stiffness;
   point.node = static_cast<int>(nodes_.size());
@@ -62,14 +77,16 @@ void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
     for (std::size_t f = 0; f < shape.faces.size(); ++f) {
       const Vector out = matrix(block.orientation) * shape.normals[f];
       if (dot(out, towards) < kTowards) continue;
-      each_triangle(assembly, index, f, [&](const std::array<Vector, 3>& triangle) {
-        const Vector middle = (1.0 / 3.0) * (triangle[0] + triangle[1] + triangle[2]);
-        each_point(triangle, spec.divisions, [&](const Vector& at, double area) {
-          if (dot(geometry::vector(spec.surface) - at, up) <= 0.0 || is_covered(assembly, index, at, middle, out))
-            return;
+      const auto fill_in = [&](const std::array<Vector, 3>& below) {
+        const Vector middle = (1.0 / 3.0) * (below[0] + below[1] + below[2]);
+        each_point(below, spec.divisions, [&](const Vector& at, double area) {
+          if (!(area > 0.0) || is_covered(assembly, index, at, middle, out)) return;
           add_fill_point(spec, at, area, out, index);
           fill.area += area;
         });
+      };
+      each_triangle(assembly, index, f, [&](const std::array<Vector, 3>& triangle) {
+        each_triangle_below(triangle, geometry::vector(spec.surface), up, fill_in);
       });
     }
   }

@@ -18,7 +18,7 @@ Family without_points(const Family& f) {
   Family without;
   without.material = f.material, without.initial = f.initial, without.dry = f.dry, without.kn = f.kn, without.ks = f.ks;
   without.state.resize(f.state.size());
-  for (const PropertyColumn& c : f.columns) without.columns.push_back({c.id, c.usual, c.most, {}});
+  for (const PropertyColumn& c : f.columns) without.columns.push_back({c.id, c.is_drawn, c.usual, c.most, {}});
   return without;
 }
 
@@ -263,7 +263,8 @@ double energy_of_points(const World& w, const Family& f, const LaneVector<Facet>
   };
   trial.point = part(f.point);
   for (const auto& column : f.state) trial.state.push_back(part(column));
-  for (const PropertyColumn& c : f.columns) trial.columns.push_back({c.id, c.usual, c.most, part(c.values)});
+  for (const PropertyColumn& c : f.columns)
+    trial.columns.push_back({c.id, c.is_drawn, c.usual, c.most, part(c.values)});
   for (int k = 0; k < 3; ++k) trial.traction[k] = part(f.traction[k]);
   for (auto* column : {&trial.normal_jump, &trial.slip[0], &trial.slip[1], &trial.stored}) column->resize(count);
   for (auto& column : trial.dissipated) column.resize(count);

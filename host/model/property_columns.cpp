@@ -222,14 +222,36 @@ std::vector<const PropertySetting*> scattered_in(const JointFamily& family) {
 
 }  // namespace
 
+namespace {
+
+// Adds a column for each property whose default is the value of one that has a column.
+void add_defaults(const JointFamily& family, const Material& material, std::vector<PropertyColumn>& columns) {
+  const quoin_law& law = material.api();
+  for (std::uint64_t k = 0; k < law.property_count; ++k) {
+    const quoin_property_info& info = *law.properties[k];
+    if (!info.default_from || !(info.flags & QUOIN_PROPERTY_PER_POINT)) continue;
+    if (std::ranges::find(family.properties, info.id, &PropertySetting::id) != family.properties.end()) continue;
+    const std::string_view from = info.default_from;
+    const auto drawn = std::ranges::find(columns, from, &PropertyColumn::id);
+    if (drawn == columns.end()) continue;
+    PropertyColumn column = *drawn;
+    column.id = info.id, column.is_drawn = false;
+    columns.push_back(std::move(column));
+  }
+}
+
+}  // namespace
+
 std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material) {
   std::vector<PropertyColumn> columns;
   for (const PropertySetting* setting : scattered_in(family)) {
     columns.push_back({find_property(material.api(), setting->id)->id,
+                       true,
                        material.number(setting->id),
                        -std::numeric_limits<double>::infinity(),
                        {}});
   }
+  add_defaults(family, material, columns);
   return columns;
 }
 
@@ -254,6 +276,7 @@ std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Mat
 
   const Places places(points, blocks);
   std::vector<PropertyColumn> columns = scattered_columns(family, material);
+  columns.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const PropertySetting& setting = *scattered[i];
     const Scatter& scatter = *setting.scatter;
@@ -280,6 +303,7 @@ std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Mat
     columns[i].most = *std::max_element(values.begin(), values.end());
     columns[i].values.assign(values.begin(), values.end());
   }
+  add_defaults(family, material, columns);
   refuse_together(family, material, points, columns);
   return columns;
 }

@@ -25,12 +25,14 @@ int block_laid(int block_a, int block_b, std::span<const PlacedBlock> blocks);
 // Values of one property by contact point, as input of the law's batches.
 struct PropertyColumn {
   const char* id;  // the law's id
+  bool is_drawn;   // false: values of another property, which is the default of this one
   double usual;    // value of the material, for points that are not of the start
   double most;     // largest value drawn
   LaneVector<double> values;
 };
 
-// Columns of the properties of the family that scatter, without values; empty for sample 0.
+// Columns of the properties of the family that scatter, without values; empty for sample 0. Then those of properties
+// that the family does not give, and whose default is the value of one of these (default_from).
 std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material);
 
 // The same columns with the values of these points. These are all points of the family, or all points of some joints.

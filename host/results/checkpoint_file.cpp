@@ -361,6 +361,7 @@ Identity end_identity(const Simulation& simulation, const Provenance& provenance
   }
   identity.parts.push_back({"set of materials, joints and samples of them", masonry_hash(simulation.scene())});
   identity.parts.push_back({"arrangement of blocks", geometry_hash(simulation)});
+  for (const auto& [name, text] : simulation.scene().arrangement) identity.parts.push_back({name, text});
   for (Identity::Part& part : parts_of(simulation.scene().solver)) identity.parts.push_back(std::move(part));
   for (std::size_t i = 0; i < std::min(stages, simulation.scene().stages.size()); ++i)
     identity.parts.push_back(

@@ -46,7 +46,7 @@ void evaluate_family(const std::vector<blocks::PartedPoint>& points, const block
   for (std::size_t k = 0; k < family.columns.size(); ++k) {
     const PropertyColumn& c = family.columns[k];
     const std::vector<double> values = column([&](const auto& p) { return p.properties[k]; });
-    properties.push_back({c.id, c.usual, c.most, {values.begin(), values.end()}});
+    properties.push_back({c.id, c.is_drawn, c.usual, c.most, {values.begin(), values.end()}});
   }
   resting.properties = batch_columns(properties, *family.material, 0);
 

@@ -66,7 +66,17 @@ double end_velocity(const GroundMotion::Component& component) {
   return std::abs(end) < kRounding ? 0.0 : end;
 }
 
-std::string ground_text(const GroundMotion& ground) {
+namespace {
+
+constexpr double kRounding = 1e-9;  // s
+
+bool begins_after(const GroundMotion::Component& component, double duration) {
+  return component.acceleration.time.front() >= duration - kRounding;
+}
+
+}  // namespace
+
+std::string ground_text(const GroundMotion& ground, std::optional<double> duration) {
   std::string text = ground.blocks.empty() ? "" : fmt::format("of {}: ", fmt::join(ground.blocks, ", "));
   bool first = true;
   for (const GroundMotion::Component& c : ground.components) {
@@ -74,10 +84,33 @@ std::string ground_text(const GroundMotion& ground) {
     text += fmt::format("{}record of {:g} s along ({:g}), which ends at {:.3g} m/s",
                         std::exchange(first, false) ? "" : "; ", time.back() - time.front(),
                         fmt::join(c.direction, ", "), end_velocity(c));
+    if (time.front() > 0.0) text += fmt::format(" and begins at {:g} s", time.front());
+    if (duration && begins_after(c, *duration))
+      text += ", after the end of the stage";
+    else if (duration && time.back() > *duration + kRounding)
+      text += fmt::format(", cut at the end of the stage, after {:g} s, at {:.3g} m/s", *duration,
+                          c.velocity.at(c.acceleration, *duration));
   }
   for (const std::string& note : ground.notes) text += "; " + note;
   for (const GroundMotion& support : ground.supports)
-    text += (std::exchange(first, false) ? "" : "; ") + ground_text(support);
+    text += (std::exchange(first, false) ? "" : "; ") + ground_text(support, duration);
+  return text;
+}
+
+std::string record_outside(const Stage& stage) {
+  if (!stage.ground || !stage.duration) return "";
+  const auto look = [&](const GroundMotion& ground) -> std::string {
+    for (const GroundMotion::Component& c : ground.components) {
+      if (begins_after(c, *stage.duration))
+        return fmt::format(
+            "stage '{}': the record along ({:g}) begins at {:g} s, when the stage of {:g} s has ended: it "
+            "moves nothing; give the time from which it is taken (start), or a longer duration",
+            stage.name, fmt::join(c.direction, ", "), c.acceleration.time.front(), *stage.duration);
+    }
+    return "";
+  };
+  std::string text = look(*stage.ground);
+  for (const GroundMotion& support : stage.ground->supports) text = text.empty() ? look(support) : text;
   return text;
 }
 

@@ -1,6 +1,7 @@
 // Damping of a stage in words: for the screen, `check`, the summary and warnings.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "scene/scene.h"
@@ -32,7 +33,9 @@ std::string ground_damping_warning(const Scene& scene, std::size_t stage);
 double landing_restitution(double damping_ratio);
 
 // Records of a stage with ground motion: "record of 0.8 s along (1, 0, 0), which ends at 1 m/s".
-std::string ground_text(const GroundMotion& ground);
+std::string ground_text(const GroundMotion& ground, std::optional<double> duration);
+// Warning of records that begin after the end of the stage; empty: none.
+std::string record_outside(const Stage& stage);
 double end_velocity(const GroundMotion::Component& component);  // m/s, along its direction, at the end of the record
 
 }  // namespace quoin

@@ -1,5 +1,7 @@
 #include "scene/read_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <string_view>
@@ -8,6 +10,7 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/toml_text.h"
+#include "scene/inline_toml.h"
 #include "scene/quality.h"
 #include "scene/read_blocks.h"
 #include "scene/read_building.h"
@@ -203,6 +206,55 @@ void read_stages(Table& t, bool of_blocks, const std::string& folder, Scene* sce
   }
 }
 
+// Makes 1 and 1.0 equal.
+void make_numbers_real(toml::node& node) {
+  if (toml::table* const table = node.as_table()) {
+    for (auto&& [key, value] : *table) {
+      if (const auto* number = value.as_integer())
+        table->insert_or_assign(key, static_cast<double>(number->get()));
+      else
+        make_numbers_real(value);
+    }
+  }
+  toml::array* const array = node.as_array();
+  for (std::size_t i = 0; array && i < array->size(); ++i) {
+    if (const auto* number = (*array)[i].as_integer())
+      array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(i), static_cast<double>(number->get()));
+    else
+      make_numbers_real((*array)[i]);
+  }
+}
+
+// Keys of a table, and of those within it, that name joint families.
+std::string named_joints(const toml::node& node) {
+  std::string text;
+  if (const toml::array* const array = node.as_array()) {
+    for (const toml::node& element : *array) text += named_joints(element);
+  }
+  if (const toml::table* const table = node.as_table()) {
+    for (auto&& [key, value] : *table) {
+      const bool is_name = key.str().ends_with("_joint") && value.is_string();
+      text += is_name ? fmt::format("{} = {}, ", key.str(), inline_toml(value)) : named_joints(value);
+    }
+  }
+  return text;
+}
+
+std::map<std::string, std::string> arrangement_of(toml::table root) {
+  make_numbers_real(root);
+  std::map<std::string, std::string> text;
+  for (const char* name :
+       {"contact", "joint_rule", "default_joint", "tie", "spring", "strip", "floor", "beam", "dowel", "fill"}) {
+    const toml::node* const node = root.get(name);
+    text[name] = node ? inline_toml(*node) : "none";
+  }
+  for (const char* name : {"wall", "building", "dry_wall", "arch"}) {
+    const toml::node* const node = root.get(name);
+    text[fmt::format("choice of joints in {}", name)] = node ? named_joints(*node) : "none";
+  }
+  return text;
+}
+
 }  // namespace
 
 Scene reader::read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides) {
@@ -218,6 +270,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   Scene scene;
   scene.file = path;
   scene.derivation = fill_in_from_tests(root, context);
+  scene.arrangement = arrangement_of(root);
   const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
   const std::string folder = path.substr(0, path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1);
   Table t(context, root, "");

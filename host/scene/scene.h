@@ -485,6 +485,8 @@ struct Scene {
   std::vector<AddedMass> masses;               // added masses, those of floors included
   std::vector<Damage> damage;
   std::string start;  // folder of the run whose end state is the initial state; empty: at rest
+  // Text of the tables of joints, contacts and members, by name; a scene that starts from a run has the same.
+  std::map<std::string, std::string> arrangement;
   std::vector<Stage> stages;
   bool had_actions = false;  // whether stages of the file have actions on blocks that at_rest() has left out
   OutputSettings output;

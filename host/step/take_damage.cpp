@@ -48,7 +48,7 @@ void damage_lattice(Simulation::Impl& s, std::size_t f, const std::vector<Cracke
     of_joints = placed_points(s.model, points_of_same_joints(s.model, family, own));
   std::vector<PropertyColumn> columns;
   for (const PropertyColumn& whole : family.columns) {
-    columns.push_back({whole.id, whole.usual, whole.most, {}});
+    columns.push_back({whole.id, whole.is_drawn, whole.usual, whole.most, {}});
     for (const std::int32_t p : own) columns.back().values.push_back(whole.values[at(p - family.first_point)]);
   }
   const DamagedFamily damaged = damage_family(s.scene.damage, s.model.assembly.families[f], family.material, points,

@@ -43,6 +43,56 @@ Points rotated(const quoin_law& law, Points points, const std::vector<double>& a
 
 }  // namespace
 
+namespace {
+
+// Expects results of points that are finite and within bounds, and states that do not decrease where they must not.
+// Returns whether a monotonic state of the history has grown. range: largest magnitude so far, by state.
+bool expect_sound(Report& report, const quoin_law& law, const Points& points, const Result& result,
+                  std::vector<double>* range) {
+  report.clause("C5.2");
+  report.expect(result.status == QUOIN_OK && result.failed == 0, "returns %d, %llu points failed", result.status,
+                static_cast<unsigned long long>(result.failed));
+  for (size_t i = 0; i < points.size(); ++i) {
+    for (size_t k = 0; k < 3; ++k) {
+      report.expect(std::isfinite(result.traction[k][i]), "traction[%zu] = %g at d_n = %g after a slip of %g, %g", k,
+                    result.traction[k][i], points.normal_jump[i], points.slip[0][i], points.slip[1][i]);
+    }
+  }
+  bool history_moved = false;
+  for (uint64_t s = 0; s < law.state_count; ++s) {
+    const quoin_state_info& state = *law.states[s];
+    for (size_t i = 0; i < points.size(); ++i) {
+      const double before = points.state[s][i], after = result.state[s][i];
+      report.clause("C5.2");
+      report.expect(after >= state.lower && after <= state.upper && std::isfinite(after), "%s = %.17g outside %g to %g",
+                    state.id, after, state.lower, state.upper);
+      if (state.flags & QUOIN_STATE_MONOTONIC) {
+        report.clause("C5.3");
+        report.expect(after >= before, "%s goes from %.17g to %.17g", state.id, before, after);
+        history_moved = history_moved || (after != before && state.role == QUOIN_ROLE_HISTORY);
+      }
+      (*range)[s] = std::max((*range)[s], std::abs(after));
+    }
+  }
+  return history_moved;
+}
+
+// Walks far beyond the strengths.
+void check_far(Report& report, const quoin_law& law, const Material& material, uint64_t seed, const char* initial) {
+  constexpr size_t kCount = 100;
+  constexpr int kSteps = 4, kLegs = 25;
+  Walk walk(law, material, kCount, seed, kSteps, initial, Walk::Reach::far);
+  std::vector<double> range(law.state_count, 0.0);
+  for (int step = 0; step < kSteps * kLegs; ++step) {
+    walk.aim();
+    const Result result = evaluate(law, material, walk.points);
+    expect_sound(report, law, walk.points, result, &range);
+    walk.advance(result);
+  }
+}
+
+}  // namespace
+
 void check_paths(Report& report, const Subject& subject) {
   const quoin_law& law = subject.law;
   for (uint64_t initial = 0; initial < law.initial_state_count; ++initial) {
@@ -60,31 +110,7 @@ void check_paths(Report& report, const Subject& subject) {
         const Points& points = walk.points;
         const Result result = evaluate(law, material, points);
 
-        report.clause("C5.2");
-        report.expect(result.status == QUOIN_OK && result.failed == 0, "returns %d, %llu points failed", result.status,
-                      static_cast<unsigned long long>(result.failed));
-        for (size_t i = 0; i < kCount; ++i) {
-          for (size_t k = 0; k < 3; ++k) {
-            report.expect(std::isfinite(result.traction[k][i]), "traction[%zu] = %g at d_n = %g", k,
-                          result.traction[k][i], points.normal_jump[i]);
-          }
-        }
-        bool history_moved = false;
-        for (uint64_t s = 0; s < law.state_count; ++s) {
-          const quoin_state_info& state = *law.states[s];
-          for (size_t i = 0; i < kCount; ++i) {
-            const double before = points.state[s][i], after = result.state[s][i];
-            report.clause("C5.2");
-            report.expect(after >= state.lower && after <= state.upper && std::isfinite(after),
-                          "%s = %.17g outside %g to %g", state.id, after, state.lower, state.upper);
-            if (state.flags & QUOIN_STATE_MONOTONIC) {
-              report.clause("C5.3");
-              report.expect(after >= before, "%s goes from %.17g to %.17g", state.id, before, after);
-              history_moved = history_moved || (after != before && state.role == QUOIN_ROLE_HISTORY);
-            }
-            range[s] = std::max(range[s], std::abs(after));
-          }
-        }
+        const bool history_moved = expect_sound(report, law, points, result, &range);
         report.clause("C7.4");
         report.expect(result.any_yielding != 0 || !history_moved, "any_yielding is 0, but a monotonic state grew");
         bool flagged = false;
@@ -146,6 +172,8 @@ void check_paths(Report& report, const Subject& subject) {
         walk.advance(result);
       }
 
+      check_far(report, law, material, 6000 + 10 * initial + m, law.initial_states[initial]);
+
       // Sliding along s alone does not change tau_t.
       report.clause("C8.2");
       Walk plane(law, material, kCount, 2000 + m, kSteps, law.initial_states[initial]);
@@ -160,6 +188,9 @@ void check_paths(Report& report, const Subject& subject) {
       }
     }
   }
+  report.clause("C5.2");
+  report.note("walked to %g MPa of elastic pressure, openings of %g mm and slips of %g mm", kFarPressure * 1e-6,
+              kFarOpening * 1e3, kFarSlip * 1e3);
 }
 
 void check_energy(Report& report, const Subject& subject) {

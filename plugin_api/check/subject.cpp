@@ -302,17 +302,23 @@ double Scales::sliding(std::mt19937_64& random) const {
 }
 
 Walk::Walk(const quoin_law& law, const Material& material, size_t count, uint64_t seed, int steps_per_leg,
-           const char* initial_state)
+           const char* initial_state, Reach reach)
     : points(points_at(law, material, count, initial_state)),
       normal_before(count, 0.0),
       scales_(law, material),
+      reach_(reach),
       steps_per_leg_(steps_per_leg),
       random_(seed),
       increment_(count) {}
 
 void Walk::new_leg(size_t i) {
-  const double target = uniform(random_) < 0.5 ? scales_.opening(random_) : scales_.closing(random_);
-  const double length = scales_.sliding(random_);
+  // Lengths of every magnitude up to this one.
+  const auto up_to = [&](double most) { return most * std::pow(10.0, uniform(random_, -4, 0)); };
+  const bool far = reach_ == Reach::far, opens = uniform(random_) < 0.5;
+  const double target = opens ? far ? up_to(kFarOpening) : scales_.opening(random_)
+                        : far ? -up_to(kFarPressure / scales_.normal_stiffness)
+                              : scales_.closing(random_);
+  const double length = far ? up_to(kFarSlip) : scales_.sliding(random_);
   const double angle = uniform(random_, 0, 6.283185307179586);
   const double kind = uniform(random_);  // a fifth of the legs only open or close, a fifth only slide
   increment_[i] = {kind < 0.2 ? 0.0 : target - points.normal_jump[i], kind > 0.8 ? 0.0 : length * std::cos(angle),

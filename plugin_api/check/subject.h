@@ -105,11 +105,16 @@ struct Scales {
   double sliding(std::mt19937_64& random) const;
 };
 
-// Points on random paths of straight legs, which open, close, crush, slide and reverse.
+// Ends of the legs of far walks, beyond what the properties tell: what a joint may meet in a collapse.
+inline constexpr double kFarPressure = 3e7;                   // Pa, of an elastic joint
+inline constexpr double kFarOpening = 5e-3, kFarSlip = 1e-2;  // m
+
+// Points on random paths of straight legs, which open, close, crush, slide and reverse: near the strengths, or far.
 class Walk {
  public:
+  enum class Reach { near, far };
   Walk(const quoin_law& law, const Material& material, size_t count, uint64_t seed, int steps_per_leg,
-       const char* initial_state = nullptr);
+       const char* initial_state = nullptr, Reach reach = Reach::near);
   void aim();                   // sets the inputs of the next step in points
   void advance(const Result&);  // copies the outputs to the old traction and state in points
   Points points;
@@ -118,6 +123,7 @@ class Walk {
  private:
   void new_leg(size_t i);
   Scales scales_;
+  Reach reach_;
   int steps_per_leg_;
   int step_ = 0;
   std::mt19937_64 random_;

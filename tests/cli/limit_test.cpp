@@ -109,6 +109,42 @@ collapse = { direction = [1, 0, 0], start = 0.1 }
   }
 }
 
+// Friction that scatters is that of each joint: tan of the drawn angle, which quoin check names. It was that of the
+// mean.
+TEST_F(Limit, StrengthsThatScatterAreThoseOfEachPoint) {
+  const std::string path = (folder_ / "scatter.toml").string();
+  std::ofstream(path) << dry_stone(30) << R"([[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-2, -1, -2], size = [4, 1, 4] }
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[stage]]
+name = "push"
+gravity = [0, -9.81, 0]
+collapse = { direction = [1, 0, 0], start = 0.1 }
+)";
+  for (const char* sample : {"random.sample=1", "random.sample=2", "random.sample=3"}) {
+    const std::vector<std::string> drawn{
+        "--set", sample, "--set",
+        "joints.dry.friction_angle={distribution=\"normal\",mean=30.0,cov=0.1,level=\"joint\"}"};
+    const auto with = [&](std::vector<std::string> words) {
+      words.insert(words.end(), drawn.begin(), drawn.end());
+      return quoin(words);
+    };
+    ASSERT_EQ(with({"check", path}), 0) << error_;
+    const std::string before = "contact points: ";
+    const double angle = std::stod(out_.substr(out_.find(before, out_.find("drawn for")) + before.size()));
+    EXPECT_GT(std::abs(angle - 30.0), 0.1);
+    ASSERT_EQ(with({"limit", path, "--out", out(), "--associated"}), 0) << error_;
+    const auto found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+    EXPECT_NEAR(found["multiplier"], std::tan(angle * std::numbers::pi / 180.0), 2e-4) << sample;  // check: four digits
+  }
+}
+
 // A load between the outer edges of two piers moves nothing, whatever its multiple. Clp's interior point method ended
 // the process at 4, 11, 21 and 41 positions.
 TEST_F(Limit, ALoadThatNothingMovesUnderIsNamedFromAnyNumberOfPositions) {

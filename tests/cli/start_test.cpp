@@ -104,6 +104,62 @@ TEST_F(Start, KilledRunsGoOn) {
   }
 }
 
+// Joint rules, contacts and members are settings too. They were ignored, or taken over in mid-run. 1 and 1.0 are equal.
+TEST_F(Start, OtherJointRulesContactsAndMembersAreRefused) {
+  const std::string text = R"([materials.stone]
+density = 2000.0
+[joints.rough]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 30
+[joints.smooth]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 5
+[[joint_rule]]
+blocks = ["ground", "cube"]
+family = "rough"
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-1, -1, 0], size = [3, 1, 1] }
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[spring]]
+name = "beside"
+block = "cube"
+towards = [1, 0, 0]
+normal_stiffness = 1e6
+shear_stiffness = 0.0
+tension = true
+[output]
+frames = 0
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.05
+duration = 0.1
+)",
+                    last = "[[stage]]\nname = \"on\"\nduration = 0.1\n";
+  std::ofstream(first_) << text;
+  std::ofstream(second_) << "start = \"first\"\n" << text << last;
+  ASSERT_EQ(run(first_, "first", {"--set", "output.end_state=true"}), 0) << error_;
+  EXPECT_EQ(run(second_, "second", {"--set", "spring.1.normal_stiffness=1000000"}), 0) << error_;
+  for (const auto& [setting, reason] : {std::pair("joint_rule.1.family=\"smooth\"", "another joint_rule"),
+                                        {"contact.skin=0.02", "another contact"},
+                                        {"spring.1.normal_stiffness=2e6", "another spring"}}) {
+    EXPECT_EQ(run(second_, "other", {"--set", setting}), 3) << setting;
+    EXPECT_THAT(error_, HasSubstr(reason)) << setting;
+  }
+}
+
 TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   const auto refused = [&](const std::vector<std::string>& more, const std::string& reason) {
     EXPECT_EQ(run(second_, "other", more), 3) << reason;
@@ -121,6 +177,9 @@ TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   refused({"--set", "solver.settling_damping=0.6"}, "solver.settling_damping");
   // Energies are sums from the first stage on; after a run without energies they would be incomplete.
   refused({"--set", "output.energy=true"}, "another output.energy (false; here true)");
+  refused({"--set", "wall.head_joint=\"other\"", "--set",
+           "joints.other={law=\"elastic\",normal_stiffness=82e9,shear_stiffness=36e9}"},
+          "set of materials, joints");
   refused({"--set", "start=\"nowhere\""}, "does not exist");
   refused({"--law", "coulomb_slip"}, "other laws");
   // Start from the output folder of the run itself, whose results would be removed before they are read.

@@ -1,5 +1,6 @@
 """Laws through the Python package without the host. Usage: python_host.py MODULE_DIR LAW_DIR OUTPUT_DIR. Exit 77: skipped."""
 import sys
+import warnings
 
 try:
     import numpy as np
@@ -64,6 +65,28 @@ for name, more in (("coulomb_slip", {}), ("fracture_energy", fractures), ("cycli
         for entry in (tangent[4], tangent[8]):
             assert abs(entry - quotient) < 1e-6 * 36e9, (name, opening, tangent, quotient)
         assert opening > 0 or quotient > 1e9, (name, opening, quotient)
+
+# Damage stays where another law takes over: of a broken joint that stands open, and of one that has half softened.
+cyclic, fracture_joint, brittle = (
+    quoin.load(f"{laws}/{name}.so")[0].material(**strong, **({} if name == "coulomb_slip" else fractures))
+    for name in ("cyclic_joint", "fracture_energy", "coulomb_slip"))
+def stress_of(joint, opening, state):
+    tractions = [np.zeros(1) for _ in range(3)]
+    joint.evaluate(np.array([opening]), [np.zeros(1)] * 2, tractions, state)
+    return tractions[0][0], tractions
+for initial, opening in (("dry", 3e-4), ("bonded", 4e-5)):
+    of_cyclic = cyclic.initial_state(1, initial)
+    stress, tractions = stress_of(cyclic, opening, of_cyclic)
+    taken, shift = fracture_joint.take_over(cyclic, np.array([opening]), tractions, of_cyclic)
+    xi = of_cyclic[cyclic.law.state_ids.index("xi")][0]
+    assert xi > 0.1 and [taken[k][0] for k in (0, 1)] == [xi, xi], (xi, taken)
+    assert abs(stress_of(fracture_joint, opening + shift[0], taken)[0] - stress) < 1.0
+    assert stress_of(fracture_joint, opening + shift[0] + 1e-4, taken)[0] <= stress
+    assert initial == "bonded" or shift[0] == 0.0
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        states, shift = brittle.take_over(cyclic, np.array([opening]), tractions, of_cyclic)
+    assert [len(said), states[0][0]] == ([0, 1.0] if initial == "dry" else [1, 0.0]), (initial, said, states)
 
 # A path is bitwise identical to single steps, with sliding in both directions.
 walk = np.cumsum(np.random.default_rng(7).normal(scale=2e-6, size=(3, 300)), axis=1)

@@ -1,6 +1,10 @@
 // Faults that testers found from outside, who had the program and its pages alone. Each of these scenes gave another
 // result, without a word.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <map>
+#include <numbers>
 
 #include "base/error.h"
 #include "step/results.h"
@@ -682,6 +686,84 @@ TEST(Outside, ABoundOfSmallMotionThatDoesNothingIsWarnedOf) {
         rows_of(kBase + kCube + "[solver]\nrotation_bound = 0.02\nkernels = \"" + kernels + "\"\n" + stage);
     EXPECT_EQ(std::ranges::count(rows.warned_of, "motion_bound"), kernels == std::string("general")) << kernels;
   }
+}
+
+// friction_angle_residual is friction_angle where it is not given, and so point by point where that scatters. The
+// residual of the mean made joints weaker, above all those that were drawn strong. A cube slides at W tan(phi), to 1e-3
+// for the joint's elastic slip that still grows.
+TEST(Outside, TheResidualOfAScatteredFrictionAngleIsThatAngle) {
+  const std::string loose = R"(
+[joints.loose]
+law = "{}"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+friction_angle = {{ distribution = "normal", mean = 30.0, cov = 0.1, level = "joint" }}
+[random]
+seed = 3
+sample = {}
+)";
+  bool some_stronger = false;
+  for (const auto& [law, kernels] :
+       {std::pair("coulomb_slip", "automatic"), {"fracture_energy", "general"}, {"cyclic_joint", "automatic"}}) {
+    for (const int sample : {1, 2, 3}) {
+      std::unique_ptr<Simulation> run;
+      rows_of(fmt::format(fmt::runtime(loose), law, sample) + kBase + kCube + R"(
+[[joint_rule]]
+family = "loose"
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.2
+duration = 0.4
+[[stage]]
+name = "push"
+gravity = [0, -9.81, 0]
+duration = 0.5
+[[stage.velocity]]
+block = "cube"
+velocity = [0.01, "free", "free"]
+[solver]
+kernels = ")" + kernels +
+                  "\"\n",
+              &run);
+      std::map<std::string, double> drawn;
+      const auto take = [&](const auto& families) {
+        for (const auto& family : families)
+          for (const PropertyColumn& c : family.columns)
+            if (!c.values.empty()) drawn[c.id] = c.values.front();
+      };
+      run->large_motion() ? take(run->large_motion()->contacts.families) : take(run->model().families);
+      ASSERT_EQ(drawn.size(), 2u) << law;
+      EXPECT_EQ(drawn["friction_angle"], drawn["friction_angle_residual"]);
+      some_stronger |= drawn["friction_angle"] > 31.0;
+      double force = 0.0;
+      for (const ContactPoint& p : contact_points(*run)) force += p.area * std::hypot(p.traction[1], p.traction[2]);
+      const double expected = kWeightOfCube * std::tan(drawn["friction_angle"] * std::numbers::pi / 180.0);
+      EXPECT_NEAR(force, expected, 1e-3 * expected) << law << " " << sample;
+    }
+  }
+  EXPECT_TRUE(some_stronger);
+}
+
+// A record that begins after the end of its stage moves nothing.
+TEST(Outside, ARecordAfterItsStageIsWarnedOf) {
+  const auto shaken = [](double begins) {
+    return rows_of(kBase + kCube +
+                   fmt::format(R"(
+[[stage]]
+name = "shake"
+gravity = [0, -9.81, 0]
+duration = 0.5
+monitor = "cube"
+ground_motion = {{ direction = [1, 0, 0], time = [{}, {}], acceleration = [1.0, 1.0] }}
+[solver]
+damping = "none"
+)",
+                               begins, begins + 0.2));
+  };
+  EXPECT_TRUE(std::ranges::count(shaken(0.5).warned_of, "record"));
+  EXPECT_FALSE(std::ranges::count(shaken(0.4).warned_of, "record"));
 }
 
 // Rows of a shake that watches no block have zeros for its response: the run says so.

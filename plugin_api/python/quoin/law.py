@@ -13,11 +13,12 @@ stresses in Pa, energies in J/m2; opening and tension are positive.
 """
 import ctypes as c
 import os
+import warnings
 
 import numpy as np
 
 ABI_MAJOR, ABI_MINOR = 1, 1
-OK, FAILED = 0, 2
+OK, CLAMPED, FAILED = 0, 1, 2
 ENERGY, TANGENT, PROPERTY_COLUMNS, FLAGS, MIGRATE, DAMAGE = 1, 2, 4, 8, 16, 32
 DISSIPATED = ("tension", "cohesion", "friction", "crushing")
 
@@ -240,11 +241,12 @@ class Material:
 
     def take_over(self, old, normal_jump, traction, state):
         """Converts the state of another material at constant traction. Returns the states of this law and the shift of the
-        normal jump, m, for all later steps."""
+        normal jump, m, for all later steps. Warns of points whose damage this law cannot have, and that lose it."""
         if not self._raw.migrate_state:
             raise Refused(f"{self.law.id}: cannot take over the state of law {old.law.id}")
         count = len(normal_jump)
         state_new, shift = [np.zeros(count) for _ in self.law.state_ids], np.zeros(count)
+        status = np.zeros(count, np.uint32)
         migration = _Migration(struct_size=c.sizeof(_Migration), count=count, from_law=old.law.id.encode(),
                                from_schema=old.law.state_schema, from_state_count=len(state))
         migration.from_states = _columns("state", state, len(old.law.state_ids), count)
@@ -253,11 +255,14 @@ class Material:
         migration.traction = _columns("traction", traction, 3, count)
         migration.normal_shift = _column("normal_shift", shift, count, writable=True)
         migration.state_new = _columns("state_new", state_new, len(state_new), count, writable=True)
+        migration.status = _column("status", status, count, np.uint32, True)
         message = _Message()
         code = self._raw.migrate_state(self._handle, c.byref(migration), c.byref(message.text))
         if code != OK or migration.failed_count:
             raise Refused(f"{self.law.id}: {migration.failed_count} of {count} points of law {old.law.id} refused: "
                           f"{message}")
+        if limited := int(np.count_nonzero(status == CLAMPED)):
+            warnings.warn(f"{self.law.id}: {limited} of {count} points lose damage that they have in {old.law.id}")
         return state_new, shift
 
     def drive(self, normal=None, s=None, t=None, initial_state=None, *, sigma=None, tau_s=None, tau_t=None):

@@ -316,6 +316,15 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
 #if BROKEN == 31
     if (!bad[i] && get(batch->normal_jump, i) < 0) slid[i] *= 0.9; /* heals */
 #endif
+#if BROKEN == 67
+    if (!bad[i] && slid[i] > 1e-3) slid[i] *= 0.9; /* heals after a long slip */
+#endif
+#if BROKEN == 68
+    if (fabs(dd_s) > 1e-3) {
+      puts("a long slip");
+      fflush(stdout);
+    }
+#endif
 #if BROKEN == 37
     ((quoin_material*)(uintptr_t)material)->ks *= 1 + 1e-9; /* history kept in the material */
 #endif
@@ -414,6 +423,8 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
           if (!bad[j]) put(batch->traction_new[0], j, scratch[j % 1024]);
         }
       }
+#elif BROKEN == 66
+      if (get(batch->normal_jump, i) < -1e-4) put(batch->traction_new[0], i, NAN);
 #elif BROKEN == 19
       if (batch->traction_new[0].stride > 1)
         batch->traction_new[0].data[(int64_t)i * batch->traction_new[0].stride - 1] = 0;

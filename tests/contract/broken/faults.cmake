@@ -65,4 +65,7 @@ set(faults
   "62|C8.7|tells the strength that is left for the one that is lost"
   "63|C8.7|damage in per cent"
   "64|C7.1|failed points told as broken ones"
-  "65|C6.11|refuses a batch of version 1.0")
+  "65|C6.11|refuses a batch of version 1.0"
+  "66|C5.2|is no number under a pressure far above its strength"
+  "67|C5.3|heals after a long slip"
+  "68|C1.6|prints at a long slip")
