@@ -116,7 +116,7 @@ struct Strength {
   double crushing = std::numeric_limits<double>::infinity();
 };
 
-// Strengths of the points of a family, which are alike but for properties that scatter.
+// Strengths of the points of a family: one set, or one a point where properties scatter.
 class Strengths {
  public:
   Strengths(const JointFamily& family, const std::vector<PropertyColumn>& columns, const std::string& file)

@@ -105,7 +105,7 @@ struct Scales {
   double sliding(std::mt19937_64& random) const;
 };
 
-// Ends of the legs of far walks, beyond what the properties tell: what a joint may meet in a collapse.
+// Ends of the legs of far walks, beyond all strengths: what a joint may meet in a collapse.
 inline constexpr double kFarPressure = 3e7;                   // Pa, of an elastic joint
 inline constexpr double kFarOpening = 5e-3, kFarSlip = 1e-2;  // m
 

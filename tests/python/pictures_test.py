@@ -99,6 +99,8 @@ class Opened(Folder):
         # The base carries 1000 kg 9.81 m/s2. Tolerance 1 %, for motion after 0.4 s.
         np.testing.assert_allclose(moment.force_on(0), [0, -9810, 0], atol=98)
         np.testing.assert_allclose(moment.force_on(1), [0, 9810, 0], atol=98)
+        with self.assertRaisesRegex(IndexError, "block: 99 is not among the blocks, 0 to 1"):
+            moment.force_on(99)
 
     def test_faults_are_told(self):
         with self.assertRaisesRegex(quoin.BadInput, "summary.json: not found; give the folder of a run that has ended"):

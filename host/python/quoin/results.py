@@ -122,6 +122,8 @@ class Moment:
         """Sum of the forces of joints on a block, N. At rest the reaction of a support is its opposite, less the
         support's own weight."""
         grid, force = self._grid("joints"), self.joint_forces()
+        if block not in self._grid("blocks")["block"]:
+            raise IndexError(f"block: {block} is not among the blocks, 0 to {self._grid('blocks')['block'].max()}")
         return force[grid["block_a"] == block].sum(axis=0) - force[grid["block_b"] == block].sum(axis=0)
 
     def __repr__(self):

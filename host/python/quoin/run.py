@@ -58,7 +58,10 @@ class Run(Pictures):
     @property
     def dataframe(self):
         """The history as a DataFrame of pandas, if that is installed."""
-        import pandas
+        try:
+            import pandas
+        except ImportError:
+            raise Error("dataframe needs pandas, which is not installed for this Python: apt-get install python3-pandas") from None
         return pandas.DataFrame({name: self.history[name] for name in self.history.dtype.names})
 
     @property
