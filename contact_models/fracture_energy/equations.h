@@ -591,8 +591,10 @@ struct Equations {
     const V one = splat(1.0);
     const V inv_trial = hn::IfThenElseZero(hn::Gt(trial, zero()), hn::Div(one, trial));
     const V n_s = hn::Mul(trial_s, inv_trial), n_t = hn::Mul(trial_t, inv_trial);
-    // An open joint without strength slips by the least movement.
-    const M slips = hn::Or(r.slips, hn::And(r.open, hn::Eq(hn::Max(a.S, trial), zero())));
+    // A joint without strength that is open or crushed out slips by the least movement.
+    M idle = r.open;
+    if constexpr (kCrushing) idle = hn::Or(idle, a.crushed_out);
+    const M slips = hn::Or(r.slips, hn::And(idle, hn::Eq(hn::Max(a.S, trial), zero())));
     // |tau*| - ks slip - S(slip, d_n) = 0
     const V inv_slope = hn::Div(one, hn::Add(p.ks, a.S_slip));
     const V slip_by_trial = hn::IfThenElseZero(slips, inv_slope);

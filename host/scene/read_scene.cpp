@@ -240,13 +240,17 @@ std::string named_joints(const toml::node& node) {
   return text;
 }
 
-std::map<std::string, std::string> arrangement_of(toml::table root) {
-  make_numbers_real(root);
+std::map<std::string, std::string> arrangement_of(const toml::table& root) {
   std::map<std::string, std::string> text;
   for (const char* name :
        {"contact", "joint_rule", "default_joint", "tie", "spring", "strip", "floor", "beam", "dowel", "fill"}) {
+    text[name] = "none";
     const toml::node* const node = root.get(name);
-    text[name] = node ? inline_toml(*node) : "none";
+    if (!node) continue;
+    toml::table alone;
+    node->visit([&](const auto& value) { alone.insert(name, value); });
+    make_numbers_real(alone);
+    text[name] = inline_toml(*alone.get(name));
   }
   for (const char* name : {"wall", "building", "dry_wall", "arch"}) {
     const toml::node* const node = root.get(name);

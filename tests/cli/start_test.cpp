@@ -121,7 +121,7 @@ normal_stiffness = 1e9
 shear_stiffness = 1e9
 friction_angle = 5
 [[joint_rule]]
-blocks = ["ground", "cube"]
+between = ["ground", "cube"]
 family = "rough"
 [[block]]
 name = "ground"
@@ -135,7 +135,7 @@ box = { lower = [0, 0, 0], size = [1, 1, 1] }
 [[spring]]
 name = "beside"
 block = "cube"
-towards = [1, 0, 0]
+normal = [1, 0, 0]
 normal_stiffness = 1e6
 shear_stiffness = 0.0
 tension = true
@@ -177,9 +177,6 @@ TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   refused({"--set", "solver.settling_damping=0.6"}, "solver.settling_damping");
   // Energies are sums from the first stage on; after a run without energies they would be incomplete.
   refused({"--set", "output.energy=true"}, "another output.energy (false; here true)");
-  refused({"--set", "wall.head_joint=\"other\"", "--set",
-           "joints.other={law=\"elastic\",normal_stiffness=82e9,shear_stiffness=36e9}"},
-          "set of materials, joints");
   refused({"--set", "start=\"nowhere\""}, "does not exist");
   refused({"--law", "coulomb_slip"}, "other laws");
   // Start from the output folder of the run itself, whose results would be removed before they are read.

@@ -61,7 +61,7 @@ class Run(Pictures):
         try:
             import pandas
         except ImportError:
-            raise Error("dataframe needs pandas, which is not installed for this Python: apt-get install python3-pandas") from None
+            raise ImportError("dataframe needs pandas, which is not installed for this Python: apt-get install python3-pandas") from None
         return pandas.DataFrame({name: self.history[name] for name in self.history.dtype.names})
 
     @property
