@@ -159,11 +159,10 @@ class Members {
     for (const Tie& tie : ties_) each_spring_of(tie, visit);
     for (const Dowel& dowel : dowels_) visit(dowel.first, dowel.second, std::max(dowel.law.axial, dowel.law.shear));
     for (const FillPoint& p : fill_points_) visit(p.node, kGround, p.law.level * p.law.stiffness);
-    // An upper bound of K is the sum of magnitudes in a row. Strips have nodes with inertia for their rows; blocks need
-    // twice the bond.
+    // Bars of strips act on blocks twice, as nodes of strips move too.
     for (const Strip& strip : strips_) {
-      for (std::size_t i = 0; i < strip.places().size(); ++i)
-        visit(strip.places()[i].node, kGround, 2.0 * strip.bond_stiffness(i));
+      for (std::size_t i = 0; i + 1 < strip.places().size(); ++i)
+        visit(strip.places()[i].node, strip.places()[i + 1].node, 2.0 * strip.bar_stiffness(i));
     }
     for (const Floor& floor : floors_) {
       for (const Floor::Connector& c : floor.connectors()) visit(c.node, kGround, 2.0 * floor.stiffness_of(c));

@@ -13,8 +13,7 @@ namespace {
 
 // Inertia of nodes over the least stable one; the mass of a strip is far below either.
 constexpr double kInertia = 2.0;
-// Local damping (eq. 1) of nodes against their motion relative to the face, which prevents ringing. Against their
-// motion in space it would brake moving faces.
+// Local damping (eq. 1) of nodes, which prevents ringing.
 constexpr double kDamping = 0.8;
 
 }  // namespace
@@ -24,9 +23,9 @@ Strip::Strip(std::string name, std::vector<Place> places, const Fibres& fibres, 
     : name_(std::move(name)), places_(std::move(places)), fibres_(fibres), bond_(std::move(bond)) {
   const std::size_t n = places_.size();
   for (const Place& p : places_) x_.push_back(p.at);
-  face_ = x_;
+  off_.resize(n), speed_.resize(n);
   for (std::size_t i = 0; i + 1 < n; ++i) length_.push_back(norm(x_[i + 1] - x_[i]));
-  v_.resize(n), mass_.resize(n), force_.resize(length_.size()), broken_.resize(length_.size()), flags_.resize(n);
+  mass_.resize(n), force_.resize(length_.size()), broken_.resize(length_.size()), flags_.resize(n);
   for (auto& column : jump_) column.resize(n);
   for (auto& column : slip_) column.resize(n);
   for (auto& column : traction_) column.resize(n);
@@ -54,31 +53,26 @@ void Strip::bind() {
   for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch_.dissipated[k] = {energy_[1 + k].data(), 1};
 }
 
-double Strip::bond_stiffness(std::size_t place) const {
-  const quoin_stiffness_bounds& bounds = bond_->stiffness_bounds();
-  return places_[place].area * std::max(bounds.normal, bounds.shear);
-}
-
-// Masses from sums of magnitudes in the rows of the stiffness, which bound its eigenvalues.
+// Masses from sums of magnitudes in the rows of the stiffness, which bound its eigenvalues. Motion of a face and of its
+// nodes share the bars: (a + b)^2 <= 2 a^2 + 2 b^2.
 void Strip::find_masses(double dt) {
   if (dt <= mass_step_) return;
   mass_step_ = dt;
+  const quoin_stiffness_bounds& bounds = bond_->stiffness_bounds();
   for (std::size_t i = 0; i < mass_.size(); ++i) {
-    double row = 2.0 * bond_stiffness(i);
-    if (i > 0) row += 2.0 * fibres_.stiffness / length_[i - 1];
-    if (i < length_.size()) row += 2.0 * fibres_.stiffness / length_[i];
+    double row = places_[i].area * std::max(bounds.normal, bounds.shear);
+    if (i > 0) row += 4.0 * bar_stiffness(i - 1);
+    if (i < length_.size()) row += 4.0 * bar_stiffness(i);
     mass_[i] = kInertia * row * dt * dt / 4.0;
   }
 }
 
-void Strip::find_jumps(const std::vector<Node>& nodes) {
+void Strip::find_jumps() {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place& p = places_[i];
-    const Node& node = nodes[static_cast<std::size_t>(p.node)];
-    const Vector apart = transposed_times(node.turn, x_[i] - node.x);
-    const double along = dot(apart, p.along), across = dot(apart, cross(p.normal, p.along));
+    const double along = dot(off_[i], p.along), across = dot(off_[i], cross(p.normal, p.along));
     slip_[0][i] = along - jump_[1][i], slip_[1][i] = across - jump_[2][i];
-    jump_[0][i] = dot(apart, p.normal), jump_[1][i] = along, jump_[2][i] = across;
+    jump_[0][i] = dot(off_[i], p.normal), jump_[1][i] = along, jump_[2][i] = across;
   }
 }
 
@@ -91,7 +85,8 @@ void Strip::ask_law() {
                             name_, bond_->api().id, batch_.failed_count, places_.size(), static_cast<int>(status)));
 }
 
-void Strip::pull_bars(std::vector<Vector>& force) {
+std::vector<Vector> Strip::pull_bars() {
+  std::vector<Vector> force(places_.size());
   for (std::size_t i = 0; i < length_.size(); ++i) {
     if (broken_[i]) continue;
     const Vector span = x_[i + 1] - x_[i];
@@ -108,43 +103,43 @@ void Strip::pull_bars(std::vector<Vector>& force) {
     const Vector pulling = (tension / now) * span;
     force[i] += pulling, force[i + 1] -= pulling;
   }
+  return force;
 }
 
-void Strip::advance(const std::vector<Vector>& force, const std::vector<Node>& nodes, double dt) {
-  for (std::size_t i = 0; i < x_.size(); ++i) {
-    Vector& v = v_[i];
-    const Vector before = v, now = nodes[static_cast<std::size_t>(places_[i].node)].x;
-    const Vector on_face = v - (1.0 / dt) * (now - face_[i]);
-    face_[i] = now;
+// force: of bars and bond, in the frame of the face.
+void Strip::advance(const std::vector<Vector>& force, double dt) {
+  for (std::size_t i = 0; i < off_.size(); ++i) {
+    Vector& w = speed_[i];
+    const Vector before = w;
     for (int c = 0; c < 3; ++c) {
-      const double braking = on_face[c] == 0.0 ? 0.0 : std::copysign(kDamping * std::abs(force[i][c]), on_face[c]);
-      v[c] += dt / mass_[i] * (force[i][c] - braking);
-      dissipated_ += braking * 0.5 * (before[c] + v[c]) * dt;
+      const double braking = w[c] == 0.0 ? 0.0 : std::copysign(kDamping * std::abs(force[i][c]), w[c]);
+      w[c] += dt / mass_[i] * (force[i][c] - braking);
+      dissipated_ += braking * 0.5 * (before[c] + w[c]) * dt;
     }
-    const Vector middle = 0.5 * (before + v);
+    const Vector middle = 0.5 * (before + w);
     stored_ += 0.5 * mass_[i] * dot(middle, middle);
-    x_[i] += dt * v;
+    off_[i] += dt * w;
   }
 }
 
 void Strip::pull(std::vector<Node>& nodes, double dt) {
   find_masses(dt);
-  find_jumps(nodes);
+  const auto node_at = [&](std::size_t i) -> Node& { return nodes[static_cast<std::size_t>(places_[i].node)]; };
+  for (std::size_t i = 0; i < places_.size(); ++i) x_[i] = node_at(i).x + node_at(i).turn * off_[i];
+  find_jumps();
   ask_law();
   stored_ = 0.0;
-  std::vector<Vector> force(places_.size());
+  std::vector<Vector> force = pull_bars();
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place& p = places_[i];
-    Node& node = nodes[static_cast<std::size_t>(p.node)];
+    node_at(i).force += force[i];
     const Vector traction =
         traction_[0][i] * p.normal + traction_[1][i] * p.along + traction_[2][i] * cross(p.normal, p.along);
-    const Vector on_block = p.area * (node.turn * traction);
-    node.force += on_block, force[i] -= on_block;
+    force[i] = transposed_times(node_at(i).turn, force[i]) - p.area * traction;
     stored_ += p.area * energy_[0][i];
     for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) dissipated_ += p.area * energy_[1 + k][i];
   }
-  pull_bars(force);
-  advance(force, nodes, dt);
+  advance(force, dt);
 }
 
 double Strip::largest_force() const { return force_.empty() ? 0.0 : *std::max_element(force_.begin(), force_.end()); }
@@ -156,12 +151,6 @@ double Strip::debonded_length() const {
     if (flags_[i] & QUOIN_FLAG_SHEAR_COMPLETE) length += piece;
   }
   return length;
-}
-
-double Strip::added_mass() const {
-  double sum = 0.0;
-  for (const double m : mass_) sum += m;
-  return sum;
 }
 
 }  // namespace quoin::members

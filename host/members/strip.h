@@ -29,7 +29,7 @@ class Strip {
 
   const std::string& name() const { return name_; }
   const std::vector<Place>& places() const { return places_; }
-  double bond_stiffness(std::size_t place) const;  // upper bound, N/m
+  double bar_stiffness(std::size_t bar) const { return fibres_.stiffness / length_[bar]; }  // N/m
   // Adds forces to the blocks' nodes and advances the strip's nodes by a step dt, s. Throws Error(numerical) where the
   // law fails.
   void pull(std::vector<Node>& nodes, double dt);
@@ -41,7 +41,6 @@ class Strip {
   const std::vector<Vector>& nodes() const { return x_; }
   const std::vector<double>& forces() const { return force_; }  // forces of bars, N
   bool is_broken(std::size_t bar) const { return broken_[bar] != 0; }
-  double added_mass() const;  // kg
 
   template <class Visit>
   void each_number(const Visit& visit) const {
@@ -52,8 +51,8 @@ class Strip {
   }
   template <class Archive, class Self>
   static void transfer(Archive& archive, Self& s) {
-    archive.array(s.x_), archive.array(s.v_), archive.array(s.face_), archive.array(s.mass_), archive.array(s.force_),
-        archive.array(s.broken_);
+    archive.array(s.x_), archive.array(s.off_), archive.array(s.speed_), archive.array(s.mass_),
+        archive.array(s.force_), archive.array(s.broken_);
     for (auto& column : s.jump_) archive.array(column);
     for (auto& column : s.traction_) archive.array(column);
     for (auto& column : s.state_) archive.array(column);
@@ -64,10 +63,10 @@ class Strip {
  private:
   void bind();
   void find_masses(double dt);
-  void find_jumps(const std::vector<Node>& nodes);
+  void find_jumps();
   void ask_law();
-  void pull_bars(std::vector<Vector>& force);
-  void advance(const std::vector<Vector>& force, const std::vector<Node>& nodes, double dt);
+  std::vector<Vector> pull_bars();  // forces on nodes, N
+  void advance(const std::vector<Vector>& force, double dt);
 
   std::string name_;
   std::vector<Place> places_;
@@ -75,11 +74,11 @@ class Strip {
   std::vector<double> length_;  // lengths of bars at the start, m
   std::shared_ptr<const Material> bond_;
 
-  std::vector<Vector> x_, v_;    // m, m/s half a step ago
-  std::vector<Vector> face_;     // positions of the points of the faces a step ago, m
-  std::vector<double> mass_;     // kg
-  std::vector<double> force_;    // forces of bars, N
-  std::vector<uint8_t> broken_;  // by bar
+  std::vector<Vector> x_;            // m
+  std::vector<Vector> off_, speed_;  // place and velocity (half a step ago) against the face, in its frame; m, m/s
+  std::vector<double> mass_;         // kg
+  std::vector<double> force_;        // forces of bars, N
+  std::vector<uint8_t> broken_;      // by bar
   std::vector<double> jump_[3], slip_[2], traction_[3];
   std::vector<std::vector<double>> state_;
   std::vector<double> energy_[1 + QUOIN_DISSIPATED_COUNT];  // stored, dissipated in the step, J/m2
