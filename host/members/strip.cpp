@@ -142,7 +142,10 @@ void Strip::pull(std::vector<Node>& nodes, double dt) {
   advance(force, dt);
 }
 
-double Strip::largest_force() const { return force_.empty() ? 0.0 : *std::max_element(force_.begin(), force_.end()); }
+double Strip::largest_force() const {
+  const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  return force_.empty() ? 0.0 : *std::max_element(force_.begin(), force_.end(), smaller);
+}
 
 double Strip::debonded_length() const {
   double length = 0.0;

@@ -36,7 +36,7 @@ class Strip {
 
   double stored() const { return stored_; }
   double dissipated() const { return dissipated_; }
-  double largest_force() const;    // largest force of its bars, N
+  double largest_force() const;    // force of its bars of largest magnitude, N
   double debonded_length() const;  // m
   const std::vector<Vector>& nodes() const { return x_; }
   const std::vector<double>& forces() const { return force_; }  // forces of bars, N

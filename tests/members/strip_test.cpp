@@ -82,9 +82,8 @@ TEST(Strips, LongStripDebondsAtTheRootOfItsFractureEnergy) {
   EXPECT_GT(short_one.largest / expected, 0.97);
 }
 
-// The force does not depend on the spacing, and the reaction of the block that is held has the same size: forces on
-// both blocks are those of the bars. Nodes had inertia in space and damping without a reaction, and so 14 kN for 7 at 1
-// mm.
+// The force does not depend on the spacing. The reaction of the block that is held has the same size, as forces on
+// blocks are those of the bars. Nodes had inertia in space and damping without a reaction: 14 kN for 7 at 1 mm.
 TEST(Strips, TheForceIsThatOfTheReactionAtAnySpacing) {
   const double expected = kWidth * std::sqrt(2 * kModulus * kThickness * kGf);
   for (const double spacing : {0.005, 0.002, 0.001}) {
@@ -108,7 +107,7 @@ TEST(Strips, TheForceIsThatOfTheReactionAtAnySpacing) {
   }
 }
 
-// A strip has no weight, and its nodes no inertia that its block has to move: a block with one falls as one without,
+// A strip has no weight, and its nodes no inertia that its block has to move. So a block with one falls as one without,
 // by g t (t + dt)/2. It fell an eighth as far.
 TEST(Strips, OnAFallingBlockDoesNotHoldItUp) {
   for (const bool with : {false, true}) {
