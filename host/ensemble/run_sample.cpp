@@ -230,6 +230,9 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
     add_drawn(*simulation, sample.inputs);
     Recorder recorder(folder, *simulation);
     attempt([&] { simulation->run(recorder); });
+    // Without its multiplier a weak sample would count as one that has not reached a limit.
+    for (const Warning& warning : simulation->outcome().warnings)
+      if (sample.status == "done" && warning.about == "collapse_multiplier") fail(warning.text);
     recorder.history().finish();
     const auto& rows = recorder.history().rows();
     RunInfo info;

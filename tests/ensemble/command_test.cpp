@@ -65,6 +65,55 @@ class Ensemble : public Cli {
   const std::string study_ = QUOIN_ENSEMBLE_TESTS "/small_study.toml";
 };
 
+// Samples that slide under collapse.start already have no multiplier. They counted as not having reached the limit, so
+// the weakest as the strongest.
+TEST_F(Ensemble, SamplesWithoutAMultiplierHaveFailed) {
+  std::ofstream(folder_ / "cube.toml") << dry_stone(30) << R"([[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-2, -1, -2], size = [4, 1, 4] }
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[stage]]
+name = "push"
+gravity = [0, -9.81, 0]
+ramp_time = 0.2
+collapse = { direction = [1, 0, 0], start = 0.3, rate = 0.2, displacement = 0.01 }
+[output]
+frames = 0
+plots = false
+)";
+  std::ofstream(folder_ / "study.toml") << R"(scene = "cube.toml"
+samples = 6
+seed = 1
+[[quantity]]
+name = "phi"
+key = "joints.dry.friction_angle"
+distribution = "uniform"
+lower = 5.0
+upper = 30.0
+[[fragility]]
+name = "collapse"
+output = "collapse_multiplier"
+)";
+  const int code = finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
+                                 (folder_ / "a").string(), "--no-pictures", "--jobs", "1"}));
+  ASSERT_EQ(code, 0) << error_;
+  int failed = 0, done = 0;
+  for (const std::string& line : lines_of(table("a"))) {
+    failed += line.find("the collapse multiplier is not known") != std::string::npos ? 1 : 0;
+    done += line.find(",done,,") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GT(failed, 0);
+  EXPECT_GT(done, 0);
+  EXPECT_EQ(failed + done, 6);
+  const auto results = nlohmann::json::parse(read_all(folder_ / "a" / "summary.json"));
+  EXPECT_EQ(results["failed"], failed);
+}
+
 TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   ASSERT_EQ(ensemble("a", {"--jobs", "2"}), 0) << error_;
   EXPECT_THAT(out_, HasSubstr("6 of 6 samples finished, 0 of them failed"));
