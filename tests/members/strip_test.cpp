@@ -16,7 +16,8 @@ using members_cases::head;
 constexpr double kKs = 2e10, kTau = 1.2e6, kGf = 180.0, kModulus = 80e9, kThickness = 0.3e-3, kWidth = 0.05;
 
 // Returns two blocks in a line with a strip, which has this length on each of them; one block moves away.
-Scene pull(double length, double speed, const std::string& strip = "", double spacing = 0.005) {
+Scene pull(double length, double speed, const std::string& strip = "", double spacing = 0.005,
+           const std::string& pulled = "") {
   return read_scene_text(
       head(30.0, 1e10) +
           fmt::format(R"([joints.bond]
@@ -33,7 +34,7 @@ family = "dry"
 )",
                       kKs, kTau, kGf) +
           box("held", "[-1, 0, 0]", "[1, 0.2, 0.2]", "fixed = true") +
-          box("pulled", "[0.001, 0.0, 0]", "[1, 0.2, 0.2]") +
+          box("pulled", "[0.001, 0.0, 0]", "[1, 0.2, 0.2]", pulled) +
           fmt::format("[[strip]]\nname = \"s\"\njoint = \"bond\"\npoints = [[{0}, 0.2, 0.1], [0, 0.2, 0.1], "
                       "[0.001, 0.2, 0.1], [0.6, 0.2, 0.1]]\nwidth = {1}\nthickness = {2}\nyoung_modulus = {3}\n"
                       "spacing = {4}\n{5}",
@@ -105,6 +106,16 @@ TEST(Strips, TheForceIsThatOfTheReactionAtAnySpacing) {
     EXPECT_NEAR(largest / expected, 1.0, 0.03) << spacing;
     EXPECT_LT(apart, 0.02 * expected) << spacing;
   }
+}
+
+// On a deformable block, whose gridpoints the bars pull. The block stretches by 3e-5 where the strip does by 4e-3.
+TEST(Strips, PullDeformableBlocksToo) {
+  const Pull result = pulled(pull(0.2, 0.004, "", 0.02, "rigid = false\ndivisions = [10, 1, 1]\n"), 200);
+  const double expected = kWidth * std::sqrt(2 * kModulus * kThickness * kGf);
+  std::printf("  | deformable block: %.1f N, closed form %.1f N; energy error %.1e\n", result.largest, expected,
+              result.energy_error);
+  EXPECT_NEAR(result.largest / expected, 1.0, 0.03);
+  EXPECT_LT(result.energy_error, 0.02);
 }
 
 // A strip has no weight, and its nodes no inertia that its block has to move. So a block with one falls as one without,
