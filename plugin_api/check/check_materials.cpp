@@ -217,7 +217,14 @@ void check_materials(Report& report, const Subject& subject) {
   const Points points = scattered_points(law, base, 50, 11);
   const Result expected = evaluate(law, base, points);
   {
-    auto reversed = std::make_unique<Values>(law, subject.base);
+    Settings all = subject.base;  // defaults too, so that there is an order
+    for (uint64_t p = 0; p < law.property_count; ++p) {
+      const quoin_property_info& property = *law.properties[p];
+      if (property.kind != QUOIN_PROPERTY_NUMBER) continue;
+      if (const double value = base.number(property.id); std::isfinite(value))
+        all.emplace(property.id, shortest(value));
+    }
+    auto reversed = std::make_unique<Values>(law, all);
     std::reverse(reversed->pointers.begin(), reversed->pointers.end());
     quoin_material* other = nullptr;
     report.expect(create(law, *reversed, &other, nullptr) == QUOIN_OK, "refused in another order");
