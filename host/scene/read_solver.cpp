@@ -84,17 +84,22 @@ SolverSettings read_solver(Table t, const Quality* quality) {
 SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground) {
   SolverSettings s = before;
   read_damping_kind(t, s);
+  // Eq. 1 at gridpoints needs shorter steps than the damping of a quality.
+  if (s.damping == DampingKind::local && before.damping != DampingKind::local)
+    s.time_step_fraction = std::min(s.time_step_fraction, SolverSettings().time_step_fraction);
   read_damping_and_fraction(t, s);
   if (moves_ground) {
     t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia");
     t.number("unit_inertia", s.unit_inertia, between(1, 1e6), "times the true inertia");
-    double scaling = before.mass_scaling;
-    if (t.number("mass_scaling", scaling, kPositive, "") && scaling != before.mass_scaling)
-      t.refuse("mass_scaling", fmt::format("that of [solver], {:g}: it is of the whole run", before.mass_scaling));
+    for (const auto& [key, of_run] :
+         {std::pair("mass_scaling", before.mass_scaling), {"selective_time_step", before.selective_time_step}}) {
+      double repeated = of_run;
+      if (t.number(key, repeated, kNotNegative, "") && repeated != of_run)
+        t.refuse(key, fmt::format("that of [solver], {:g}: it is of the whole run", of_run));
+    }
   }
   for (const char* key : {"mass_scaling", "selective_time_step", "deformation_inertia", "unit_inertia"}) {
-    if (!moves_ground || key == std::string_view("selective_time_step"))
-      t.refuse_if_given(key, "not in a stage: inertia is of the whole run; give it in [solver]");
+    if (!moves_ground) t.refuse_if_given(key, "not in a stage: inertia is of the whole run; give it in [solver]");
   }
   if (damping_of(s).eq1 == Eq1::gridpoints && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
     t.refuse("damping",
@@ -125,6 +130,7 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
   if (s.deformation_inertia != 1.0 && !written("deformation_inertia")) s.deformation_inertia = 1.0;
   if (s.unit_inertia != 1.0 && !written("unit_inertia")) s.unit_inertia = 1.0;
   if (s.mass_scaling != 1.0) written("mass_scaling");
+  if (s.selective_time_step > 0.0) written("selective_time_step");
   return s;
 }
 

@@ -78,14 +78,15 @@ void check_stiffness(Simulation::Impl& s) {
   }
 }
 
-// Warning of a block that falls, slides or topples under damping; empty: none. Such a block is as fast as after a fall
-// of kFall of its least extent, and its forces are not balanced.
+// Warning of a block that falls, slides or topples under damping or with scaled inertia; empty: none. Such a block is
+// as fast as after a fall of kFall of its least extent, and its forces are not balanced.
 std::string damped_motion(const Simulation::Impl& s) {
   constexpr double kFall = 0.05, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);
   if (std::string of_ground = ground_damping_warning(s.scene, now_in); !of_ground.empty()) return of_ground;
   const std::string damping = damping_in_space(s.scene, now_in);
-  if (!s.large_motion || damping.empty()) return "";
+  const double scaling = s.scene.solver.mass_scaling;
+  if (!s.large_motion || (damping.empty() && scaling == 1.0)) return "";
   const double weight = norm(geometry::vector(s.data.gravity)), g = weight > 0.0 ? weight : 9.81;
   std::vector<bool> driven;
   for (const blocks::Block& b : s.large_motion->assembly.blocks) driven.push_back(b.fixed);
@@ -96,11 +97,16 @@ std::string damped_motion(const Simulation::Impl& s) {
         !(norm(s.large_motion->step_sums.of_block[i].net) > kUnbalanced * g * s.large_motion->blocks[i].mass))
       continue;
     const Vector v = velocity_of(*s.large_motion, i);
-    const double fall = dot(v, v) / (2.0 * g * kFall * s.large_motion->blocks[i].least_extent);
+    const double fall = scaling * dot(v, v) / (2.0 * g * kFall * s.large_motion->blocks[i].least_extent);
     if (fall > most) most = fall, block = i;
   }
   if (s.parts.divided) block = largest_of_ranks(s, most == largest_of_ranks(s, most) ? block : -1.0);
   if (block < 0.0) return "";
+  if (scaling != 1.0)
+    return fmt::format(
+        "block {} falls, slides or topples with {:g} times its inertia (solver.mass_scaling), so that its "
+        "accelerations are that much smaller; take mass_scaling = 1 where blocks move",
+        blocks::label(s.large_motion->assembly, static_cast<int>(block)), scaling);
   return fmt::format("block {} falls, slides or topples, and the {} of stage '{}' brakes it: {}; {}",
                      blocks::label(s.large_motion->assembly, static_cast<int>(block)), damping,
                      s.scene.stages[now_in].name,

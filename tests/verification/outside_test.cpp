@@ -746,6 +746,51 @@ kernels = ")" + kernels +
   EXPECT_TRUE(some_stronger);
 }
 
+// Inertia that is not the true one falsifies dynamics. Under a shake it is refused at gridpoints, as that of all blocks
+// is. In a fall it is warned of.
+TEST(Outside, OtherInertiaIsRefusedUnderAShakeAndWarnedOfInAFall) {
+  const std::string shake = R"(
+[[stage]]
+name = "shake"
+duration = 0.01
+monitor = "top_beam"
+ground_motion = { direction = [1, 0, 0], time = [0, 0.1], acceleration = [1.0, 1.0] }
+)";
+  for (const std::string key : {"mass_scaling = 10.0", "selective_time_step = 1e-4"}) {
+    const std::string solver = "[solver]\n" + key + "\n";
+    expect_error(Exit::bad_input, "would falsify its motion", [&] { rows_of(wall(shake) + solver); });
+    rows_of(wall(shake + "solver = { " + key + " }\n") + solver);
+  }
+  const std::string fall = R"(
+[[block]]
+name = "falls"
+material = "stone"
+box = { lower = [0, 2, 0], size = [1, 1, 1] }
+[[stage]]
+gravity = [0, -9.81, 0]
+duration = 0.4
+[solver]
+damping = "none"
+mass_scaling = )";
+  EXPECT_TRUE(std::ranges::count(rows_of(kBase + fall + "10.0\n").warned_of, "damping"));
+  EXPECT_FALSE(std::ranges::count(rows_of(kBase + fall + "1.0\n").warned_of, "damping"));
+}
+
+// Local damping is unstable from a fraction of 1/sqrt(1 + 0.8) = 0.745 on. A stage that changed to it had 0.86, that of
+// the quality.
+TEST(Outside, AStageThatChangesToLocalDampingHasAShorterStep) {
+  const auto fraction = [](const std::string& solver) {
+    return scene_of(kStone +
+                    wall("[[stage]]\nname = \"s\"\nduration = 0.01\nmonitor = \"top_beam\"\nsolver = { " + solver +
+                         " }\nground_motion = { direction = [1, 0, 0], time = [0, 0.1], acceleration = [1.0, 1.0] }\n"))
+        .solver_in(0)
+        .time_step_fraction;
+  };
+  EXPECT_EQ(fraction("damping = \"local\""), 0.6);
+  EXPECT_EQ(fraction("damping = \"local\", time_step_fraction = 0.7"), 0.7);
+  EXPECT_EQ(fraction("damping = \"none\""), 0.86);
+}
+
 // A record that begins after the end of its stage moves nothing.
 TEST(Outside, ARecordAfterItsStageIsWarnedOf) {
   const auto shaken = [](double begins) {
