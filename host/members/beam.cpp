@@ -31,7 +31,7 @@ Vector rotation_in(const Matrix& frame, const Matrix& triad) {
 Beam::Beam(std::string name, std::vector<Vector> points, const Vector& up, const Section& section)
     : name_(std::move(name)), section_(section), start_(std::move(points)) {
   const std::size_t n = start_.size();
-  x_ = start_, v_.resize(n), turn_.resize(n), spin_.resize(n), force_.resize(n), moment_.resize(n);
+  x_ = start_, v_.resize(n), frame_.resize(n), turn_.resize(n), spin_.resize(n), force_.resize(n), moment_.resize(n);
   for (std::size_t i = 0; i + 1 < n; ++i) {
     Piece piece;
     piece.length = norm(start_[i + 1] - start_[i]);
@@ -50,6 +50,49 @@ double Beam::length() const {
   double sum = 0.0;
   for (const Piece& p : pieces_) sum += p.length;
   return sum;
+}
+
+// Three points and more of one block build a node in.
+void Beam::find_clamps(const std::vector<Node>& nodes) {
+  clamps_.clear();
+  for (std::size_t place = 0; place < x_.size(); ++place) {
+    Clamp clamp{place, {}, {}, {}};
+    bool of_one = true;
+    for (std::size_t i = 0; i < supports_.size(); ++i) {
+      if (supports_[i].place != static_cast<int>(place)) continue;
+      const auto block_of = [&](std::size_t s) { return nodes[static_cast<std::size_t>(supports_[s].node)].block; };
+      of_one = of_one && (clamp.supports.empty() || block_of(i) == block_of(clamp.supports.front()));
+      clamp.supports.push_back(i), clamp.off.push_back(supports_[i].arm);
+    }
+    if (!of_one || clamp.supports.size() < 3) continue;
+    Vector mean;
+    for (const Vector& arm : clamp.off) mean += (1.0 / static_cast<double>(clamp.off.size())) * arm;
+    Matrix sum = Matrix::zero();
+    for (Vector& off : clamp.off) {
+      off -= mean;
+      sum += dot(off, off) * Matrix{} - outer(off, off);
+    }
+    clamp.couples = inverse(sum);
+    clamps_.push_back(std::move(clamp));
+  }
+}
+
+// The rotation of the places of least squares: sum off x (R^T (x - mean) - off) = 0. It is conjugate to the couples.
+void Beam::turn_frame(const Clamp& clamp, const std::vector<Node>& nodes) {
+  const auto place_of = [&](std::size_t i) {
+    return nodes[static_cast<std::size_t>(supports_[clamp.supports[i]].node)].x;
+  };
+  const std::size_t count = clamp.supports.size();
+  Vector mean;
+  for (std::size_t i = 0; i < count; ++i) mean += (1.0 / static_cast<double>(count)) * place_of(i);
+  Matrix& turned = frame_[clamp.place];
+  constexpr int kRounds = 2;  // Newton's method from the rotation of the last step
+  for (int round = 0; round < kRounds; ++round) {
+    Vector sum;
+    for (std::size_t i = 0; i < count; ++i)
+      sum += cross(clamp.off[i], transposed_times(turned, place_of(i) - mean) - clamp.off[i]);
+    turned = turned * rotation_by(clamp.couples * sum);
+  }
 }
 
 // Masses, and rotary inertia with which rotations vibrate no faster than displacements. It follows from row sums of
@@ -74,6 +117,7 @@ void Beam::find_inertia() {
                     2.0 * section_.torsion / (l * arm[k] * other);
     }
   }
+  for (const Clamp& clamp : clamps_) turning[clamp.place] *= 2.0;  // both rotations bend the pieces
   for (const Support& s : supports_) {
     const auto k = static_cast<std::size_t>(s.place);
     const double stiffness = 2.0 * std::max(s.law.normal, s.law.shear), lever = norm(s.arm) / arm[k];
@@ -137,7 +181,7 @@ void Beam::pull_piece(std::size_t i) {
   const Vector along = span / now, pulling = piece.force * along;
   force_[i] += pulling, force_[i + 1] -= pulling;
   if (section_.bending[0] == 0.0 && section_.bending[1] == 0.0 && section_.torsion == 0.0) return;
-  const Matrix first = turn_[i] * piece.frame, second = turn_[i + 1] * piece.frame;
+  const Matrix first = frame_[i] * turn_[i] * piece.frame, second = frame_[i + 1] * turn_[i + 1] * piece.frame;
   const Vector side = normalized(cross(along, first.column(1) + second.column(1)));
   const Matrix frame = Matrix::columns(along, cross(side, along), side);
   const Vector a = rotation_in(frame, first), b = rotation_in(frame, second);
@@ -156,7 +200,7 @@ void Beam::pull_piece(std::size_t i) {
 void Beam::pull_support(Support& s, std::vector<Node>& nodes, double dt) {
   const auto k = static_cast<std::size_t>(s.place);
   Node& node = nodes[static_cast<std::size_t>(s.node)];
-  const Vector arm = turn_[k] * s.arm;
+  const Vector arm = frame_[k] * turn_[k] * s.arm;
   const Vector moved = (node.x - node.start) - (x_[k] + arm - start_[k] - s.arm);
   const double dissipated = s.state.dissipated;
   s.state.follow(s.law, s.out, moved, dt);
@@ -171,11 +215,12 @@ void Beam::advance(const Surroundings& step) {
     const double mass = step.mass_scaling * mass_[k];
     const Vector weight = mass_[k] * step.gravity, force = force_[k] + weight, before = v_[k];
     unbalanced_ = std::max(unbalanced_, norm(force));
+    const Vector moment = transposed_times(frame_[k], moment_[k]);
     Vector turned;
     for (int c = 0; c < 3; ++c) {
       dissipated_ += brake(step, mass, force[c], step.ground_velocity[c], v_[k][c]);
       const double spin = spin_[k][c];
-      dissipated_ += brake(step, step.mass_scaling * inertia_[k], moment_[k][c], 0.0, spin_[k][c]);
+      dissipated_ += brake(step, step.mass_scaling * inertia_[k], moment[c], 0.0, spin_[k][c]);
       const double middle = 0.5 * (spin + spin_[k][c]);
       stored_ += 0.5 * step.mass_scaling * inertia_[k] * middle * middle;
       turned[c] = step.dt * spin_[k][c];
@@ -189,12 +234,22 @@ void Beam::advance(const Surroundings& step) {
 }
 
 void Beam::pull(std::vector<Node>& nodes, const Surroundings& step) {
-  if (mass_.empty()) find_inertia();
+  if (mass_.empty()) find_clamps(nodes), find_inertia();
+  const auto node_of = [&](std::size_t support) -> Node& {
+    return nodes[static_cast<std::size_t>(supports_[support].node)];
+  };
+  for (const Clamp& clamp : clamps_) turn_frame(clamp, nodes);
   stored_ = 0.0;
   std::fill(force_.begin(), force_.end(), Vector{});
   std::fill(moment_.begin(), moment_.end(), Vector{});
   for (std::size_t i = 0; i < pieces_.size(); ++i) pull_piece(i);
   for (Support& s : supports_) pull_support(s, nodes, step.dt);
+  for (const Clamp& clamp : clamps_) {  // inertia against the block acts on it: a couple of its supports
+    const Matrix& turned = frame_[clamp.place];
+    const Vector couple = clamp.couples * transposed_times(turned, moment_[clamp.place]);
+    for (std::size_t i = 0; i < clamp.supports.size(); ++i)
+      node_of(clamp.supports[i]).force += turned * cross(couple, clamp.off[i]);
+  }
   advance(step);
 }
 

@@ -74,13 +74,22 @@ class Beam {
   }
   template <class Archive, class Self>
   static void transfer(Archive& archive, Self& s) {
-    archive.array(s.x_), archive.array(s.v_), archive.array(s.turn_), archive.array(s.spin_);
+    archive.array(s.x_), archive.array(s.v_), archive.array(s.frame_), archive.array(s.turn_), archive.array(s.spin_);
     for (auto& piece : s.pieces_) archive.value(piece);
     for (auto& support : s.supports_) archive.value(support);
     archive.value(s.stored_), archive.value(s.dissipated_), archive.value(s.outside_);
   }
 
  private:
+  // A node that is built into one block. Its rotation is that against the block, and its moment acts on the block.
+  struct Clamp {
+    std::size_t place = 0;
+    std::vector<std::size_t> supports;
+    std::vector<Vector> off;   // places on the block from their mean, m, at the start
+    geometry::Matrix couples;  // inverse of the sum of |off|^2 - off off^T, 1/m2
+  };
+  void find_clamps(const std::vector<Node>& nodes);
+  void turn_frame(const Clamp& clamp, const std::vector<Node>& nodes);
   void find_inertia();
   void pull_piece(std::size_t i);
   void bend(Piece& piece, int plane, const std::array<double, 2>& rotation);
@@ -92,11 +101,13 @@ class Beam {
   std::vector<Vector> start_;
   std::vector<Piece> pieces_;
   std::vector<Support> supports_;
-  std::vector<Vector> x_, v_;           // m; m/s half a step ago
-  std::vector<geometry::Matrix> turn_;  // rotations since the start
-  std::vector<Vector> spin_;            // rad/s half a step ago
-  std::vector<double> mass_, inertia_;  // kg, kg m2
-  std::vector<double> row_;             // row sums of the stiffness at each node, N/m
+  std::vector<Vector> x_, v_;  // m; m/s half a step ago
+  std::vector<Clamp> clamps_;
+  std::vector<geometry::Matrix> frame_;  // rotation of the places of a clamp since the start; else none
+  std::vector<geometry::Matrix> turn_;   // rotations since the start, in these frames
+  std::vector<Vector> spin_;             // in these frames, rad/s half a step ago
+  std::vector<double> mass_, inertia_;   // kg, kg m2
+  std::vector<double> row_;              // row sums of the stiffness at each node, N/m
   std::vector<Vector> force_, moment_;
   double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
   double unbalanced_ = 0.0;  // N
