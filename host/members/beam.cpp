@@ -52,14 +52,14 @@ double Beam::length() const {
   return sum;
 }
 
-// Three points and more of one block build a node in.
+// Points of one block at the ends of arms build a node in.
 void Beam::find_clamps(const std::vector<Node>& nodes) {
   clamps_.clear();
   for (std::size_t place = 0; place < x_.size(); ++place) {
     Clamp clamp{place, {}, {}, {}};
     bool of_one = true;
     for (std::size_t i = 0; i < supports_.size(); ++i) {
-      if (supports_[i].place != static_cast<int>(place)) continue;
+      if (supports_[i].place != static_cast<int>(place) || norm(supports_[i].arm) == 0.0) continue;
       const auto block_of = [&](std::size_t s) { return nodes[static_cast<std::size_t>(supports_[s].node)].block; };
       of_one = of_one && (clamp.supports.empty() || block_of(i) == block_of(clamp.supports.front()));
       clamp.supports.push_back(i), clamp.off.push_back(supports_[i].arm);
