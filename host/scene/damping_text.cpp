@@ -39,6 +39,19 @@ std::string damping_in_space(const Scene& scene, std::size_t stage) {
   return damping.alpha > 0.0 ? fmt::format("mass damping ({:g} 1/s)", damping.alpha) : "";
 }
 
+std::string ground_inertia_warning(const Scene& scene, std::size_t stage) {
+  const SolverSettings& solver = scene.solver_in(stage);
+  std::string raised;  // that of whole blocks; deformation_inertia and unit_inertia are not
+  if (solver.mass_scaling != 1.0) raised = fmt::format("mass_scaling = {:g}", solver.mass_scaling);
+  if (solver.selective_time_step > 0.0)
+    raised = fmt::format("selective_time_step = {:g} s", solver.selective_time_step);
+  if (!scene.stages[stage].ground || raised.empty()) return "";
+  return fmt::format(
+      "stage '{}' moves the ground, and {} raises inertia: frequencies are lower than the true ones, and forces are "
+      "those of more mass; compare with a run without it",
+      scene.stages[stage].name, raised);
+}
+
 std::string ground_damping_warning(const Scene& scene, std::size_t stage) {
   const std::string damping = damping_in_space(scene, stage);
   if (!scene.stages[stage].ground || damping.empty()) return "";

@@ -27,6 +27,8 @@ inline constexpr const char* kDampingForMotion =
     "or \"none\", in [solver] or in the solver table of the stage (scenes/BLOCKS.md, \"Ground motion and damping\")";
 // Warning for a stage with ground motion and damping in space; else empty.
 std::string ground_damping_warning(const Scene& scene, std::size_t stage);
+// Warning for a stage with ground motion and inertia of whole blocks that is raised; else empty.
+std::string ground_inertia_warning(const Scene& scene, std::size_t stage);
 
 // Restitution of an edge that lands on a spring and a dashpot of this share of critical, which never pull. It is the
 // velocity ratio of m u'' = -k u - c u' from u = 0 to the time at which the force is 0 again.

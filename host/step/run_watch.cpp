@@ -292,6 +292,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
   if (!was_warned(s, "damping")) warn_where_said("damping", damped_motion(s));
   warn_where_said("ground_motion", motion_left_to_ground(s));
   warn_where_said("record", record_outside(current_stage(s)));
+  warn_where_said("inertia", ground_inertia_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));
   if (!was_warned(s, "tension_in_new_contacts")) warn_where_said("tension_in_new_contacts", pull_over_gaps(s));
   warn(s.watch.overlap > allowed_overlap(s), "interpenetration", [&] {
     const Vec3& x = s.watch.overlap_at;
