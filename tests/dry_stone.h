@@ -18,3 +18,15 @@ shear_stiffness = 1e9
 friction_angle = )" +
          fmt::format("{}\n", friction_angle);
 }
+
+// A cube of 1 m on a wide ground.
+inline constexpr const char* kCubeOnGround = R"([[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-2, -1, -2], size = [4, 1, 4] }
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+)";

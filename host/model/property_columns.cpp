@@ -224,6 +224,19 @@ std::vector<const PropertySetting*> scattered_in(const JointFamily& family) {
 
 namespace {
 
+// Columns of the properties that are drawn, without values.
+std::vector<PropertyColumn> empty_columns(std::span<const PropertySetting* const> scattered, const Material& material) {
+  std::vector<PropertyColumn> columns;
+  for (const PropertySetting* setting : scattered) {
+    columns.push_back({find_property(material.api(), setting->id)->id,
+                       true,
+                       material.number(setting->id),
+                       -std::numeric_limits<double>::infinity(),
+                       {}});
+  }
+  return columns;
+}
+
 // Adds a column for each property whose default is the value of one that has a column.
 void add_defaults(const JointFamily& family, const Material& material, std::vector<PropertyColumn>& columns) {
   const quoin_law& law = material.api();
@@ -243,14 +256,7 @@ void add_defaults(const JointFamily& family, const Material& material, std::vect
 }  // namespace
 
 std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material) {
-  std::vector<PropertyColumn> columns;
-  for (const PropertySetting* setting : scattered_in(family)) {
-    columns.push_back({find_property(material.api(), setting->id)->id,
-                       true,
-                       material.number(setting->id),
-                       -std::numeric_limits<double>::infinity(),
-                       {}});
-  }
+  std::vector<PropertyColumn> columns = empty_columns(scattered_in(family), material);
   add_defaults(family, material, columns);
   return columns;
 }
@@ -275,8 +281,7 @@ std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Mat
   const std::vector<double> mix = random::mix_of(correlations, n);
 
   const Places places(points, blocks);
-  std::vector<PropertyColumn> columns = scattered_columns(family, material);
-  columns.resize(n);
+  std::vector<PropertyColumn> columns = empty_columns(scattered, material);
   for (std::size_t i = 0; i < n; ++i) {
     const PropertySetting& setting = *scattered[i];
     const Scatter& scatter = *setting.scatter;

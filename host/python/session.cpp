@@ -15,6 +15,7 @@
 #ifdef QUOIN_MODES
 #include "analysis/damping_ratios.h"
 #endif
+#include "files/file.h"
 #include "results/crushed_out.h"
 #include "results/parted_joints.h"
 #include "results/quasi_static.h"
@@ -318,7 +319,7 @@ std::string Session::finish(const std::string& status, const std::string& messag
   if (monitors_) monitors_->finish();
   if (series_ && status != "done" && info.law_answers) series_->add_frame(simulation);
   if (series_) series_->finish();
-  write_summary(folder_ / "summary.json", simulation, rows_, info);
+  write_file(folder_ / "summary.json", summary);
   if (status == "done" && provenance_) write_end_state(folder_, simulation, *provenance_);
   return summary_ = summary;
 }

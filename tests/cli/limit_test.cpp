@@ -57,16 +57,7 @@ TEST_F(Limit, HasTheConstantLoadsOfItsStage) {
   for (const std::string load : {"[[stage.pressure]]\nnormal = [0, 1, 0]\npressure = 19620.0\n",
                                  "[[stage.force]]\npoint = [0.5, 1.0, 0.5]\nforce = [0, -19620.0, 0]\n"}) {
     const std::string path = (folder_ / "block.toml").string();
-    std::ofstream(path) << dry_stone(30) << R"([[block]]
-name = "ground"
-material = "stone"
-fixed = true
-box = { lower = [-1, -1, -1], size = [3, 1, 3] }
-[[block]]
-name = "cube"
-material = "stone"
-box = { lower = [0, 0, 0], size = [1, 1, 1] }
-[[stage]]
+    std::ofstream(path) << dry_stone(30) << kCubeOnGround << R"([[stage]]
 name = "push"
 gravity = [0, -9.81, 0]
 collapse = { direction = [1, 0, 0], start = 0.1 }
@@ -88,16 +79,7 @@ TEST_F(Limit, DryJointsHaveTheirResidualStrength) {
                                "friction_angle_residual = 10\ncohesion = 1e4\n"
                                "cohesion_residual = {}\n",
                                cohesion)
-                        << R"([[block]]
-name = "ground"
-material = "stone"
-fixed = true
-box = { lower = [-2, -1, -2], size = [4, 1, 4] }
-[[block]]
-name = "cube"
-material = "stone"
-box = { lower = [0, 0, 0], size = [1, 1, 1] }
-[[stage]]
+                        << kCubeOnGround << R"([[stage]]
 name = "push"
 gravity = [0, -9.81, 0]
 collapse = { direction = [1, 0, 0], start = 0.1 }
@@ -113,16 +95,7 @@ collapse = { direction = [1, 0, 0], start = 0.1 }
 // mean.
 TEST_F(Limit, StrengthsThatScatterAreThoseOfEachPoint) {
   const std::string path = (folder_ / "scatter.toml").string();
-  std::ofstream(path) << dry_stone(30) << R"([[block]]
-name = "ground"
-material = "stone"
-fixed = true
-box = { lower = [-2, -1, -2], size = [4, 1, 4] }
-[[block]]
-name = "cube"
-material = "stone"
-box = { lower = [0, 0, 0], size = [1, 1, 1] }
-[[stage]]
+  std::ofstream(path) << dry_stone(30) << kCubeOnGround << R"([[stage]]
 name = "push"
 gravity = [0, -9.81, 0]
 collapse = { direction = [1, 0, 0], start = 0.1 }

@@ -68,16 +68,7 @@ class Ensemble : public Cli {
 // Samples that slide under collapse.start already have no multiplier. They counted as not having reached the limit, so
 // the weakest as the strongest.
 TEST_F(Ensemble, SamplesWithoutAMultiplierHaveFailed) {
-  std::ofstream(folder_ / "cube.toml") << dry_stone(30) << R"([[block]]
-name = "ground"
-material = "stone"
-fixed = true
-box = { lower = [-2, -1, -2], size = [4, 1, 4] }
-[[block]]
-name = "cube"
-material = "stone"
-box = { lower = [0, 0, 0], size = [1, 1, 1] }
-[[stage]]
+  std::ofstream(folder_ / "cube.toml") << dry_stone(30) << kCubeOnGround << R"([[stage]]
 name = "push"
 gravity = [0, -9.81, 0]
 ramp_time = 0.2

@@ -15,25 +15,25 @@ using members_cases::head;
 
 constexpr double kKs = 2e10, kTau = 1.2e6, kGf = 180.0, kModulus = 80e9, kThickness = 0.3e-3, kWidth = 0.05;
 
-// Returns two blocks in a line with a strip, which has this length on each of them; one block moves away.
-Scene pull(double length, double speed, const std::string& strip = "", double spacing = 0.005,
-           const std::string& pulled = "") {
-  return read_scene_text(
-      head(30.0, 1e10) +
-          fmt::format(R"([joints.bond]
+const std::string kBond = fmt::format(R"([joints.bond]
 law = "bond_slip"
 normal_stiffness = 4e10
 shear_stiffness = {}
 bond_strength = {}
 fracture_energy = {}
-[[joint_rule]]
+)",
+                                      kKs, kTau, kGf);
+
+// Returns two blocks in a line with a strip, which has this length on each of them; one block moves away.
+Scene pull(double length, double speed, const std::string& strip = "", double spacing = 0.005,
+           const std::string& pulled = "") {
+  return read_scene_text(
+      head(30.0, 1e10) + kBond + R"([[joint_rule]]
 family = "none"
 between = ["pulled", "base"]
 [[joint_rule]]
 family = "dry"
-)",
-                      kKs, kTau, kGf) +
-          box("held", "[-1, 0, 0]", "[1, 0.2, 0.2]", "fixed = true") +
+)" + box("held", "[-1, 0, 0]", "[1, 0.2, 0.2]", "fixed = true") +
           box("pulled", "[0.001, 0.0, 0]", "[1, 0.2, 0.2]", pulled) +
           fmt::format("[[strip]]\nname = \"s\"\njoint = \"bond\"\npoints = [[{0}, 0.2, 0.1], [0, 0.2, 0.1], "
                       "[0.001, 0.2, 0.1], [0.6, 0.2, 0.1]]\nwidth = {1}\nthickness = {2}\nyoung_modulus = {3}\n"
@@ -124,17 +124,7 @@ TEST(Strips, OnAFallingBlockDoesNotHoldItUp) {
   for (const bool with : {false, true}) {
     Simulation simulation(
         read_scene_text(
-            head(30.0, 1e10, 0.0) +
-                fmt::format(R"([joints.bond]
-law = "bond_slip"
-normal_stiffness = 4e10
-shear_stiffness = {}
-bond_strength = {}
-fracture_energy = {}
-[[joint_rule]]
-family = "dry"
-)",
-                            kKs, kTau, kGf) +
+            head(30.0, 1e10, 0.0) + kBond + "[[joint_rule]]\nfamily = \"dry\"\n" +
                 box("falls", "[0, 20, 0]", "[0.4, 0.2, 0.2]") +
                 (with ? "[[strip]]\nname = \"s\"\njoint = \"bond\"\npoints = [[0.02, 20.2, 0.1], [0.38, 20.2, "
                         "0.1]]\nwidth = 0.1\nthickness = 1e-3\nyoung_modulus = 2e11\nspacing = 0.01\n"
