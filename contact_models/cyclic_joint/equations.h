@@ -824,11 +824,17 @@ struct Equations {
       const V residual = hn::Min(p.cr * (splat(1.0) - B), hn::NegMulAdd(B, o.T, held));
       const M by_opening = hn::And(hn::And(p.ft == zero(), f1 == zero()), f0 > zero());
       const M at_once = hn::Or(by_opening, hn::And(p.c0 == p.cr, f1 > zero()));
-      const V lost = hn::IfThenElseZero(open, select(at_once, held, positive_part(residual)));
-      E.cohesion = hn::IfThenElseZero(slips, hn::MulAdd(half * lost * lost, p.inv_ks, cohesive));
+      const M drops = hn::AndNot(open, hn::And(slips, starts_at_end));  // friction that is lost at the first slip
+      const V pressure_start = pressure(s, s.v);
+      const V held_start = hn::Min(pressure_start, s.crushed.F), held_end = hn::Min(a.p, s.crushed.F);
+      const V rise = hn::IfThenElseZero(drops, p.mur * (held_end - held_start) / r.gamma);  // of the strength, Pa/m
+      const V lost = select(open, select(at_once, held, positive_part(residual)),
+                            hn::IfThenElseZero(drops, p.mu_drop * f1 * held_start));
+      E.cohesion = hn::IfThenElseZero(slips, cohesive + half * lost * lost / (p.ks + rise));
 
+      const V mean = select(hn::AndNot(r.crushes, drops), half * (pressure_start + pressure_end), pressure_end);
       const V rubbed = hn::MulAdd(p.mu_drop, p.su * area, p.mur * r.gamma) - (a.seat.v - s.v);
-      E.friction = hn::IfThenElseZero(hn::AndNot(open, slips), positive_part(pressure_end * rubbed));
+      E.friction = hn::IfThenElseZero(hn::AndNot(open, slips), positive_part(mean * rubbed));
     }
     E.tension = hn::MulAdd(p.ft, hn::IfThenElseZero(r.gives_way, old.q - now.q), E.tension);
     if (!none(r.crushes)) E.crushing = hn::IfThenElseZero(r.crushes, positive_part(F_area(old.l, now.l)));

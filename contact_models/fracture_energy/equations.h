@@ -562,7 +562,10 @@ struct Equations {
     }
     const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
     const V before = hn::Min(trial, hn::Max(held, S_before_slip));
-    if constexpr (kCrushing) lost = select(a.crushed_out, before, lost);
+    if constexpr (kCrushing) {
+      start = hn::IfThenZeroElse(a.crushed_out, start);
+      lost = select(a.crushed_out, before, lost);
+    }
     const V excess = positive_part(hn::Min(hn::Sub(before, start), lost));
     // tau decreases along the elastic line until it meets S, which falls with the slip.
     const V fall = hn::IfThenElseZero(hn::Gt(r.slip, zero()), hn::Div(hn::Sub(tau, start), r.slip));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -60,6 +61,24 @@ std::string ground_damping_warning(const Scene& scene, std::size_t stage) {
       "them: "
       "what slides, rocks or falls goes wrong by multiples; {}",
       scene.stages[stage].name, damping, kDampingForMotion);
+}
+
+std::string release_damping_warning(const Scene& scene, std::size_t stage) {
+  if (stage == 0 || local_damping_in(scene, stage) == 0.0) return "";
+  const Stage &before = scene.stages[stage - 1], &now = scene.stages[stage];
+  const auto is_driven = [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; };
+  const bool ends_by_duration =
+      now.kind == "custom" && !now.equilibrium_ratio && !now.displacement && !now.collapse && !now.moving_load;
+  const bool has_same_loads = now.gravity == before.gravity && now.controls == before.controls &&
+                              now.forces == before.forces && now.pressures == before.pressures;
+  if (!ends_by_duration || has_same_loads || now.ground || now.ramp_time > 0.0 ||
+      std::ranges::any_of(now.controls, is_driven))
+    return "";
+  return fmt::format(
+      "stage '{}' changes loads at once (ramp_time 0) and ends by its duration, and its {} brakes the vibrations that "
+      "follow: amplitudes and forces are not those of free vibration; {}. Where only the state at rest counts, give "
+      "equilibrium_ratio or ramp_time",
+      now.name, damping_in_space(scene, stage), kDampingForMotion);
 }
 
 double landing_restitution(double damping_ratio) {

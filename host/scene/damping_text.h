@@ -27,6 +27,9 @@ inline constexpr const char* kDampingForMotion =
     "or \"none\", in [solver] or in the solver table of the stage (scenes/BLOCKS.md, \"Ground motion and damping\")";
 // Warning for a stage with ground motion and damping in space; else empty.
 std::string ground_damping_warning(const Scene& scene, std::size_t stage);
+// Warning for a stage in which loads change at once, nothing is driven, and eq. 1 brakes the vibrations that follow;
+// else empty. Not for the first stage, which is taken for settling.
+std::string release_damping_warning(const Scene& scene, std::size_t stage);
 // Warning for a stage with ground motion and inertia of whole blocks that is raised; else empty.
 std::string ground_inertia_warning(const Scene& scene, std::size_t stage);
 

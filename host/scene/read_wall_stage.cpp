@@ -91,9 +91,9 @@ void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, dou
   stage.controls.push_back(top);
 }
 
-// Adds the supports and loads of bodies without a control in a stage with forces, pressures, ground motion or collapse.
-// The lower beam is the ground. The upper one is free under the pressure of the last pressure stage. Floors have their
-// loads.
+// Adds the supports and loads of bodies without a control in a stage with forces, pressures, ground motion or collapse,
+// or without any control. The lower beam is the ground. The upper one is free under the pressure of the last pressure
+// stage. Floors have their loads.
 void add_loads_of_before(Stage& stage, const Scene& scene, const std::vector<std::string>& bodies, double top_force) {
   const auto controlled = [&](const std::string& body) {
     return std::any_of(stage.controls.begin(), stage.controls.end(),
@@ -118,10 +118,10 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   bodies.insert(bodies.end(), loaded.begin(), loaded.end());
   read_actions(t, stage, folder, bodies);
   const bool acts = !beyond_lattice(stage).empty();
-  if (acts) read_stage_solver(t, stage, scene);
+  read_stage_solver(t, stage, scene);
   if (scene.building && !t.has("monitor")) watch_building(stage, *scene.building);
   read_monitor(t, stage, acts ? &bodies : &held);
-  if (acts) add_loads_of_before(stage, scene, held, top_force);
+  if (acts || stage.controls.empty()) add_loads_of_before(stage, scene, held, top_force);
   if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !stage.collapse &&
       !t.has("equilibrium_ratio") && !t.has("displacement") && !t.has("duration") && !t.has("collapse"))
     t.context().fault(t.where() +

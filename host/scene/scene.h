@@ -138,12 +138,14 @@ struct BodyControl {
   bool may_turn = false;         // whether rotations are free; else held
   Vec3 omega{0.0, 0.0, 0.0};     // rad/s, of held rotations; blocks of any shape only
   int in_cycles = -1;            // component that follows Stage::cycles; -1: none
+  bool operator==(const BodyControl&) const = default;
 };
 
 // A force that moves with a point of a block; its direction is constant.
 struct PointForce {
   std::string block;
   Vec3 point, force;  // m, where it acts at the start of the stage's block; N
+  bool operator==(const PointForce&) const = default;
 };
 
 // A force that moves along a line. At each position it acts on the first face on its line of action.
@@ -157,6 +159,7 @@ struct FacePressure {
   std::string block;
   Vec3 normal;
   double pressure;  // Pa, > 0 pushes on the block
+  bool operator==(const FacePressure&) const = default;
 };
 
 // Motion of all fixed blocks, along one direction or several. Accelerations are integrated exactly. Displacements are

@@ -83,7 +83,9 @@ void check_stiffness(Simulation::Impl& s) {
 std::string damped_motion(const Simulation::Impl& s) {
   constexpr double kFall = 0.05, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);
-  if (std::string of_ground = ground_damping_warning(s.scene, now_in); !of_ground.empty()) return of_ground;
+  for (std::string of_stage : {ground_damping_warning(s.scene, now_in), release_damping_warning(s.scene, now_in)}) {
+    if (!of_stage.empty()) return of_stage;
+  }
   const std::string damping = damping_in_space(s.scene, now_in);
   const double scaling = s.scene.solver.mass_scaling;
   if (!s.large_motion || (damping.empty() && scaling == 1.0)) return "";

@@ -249,7 +249,15 @@ Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
       const Real xi1 = brittle ? std::max(s.xi, j.end()) : s.xi + gamma / su;
       const Real softened = brittle ? 0 : su * j.area(s.xi, xi1);
       out.dissipated[1] = j.cr * gamma + (j.c0 - j.cr) * j.bond(l1) * softened;
-      out.dissipated[2] = c.p * (j.mur() * gamma + (j.mu0() - j.mur()) * softened - (v1 - v0));
+      Real p_mean = c.p;
+      if (brittle && s.xi < j.end()) {
+        const Real p0 = p_of(y_of(0)), held = std::min(p0, F0);
+        const Real x = (j.mu0() - j.mur()) * f_old * held;
+        const Real rise = j.mur() * (std::min(p_of(y_of(gamma)), F0) - held) / gamma;
+        out.dissipated[1] += x * x / (2 * (j.ks + rise));
+        if (c.D == 0) p_mean = (p0 + c.p) / 2;
+      }
+      out.dissipated[2] = p_mean * (j.mur() * gamma + (j.mu0() - j.mur()) * softened - (v1 - v0));
       s.xi = xi1;
       const Real x = std::min(gamma, stop);
       for (int k = 0; k < 2; ++k) s.g[k] += x * n[k];

@@ -192,7 +192,8 @@ void Point::flow_closed() {
     move_seat(gamma, n);
     const Real rubbed = p * (mu * gamma - (uplift() - v));
     dissipated_[kFriction] += rubbed;
-    dissipated_[kCohesion] += c * gamma;
+    // A friction that is lost at the first slip leaves tau above the strength.
+    dissipated_[kCohesion] += (su_ == 0 ? tau - p_.ks * gamma / 2 - mu * p : c) * gamma;
     lose_bond(su_ > 0 ? gamma / su_ : 0, su_ == 0);
     slip_ += gamma;
   }

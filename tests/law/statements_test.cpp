@@ -180,6 +180,24 @@ TEST(Statement2, MonotonicProportionalPathsDoNotDependOnTheStep) {
   EXPECT_GT(compared, 600);
 }
 
+// Uplift crushes a joint out while it slides: all of tau is lost at once, tau^2/(2 ks). With dilation it was booked
+// nowhere.
+TEST(Statement1, ShearThatIsLostByCrushingOutUnderDilationIsSpent) {
+  Case c = mortar();
+  c.p.kn = 8e9, c.p.ks = 4e9, c.p.ft = 0.0, c.p.c0 = 1e6, c.p.phi0 = c.p.phir = 35.0, c.p.psi0 = 20.0;
+  c.p.fc = 2.4e6, c.p.fcr = 0.0, c.p.G2 = 20000.0, c.p.Gc = 2000.0, c.p.shared = false;
+  MaterialPoint point = c.point();
+  go(point, {-50e-6, 0, 0}, 1);
+  double tau = 0.0, cohesion = 0.0, lost = 0.0;
+  go(point, {-50e-6, 8e-3, 0}, 10000, [&] {
+    const double now = point.now().traction[1], spent = point.now().dissipated[kCohesion];
+    if (now == 0.0 && tau > 0.0) lost = tau * tau / (2.0 * real(c.p.ks)), cohesion = spent - cohesion;
+    if (lost == 0.0) tau = now, cohesion = spent;
+  });
+  ASSERT_GT(lost, 90.0);                     // J/m2
+  EXPECT_NEAR(cohesion, lost, 0.01 * lost);  // tau grows within the step, by ks times a step of slip at most
+}
+
 // A random mixed path and its number of steps for h = 1/1000 of the ultimate displacements, by eighths of segments.
 struct MixedPath {
   Case c;

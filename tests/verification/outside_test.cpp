@@ -837,5 +837,47 @@ TEST(Outside, TheInertiaForceIsShownWithoutAMonitor) {
   }
 }
 
+// A stage after a push has no control and no action. The top beam lost its pressure there, and a solver table was
+// refused, so that local damping braked what was meant to be free vibration.
+TEST(Outside, AStageWithoutControlsKeepsThePressure) {
+  const double pressure = 0.1e6, area = 0.4 * 0.1;
+  const auto released = [&](const std::string& solver) {
+    return rows_of(wall("zones = [2, 1, 1]\n") +
+                   fmt::format(R"(
+[[stage]]
+kind = "pressure"
+pressure = {}
+equilibrium_ratio = 1e-4
+[[stage]]
+name = "push"
+equilibrium_ratio = 1e-3
+ramp_time = 0.01
+[[stage.force]]
+block = "top_beam"
+point = [0.2, 0.35, 0.05]
+force = [200.0, 0, 0]
+[[stage]]
+name = "release"
+kind = "custom"
+duration = 0.01
+)",
+                               pressure) +
+                   solver);
+  };
+  const Rows braked = released(""), free = released("solver = { damping = \"none\" }\n");
+  EXPECT_TRUE(std::ranges::count(braked.warned_of, "damping"));
+  EXPECT_FALSE(std::ranges::count(free.warned_of, "damping"));
+  const auto largest = [](const Rows& rows) {
+    const std::vector<HistoryRow> last = rows.of_stage(3);
+    double most = 0.0;
+    for (std::size_t i = last.size() / 2; i < last.size(); ++i)
+      most = std::max(most, std::abs(last[i].displacement[0]));
+    return most;
+  };
+  EXPECT_NEAR(released("equilibrium_ratio = 1e-3\nmax_steps = 100000\n").all.back().force[1], pressure * area,
+              1e-2 * pressure * area);
+  EXPECT_LT(largest(braked), 0.1 * largest(free));
+}
+
 }  // namespace
 }  // namespace quoin::verification
