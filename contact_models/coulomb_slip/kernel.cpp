@@ -25,7 +25,7 @@ inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) 
     return column == nullptr ? splat(value) : load(column, i);
   };
   const V mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, splat(m.mu0));
-  const V mur = friction_column(c.in[kProperty + kColumnPhir], i, hn::Min(splat(m.mur), mu0));
+  const V mur = friction_column(c.in[kProperty + kColumnPhir], i, residual_friction(m.mur, m.own_mur, mu0));
   const V kn = number(kColumnKn, m.kn), ks = number(kColumnKs, m.ks);
   return {
       kn,  ks,  number(kColumnFt, m.ft), number(kColumnFtr, m.ftr), number(kColumnC0, m.c0), number(kColumnCr, m.cr),

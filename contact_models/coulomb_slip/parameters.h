@@ -8,6 +8,7 @@ struct Parameters {
   double ft, ftr;   // tensile strength before and after failure, Pa
   double c0, cr;    // cohesion before and after failure, Pa; the residual acts only while closed
   double mu0, mur;  // friction coefficients before and after failure
+  bool own_mur;     // friction_angle_residual was given
 };
 
 }  // namespace quoin::coulomb_slip

@@ -61,10 +61,15 @@ struct CoulombSlipLaw {
       }
     }
     const auto tangent = [&](const char* property) { return std::tan(values.number(property) * (M_PI / 180.0)); };
-    return {values.number("normal_stiffness"), values.number("shear_stiffness"),
-            values.number("tensile_strength"), values.number("tensile_strength_residual"),
-            values.number("cohesion"),         values.number("cohesion_residual"),
-            tangent("friction_angle"),         tangent("friction_angle_residual")};
+    return {values.number("normal_stiffness"),
+            values.number("shear_stiffness"),
+            values.number("tensile_strength"),
+            values.number("tensile_strength_residual"),
+            values.number("cohesion"),
+            values.number("cohesion_residual"),
+            tangent("friction_angle"),
+            tangent("friction_angle_residual"),
+            values.is_given("friction_angle_residual")};
   }
 
   static bool initial_state(const Material&, std::string_view state, double* values) {

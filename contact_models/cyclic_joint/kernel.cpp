@@ -25,9 +25,8 @@ HWY_INLINE Lanes material_lanes(const Parameters& m) {
                    splat(g.sd),      splat(g.pd), splat(g.fy),  splat(g.wp), splat(g.chi), splat(g.Cs)});
 }
 
-// Returns the properties of the points from i on: columns where given, the material's values elsewhere. Without a
-// column, residual friction is limited to the friction column, and the yield stress to the compressive strength. The
-// yield stress equals the compressive strength where the hardening length wp is 0.
+// Returns the properties of the points from i on: columns where given, the material's values elsewhere. A yield stress
+// by default is limited to the column of the compressive strength, and equal to it where the hardening length wp is 0.
 inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) {
   const Properties& g = m.given;
   const auto number = [&](int k, V value) {
@@ -36,10 +35,11 @@ inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) 
   };
   const auto material = [&](int k, double value) { return number(k, splat(value)); };
   const V mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, splat(g.mu0));
-  const V mur = friction_column(c.in[kProperty + kColumnPhir], i, hn::Min(splat(g.mur), mu0));
+  const V mur = friction_column(c.in[kProperty + kColumnPhir], i, residual_friction(g.mur, m.own_mur, mu0));
   const V tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, splat(g.tan_psi));
   const V fc = material(kColumnFc, g.fc), wp = material(kColumnWp, g.wp);
-  const V fy = number(kColumnFy, select(wp > zero(), hn::Min(splat(g.fy), fc), fc));
+  const V yield = m.own_fy ? splat(g.fy) : hn::Min(splat(g.fy), fc);
+  const V fy = number(kColumnFy, select(wp > zero(), yield, fc));
   return Lanes(m, {material(kColumnKn, g.kn),
                    material(kColumnKs, g.ks),
                    material(kColumnFt, g.ft),

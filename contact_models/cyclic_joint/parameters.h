@@ -24,6 +24,7 @@ struct Properties {
 
 struct Parameters : shim::SofteningShape {
   Properties given;
+  bool own_mur = false, own_fy = false;  // friction_angle_residual and compressive_yield were given
 };
 
 }  // namespace quoin::cyclic_joint

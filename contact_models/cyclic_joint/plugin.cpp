@@ -236,6 +236,7 @@ struct CyclicJointLaw {
                values.number("compressive_peak_closure"),
                values.number("crushing_recovery"),
                values.number("cap_shear")};
+    m.own_mur = values.is_given("friction_angle_residual"), m.own_fy = values.is_given("compressive_yield");
     if (read_softening(values, m, report)) check_admissible(m, values, report);
     choose_kernels(material);
     return material;

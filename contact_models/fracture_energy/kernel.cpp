@@ -23,9 +23,8 @@ HWY_INLINE Lanes material_lanes(const Parameters& m) {
                splat(g.tan_psi), splat(g.fc), splat(g.fcr), splat(g.G1), splat(g.G2), splat(g.Gc));
 }
 
-// Sets p to the properties of the points from i on: columns where given, the material's values elsewhere. Residual
-// friction without a column is limited to the friction column. On entry p has the material's values, or those of other
-// points: members that depend on no column do not change.
+// Sets p to the properties of the points from i on: columns where given, the material's values elsewhere. On entry p
+// has the material's values, or those of other points: members that depend on no column do not change.
 HWY_INLINE void put_columns(const Parameters& m, const Lanes& own, const Columns& c, std::size_t i, Lanes& p) {
   const auto given = [&](int k) { return c.in[kProperty + k] != nullptr; };
   const auto put = [&](int k, V& value) HWY_ATTR {
@@ -36,7 +35,7 @@ HWY_INLINE void put_columns(const Parameters& m, const Lanes& own, const Columns
   put(kColumnFc, p.fc), put(kColumnFcr, p.fcr), put(kColumnG1, G1), put(kColumnG2, G2), put(kColumnGc, Gc);
   if (given(kColumnPhi0)) {
     p.mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, own.mu0);
-    p.mur = hn::Min(own.mur, p.mu0);
+    p.mur = residual_friction(m.given.mur, m.own_mur, p.mu0);
   }
   if (given(kColumnPhir)) p.mur = friction_column(c.in[kProperty + kColumnPhir], i, own.mur);
   if (given(kColumnPsi0)) p.tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, own.tan_psi);

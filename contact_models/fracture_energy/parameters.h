@@ -19,6 +19,7 @@ struct Properties {
 
 struct Parameters : shim::SofteningShape {
   Properties given;
+  bool own_mur = false;   // friction_angle_residual was given
   bool shared = true;     // one internal variable for tension and shear
   bool crushing = false;  // fc is finite
   bool dilation = false;

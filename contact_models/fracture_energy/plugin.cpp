@@ -165,6 +165,7 @@ struct FractureEnergyLaw {
                values.number("compressive_strength"),       values.number("compressive_strength_residual"),
                values.number("fracture_energy_tension"),    values.number("fracture_energy_shear"),
                values.number("fracture_energy_compression")};
+    m.own_mur = values.is_given("friction_angle_residual");
     m.shared = values.text("coupling") != "none";
     m.crushing = std::isfinite(m.given.fc);
     m.dilation = m.given.tan_psi > 0.0;

@@ -24,6 +24,12 @@ inline V friction_column(const double* column, std::size_t i, V value) {
   return hn::Load(D(), lanes);
 }
 
+// Residual friction of points without a column of it: the material's value, which a friction column limits where it is
+// its default. A value that was given stays, and the law refuses points whose friction is less.
+inline V residual_friction(double value, bool is_given, V friction) {
+  return is_given ? splat(value) : hn::Min(splat(value), friction);
+}
+
 }  // namespace quoin::shim::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <set>
 
 namespace quoin::shim {
 
@@ -40,7 +39,6 @@ bool inside(const quoin_property_info& info, double value) {
 
 PropertyValues::PropertyValues(std::span<const quoin_property_info* const> metadata,
                                std::span<const quoin_property_value* const> values, Report& report) {
-  std::set<std::string> seen;
   for (const quoin_property_value* value : values) {
     if (value == nullptr || value->id == nullptr || value->struct_size < sizeof(quoin_property_value)) {
       report.faults.push_back("a property value without id, or with a struct_size that is too small");
@@ -55,7 +53,7 @@ PropertyValues::PropertyValues(std::span<const quoin_property_info* const> metad
       report.faults.push_back(id + ": unknown property; this law has: " + ids);
       continue;
     }
-    if (!seen.insert(id).second) {
+    if (!given_.insert(id).second) {
       report.faults.push_back(id + ": given twice; give it once");
       continue;
     }
@@ -92,7 +90,7 @@ PropertyValues::PropertyValues(std::span<const quoin_property_info* const> metad
     } else if (info->kind == QUOIN_PROPERTY_TABLE) {
       tables_.try_emplace(info->id);
     } else if (!numbers_.contains(info->id)) {
-      if ((info->flags & QUOIN_PROPERTY_REQUIRED) != 0 && !seen.contains(info->id)) {
+      if ((info->flags & QUOIN_PROPERTY_REQUIRED) != 0 && !given_.contains(info->id)) {
         report.faults.push_back(std::string(info->id) + ": required and not given; allowed range " +
                                 allowed_range(*info));
       }
@@ -100,7 +98,7 @@ PropertyValues::PropertyValues(std::span<const quoin_property_info* const> metad
     }
   }
   for (const quoin_property_info* info : metadata) {
-    if (info->default_from != nullptr && !seen.contains(info->id)) numbers_[info->id] = numbers_[info->default_from];
+    if (info->default_from != nullptr && !given_.contains(info->id)) numbers_[info->id] = numbers_[info->default_from];
   }
 }
 

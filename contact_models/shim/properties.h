@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,8 +31,10 @@ class PropertyValues {
   const std::string& text(const std::string& id) const { return texts_.at(id); }
   const std::vector<double>& table(const std::string& id) const { return tables_.at(id); }
   const std::map<std::string, double>& numbers() const { return numbers_; }
+  bool is_given(const std::string& id) const { return given_.contains(id); }
 
  private:
+  std::set<std::string> given_;  // ids that were given; others have their default
   std::map<std::string, double> numbers_;
   std::map<std::string, std::string> texts_;
   std::map<std::string, std::vector<double>> tables_;

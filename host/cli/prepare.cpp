@@ -15,6 +15,7 @@
 #include "files/notice.h"
 #include "law/law_library.h"
 #include "law/property_text.h"
+#include "model/motion.h"
 #include "scene/read_scene.h"
 #include "scene/rest_scene.h"
 #include "scene/size.h"
@@ -228,7 +229,12 @@ Scene prepare_scene(Scene scene, const SceneOptions& options) {
   refuse_what_does_not_fit(scene, options);
   faults_of_laws(scene, options).throw_any();
   say_where_nothing_is_random(scene);
-  if (const auto stage = rest_asked(options.overrides)) scene = at_rest(std::move(scene), *stage);
+  if (const auto stage = rest_asked(options.overrides)) {
+    // In the kernels of the whole scene, which can begin from this state.
+    const bool is_general = scene.blocks && choose_motion(scene).shapes;
+    scene = at_rest(std::move(scene), *stage);
+    if (is_general) scene.solver.kernels = Kernels::general;
+  }
   if (options.runs) find_collapse_starts(&scene);
   return scene;
 }

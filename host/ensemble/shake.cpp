@@ -66,7 +66,8 @@ ShakenRun read_run(const fs::path& file) {
   return run;
 }
 
-// Observer that measures, at every row, how far blocks have moved against the ground. It ends the run at collapse.
+// Observer that measures, at every row from the first stage with ground motion on, how far blocks have moved against
+// the ground. It ends the run at collapse.
 class CollapseWatch : public Observer {
  public:
   CollapseWatch(const fs::path& folder, Simulation* simulation, const RecordSuite& suite)
@@ -83,7 +84,8 @@ class CollapseWatch : public Observer {
   void on_row(const HistoryRow& row) override {
     history_.add(row);
     const Stage& stage = simulation_->scene().stages[static_cast<std::size_t>(row.stage)];
-    if (!stage.ground) {
+    shaken_ = shaken_ || stage.ground;
+    if (!shaken_) {
       begin_ = row.time;
       return;
     }
@@ -143,7 +145,8 @@ class CollapseWatch : public Observer {
   Simulation* simulation_;
   const RecordSuite& suite_;
   std::vector<Vec3> extent_;
-  double begin_ = 0.0;
+  bool shaken_ = false;  // whether a stage with ground motion has begun
+  double begin_ = 0.0;   // s, when it began
 };
 
 void write_run_summary(const fs::path& folder, const Simulation& simulation, CollapseWatch& watch,

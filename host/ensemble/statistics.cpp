@@ -209,6 +209,7 @@ Fragility fragility_of(const std::vector<double>& values) {
 namespace {
 
 constexpr double kLeastSpread = 0.01;  // where capacities do not overlap, all smaller ones are equally likely
+constexpr double kMostSpread = 20.0;   // beyond it the limit is reached as often at all intensities
 
 double density(double z) { return std::exp(-0.5 * z * z) / std::sqrt(2.0 * M_PI); }
 // Probability of a normal variable between two bounds, without cancellation in its tails.
@@ -280,6 +281,24 @@ std::optional<std::array<double, 2>> most_likely(const std::vector<Capacity>& ca
   return std::array{std::exp(-b / a), std::max(kLeastSpread, 1.0 / a)};
 }
 
+// Whether half of the spread is as likely, with the intercept that suits it best.
+bool smaller_spread_is_as_likely(const std::vector<Capacity>& capacities, double median, double spread) {
+  constexpr double kAsLikely = 1e-6;  // difference of the logarithms of likelihoods
+  const double most = likelihood_of(capacities, 1.0 / spread, -std::log(median) / spread).value;
+  const double a = 2.0 / spread;
+  double b = -std::log(median) * a, best = likelihood_of(capacities, a, b).value;
+  for (double step = 4.0; step > 1e-9; step *= 0.5) {
+    for (bool better = true; better;) {
+      better = false;
+      for (const double other : {b - step, b + step}) {
+        const double value = likelihood_of(capacities, a, other).value;
+        if (value > best) best = value, b = other, better = true;
+      }
+    }
+  }
+  return best >= most - kAsLikely;
+}
+
 }  // namespace
 
 std::optional<FittedFragility> FittedFragility::of(const std::vector<Capacity>& capacities, std::uint64_t seed) {
@@ -287,6 +306,8 @@ std::optional<FittedFragility> FittedFragility::of(const std::vector<Capacity>& 
   if (!fit) return std::nullopt;
   FittedFragility f;
   f.median = (*fit)[0], f.spread = (*fit)[1];
+  if (!(f.spread < kMostSpread)) return std::nullopt;
+  f.spread_is_bound = smaller_spread_is_as_likely(capacities, f.median, f.spread);
   std::vector<std::vector<Capacity>> by_record;
   for (const Capacity& c : capacities) {
     if (by_record.size() <= c.record) by_record.resize(c.record + 1);
@@ -306,7 +327,7 @@ std::optional<FittedFragility> FittedFragility::of(const std::vector<Capacity>& 
       drawn.insert(drawn.end(), by_record[record].begin(), by_record[record].end());
     }
     const auto of_draw = most_likely(drawn);
-    if (!of_draw) continue;
+    if (!of_draw || !((*of_draw)[1] < kMostSpread)) continue;
     f.drawn_.push_back(*of_draw);
     medians.push_back((*of_draw)[0]), spreads.push_back((*of_draw)[1]);
   }

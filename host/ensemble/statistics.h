@@ -67,9 +67,10 @@ struct Capacity {
 // records.
 class FittedFragility {
  public:
-  // Nothing if the limit was reached always, or never. seed: of the resampling.
+  // Nothing if the limit was reached always, or never, or no less often at lower intensities. seed: of the resampling.
   static std::optional<FittedFragility> of(const std::vector<Capacity>& capacities, std::uint64_t seed);
   double median = 0.0, spread = 0.0;
+  bool spread_is_bound = false;  // whether every smaller spread is as likely
   Interval of_median{}, of_spread{};
   double probability(double intensity) const;
   Interval probability_interval(double intensity) const;

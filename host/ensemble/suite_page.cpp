@@ -207,15 +207,27 @@ void draw_fragilities(const std::vector<SuiteFragility>& all, IntensityMeasure m
                 "Probability that a record of this intensity makes a wall reach a limit, with its band of 95 %.");
 }
 
+constexpr const char* kNoFit = "none has reached it, all have at the least level, or as many have at lower levels";
+
+std::string interval_text(const Interval& interval, int digits) {
+  if (std::isnan(interval.low)) return "not known from fewer than 3 records";
+  return fmt::format("{:.{}g} to {:.{}g}", interval.low, digits, interval.high, digits);
+}
+
+std::string spread_text(const FittedFragility& fit) {
+  return fit.spread_is_bound ? fmt::format("not determined: every one below {:.2g} is as likely", fit.spread)
+                             : fmt::format("{:.3g}", fit.spread);
+}
+
 std::string page_body(const Study& study, const std::vector<ShakenWall>& walls, const SuiteResults& results,
                       const std::vector<SuiteFragility>& fragilities, const std::string& figures) {
   std::string rows, failures;
   for (const SuiteFragility& f : fragilities) {
     rows += fmt::format("<tr><td>{}</td><td>{}</td>", escaped(f.limit->name), label_of(f.measure));
-    rows += f.fit ? fmt::format("<td>{:.4g}</td><td>{:.4g} to {:.4g}</td><td>{:.3g}</td><td>{:.3g} to {:.3g}</td>",
-                                f.fit->median, f.fit->of_median.low, f.fit->of_median.high, f.fit->spread,
-                                f.fit->of_spread.low, f.fit->of_spread.high)
-                  : "<td colspan=\"4\">no distribution fits: none has reached it, or all have at the least level</td>";
+    rows += f.fit ? fmt::format("<td>{:.4g}</td><td>{}</td><td>{}</td><td>{}</td>", f.fit->median,
+                                interval_text(f.fit->of_median, 4), spread_text(*f.fit),
+                                f.fit->spread_is_bound ? "" : interval_text(f.fit->of_spread, 3))
+                  : fmt::format("<td colspan=\"4\">no distribution fits: {}</td>", kNoFit);
     rows += fmt::format("<td>{} of {}</td></tr>\n", f.reached, f.observations);
   }
   int listed = 0;
@@ -248,6 +260,7 @@ Json summary_of(const Study& study, const SuiteResults& results, const std::vect
     one["median"] = f.fit ? number_or_null(f.fit->median) : Json(nullptr);
     one["spread"] = f.fit ? number_or_null(f.fit->spread) : Json(nullptr);
     if (f.fit) {
+      one["spread_is_bound"] = f.fit->spread_is_bound;
       one["median_95"] = {number_or_null(f.fit->of_median.low), number_or_null(f.fit->of_median.high)};
       one["spread_95"] = {number_or_null(f.fit->of_spread.low), number_or_null(f.fit->of_spread.high)};
     }
@@ -269,10 +282,15 @@ SuiteResults gather_suite(const StudyFolder& folder, const Study& study, bool pi
   }
   const std::vector<SuiteFragility> fragilities = fragilities_of(study, walls);
   for (const SuiteFragility& f : fragilities) {
-    if (!f.fit) continue;
-    results.text += fmt::format("{}, {}: median {:.3g} (95 %: {:.3g} to {:.3g}), spread {:.2g} ({:.2g} to {:.2g})\n",
-                                f.limit->name, label_of(f.measure), f.fit->median, f.fit->of_median.low,
-                                f.fit->of_median.high, f.fit->spread, f.fit->of_spread.low, f.fit->of_spread.high);
+    const std::string what = fmt::format("{}, {}: ", f.limit->name, label_of(f.measure));
+    if (!f.fit) {
+      results.text += what + "no distribution fits: " + kNoFit + "\n";
+      continue;
+    }
+    results.text +=
+        fmt::format("{}median {:.3g} (95 %: {}), spread {}{}\n", what, f.fit->median,
+                    interval_text(f.fit->of_median, 3), spread_text(*f.fit),
+                    f.fit->spread_is_bound ? "" : fmt::format(" (95 %: {})", interval_text(f.fit->of_spread, 2)));
   }
   const fs::path& place = folder.path();
   write_file(place / "samples.csv", table_text(samples, suite_output_names(study.suite)));

@@ -185,6 +185,7 @@ void Beam::pull_piece(std::size_t i) {
   const Vector side = normalized(cross(along, first.column(1) + second.column(1)));
   const Matrix frame = Matrix::columns(along, cross(side, along), side);
   const Vector a = rotation_in(frame, first), b = rotation_in(frame, second);
+  largest_turn_ = std::max({largest_turn_, norm(a), norm(b)});
   piece.torque = section_.torsion / piece.length * (b.x - a.x);
   stored_ += 0.5 * piece.torque * (b.x - a.x);
   bend(piece, 0, {a.z, b.z});

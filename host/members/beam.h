@@ -66,6 +66,8 @@ class Beam {
   double largest_force() const;                      // largest magnitude, N
   double largest_moment() const;                     // N m
   double largest_hinge() const;                      // rad
+  // Sine of the largest rotation of an end of a piece from its chord, at any time since the start or resume.
+  double largest_turn() const { return largest_turn_; }
 
   template <class Visit>
   void each_number(const Visit& visit) const {
@@ -111,6 +113,7 @@ class Beam {
   std::vector<Vector> force_, moment_;
   double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
   double unbalanced_ = 0.0;  // N
+  double largest_turn_ = 0.0;
 };
 
 }  // namespace quoin::members

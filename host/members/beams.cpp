@@ -1,6 +1,7 @@
 // Positions of beams: their nodes along a line, and the blocks that support them.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -63,17 +64,26 @@ std::vector<Vector> places_along(const BeamSpec& spec) {
   return nodes;
 }
 
-// Outward normal, in space, of the face of a block that is nearest to a point.
-Vector face_towards(const blocks::Assembly& assembly, int block, const Vector& point) {
+// Outward normal, in space, of the face of a block that is nearest to a point of a piece. On an edge it is the face
+// along the piece, then the one towards its `up`.
+Vector face_towards(const blocks::Assembly& assembly, int block, const Vector& point, const Beam::Piece& piece) {
   const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
   const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
   const geometry::Matrix turned = matrix(b.orientation);
   const Vector own = transposed_times(turned, point - b.position);
+  constexpr double kSlope = 1e-6;  // difference of cosines below which directions are the same
   double nearest = -1e300;
   Vector normal;
+  const auto lies_better = [&](const Vector& other) {
+    const auto cosine = [&](const Vector& n, int column) { return std::abs(dot(n, piece.frame.column(column))); };
+    const double across = cosine(other, 0) - cosine(normal, 0);
+    return across < -kSlope || (across <= kSlope && cosine(other, 1) > cosine(normal, 1) + kSlope);
+  };
   for (std::size_t f = 0; f < shape.faces.size(); ++f) {
     const double off = dot(shape.normals[f], own - shape.vertices[static_cast<std::size_t>(shape.faces[f].front())]);
-    if (off > nearest) nearest = off, normal = turned * shape.normals[f];
+    const Vector other = turned * shape.normals[f];
+    if (off > nearest + kSame || (off > nearest - kSame && lies_better(other)))
+      nearest = std::max(nearest, off), normal = other;
   }
   return normal;
 }
@@ -98,7 +108,8 @@ void Members::hold(Beam& beam, int place, int block, const BeamSpec& spec, const
   for (const Vector& point : points) {
     Beam::Support support;
     support.place = place, support.node = static_cast<int>(nodes_.size());
-    support.arm = point - at, support.out = face_towards(assembly, block, at);
+    const Beam::Piece& piece = beam.pieces()[std::min(static_cast<std::size_t>(place), beam.pieces().size() - 1)];
+    support.arm = point - at, support.out = face_towards(assembly, block, at, piece);
     support.rests = how == "resting";
     support.law.normal = support.law.shear = whole / static_cast<double>(points.size());
     support.law.tension = !support.rests;

@@ -438,8 +438,9 @@ bool shorten_step(const World& w, std::span<const int> changed) {
 StepLimit what_sets_time_step(const World& w) {
   LaneVector<double> mode;
   highest_frequency(w, &mode);
-  double most = 0.0;
   StepLimit limit;
+  if (mode.empty()) return limit;  // nothing can move
+  double most = 0.0;
   int gridpoint = -1;
   const auto look = [&](size_t first, size_t count) {
     double energy = 0.0;

@@ -357,7 +357,10 @@ GroundRecord read_record(const std::vector<std::string>& files) {
     if (next.kind != record.kind)
       throw Error(Exit::bad_input, fmt::format("{} is in {}, {} in {}; allowed: one kind", files[i],
                                                recorded_units(next), files[0], recorded_units(record)));
-    if (next.time != record.time)
+    // One file has decimals, another multiples of a time step.
+    constexpr double kRounding = 1e-9;  // s
+    const auto is_same = [](double a, double b) { return std::abs(a - b) <= kRounding; };
+    if (!std::ranges::equal(next.time, record.time, is_same))
       throw Error(Exit::bad_input,
                   fmt::format("{} has {} times up to {} s, {} has {} up to {} s; allowed: the same times", files[i],
                               next.time.size(), next.time.back(), files[0], record.time.size(), record.time.back()));

@@ -239,18 +239,20 @@ Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
   return stored;
 }
 
+constexpr const char *kStageCount = "number of first stages", *kEnergy = "output.energy",
+                     *kKernels = "kind of kernels at its start";
+
 // Compares part by part, so that the message names the first difference.
 void refuse_another(const Identity& identity, const Identity& expected, const Fault& fault) {
   for (std::size_t i = 0; i < std::max(identity.parts.size(), expected.parts.size()); ++i) {
     if (i >= identity.parts.size() || i >= expected.parts.size() || identity.parts[i].what != expected.parts[i].what)
       throw fault("is of a scene with other laws");
     if (identity.parts[i].value != expected.parts[i].value)
-      throw fault(fmt::format("is of another {} ({}; here {})", identity.parts[i].what, identity.parts[i].value,
-                              expected.parts[i].value));
+      throw fault(fmt::format(
+          "is of another {} ({}; here {}{})", identity.parts[i].what, identity.parts[i].value, expected.parts[i].value,
+          identity.parts[i].what == kKernels ? "; solver.kernels = \"general\" in both scenes makes them alike" : ""));
   }
 }
-
-constexpr const char *kStageCount = "number of first stages", *kEnergy = "output.energy";
 
 // Hash of materials, masses, joints and their random samples. Geometry and settings have parts of their own.
 std::string masonry_hash(const Scene& scene) {
@@ -359,6 +361,8 @@ Identity end_identity(const Simulation& simulation, const Provenance& provenance
     for (std::size_t i = 0; i < std::min(stages, simulation.scene().stages.size()); ++i)
       part.value += fmt::format("{}'{}'", i > 0 ? ", " : "", simulation.scene().stages[i].name);
   }
+  const bool on_lattice = !simulation.large_motion() || simulation.outcome().promotion;
+  identity.parts.push_back({kKernels, on_lattice ? "lattice" : "general"});
   identity.parts.push_back({"set of materials, joints and samples of them", masonry_hash(simulation.scene())});
   identity.parts.push_back({"arrangement of blocks", geometry_hash(simulation)});
   for (const auto& [name, text] : simulation.scene().arrangement) identity.parts.push_back({name, text});

@@ -107,6 +107,8 @@ DissipatedEnergy dissipated_in_earthquake(const std::vector<HistoryRow>& rows, c
     if (!row.energies) continue;
     const Energies& e = *row.energies;
     const DissipatedEnergy now{e.damping, e.members_dissipated, e.dissipated_total()};
+    // What was dissipated before the run whose end state this one starts from counts in its first row.
+    if (&row == &rows.front() && !scene.start.empty()) before = now;
     if (scene.stages[static_cast<size_t>(row.stage)].ground) {
       sum.damping += now.damping - before.damping;
       sum.members += now.members - before.members;

@@ -101,7 +101,7 @@ struct BeamSpec {
                                    std::numeric_limits<double>::infinity()};  // m2
   std::array<double, 2> yield_moment{std::numeric_limits<double>::infinity(),
                                      std::numeric_limits<double>::infinity()};  // N m
-  double torsion = 0.0;                                                         // m4
+  double torsion = 0.0;                                                         // m4; 0 of cables alone
   double young_modulus = 0.0, poisson_ratio = 0.3;                              // Pa
   double density = 0.0;                                                         // kg/m3
   double yield_force = std::numeric_limits<double>::infinity();                 // N

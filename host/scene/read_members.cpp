@@ -161,6 +161,12 @@ void read_beam(Table& t, BeamSpec& beam) {
   t.number("friction", beam.friction, between(0.0, 2.0), "");
   t.choice("bedding", beam.bedding, {"none", "resting", "pinned", "built_in"});
   if ((beam.inertia[0] == 0.0) != (beam.inertia[1] == 0.0)) t.refuse("inertia", "both more than 0, or both 0: a cable");
+  const double polar = beam.inertia[0] + beam.inertia[1];
+  if (polar > 0.0 && !t.has("torsion")) beam.torsion = std::pow(beam.area, 4.0) / (40.0 * polar);  // Saint-Venant's
+  if (polar > 0.0 && t.has("torsion") && beam.torsion == 0.0)
+    t.refuse("torsion",
+             "more than 0 for a beam that bends, which would buckle sideways under any moment; left out, "
+             "it is area^4/(40 (inertia[0] + inertia[1]))");
   t.each("support", [&](Table& s) {
     BeamSupportSpec& support = beam.supports.emplace_back();
     support.source = {s.where()};

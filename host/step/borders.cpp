@@ -60,8 +60,8 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
   };
   std::ranges::for_each(s.monitor.blocks, of_block);
   // Motion of the ground, relative to which ranks measure displacements of their blocks.
-  const int ground = s.large_motion ? -1 : ground_block(s);
-  if (ground >= 0 && s.model.place[at(ground)].body >= 0) of_block(ground);
+  const int ground = ground_block(s);
+  if (ground >= 0 && (s.large_motion || s.model.place[at(ground)].body >= 0)) of_block(ground);
   for (const std::vector<int>& floor : s.controls.floors) std::ranges::for_each(floor, of_block);
 }
 

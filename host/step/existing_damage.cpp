@@ -151,23 +151,27 @@ void set_states(const Damage& damage, const JointFamily& family, const Material&
   }
 }
 
-// States of a law after this slip at zero pressure, in small steps as in an analysis.
+// States of a law after this slip at zero pressure, in small steps as in an analysis. Where faces ride up, the opening
+// follows the pressure that this causes.
 void slide(double slip, const Material& material, std::span<const std::size_t> points, std::size_t count,
            const std::vector<PropertyColumn>& columns, std::vector<double>& state) {
   constexpr int kSteps = 1000;
+  constexpr double kFollows = 0.9;  // share of the closure that is opened; below 1, so that contact is not lost
   const std::size_t states = material.api().state_count;
+  const double stiffness = material.stiffness_bounds().normal;
   const std::vector<double> zero(count, 0.0), part(count, slip / kSteps);
-  std::vector<double> traction(3 * count, 0.0), now = state;
+  std::vector<double> opening(count, 0.0), traction(3 * count, 0.0), now = state;
   CallColumns columns_of_call{count, {}, {}, batch_columns(columns, material, 0)};
   for (std::size_t k = 0; k < 3; ++k) columns_of_call.traction[k] = traction.data() + k * count;
   for (std::size_t k = 0; k < states; ++k) columns_of_call.state.push_back(now.data() + k * count);
   BoundCall call;
   call.bind(std::move(columns_of_call));
-  call.bind_jumps(zero.data(), part.data(), zero.data());
+  call.bind_jumps(opening.data(), part.data(), zero.data());
   for (int step = 0; step < kSteps; ++step) {
     if (call.evaluate(material))
       throw Error(Exit::law_refused,
                   fmt::format("law {} fails where damage lets it slide by {:g} m", material.api().id, slip));
+    for (std::size_t i = 0; i < count; ++i) opening[i] += kFollows * std::max(0.0, -traction[i]) / stiffness;
   }
   for (std::size_t k = 0; k < states; ++k) {
     for (const std::size_t i : points) state[k * count + i] = now[k * count + i];

@@ -312,6 +312,16 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
         "compressive_strength_residual > 0",
         s.watch.crushed_out);
   });
+  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  for (const members::Beam& beam : members ? members->beams() : std::vector<members::Beam>()) {
+    warn(!(beam.largest_turn() <= Watch::kAllowedTurn), "beam", [&] {
+      return fmt::format(
+          "a piece of beam '{}' is turned against its chord by more than {:g} rad, and rotations in a piece are taken "
+          "as small: its moments lose or create energy; give smaller spacing, or more torsion where it buckles "
+          "sideways",
+          beam.name(), Watch::kAllowedTurn);
+    });
+  }
   // The balance oscillates about 0 while little energy has been converted.
   const bool known =
       s.energy.wanted ? s.progress.step >= Watch::kOutputSteps : s.progress.step >= 10 * Watch::kOutputSteps;

@@ -57,6 +57,33 @@ TEST(Fragility, TwoStripesAreMetExactly) {
   EXPECT_GT(band.high, 0.3);
 }
 
+// One level alone is passed by some: the likelihood is flat for every spread below a bound. They had the spread at
+// which the iteration stopped.
+TEST(Fragility, ASpreadThatRunsDoNotDetermineIsABound) {
+  std::vector<Capacity> all;
+  for (std::size_t i = 0; i < 12; ++i) {
+    all.push_back({0.1, HUGE_VAL, i});
+    all.push_back(i < 2 ? Capacity{0.0, 0.3, i} : Capacity{0.3, HUGE_VAL, i});
+    all.push_back({0.0, 0.6, i});
+  }
+  const auto fit = FittedFragility::of(all, 1);
+  ASSERT_TRUE(fit);
+  EXPECT_TRUE(fit->spread_is_bound);
+  EXPECT_NEAR(fit->probability(0.3), 2.0 / 12.0, 1e-3);
+  all[0] = {0.0, 0.1, 0};  // one of twelve at the lowest level too
+  const auto determined = FittedFragility::of(all, 1);
+  ASSERT_TRUE(determined);
+  EXPECT_FALSE(determined->spread_is_bound);
+}
+
+// The strongest records are stood and the weaker ones not: no curve that rises fits. The spread was 2.5e10.
+TEST(Fragility, ThereIsNoneWhereMoreIsReachedAtLowerIntensities) {
+  std::vector<Capacity> all;
+  for (std::size_t i = 0; i < 14; ++i)
+    all.push_back(i == 11 ? Capacity{1.0 + double(i), HUGE_VAL, i} : Capacity{0.0, 1.0 + double(i), i});
+  EXPECT_FALSE(FittedFragility::of(all, 1));
+}
+
 TEST(Fragility, ThereIsNoneWhereNothingOrEverythingIsReached) {
   EXPECT_FALSE(FittedFragility::of({{1.0, HUGE_VAL, 0}, {2.0, HUGE_VAL, 1}}, 1));
   EXPECT_FALSE(FittedFragility::of({{0.0, 1.0, 0}, {0.0, 2.0, 1}}, 1));

@@ -51,9 +51,10 @@ struct Rows : Observer {
   void on_row(const HistoryRow& row) override {
     if (const blocks::Model* m = simulation ? simulation->large_motion() : nullptr)
       parted |= std::exchange(units, m->units.count) > m->units.count;
-    for (const double x : {row.time, row.displacement, row.resistance, row.vertical_force, row.dynamic_force,
-                           row.unbalanced_ratio, row.kinetic_energy, row.multiplier, row.largest_displacement,
-                           row.monitor_displacement[0], row.joint_force[0], row.joint_force[1]})
+    for (const double x :
+         {row.time, row.displacement, row.resistance, row.vertical_force, row.dynamic_force, row.unbalanced_ratio,
+          row.kinetic_energy, row.multiplier, row.largest_displacement, row.monitor_displacement[0], row.joint_force[0],
+          row.joint_force[1], row.ground_displacement[0], row.ground_displacement[2], row.monitor_relative[0]})
       bits.push_back(std::bit_cast<std::uint64_t>(x));
     for (const double x : row.added) bits.push_back(std::bit_cast<std::uint64_t>(x));
     if (!row.energies) return;

@@ -21,7 +21,8 @@ CELLS = {7: None, 9: None, 10: ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
 
 def unit(name):
     """Unit of a column or array, from the end of its name: unit("horizontal_force_N") is "N"; "" without a unit."""
-    return "N/m" if name.endswith("_N_per_m") else UNITS.get(name.rsplit("_", 1)[-1], "")
+    whole = {"_N_per_m": "N/m", "_m_s2": "m/s2", "_m_s": "m/s"}
+    return next((u for end, u in whole.items() if name.endswith(end)), UNITS.get(name.rsplit("_", 1)[-1], ""))
 
 
 class _Grid:

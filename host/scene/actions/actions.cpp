@@ -15,6 +15,14 @@ bool has_actions(const reader::Table& t) {
 
 void read_actions(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names) {
   for (const StageAction& action : kStageActions) action.read(t, stage, folder, names);
+  const char* const grows = stage.ground        ? "ground_motion"
+                            : stage.collapse    ? "collapse"
+                            : stage.moving_load ? "moving_load"
+                                                : nullptr;
+  if (grows && stage.equilibrium_ratio)
+    t.refuse("equilibrium_ratio", fmt::format("none with {}: blocks are near equilibrium before it acts, and the stage "
+                                              "would end; give a stage after it equilibrium_ratio",
+                                              grows));
 }
 
 void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& stage) {

@@ -10,13 +10,15 @@ import numpy as np
 import quoin
 
 here = os.path.dirname(os.path.abspath(__file__))
+BUILT = os.path.join(here, "../../../build/release/laws")  # of a source tree
 
 
 def parser(program):
     result = argparse.ArgumentParser(prog=program)
     result.add_argument("scene")
     result.add_argument("--time-step", type=float, required=True, help="s; the host's is in its summary.json")
-    result.add_argument("--laws", default=os.path.join(here, "../../../build/release/laws"), help="folder of the laws")
+    result.add_argument("--laws", default=BUILT if os.path.isdir(BUILT) else None,
+                        help="folder of the laws; default: build/release/laws, else the search path of quoin.Law")
     result.add_argument("--law", help="name of a law in place of the scene's")
     result.add_argument("--swap-law", help="name of a law that takes over at --swap-at")
     result.add_argument("--swap-at", type=float, default=0.0, help="displacement, m")
@@ -61,7 +63,7 @@ class CubeWall:
 
     def make_material(self, name):
         """Returns a material of the law of that name, with those properties of the scene that the law has."""
-        law = quoin.load(os.path.join(self.options.laws, name + ".so"))[0]
+        law = quoin.find(os.path.join(self.options.laws, name + ".so") if self.options.laws else name)
         known = {p.id.decode() for p in law.properties}
         return law.material(**{k: v for k, v in self.properties.items() if k in known})
 

@@ -29,7 +29,8 @@ typedef struct quoin_out_u32 {
   int64_t stride;
 } quoin_out_u32;
 
-/* Values of one property by point. Properties without a column have the material's value. */
+/* Values of one property by point. Properties without a column have the material's value. Where that is a default, that
+ * of another property, the laws that ship limit it to the column of the other; to follow it, it needs a column too. */
 typedef struct quoin_property_column {
   const char* id;
   quoin_in values;

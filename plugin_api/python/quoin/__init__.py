@@ -7,7 +7,7 @@
 
 host/python/README.md describes all of it. A build without the host, or without pybind11, has only laws.
 """
-from .law import Law, LawInfo, Material, NotReached, Path, Refused, load  # noqa: F401
+from .law import Law, LawInfo, Material, NotReached, Path, Refused, find, load  # noqa: F401
 
 try:
     from .errors import BadInput, Error, Gone, LawRefused, NumericalFailure  # noqa: F401

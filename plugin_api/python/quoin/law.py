@@ -445,7 +445,7 @@ class Law(Material):
     def __init__(self, name, /, **properties):
         if not isinstance(name, str):
             raise TypeError(f"name: of a law, or the path of a library, not {type(name).__name__}")
-        super().__init__(_find(name), properties)
+        super().__init__(find(name), properties)
 
     def evaluate(self, normal_jump, slip, traction, state, **outputs):
         """Computes one step of N points, arrays in place. As prepare, but raises ValueError if a value is not finite.
@@ -532,7 +532,8 @@ def folders():
     return found
 
 
-def _find(name):
+def find(name):
+    """Returns the law of this name in the search path, or the first one of the library at this path."""
     if "/" in name:
         return load(name)[0]
     tried = [os.path.join(folder, name + ".so") for folder in folders()]
