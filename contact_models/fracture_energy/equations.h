@@ -272,7 +272,8 @@ struct Equations {
 
     if constexpr (kSlopes) {
       const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
-      const V stiffness = closed_slope(c);
+      V stiffness = closed_slope(c);
+      if constexpr (kCrushing) stiffness = hn::IfThenZeroElse(a.crushed_out, stiffness);  // sigma stays 0
       const V xi_t_by_n = hn::IfThenElseZero(step.opens, p.inv_lt);
       a.sigma_slip = zero();
       if constexpr (kDilation) a.sigma_slip = hn::Neg(hn::Mul(stiffness, hn::Mul(p.tan_psi, factor)));

@@ -182,6 +182,12 @@ SuiteMotion motion_of(const RecordSuite& suite, std::size_t record) {
   const GroundMotion ground = ground_of(suite.records.at(record));
   SuiteMotion motion;
   for (const GroundMotion::Component& c : ground.components) {
+    constexpr double kLatest = 3600.0;  // s, before which a record is to begin
+    if (c.acceleration.time.front() > kLatest)
+      throw Error(Exit::bad_input,
+                  fmt::format("record '{}': begins at {:g} s of its stage, allowed: {:g} at most; give start, the time "
+                              "from which it is taken",
+                              suite.records.at(record).name, c.acceleration.time.front(), kLatest));
     const RecordMeasures of_component = measure_record(c.acceleration);
     motion.end = std::max(motion.end, c.acceleration.time.back());
     motion.intensity[0] = std::max(motion.intensity[0], of_component.pga);

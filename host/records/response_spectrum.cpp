@@ -119,8 +119,13 @@ std::vector<SpectralOrdinates> response_spectrum(const TimeSeries& acceleration,
   std::vector<SpectralOrdinates> spectrum;
   std::vector<Oscillator> oscillators;
   for (const double period : periods) {
-    if (!(period > 0.0) || !std::isfinite(period))
-      throw Error(Exit::bad_input, fmt::format("period {} s of a response spectrum; allowed: more than 0", period));
+    constexpr double kMostPeriods = 1e7;  // of a record; its oscillator takes some seconds
+    const double shortest = (time.back() - time.front()) / kMostPeriods;
+    if (!(period > 0.0) || !std::isfinite(period) || period < shortest)
+      throw Error(Exit::bad_input,
+                  fmt::format("period {} s of a response spectrum; allowed: more than 0, and for a record of {:g} s at "
+                              "least {:g}",
+                              period, time.back() - time.front(), shortest));
     oscillators.emplace_back(period, damping);
   }
   // Sample by sample for all oscillators, so that their independent operations overlap in the processor.

@@ -83,9 +83,7 @@ void check_stiffness(Simulation::Impl& s) {
 std::string damped_motion(const Simulation::Impl& s) {
   constexpr double kFall = 0.05, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);
-  for (std::string of_stage : {ground_damping_warning(s.scene, now_in), release_damping_warning(s.scene, now_in)}) {
-    if (!of_stage.empty()) return of_stage;
-  }
+  if (std::string of_ground = ground_damping_warning(s.scene, now_in); !of_ground.empty()) return of_ground;
   const std::string damping = damping_in_space(s.scene, now_in);
   const double scaling = s.scene.solver.mass_scaling;
   if (!s.large_motion || (damping.empty() && scaling == 1.0)) return "";
@@ -292,6 +290,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
     if (!words.empty()) warn_once(s, about, words, &fresh);
   };
   if (!was_warned(s, "damping")) warn_where_said("damping", damped_motion(s));
+  warn_where_said("release", release_damping_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));
   warn_where_said("ground_motion", motion_left_to_ground(s));
   warn_where_said("record", record_outside(current_stage(s)));
   warn_where_said("inertia", ground_inertia_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));

@@ -114,4 +114,31 @@ TEST_F(Rest, AnotherSceneBeginsThere) {
   EXPECT_THAT(out_, HasSubstr("the bits agree"));
 }
 
+// The scene is shaken in the general kernels, and its weight alone could be on the lattice. The state was refused for
+// another stage.
+TEST_F(Rest, AShakeBeginsThere) {
+  std::string cube = kCube;
+  cube.erase(cube.find("[contact]"), 31);  // on the lattice, blocks have the points of corners
+  const std::string scene = cube +
+                            "[[stage]]\nname = \"shake\"\nduration = 0.02\nmonitor = \"cube\"\n"
+                            "ground_motion = { direction = [1, 0, 0], time = [0, 0.02], acceleration = [1, 1] }\n";
+  const std::string rest = (folder_ / "rest").string();
+  ASSERT_EQ(quoin({"rest", write(scene), "--out", rest}), 0) << error_;
+  std::string begins_there = scene;
+  begins_there.replace(begins_there.find("ramp_time = 0.1\nduration = 1.0\n"), 31, "kind = \"rest\"\n");
+  EXPECT_EQ(quoin({"run", write("start = \"" + rest + "\"\n" + begins_there), "--out", out()}), 0) << error_;
+  // A state that was on the lattice is refused with the remedy.
+  const std::string alone = begins_there.substr(0, begins_there.find("[[stage]]\nname = \"shake\""));
+  ASSERT_EQ(quoin({"run", write(alone), "--out", rest, "--set", "output.end_state=true"}), 0) << error_;
+  EXPECT_EQ(quoin({"run", write("start = \"" + rest + "\"\n" + begins_there), "--out", out()}), 3);
+  EXPECT_THAT(error_, HasSubstr("solver.kernels = \"general\""));
+}
+
+// Nothing moves, so nothing sets the time step: `quoin check` crashed.
+TEST_F(Rest, FixedBlocksAloneAreChecked) {
+  std::string scene = kCube;
+  scene.replace(scene.find("name = \"cube\""), 13, "name = \"cube\"\nfixed = true");
+  EXPECT_EQ(quoin({"check", write(scene)}), 0) << error_;
+}
+
 }  // namespace

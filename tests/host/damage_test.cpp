@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "base/error.h"
@@ -127,6 +128,28 @@ TEST_P(Damaged, SlipLeavesItsDamage) {
   const std::vector<double> xi = law_state(simulation, "xi_s");
   ASSERT_FALSE(xi.empty());
   for (const double x : xi) EXPECT_NEAR(x, 0.5, 2.0 * elastic / su);
+}
+
+// Faces that ride up open the joint, free of pressure: v = tan(psi0) sd (x - x^2/2) at x = slip/sd, and no crushing.
+// The joint was held shut: it slid a third less under its own pressure, and could crush.
+TEST_P(Damaged, SlipUnderDilationOpensTheJoint) {
+  const double slip = 1e-4, length = 5e-4;
+  const std::string joint =
+      "joints.mortar={law=\"cyclic_joint\",normal_stiffness=20e9,shear_stiffness=9e9,friction_angle=35,dilation_angle="
+      "20,"
+      "dilation_length=5e-4,compressive_strength=4e6,fracture_energy_compression=8000}";
+  Simulation simulation(
+      read(wall_text(1, 1, fmt::format("[[damage]]\nslip = {}\n", slip), moved(0.005, 1e-5)), GetParam(), joint), 1);
+  const double x = slip / length, uplift = std::tan(20.0 * std::numbers::pi / 180.0) * length * (x - 0.5 * x * x);
+  const std::vector<double> v = law_state(simulation, "v_m"), g = law_state(simulation, "g_s"),
+                            crushed = law_state(simulation, "l");
+  ASSERT_FALSE(v.empty());
+  // The pressure that is left is that of a thousandth of the uplift.
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    EXPECT_NEAR(std::abs(g[i]), slip, 2e-3 * slip);
+    EXPECT_NEAR(v[i], uplift, 3e-3 * uplift);
+    EXPECT_EQ(crushed[i], 0.0);
+  }
 }
 
 // Returns true if all blocks are connected by joints with at least one point that is not fully softened.

@@ -385,6 +385,30 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
   EXPECT_EQ(a.status[3], QUOIN_POINT_FAILED);
 }
 
+// A residual friction that is given is not changed by a column: points whose friction is less are refused, as a
+// material is. It was limited to the column, without a word. A residual by default is limited.
+TEST(Batches, AGivenResidualFrictionIsNoLessBesideAColumn) {
+  for (const char* name : {"fracture_energy", "cyclic_joint", "coulomb_slip"}) {
+    const quoin_law& law = load_law(name);
+    for (const bool given : {true, false}) {
+      Values values{{{"normal_stiffness", 80e9}, {"shear_stiffness", 36e9}, {"friction_angle", 35.0}}, {}, {}};
+      if (given) values.numbers.emplace_back("friction_angle_residual", 30.0);
+      const Material material = make_material(law, values);
+      std::vector<double> phi{40.0, 35.0, 30.0, 25.0};
+      const quoin_property_column column{"friction_angle", {phi.data(), 1}};
+      Batch b(law, phi.size());
+      b.in[0].assign(b.count, -1e-5), b.in[1].assign(b.count, 1e-3);
+      std::vector<quoin_in> old_states;
+      std::vector<quoin_out> new_states;
+      quoin_batch view = b.view(0, b.count, true, old_states, new_states);
+      view.property_column_count = 1, view.property_columns = &column;
+      ASSERT_EQ(law.evaluate(material.handle(), &view), QUOIN_OK);
+      EXPECT_EQ(view.failed_count, given ? 1u : 0u) << name;
+      EXPECT_EQ(b.status[3] == QUOIN_POINT_FAILED, given) << name;
+    }
+  }
+}
+
 // Without optional outputs tractions and states are computed by shorter code, also with property columns. They are
 // bitwise identical, and the same points fail. There is separate code for columns of strengths and energies, of
 // stiffnesses, and of angles. The energies of one point in eight are refused, since they would snap back. The first

@@ -80,8 +80,9 @@ class Opened(Folder):
             self.assertAlmostEqual(moment.time, frame.time, delta=1e-8 * frame.time)  # nine digits in the collection
             np.testing.assert_allclose(moment.blocks["displacement_m"], frame.displacement, atol=1e-7 * 5e-4 + 1e-12)
             np.testing.assert_allclose(moment.joints["traction_Pa"], frame.joints["traction"], rtol=1e-6, atol=1e-3)
-        self.assertEqual([quoin.unit(n) for n in ("horizontal_force_N", "time_s", "opening_m", "block", "area_m2")],
-                         ["N", "s", "m", "", "m2"])
+        self.assertEqual([quoin.unit(n) for n in ("horizontal_force_N", "time_s", "opening_m", "block", "area_m2",
+                                                        "ground_vx_m_s", "ground_ax_m_s2")],
+                         ["N", "s", "m", "", "m2", "m/s", "m/s2"])
 
     def test_compressed_frames_are_the_same(self):
         for name, options in (("plain", []), ("packed", ["--compressed"])):
