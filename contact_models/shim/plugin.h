@@ -126,10 +126,11 @@ class Plugin {
   }
 
  public:
-  static quoin_status create_material(const quoin_law*, std::uint64_t count, const quoin_property_value* const* values,
-                                      quoin_material** out, quoin_text* text) {
+  static quoin_status create_material(const quoin_law* law, std::uint64_t count,
+                                      const quoin_property_value* const* values, quoin_material** out,
+                                      quoin_text* text) {
     if (out != nullptr) *out = nullptr;
-    if (count > 0 && values == nullptr) return QUOIN_ERROR_ARGUMENT;
+    if (law == nullptr || (count > 0 && values == nullptr)) return QUOIN_ERROR_ARGUMENT;
     return guarded(text, [&]() -> quoin_status {
       Report report;
       const PropertyValues properties(L::properties, {values, static_cast<std::size_t>(count)}, report);

@@ -41,15 +41,16 @@ void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
   for (const HistoryRow& row : rows) {
     const Stage& stage = scene.stages[static_cast<std::size_t>(row.stage)];
     if (!stage.ground) continue;
-    along = axis_of(stage) == 2 ? 2 : 0;
+    along = static_cast<std::size_t>(axis_of(stage) == 2 ? 2 : axis_of_action(stage));
     const double moved = std::abs(row.monitor_relative[along]), base = std::abs(row.base_force[along]);
     if (moved > most) most = moved, farthest = &row;
     if (base > shear) shear = base, sheared = &row;
   }
   if (farthest == nullptr || sheared == nullptr) return;
   fmt::print(
-      "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base shear {:.2f} kN (at {:.3f} s)\n",
-      moved_part(scene, scene.stages.back()), most * 1e3, "xyz"[along], farthest -> time, shear / 1e3, sheared -> time);
+      "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base {} {:.2f} kN (at {:.3f} s)\n",
+      moved_part(scene, scene.stages.back()), most * 1e3, "xyz"[along], farthest -> time,
+      along == 1 ? "force" : "shear", shear / 1e3, sheared->time);
 }
 
 // Largest force on the monitor, with what is known of its error.

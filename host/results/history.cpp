@@ -63,21 +63,20 @@ void add_directions(const GroundMotion& ground, std::vector<Vec3>& directions) {
   for (const GroundMotion& support : ground.supports) add_directions(support, directions);
 }
 
-// Whether the ground, or the load of a collapse, has z as its only horizontal direction.
-bool acts_along_z(const Stage& stage) {
+}  // namespace
+
+int axis_of_action(const Stage& stage) {
   std::vector<Vec3> directions;
   if (stage.ground) add_directions(*stage.ground, directions);
   if (stage.collapse) directions.push_back(stage.collapse->direction);
-  const auto along = [&](std::size_t c) {
-    return std::any_of(directions.begin(), directions.end(), [c](const Vec3& d) { return d[c] != 0.0; });
-  };
-  return along(2) && !along(0);
+  for (const std::size_t c : {0u, 2u, 1u}) {
+    if (std::ranges::any_of(directions, [c](const Vec3& d) { return d[c] != 0.0; })) return static_cast<int>(c);
+  }
+  return 0;
 }
 
-}  // namespace
-
 int axis_of(const Stage& stage) {
-  if (stage.direction == 0 && acts_along_z(stage)) return 2;
+  if (stage.direction == 0 && axis_of_action(stage) == 2) return 2;
   if (stage.direction != 0 || stage.whiffletree || stage.cycles || !beyond_lattice(stage).empty())
     return stage.direction;
   const std::array<bool, 3> driven = driven_along(stage);

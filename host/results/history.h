@@ -22,6 +22,8 @@ Response response(const HistoryRow& row, const Stage& stage);
 // Axis of a stage's displacement: 0, 1, 2. It is the axis of its criterion, or else the only one along which it drives
 // a body. It is 2, too, where the ground or the load of a collapse has z as its only horizontal direction.
 int axis_of(const Stage& stage);
+// First axis of x, z, y along which the ground moves or a collapse pushes; 0 without either.
+int axis_of_action(const Stage& stage);
 // Whether a stage is measured along y, or drives bodies along y alone. A run is vertical if its last stage is.
 bool is_vertical(const Stage& stage);
 bool is_vertical(const Scene& scene);

@@ -153,12 +153,12 @@ void set_states(const Damage& damage, const JointFamily& family, const Material&
 
 // States of a law after this slip at zero pressure, in small steps as in an analysis. Where faces ride up, the opening
 // follows the pressure that this causes.
-void slide(double slip, const Material& material, std::span<const std::size_t> points, std::size_t count,
-           const std::vector<PropertyColumn>& columns, std::vector<double>& state) {
+void slide(double slip, const JointFamily& family, const Material& material, std::span<const std::size_t> points,
+           std::size_t count, const std::vector<PropertyColumn>& columns, std::vector<double>& state) {
   constexpr int kSteps = 1000;
   constexpr double kFollows = 0.9;  // share of the closure that is opened; below 1, so that contact is not lost
   const std::size_t states = material.api().state_count;
-  const double stiffness = material.stiffness_bounds().normal;
+  const double stiffness = stiffness_bounds_of(family, material, columns).normal;
   const std::vector<double> zero(count, 0.0), part(count, slip / kSteps);
   std::vector<double> opening(count, 0.0), traction(3 * count, 0.0), now = state;
   CallColumns columns_of_call{count, {}, {}, batch_columns(columns, material, 0)};
@@ -238,7 +238,7 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
     } catch (const Error& error) {
       throw Error(Exit::bad_input, fmt::format("{}: initial_state: {}", entry.source.text, error.what()));
     }
-    if (entry.slip > 0.0) slide(entry.slip, *material, found, count, columns, result.state);
+    if (entry.slip > 0.0) slide(entry.slip, family, *material, found, count, columns, result.state);
     set_states(entry, family, *material, found, count, result.state);
     for (const std::size_t i : found) opening[i] = entry.opening;
     damaged.insert(damaged.end(), found.begin(), found.end());

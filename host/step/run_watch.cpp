@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "law/answers.h"
 #include "model/world_results.h"
@@ -312,7 +313,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
         s.watch.crushed_out);
   });
   const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
-  for (const members::Beam& beam : members ? members->beams() : std::vector<members::Beam>()) {
+  for (const members::Beam& beam : members ? std::span(members->beams()) : std::span<const members::Beam>()) {
     warn(!(beam.largest_turn() <= Watch::kAllowedTurn), "beam", [&] {
       return fmt::format(
           "a piece of beam '{}' is turned against its chord by more than {:g} rad, and rotations in a piece are taken "

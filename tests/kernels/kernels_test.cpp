@@ -385,6 +385,16 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
   EXPECT_EQ(a.status[3], QUOIN_POINT_FAILED);
 }
 
+// Contract C4.5: null arguments are refused.
+TEST(Batches, AMaterialOfNoLawIsRefused) {
+  for (const char* name : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint", "bond_slip"}) {
+    const quoin_law& law = load_law(name);
+    quoin_material* material = nullptr;
+    EXPECT_EQ(law.create_material(nullptr, 0, nullptr, &material, nullptr), QUOIN_ERROR_ARGUMENT) << name;
+    EXPECT_EQ(material, nullptr);
+  }
+}
+
 // A residual friction that is given is not changed by a column: points whose friction is less are refused, as a
 // material is. It was limited to the column, without a word. A residual by default is limited.
 TEST(Batches, AGivenResidualFrictionIsNoLessBesideAColumn) {
