@@ -110,8 +110,9 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
                  impacts && alone.in_use < 0.99 * impacts->share
                      ? fmt::format(", at which {:.2g} of critical is in use", alone.in_use)
                      : "");
-    for (const std::string& warning : {ground_damping_warning(scene, i), release_damping_warning(scene, i),
-                                       ground_inertia_warning(scene, i), record_outside(stage)})
+    for (const std::string& warning :
+         {ground_damping_warning(scene, i), release_damping_warning(scene, i), collapse_damping_warning(scene, i),
+          ground_inertia_warning(scene, i), record_outside(stage)})
       if (!warning.empty()) fmt::print("      warning: {}\n", warning);
   }
   return steps;

@@ -17,6 +17,7 @@ struct PlacedPoint {
   Vec3 position;         // place at the start, m
   double area;           // m2
   int block_a, block_b;  // indices of blocks
+  Vec3 axis[3] = {};     // n, from a to b, s and t, in space at the start
 };
 
 // The block of a joint that was laid with it: the masonry block, of two masonry blocks the later one.

@@ -81,6 +81,19 @@ std::string release_damping_warning(const Scene& scene, std::size_t stage) {
       now.name, damping_in_space(scene, stage), kDampingForMotion);
 }
 
+std::string collapse_damping_warning(const Scene& scene, std::size_t stage) {
+  const Stage& settings = scene.stages[stage];
+  const Damping damping = damping_of(scene.solver_in(stage), settings.equilibrium_ratio.has_value());
+  const bool deforms = scene.building || (scene.wall && !scene.wall->rigid_units);
+  if (!settings.collapse || !deforms || damping.eq1 != Eq1::gridpoints || damping.gamma == 0.0) return "";
+  return fmt::format(
+      "stage '{}' looks for a collapse, and local damping (gamma {:g}) at gridpoints that vibrate on carries a share "
+      "of "
+      "the load: walls that should fall creep, and multipliers were up to 5 % too large; take damping = \"block\" or "
+      "\"impact\"",
+      settings.name, damping.gamma);
+}
+
 double landing_restitution(double damping_ratio) {
   const double z = damping_ratio;
   if (z <= 0.0) return 1.0;

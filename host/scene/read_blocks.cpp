@@ -196,6 +196,8 @@ void read_drive(Table& v, Stage& stage) {
   v.numbers("omega", c.omega, kAny, "rad/s");
   bool held = true;
   v.boolean("rotation_held", held);
+  if (!held && v.has("omega"))
+    v.refuse("omega", "none with rotation_held = false, where the block turns by itself; remove one of them");
   c.may_turn = !held;
   v.velocity(c, true);
   stage.controls.push_back(c);

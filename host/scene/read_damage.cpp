@@ -29,9 +29,10 @@ void read_crack(Table& t, Damage& damage) {
          "a list of 2 or more points [along the wall, up], numbers in m, no two in a row the same");
   t.choice("along", damage.crack_along, {{"x", 0}, {"z", 2}});
   t.boolean("through_units", damage.through_units);
-  for (const char* key : {"along", "through_units"}) {
-    if (t.has(key) && !t.has("crack")) t.refuse(key, "only with a crack; give crack, or remove it");
-  }
+  if (t.has("through_units") && !t.has("crack"))
+    t.refuse("through_units", "only with a crack; give crack, or remove it");
+  if (t.has("along") && !t.has("crack") && !t.has("slip"))
+    t.refuse("along", "only with a crack or slip; give one of them, or remove it");
 }
 
 void read_state(Table& t, Damage& damage) {

@@ -1,5 +1,7 @@
 #include "scene/read_members.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -89,7 +91,10 @@ void read_line(Table& t, std::vector<Vec3>& points) {
 }
 
 void read_strip(Table& t, const Scene& scene, StripSpec& strip) {
-  t.choice("joint", strip.joint, names_of(scene.joints), true);
+  if (t.choice("joint", strip.joint, names_of(scene.joints), true) && scene.joints.at(strip.joint).missing_mortar > 0.0)
+    t.refuse("joint", fmt::format("a family without missing_mortar, which strips do not have: [joints.{}] has it; give "
+                                  "the strip a family of its own",
+                                  strip.joint));
   read_line(t, strip.points);
   t.number("width", strip.width, kPositive, "m", true);
   t.number("thickness", strip.thickness, kPositive, "m", true);

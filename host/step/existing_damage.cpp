@@ -151,30 +151,49 @@ void set_states(const Damage& damage, const JointFamily& family, const Material&
   }
 }
 
+// Direction, along s and t, in which a joint slides: the block on the side of the larger coordinate moves along the
+// wall in beds, and up in upright joints. So it does not depend on which of its blocks is a.
+std::array<double, 2> way_of_slip(const PlacedPoint& p, int along) {
+  const geometry::Vector n = geometry::vector(p.axis[0]);
+  constexpr double kUpright = 0.7;  // cosine of the normal with the vertical below which a joint is upright
+  const bool is_bed = std::abs(n.y) >= kUpright;
+  geometry::Vector way;
+  way[is_bed ? along : 1] = 1.0;
+  way = normalized(way - dot(way, n) * n);
+  const double side = is_bed ? n.y : n[along] != 0.0 ? n[along] : n[2 - along];
+  if (side < 0.0) way = -way;
+  return {dot(way, geometry::vector(p.axis[1])), dot(way, geometry::vector(p.axis[2]))};
+}
+
 // States of a law after this slip at zero pressure, in small steps as in an analysis. Where faces ride up, the opening
 // follows the pressure that this causes.
-void slide(double slip, const JointFamily& family, const Material& material, std::span<const std::size_t> points,
-           std::size_t count, const std::vector<PropertyColumn>& columns, std::vector<double>& state) {
+void slide(const Damage& damage, const JointFamily& family, const Material& material,
+           std::span<const PlacedPoint> points, std::span<const std::size_t> found,
+           const std::vector<PropertyColumn>& columns, std::vector<double>& state) {
   constexpr int kSteps = 1000;
   constexpr double kFollows = 0.9;  // share of the closure that is opened; below 1, so that contact is not lost
   const std::size_t states = material.api().state_count;
   const double stiffness = stiffness_bounds_of(family, material, columns).normal;
-  const std::vector<double> zero(count, 0.0), part(count, slip / kSteps);
-  std::vector<double> opening(count, 0.0), traction(3 * count, 0.0), now = state;
+  const std::size_t count = points.size();
+  std::vector<double> opening(count, 0.0), part_s(count), part_t(count), traction(3 * count, 0.0), now = state;
+  for (const std::size_t i : found) {
+    const auto [s, t] = way_of_slip(points[i], damage.crack_along);
+    part_s[i] = s * damage.slip / kSteps, part_t[i] = t * damage.slip / kSteps;
+  }
   CallColumns columns_of_call{count, {}, {}, batch_columns(columns, material, 0)};
   for (std::size_t k = 0; k < 3; ++k) columns_of_call.traction[k] = traction.data() + k * count;
   for (std::size_t k = 0; k < states; ++k) columns_of_call.state.push_back(now.data() + k * count);
   BoundCall call;
   call.bind(std::move(columns_of_call));
-  call.bind_jumps(opening.data(), part.data(), zero.data());
+  call.bind_jumps(opening.data(), part_s.data(), part_t.data());
   for (int step = 0; step < kSteps; ++step) {
     if (call.evaluate(material))
       throw Error(Exit::law_refused,
-                  fmt::format("law {} fails where damage lets it slide by {:g} m", material.api().id, slip));
+                  fmt::format("law {} fails where damage lets it slide by {:g} m", material.api().id, damage.slip));
     for (std::size_t i = 0; i < count; ++i) opening[i] += kFollows * std::max(0.0, -traction[i]) / stiffness;
   }
   for (std::size_t k = 0; k < states; ++k) {
-    for (const std::size_t i : points) state[k * count + i] = now[k * count + i];
+    for (const std::size_t i : found) state[k * count + i] = now[k * count + i];
   }
 }
 
@@ -238,7 +257,7 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
     } catch (const Error& error) {
       throw Error(Exit::bad_input, fmt::format("{}: initial_state: {}", entry.source.text, error.what()));
     }
-    if (entry.slip > 0.0) slide(entry.slip, family, *material, found, count, columns, result.state);
+    if (entry.slip > 0.0) slide(entry, family, *material, points, found, columns, result.state);
     set_states(entry, family, *material, found, count, result.state);
     for (const std::size_t i : found) opening[i] = entry.opening;
     damaged.insert(damaged.end(), found.begin(), found.end());

@@ -292,6 +292,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
   };
   if (!was_warned(s, "damping")) warn_where_said("damping", damped_motion(s));
   warn_where_said("release", release_damping_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));
+  warn_where_said("collapse", collapse_damping_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));
   warn_where_said("ground_motion", motion_left_to_ground(s));
   warn_where_said("record", record_outside(current_stage(s)));
   warn_where_said("inertia", ground_inertia_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "model/contact_frames.h"
 #include "model/placed_points.h"
 #include "model/world_results.h"
 #include "step/existing_damage.h"
@@ -21,7 +22,12 @@ void damage_large_motion(Simulation::Impl& s, std::size_t f, const std::vector<C
                          std::vector<double>& hit) {
   const blocks::Family& family = s.large_motion->contacts.families[f];
   std::vector<PlacedPoint> points;
-  for (const blocks::Point& p : family.point) points.push_back({geometry::array(p.at), p.area, p.a, p.b});
+  for (const blocks::Point& p : family.point) {
+    const auto along = [&](const geometry::Vector& axis) {
+      return geometry::array(blocks::in_space(*s.large_motion, p, axis));
+    };
+    points.push_back({geometry::array(p.at), p.area, p.a, p.b, {along(p.n), along(p.s), along(p.t)}});
+  }
   const DamagedFamily damaged =
       damage_family(s.scene.damage, s.large_motion->assembly.families[f], s.model.families[f].material, points, points,
                     blocks, family.columns, &hit);

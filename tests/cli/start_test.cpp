@@ -160,6 +160,22 @@ duration = 0.1
   }
 }
 
+// A stage without a control of the bottom beam holds it where a later stage shakes, and did not where none does.
+TEST_F(Start, AnotherGroundOfTheFirstStagesIsRefused) {
+  const std::string text = read_all(small_), before = text.substr(0, text.find("[[stage]]"));
+  const std::string free = "[[stage]]\nname = \"free\"\nkind = \"custom\"\nduration = 0.001\n";
+  const std::string shake =
+      "[[stage]]\nname = \"shake\"\nduration = 0.001\nmonitor = \"top_beam\"\n"
+      "ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }\n";
+  const std::string output = text.find("[output]") < text.find("[[stage]]") ? "" : text.substr(text.find("[output]"));
+  std::ofstream(first_) << before << free << output;
+  std::ofstream(second_) << "start = \"first\"\n" << before << free << shake << output;
+  ASSERT_EQ(run(first_, "first", {"--set", "output.end_state=true"}), 0) << error_;
+  EXPECT_EQ(run(second_, "second"), 3);
+  EXPECT_THAT(error_, HasSubstr("version of stage 'free'"));
+  EXPECT_THAT(error_, HasSubstr("no ground held"));
+}
+
 TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   const auto refused = [&](const std::vector<std::string>& more, const std::string& reason) {
     EXPECT_EQ(run(second_, "other", more), 3) << reason;

@@ -982,5 +982,52 @@ solver = {{ damping = "viscous", mass_damping = 20.0 }}
   }
 }
 
+// The block turned by itself, from rest.
+TEST(Outside, ASpinOfAFreeRotationIsRefused) {
+  expect_refused(kBase + kCube +
+                     "[[stage]]\nname = \"s\"\nduration = 1.0\n[[stage.velocity]]\nblock = \"cube\"\n"
+                     "omega = [0, 1, 0]\nrotation_held = false\n",
+                 "none with rotation_held = false");
+}
+
+// Four units on each other overturn at 0.5 of their weight. Under local damping they crept until 0.5226, and its lag
+// said 0.0026.
+TEST(Outside, ACollapseUnderLocalDampingIsWarnedOf) {
+  for (const auto& [damping, warned] : {std::pair{"local", 1}, {"block", 0}}) {
+    const Rows rows =
+        rows_of(wall("top_beam = false\nzones = [2, 1, 1]\n") +
+                fmt::format("[solver]\ndamping = \"{}\"\n[[stage]]\nname = \"fall\"\ngravity = [0, -9.81, "
+                            "0]\nduration = 0.002\ncollapse = {{ direction = [1, 0, 0], start = 0.0, rate "
+                            "= 0.1, limit = 1.0 }}\n",
+                            damping));
+    EXPECT_EQ(std::ranges::count(rows.warned_of, "collapse"), warned) << damping;
+  }
+}
+
+// A strip bonds wherever it lies: mortar that is missing in the joints of its family was ignored.
+TEST(Outside, AStripWithMissingMortarIsRefused) {
+  expect_refused(kBase + kCube + R"(
+[joints.glue]
+law = "bond_slip"
+normal_stiffness = 1e11
+shear_stiffness = 1e11
+bond_strength = 3e6
+fracture_energy = 500
+missing_mortar = 0.5
+[[strip]]
+name = "f"
+joint = "glue"
+points = [[0, 0.5, 1], [1, 0.5, 1]]
+width = 0.1
+thickness = 1e-4
+young_modulus = 200e9
+spacing = 0.1
+[[stage]]
+name = "s"
+duration = 1.0
+)",
+                 "a family without missing_mortar");
+}
+
 }  // namespace
 }  // namespace quoin::verification
