@@ -47,7 +47,7 @@ std::vector<Vector> places_along(const BeamSpec& spec) {
     double last = 0.0;
     for (const double stop : stops) {
       if (stop - last <= kSame) continue;
-      const auto pieces = static_cast<int>(std::ceil((stop - last) / spec.spacing - 1e-9));
+      const auto pieces = std::max(1, static_cast<int>(std::ceil((stop - last) / spec.spacing - 1e-9)));
       for (int i = 1; i <= pieces; ++i)
         nodes.push_back(from + ((last + (stop - last) * i / pieces) / length) * (to - from));
       last = stop;

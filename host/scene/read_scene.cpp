@@ -252,6 +252,13 @@ std::map<std::string, std::string> arrangement_of(const toml::table& root) {
     make_numbers_real(alone);
     text[name] = inline_toml(*alone.get(name));
   }
+  std::string& fixed = text["list of fixed blocks"];
+  if (const toml::array* blocks = root["block"].as_array()) {
+    for (const toml::node& block : *blocks) {
+      const toml::table* const table = block.as_table();
+      fixed += table && (*table)["fixed"].value_or(false) ? "fixed " : "free ";
+    }
+  }
   for (const char* name : {"wall", "building", "dry_wall", "arch"}) {
     const toml::node* const node = root.get(name);
     text[fmt::format("choice of joints in {}", name)] = node ? named_joints(*node) : "none";

@@ -60,7 +60,8 @@ SolverSettings read_solver(Table t, const Quality* quality) {
   read_damping_kind(t, s);
   // The errors of a quality hold for all its settings together. With another damping or mass scaling, defaults are
   // plain ones.
-  if (quality && s.damping == usual && !t.has("selective_time_step")) s = quality->solver;
+  const double selective = t.toml()["selective_time_step"].value_or(0.0);
+  if (quality && s.damping == usual && selective == 0.0) s = quality->solver;
   read_damping_and_fraction(t, s);
   read_inertia(t, s);
   read_large_motion(t, &s);

@@ -254,7 +254,11 @@ void promote(Simulation::Impl& s, const std::string& why, int stage) {
 
   s.actions.drives = std::move(continued);
   const Stage& settings = current_stage(s);
-  if (const SolverSettings& solver = solver_in_use(s); &solver != &s.scene.solver) m.set_solver(solver);
+  if (const SolverSettings& solver = solver_in_use(s); &solver != &s.scene.solver) {
+    const double booked = m.step_sums.later.detection;
+    m.set_solver(solver);
+    m.step_sums.later.detection = booked;  // no inertia is lost: the lattice had that of these settings
+  }
   follow_time_step(s);
   s.progress.stage_start = promotion.time - static_cast<double>(s.progress.stage_step) * dt;
   watch_blocks(s, settings);

@@ -154,6 +154,7 @@ duration = 0.1
   EXPECT_EQ(run(second_, "second", {"--set", "spring.1.normal_stiffness=1000000"}), 0) << error_;
   for (const auto& [setting, reason] : {std::pair("joint_rule.1.family=\"smooth\"", "another joint_rule"),
                                         {"contact.skin=0.02", "another contact"},
+                                        {"block.2.fixed=true", "another list of fixed blocks"},
                                         {"spring.1.normal_stiffness=2e6", "another spring"}}) {
     EXPECT_EQ(run(second_, "other", {"--set", setting}), 3) << setting;
     EXPECT_THAT(error_, HasSubstr(reason)) << setting;

@@ -63,7 +63,9 @@ beam_joint = "dry"
 struct Rows : Observer {
   std::vector<HistoryRow> all;
   std::vector<std::string> warned_of;  // as in Warning::about
+  bool goes_over = false;              // to large motion in mid-run
   void on_row(const HistoryRow& row) override { all.push_back(row); }
+  void on_promotion(const Simulation&) override { goes_over = true; }
   void on_warning(const Warning& warning) override { warned_of.emplace_back(warning.about); }
   std::vector<HistoryRow> of_stage(int stage) const {
     std::vector<HistoryRow> found;
@@ -1027,6 +1029,60 @@ name = "s"
 duration = 1.0
 )",
                  "a family without missing_mortar");
+}
+
+// What a stage drives takes no load along its velocity: neither its motion nor its reaction had the force.
+TEST(Outside, ALoadAlongAPrescribedVelocityIsRefused) {
+  const std::string stage = kBase + kCube +
+                            "[[stage]]\nname = \"s\"\nduration = 1.0\n[[stage.velocity]]\nblock = \"cube\"\n"
+                            "velocity = [0.1, \"free\", 0]\n";
+  expect_refused(stage + "[[stage.force]]\nblock = \"cube\"\npoint = [0.5, 0.5, 0.5]\nforce = [1e6, 0, 0]\n",
+                 "it acts along x, where the stage prescribes");
+  expect_refused(stage + "[[stage.pressure]]\nblock = \"cube\"\nnormal = [1, 0, 0]\npressure = 1e6\n",
+                 "it acts along x, where the stage prescribes");
+}
+
+// The force of the whiffletree fades over the ramp of the next stage. In large motion it was gone at once.
+TEST(Outside, TheForceOfAPushFadesInLargeMotionToo) {
+  std::vector<double> left;
+  for (const char* motion : {"never", "always"}) {
+    quoin::Scene scene = read_scene(QUOIN_SCENES "/../../tests/host/small_building.toml",
+                                    {std::string("solver.large_motion=") + motion, "solver.rotation_bound=1",
+                                     "stage.push.displacement=0.0005", "output.frames=0", "output.plots=false"});
+    Stage after = scene.stages.front();
+    after.name = "after", after.equilibrium_ratio.reset(), after.duration = 0.004, after.ramp_time = 0.1;
+    scene.stages.push_back(after);
+    Rows rows;
+    Simulation(std::move(scene), 1).run(rows);
+    left.push_back(rows.all.back().resistance /
+                   std::ranges::max(rows.of_stage(1), {}, &HistoryRow::resistance).resistance);
+  }
+  EXPECT_GT(left[0], 0.5);
+  EXPECT_NEAR(left[1], left[0], 0.05);
+}
+
+// A wall goes over in a shake, which has true inertia. The kinetic energy of the raised inertia of [solver] was booked
+// as lost: 6 % of the work.
+TEST(Outside, GoingOverInAShakeLosesNoInertia) {
+  const Rows rows = rows_of(wall("top_beam = false\nzones = [2, 1, 1]\n[solver]\nrotation_bound = 2e-3\n") + R"(
+[[stage]]
+name = "weight"
+kind = "custom"
+gravity = [0, -9.81, 0]
+equilibrium_ratio = 1e-3
+[[stage.control]]
+body = "bottom_beam"
+[[stage]]
+name = "shake"
+duration = 0.4
+monitor = "bottom_beam"
+solver = { damping = "none" }
+ground_motion = { direction = [1, 0, 0], time = [0, 0.1, 0.2, 0.3], acceleration = [0, 12, -12, 0] }
+)");
+  ASSERT_TRUE(rows.goes_over);
+  const Energies& last = *rows.all.back().energies;
+  EXPECT_LT(std::abs(last.detection), 0.01 * std::abs(last.external));
+  EXPECT_LT(std::abs(last.balance_error()), 0.02 * std::abs(last.external));
 }
 
 }  // namespace

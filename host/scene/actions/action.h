@@ -25,6 +25,8 @@ QUOIN_REGISTRY(StageAction, kStageActions, kGroundMotion, kCollapseLoad, kMoving
 
 // Throws Error(bad_input) for a load on a fixed block.
 void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& stage);
+// Throws where a load acts along components of the block whose velocity the stage prescribes, with its rotation held.
+void refuse_on_driven(const blocks::Block& block, const Vec3& along, const char* load, const Stage& stage);
 
 // Reads the block of an action. names: those of the scene; empty: the name is checked later.
 inline void read_block_name(reader::Table& t, std::string& block, const std::vector<std::string>& names) {

@@ -32,6 +32,20 @@ void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& 
                                            stage.source.text, load, block.name));
 }
 
+void refuse_on_driven(const blocks::Block& block, const Vec3& along, const char* load, const Stage& stage) {
+  const auto control = std::ranges::find(stage.controls, block.name, &BodyControl::body);
+  if (control == stage.controls.end() || control->may_turn) return;
+  constexpr double kAcross = 1e-9;  // share of the load below which a component is rounding
+  const double size = norm(geometry::vector(along));
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (control->kind[c] == DofKind::free || std::abs(along[c]) <= kAcross * size) continue;
+    throw Error(Exit::bad_input,
+                fmt::format("{}: {} on block '{}': it acts along {}, where the stage prescribes the block's velocity, "
+                            "so that it would do nothing; remove it, or make that component \"free\"",
+                            stage.source.text, load, block.name, "xyz"[c]));
+  }
+}
+
 namespace {
 
 // The velocity of a deformable block is that of all its gridpoints, so it cannot turn as it moves.

@@ -28,8 +28,11 @@ std::string text_of_pressure(const Stage& stage) {
 void check_pressures(const Stage& stage, const blocks::Assembly& assembly) {
   for (const FacePressure& pressure : stage.pressures) {
     for (const blocks::BlockFace& face :
-         blocks::outer_faces(assembly, pressure.block, geometry::vector(pressure.normal), stage.source.text))
-      refuse_on_fixed(assembly.blocks[static_cast<std::size_t>(face.block)], "pressure", stage);
+         blocks::outer_faces(assembly, pressure.block, geometry::vector(pressure.normal), stage.source.text)) {
+      const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(face.block)];
+      refuse_on_fixed(block, "pressure", stage);
+      refuse_on_driven(block, pressure.normal, "pressure", stage);
+    }
   }
 }
 

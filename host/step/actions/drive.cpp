@@ -96,12 +96,16 @@ void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
 
 }  // namespace
 
+// The force stays in the drive, from which the next stage takes it over its ramp.
 void pull_block(Simulation::Impl& s, int block, double pull) {
-  const auto drive = std::find_if(s.actions.drives.begin(), s.actions.drives.end(),
-                                  [block](const Drive& d) { return d.block == block; });
-  Vector applied = drive == s.actions.drives.end() ? Vector{} : drive->force_now;
-  applied.x = pull;
-  s.large_motion->apply_force(block, applied);
+  auto drive = std::ranges::find_if(s.actions.drives, [block](const Drive& d) { return d.block == block; });
+  if (drive == s.actions.drives.end()) {
+    Drive free;
+    free.block = block;
+    drive = s.actions.drives.insert(drive, free);
+  }
+  drive->force_now.x = pull;
+  s.large_motion->apply_force(block, drive->force_now);
 }
 
 extern const Action kDrive{.names =
