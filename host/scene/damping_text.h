@@ -30,8 +30,8 @@ std::string ground_damping_warning(const Scene& scene, std::size_t stage);
 // Warning for a stage in which loads change at once, nothing is driven, and eq. 1 brakes the vibrations that follow;
 // else empty. Not for the first stage, which is taken for settling.
 std::string release_damping_warning(const Scene& scene, std::size_t stage);
-// Warning for a collapse of deformable units under eq. 1 at gridpoints; else empty. Gridpoints that vibrate on brake the
-// units, and so carry a share of the load.
+// Warning for a collapse of deformable units under eq. 1 at gridpoints, whose vibrations carry a share of the load.
+// Else empty.
 std::string collapse_damping_warning(const Scene& scene, std::size_t stage);
 // Warning for a stage with ground motion and inertia of whole blocks that is raised; else empty.
 std::string ground_inertia_warning(const Scene& scene, std::size_t stage);

@@ -151,8 +151,8 @@ void set_states(const Damage& damage, const JointFamily& family, const Material&
   }
 }
 
-// Direction, along s and t, in which a joint slides: the block on the side of the larger coordinate moves along the
-// wall in beds, and up in upright joints. So it does not depend on which of its blocks is a.
+// Direction in which a joint slides, along s and t. In beds the upper block moves along the wall, in upright joints the
+// one of larger coordinates up. So it does not depend on which block is a.
 std::array<double, 2> way_of_slip(const PlacedPoint& p, int along) {
   const geometry::Vector n = geometry::vector(p.axis[0]);
   constexpr double kUpright = 0.7;  // cosine of the normal with the vertical below which a joint is upright

