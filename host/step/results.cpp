@@ -130,6 +130,7 @@ std::vector<ContactPoint> contact_points(const Simulation::Impl& s, const PointR
     point.block_a = sides.a;
     point.block_b = sides.b;
     point.jump = jump_at_traction(s, i);
+    point.jump[0] = opening_at_traction(s, i);
     point.traction = {s.lattice.traction[0][p], s.lattice.traction[1][p], s.lattice.traction[2][p]};
     point.flags = flags[at(i - range.first)];
     point.condition = condition_of(point.flags);

@@ -98,7 +98,9 @@ void begin_stage(Simulation::Impl& s, int index) {
   else
     control_bodies(s, settings, previous);
   if (!s.large_motion) s.progress.stage_start = time_now(s);
-  s.controls.gravity_from = s.data.gravity;
+  // With the body force of a collapse, which fades over the ramp.
+  s.controls.gravity_from =
+      previous && previous->collapse ? geometry::array(s.large_motion->actions.gravity) : s.data.gravity;
   s.controls.gravity_to = settings.gravity;
   s.controls.settled = false;
   s.progress.stage = index;

@@ -1104,5 +1104,36 @@ ground_motion = { direction = [1, 0, 0], pulse = { shape = "sine", amplitude = 6
   EXPECT_LT(std::abs(last.balance_error()), 0.02 * std::abs(last.external));
 }
 
+// As other loads, the body force of a collapse stage fades over the ramp of the next one. It was gone at once.
+TEST(Outside, TheBodyForceOfACollapseFades) {
+  const Rows rows = rows_of(kBase + kCube + R"(
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+duration = 0.3
+monitor = "cube"
+[[stage]]
+name = "pull"
+monitor = "cube"
+duration = 0.2
+ramp_time = 0.1
+collapse = { direction = [1, 0, 0], start = 0.3, rate = 0.0001, displacement = 0.1, limit = 1.0 }
+[[stage]]
+name = "fade"
+monitor = "cube"
+duration = 0.2
+ramp_time = 0.2
+)");
+  const double pull = 0.3 * kWeightOfCube;
+  EXPECT_NEAR(rows.of_stage(1).back().base_force[0], pull, 0.01 * pull);
+  for (const HistoryRow& row : rows.of_stage(2)) {
+    if (row.time < rows.of_stage(2).front().time + 0.02) {
+      EXPECT_NEAR(row.base_force[0], pull, 0.05 * pull) << row.time;
+    }
+  }
+  EXPECT_NEAR(rows.all.back().base_force[0], 0.0, 0.05 * pull);
+}
+
 }  // namespace
 }  // namespace quoin::verification
