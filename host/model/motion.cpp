@@ -97,7 +97,7 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
     if (!why.empty()) beyond = &scene.stages[i];
   }
   const char* const carried = what_is_carried(scene);
-  if (!stands_on_ground(scene) && !carried) return;
+  if (!beyond && !carried && !stands_on_ground(scene)) return;
   const SolverSettings& s = scene.solver;
   const char* const against = s.kernels == Kernels::lattice          ? "kernels = \"lattice\""
                               : s.large_motion == LargeMotion::never ? "large_motion = \"never\""

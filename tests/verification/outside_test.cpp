@@ -1135,5 +1135,27 @@ ramp_time = 0.2
   EXPECT_NEAR(rows.all.back().base_force[0], 0.0, 0.05 * pull);
 }
 
+// The lattice has no Maxwell elements. Solver tables of stages that do not shake could have them in silence.
+TEST(Outside, MaxwellDampingOfAnyStageLeavesTheLattice) {
+  const std::string stages = R"(
+[[stage]]
+kind = "pressure"
+pressure = 0.1e6
+equilibrium_ratio = 1e-3
+[[stage]]
+name = "more"
+kind = "custom"
+duration = 0.001
+solver = { damping = "impact", maxwell_damping = 0.05 }
+control = [{ body = "bottom_beam" }]
+)";
+  EXPECT_TRUE(rows_of(wall("zones = [2, 1, 1]\n") + stages).goes_over);
+  expect_refused(wall("zones = [2, 1, 1]\n[solver]\nlarge_motion = \"never\"\n") + stages,
+                 "has maxwell_damping, which takes blocks in large motion");
+  std::string implicit = stages;
+  implicit.replace(implicit.find("maxwell_damping = 0.05"), 22, "implicit_contacts = true");
+  expect_refused(wall("zones = [2, 1, 1]\n") + implicit, "only with true inertia");
+}
+
 }  // namespace
 }  // namespace quoin::verification
