@@ -103,9 +103,7 @@ SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool 
     if (!moves_ground) t.refuse_if_given(key, "not in a stage: inertia is of the whole run; give it in [solver]");
   }
   if (damping_of(s).is_implicit() && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
-    t.refuse(
-        "implicit_contacts",
-        "only with true inertia: [solver] deformation_inertia = 1 and unit_inertia = 1, which are of the whole run");
+    t.refuse("implicit_contacts", "only with true inertia: deformation_inertia = 1 and unit_inertia = 1");
   if (damping_of(s).eq1 == Eq1::gridpoints && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
     t.refuse("damping",
              "damping other than \"local\" with solver.deformation_inertia or unit_inertia above 1: slow vibrations of "

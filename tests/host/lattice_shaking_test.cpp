@@ -232,9 +232,7 @@ TEST(LatticeOnGround, ImplicitJointsAreRefusedWhereTheyAreNot) {
   };
   const std::string setting = "stage.shake.solver={implicit_contacts=true}";
   EXPECT_NE(words(scene({setting})).find("no rigid block that moves freely"), std::string::npos) << "a top beam";
-  EXPECT_NE(words(shaken_building({"stage.shake.solver={implicit_contacts=true,deformation_inertia=4}"}))
-                .find("true inertia"),
-            std::string::npos);
+  EXPECT_THROW(shaken_building({"stage.shake.solver={implicit_contacts=true,deformation_inertia=4}"}), Error);
   EXPECT_NE(words(shaken_building({setting, "solver.kernels=general"})).find("on the lattice"), std::string::npos);
   EXPECT_THROW(scene({"stage.shake.solver={damping='none',implicit_contacts=true}"}), Error);
 }
