@@ -532,16 +532,16 @@ std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks)
 }
 
 SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
+  const std::string& file = simulation.scene().file;
   if (!simulation.scene().damage.empty())
     throw Error(
         Exit::bad_input,
         fmt::format("{}: [[damage]]: limit analysis has the strengths of undamaged joints; give damaged joints a "
                     "family of their own with the strengths that are left (a dry one: initial_state = \"dry\"), "
                     "or leave the damage out",
-                    simulation.scene().file));
+                    file));
   LimitOptions options = given;
-  if (!options.settings.progress) options.settings.progress = notices_of_progress(simulation.scene().file);
-  const std::string& file = simulation.scene().file;
+  if (!options.settings.progress) options.settings.progress = notices_of_progress(file);
   if (options.moving && (options.given != 0.0 || !options.direction.empty()))
     throw Error(Exit::bad_input, fmt::format("{}: with a moving load that alone is multiplied; leave --direction and "
                                              "--given out",

@@ -43,7 +43,8 @@ struct ContactPoint {
   double area;         // m2
   int joint, family;   // indices into the assembly; joint: -1 in large motion
   int block_a, block_b;
-  Vec3 jump;            // u_b - u_a along n, s, t at the time of the traction, m; in large motion n alone
+  // u_b - u_a along n, s, t at the time of the traction, m; n with the opening of damage. In large motion n alone.
+  Vec3 jump;
   Vec3 traction;        // sigma, tau_s, tau_t, Pa
   std::uint32_t flags;  // QUOIN_FLAG_..., of the last step
   Condition condition;
