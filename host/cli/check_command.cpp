@@ -23,6 +23,7 @@
 #include "scene/damping_text.h"
 #include "scene/scatter_text.h"
 #include "scene/size.h"
+#include "scene/stage_warnings.h"
 #include "step/findings.h"
 #include "step/large_motion.h"
 #include "step/results.h"
@@ -110,10 +111,7 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
                  impacts && alone.in_use < 0.99 * impacts->share
                      ? fmt::format(", at which {:.2g} of critical is in use", alone.in_use)
                      : "");
-    for (const std::string& warning :
-         {ground_damping_warning(scene, i), release_damping_warning(scene, i), collapse_damping_warning(scene, i),
-          ground_inertia_warning(scene, i), record_outside(stage)})
-      if (!warning.empty()) fmt::print("      warning: {}\n", warning);
+    for (const auto& [about, text] : stage_warnings(scene, i)) fmt::print("      warning: {}\n", text);
   }
   return steps;
 }

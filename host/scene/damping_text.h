@@ -25,16 +25,6 @@ std::string damping_in_space(const Scene& scene, std::size_t stage);
 inline constexpr const char* kDampingForMotion =
     "take damping = \"impact\", \"viscous\" with stiffness_damping = 2 zeta/omega of the contacts and no mass_damping, "
     "or \"none\", in [solver] or in the solver table of the stage (scenes/BLOCKS.md, \"Ground motion and damping\")";
-// Warning for a stage with ground motion and damping in space; else empty.
-std::string ground_damping_warning(const Scene& scene, std::size_t stage);
-// Warning for a stage in which loads change at once, nothing is driven, and eq. 1 brakes the vibrations that follow;
-// else empty. Not for the first stage, which is taken for settling.
-std::string release_damping_warning(const Scene& scene, std::size_t stage);
-// Warning for a collapse of deformable units under eq. 1 at gridpoints, whose vibrations carry a share of the load.
-// Else empty.
-std::string collapse_damping_warning(const Scene& scene, std::size_t stage);
-// Warning for a stage with ground motion and inertia of whole blocks that is raised; else empty.
-std::string ground_inertia_warning(const Scene& scene, std::size_t stage);
 
 // Restitution of an edge that lands on a spring and a dashpot of this share of critical, which never pull. It is the
 // velocity ratio of m u'' = -k u - c u' from u = 0 to the time at which the force is 0 again.
@@ -42,8 +32,8 @@ double landing_restitution(double damping_ratio);
 
 // Records of a stage with ground motion: "record of 0.8 s along (1, 0, 0), which ends at 1 m/s".
 std::string ground_text(const GroundMotion& ground, std::optional<double> duration);
-// Warning of records that begin after the end of the stage; empty: none.
-std::string record_outside(const Stage& stage);
+// Whether a record begins after the end of a stage of this duration, s.
+bool begins_after(const GroundMotion::Component& component, double duration);
 double end_velocity(const GroundMotion::Component& component);  // m/s, along its direction, at the end of the record
 
 }  // namespace quoin

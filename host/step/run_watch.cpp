@@ -11,6 +11,7 @@
 #include "law/answers.h"
 #include "model/world_results.h"
 #include "scene/damping_text.h"
+#include "scene/stage_warnings.h"
 #include "step/borders.h"
 #include "step/findings.h"
 #include "step/gather.h"
@@ -84,7 +85,6 @@ void check_stiffness(Simulation::Impl& s) {
 std::string damped_motion(const Simulation::Impl& s) {
   constexpr double kFall = 0.05, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);
-  if (std::string of_ground = ground_damping_warning(s.scene, now_in); !of_ground.empty()) return of_ground;
   const std::string damping = damping_in_space(s.scene, now_in);
   const double scaling = s.scene.solver.mass_scaling;
   if (!s.large_motion || (damping.empty() && scaling == 1.0)) return "";
@@ -290,12 +290,10 @@ std::vector<Warning> new_warnings(Simulation::Impl& s) {
   const auto warn_where_said = [&](const char* about, const std::string& words) {
     if (!words.empty()) warn_once(s, about, words, &fresh);
   };
+  for (const auto& [about, text] : stage_warnings(s.scene, static_cast<std::size_t>(s.progress.stage)))
+    warn_once(s, about, text, &fresh);
   if (!was_warned(s, "damping")) warn_where_said("damping", damped_motion(s));
-  warn_where_said("release", release_damping_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));
-  warn_where_said("collapse", collapse_damping_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));
   warn_where_said("ground_motion", motion_left_to_ground(s));
-  warn_where_said("record", record_outside(current_stage(s)));
-  warn_where_said("inertia", ground_inertia_warning(s.scene, static_cast<std::size_t>(s.progress.stage)));
   if (!was_warned(s, "tension_in_new_contacts")) warn_where_said("tension_in_new_contacts", pull_over_gaps(s));
   warn(s.watch.overlap > allowed_overlap(s), "interpenetration", [&] {
     const Vec3& x = s.watch.overlap_at;

@@ -1,0 +1,103 @@
+#include "scene/stage_warnings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "scene/damping_text.h"
+
+namespace quoin {
+
+// Each gives the warning of a stage; empty: none.
+namespace {
+
+// Ground motion, and inertia of whole blocks that is raised.
+std::string raised_inertia(const Scene& scene, std::size_t stage) {
+  const SolverSettings& solver = scene.solver_in(stage);
+  std::string raised;  // that of whole blocks; deformation_inertia and unit_inertia are not
+  if (solver.mass_scaling != 1.0) raised = fmt::format("mass_scaling = {:g}", solver.mass_scaling);
+  if (solver.selective_time_step > 0.0)
+    raised = fmt::format("selective_time_step = {:g} s", solver.selective_time_step);
+  if (!scene.stages[stage].ground || raised.empty()) return "";
+  return fmt::format(
+      "stage '{}' moves the ground, and {} raises inertia: frequencies are lower than the true ones, and forces are "
+      "those of more mass; compare with a run without it",
+      scene.stages[stage].name, raised);
+}
+
+// Ground motion, and damping in space.
+std::string damped_ground(const Scene& scene, std::size_t stage) {
+  const std::string damping = damping_in_space(scene, stage);
+  if (!scene.stages[stage].ground || damping.empty()) return "";
+  return fmt::format(
+      "stage '{}' moves the ground, and its {} acts on the motion of whole blocks on the ground, where nothing brakes "
+      "them: what slides, rocks or falls goes wrong by multiples; {}",
+      scene.stages[stage].name, damping, kDampingForMotion);
+}
+
+// Loads that change at once where nothing is driven, and eq. 1 that brakes the vibrations that follow. Not for the
+// first stage, which is taken for settling.
+std::string damped_release(const Scene& scene, std::size_t stage) {
+  if (stage == 0 || local_damping_in(scene, stage) == 0.0) return "";
+  const Stage &before = scene.stages[stage - 1], &now = scene.stages[stage];
+  const auto is_driven = [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; };
+  const bool ends_by_duration =
+      now.kind == "custom" && !now.equilibrium_ratio && !now.displacement && !now.collapse && !now.moving_load;
+  const bool has_same_loads = now.gravity == before.gravity && now.controls == before.controls &&
+                              now.forces == before.forces && now.pressures == before.pressures;
+  if (!ends_by_duration || has_same_loads || now.ground || now.ramp_time > 0.0 ||
+      std::ranges::any_of(now.controls, is_driven))
+    return "";
+  return fmt::format(
+      "stage '{}' changes loads at once (ramp_time 0) and ends by its duration, and its {} brakes the vibrations that "
+      "follow: amplitudes and forces are not those of free vibration; {}. Where only the state at rest counts, give "
+      "equilibrium_ratio or ramp_time",
+      now.name, damping_in_space(scene, stage), kDampingForMotion);
+}
+
+// A collapse of deformable units under eq. 1 at gridpoints, whose vibrations carry a share of the load.
+std::string damped_collapse(const Scene& scene, std::size_t stage) {
+  const Stage& settings = scene.stages[stage];
+  const Damping damping = damping_of(scene.solver_in(stage), settings.equilibrium_ratio.has_value());
+  const bool deforms = scene.building || (scene.wall && !scene.wall->rigid_units);
+  if (!settings.collapse || !deforms || damping.eq1 != Eq1::gridpoints || damping.gamma == 0.0) return "";
+  return fmt::format(
+      "stage '{}' looks for a collapse, and local damping (gamma {:g}) at gridpoints that vibrate on carries a share "
+      "of the load: walls that should fall creep, and multipliers were up to 5 % too large; take damping = \"block\" "
+      "or "
+      "\"impact\"",
+      settings.name, damping.gamma);
+}
+
+// Records that begin after the end of the stage.
+std::string record_outside(const Stage& stage) {
+  if (!stage.ground || !stage.duration) return "";
+  const auto look = [&](const GroundMotion& ground) -> std::string {
+    for (const GroundMotion::Component& c : ground.components) {
+      if (begins_after(c, *stage.duration))
+        return fmt::format(
+            "stage '{}': the record along ({:g}) begins at {:g} s, when the stage of {:g} s has ended: it "
+            "moves nothing; give the time from which it is taken (start), or a longer duration",
+            stage.name, fmt::join(c.direction, ", "), c.acceleration.time.front(), *stage.duration);
+    }
+    return "";
+  };
+  std::string text = look(*stage.ground);
+  for (const GroundMotion& support : stage.ground->supports) text = text.empty() ? look(support) : text;
+  return text;
+}
+
+}  // namespace
+
+std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) {
+  std::vector<StageWarning> all = {{"damping", damped_ground(scene, stage)},
+                                   {"release", damped_release(scene, stage)},
+                                   {"collapse", damped_collapse(scene, stage)},
+                                   {"record", record_outside(scene.stages[stage])},
+                                   {"inertia", raised_inertia(scene, stage)}};
+  std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
+  return all;
+}
+
+}  // namespace quoin

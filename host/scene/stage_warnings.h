@@ -1,0 +1,18 @@
+// What the settings of a stage make doubtful, before it has run: for `check` and for the watch of a run.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace quoin {
+
+struct StageWarning {
+  const char* about;  // key of the warning in summary.json; a run gives each key once
+  std::string text;
+};
+std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage);
+
+}  // namespace quoin
