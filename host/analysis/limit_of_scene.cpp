@@ -20,6 +20,7 @@
 #include "law/property_text.h"
 #include "members/linear.h"
 #include "members/members.h"
+#include "model/contact_frames.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
@@ -338,8 +339,13 @@ std::vector<Wrench> pull_of(const SceneLimit& limit, const Vector& acceleration)
   return pull;
 }
 
-// Assembles the problem: rigid blocks, and a force at each contact point. Weights follow from the outlines of the
-// blocks.
+// Whether a contact point has a gap at the start of more than joint_tolerance.
+bool is_open(const blocks::World& world, const blocks::Point& point) {
+  return locate(world, point, world.contacts.facets).jump > world.detection.joint_tolerance;
+}
+
+// Assembles the problem: rigid blocks, and a force at each contact point that is closed. Weights follow from the
+// outlines of the blocks.
 void assemble(const Simulation& simulation, double given, const Stage& loaded, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
   const blocks::Assembly assembly = assembly_of(simulation);
@@ -363,6 +369,7 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
     limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", block_label(simulation, i), x.x, x.y, x.z));
   }
   std::map<int, std::pair<Strengths, std::size_t>> strengths;  // of families that have points, and their first points
+  const blocks::Model* const shapes = simulation.large_motion();
   for (const ContactPoint& p : contact_points(simulation)) {
     if (!strengths.contains(p.family)) {
       const auto [columns, first] = columns_of(simulation, p.family);
@@ -370,13 +377,15 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
       strengths.emplace(p.family, std::pair(Strengths(scene.joints.at(family), columns, scene.file), first));
     }
     const auto& [of_family, first] = strengths.at(p.family);
-    const Strength s = of_family.of(static_cast<std::size_t>(p.index) - first);
+    const std::size_t index = static_cast<std::size_t>(p.index) - first;
+    if (shapes && is_open(*shapes, shapes->contacts.families[static_cast<std::size_t>(p.family)].point[index]))
+      continue;
+    const Strength s = of_family.of(index);
     limit->problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
   }
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
-  const blocks::Model* const shapes = simulation.large_motion();
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
   add_constant_loads(loaded, assembly, limit);

@@ -30,22 +30,23 @@ std::string history_text(const std::vector<HistoryColumn>& columns, const std::v
 
 }  // namespace
 
-LiveRun::LiveRun(int port, const std::filesystem::path& folder, const Simulation& simulation,
+LiveRun::LiveRun(std::unique_ptr<PageServer> server, const std::filesystem::path& folder, const Simulation& simulation,
                  const std::vector<HistoryRow>& before, std::vector<double> frame_times)
     : scene_(simulation.scene()),
       columns_(history_columns(scene_, restraints_of(simulation))),
       rows_(before),
       times_(std::move(frame_times)),
       state_("{}"),
-      growing_(folder) {
+      growing_(folder),
+      server_(std::move(server)) {
   const std::string page = live_page_text(scene_.title.empty() ? folder.filename().string() : scene_.title);
   if (!times_.empty()) add_frame(simulation, rows_), times_.pop_back();
-  server_ = std::make_unique<PageServer>(port, PageServer::Answers{{"/",
-                                                                    [page] {
-                                                                      return PageAnswer{"text/html", page};
-                                                                    }},
-                                                                   {"/state", [this] { return state(); }},
-                                                                   {"/run", [this] { return run(); }}});
+  server_->start({{"/",
+                   [page] {
+                     return PageAnswer{"text/html", page};
+                   }},
+                  {"/state", [this] { return state(); }},
+                  {"/run", [this] { return run(); }}});
 }
 
 std::string LiveRun::address() const { return fmt::format("http://127.0.0.1:{}/", server_->port()); }

@@ -16,9 +16,9 @@ namespace quoin {
 
 class LiveRun {
  public:
-  // before: rows of the run that this one continues. frame_times: of its frames, s. Throws as PageServer and
+  // before: rows of the run that this one continues. frame_times: of its frames, s. Throws as
   // require_report_library.
-  LiveRun(int port, const std::filesystem::path& folder, const Simulation& simulation,
+  LiveRun(std::unique_ptr<PageServer> server, const std::filesystem::path& folder, const Simulation& simulation,
           const std::vector<HistoryRow>& before, std::vector<double> frame_times);
   std::string address() const;
   // Called by the thread of the run:

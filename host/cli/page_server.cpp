@@ -13,6 +13,8 @@
 #include <cstring>
 #include <exception>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -22,36 +24,43 @@ namespace {
 
 constexpr int kLook = 100;                      // ms between two checks for the end of the server
 constexpr std::size_t kLongestRequest = 16384;  // bytes
+constexpr std::size_t kMostVisitors = 64;       // connections at a time; another one ends the oldest
 constexpr std::chrono::seconds kPatience{5};    // longest wait for a request to arrive, or an answer to be sent
 
 using Clock = std::chrono::steady_clock;
 
-// Waits until the connection is ready to read or write, up to a time. Returns whether it is.
-bool wait_for(int connection, short what, Clock::time_point until, const std::atomic<bool>& ends) {
+// A connection, with the part of its request that has arrived.
+struct Visitor {
+  int connection = -1;
+  Clock::time_point until;  // its end, if the request has not arrived by then
+  std::string request;
+};
+
+enum class Arrival { part, whole, never };
+
+// Reads what has arrived of the head of a request.
+Arrival read_some(Visitor* visitor) {
+  char bytes[4096];
+  const ssize_t count = recv(visitor->connection, bytes, sizeof bytes, MSG_DONTWAIT);
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return Arrival::part;
+  if (count <= 0) return Arrival::never;
+  visitor->request.append(bytes, static_cast<std::size_t>(count));
+  if (visitor->request.find("\r\n\r\n") != std::string::npos) return Arrival::whole;
+  return visitor->request.size() > kLongestRequest ? Arrival::never : Arrival::part;
+}
+
+// Waits until the connection takes more of an answer, up to a time. Returns whether it does.
+bool wait_to_send(int connection, Clock::time_point until, const std::atomic<bool>& ends) {
   while (!ends && Clock::now() < until) {
-    pollfd one{connection, what, 0};
+    pollfd one{connection, POLLOUT, 0};
     if (poll(&one, 1, kLook) > 0) return true;
   }
   return false;
 }
 
-// Head of the request; empty: it did not arrive, or was too long.
-std::string read_request(int connection, const std::atomic<bool>& ends) {
-  std::string request;
-  const auto until = Clock::now() + kPatience;
-  while (request.find("\r\n\r\n") == std::string::npos) {
-    char bytes[4096];
-    if (request.size() > kLongestRequest || !wait_for(connection, POLLIN, until, ends)) return "";
-    const ssize_t count = recv(connection, bytes, sizeof bytes, 0);
-    if (count <= 0) return "";
-    request.append(bytes, static_cast<std::size_t>(count));
-  }
-  return request;
-}
-
 void send_all(int connection, const std::string& text, const std::atomic<bool>& ends) {
   for (std::size_t sent = 0; sent < text.size();) {
-    if (!wait_for(connection, POLLOUT, Clock::now() + kPatience, ends)) return;
+    if (!wait_to_send(connection, Clock::now() + kPatience, ends)) return;
     const ssize_t count = send(connection, text.data() + sent, text.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (count < 0 && errno != EAGAIN && errno != EINTR) return;
     if (count > 0) sent += static_cast<std::size_t>(count);
@@ -75,7 +84,7 @@ std::string response(int code, const char* reason, const PageAnswer& answer) {
 
 }  // namespace
 
-PageServer::PageServer(int port, Answers answers) : answers_(std::move(answers)) {
+PageServer::PageServer(int port) {
   socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int yes = 1;
   sockaddr_in place{};
@@ -92,6 +101,10 @@ PageServer::PageServer(int port, Answers answers) : answers_(std::move(answers))
                                              port, std::strerror(why)));
   }
   port_ = ntohs(place.sin_port);
+}
+
+void PageServer::start(Answers answers) {
+  answers_ = std::move(answers);
   // Signals go to the thread of the run.
   sigset_t all, before;
   sigfillset(&all);
@@ -102,27 +115,33 @@ PageServer::PageServer(int port, Answers answers) : answers_(std::move(answers))
 
 PageServer::~PageServer() {
   ends_ = true;
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
   close(socket_);
 }
 
+// Browsers open connections ahead of requests, so an idle one must not keep others waiting.
 void PageServer::serve() {
+  std::vector<Visitor> visitors;
   while (!ends_) {
-    pollfd one{socket_, POLLIN, 0};
-    if (poll(&one, 1, kLook) <= 0) continue;
-    const int connection = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (connection < 0) continue;
-    try {
-      answer(connection);
-    } catch (const std::exception&) {  // too little memory: the browser repeats the request
+    std::vector<pollfd> ready = {{socket_, POLLIN, 0}};
+    for (const Visitor& visitor : visitors) ready.push_back({visitor.connection, POLLIN, 0});
+    if (poll(ready.data(), ready.size(), kLook) < 0) continue;
+    for (std::size_t i = 0; i < visitors.size(); ++i) {
+      const Arrival arrival = ready[i + 1].revents != 0 ? read_some(&visitors[i]) : Arrival::part;
+      if (arrival == Arrival::whole) answer(visitors[i].connection, visitors[i].request);
+      if (arrival == Arrival::part && Clock::now() < visitors[i].until) continue;
+      close(std::exchange(visitors[i].connection, -1));
     }
-    close(connection);
+    std::erase_if(visitors, [](const Visitor& visitor) { return visitor.connection < 0; });
+    const int connection = ready[0].revents != 0 ? accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC) : -1;
+    if (connection < 0) continue;
+    if (visitors.size() == kMostVisitors) close(visitors.front().connection), visitors.erase(visitors.begin());
+    visitors.push_back({connection, Clock::now() + kPatience, ""});
   }
+  for (const Visitor& visitor : visitors) close(visitor.connection);
 }
 
-void PageServer::answer(int connection) const {
-  const std::string request = read_request(connection, ends_);
-  if (request.empty()) return;
+void PageServer::answer(int connection, const std::string& request) const try {
   const auto say = [&](int code, const char* reason) {
     send_all(connection, response(code, reason, {"text/plain", std::string(reason) + "\n"}), ends_);
   };
@@ -138,6 +157,7 @@ void PageServer::answer(int connection) const {
     return say(503, "Service Unavailable");
   }
   send_all(connection, response(200, "OK", *answer), ends_);
+} catch (const std::exception&) {  // too little memory: the browser repeats the request
 }
 
 }  // namespace quoin

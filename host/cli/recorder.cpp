@@ -83,9 +83,9 @@ void Recorder::on_row(const HistoryRow& row) {
   if (live_) live_->add_row(row);
 }
 
-void Recorder::serve(int port, const fs::path& folder, const Simulation& simulation) {
+void Recorder::serve(std::unique_ptr<PageServer> server, const fs::path& folder, const Simulation& simulation) {
   simulation_ = &simulation;
-  live_ = std::make_unique<LiveRun>(port, folder, simulation, history_.rows(), frames_.times());
+  live_ = std::make_unique<LiveRun>(std::move(server), folder, simulation, history_.rows(), frames_.times());
   progress_.message("the run goes on at " + live_->address());
 }
 

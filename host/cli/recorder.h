@@ -33,7 +33,7 @@ class Recorder : public Observer {
   void on_promotion(const Simulation& simulation) override;
   void on_row(const HistoryRow& row) override;
   // Serves a page with the state of the run, from its start on.
-  void serve(int port, const std::filesystem::path& folder, const Simulation& simulation);
+  void serve(std::unique_ptr<PageServer> server, const std::filesystem::path& folder, const Simulation& simulation);
   void follow(const std::filesystem::path& folder, const Simulation& simulation,
               const std::vector<std::vector<double>>& before);
   void finish_tables();

@@ -190,6 +190,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
     SharedFolder shared{fs::absolute(folder).string(), part_token(), before.results.frame_times};
     share(*ranks, shared);
   }
+  auto server = options.serve >= 0 ? std::make_unique<PageServer>(options.serve) : nullptr;
   // Removes results of an earlier run, so that those of a failed run are not mistaken for them.
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
     return resumed && is_kept(name, before.results.frame_times.size());
@@ -206,7 +207,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   else if (has_monitors)
     recorder.follow(folder, simulation, before.results.monitor_rows);
   say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
-  if (options.serve >= 0) recorder.serve(options.serve, folder, simulation);
+  if (server) recorder.serve(std::move(server), folder, simulation);
   run_and_keep(folder, simulation, surfaces, options, recorder, info, exit_code);
   if (there && info.status != "interrupted" && !say_whether_same(info.provenance, folder, *there, options.again) &&
       exit_code == 0)

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "members/members.h"
 #include "model/block_layout.h"
+#include "model/contact_frames.h"
 #include "model/gathered_sums.h"
 #include "model/impact_damping.h"
 #include "model/lanczos.h"
@@ -529,6 +530,7 @@ double step_over_critical(const SolverSettings& solver, double critical) {
 }
 
 void find_time_step(World& w, bool may_grow) {
+  take_back_facets(w);
   w.stepping.omega = highest_frequency(w);
   if (!std::isfinite(w.stepping.omega))
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
@@ -539,6 +541,7 @@ void find_time_step(World& w, bool may_grow) {
 void World::hold_by_springs(double eigenvalue) {
   if (eigenvalue == stepping.springs) return;
   stepping.springs = eigenvalue;
+  take_back_facets(*this);
   choose_time_step(*this, false);
 }
 

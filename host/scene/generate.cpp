@@ -255,8 +255,9 @@ Assembly assemble(const Scene& scene) {
 }
 
 bool stands_on_ground(const Scene& scene) {
-  return scene.had_actions ||
-         std::ranges::any_of(scene.stages, [](const Stage& s) { return !beyond_lattice(s).empty(); });
+  return scene.had_ground || std::ranges::any_of(scene.stages, [](const Stage& s) {
+           return s.has_no_control || !beyond_lattice(s).empty();
+         });
 }
 
 bool is_ground(const Scene& scene, const std::string& body) {

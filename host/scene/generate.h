@@ -20,7 +20,7 @@ Assembly generate_building(const BuildingSpec& building, const std::map<std::str
 Assembly assemble(const Scene& scene);
 
 // Whether the bottom beams of a wall or building, or else its bottom course, are the ground: where a stage acts on
-// blocks.
+// blocks, or has no control.
 bool stands_on_ground(const Scene& scene);
 // Whether a body of this name is of that ground, whatever acts.
 bool is_ground(const Scene& scene, const std::string& body);

@@ -114,6 +114,7 @@ void add_loads_of_before(Stage& stage, const Scene& scene, const std::vector<std
 void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::string> bodies, double top_force,
                  const std::string& folder) {
   read_controls(t, stage, bodies, scene);
+  stage.has_no_control = stage.controls.empty();
   const std::vector<std::string> held = bodies, loaded = loaded_names(scene);
   bodies.insert(bodies.end(), loaded.begin(), loaded.end());
   read_actions(t, stage, folder, bodies);
@@ -121,7 +122,7 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   read_stage_solver(t, stage, scene);
   if (scene.building && !t.has("monitor")) watch_building(stage, *scene.building);
   read_monitor(t, stage, acts ? &bodies : &held);
-  if (acts || stage.controls.empty()) add_loads_of_before(stage, scene, held, top_force);
+  if (acts || stage.has_no_control) add_loads_of_before(stage, scene, held, top_force);
   if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !stage.collapse &&
       !t.has("equilibrium_ratio") && !t.has("displacement") && !t.has("duration") && !t.has("collapse"))
     t.context().fault(t.where() +

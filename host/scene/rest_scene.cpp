@@ -37,7 +37,7 @@ Scene at_rest(Scene scene, const std::string& name) {
                 fmt::format("{}: no stage has a weight or a load, so all is at rest as it is; give one gravity, forces "
                             "or pressures",
                             scene.file));
-  scene.had_actions = stands_on_ground(scene);
+  scene.had_ground = stands_on_ground(scene);
   Stage rest = *found;
   rest.kind = "rest", rest.ramp_time = 0.0;
   if (!rest.equilibrium_ratio) rest.equilibrium_ratio = 1e-4;

@@ -205,6 +205,7 @@ struct Stage {
   std::string name;
   std::string kind;  // kind as read: pressure, shear, weight, push, cycles, rest, custom
   std::vector<BodyControl> controls;
+  bool has_no_control = false;  // custom stage without [[stage.control]]: the bottom beam is held
   Vec3 gravity{0.0, 0.0, 0.0};  // m/s2
   double ramp_time = 0.0;       // s; velocities and forces change smoothly from those of the stage before
 
@@ -491,7 +492,7 @@ struct Scene {
   // Text of the tables of joints, contacts and members, by name; a scene that starts from a run has the same.
   std::map<std::string, std::string> arrangement;
   std::vector<Stage> stages;
-  bool had_actions = false;  // whether stages of the file have actions on blocks that at_rest() has left out
+  bool had_ground = false;  // whether stages that at_rest() has left out stand on the ground
   OutputSettings output;
   std::vector<Monitor> monitors;       // they serve results alone
   std::vector<Derivation> derivation;  // how properties follow from tests, to be shown; empty: no [tests]

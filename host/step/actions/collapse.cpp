@@ -12,6 +12,7 @@
 #include "model/world_results.h"
 #include "scene/collapse_load.h"
 #include "step/actions/action.h"
+#include "step/actions/ground.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/rank_agreement.h"
@@ -21,6 +22,8 @@
 #include "step/work_division.h"
 
 namespace quoin {
+
+using geometry::Vector;
 
 namespace {
 
@@ -85,31 +88,44 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
   return multiplier;
 }
 
-// Largest displacement of a block since the stage began, m.
+// Position of the ground, which may move on after a record: of a block that moves with it, or of what lies below
+// springs, m.
+Vector position_of_ground(const Simulation::Impl& s) {
+  if (const int ground = ground_block(s); ground >= 0) return position_of(*s.large_motion, ground);
+  const members::Members* const members = s.large_motion->held_by.members.get();
+  return members && !members->beds().empty() ? members->ground() : Vector{};
+}
+
+// Largest displacement of a block against the ground since the stage began, m.
 double moved_in_stage(const Simulation::Impl& s) {
   const std::vector<int> rank = s.ranks ? rank_by_block(s) : std::vector<int>();
+  const Vector ground = position_of_ground(s);
   double largest = 0.0;
   for (std::size_t i = 0; i < s.actions.collapse_from.size(); ++i) {
     if (s.large_motion->assembly.blocks[i].fixed || (s.ranks && rank[i] != s.ranks->rank())) continue;
-    const double moved = norm(position_of(*s.large_motion, static_cast<int>(i)) - s.actions.collapse_from[i]);
+    const double moved = norm(position_of(*s.large_motion, static_cast<int>(i)) - ground - s.actions.collapse_from[i]);
     largest = moved <= largest ? largest : moved;  // keeps NaN
   }
   return s.ranks ? largest_of_ranks(s, largest) : largest;
 }
 
 void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {
-  if (settings.collapse && (!settings.collapse->start || !settings.collapse->limit))
+  s.actions.multiplier = 0.0;
+  s.actions.first_load = {};
+  std::vector<Vector>& from = s.actions.collapse_from;
+  from.clear();
+  if (!settings.collapse) return;
+  if (!settings.collapse->start || !settings.collapse->limit)
     throw Error(Exit::bad_input,
                 fmt::format("{}: collapse.start = \"limit\" is not found yet; give start as a number, times the weight",
                             settings.source.text));
-  s.actions.multiplier = 0.0;
-  s.actions.first_load = {};
-  s.actions.collapse_from.clear();
-  for (int block = 0; settings.collapse && block < s.large_motion->block_count(); ++block)
-    s.actions.collapse_from.push_back(position_of(*s.large_motion, block));
+  for (int block = 0; block < s.large_motion->block_count(); ++block)
+    from.push_back(position_of(*s.large_motion, block));
   if (s.ranks)
-    all_gather(s.ranks, std::span(s.actions.collapse_from),
-               [rank = rank_by_block(s)](std::size_t block) { return rank[block]; });
+    all_gather(s.ranks, std::span(from), [rank = rank_by_block(s)](std::size_t block) { return rank[block]; });
+  const int block = ground_block(s);
+  const Vector ground = block < 0 ? position_of_ground(s) : from[static_cast<std::size_t>(block)];
+  for (Vector& of_block : from) of_block -= ground;
 }
 
 // Adds the body force to the weight.

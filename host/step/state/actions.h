@@ -43,7 +43,7 @@ struct Actions {
   std::size_t fading_loads = 0, fading_pressures = 0;  // number of loads of earlier stages, which fade
   double multiplier = 0.0;                             // multiplier of the body force in a collapse stage
   FirstLoad first_load;                                // for collapse stages
-  std::vector<geometry::Vector> collapse_from;         // positions of blocks when a collapse stage began, m
+  std::vector<geometry::Vector> collapse_from;         // of blocks against the ground when a collapse stage began, m
   geometry::Vector ground_left;  // velocity that records have left to ground below springs without fixed blocks, m/s
 
   const Drive* ground_drive() const;  // drive of a block that moves with the ground; null: none
