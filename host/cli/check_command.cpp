@@ -21,6 +21,7 @@
 #include "results/surface.h"
 #include "scene/collapse_load.h"
 #include "scene/damping_text.h"
+#include "scene/driven.h"
 #include "scene/scatter_text.h"
 #include "scene/size.h"
 #include "scene/stage_warnings.h"
@@ -91,14 +92,8 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
                                  ? report.time_step
                                  : blocks::step_over_critical(solver, report.critical.value) * report.critical.value;
     double seconds = stage.duration.value_or(0.0);
-    if (stage.displacement) {
-      for (const BodyControl& c : stage.controls) {
-        const double speed = std::abs(c.velocity[static_cast<size_t>(stage.direction)]);
-        if (c.body == stage.monitor && speed > 0) seconds = *stage.displacement / speed + stage.ramp_time / 2;
-      }
-      if (stage.whiffletree && stage.whiffletree->velocity != 0.0)
-        seconds = *stage.displacement / std::abs(stage.whiffletree->velocity) + stage.ramp_time / 2;
-    }
+    if (const double driven = driven_velocity(stage); stage.displacement && driven != 0.0)
+      seconds = *stage.displacement / std::abs(driven) + stage.ramp_time / 2;
     if (const auto growth = stage.collapse ? seconds_of_growth(*stage.collapse) : std::nullopt)
       seconds = stage.ramp_time + *growth;
     steps += seconds / time_step;

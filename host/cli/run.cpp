@@ -190,6 +190,9 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
     SharedFolder shared{fs::absolute(folder).string(), part_token(), before.results.frame_times};
     share(*ranks, shared);
   }
+  // What may refuse the run comes before results of an earlier one are removed.
+  Surfaces surfaces;
+  require_room(folder, simulation, surfaces);
   auto server = options.serve >= 0 ? std::make_unique<PageServer>(options.serve) : nullptr;
   // Removes results of an earlier run, so that those of a failed run are not mistaken for them.
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
@@ -197,8 +200,6 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   });
   if (!lock) write_run_record(folder, options.scene, simulation.scene().text);
 
-  Surfaces surfaces;
-  require_room(folder, simulation, surfaces);
   Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before.results,
                     options.compressed, pieces);
   const bool has_monitors = !simulation.scene().monitors.empty();

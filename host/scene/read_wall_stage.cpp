@@ -164,7 +164,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
     double velocity = quality.velocity;
     bool pressed = false;
     const bool velocity_known = !t.has("velocity") || t.number("velocity", velocity, kAny, "m/s");
-    scene.quality_as_is = scene.quality_as_is && velocity == quality.velocity;
+    scene.quality_as_is = scene.quality_as_is && std::abs(velocity) == quality.velocity;
     t.number("displacement", stage.displacement, kPositive, "m");
     t.choice("vertical", pressed, {{"held", false}, {"pressure", true}});
     if (!t.has("ramp_time")) stage.ramp_time = 0.05;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/smooth_step.h"
 #include "scene/damping_text.h"
 
 namespace quoin {
@@ -88,14 +89,41 @@ std::string record_outside(const Stage& stage) {
   return text;
 }
 
+// A body that the stage before has driven, and that goes on over the ramp before it stops or turns back.
+std::string goes_on_in_ramp(const Scene& scene, std::size_t stage) {
+  constexpr double kAllowed = 0.05;  // of the displacement that either stage asks for
+  const Stage& now = scene.stages[stage];
+  if (stage == 0 || now.ramp_time <= 0.0 || now.cycles) return "";
+  const Stage& before = scene.stages[stage - 1];
+  const double asked = std::min(before.displacement.value_or(1e300), now.displacement.value_or(1e300));
+  for (const BodyControl& c : now.controls) {
+    const auto then = std::ranges::find(before.controls, c.body, &BodyControl::body);
+    for (std::size_t k = 0; k < 3 && then != before.controls.end(); ++k) {
+      if (before.cycles || c.kind[k] == DofKind::free || then->kind[k] == DofKind::free) continue;
+      const double from = then->velocity[k], to = c.velocity[k];
+      if (from == 0.0 || from * to > 0.0) continue;
+      double on = 0.0;  // m
+      constexpr int kParts = 100;
+      for (int i = 0; i < kParts; ++i)
+        on += std::max(0.0, 1.0 + (to / from - 1.0) * smooth_step((i + 0.5) / kParts)) * std::abs(from) *
+              now.ramp_time / kParts;
+      if (on <= kAllowed * asked) continue;
+      return fmt::format(
+          "stage '{}' takes '{}' from {:g} to {:g} m/s along {} over its ramp_time of {:g} s, in which it goes on by "
+          "{:.3g} mm before it {}; give a shorter ramp_time",
+          now.name, c.body, from, to, "xyz"[k], now.ramp_time, on * 1e3, to == 0.0 ? "stands still" : "turns back");
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) {
-  std::vector<StageWarning> all = {{"damping", damped_ground(scene, stage)},
-                                   {"release", damped_release(scene, stage)},
-                                   {"collapse", damped_collapse(scene, stage)},
-                                   {"record", record_outside(scene.stages[stage])},
-                                   {"inertia", raised_inertia(scene, stage)}};
+  std::vector<StageWarning> all = {
+      {"damping", damped_ground(scene, stage)},        {"release", damped_release(scene, stage)},
+      {"collapse", damped_collapse(scene, stage)},     {"ramp", goes_on_in_ramp(scene, stage)},
+      {"record", record_outside(scene.stages[stage])}, {"inertia", raised_inertia(scene, stage)}};
   std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
   return all;
 }

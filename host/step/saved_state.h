@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '8'};
+inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '9'};
 
 template <class Archive, class Impl>
 void transfer_state(Archive& archive, Impl& s) {
@@ -24,6 +24,7 @@ void transfer_state(Archive& archive, Impl& s) {
   archive.array(s.controls.load_ramps);
   archive.value(s.controls.gravity_from);
   archive.value(s.controls.gravity_to);
+  archive.value(s.controls.jack);
   archive.value(s.data.gravity);
   archive.value(s.progress.step);
   archive.value(s.progress.clock_start);

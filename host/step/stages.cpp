@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "model/motion.h"
 #include "scene/collapse_load.h"
+#include "scene/driven.h"
 #include "scene/leaves_lattice.h"
 #include "step/actions/whiffletree.h"
 #include "step/borders.h"
@@ -42,17 +43,7 @@ long chosen_record_interval(const Simulation::Impl& s) {
   double steps = std::numeric_limits<double>::infinity();
   if (settings.duration) steps = *settings.duration / s.data.time_step;
   if (settings.displacement) {
-    const auto direction = static_cast<std::size_t>(settings.direction);
-    const int monitor = s.monitor.blocks.empty() ? -1 : s.monitor.blocks.front();
-    const int body = monitor < 0 || s.large_motion ? -1 : s.model.place[at(monitor)].body;
-    double speed = 0.0;
-    if (settings.whiffletree)
-      speed = std::abs(settings.whiffletree->velocity);
-    else if (body >= 0)
-      speed = std::abs(s.controls.ramps[at(body)].velocity_to[direction]);
-    for (const Drive& drive : s.actions.drives) {
-      if (!settings.whiffletree && drive.block == monitor) speed = std::abs(drive.velocity_to[settings.direction]);
-    }
+    const double speed = std::abs(driven_velocity(settings));
     if (speed > 0.0)
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / s.data.time_step);
   }
@@ -114,10 +105,10 @@ void begin_stage(Simulation::Impl& s, int index) {
   bind_controls(s);
   bind_floors(s);
   choose_damping(s);
-  // The whiffletree starts without force: from the mean displacement of the floors.
   if (!s.controls.floors.empty()) s.monitor.start = {};
   for (const std::vector<int>& floor : s.controls.floors)
     s.monitor.start += displacement_at_forces(s, floor) / static_cast<double>(s.controls.floors.size());
+  begin_pull(s, previous);
   s.progress.calm_checks = 0;
   // The last frame of the stage before shows the beginning of this one.
   s.progress.next_frame = index > 0 && s.scene.frames_in(static_cast<std::size_t>(index) - 1) > 0 ? 1 : 0;
@@ -165,7 +156,11 @@ double stage_fraction(const Simulation::Impl& s) {
   if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
     const double moved = displacement_now(s, shown_blocks(s))[c] - s.monitor.start[c];
-    fraction = std::max(fraction, std::abs(moved) / *settings.displacement);
+    // Motion against the velocity of the stage, which a ramp after a stage to the other side begins with, counts less
+    // than none.
+    const double driven = driven_velocity(settings),
+                 way = driven == 0.0 ? std::abs(moved) : std::copysign(1.0, driven) * moved;
+    fraction = std::max(fraction, way / *settings.displacement);
   }
   return fraction;
 }

@@ -172,6 +172,63 @@ TEST(Checkpoint, WallGoesOnAfterItsLawWasSwapped) {
   expect_restores(scene);
 }
 
+// Deformable blocks with unequal gridpoints that slide on each other: feet of points on triangles move in every step.
+// The shake after it has a time step of its own, which follows from where they are.
+TEST(Checkpoint, SlidingBlocksHaveTheTimeStepOfTheNextStageBitForBit) {
+  expect_restores(scene_of_text(R"(
+[materials.stone]
+young_modulus = 1e9
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 2e9
+shear_stiffness = 1e9
+friction_angle = 20.0
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = { lower = [-1, -1, 0], size = [3, 1, 1] }
+[[block]]
+name = "low"
+material = "stone"
+rigid = false
+divisions = [1, 1, 1]
+box = { lower = [0, 0, 0], size = [1, 0.5, 1] }
+[[block]]
+name = "top"
+material = "stone"
+rigid = false
+divisions = [2, 1, 2]
+box = { lower = [0.1, 0.5, 0], size = [0.7, 0.5, 1] }
+[[stage]]
+name = "slide"
+gravity = [0, -9.81, 0]
+duration = 0.2
+[[stage.force]]
+block = "top"
+point = [0.45, 0.75, 0.5]
+force = [4000, 0, 0]
+[[stage]]
+name = "shake"
+duration = 0.02
+ground_motion = { direction = [1, 0, 0], time = [0, 0.1], acceleration = [0, 3] }
+[output]
+energy = true
+frames = 0
+)"));
+}
+
+// Pushes and cycles of a building go on from the force of the jack before them.
+TEST(Checkpoint, PushesOfABuildingGoOnBitForBit) {
+  Scene scene = scene_of(QUOIN_HOST_TESTS "/small_building.toml",
+                         {"stage.push.displacement=0.001", "stage.weight.equilibrium_ratio=0.1"});
+  scene.stages.push_back(scene.stages.back());
+  expect_restores(scene);
+}
+
 // A dry arch until it falls: rigid blocks, collapse, contact detection during the run, base slip at uplift.
 TEST(Checkpoint, CollapseOfAnArchGoesOnBitForBit) {
   EXPECT_GT(expect_restores(scene_of(

@@ -5,6 +5,7 @@ import io
 import json
 import os
 import re
+import socket
 import subprocess
 import sys
 import time
@@ -79,10 +80,25 @@ class Live(Folder):
                 self.assertEqual(one.read(), other.read(), name)
 
     def test_a_port_that_is_taken_is_told(self):
+        done = self.command("run", SMALL_WALL, "--out", "other", *SLOW)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        before = sorted(os.listdir(self.path("other")))
         run, port = self.served("--live")
         done = self.command("run", SMALL_WALL, "--out", "other", "--serve", str(port))
+        self.assertEqual(sorted(os.listdir(self.path("other"))), before)  # results of the earlier run
         self.assertEqual(done.returncode, 3, done.stderr)
         self.assertIn(f"--serve {port}: the port cannot be had", done.stderr)
+        run.terminate()
+        run.communicate(timeout=120)
+
+    def test_idle_connections_keep_nobody_waiting(self):
+        run, port = self.served("--serve", "0")
+        idle = [socket.create_connection(("127.0.0.1", port)) for _ in range(70)]  # more than are kept open
+        begin = time.monotonic()
+        self.assertEqual(self.get(port, "/state")[0], 200)
+        self.assertLess(time.monotonic() - begin, 4.0)  # s; each idle one alone had 5 s
+        for connection in idle:
+            connection.close()
         run.terminate()
         run.communicate(timeout=120)
 

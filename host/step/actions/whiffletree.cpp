@@ -54,19 +54,31 @@ void bind_floors(Simulation::Impl& s) {
   }
 }
 
+void begin_pull(Simulation::Impl& s, const Stage* previous) {
+  const Stage& settings = current_stage(s);
+  if (!settings.whiffletree) return;
+  const Whiffletree* const before = previous && previous->whiffletree ? &*previous->whiffletree : nullptr;
+  JackHead& jack = s.controls.jack;
+  jack.from = s.monitor.start[0] + (before ? jack.force / settings.whiffletree->stiffness : 0.0);
+  jack.velocity_from = before && !previous->cycles ? before->velocity : 0.0;  // cycles end at rest
+}
+
 void pull_whiffletree(Simulation::Impl& s) {
   const Stage& settings = current_stage(s);
   const Whiffletree& tree = *settings.whiffletree;
-  const double moved = s.controls.cycles ? s.controls.cycles->position(stage_time(s))
-                                         : tree.velocity * smooth_way(stage_time(s), settings.ramp_time);
+  JackHead& jack = s.controls.jack;
+  const double time = stage_time(s), before = jack.velocity_from;
+  const double moved = s.controls.cycles
+                           ? s.controls.cycles->position(time, before)
+                           : before * time + (tree.velocity - before) * smooth_way(time, settings.ramp_time);
   // Current displacements, as for joints: a spring with those of a step before would add energy in every step.
   double mean = 0.0;
   for (const std::vector<int>& floor : s.controls.floors)
     mean += displacement_now(s, floor)[0] / static_cast<double>(s.controls.floors.size());
-  const double pull = tree.stiffness * (s.monitor.start[0] + moved - mean);
+  jack.force = tree.stiffness * (jack.from + moved - mean);
   for (const std::vector<int>& floor : s.controls.floors) {
     for (const int block : floor) {
-      const double force = pull / static_cast<double>(floor.size());
+      const double force = jack.force / static_cast<double>(floor.size());
       s.large_motion ? pull_block(s, block, force) : pull_on_lattice(s, block, force);
     }
   }

@@ -6,6 +6,8 @@
 namespace quoin {
 
 void bind_floors(Simulation::Impl& s);  // bodies and blocks of the stage's floors
+// Places the head of the jack where a stage begins. The force goes on from the stage before.
+void begin_pull(Simulation::Impl& s, const Stage* previous);
 void pull_whiffletree(Simulation::Impl& s);
 
 }  // namespace quoin

@@ -1,5 +1,6 @@
 // Controls of bodies and blocks in a stage: velocities and forces that change over its ramp. A stage sets them when it
-// begins, a controller between steps. Ramps and gravity are saved; the rest follows from them and from the stage.
+// begins, a controller between steps. Ramps, gravity and the jack are saved; the rest follows from them and from the
+// stage.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +32,13 @@ struct LoadRamp {
   Vec3 from{}, to{}, now{};  // N
 };
 
+// Head of the jack that pulls the whiffletree, along x.
+struct JackHead {
+  double from = 0.0;           // position when the stage began, m
+  double velocity_from = 0.0;  // velocity before the stage, m/s
+  double force = 0.0;          // on all floors together, in the last step, N
+};
+
 struct Controls {
   std::vector<BodyRamp> ramps;        // by body
   std::vector<LoadRamp> load_ramps;   // by loaded block
@@ -42,6 +50,7 @@ struct Controls {
   std::vector<const double*> load_of_group;  // by block group, into load; null: none
   // Blocks of the floors that the whiffletree of the stage pulls, else of the roof alone; the last is the roof.
   std::vector<std::vector<int>> floors;
+  JackHead jack;                       // where the stage has a whiffletree
   std::optional<CyclicMotion> cycles;  // cycles of the stage
   bool settled = true;                 // the ramp of the stage is over, and no body moves in cycles
   bool rest_known = true;              // BodyLanes::at_rest is up to date

@@ -1,0 +1,154 @@
+// Faults that testers found from outside, of stages that follow each other. Each of these scenes gave another result,
+// without a word.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "outside.h"
+
+namespace quoin::verification {
+namespace {
+
+const std::string kPressed = wall("zones = [2, 1, 1]\n") + R"(
+[[stage]]
+kind = "pressure"
+pressure = 0.1e6
+equilibrium_ratio = 1e-4
+)";
+
+// The displacement that ends a stage is that along its velocity. A stage to the other side ended where the ramp had
+// carried the beam on, with the beam 0.05 mm farther out and not nearer.
+TEST(OutsideStages, AStageBackEndsNearer) {
+  const std::string out = kPressed + R"(
+[[stage]]
+name = "out"
+kind = "shear"
+velocity = 0.02
+displacement = 0.0002
+vertical = "pressure"
+)";
+  const auto back = [&](const std::string& keys) {
+    return rows_of(out + "[[stage]]\nname = \"back\"\nkind = \"shear\"\nvelocity = -0.02\nvertical = \"pressure\"\n" +
+                   keys);
+  };
+  for (const char* motion : {"automatic", "always"}) {
+    const Rows rows =
+        back(fmt::format("displacement = 0.00005\n[solver]\nlarge_motion = \"{}\"\nkernels = \"automatic\"\n", motion));
+    const double before = rows.of_stage(1).back().monitor_displacement[0],
+                 after = rows.all.back().monitor_displacement[0];
+    EXPECT_NEAR(after, before - 0.00005, 1e-6) << motion;  // a step is 0.02 m/s times 2e-5 s
+    EXPECT_TRUE(std::ranges::count(rows.warned_of, "ramp")) << motion;
+  }
+  EXPECT_FALSE(std::ranges::count(back("displacement = 0.00005\nramp_time = 0.0001\n").warned_of, "ramp"));
+}
+
+// A stage without controls holds the bottom beam whatever other stages do. In a scene without actions nothing was held,
+// and the wall flew off under the pressure of its top beam.
+TEST(OutsideStages, AStageWithoutControlsHoldsTheBottomBeam) {
+  const Rows rows = rows_of(kPressed + R"(
+[[stage]]
+name = "push"
+kind = "shear"
+velocity = 0.02
+displacement = 0.00005
+vertical = "pressure"
+[[stage]]
+name = "release"
+kind = "custom"
+equilibrium_ratio = 1e-3
+)");
+  const double load = 0.1e6 * 0.4 * 0.1;
+  EXPECT_NEAR(rows.all.back().vertical_force, load, 0.01 * load);
+  EXPECT_LT(rows.all.back().largest_displacement, 1e-4);
+}
+
+// Ground that moves on after a record carries all blocks with it. That motion counted as collapse: 0.002, or 0 where
+// the ramp took the ground to rest.
+TEST(OutsideStages, MotionOfTheGroundIsNoCollapse) {
+  const auto multiplier = [&](const std::string& after, const std::string& ramp) {
+    std::unique_ptr<Simulation> run;
+    rows_of(kBase + R"(
+[[block]]
+name = "slab"
+material = "stone"
+box = { lower = [0, 0, 0], size = [0.5, 1, 0.5] }
+[[stage]]
+name = "weight"
+kind = "rest"
+gravity = [0, -9.81, 0]
+[[stage]]
+name = "shake"
+duration = 0.8
+monitor = "slab"
+ground_motion = { direction = [1, 0, 0], time = [0, 0.1, 0.2], acceleration = [0, 0.5, 0])" +
+                after + " }\n" + R"(
+[[stage]]
+name = "push"
+monitor = "slab"
+collapse = { direction = [1, 0, 0], start = 0.0, rate = 0.05, displacement = 0.005, limit = 0.9 }
+ramp_time = )" + ramp,
+            &run);
+    return run->outcome().collapse_multiplier.value_or(0.0);
+  };
+  const double at_rest = multiplier(", after = \"rest\"", "0.0");
+  EXPECT_NEAR(at_rest, 0.5, 0.05);  // width over height; the load grows while the block tips
+  EXPECT_NEAR(multiplier("", "0.0"), at_rest, 0.01);
+  EXPECT_NEAR(multiplier("", "0.5"), at_rest, 0.01);
+}
+
+std::string pushes(const std::string& last) {
+  return R"(
+[building]
+courses = 4
+course_height = 0.2
+thickness = 0.25
+zones = [1, 1, 1]
+unit_material = "stone"
+bed_joint = "dry"
+head_joint = "dry"
+unit_joint = "dry"
+beam_joint = "dry"
+[[building.wall]]
+name = "W"
+axis = "x"
+start = [0.0, 0.0]
+half_units = 6
+half_unit = 0.2
+[[building.floor]]
+name = "f"
+wall = "W"
+course = 3
+half_units = [1, 3, 5]
+load = 20e3
+[[stage]]
+kind = "weight"
+[[stage]]
+kind = "push"
+stiffness = 1e7
+velocity = 0.005
+displacement = 0.00005
+[[stage]]
+name = "on"
+kind = ")" +
+         last;
+}
+
+// A push or cycles after a push go on from the force of the jack. It was let go at once: from 33 to 6 kN in 13 ms.
+TEST(OutsideStages, TheNextPushGoesOnFromTheForceBefore) {
+  for (const char* next : {"push\"\nstiffness = 1e7\nvelocity = 0.005\ndisplacement = 0.00005\n",
+                           "push\"\nstiffness = 2e7\nvelocity = 0.005\ndisplacement = 0.00005\n",
+                           "cycles\"\nstiffness = 1e7\nvelocity = 0.005\namplitudes = [0.00005]\n"}) {
+    const Rows rows = rows_of(pushes(next));
+    const double before = rows.of_stage(1).back().resistance, first = rows.of_stage(2).front().resistance;
+    ASSERT_GT(before, 100.0) << next;
+    EXPECT_NEAR(first, before, 0.05 * before) << next;
+    double least = before;
+    for (const HistoryRow& row : rows.of_stage(2)) {
+      if (row.time < rows.of_stage(2).front().time + 0.005) least = std::min(least, row.resistance);
+    }
+    EXPECT_GT(least, 0.9 * before) << next;
+  }
+}
+
+}  // namespace
+}  // namespace quoin::verification
