@@ -107,7 +107,10 @@ BlockSpec read_block(Table& t, const Scene& scene) {
   return b;
 }
 
-// Refuses an opening that takes nothing from the wall, or more than there is. Keys that are missing are faults already.
+constexpr double kBed = 1e-9;  // of the length of a unit; distance from a bed joint that is rounding
+
+// Refuses an opening that takes nothing from the wall, more than there is, or part of a course. Keys that are missing
+// are faults already.
 void check_opening(Table& o, const DryWallSpec::Opening& opening, const DryWallSpec& wall) {
   const double rounding = 1.0 + 1e-9;
   const auto check = [&](const char* lower, double low, const char* upper, double up, double whole, const char* what) {
@@ -119,6 +122,17 @@ void check_opening(Table& o, const DryWallSpec::Opening& opening, const DryWallS
   };
   check("from", opening.from, "to", opening.to, wall.units_per_course * wall.unit[0], "length");
   check("sill", opening.sill, "head", opening.head, wall.courses * wall.unit[1], "height");
+  const double height = wall.unit[1];
+  for (const auto& [key, place] : {std::pair{"sill", opening.sill}, std::pair{"head", opening.head}}) {
+    if (!o.has(key) || !(height > 0.0)) continue;
+    const double below = std::floor(place / height) * height;
+    if (std::abs(place - std::round(place / height) * height) > kBed * wall.unit[0])
+      o.refuse(key, fmt::format("a bed joint, {:g} or {:g} m: courses are {:g} m high, and only whole ones end at an "
+                                "opening",
+                                below, below + height, height));
+  }
+  if (o.has("head") && opening.bearing > 0.0 && opening.head > (wall.courses - 0.5) * height)
+    o.refuse("bearing", "0 where the head is the top of the wall: there is no course for a lintel");
 }
 
 DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
@@ -133,7 +147,7 @@ DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
       2 * w.units_per_course != std::floor(2 * w.units_per_course)) {
     t.refuse("units_per_course", "a multiple of 0.5");
   }
-  t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
+  t.numbers("unit", w.unit, kExtent, "m (length, height, thickness)", true);
   if (t.numbers("zones", w.zones, between(1, 64), "hexahedra of 5 zones per half unit along x, y, z")) {
     if (w.rigid) t.refuse("zones", "only with rigid = false");
     if (w.zone_edge > 0.0) t.refuse("zones", "not beside zone_edge; remove one of the two");

@@ -19,7 +19,7 @@ Wall read_wall(Table& t, const BuildingSpec& b, const Scene& scene) {
   t.choice("axis", w.axis, {{"x", 0}, {"z", 2}});
   t.numbers("start", w.start, kAny, "m (x and z of the lowest corner)", true);
   const bool counted = t.integer("half_units", w.half_units, 1, 20000, true);
-  const bool measured = t.number("half_unit", w.half_unit, kPositive, "m (length)", true);
+  const bool measured = t.number("half_unit", w.half_unit, kExtent, "m (length)", true);
   t.choice("first_course", w.first_course, {"whole", "half"});
   w.openings = read_openings(t, {counted ? w.half_units : 0, b.courses, measured ? w.half_unit : 0.0}, scene.materials);
   return w;
@@ -54,10 +54,10 @@ BuildingSpec read_building(Table& t, const Scene& scene) {
   BuildingSpec b;
   const bool counted = t.integer("courses", b.courses, 1, 10000, true);
   if (!counted) b.courses = 10000;
-  t.number("course_height", b.course_height, kPositive, "m", true);
-  t.number("thickness", b.thickness, kPositive, "m", true);
+  t.number("course_height", b.course_height, kExtent, "m", true);
+  t.number("thickness", b.thickness, kExtent, "m", true);
   t.numbers("zones", b.zones, between(1, 64), "hexahedra per half unit along the wall, up and through it");
-  t.number("beam_height", b.beam_height, kPositive, "m");
+  t.number("beam_height", b.beam_height, kExtent, "m");
   t.number("beam_density", b.beam_density, kPositive, "kg/m3");
   t.name_of("unit_material", b.unit_material, scene.materials, "materials", true);
   t.name_of("bed_joint", b.bed_joint, scene.joints, "joints", true);

@@ -18,7 +18,7 @@ WallSpec read_wall(Table& t, const Scene& scene) {
     t.refuse("units_per_course", "a multiple of 0.5, as units are cut in half at most");
     has_units = false;
   }
-  const bool has_unit = t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
+  const bool has_unit = t.numbers("unit", w.unit, kExtent, "m (length, height, thickness)", true);
   t.numbers("zones", w.zones, between(1, 64), "hexahedra per half unit along x, y, z");
   t.boolean("mid_unit_joints", w.mid_unit_joints);
   t.boolean("rigid_units", w.rigid_units);
@@ -28,7 +28,7 @@ WallSpec read_wall(Table& t, const Scene& scene) {
     t.refuse("half_thickness", "true only with an even number of zones along z");
   t.boolean("bottom_beam", w.bottom_beam);
   t.boolean("top_beam", w.top_beam);
-  t.number("beam_height", w.beam_height, kPositive, "m");
+  t.number("beam_height", w.beam_height, kExtent, "m");
   t.number("load_height", w.load_height, kNotNegative, "m above the foot of the wall");
   if (w.load_height && !w.top_beam) t.refuse("load_height", "only with top_beam = true, on which it acts");
   if (w.load_height &&

@@ -59,6 +59,8 @@ inline Range between(double lower, double upper) { return {lower, upper, false};
 inline Range above_to(double lower, double upper) { return {lower, upper, true}; }
 // Of a coordinate, m. Beyond it, positions in double precision are coarser than the opening of a joint.
 inline constexpr Range kPlace{-1e6, 1e6};
+// Of an extent of units and walls, m: larger ones are taken for another unit of length.
+inline constexpr Range kExtent{0.0, 100.0, true};
 
 inline std::string text_of(const toml::node& node) { return node.is_table() ? "a table" : inline_toml(node); }
 

@@ -203,6 +203,11 @@ void promote(Simulation::Impl& s, const std::string& why, int stage) {
                             "solver.selective_time_step; make that smaller than {:g} s, use mass_scaling, or choose "
                             "solver.large_motion = \"never\"",
                             s.progress.stage_step, current_stage(s).name, why, s.scene.solver.selective_time_step));
+  constexpr double kLost = 1e6;  // diagonals of the model; squares of distances overflow far beyond
+  if (!(s.small_motion.seen.translation <= kLost))
+    throw Error(Exit::numerical, fmt::format("step {} of stage '{}': {}; check the velocities and forces of the stage, "
+                                             "or reduce solver.time_step_fraction",
+                                             s.progress.stage_step, current_stage(s).name, why));
   Promotion promotion{why, stage, s.progress.step, time_now(s), 0.0, 0.0};
   const double dt = s.data.time_step;
 

@@ -18,7 +18,8 @@ void end_check(Simulation::Impl& s);
 void check_energies(Simulation::Impl& s, const Energies& now, double dissipated, double work_before, double work_after);
 // First wrong answer of a law in its last call; none: all are right.
 std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s);
-// Checks all assumptions when a row is written, after its step. Returns the new warnings, which Outcome has too.
-std::vector<Warning> new_warnings(Simulation::Impl& s);
+// Checks all assumptions when a row is written, after its step; stage_ends: the last of its stage. Returns the new
+// warnings, which Outcome has too.
+std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends);
 
 }  // namespace quoin

@@ -144,7 +144,7 @@ void StageRun::write_row(bool done) {
   if (s_.large_motion) check_rotations(s_);
   // Checked at the end of each stage.
   if (done) s_.watch.next_stiffness = std::min(s_.watch.next_stiffness, s_.progress.step);
-  const std::vector<Warning> of_watch = new_warnings(s_);
+  const std::vector<Warning> of_watch = new_warnings(s_, done);
   warnings_.insert(warnings_.end(), of_watch.begin(), of_watch.end());
   s_.timing.phases[Phase::watch] += seconds_since(watched);
   warn();

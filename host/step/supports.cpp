@@ -162,7 +162,8 @@ void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
   throw Error(
       Exit::numerical,
       fmt::format("stage '{}' ends when all is at rest, and cannot: {}. Give a block below fixed = true, hold a "
-                  "body by velocity = 0, or give the stage a duration",
+                  "body by velocity = 0, or give the stage a duration. Where joints have failed under a load that they "
+                  "carry at rest, give a longer ramp_time",
                   settings.name, what));
 }
 

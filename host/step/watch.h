@@ -24,6 +24,7 @@ struct Watch {
   static constexpr double kAllowedOverlap = 0.05;          // share of the least extent of a block
   static constexpr double kAllowedMissing = 0.05;          // share of the energy that is converted
   static constexpr double kAllowedTurn = 0.3;              // rad, of an end of a beam's piece from its chord
+  static constexpr double kSlowRamp = 0.05;                // s; ramp of a pressure under which walls hardly vibrate
   static constexpr double kAllowedStiffness = 1.0 + 1e-6;  // ratio to the stiffness that the time step was chosen with
   // Least interval between two checks of energies (two consecutive steps), or of the flags of points; later a twentieth
   // of the steps so far. In these steps a law returns all of its outputs, at the cost of ten to twenty steps.
