@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "scene/members.h"
+#include "step/findings.h"
 
 namespace quoin::verification {
 namespace {
@@ -1069,6 +1070,148 @@ control = [{ body = "bottom_beam" }]
   std::string implicit = stages;
   implicit.replace(implicit.find("maxwell_damping = 0.05"), 22, "implicit_contacts = true");
   expect_refused(wall("zones = [2, 1, 1]\n") + implicit, "only with true inertia");
+}
+
+// Fixed blocks with names of their own have reactions of their own in small displacements too. They were one body, "p1
+// and 1 more", with the sum of both.
+TEST(Outside, FewFixedBlocksKeepTheirNames) {
+  const std::string piers = R"(
+[[block]]
+name = "p1"
+material = "stone"
+fixed = true
+box = { lower = [0, -1, 0], size = [1, 1, 1] }
+[[block]]
+name = "p2"
+material = "stone"
+fixed = true
+box = { lower = [3, -1, 0], size = [1, 1, 1] }
+[[block]]
+name = "low"
+material = "stone"
+box = { lower = [3, 0, 0], size = [1, 0.5, 1] }
+[[stage]]
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+duration = 0.3
+[[monitor]]
+name = "on_p2"
+block = "p2"
+point = [3.5, 0, 0.5]
+)" + kCube;
+  for (const char* kernels : {"automatic", "general"}) {
+    std::unique_ptr<Simulation> run;
+    const Rows rows = rows_of(piers + fmt::format("[solver]\nkernels = \"{}\"\n", kernels), &run);
+    const std::vector<Restraint>& restraints = restraints_of(*run);
+    ASSERT_EQ(restraints.size(), 2u) << kernels;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double weight = restraints[i].name == "p1" ? kWeightOfCube : 0.5 * kWeightOfCube;
+      EXPECT_NEAR(rows.all.back().reactions[i].force[1], weight, 0.01 * weight) << kernels << " " << restraints[i].name;
+    }
+  }
+}
+
+// A load that comes at once starts with waves across single zones, whose balance of energy oscillates by more than the
+// energy so far. It is no fault of the law, nor of the step.
+TEST(Outside, ASuddenLoadIsNoMissingEnergy) {
+  for (const char* energy : {"true", "false"}) {
+    for (const char* fraction : {"0.6", "0.1", "0.02"}) {
+      std::string stone = kStone;
+      stone.replace(stone.find("energy = true"), 13, std::string("energy = ") + energy);
+      Simulation run(scene_of(stone + kBase + R"(
+[solver]
+time_step_fraction = )" + fraction +
+                              R"(
+[[block]]
+name = "cube"
+material = "stone"
+rigid = false
+zone_edge = 0.5
+box = { lower = [0.5, 0, 0], size = [1, 1, 1] }
+[[stage]]
+name = "press"
+gravity = [0, -9.81, 0]
+duration = 0.01
+[[stage.pressure]]
+block = "cube"
+normal = [0, 1, 0]
+pressure = 1e6
+)"));
+      Rows rows;
+      run.run(rows);
+      EXPECT_FALSE(std::ranges::count(rows.warned_of, "energy_balance")) << energy << " " << fraction;
+    }
+  }
+}
+
+// The default ramp of a pressure is as short as a vertical period of a wall. Joints that carry the pressure at rest
+// crushed in it without a word.
+TEST(Outside, CrushingInTheRampOfAPressureIsWarnedOf) {
+  const auto warned = [](const std::string& keys) {
+    std::string weak = wall("zones = [2, 1, 1]\n");
+    for (std::size_t at; (at = weak.find("\"dry\"")) != std::string::npos;) weak.replace(at, 5, "\"weak\"");
+    const Rows rows = rows_of(R"(
+[joints.weak]
+law = "fracture_energy"
+normal_stiffness = 2e10
+shear_stiffness = 1e10
+tensile_strength = 0.2e6
+cohesion = 0.3e6
+friction_angle = 35.0
+compressive_strength = 5e6
+fracture_energy_tension = 15.0
+fracture_energy_shear = 125.0
+fracture_energy_compression = 8000.0
+)" + weak + "[[stage]]\nkind = \"pressure\"\npressure = 4.5e6\nequilibrium_ratio = 1e-3\n" +
+                              keys);
+    return std::ranges::count(rows.warned_of, "pressure");
+  };
+  EXPECT_EQ(warned(""), 1);
+  EXPECT_EQ(warned("ramp_time = 0.05\n"), 0);
+}
+
+// Openings end at bed joints: a head within a course took the whole course away.
+TEST(Outside, AnOpeningThatEndsWithinACourseIsRefused) {
+  const auto opening = [](const std::string& keys) {
+    return kBase + R"(
+[[dry_wall]]
+name = "front"
+material = "stone"
+courses = 6
+units_per_course = 5
+unit = [0.4, 0.2, 0.3]
+origin = [-1, 0, 0]
+[[dry_wall.opening]]
+from = 0.55
+to = 1.4
+)" + keys + R"(
+[[stage]]
+gravity = [0, -9.81, 0]
+duration = 0.001
+)";
+  };
+  expect_refused(opening("sill = 0.2\nhead = 0.81"), "a bed joint, 0.8 or 1 m");
+  expect_refused(opening("sill = 0.25\nhead = 0.8"), "a bed joint, 0.2 or 0.4 m");
+  expect_refused(opening("sill = 0.2\nhead = 1.2\nbearing = 0.2"), "no course for a lintel");
+  rows_of(opening("sill = 0.2\nhead = 0.8\nbearing = 0.2"));
+}
+
+// Squares of such displacements overflow: detection, to which the run went over, had no order of boxes left.
+TEST(Outside, AnAbsurdVelocityEndsTheRun) {
+  expect_error(Exit::numerical, "check the velocities and forces", [] {
+    rows_of(wall("zones = [2, 1, 1]\n") + R"(
+[[stage]]
+name = "push"
+kind = "custom"
+displacement = 0.0005
+ramp_time = 0.02
+[[stage.control]]
+body = "bottom_beam"
+[[stage.control]]
+body = "top_beam"
+velocity = [0.0, 1e300, 0.0]
+)");
+  });
 }
 
 }  // namespace
