@@ -41,7 +41,7 @@ void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
   for (const HistoryRow& row : rows) {
     const Stage& stage = scene.stages[static_cast<std::size_t>(row.stage)];
     if (!stage.ground) continue;
-    along = static_cast<std::size_t>(axis_of(stage) == 2 ? 2 : axis_of_action(stage));
+    along = static_cast<std::size_t>(axis_of_response(stage));
     const double moved = std::abs(row.monitor_relative[along]), base = std::abs(row.base_force[along]);
     if (moved > most) most = moved, farthest = &row;
     if (base > shear) shear = base, sheared = &row;
@@ -55,6 +55,8 @@ void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
 
 // Largest force on the monitor, with what is known of its error.
 std::string peak_text(const std::vector<HistoryRow>& rows, const Scene& scene, const RunInfo& info) {
+  if (std::ranges::all_of(scene.stages, [&](const Stage& stage) { return watches_nothing(scene, stage); }))
+    return "no block is watched (output.monitor); ";
   const Peak peak = find_peak(rows, scene);
   const std::string unknown = why_error_unknown(scene, info);
   const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", scene.quality,

@@ -48,11 +48,19 @@ Values values_of(const Json& json) {
   return values;
 }
 
+// Tables of a sample from which curves and cracks of the study are read.
+constexpr const char* kTables[] = {"history.csv", "cracks.csv"};
+
 void write_sample(const fs::path& folder, const Sample& sample) {
+  Json bytes = Json::object();
+  for (const char* table : kTables) {
+    if (fs::exists(folder / table)) bytes[table] = fs::file_size(folder / table);
+  }
   write_json(folder / "sample.json", {{"status", sample.status},
                                       {"reason", sample.reason},
                                       {"inputs", json_of(sample.inputs)},
-                                      {"outputs", json_of(sample.outputs)}});
+                                      {"outputs", json_of(sample.outputs)},
+                                      {"bytes", bytes}});
 }
 
 // Values of the study's quantities. Random properties of joints follow them.
@@ -262,6 +270,16 @@ Sample read_sample(const fs::path& folder) {
   const Json json = Json::parse(read_input_file(path), nullptr, false);
   if (!json.is_object() || !json.contains("status") || !json.contains("inputs") || !json.contains("outputs"))
     throw Error(Exit::bad_input, path + ": is no sample of a study; remove it, and the sample is computed anew");
+  const Json written = json.value("bytes", Json::object());
+  for (const auto& [table, bytes] : written.items()) {
+    std::error_code missing;
+    if (fs::file_size(folder / table, missing) != bytes)
+      throw Error(
+          Exit::bad_input,
+          fmt::format("{}: is missing or has not the {} bytes that were written; remove sample.json beside it, and "
+                      "the sample is computed anew",
+                      (folder / table).string(), bytes.dump()));
+  }
   return {json["status"].get<std::string>(), json.value("reason", ""), values_of(json["inputs"]),
           values_of(json["outputs"])};
 }

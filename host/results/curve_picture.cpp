@@ -84,7 +84,7 @@ double seconds(const Row& row) { return row.time; }
 
 Curve earthquake_curve(const std::vector<Row>& rows, const Scene& scene) {
   const Stage& last = scene.stages.back();
-  const auto axis = static_cast<size_t>(axis_of(last));
+  const auto axis = static_cast<size_t>(axis_of_response(last));
   const char name = "xyz"[axis];
   Curve curve;
   curve.columns = fmt::format("time_s relative_displacement_{}_mm", name);
@@ -112,14 +112,19 @@ Curve collapse_curve(const std::vector<Row>& rows, const Scene& scene) {
 
 Curve rest_curve(const std::vector<Row>& rows, const Scene& scene) {
   Curve curve;
-  curve.columns = "time_s vertical_displacement_mm";
+  const Stage& last = scene.stages.back();
+  const bool of_largest = watches_nothing(scene, last);
+  const char* quantity = of_largest ? "largest" : "vertical";
+  curve.columns = fmt::format("time_s {}_displacement_mm", quantity);
   curve.x_label = "time (s)";
-  curve.y_label = "vertical displacement (mm)";
-  curve.name = fmt::format("of {}", moved_part(scene, scene.stages.back()));
+  curve.y_label = fmt::format("{} displacement{} (mm)", quantity, of_largest ? " of a block" : "");
+  if (!of_largest) curve.name = fmt::format("of {}", moved_part(scene, last));
   curve.x_unit = " s", curve.y_unit = " mm";
   curve.over_time = true;
   add_points(
-      rows, scene, seconds, [](const Row& row) { return row.monitor_displacement[1] * 1e3; }, curve);
+      rows, scene, seconds,
+      [&](const Row& row) { return 1e3 * (of_largest ? row.largest_displacement : row.monitor_displacement[1]); },
+      curve);
   return curve;
 }
 

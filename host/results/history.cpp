@@ -83,6 +83,12 @@ int axis_of(const Stage& stage) {
   return driven == std::array{false, true, false} ? 1 : driven == std::array{false, false, true} ? 2 : 0;
 }
 
+int axis_of_response(const Stage& stage) { return axis_of(stage) == 2 ? 2 : axis_of_action(stage); }
+
+bool watches_nothing(const Scene& scene, const Stage& stage) {
+  return scene.blocks && stage.monitor.empty() && stage.roof.empty() && scene.output.monitor.empty();
+}
+
 bool is_vertical(const Stage& stage) { return axis_of(stage) == 1; }
 
 namespace {

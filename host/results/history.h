@@ -24,6 +24,10 @@ Response response(const HistoryRow& row, const Stage& stage);
 int axis_of(const Stage& stage);
 // First axis of x, z, y along which the ground moves or a collapse pushes; 0 without either.
 int axis_of_action(const Stage& stage);
+// Axis of the response to ground motion: z where axis_of is, else axis_of_action.
+int axis_of_response(const Stage& stage);
+// Whether blocks of any shape move in a stage without a monitor: displacements and forces of its rows are 0.
+bool watches_nothing(const Scene& scene, const Stage& stage);
 // Whether a stage is measured along y, or drives bodies along y alone. A run is vertical if its last stage is.
 bool is_vertical(const Stage& stage);
 bool is_vertical(const Scene& scene);

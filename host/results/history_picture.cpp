@@ -54,7 +54,9 @@ Panel energies(bool all) {
   };
   add("strain", [](const Energies& e) { return e.strain; });
   add("stored in joints", [](const Energies& e) { return e.contact_stored; });
-  add("dissipated", [](const Energies& e) { return e.dissipated_total(); });
+  add("stored in members", [](const Energies& e) { return e.members_stored; });
+  add("spent in joints", [](const Energies& e) { return e.dissipated_total(); });
+  add("spent in members", [](const Energies& e) { return e.members_dissipated; });
   add("damping", [](const Energies& e) { return e.damping; });
   add("external work", [](const Energies& e) { return e.external; });
   return panel;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "results/history.h"
+
 namespace quoin {
 namespace {
 
@@ -78,7 +80,10 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
   else if (inertia.count == 0)
     result.not_judged = "no stage that drives a body was reached";
   else if (!result.dynamic_force_ratio || !result.kinetic_energy_ratio)
-    result.not_judged = "what is driven did no work";
+    result.not_judged =
+        std::ranges::any_of(scene.stages, [&](const Stage& s) { return drives(s) && watches_nothing(scene, s); })
+            ? "no block is watched (output.monitor)"
+            : "what is driven did no work";
   return result;
 }
 

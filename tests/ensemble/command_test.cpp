@@ -137,6 +137,20 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
 }
 
+// Curves and cracks of the study come from tables of its samples. One that was cut or deleted made the bands of all
+// empty, or wrong, without a word.
+TEST_F(Ensemble, ATableThatIsNotWhatTheSampleWroteIsNamed) {
+  ASSERT_EQ(ensemble("a", {"--jobs", "2", "--no-pictures"}), 0) << error_;
+  const fs::path sample = folder_ / "a" / "samples" / "000003", file = sample / "history.csv";
+  fs::resize_file(file, 1000);
+  EXPECT_EQ(ensemble("a", {"--jobs", "2", "--no-pictures"}), 3);
+  EXPECT_THAT(error_, HasSubstr("000003/history.csv: is missing or has not the"));
+  fs::remove(sample / "sample.json");
+  ASSERT_EQ(ensemble("a", {"--jobs", "2", "--no-pictures"}), 0) << error_;
+  fs::remove(sample / "cracks.csv");
+  EXPECT_EQ(ensemble("a", {"--jobs", "2", "--no-pictures"}), 3);
+}
+
 // Data of the pictures of a study: kN and mm, from the rows of its samples.
 TEST_F(Ensemble, PicturesAreDrawnFromTheTable) {
   ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", study_, "--out", (folder_ / "p").string()})), 0) << error_;
