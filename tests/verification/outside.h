@@ -1,4 +1,4 @@
-// Scenes of faults that testers found from outside, and what their runs tell.
+// Scenes of faults that testers found from outside, and the rows of their runs.
 #pragma once
 
 #include <algorithm>
