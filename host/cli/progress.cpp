@@ -126,7 +126,7 @@ std::string ranks_text(const std::vector<RankTraffic>& ranks) {
       ranks.size(), most.halo_bytes / steps / 1e3, most.halo_messages / steps,
       100.0 * sum.waiting_seconds / sum.step_seconds, 100.0 * sum.gathering_seconds / sum.step_seconds, first.gathers,
       first.gathers > 0.0 ? first.gathered_bytes / first.gathers / 1e6 : 0.0, count * most.blocks / sum.blocks,
-      100.0 * sum.shared_points / sum.points, divided);
+      100.0 * sum.shared_points / std::max(1.0, sum.points), divided);
 }
 
 }  // namespace quoin

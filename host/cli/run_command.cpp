@@ -1,13 +1,27 @@
 #include "cli/run_command.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 
+#include "base/number_text.h"
 #include "cli/process_seconds.h"
 #include "cli/run.h"
 
 namespace quoin {
+
+namespace {
+
+// CLI::Range lets NaN pass, as it is not outside of any.
+std::string is_number(const std::string& text) {
+  double value = 0.0;
+  return parse_number(text, value) && std::isfinite(value) ? "" : "'" + text + "' is no number";
+}
+
+std::string is_given(const std::string& text) { return text.empty() ? "the name is empty" : ""; }
+
+}  // namespace
 
 void add_run_command(CLI::App& app, int& exit_code) {
   process_seconds();  // starts the clock
@@ -25,7 +39,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
   CLI::Option* law =
       command
           ->add_option("--law", options->scene.law, "Law for all joints in place of the scene's: a name or a library")
-          ->type_name("NAME_OR_PATH");
+          ->type_name("NAME_OR_PATH")
+          ->check(is_given);
   CLI::Option* set = command->add_option("--set", options->scene.overrides, "Set a key of the scene; may be repeated")
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
@@ -49,12 +64,14 @@ void add_run_command(CLI::App& app, int& exit_code) {
           "Seconds that a law has for one batch, or to be loaded, before the run ends and names it; 0: any time "
           "(default: 60, and 10 to be loaded)")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(CLI::Range(0.0, 1e9))
+      ->check(is_number);
   command
       ->add_option("--checkpoint-every", options->checkpoint_every,
                    "Seconds between two checkpoints, from which --resume goes on; 0: none (default: 60)")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(CLI::Range(0.0, 1e9))
+      ->check(is_number);
   CLI::Option* resume =
       command
           ->add_option("--resume", options->resume,
