@@ -173,8 +173,8 @@ class JointFinder {
 
 class StageWriter {
  public:
-  StageWriter(const Assembly& assembly, const std::vector<Brick>& bricks, const OutputSettings& output)
-      : assembly_(assembly), bricks_(bricks), watched_(output.monitor) {}
+  StageWriter(const Assembly& assembly, const std::vector<Brick>& bricks, const Scene& scene)
+      : assembly_(assembly), bricks_(bricks), watched_(scene.output.monitor), file_(scene.file) {}
 
   Stage on_bodies(const Stage& given) const {
     const auto refuse = [&](const std::string& what) { unfit("stage '{}' {}", given.name, what); };
@@ -183,7 +183,9 @@ class StageWriter {
     if (const std::string acts = beyond_lattice(stage); !acts.empty()) refuse(acts);
     if (given.solver) refuse("has damping of its own");
     if (stage.monitor.empty()) stage.monitor = watched_;
-    if (!stage.monitor.empty()) rigid(stage.monitor, given, "watches", ": monitor");
+    if (!stage.monitor.empty())
+      rigid(stage.monitor, given, "watches",
+            given.monitor.empty() ? file_ + ": output.monitor" : given.source.text + ": monitor");
     std::set<std::string> controlled;
     for (const BodyControl& control : stage.controls) {
       const bool loads =
@@ -225,8 +227,11 @@ class StageWriter {
  private:
   static Vector centre_of(const Brick& brick) { return vector(brick.origin) + 0.5 * vector(brick.size); }
 
-  const Brick& rigid(const std::string& name, const Stage& stage, const char* does, const char* key = "") const {
-    const Brick& brick = bricks_[size_t(find_blocks(assembly_, name, stage.source.text + key).front())];
+  // where: of the name, for messages; empty: the stage.
+  const Brick& rigid(const std::string& name, const Stage& stage, const char* does,
+                     const std::string& where = "") const {
+    const Brick& brick =
+        bricks_[size_t(find_blocks(assembly_, name, where.empty() ? stage.source.text : where).front())];
     if (!brick.rigid)
       unfit("stage '{}' {} '{}', a deformable block; on the lattice stages act on rigid ones", stage.name, does, name);
     return brick;
@@ -253,7 +258,7 @@ class StageWriter {
 
   const Assembly& assembly_;
   const std::vector<Brick>& bricks_;
-  std::string watched_;
+  std::string watched_, file_;
 };
 
 // Names bodies after their blocks; a fixed block without a name has its label.
@@ -328,7 +333,7 @@ OnLattice made_of(const Assembly& assembly, const Scene& scene) {
     bricks[i].fixed = assembly.blocks[i].fixed;
   }
   made.bricks.joints = JointFinder(assembly, bricks).find();
-  const StageWriter writer(assembly, bricks, scene.output);
+  const StageWriter writer(assembly, bricks, scene);
   for (Stage& stage : made.scene.stages) stage = writer.on_bodies(stage);
   share_names(&made.scene.stages, &bricks);
   return made;

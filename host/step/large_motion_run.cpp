@@ -81,6 +81,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
   require_moving_ground(s);
   if (!s.left) s.small_motion.extent = extent_of(*s.large_motion);
   // All names of all stages are checked before the run.
+  if (!s.scene.output.monitor.empty()) blocks_named(s, s.scene.output.monitor, s.scene.file + ": output.monitor");
   for (const Stage& settings : s.scene.stages) {
     blocks_named_in(s, settings);
     support_groups(s, settings);
