@@ -9,6 +9,7 @@
 #include "base/input_file.h"
 #include "base/sha256.h"
 #include "files/file.h"
+#include "files/notice.h"
 
 namespace quoin {
 
@@ -71,12 +72,23 @@ bool is_done(const fs::path& folder) {
 bool is_kept(const std::string& name, std::size_t frames) {
   if (name == kRecord || name == "checkpoint.bin") return true;
   for (std::size_t i = 0; i < frames; ++i) {
-    for (const char* kind : {"blocks", "joints", "forces"}) {
+    for (const char* kind : {"blocks", "joints", "forces", "members"}) {
       const std::string frame = fmt::format("{}_{:04}", kind, i);
       if (name == frame + ".vtu" || name == frame + ".pvtu" || name.starts_with(frame + "_r")) return true;
     }
   }
   return false;
+}
+
+void say_what_is_missing(const fs::path& folder, std::size_t frames) {
+  for (std::size_t i = 0; i < frames; ++i) {
+    const fs::path frame = folder / fmt::format("blocks_{:04}.vtu", i);
+    if (fs::exists(frame) || fs::exists(fs::path(frame).replace_extension("pvtu"))) continue;
+    return notice(
+        fmt::format("quoin: warning: {} is missing: frames from before the checkpoint are not written again, "
+                    "and blocks.pvd lists them all the same",
+                    frame.string()));
+  }
 }
 
 }  // namespace quoin

@@ -185,6 +185,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const bool goes_on = lock && fs::exists(folder / "checkpoint.bin");
   const Checkpoint before = checkpoint_of(folder, goes_on, identity, ranks);
   begin(&simulation, folder, before.stored);
+  say_what_is_missing(folder, before.results.frame_times.size());
   const Pieces pieces = pieces_of(simulation.scene(), ranks);
   if (pieces.count > 1) {
     SharedFolder shared{fs::absolute(folder).string(), part_token(), before.results.frame_times};

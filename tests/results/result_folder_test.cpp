@@ -74,7 +74,8 @@ TEST_F(Folder, LockDiesWithItsProcessThoughItsChildrenLive) {
 }
 
 TEST_F(Folder, LosesWhatTheLastRunWroteAndNothingElse) {
-  const std::vector<std::string> ours{"summary.json", "blocks_0000.vtu", "plots/curve.gp", "plots/bricks.dat"};
+  const std::vector<std::string> ours{"summary.json", "blocks_0000.vtu", "members_0000.vtu", "plots/curve.gp",
+                                      "plots/bricks.dat"};
   const std::vector<std::string> theirs{"notes.txt", "blocks.txt", "my_blocks_1.vtu", "plots/mine.gp",
                                         "more/curve.png"};
   fs::path part;
