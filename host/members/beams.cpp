@@ -66,7 +66,8 @@ std::vector<Vector> places_along(const BeamSpec& spec) {
 
 // Outward normal, in space, of the face of a block that is nearest to a point of a piece. On an edge it is the face
 // along the piece, then the one towards its `up`.
-Vector face_towards(const blocks::Assembly& assembly, int block, const Vector& point, const Beam::Piece& piece) {
+Vector normal_of_nearest_face(const blocks::Assembly& assembly, int block, const Vector& point,
+                              const Beam::Piece& piece) {
   const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
   const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
   const geometry::Matrix turned = matrix(b.orientation);
@@ -109,7 +110,7 @@ void Members::hold(Beam& beam, int place, int block, const BeamSpec& spec, const
     Beam::Support support;
     support.place = place, support.node = static_cast<int>(nodes_.size());
     const Beam::Piece& piece = beam.pieces()[std::min(static_cast<std::size_t>(place), beam.pieces().size() - 1)];
-    support.arm = point - at, support.out = face_towards(assembly, block, at, piece);
+    support.arm = point - at, support.out = normal_of_nearest_face(assembly, block, at, piece);
     support.rests = how == "resting";
     support.law.normal = support.law.shear = whole / static_cast<double>(points.size());
     support.law.tension = !support.rests;
