@@ -39,6 +39,11 @@ struct DrawnShape {
 // beyond the bound.
 DrawnShape from_drawn(const RawShape& shape);
 
+// Unites neighbouring faces whose corners lie within `tolerance` (m) of one plane, at most warp_bound of the extent,
+// and moves corners to where planes meet. Rounded coordinates so keep faces whole. Returns how far corners have moved,
+// m; 0: nothing to unite. Less than 0: faces cannot be united, and the shape is as before.
+double unite_faces(ConvexPolyhedron& shape, double tolerance);
+
 // A plate behind a flat face, with a thickness of a tenth of the extent of the face's hull. It is on the side away from
 // `others`, the mean corner of the other blocks. Throws Error(bad_input) for a face that is not convex.
 ConvexPolyhedron plate(const RawShape& shape, const Vector& others);

@@ -97,6 +97,17 @@ double longest_extent(const std::vector<Vector>& points) {
   return points.empty() ? 0.0 : std::max({e.x, e.y, e.z});
 }
 
+double least_extent(const ConvexPolyhedron& shape) {
+  double least = 1e300;
+  for (size_t f = 0; f < shape.faces.size(); ++f) {
+    double deepest = 0.0;
+    for (const Vector& p : shape.vertices)
+      deepest = std::max(deepest, dot(shape.normals[f], shape.vertices[shape.faces[f][0]] - p));
+    least = std::min(least, deepest);
+  }
+  return least;
+}
+
 void update_normals(ConvexPolyhedron& shape) {
   shape.normals.resize(shape.faces.size());
   for (size_t f = 0; f < shape.faces.size(); ++f) shape.normals[f] = normalized(newell(shape.vertices, shape.faces[f]));
