@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -144,7 +145,9 @@ void print_stands(const SceneLimit& limit) {
 void print_multiplier(const SceneLimit& limit) {
   const int facets = limit.limit->facets;
   const std::string cones =
-      facets > 0 ? fmt::format("friction cones as pyramids of {} facets", facets) : "whole friction cones";
+      facets > 0 ? fmt::format("friction cones as pyramids of {} facets, with up to {:.2g} % less friction", facets,
+                               100.0 * (1.0 - std::cos(std::numbers::pi / facets)))
+                 : "whole friction cones";
   if (!limit.moving.empty()) {
     const MovingLimit& worst = limit.moving[limit.worst];
     fmt::print(
