@@ -178,7 +178,15 @@ void print_multiplier(const SceneLimit& limit) {
   print(*limit.without_dilation);
 }
 
+// Removes the results of an earlier analysis, which would be taken for those of one that fails.
+void remove_results(const std::filesystem::path& folder) {
+  if (!exists(folder / "limit.json")) return;
+  for (const char* name : {"limit.json", "mechanism.csv", "mechanism.vtu", "forces.csv", "moving.csv", "report.html"})
+    remove(folder / name);
+}
+
 void run(const Options& options) {
+  if (!options.out.empty()) remove_results(options.out);
   const Scene scene = prepare_scene(options.scene);
   const Simulation simulation(scene, 1);
   const auto begin = std::chrono::steady_clock::now();

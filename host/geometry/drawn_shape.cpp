@@ -342,12 +342,15 @@ void orient(RawShape& shape) {
 
 bool is_flat(const RawShape& shape) {
   if (shape.vertices.empty()) return false;
+  const double size = longest_extent(shape.vertices);
+  if (is_closed(shape) && std::abs(volume_within(shape.vertices, shape.faces)) > shape_tolerance * size * size * size)
+    return false;
   Matrix spread = Matrix::zero();
   Vector centre;
   for (const Vector& p : shape.vertices) centre += p / double(shape.vertices.size());
   for (const Vector& p : shape.vertices) spread += outer(p - centre, p - centre);
   const Vector normal = symmetric_eigen(spread).vectors.column(0);
-  const double bound = warp_bound * longest_extent(shape.vertices);
+  const double bound = warp_bound * size;
   return std::all_of(shape.vertices.begin(), shape.vertices.end(),
                      [&](const Vector& p) { return std::abs(dot(p - centre, normal)) <= bound; });
 }

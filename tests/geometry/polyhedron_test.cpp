@@ -619,5 +619,21 @@ TEST(UnitedFaces, FacetsOfARoundShapeStay) {
   EXPECT_EQ(drum.faces.size(), 66u);
 }
 
+// Prisms of many sides, turned at random, 5e5 m from the origin, where coordinates have 6e-11 m.
+TEST(FromVertices, PrismsFarFromTheOriginClose) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(-3.0, 3.0);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Matrix turn = matrix(rotation({any(random), any(random), any(random)}));
+    const int sides = 5 + trial % 20;
+    std::vector<Vector> corners;
+    for (const Vector& p : prism(sides, 0.5, 1.0).vertices) corners.push_back(Vector{4e5, -3e5, 2e5} + turn * p);
+    const ConvexPolyhedron shape = from_vertices(corners, "prism");
+    EXPECT_EQ(shape.faces.size(), size_t(sides + 2));
+    // Rounding of coordinates over the surface of less than 10 m2.
+    EXPECT_NEAR(mass_properties(shape).volume, 0.125 * sides * std::sin(2 * std::numbers::pi / sides), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace quoin::geometry
