@@ -7,7 +7,7 @@ namespace {
 
 // Share of the dead loads that counts as all of them, within rounding of the linear programme.
 constexpr double kAll = 1.0 - 1e-6;
-// Bound of the multiple of the dead loads that is sought. A bound of 1 could not be told from a multiplier short of it
+// Bound of the multiple of the dead loads that is sought. At a bound of 1, a multiplier may end short of it
 // by the tolerance of whole cones, 1e-5.
 constexpr double kMostCarried = 2.0;
 // Accuracy of a factor on friction, and its largest value.

@@ -273,7 +273,6 @@ TEST(Modes, RatiosThatNeedANegativeCoefficientAreRefused) {
   EXPECT_THAT(refusal({2.0, 9.0}, {0.05, 0.01}), HasSubstr("may differ by a factor of 4.5 at most"));
   EXPECT_THAT(refusal({2.0, 9.0}, {0.01, 0.05}), HasSubstr("none may be negative"));
   EXPECT_THAT(refusal({2.0, 2.0}, {0.01, 0.05}), HasSubstr("both at 2 Hz"));
-  EXPECT_THAT(refusal({5.0, 0.0}, {0.05, 0.05}), HasSubstr("damping at 5 and 0 Hz; allowed: above 0"));
   EXPECT_EQ(refusal({2.0, 9.0}, {0.01, 0.045}), "");
   const Rayleigh rising = rayleigh({2.0, 9.0}, {0.05, 0.02}), falling = rayleigh({9.0, 2.0}, {0.02, 0.05});
   EXPECT_NEAR(falling.mass_damping, rising.mass_damping, 1e-12);

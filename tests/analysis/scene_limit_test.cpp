@@ -46,8 +46,8 @@ double multiplier_of(const std::string& text, const std::vector<double>& directi
   return limit.limit ? limit.limit->multiplier : std::nan("");
 }
 
-// A prism of 1 x 1 x 2 m on a cube, four of whose corners are 10 um beside the planes of the others: a tenth of the
-// joint tolerance. It turns over at 1/2 of its weight, from edges that are 10 um away over 2 m at most.
+// A prism of 1 x 1 x 2 m on a cube. Corners are 10 um beside the planes of the others, a tenth of the joint tolerance.
+// The prism turns over at 1/2 of its weight, from edges that are 10 um away over 2 m at most.
 TEST(LimitOfScene, RoundedCornersLeaveAJointWhole) {
   const std::string text =
       head(45.0) +
@@ -150,7 +150,7 @@ TEST(LimitOfScene, ACrossVaultIsSymmetric) {
     EXPECT_NEAR(multiplier_of(text, way), along_x, 1e-4);
 }
 
-// A block on a plane that is pushed by a part of its weight stands with the part over the friction that it has, however
+// A block on a plane is pushed by a part of its weight. It stands with the part over the friction that it has, however
 // small the part is, and slides at tan(phi).
 TEST(LimitOfScene, OneBlockNeedsTheFrictionOfItsPush) {
   for (const double angle : {8.0, 30.0, 45.0}) {
