@@ -345,10 +345,14 @@ LinearSolution solution_of(const LinearProgram& linear, const LimitProblem& prob
 
 std::pair<double, double> scales_of(const LimitProblem& problem) {
   double load = 0.0, arm = 0.0;
-  for (const LimitBlock& b : problem.blocks) load += norm(b.dead.force) + norm(b.live.force);
+  // Fixed blocks may be far heavier than all others, whose residuals would then count for nothing.
+  std::size_t free = 0;
+  for (const LimitBlock& b : problem.blocks) {
+    if (!b.fixed) load += norm(b.dead.force) + norm(b.live.force), ++free;
+  }
   for (const LimitPoint& p : problem.points)
     arm += norm(p.position - problem.blocks[static_cast<std::size_t>(p.a)].centre);
-  return {load > 0.0 ? load / static_cast<double>(problem.blocks.size()) : 1.0,
+  return {load > 0.0 ? load / static_cast<double>(free) : 1.0,
           arm > 0.0 ? arm / static_cast<double>(problem.points.size()) : 1.0};
 }
 

@@ -106,7 +106,7 @@ struct LimitResult {
 // than 4 facets.
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings = {});
 
-// Units of force and length in programmes: the mean load of a block, N, and the mean arm of a contact point, m.
+// Units of force and length in programmes: the mean load of a free block, N, and the mean arm of a contact point, m.
 std::pair<double, double> scales_of(const LimitProblem& problem);
 
 // Blocks that no chain of contact points and members connects to a fixed one; indices, ascending.

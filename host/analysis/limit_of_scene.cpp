@@ -21,6 +21,8 @@
 #include "members/linear.h"
 #include "members/members.h"
 #include "model/contact_frames.h"
+#include "model/new_points.h"
+#include "model/placed_blocks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
@@ -344,6 +346,37 @@ bool is_open(const blocks::World& world, const blocks::Point& point) {
   return locate(world, point, world.contacts.facets).jump > world.detection.joint_tolerance;
 }
 
+// Whether a pair of blocks touches only at the rim of a face, which the other does not lie on: an edge on an edge. No
+// normal is then that of the contact. points: of the pair, at least one.
+bool meets_at_rim(const blocks::World& world, const LimitPoint* points, std::size_t count) {
+  const Vector& normal = points->n;
+  const geometry::Placed owner = placed(world, points->a), other = placed(world, points->b);
+  const int face = facing(owner, normal);
+  if (dot(owner.normals[face], normal) < blocks::parallel_cosine ||
+      -dot(other.normals[facing(other, -normal)], normal) > blocks::parallel_cosine)
+    return false;
+  Vector middle;
+  for (std::size_t i = 0; i < count; ++i) middle += points[i].position / static_cast<double>(count);
+  const std::vector<int>& corners = owner.shape->faces[static_cast<std::size_t>(face)];
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vector &from = owner.vertices[corners[i]], &to = owner.vertices[corners[(i + 1) % corners.size()]];
+    if (dot(cross(normal, normalized(to - from)), middle - from) <= world.detection.joint_tolerance) return true;
+  }
+  return false;
+}
+
+// Leaves out the points of pairs that meet at a rim. Points of a pair are consecutive.
+void leave_rims_out(const blocks::World& world, std::vector<LimitPoint>* points) {
+  std::vector<LimitPoint> kept;
+  for (auto first = points->begin(); first != points->end();) {
+    const auto end =
+        std::find_if(first, points->end(), [&](const LimitPoint& p) { return p.a != first->a || p.b != first->b; });
+    if (!meets_at_rim(world, &*first, static_cast<std::size_t>(end - first))) kept.insert(kept.end(), first, end);
+    first = end;
+  }
+  *points = std::move(kept);
+}
+
 // Assembles the problem: rigid blocks, and a force at each contact point that is closed. Weights follow from the
 // outlines of the blocks.
 void assemble(const Simulation& simulation, double given, const Stage& loaded, SceneLimit* limit) {
@@ -385,6 +418,7 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
   }
+  if (shapes) leave_rims_out(*shapes, &limit->problem.points);
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
@@ -469,7 +503,9 @@ nlohmann::ordered_json json_of(const LimitWithoutDilation& without, const char* 
                     {"settled", start.settled},
                     {what, start.multiplier},
                     {"beyond_friction", start.beyond},
-                    {"share_beyond_friction", start.share_beyond},
+                    // Where little slides, the excess is no share of its friction.
+                    {"share_beyond_friction", start.share_beyond < 1.0 ? nlohmann::ordered_json(start.share_beyond)
+                                                                       : nlohmann::ordered_json(nullptr)},
                     {"spread", start.spread},
                     {"problems", start.problems}});
   return json;

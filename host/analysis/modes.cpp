@@ -120,6 +120,11 @@ void require(const ModesSettings& s) {
     if (!(f >= 0.0) || !std::isfinite(f))
       throw Error(Exit::bad_input, fmt::format("modes: damping at {} Hz; allowed: above 0", f));
   }
+  if ((s.at_frequencies[0] == 0.0) != (s.at_frequencies[1] == 0.0))
+    throw Error(Exit::bad_input,
+                fmt::format("modes: damping at {} and {} Hz; allowed: above 0; leave both out for those "
+                            "of the first and last mode",
+                            s.at_frequencies[0], s.at_frequencies[1]));
 }
 
 // Blocks that move noticeably in the modes without stiffness.

@@ -16,7 +16,7 @@ namespace quoin {
 struct ModesSettings {
   int count = 10;                              // number of lowest frequencies, zero ones included
   std::array<double, 2> ratios{0.05, 0.05};    // damping ratios at two frequencies
-  std::array<double, 2> at_frequencies{0, 0};  // Hz; 0: the lowest and the highest computed
+  std::array<double, 2> at_frequencies{0, 0};  // Hz; both 0: the lowest and the highest computed
 };
 
 // Damping C = mass_damping M + stiffness_damping K, as the keys of [solver].

@@ -7,6 +7,9 @@ namespace {
 
 // Share of the dead loads that counts as all of them, within rounding of the linear programme.
 constexpr double kAll = 1.0 - 1e-6;
+// Bound of the multiple of the dead loads that is sought. At a bound of 1, a multiplier may end short of it
+// by the tolerance of whole cones, 1e-5.
+constexpr double kMostCarried = 2.0;
 // Accuracy of a factor on friction, and its largest value.
 constexpr double kExact = 1e-3, kMostFriction = 64.0;
 
@@ -35,8 +38,14 @@ LimitResult carried_share(const LimitProblem& problem, const LimitSettings& sett
   LimitProblem loaded = problem;
   for (LimitBlock& b : loaded.blocks) b.live = b.dead, b.dead = {};
   LimitSettings up_to_all = settings;
-  up_to_all.most = 1.0;
-  return limit_multiplier(loaded, up_to_all);
+  up_to_all.most = kMostCarried;
+  LimitResult result = limit_multiplier(loaded, up_to_all);
+  const double share = 1.0 / std::max(1.0, result.multiplier);
+  for (auto& force : result.force)
+    for (double& component : force) component *= share;
+  for (double& force : result.member_force) force *= share;
+  result.multiplier *= share;
+  return result;
 }
 
 Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool friction) {
@@ -51,7 +60,7 @@ Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool f
   if (!cohesive && carried_with(problem, settings, 0.0)) return {true, 1.0, 0.0, {}};
   const LimitResult result = carried_share(problem, settings);
   Stands answer;
-  answer.carried = result.status == LimitStatus::solved ? std::clamp(result.multiplier, 0.0, 1.0) : 0.0;
+  answer.carried = result.status == LimitStatus::solved ? std::max(result.multiplier, 0.0) : 0.0;
   answer.stands = answer.carried >= kAll;
   if (friction) answer.friction = smallest_friction(problem, settings, answer.stands);
   for (std::size_t k = 0; !answer.stands && k < result.velocity.size(); ++k) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -144,7 +145,9 @@ void print_stands(const SceneLimit& limit) {
 void print_multiplier(const SceneLimit& limit) {
   const int facets = limit.limit->facets;
   const std::string cones =
-      facets > 0 ? fmt::format("friction cones as pyramids of {} facets", facets) : "whole friction cones";
+      facets > 0 ? fmt::format("friction cones as pyramids of {} facets, with up to {:.2g} % less friction", facets,
+                               100.0 * (1.0 - std::cos(std::numbers::pi / facets)))
+                 : "whole friction cones";
   if (!limit.moving.empty()) {
     const MovingLimit& worst = limit.moving[limit.worst];
     fmt::print(
@@ -175,7 +178,15 @@ void print_multiplier(const SceneLimit& limit) {
   print(*limit.without_dilation);
 }
 
+// Removes the results of an earlier analysis, which would be taken for those of one that fails.
+void remove_results(const std::filesystem::path& folder) {
+  if (!exists(folder / "limit.json")) return;
+  for (const char* name : {"limit.json", "mechanism.csv", "mechanism.vtu", "forces.csv", "moving.csv", "report.html"})
+    remove(folder / name);
+}
+
 void run(const Options& options) {
+  if (!options.out.empty()) remove_results(options.out);
   const Scene scene = prepare_scene(options.scene);
   const Simulation simulation(scene, 1);
   const auto begin = std::chrono::steady_clock::now();

@@ -104,7 +104,10 @@ class Reader {
         if (graph && graph->contains(kind) && (*graph)[kind].is_object() && (*graph)[kind].contains(key))
           own.support = own.support || flag((*graph)[kind][key], "is_support");
       }
+      const std::size_t before = shapes.size();
       visit(value, own);
+      if (shapes.size() == before && value.is_object() && value.contains("block"))
+        refuse(own.where, "its block is no mesh with vertices and faces; remove the node, or give it its mesh");
     }
   }
 

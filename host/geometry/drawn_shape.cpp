@@ -159,7 +159,103 @@ ConvexPolyhedron planar_hull(const RawShape& shape, double uneven) {
                      uneven, why));
 }
 
+// Outline of a group of faces, counter-clockwise; empty if it is not a single loop.
+std::vector<int> outline_of(const ConvexPolyhedron& shape, const std::vector<int>& group) {
+  std::map<int, int> next;
+  std::set<std::pair<int, int>> ways;
+  for (int f : group) {
+    const auto& face = shape.faces[size_t(f)];
+    for (size_t i = 0; i < face.size(); ++i) ways.insert({face[i], face[(i + 1) % face.size()]});
+  }
+  for (const auto& [from, to] : ways) {
+    if (!ways.contains({to, from}) && !next.emplace(from, to).second) return {};
+  }
+  std::vector<int> outline;
+  for (int at = next.empty() ? -1 : next.begin()->first; at >= 0 && outline.size() < next.size(); at = next.at(at)) {
+    if (!outline.empty() && at == outline.front()) return {};
+    outline.push_back(at);
+  }
+  return outline;
+}
+
+// Groups of neighbouring faces that lie within the tolerance of one plane, with their outlines. Large faces begin.
+std::vector<std::vector<int>> coplanar_outlines(const ConvexPolyhedron& shape, double tolerance) {
+  const int count = int(shape.faces.size());
+  std::vector<std::vector<int>> neighbours(shape.faces.size());
+  for (const auto& e : shape.edges)
+    neighbours[size_t(e.left)].push_back(e.right), neighbours[size_t(e.right)].push_back(e.left);
+  std::vector<int> by_area(shape.faces.size());
+  std::iota(by_area.begin(), by_area.end(), 0);
+  std::vector<double> area(shape.faces.size());
+  for (int f = 0; f < count; ++f) area[size_t(f)] = face_area(shape, f);
+  std::stable_sort(by_area.begin(), by_area.end(), [&](int i, int j) { return area[size_t(i)] > area[size_t(j)]; });
+  const double sliver = tolerance * longest_extent(shape.vertices);
+  std::vector<bool> used(shape.faces.size(), false);
+  std::vector<std::vector<int>> outlines;
+  for (int first : by_area) {
+    if (used[size_t(first)]) continue;
+    used[size_t(first)] = true;
+    std::vector<int> group{first}, outline = shape.faces[size_t(first)];
+    Plane plane = plane_of(shape.vertices, outline);
+    const auto joins = [&](int f) {
+      if (used[size_t(f)] || (dot(shape.normals[size_t(f)], plane.normal) < 0.5 && area[size_t(f)] > sliver))
+        return false;
+      group.push_back(f);
+      const std::vector<int> wider = outline_of(shape, group);
+      const Plane of_all = wider.empty() ? plane : plane_of(shape.vertices, wider);
+      bool fits = !wider.empty();
+      for (int g : group) {
+        for (int c : shape.faces[size_t(g)])
+          fits &= std::abs(dot(shape.vertices[size_t(c)] - of_all.centre, of_all.normal)) <= tolerance;
+      }
+      if (fits)
+        outline = wider, plane = of_all, used[size_t(f)] = true;
+      else
+        group.pop_back();
+      return fits;
+    };
+    for (bool again = true; again;) {
+      again = false;
+      for (size_t i = 0; i < group.size() && !again; ++i)
+        again = std::ranges::any_of(neighbours[size_t(group[i])], joins);
+    }
+    outlines.push_back(outline);
+  }
+  return outlines;
+}
+
 }  // namespace
+
+double unite_faces(ConvexPolyhedron& shape, double tolerance) {
+  const std::vector<std::vector<int>> outlines =
+      coplanar_outlines(shape, std::min(tolerance, warp_bound * longest_extent(shape.vertices)));
+  if (outlines.size() == shape.faces.size()) return 0.0;
+  std::vector<int> faces_at(shape.vertices.size(), 0), number(shape.vertices.size(), -1), from;
+  for (const auto& outline : outlines) {
+    for (int c : outline) ++faces_at[size_t(c)];
+  }
+  ConvexPolyhedron united;
+  for (const auto& outline : outlines) {
+    auto& face = united.faces.emplace_back();
+    for (int c : outline) {
+      if (faces_at[size_t(c)] < 3) continue;  // inside a face, or on a straight edge
+      if (number[size_t(c)] < 0) {
+        number[size_t(c)] = int(from.size());
+        from.push_back(c), united.vertices.push_back(shape.vertices[size_t(c)]);
+      }
+      face.push_back(number[size_t(c)]);
+    }
+    if (face.size() < 3) return -1.0;
+  }
+  if (!make_planar(united, 0.1 * shape_tolerance) || !fault_of_faces(united.vertices, united.faces).empty() ||
+      united.vertices.size() + united.faces.size() != united.edges.size() + 2)
+    return -1.0;
+  double moved = 0.0;
+  for (size_t v = 0; v < from.size(); ++v)
+    moved = std::max(moved, norm(united.vertices[v] - shape.vertices[size_t(from[v])]));
+  shape = std::move(united);
+  return moved;
+}
 
 void weld(RawShape& shape) {
   const double tolerance = shape_tolerance * longest_extent(shape.vertices);
@@ -246,12 +342,15 @@ void orient(RawShape& shape) {
 
 bool is_flat(const RawShape& shape) {
   if (shape.vertices.empty()) return false;
+  const double size = longest_extent(shape.vertices);
+  if (is_closed(shape) && std::abs(volume_within(shape.vertices, shape.faces)) > shape_tolerance * size * size * size)
+    return false;
   Matrix spread = Matrix::zero();
   Vector centre;
   for (const Vector& p : shape.vertices) centre += p / double(shape.vertices.size());
   for (const Vector& p : shape.vertices) spread += outer(p - centre, p - centre);
   const Vector normal = symmetric_eigen(spread).vectors.column(0);
-  const double bound = warp_bound * longest_extent(shape.vertices);
+  const double bound = warp_bound * size;
   return std::all_of(shape.vertices.begin(), shape.vertices.end(),
                      [&](const Vector& p) { return std::abs(dot(p - centre, normal)) <= bound; });
 }

@@ -25,7 +25,8 @@ bool is_closed(const RawShape& shape);
 // Orients faces counter-clockwise seen from outside, where every edge has two of them.
 void orient(RawShape& shape);
 
-// Whether all corners are in one plane, within warp_bound of their extent.
+// Whether all corners are in one plane, within warp_bound of their extent, and enclose no volume: a thin closed block is
+// not flat.
 bool is_flat(const RawShape& shape);
 
 struct DrawnShape {
@@ -38,6 +39,11 @@ struct DrawnShape {
 // A joint then has one face, and not two triangles at an angle. Throws Error(bad_input) as from_faces, and for surfaces
 // beyond the bound.
 DrawnShape from_drawn(const RawShape& shape);
+
+// Unites neighbouring faces whose corners lie within `tolerance` (m) of one plane, at most warp_bound of the extent,
+// and moves corners to where planes meet. Rounded coordinates so keep faces whole. Returns how far corners have moved,
+// m; 0: nothing to unite. Less than 0: faces cannot be united, and the shape is as before.
+double unite_faces(ConvexPolyhedron& shape, double tolerance);
 
 // A plate behind a flat face, with a thickness of a tenth of the extent of the face's hull. It is on the side away from
 // `others`, the mean corner of the other blocks. Throws Error(bad_input) for a face that is not convex.

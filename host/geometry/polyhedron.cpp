@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -65,7 +66,9 @@ std::vector<Triangle> triangle_hull(const std::vector<Vector>& p, double toleran
     hull.push_back({{i, j, k}, normal, dot(normal, p[i])});
   };
   add(a, b, c), add(a, d, b), add(b, d, c), add(c, d, a);
-  const double visible_above = 1e-3 * tolerance;
+  // Above the rounding of coordinates far from the origin, which narrow triangles magnify.
+  const double visible_above =
+      std::min(tolerance, std::max(1e-3 * tolerance, 1e4 * std::numeric_limits<double>::epsilon() * norm(p[a])));
   for (int i = 0; i < n; ++i) {
     if (i == a || i == b || i == c || i == d) continue;
     std::set<std::pair<int, int>> border;
@@ -95,6 +98,17 @@ double longest_extent(const std::vector<Vector>& points) {
   for (const Vector& p : points) b.include(p);
   const Vector e = b.upper - b.lower;
   return points.empty() ? 0.0 : std::max({e.x, e.y, e.z});
+}
+
+double least_extent(const ConvexPolyhedron& shape) {
+  double least = 1e300;
+  for (size_t f = 0; f < shape.faces.size(); ++f) {
+    double deepest = 0.0;
+    for (const Vector& p : shape.vertices)
+      deepest = std::max(deepest, dot(shape.normals[f], shape.vertices[shape.faces[f][0]] - p));
+    least = std::min(least, deepest);
+  }
+  return least;
 }
 
 void update_normals(ConvexPolyhedron& shape) {

@@ -74,6 +74,7 @@ MassProperties mass_properties(const ConvexPolyhedron& shape);
 double face_area(const ConvexPolyhedron& shape, int face);  // m2
 Vector face_centroid(const ConvexPolyhedron& shape, int face);
 double longest_extent(const std::vector<Vector>& points);  // longest side of the bounding box, m
+double least_extent(const ConvexPolyhedron& shape);        // least distance between a face and a parallel plane, m
 std::string place(const Vector& p);                        // "(1.2, 0.4, 0) m", for messages
 
 }  // namespace quoin::geometry

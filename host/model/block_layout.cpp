@@ -40,16 +40,6 @@ void begin_at_widest_angle(const std::vector<Vector>& nodes, Zoning::SurfaceTria
   std::rotate(t.node.begin(), t.node.begin() + widest, t.node.end());
 }
 
-double least_extent_of(const ConvexPolyhedron& s) {
-  double least = 1e300;
-  for (size_t f = 0; f < s.faces.size(); ++f) {
-    double deepest = 0.0;
-    for (const Vector& p : s.vertices) deepest = std::max(deepest, dot(s.normals[f], s.vertices[s.faces[f][0]] - p));
-    least = std::min(least, deepest);
-  }
-  return least;
-}
-
 // Mean area of the surface triangles at a corner gridpoint, m2. With it a corner contact is no stiffer than a joint.
 double area_at_corners(const ModelBlock& b, const LaneVector<Vector>& x) {
   double sum = 0.0;
@@ -274,7 +264,7 @@ void number_blocks(World& w) {
     ShapeFacts& facts = w.shapes.facts.emplace_back();
     facts.mass = mass_properties(shape);
     facts.axes = symmetric_eigen(facts.mass.inertia);
-    facts.least_extent = least_extent_of(shape);
+    facts.least_extent = least_extent(shape);
     facts.area = 0.0;
     for (size_t f = 0; f < shape.faces.size(); ++f) facts.area += face_area(shape, int(f));
   }
@@ -298,7 +288,7 @@ void number_blocks(World& w) {
   w.detection.size = least;
   w.detection.skin = c.skin > 0 ? c.skin : 0.05 * least;
   w.detection.reach = w.detection.skin / 4;
-  w.detection.joint_tolerance = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
+  w.detection.joint_tolerance = joint_tolerance_of(w.assembly);
   if (w.detection.joint_tolerance > w.detection.reach)
     throw Error(
         Exit::bad_input,

@@ -13,8 +13,6 @@ using namespace geometry;
 
 namespace {
 
-// Cosine above which faces (within about 2.5 degrees of parallel) can be a joint of the start.
-constexpr double parallel_cosine = 0.999;
 // Cosine between the normals above which faces can overlap; those of steeper ones meet along an edge or at a corner.
 constexpr double least_overlap_cosine = 0.05;
 // Gap above which a point is on the far side of a tilted block, in multiples of the reach of detection.
@@ -207,6 +205,16 @@ int deepest_corner(const Placed& a, int face_of_a, const Placed& b, const FacePl
   return deepest;
 }
 
+// Diagonal of the box around points, m.
+double diagonal_of(const std::vector<QuadraturePoint>& points) {
+  Point2 low{1e300, 1e300}, high{-1e300, -1e300};
+  for (const QuadraturePoint& q : points) {
+    low = {std::min(low.x, q.at.x), std::min(low.y, q.at.y)},
+    high = {std::max(high.x, q.at.x), std::max(high.y, q.at.y)};
+  }
+  return points.empty() ? 0.0 : std::hypot(high.x - low.x, high.y - low.y);
+}
+
 // Appends points where the face of `carrier` that is turned to `owner` overlaps the face `owner_face`, in the plane of
 // that face. Their areas add up to half of `nominal` (m2) at least; a single corner gets `nominal`.
 void face_points(const World& w, int owner, int owner_face, int carrier, bool at_start, double nominal,
@@ -223,6 +231,10 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
     points = points_on(w, patches_of(w, owner, a, owner_face, false, plane),
                        patches_of(w, carrier, b, facing_face, true, plane), rigid, rule, tolerance);
   }
+  double total = 0.0;
+  for (const QuadraturePoint& q : points) total += q.area;
+  // Faces that meet along an edge overlap by a strip as wide as their coordinates are rounded, which is no joint.
+  if (at_start && total <= w.detection.joint_tolerance * diagonal_of(points)) points.clear();
   const auto make = [&](const Vector& at, double area, double gap) {
     NewPoint made;
     Point& p = made.point;
@@ -244,8 +256,6 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
     return;
   }
   // Slivers of overlap would be soft springs; the nominal area keeps corners from sinking in.
-  double total = 0.0;
-  for (const QuadraturePoint& q : points) total += q.area;
   const double stiffen = std::max(1.0, 0.5 * nominal / total);
   const Vector on_b = b.vertices[b.shape->faces[facing_face][0]];
   for (const QuadraturePoint& q : points) {

@@ -10,6 +10,9 @@ namespace quoin::blocks {
 
 struct World;
 
+// Cosine above which faces (within about 2.5 degrees of parallel) can be a joint of the start.
+constexpr double parallel_cosine = 0.999;
+
 struct NewPoint {
   Point point;
   Facet facet_a, facet_b;

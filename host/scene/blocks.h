@@ -82,6 +82,10 @@ struct Assembly {
   int add(geometry::ConvexPolyhedron shape, Block block);
 };
 
+// Largest gap or overlap of joints of the start, and distance of corners from a plane within which they are one face,
+// m.
+double joint_tolerance_of(const Assembly& assembly);
+
 // "#3 'lintel'", the name of a block in messages.
 std::string label(const Assembly& assembly, int block);
 

@@ -333,6 +333,35 @@ std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembl
   };
 }
 
+// Makes faces of blocks one that rounded coordinates have divided. Zones of mesh files keep their faces.
+void unite_faces_of_blocks(Assembly& assembly) {
+  const double tolerance = joint_tolerance_of(assembly);
+  double worst = 0.0;
+  long count = 0;
+  std::string farthest, divided;
+  std::vector<bool> seen(assembly.shapes.size(), false);
+  for (size_t i = 0; i < assembly.blocks.size(); ++i) {
+    const Block& block = assembly.blocks[i];
+    if (block.zoning || seen[size_t(block.shape)]) continue;
+    seen[size_t(block.shape)] = true;
+    const double moved = unite_faces(assembly.shapes[size_t(block.shape)], tolerance);
+    if (moved < 0.0) divided += (divided.empty() ? "" : ", ") + label(assembly, int(i));
+    if (moved <= 0.0) continue;
+    ++count;
+    if (moved > worst) worst = moved, farthest = label(assembly, int(i));
+  }
+  if (count > 0)
+    assembly.notes.push_back(fmt::format(
+        "{} blocks have faces whose corners lie in one plane within contact.joint_tolerance ({:.2g} m), and "
+        "were made planar: corners moved by {:.2g} m at most (block {})",
+        count, tolerance, worst, farthest));
+  if (!divided.empty())
+    assembly.notes.push_back(fmt::format(
+        "blocks with faces in one plane within contact.joint_tolerance ({:.2g} m) which cannot be made one, "
+        "so that joints may lack part of them; give their corners more digits: {}",
+        tolerance, divided));
+}
+
 }  // namespace
 
 Assembly assemble(const Scene& scene) {
@@ -367,7 +396,16 @@ Assembly assemble(const Scene& scene) {
   assembly.contact.point_spacing = c.point_spacing;
   assembly.contact.small_displacement = c.small_displacement;
   if (bricks) assembly.contact.joint_motion = kJointMotion;
+  unite_faces_of_blocks(assembly);
   return assembly;
+}
+
+double joint_tolerance_of(const Assembly& assembly) {
+  if (assembly.contact.joint_tolerance > 0) return assembly.contact.joint_tolerance;
+  double least = 1e300;
+  for (const Block& block : assembly.blocks)
+    least = std::min(least, least_extent(assembly.shapes[size_t(block.shape)]));
+  return 1e-4 * least;
 }
 
 int Assembly::add(ConvexPolyhedron shape, Block block) {

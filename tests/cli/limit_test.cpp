@@ -39,6 +39,14 @@ TEST_F(Limit, MultipliersOfDryScenesAreThoseOfAnIndependentProgramme) {
   EXPECT_LE(largest, 1.0 + 1e-6);
 }
 
+// An analysis that fails leaves no results of an earlier one.
+TEST_F(Limit, FailureLeavesNoEarlierResults) {
+  limit("arch.toml");
+  EXPECT_NE(quoin({"limit", QUOIN_SCENES "/arch.toml", "--out", out(), "--given", "nan"}), 0);
+  for (const char* name : {"limit.json", "mechanism.csv", "mechanism.vtu", "forces.csv", "report.html"})
+    EXPECT_FALSE(fs::exists(fs::path(out()) / name)) << name;
+}
+
 // Multipliers with sliding without dilation. The arch falls by hinges only, so dilation has no effect. Four facets are
 // exact in a plane problem.
 TEST_F(Limit, MultipliersWithoutDilation) {

@@ -19,6 +19,11 @@ class Modes : public Cli {
   }
 };
 
+TEST_F(Modes, OneFrequencyOfZeroIsRefused) {
+  EXPECT_EQ(quoin({"modes", QUOIN_SCENES "/arch.toml", "--at", "5", "0"}), 3);
+  EXPECT_THAT(error_, HasSubstr("damping at 5 and 0 Hz; allowed: above 0"));
+}
+
 // A wall of bricks and an equal wall of blocks have equal frequencies.
 TEST_F(Modes, WallsOfBricksAndOfBlocksHaveTheSameFrequencies) {
   const nlohmann::json bricks = modes("solid_wall_030.toml"), blocks = modes("solid_wall_030_blocks.toml");

@@ -99,6 +99,17 @@ TEST(Compas, BlocksOfAGraphAreAllThatItHas) {
   EXPECT_TRUE(shapes[1].support);
 }
 
+// A node whose block is null was left out in silence.
+TEST(Compas, BlocksWithoutAMeshAreRefused) {
+  const std::string node = R"({"node": {"0": {"block": {"value": {)" + kMesh + R"(}}}, "7": {"block": null}}})";
+  try {
+    read_compas("a.json", node);
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a.json: node.7: its block is no mesh"));
+  }
+}
+
 TEST(Compas, FaultsNameTheirPlace) {
   const auto refused = [](const std::string& text, const std::string& why) {
     try {

@@ -244,6 +244,24 @@ TEST_F(BadMeshFile, SupportsDrawnAsOneFaceArePlates) {
               AllOf(HasSubstr("block floor: is drawn as a flat face"), HasSubstr("is_support"), HasSubstr("`fixed`")));
 }
 
+// A closed volume is a block whatever its thickness, free or fixed. Tolerance: rounding of sums of squares.
+TEST_F(BadMeshFile, ThinClosedBlocksAreNoPlates) {
+  for (const double thickness : {1e-4, 4e-3, 8e-3, 2e-2}) {
+    std::string text = "o tile\n";
+    for (const double y : {0.0, thickness})
+      for (const char* corner : {"0 {} 0", "1 {} 0", "1 {} 0.1", "0 {} 0.1"})
+        text += "v " + fmt::format(fmt::runtime(corner), y) + "\n";
+    text += "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+    std::ofstream(folder_ / "m.obj") << text;
+    for (const bool fixed : {true, false}) {
+      const auto blocks = read_mesh_file((folder_ / "m.obj").string(), 1.0, [&](const std::string&) { return fixed; });
+      ASSERT_EQ(blocks.size(), 1u);
+      EXPECT_FALSE(blocks[0].plate);
+      EXPECT_NEAR(mass_properties(blocks[0].shape).volume, 0.1 * thickness, 1e-12);
+    }
+  }
+}
+
 TEST_F(BadMeshFile, NumbersOfCornersAreWholeAndInRange) {
   for (const char* wrong : {"-1", "0", "2", "1.7", "4294967299", "9223372036854775807", "1e1", "nan", "three"}) {
     EXPECT_THAT(

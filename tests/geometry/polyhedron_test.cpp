@@ -13,6 +13,7 @@
 
 #include "../scratch.h"
 #include "base/error.h"
+#include "geometry/drawn_shape.h"
 #include "geometry/mesh_file.h"
 #include "geometry/zoning.h"
 
@@ -568,6 +569,70 @@ TEST(Tetrahedra, WhatIsNoBodyIsToldWithItsPlace) {
               testing::HasSubstr("alone lies inside the hull"));
   EXPECT_THAT(without([](Points& p, Fours&) { p[4].y = std::nan(""); }),
               testing::HasSubstr("vertex 4 is not a number"));
+}
+
+// Bricks turned at random, with corners rounded to `step` as text files have them.
+TEST(UnitedFaces, RoundedBricksHaveSixPlanarFaces) {
+  constexpr double kStep = 1e-5;
+  const Vector size{0.22, 0.0625, 0.11};
+  const double volume = size.x * size.y * size.z, area = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(-3.0, 3.0);
+  int divided = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Matrix turn = matrix(rotation({any(random), any(random), any(random)}));
+    const Vector origin{any(random), any(random), any(random)};
+    std::vector<Vector> corners;
+    for (int i = 0; i < 8; ++i) {
+      const Vector p = origin + turn * Vector{i & 1 ? size.x : 0.0, i & 2 ? size.y : 0.0, i & 4 ? size.z : 0.0};
+      corners.push_back(
+          {kStep * std::round(p.x / kStep), kStep * std::round(p.y / kStep), kStep * std::round(p.z / kStep)});
+    }
+    ConvexPolyhedron brick = from_vertices(corners, "brick");
+    divided += brick.faces.size() > 6;
+    const double moved = unite_faces(brick, 2 * kStep);
+    ASSERT_GE(moved, 0.0);
+    ASSERT_EQ(brick.faces.size(), 6u);
+    EXPECT_TRUE(fault_of_faces(brick.vertices, brick.faces).empty());
+    // Corners are off by half a step along each axis, faces by no more; they move by as much again.
+    EXPECT_LT(moved, std::sqrt(3.0) * kStep);
+    EXPECT_NEAR(mass_properties(brick).volume, volume, area * std::sqrt(3.0) / 2 * kStep);
+  }
+  EXPECT_GT(divided, 100) << "without the rule triangles are left";
+}
+
+TEST(UnitedFaces, ExactShapesAreLeftAsTheyAre) {
+  for (ConvexPolyhedron shape : {octahedron(1.0), prism(7, 0.3, 1.0), box({0, 0, 0}, {0.3, 0.1, 0.2})}) {
+    const ConvexPolyhedron before = shape;
+    EXPECT_EQ(unite_faces(shape, 1e-4 * least_extent(shape)), 0.0);
+    EXPECT_EQ(shape.faces, before.faces);
+    for (size_t i = 0; i < before.vertices.size(); ++i) EXPECT_EQ(norm(shape.vertices[i] - before.vertices[i]), 0.0);
+  }
+}
+
+// A bevel of a prism stays where it is wider than the tolerance: the sagitta of two facets of 64 is r (1 - cos(2
+// pi/64)).
+TEST(UnitedFaces, FacetsOfARoundShapeStay) {
+  ConvexPolyhedron drum = prism(64, 0.5, 0.5);
+  const double sagitta = 0.5 * (1 - std::cos(2 * std::numbers::pi / 64));
+  EXPECT_EQ(unite_faces(drum, 0.1 * sagitta), 0.0);
+  EXPECT_EQ(drum.faces.size(), 66u);
+}
+
+// Prisms of many sides, turned at random, 5e5 m from the origin, where coordinates have 6e-11 m.
+TEST(FromVertices, PrismsFarFromTheOriginClose) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(-3.0, 3.0);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Matrix turn = matrix(rotation({any(random), any(random), any(random)}));
+    const int sides = 5 + trial % 20;
+    std::vector<Vector> corners;
+    for (const Vector& p : prism(sides, 0.5, 1.0).vertices) corners.push_back(Vector{4e5, -3e5, 2e5} + turn * p);
+    const ConvexPolyhedron shape = from_vertices(corners, "prism");
+    EXPECT_EQ(shape.faces.size(), size_t(sides + 2));
+    // Rounding of coordinates over the surface of less than 10 m2.
+    EXPECT_NEAR(mass_properties(shape).volume, 0.125 * sides * std::sin(2 * std::numbers::pi / sides), 1e-9);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,184 @@
+// Limit analysis of scenes: which contact points count. Closed forms and symmetry; multipliers to 1e-4, since whole
+// cones are solved to 1e-5.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "../scene_of_text.h"
+#include "analysis/limit_of_scene.h"
+#include "base/error.h"
+#include "step/simulation.h"
+
+namespace quoin {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+std::string head(double friction_angle) {
+  return fmt::format(R"([materials.stone]
+density = 2000
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 4e8
+friction_angle = {}
+)",
+                     friction_angle);
+}
+
+std::string block(const std::string& name, const std::string& keys, bool fixed = false) {
+  return fmt::format("[[block]]\nname = \"{}\"\nmaterial = \"stone\"\nfixed = {}\n{}\n", name, fixed, keys);
+}
+
+SceneLimit limit_of_text(const std::string& text, const std::vector<double>& direction, double given = 0.0) {
+  const Simulation simulation(scene_of_text(text + "[[stage]]\ngravity = [0, -9.81, 0]\nduration = 0.1\n"), 1);
+  LimitOptions options;
+  options.direction = direction, options.given = given, options.associated = true;
+  return limit_of(simulation, options);
+}
+
+double multiplier_of(const std::string& text, const std::vector<double>& direction) {
+  const SceneLimit limit = limit_of_text(text, direction);
+  return limit.limit ? limit.limit->multiplier : std::nan("");
+}
+
+// A prism of 1 x 1 x 2 m on a cube. Corners are 10 um beside the planes of the others, a tenth of the joint tolerance.
+// The prism turns over at 1/2 of its weight, from edges that are 10 um away over 2 m at most.
+TEST(LimitOfScene, RoundedCornersLeaveAJointWhole) {
+  const std::string text =
+      head(45.0) +
+      block("low",
+            "vertices = [[0, 0, 0], [1, 0, 0], [1, 1, 1e-5], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1.00001, 1], "
+            "[0, 1, 1]]",
+            true) +
+      block("up",
+            "vertices = [[0, 1, 0], [1, 1, 1e-5], [1, 3, 0], [0, 3, 0], [0, 1, 1], [1, 1.00001, 1], [1, 3, 1], "
+            "[0, 3, 1]]");
+  for (const auto& way : std::vector<std::vector<double>>{{1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    const SceneLimit limit = limit_of_text(text, way);
+    EXPECT_EQ(limit.point_count, 4u);
+    double area = 0.0;
+    for (const LimitPoint& p : limit.problem.points) area += p.area;
+    EXPECT_NEAR(area, 1.0, 4e-5) << "four sides of 1 m, each moved by 10 um at most";
+    ASSERT_TRUE(limit.limit);
+    EXPECT_NEAR(limit.limit->multiplier, 0.5, 1e-4);
+  }
+}
+
+// Two bricks that meet along an edge, one of them 10 um too long: their beds overlap by a strip of that width, which
+// carries nothing. A strip ten times as wide as the tolerance of 10 um is a joint.
+TEST(LimitOfScene, StripsOfRoundingAreNoJoints) {
+  const auto bricks = [](double beyond) {
+    return head(30.0) +
+           block(
+               "a",
+               fmt::format("rotation = [0, 0, 10]\nbox = {{ lower = [0, 0, 0], size = [{}, 0.1, 0.2] }}", 0.3 + beyond),
+               true) +
+           block("b", "rotation = [0, 0, 10]\nbox = { lower = [0.3, 0.1, 0], size = [0.3, 0.1, 0.2] }");
+  };
+  EXPECT_THAT(
+      [&] {
+        limit_of_text(bricks(0.9e-5), {1, 0, 0});
+      },
+      testing::ThrowsMessage<Error>(testing::HasSubstr("no chain of joints")));
+  EXPECT_EQ(limit_of_text(bricks(1e-4), {1, 0, 0}).point_count, 4u);
+}
+
+// A cube that hovers by 1 mm above another, 10 times the joint tolerance.
+TEST(LimitOfScene, OpenPointsCarryNothing) {
+  const auto cubes = [](double gap) {
+    return head(35.0) + block("low", "box = { lower = [0, 0, 0], size = [1, 1, 1] }", true) +
+           block("up", fmt::format("box = {{ lower = [0, {}, 0], size = [1, 1, 1] }}", 1.0 + gap));
+  };
+  EXPECT_NEAR(multiplier_of(cubes(0.0), {1, 0, 0}), std::tan(35.0 * kDegree), 1e-4);
+  EXPECT_THAT(
+      [&] {
+        limit_of_text(cubes(1e-3), {1, 0, 0});
+      },
+      testing::ThrowsMessage<Error>(testing::HasSubstr("no chain of joints")));
+}
+
+// A cube on its edge, turned by 60 degrees, which rests on the edge of another: no normal is that of the contact.
+// Across the middle of the face, it is that of the face, and the cube falls over.
+TEST(LimitOfScene, EdgesOnEdgesAreNoContacts) {
+  const auto turned = [](double x) {
+    return head(35.0) + block("low", "box = { lower = [0, 0, 0], size = [1, 1, 1] }", true) +
+           block("up", fmt::format("box = {{ lower = [0, 0, 0], size = [1, 1, 1] }}\nposition = [{}, 1, 0]\n"
+                                   "rotation = [0, 0, 60]",
+                                   x));
+  };
+  EXPECT_THAT(
+      [&] {
+        limit_of_text(turned(1.0), {1, 0, 0});
+      },
+      testing::ThrowsMessage<Error>(testing::HasSubstr("no chain of joints")));
+  const SceneLimit across = limit_of_text(turned(0.5), {1, 0, 0});
+  EXPECT_GT(across.point_count, 0u);
+  EXPECT_FALSE(across.stands.stands);
+}
+
+// A cross vault over a square bay is the same along x and z. The multiplier of an independent linear programme on the
+// faces alone, with pyramids of 48 facets around the cones (within 1/cos(pi/48) = 1.002), is 0.66553.
+TEST(LimitOfScene, ACrossVaultIsSymmetric) {
+  constexpr int kCourses = 9;
+  constexpr double kLow = 20.0 * kDegree, kStep = (std::numbers::pi - 2 * kLow) / kCourses, kInner = 1.85,
+                   kOuter = 2.15;
+  std::string text = head(35.0);
+  for (int web = 0; web < 4; ++web) {
+    const double cosine = std::array{1, 0, -1, 0}[size_t(web)], sine = std::array{0, 1, 0, -1}[size_t(web)];
+    for (int course = -1; course <= kCourses; ++course) {
+      std::string points;
+      const auto add = [&](double x, double y, double z) {
+        points += fmt::format("[{:.17g}, {:.17g}, {:.17g}], ", cosine * x - sine * z, y, sine * x + cosine * z);
+      };
+      for (const double r : {kInner, kOuter}) {
+        for (const double a : {kLow + course * kStep, kLow + (course + 1) * kStep})
+          add(r * std::cos(a), r * std::sin(a), std::abs(r * std::cos(a))),
+              add(r * std::cos(a), r * std::sin(a), kOuter);
+        if (course == kCourses / 2) add(0.0, r * std::sin(kLow + (course + 1) * kStep), 0.0);
+      }
+      text += block(fmt::format("{}/{}", web, course), "vertices = [" + points + "]", course < 0 || course == kCourses);
+    }
+  }
+  const double along_x = multiplier_of(text, {1, 0, 0});
+  EXPECT_NEAR(along_x, 0.66553, 2e-3 * 0.66553);
+  for (const auto& way : std::vector<std::vector<double>>{{-1, 0, 0}, {0, 0, 1}, {0, 0, -1}})
+    EXPECT_NEAR(multiplier_of(text, way), along_x, 1e-4);
+}
+
+// A block on a plane is pushed by a part of its weight. It stands with the part over the friction that it has, however
+// small the part is, and slides at tan(phi).
+TEST(LimitOfScene, OneBlockNeedsTheFrictionOfItsPush) {
+  for (const double angle : {8.0, 30.0, 45.0}) {
+    const std::string text = head(angle) +
+                             block("base", "box = { lower = [-5, -0.2, -5], size = [12, 0.2, 12] }", true) +
+                             block("b", "box = { lower = [0, 0, 0], size = [1, 0.5, 1] }");
+    const double friction = std::tan(angle * kDegree);
+    for (const double given : {0.01, 0.05, 0.1}) {
+      const SceneLimit limit = limit_of_text(text, {1, 0, 0}, given);
+      EXPECT_TRUE(limit.stands.stands) << angle << " degrees, " << given;
+      ASSERT_TRUE(limit.stands.friction && limit.limit);
+      EXPECT_NEAR(*limit.stands.friction, given / friction, 2e-3 * given / friction) << "accurate to 0.1 %";
+      EXPECT_NEAR(limit.limit->multiplier, friction, 1e-4);
+    }
+  }
+}
+
+// Stones on which the interior point method stalled in units of the supports' weight. Pyramids of 32 facets give
+// 0.77915 to 0.790 by their orientation, an independent linear programme with 1024 facets 0.7900 (four digits).
+TEST(LimitOfScene, WholeConesSolveRubble) {
+  const Simulation simulation(read_scene(QUOIN_RUBBLE), 1);
+  LimitOptions options;
+  options.direction = {-0.3512590748204204, 0.10661449342949125, -0.98794242465224136}, options.associated = true;
+  const SceneLimit limit = limit_of(simulation, options);
+  ASSERT_TRUE(limit.limit);
+  EXPECT_EQ(limit.limit->facets, 0);
+  EXPECT_NEAR(limit.limit->multiplier, 0.7900, 1.5e-4);
+}
+
+}  // namespace
+}  // namespace quoin
