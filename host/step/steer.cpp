@@ -23,8 +23,10 @@ namespace {
 constexpr const char* kAxis[3] = {"x", "y", "z"};
 
 Error refusal(const char* what, const std::string& body, std::size_t component, const char* reason) {
-  return {Exit::bad_input, fmt::format("{}: the stage {} '{}' along {}; give not a number there, or another stage",
-                                       what, reason, body, kAxis[component])};
+  return {Exit::bad_input,
+          fmt::format("{}: the stage {} '{}' along {}; give None (C++: not a number) there, or another "
+                      "stage",
+                      what, reason, body, kAxis[component])};
 }
 
 // Throws unless prescribed components are given velocities, and free ones forces; NaN components pass.
@@ -68,8 +70,30 @@ void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name
   s.small_motion.next_check = s.progress.step;
 }
 
+// Adds the pressures on a block that a force of these components replaces. One on a face that is inclined to these and
+// to others cannot go in part.
+void add_replaced(Simulation::Impl& s, const std::string& name, int block, const Vec3& force,
+                  std::vector<blocks::Pressure*>* replaced) {
+  constexpr double kAlong = 1e-9;  // rounding of a normal
+  for (blocks::Pressure& pressure : s.large_motion->actions.pressures) {
+    if (pressure.block != block || pressure.value == 0.0) continue;
+    const Vector normal = matrix(s.large_motion->assembly.blocks[at(block)].orientation) *
+                          s.large_motion->blocks[block].shape->normals[at(pressure.face)];
+    bool goes = false, stays = false;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::abs(normal[static_cast<int>(c)]) > kAlong) (std::isnan(force[c]) ? stays : goes) = true;
+    }
+    if (goes && stays)
+      throw Error(Exit::bad_input, fmt::format("force: a pressure of the stage acts on an inclined face of '{}', and "
+                                               "would go along some components and stay along others; give all three",
+                                               name));
+    if (goes) replaced->push_back(&pressure);
+  }
+}
+
 void steer_drives(Simulation::Impl& s, const char* what, const std::string& name, const Vec3& value, bool velocities) {
   const std::vector<int> steered = blocks_named(s, name, "body");
+  std::vector<blocks::Pressure*> replaced;
   const auto drive_of = [&](int block) {
     return std::find_if(s.actions.drives.begin(), s.actions.drives.end(),
                         [&](const Drive& d) { return d.block == block; });
@@ -81,6 +105,7 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
     for (std::size_t c = 0; c < 3; ++c)
       prescribed[c] = drive == s.actions.drives.end() ? fixed : (drive->held >> c & 1) != 0;
     require_kind(what, name, value, velocities, prescribed);
+    if (!velocities) add_replaced(s, name, block, value, &replaced);
   }
   for (const int block : steered) {
     auto drive = drive_of(block);
@@ -101,8 +126,15 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
         drive->force_from[c] = drive->force_to[c] = drive->force_now[c] = value[k];
       }
     }
-    if (!velocities) s.large_motion->apply_force(block, drive->force_to);
+    if (velocities) continue;
+    for (blocks::Load& load : s.large_motion->actions.loads) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (load.block == block && !std::isnan(value[c])) load.force[static_cast<int>(c)] = 0.0;
+      }
+    }
+    s.large_motion->apply_force(block, drive->force_to);
   }
+  for (blocks::Pressure* pressure : replaced) pressure->value = 0.0;
   s.controls.settled = false;  // the next step applies the drives
 }
 

@@ -10,9 +10,9 @@
 namespace quoin {
 
 // Set the velocity or force of the bodies of a name until the next stage begins, without a ramp. NaN components keep
-// theirs. A velocity needs a component that the stage holds or moves, a force one that is free. Before the first step
-// these begin the first stage. Each throws Error(bad_input) with what the scene has instead, and nothing has changed
-// then.
+// theirs. A velocity needs a component that the stage holds or moves, a force one that is free. A force replaces forces
+// and pressures of the stage along its components. Before the first step these begin the first stage. Each throws
+// Error(bad_input) with what the scene has instead, and nothing has changed then.
 void set_velocity(Simulation::Impl& s, const std::string& body, const Vec3& velocity);  // m/s
 void set_force(Simulation::Impl& s, const std::string& body, const Vec3& force);        // N, on each body of that name
 // Swaps the law of a joint family; all points keep their tractions. Throws Error(bad_input) or Error(law_refused).

@@ -157,6 +157,64 @@ class Steering(Folder):
         sim.step(10)
         np.testing.assert_array_equal(sim.velocity("cube"), before)
 
+    def test_a_force_replaces_what_the_stage_loads_the_block_with(self):
+        # A cube of 1000 kg on elastic joints, pushed by 4000 N and pressed by 1000 Pa on 1 m2, both along x.
+        def scene(**solver):
+            made = block_scene()
+            made.solver = dict(damping="local", **solver)
+            made.joints["dry"] = quoin.Joint(law="elastic", normal_stiffness=1e7, shear_stiffness=1e6)
+            made.block[1].box.lower = [0, 1, 0]
+            made.stage = [quoin.Stage(name="push", duration=3.0,
+                                      force=[dict(block="cube", point=[0.5, 1.5, 0.5], force=[4000.0, 0, 300.0])],
+                                      pressure=[dict(block="cube", normal=[-1.0, 0, 0], pressure=1000.0)])]
+            made.output.monitor = "cube"
+            return made
+
+        def at_rest(sim):
+            sim.run()
+            return [sim.measure()[f"monitor_f{axis}_N"] for axis in "xz"]
+
+        never = dict(large_motion="never", rotation_bound=0.3, sliding_bound=0.5)
+        goes_over = dict(large_motion="automatic", rotation_bound=0.3, sliding_bound=6e-3)
+        for solver in (dict(kernels="lattice", **never), dict(kernels="lattice", **goes_over), dict(kernels="general")):
+            # Reaction at rest. Tolerance 1e-6 of it: what local damping leaves of the motion after 3 s.
+            np.testing.assert_allclose(np.abs(at_rest(quoin.Simulation(scene(**solver)))), [5000.0, 300.0], rtol=1e-6)
+            sim = quoin.Simulation(scene(**solver))
+            sim.step()
+            sim.set_force("cube", [8000.0, None, None])
+            state = sim.save()
+            np.testing.assert_allclose(np.abs(at_rest(sim)), [8000.0, 300.0], rtol=1e-6, err_msg=str(solver))
+            self.assertEqual(sim.large_motion, "never" not in solver.values())
+            bits = sim.hash
+            sim.restore(state)
+            sim.run()
+            self.assertEqual(sim.hash, bits)
+            sim = quoin.Simulation(scene(**solver))
+            sim.restore(state)
+            sim.run()
+            self.assertEqual(sim.hash, bits)
+
+    def test_a_pressure_on_an_inclined_face_goes_as_a_whole(self):
+        scene = block_scene()
+        scene.block[1].rotation = [0.0, 0.0, 30.0]
+        face = [-np.cos(np.pi / 6), -0.5, 0.0]
+        scene.stage[0].pressure = [dict(block="cube", normal=face, pressure=1000.0)]
+        sim = quoin.Simulation(scene)
+        sim.step()
+        with self.assertRaisesRegex(quoin.BadInput, "an inclined face of 'cube'.*give all three"):
+            sim.set_force("cube", [8000.0, None, None])
+        sim.set_force("cube", [None, None, 10.0])  # the face has no part of this
+        before, then = sim.velocity("cube").copy(), sim.time
+        sim.step(10)
+        # Exact but for rounding of the rotation: 1000 Pa on 1 m2, and 1000 kg.
+        gained = (sim.velocity("cube")[0] - before[0]) / (sim.time - then)
+        np.testing.assert_allclose(gained, [np.cos(np.pi / 6), 0.5, 0.01], rtol=1e-9)
+        sim.set_force("cube", [500.0, 0.0, 0.0])
+        before, then = sim.velocity("cube").copy(), sim.time
+        sim.step(10)
+        gained = (sim.velocity("cube")[0] - before[0]) / (sim.time - then)
+        np.testing.assert_allclose(gained, [0.5, 0.0, 0.0], rtol=1e-9, atol=1e-9)
+
     def test_velocities_that_are_written_move_blocks(self):
         sim = quoin.Simulation(block_scene())
         sim.step()

@@ -214,7 +214,9 @@ class Simulation:
         self._session_of("set_velocity").set_velocity(word("body", body), vector("velocity", velocity))
 
     def set_force(self, body, force):
-        """Sets the force on free bodies, N, from now to the end of the stage. None: no change."""
+        """Sets the force on free bodies, N, from now to the end of the stage. Along its components it replaces forces
+        and pressures of the stage on each of these bodies, with their moments. Gravity and the pull of a whiffletree
+        stay. None: no change."""
         self._session_of("set_force").set_force(word("body", body), vector("force", force))
 
     def swap_law(self, joint, law):
