@@ -385,8 +385,8 @@ std::pair<std::size_t, std::size_t> Session::points_of(int family) const {
 py::dict Session::contacts(int family) const {
   use();
   const auto [first, end] = points_of(family);
-  const std::vector<ContactPoint> all = contact_points(*simulation_);
-  const std::vector<ContactPoint> points(all.begin() + static_cast<long>(first), all.begin() + static_cast<long>(end));
+  const std::vector<ContactPoint> points =
+      contact_points(*simulation_, {static_cast<std::int32_t>(first), static_cast<std::int32_t>(end)});
   py::dict d;
   d["position"] = vectors_of(points, [](const ContactPoint& p) { return p.position; });
   d["normal"] = vectors_of(points, [](const ContactPoint& p) { return p.normal; });
@@ -433,8 +433,11 @@ py::array Session::block_array(BlockArray what, int block) {
 
 py::array Session::point_array(PointArray what, int family) {
   const ArrayView lies = view(use(), what, family);
-  if (!lies.data) return py::array_t<double>(0);
-  return array_of(lies, false);
+  if (lies.data) return array_of(lies, false);
+  if (what != PointArray::position) return py::array_t<double>(0);
+  const auto [first, end] = points_of(family);
+  return vectors_of(contact_points(*simulation_, {static_cast<std::int32_t>(first), static_cast<std::int32_t>(end)}),
+                    [](const ContactPoint& p) { return p.position; });
 }
 
 py::array Session::state(int family, const std::string& id) { return array_of(view_state(use(), family, id), false); }

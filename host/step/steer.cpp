@@ -234,11 +234,8 @@ ArrayView view(Simulation::Impl& s, PointArray what, int family) {
   const auto k = static_cast<std::size_t>(what);
   if (s.large_motion) {
     auto& f = const_cast<blocks::Family&>(s.large_motion->contacts.families[at(family)]);
-    if (what == PointArray::area) return {f.area.data(), f.size()};
-    if (what != PointArray::position) return {f.traction[k].data(), f.size()};
-    constexpr std::ptrdiff_t stride = sizeof(blocks::Point) / sizeof(double);
-    static_assert(sizeof(blocks::Point) % sizeof(double) == 0);
-    return {f.size() == 0 ? nullptr : &f.point[0].at.x, f.size(), 3, stride, 1};
+    if (what == PointArray::position) return {nullptr, f.size(), 3};
+    return {what == PointArray::area ? f.area.data() : f.traction[k].data(), f.size()};
   }
   const ContactFamily& f = s.model.families[at(family)];
   const std::size_t first = at(f.first_point), count = at(f.point_count);

@@ -19,7 +19,8 @@ void set_force(Simulation::Impl& s, const std::string& body, const Vec3& force);
 LawSwap exchange_law(Simulation::Impl& s, const std::string& family, const std::string& law);
 
 // View of a current array of doubles: row r, column c is data[r * row_stride + c * column_stride]. It is valid until
-// the simulation is stepped, steered or restored. data null: no such array, as displacements in large motion.
+// the simulation is stepped, steered or restored. data null: no such array, as displacements and positions in large
+// motion.
 struct ArrayView {
   double* data = nullptr;
   std::size_t rows = 0, columns = 1;
@@ -28,7 +29,13 @@ struct ArrayView {
 enum class BlockArray { displacement, velocity };  // m, m/s
 // A row a gridpoint: x, y, z; of a rigid block one row, its centre.
 ArrayView view(Simulation::Impl& s, BlockArray what, int block);
-enum class PointArray { sigma, tau_s, tau_t, area, position };  // Pa, m2, m (at the start on the lattice, else current)
+enum class PointArray {
+  sigma,
+  tau_s,
+  tau_t,
+  area,
+  position
+};  // Pa, m2, m (position: on the lattice that at the start)
 ArrayView view(Simulation::Impl& s, PointArray what, int family);
 ArrayView view_state(Simulation::Impl& s, int family, const std::string& id);  // Error(bad_input): no such state
 void velocities_changed(Simulation::Impl& s);  // to be called after velocities were written through a view

@@ -143,6 +143,25 @@ class Views(unittest.TestCase):
         self.assertEqual(len(sigma), len(sim.contacts("dry")))
 
 
+    def test_positions_follow_large_motion(self):
+        # The base moves with the ground, by 0.1 m/s for 1 s, and takes the block on it along.
+        scene = block_scene()
+        scene.solver = dict(damping="none", large_motion="always")
+        scene.block[1].box.lower = [0, 1, 0]
+        scene.stage = [quoin.Stage(name="move", duration=1.0)]
+        sim = quoin.Simulation(scene)
+        sim.step()
+        start, view = sim.position("dry").copy(), sim.position("dry")
+        sim.set_velocity("base", [0.1, 0.0, 0.0])
+        sim.velocity("cube")[...] = [0.1, 0.0, 0.0]
+        then = sim.time
+        sim.run()
+        np.testing.assert_array_equal(view, sim.contacts("dry")["position"])
+        # Exact but for rounding, and half a step until the velocity acts on the whole of one.
+        np.testing.assert_allclose(view - start, np.tile([0.1 * (sim.time - then), 0, 0], (len(start), 1)),
+                                   atol=0.1 * sim.time_step)
+
+
 class Steering(Folder):
     def test_a_force_accelerates_as_newton_says(self):
         sim = quoin.Simulation(block_scene())

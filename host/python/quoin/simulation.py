@@ -189,7 +189,8 @@ class Simulation:
         return self._view("area", lambda s: s.area(word("joint", joint)))
 
     def position(self, joint):
-        """Places of the contact points of a joint family, m; in small displacements those at the start."""
+        """Places of the contact points of a joint family, m; in small displacements those at the start. A copy in large
+        motion."""
         return self._view("position", lambda s: s.position(word("joint", joint)))
 
     def state(self, joint, id):
