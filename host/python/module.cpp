@@ -240,7 +240,12 @@ PYBIND11_MODULE(_quoin, m) {
       .def("set_progress", &Session::set_progress)
       .def("history", &Session::history)
       .def("measure", &Session::measure)
-      .def("finish", &Session::finish)
+      .def("finish",
+           [](Session& s, const std::string& status, const std::string& message) {
+             std::string summary = s.finish(status, message);
+             s.tell_warnings();
+             return summary;
+           })
       .def("close", &Session::close)
       .def("frames", &Session::frames)
       .def("mesh", &Session::mesh)

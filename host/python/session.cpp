@@ -188,11 +188,22 @@ Simulation& Session::use() const {
 
 bool Session::step(long count, bool stop_at_stage_end) {
   const bool more = advance(count, stop_at_stage_end);
-  if (!more && file_) finish("done", "");
+  if (!more && file_)
+    finish("done", "");
+  else if (!more)
+    info_of("done", "");
+  tell_warnings();
+  return more;
+}
+
+void Session::warn(const Warning& warning) {
+  if (told_.insert(warning.about).second) warnings_.push_back(warning.text);
+}
+
+void Session::tell_warnings() {
   for (const std::string& text : std::exchange(warnings_, {})) {
     if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
   }
-  return more;
 }
 
 bool Session::advance(long count, bool stop_at_stage_end) {
@@ -301,9 +312,9 @@ py::dict Session::measure() const {
   return result;
 }
 
-std::string Session::finish(const std::string& status, const std::string& message) {
+// Warns also of what only a whole run shows.
+RunInfo Session::info_of(const std::string& status, const std::string& message) {
   const Simulation& simulation = use();
-  if (!summary_.empty()) return summary_;
   RunInfo info;
   info.status = status;
   info.message = message;
@@ -311,8 +322,16 @@ std::string Session::finish(const std::string& status, const std::string& messag
   info.law_answers = laws_answer(simulation);
   if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
+  std::ranges::for_each(info.warnings, [this](const Warning& warning) { warn(warning); });
   info.wall_clock_s = seconds_since(start_);
   info.modes = modes_;
+  return info;
+}
+
+std::string Session::finish(const std::string& status, const std::string& message) {
+  const Simulation& simulation = use();
+  if (!summary_.empty()) return summary_;
+  const RunInfo info = info_of(status, message);
   const std::string summary = summary_text(simulation, rows_, info);
   if (!file_) return summary;
   file_->finish();
@@ -329,6 +348,7 @@ void Session::close(const std::string& failure) {
   if (!file_) return;
   const std::string left = fmt::format("left at step {}, before the end of its last stage", simulation.step());
   finish(failure.empty() ? "interrupted" : "failed", failure.empty() ? left : failure);
+  tell_warnings();
 }
 
 py::list Session::frames() const {
@@ -495,6 +515,7 @@ void Session::restore(const py::bytes& bytes) {
   const std::string_view view = bytes;
   const Isolated isolated(isolation_);
   use().restore({view.begin(), view.end()});
+  told_.clear();
   // Later rows and stages are removed, earlier ones stay.
   std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
   std::erase_if(modes_, [now = simulation_->measure().stage](const StageModes& of) { return of.stage > now; });

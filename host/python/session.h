@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,7 @@ class Session : private Observer {
   std::string finish(const std::string& status, const std::string& message);
   // Completes the files of a run that is left before its end. failure: what ended it; empty: nothing.
   void close(const std::string& failure);
+  void tell_warnings();  // as UserWarnings, each assumption once
   py::list frames() const;
   py::dict mesh() const;
   py::dict contacts(int family) const;
@@ -86,11 +88,13 @@ class Session : private Observer {
   void begin_files(const std::vector<std::vector<double>>& monitor_rows, std::vector<double> frame_times);
   void on_stage_begin(const Simulation& simulation, int stage) override;
   void on_promotion(const Simulation& simulation) override;
-  void on_warning(const Warning& warning) override { warnings_.push_back(warning.text); }
+  void on_warning(const Warning& warning) override { warn(warning); }
   void on_row(const HistoryRow& row) override;
   void on_pause(const Simulation& simulation, bool last) override;
   void on_progress(const Progress& progress) override;
   void on_frame(const Simulation& simulation, int stage, int frame) override;
+  void warn(const Warning& warning);
+  RunInfo info_of(const std::string& status, const std::string& message);
   [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds);
   py::array array_of(const ArrayView& view, bool writeable) const;
   Identity identity_of(const std::string& scene_hash) const;
@@ -115,6 +119,7 @@ class Session : private Observer {
   int stage_ = -1;
   std::vector<StageModes> modes_;      // modes of stages with ground motion
   std::vector<std::string> warnings_;  // warnings not yet returned to Python
+  std::set<std::string> told_;         // Warning::about of these, and of those that were returned
   std::optional<LawWatchdog> watchdog_;
   std::vector<HashedFile> files_;         // files of the scene and of its laws, with their hashes at the start
   std::optional<Provenance> provenance_;  // provenance of a run that writes its end state

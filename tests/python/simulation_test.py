@@ -461,6 +461,34 @@ class Interruptions(Folder):
         self.assertGreater(len(run.history), 0)
         self.assertTrue(os.path.exists(self.path("out/history.csv")))
 
+    def test_all_warnings_of_the_summary_are_told(self):
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.stage[1].displacement, scene.stage[1].velocity = 1e-4, 0.5  # far too fast for rest
+
+        def run(how):
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always")
+                how()
+            with open(self.path("out/summary.json"), encoding="utf-8") as file:
+                listed = [warning["text"] for warning in json.load(file)["warnings"]]
+            self.assertEqual(sorted(str(w.message) for w in told), sorted(listed))
+            self.assertTrue(any("quasi-static" in text for text in listed), listed)
+
+        def stepped():
+            sim = quoin.Simulation(scene, out=self.path("out"))
+            while sim.step(100):
+                pass
+            self.assertFalse(sim.step())
+            sim.close()
+
+        def closed():
+            with quoin.Simulation(scene, out=self.path("out")) as sim:
+                sim.run(until="precompression")
+                sim.step(50)
+
+        for how in (stepped, closed, lambda: quoin.run(scene, out=self.path("out")), lambda: quoin.run(scene)):
+            run(how)
+
     def test_other_threads_run_meanwhile_but_not_in_the_same_simulation(self):
         sim, told = quoin.Simulation(slow_scene(), threads=1), []
         runner = threading.Thread(target=lambda: sim.step(3000))
