@@ -224,12 +224,11 @@ bool Session::advance(long count, bool stop_at_stage_end) {
   return more;
 }
 
-void Session::on_stage_begin([[maybe_unused]] const Simulation& simulation, int stage) {
+void Session::on_stage_begin([[maybe_unused]] const Simulation& simulation, [[maybe_unused]] int stage) {
 #ifdef QUOIN_MODES
   const bool shakes = simulation.scene().stages[static_cast<std::size_t>(stage)].ground.has_value();
   if (shakes && (modes_.empty() || modes_.back().stage != stage)) modes_.push_back(damped_modes(simulation, stage));
 #endif
-  stage_ = stage;
 }
 
 void Session::on_promotion(const Simulation&) {

@@ -80,7 +80,6 @@ class Session : private Observer {
   void resume(const std::string& path, const std::string& scene_hash);
 
   Simulation& use() const;  // simulation for a call that holds the interpreter's lock
-  int stage() const { return stage_; }
 
  private:
   bool advance(long count, bool stop_at_stage_end);
@@ -115,8 +114,7 @@ class Session : private Observer {
   std::optional<VtkSeries> series_;
   py::object progress_ = py::none();
   bool stepping_ = false;
-  std::string summary_;  // summary.json, when the files are complete; else empty
-  int stage_ = -1;
+  std::string summary_;                // summary.json, when the files are complete; else empty
   std::vector<StageModes> modes_;      // modes of stages with ground motion
   std::vector<std::string> warnings_;  // warnings not yet returned to Python
   std::set<std::string> told_;         // Warning::about of these, and of those that were returned

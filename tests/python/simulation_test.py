@@ -322,11 +322,33 @@ class Steering(Folder):
         self.assertAlmostEqual(sim.measure()["displacement_m"], 1e-4, delta=0.05 * 11 * sim.time_step)
         self.assertFalse(sim.run())
         self.assertFalse(sim.step())
+        for until in (None, "shear", "precompression", 1e-4, lambda s: True):
+            self.assertFalse(sim.run(until=until))
         reference = quoin.Simulation(SMALL_WALL)
         reference.run()
         self.assertEqual(sim.hash, reference.hash)
         with self.assertRaisesRegex(quoin.BadInput, "until = 'tea'.*precompression, shear"):
             sim.run(until="tea")
+
+    def test_the_end_of_a_stage_is_reached_once(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.run(until="precompression")
+        there, state = sim.steps, sim.save()
+        for _ in range(2):
+            self.assertTrue(sim.run(until="precompression"))
+            self.assertEqual((sim.steps, sim.stage), (there, "precompression"))
+        sim.step()
+        self.assertTrue(sim.run(until="precompression"))
+        self.assertEqual((sim.steps, sim.stage), (there + 1, "shear"))
+        other = quoin.Simulation(SMALL_WALL)
+        for restored in (sim, other):
+            restored.restore(state)
+            self.assertEqual(restored.stage, "precompression")
+            self.assertTrue(restored.run(until="precompression"))
+            self.assertEqual(restored.steps, there)
+            self.assertFalse(restored.run(until="shear"))
+            self.assertFalse(restored.run(until="shear"))
+        self.assertEqual(sim.hash, other.hash)
 
 
 class Interruptions(Folder):
@@ -337,7 +359,7 @@ class Interruptions(Folder):
         sim.checkpoint(self.path("then.bin"))
         sim.run()
         resumed = quoin.Simulation.resume(SMALL_WALL, self.path("then.bin"))
-        self.assertEqual(resumed.steps, 700)
+        self.assertEqual((resumed.steps, resumed.stage), (700, "shear"))
         resumed.run()
         self.assertEqual(resumed.hash, sim.hash)
         assert_same_history(resumed.history, sim.history)

@@ -92,32 +92,28 @@ class Simulation:
 
     def run(self, until=None, *, every=100):
         """Runs to the end of the last stage (until None), to a time in s, to the end of the stage of that name, or until
-        until(simulation) is true, which is called after every `every` steps. Returns whether more steps remain."""
+        until(simulation) is true, which is called after every `every` steps. Runs no step if that is reached already.
+        Returns whether more steps remain."""
         session = self._session_of("run")
         if until is None:
             return session.step(MOST_STEPS, False)
+        names = session.stage_names
+        more = session.stages_ended < len(names)
         if callable(until):
-            every, more = whole("every", every, 1, MOST_STEPS), True
+            every = whole("every", every, 1, MOST_STEPS)
             while more and not until(self):
                 more = self.step(every)
             return more
         if isinstance(until, str):
-            names = session.stage_names
             if until not in names:
                 raise BadInput(f"until = {until!r}: there is no such stage; there are {', '.join(names)}")
-            if max(session.stage, 0) > names.index(until):
-                return session.stage < len(names)
-            more = True
-            while more:
+            while session.stages_ended <= names.index(until):
                 more = session.step(MOST_STEPS, True)
-                if session.stage >= names.index(until):
-                    break
             return more
         if isinstance(until, (bool, np.bool_)) or not isinstance(until, (numbers.Real, np.floating)):
             raise TypeError(f"until: a time in s, the name of a stage or a function is needed, not {type(until).__name__}")
         if not math.isfinite(until):
             raise ValueError(f"until = {until}: allowed: a finite time in s")
-        more = True
         while more and self.time < until - 1e-9 * self.time_step:
             more = self.step(max(1, min(MOST_STEPS, math.ceil((until - self.time) / self.time_step - 1e-9))))
         return more
