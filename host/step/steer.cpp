@@ -23,10 +23,8 @@ namespace {
 constexpr const char* kAxis[3] = {"x", "y", "z"};
 
 Error refusal(const char* what, const std::string& body, std::size_t component, const char* reason) {
-  return {Exit::bad_input,
-          fmt::format("{}: the stage {} '{}' along {}; give None (C++: not a number) there, or another "
-                      "stage",
-                      what, reason, body, kAxis[component])};
+  return {Exit::bad_input, fmt::format("{}: the stage {} '{}' along {}; give None (NaN in C++) there, or another stage",
+                                       what, reason, body, kAxis[component])};
 }
 
 // Throws unless prescribed components are given velocities, and free ones forces; NaN components pass.
@@ -50,6 +48,9 @@ void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name
     for (std::size_t c = 0; c < 3; ++c) prescribed[c] = s.lattice.bodies[at(place)].prescribed[c][lane] != 0.0;
     require_kind(what, name, value, velocities, prescribed);
   }
+  // As in large motion, nothing is ground that moves before the first stage that shakes.
+  const bool has_shaken = std::any_of(s.scene.stages.begin(), s.scene.stages.begin() + s.progress.stage + 1,
+                                      [](const Stage& stage) { return stage.ground.has_value(); });
   for (const int body : bodies) {
     const auto [place, lane] = s.lattice.place[at(body)];
     BodyLanes& lanes = s.lattice.bodies[at(place)];
@@ -59,7 +60,7 @@ void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name
       if (velocities) {
         ramp.velocity_from[c] = ramp.velocity_to[c] = lanes.prescribed_velocity[c][lane] = value[c];
         ramp.in_cycles[c] = 0.0;
-        ramp.of_ground &= ~(std::uint64_t{1} << c);
+        ramp.of_ground = has_shaken ? ramp.of_ground & ~(std::uint64_t{1} << c) : 0;
       } else {
         ramp.force_from[c] = ramp.force_to[c] = lanes.applied_force[c][lane] = value[c];
       }

@@ -277,6 +277,50 @@ class Steering(Folder):
         self.assertAlmostEqual(wall.measure()["displacement_m"] - there, -0.02 * 200 * wall.time_step,
                                delta=0.02 * 2 * wall.time_step)
 
+    def test_ground_that_is_steered_is_still_the_ground(self):
+        blocks = block_scene()
+        blocks.joints["dry"] = quoin.Joint(law="elastic", normal_stiffness=1e7, shear_stiffness=1e7)
+        blocks.block[1].box.lower = [0, 1, 0]
+        blocks.output.monitor = "cube"
+        wall = quoin.Scene.load(SMALL_WALL)
+        wall.solver.large_motion = "never"
+        for scene, base, lasts, more in ((blocks, "base", 1.0, {}),
+                                         (wall, "bottom_beam", 4e-3, dict(kind="custom", monitor="top_beam"))):
+            shake = dict(direction=[1, 0, 0], time=[0, lasts / 2, lasts], acceleration=[0, 1.0, 0])
+            scene.stage = [quoin.Stage(name="shake", duration=lasts, ground_motion=shake, **more),
+                           quoin.Stage(name="after", duration=lasts / 10, **more)]
+            plain, steered = (quoin.Simulation(scene, threads=1) for _ in range(2))
+            self.assertEqual(plain.large_motion, scene is blocks)
+            for sim in (plain, steered):
+                sim.run(until=0.3 * lasts)
+            steered.set_velocity(base, [None, None, 0.1])
+            then, state = steered.time, steered.save()
+            plain.run(until=0.8 * lasts)
+            for _ in range(2):
+                steered.run(until=0.8 * lasts)
+                row, reference = steered.measure(), plain.measure()
+                self.assertGreater(row["ground_dx_m"], 0.1 * lasts**2)
+                self.assertEqual(row["ground_dx_m"], reference["ground_dx_m"])
+                self.assertEqual(row["monitor_relative_dx_m"], row["monitor_dx_m"] - row["ground_dx_m"])
+                # Exact but for rounding and for the steps at both ends.
+                self.assertAlmostEqual(row["ground_dz_m"], 0.1 * (steered.time - then), delta=0.1 * 2 * steered.time_step)
+                steered.restore(state)
+            # In the next stage what was set is at rest.
+            steered.run(until="shake")
+            steered.step(3)
+            before = steered.displacement(base).copy()
+            steered.step(10)
+            np.testing.assert_array_equal((steered.displacement(base) - before)[:, 2], 0.0)
+            # It stands, exactly, when it is told to.
+            steered.restore(state)
+            steered.set_velocity(base, [0.0, 0.0, 0.0])
+            steered.step(2)
+            there = steered.measure()
+            steered.run(until="shake")
+            for column in ("ground_dx_m", "ground_dz_m"):
+                self.assertEqual(steered.measure()[column], there[column])
+            self.assertGreater(there["ground_dx_m"], 0.0)
+
     def test_what_cannot_be_steered_is_told(self):
         sim = quoin.Simulation(SMALL_WALL)
         sim.step()
