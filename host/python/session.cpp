@@ -470,14 +470,19 @@ int Session::block_named(const py::object& block) const {
     std::optional<blocks::Assembly> as_read;
     if (!simulation.large_motion() && simulation.scene().blocks) as_read = blocks::assemble(simulation.scene());
     std::vector<std::string> names;
+    std::vector<int> found;
     for (int b = 0; b < count; ++b) {
       const auto i = static_cast<std::size_t>(b);
       const std::string& is = simulation.large_motion() ? simulation.large_motion()->assembly.blocks[i].name
                               : as_read                 ? as_read->blocks[i].name
                                                         : simulation.assembly().bricks[i].body;
-      if (is == name) return b;
+      if (is == name) found.push_back(b);
       names.push_back(is);
     }
+    if (found.size() == 1) return found.front();
+    if (!found.empty())
+      throw py::key_error(fmt::format("block: {} blocks are called '{}': give the number of one: {}", found.size(),
+                                      name, fmt::join(found, ", ")));
     throw py::key_error(fmt::format("block: nothing is called '{}'{}; give a number from 0 to {}", name,
                                     did_you_mean(name, names), count - 1));
   }
@@ -505,49 +510,57 @@ LawSwap Session::swap_law(const std::string& joint, const std::string& law) {
   return exchange_law(use(), joint, law);
 }
 
-py::bytes Session::save() const {
-  const std::vector<std::uint8_t> bytes = use().save();
+Checkpoint Session::now() const {
+  Checkpoint checkpoint{{rows_, {}, modes_}, use().save()};
+  if (monitors_) checkpoint.results.monitor_rows = monitors_->rows();
+  return checkpoint;
+}
+
+// frame_times: of frames that are kept in the folder.
+void Session::go_back(const Checkpoint& to, std::vector<double> frame_times) {
+  const Isolated isolated(isolation_);
+  const std::size_t stages = use().scene().stages.size(), added = simulation_->measure().added.size();
+  const auto is_stage = [&](int stage) { return stage >= 0 && static_cast<std::size_t>(stage) < stages; };
+  if (!std::ranges::all_of(to.results.rows,
+                           [&](const HistoryRow& row) { return is_stage(row.stage) && row.added.size() == added; }) ||
+      !std::ranges::all_of(to.results.modes, is_stage, &StageModes::stage))
+    throw Error(Exit::bad_input, "checkpoint: its rows are of another model");
+  simulation_->restore(to.state);
+  rows_ = to.results.rows;
+  modes_ = to.results.modes;
+  told_.clear();
+  if (surfaces_) *surfaces_ = Surfaces();
+  std::erase_if(frame_times, [&](double time) { return time > simulation_->time(); });
+  begin_files(to.results.monitor_rows, std::move(frame_times));
+}
+
+py::bytes Session::save(const SceneHashes& scene) const {
+  const std::vector<std::uint8_t> bytes = checkpoint_bytes(identity_of(scene), now());
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void Session::restore(const py::bytes& bytes) {
+void Session::restore(const py::bytes& bytes, const SceneHashes& scene) {
   const std::string_view view = bytes;
-  const Isolated isolated(isolation_);
-  use().restore({view.begin(), view.end()});
-  told_.clear();
-  // Later rows and stages are removed, earlier ones stay.
-  std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
-  std::erase_if(modes_, [now = simulation_->measure().stage](const StageModes& of) { return of.stage > now; });
-  if (surfaces_) *surfaces_ = Surfaces();
-  std::vector<std::vector<double>> of_monitors = monitors_ ? monitors_->rows() : std::vector<std::vector<double>>();
-  std::erase_if(of_monitors,
-                [&](const std::vector<double>& row) { return row.front() > static_cast<double>(simulation_->step()); });
-  std::vector<double> frame_times = series_ ? series_->times() : std::vector<double>();
-  std::erase_if(frame_times, [&](double time) { return time > simulation_->time(); });
-  begin_files(of_monitors, std::move(frame_times));
+  use();
+  go_back(checkpoint_of({reinterpret_cast<const std::uint8_t*>(view.data()), view.size()}, identity_of(scene)),
+          series_ ? series_->times() : std::vector<double>());
 }
 
-Identity Session::identity_of(const std::string& scene_hash) const {
-  Identity identity{{{"version of quoin", QUOIN_VERSION}, {"scene", scene_hash}}};
+Identity Session::identity_of(const SceneHashes& scene) const {
+  Identity identity{{{"version of quoin", QUOIN_VERSION}}};
+  for (const auto& [key, hash] : scene)
+    identity.parts.push_back({fmt::format("value of '{}' in the scene", key), hash});
   for (const HashedFile& file : files_)
     identity.parts.push_back({"file " + std::filesystem::path(file.name).filename().string(), file.sha256});
   return identity;
 }
 
-void Session::checkpoint(const std::string& path, const std::string& scene_hash) const {
-  ResultsSoFar results{rows_, {}, modes_};
-  if (monitors_) results.monitor_rows = monitors_->rows();
-  write_checkpoint(path, identity_of(scene_hash), {results, use().save()});
+void Session::checkpoint(const std::string& path, const SceneHashes& scene) const {
+  write_checkpoint(path, identity_of(scene), now());
 }
 
-void Session::resume(const std::string& path, const std::string& scene_hash) {
-  const Checkpoint checkpoint = read_checkpoint(path, identity_of(scene_hash));
-  const Isolated isolated(isolation_);
-  use().restore(checkpoint.state);
-  rows_ = checkpoint.results.rows;
-  modes_ = checkpoint.results.modes;
-  if (surfaces_) *surfaces_ = Surfaces();
-  begin_files(checkpoint.results.monitor_rows, {});
+void Session::resume(const std::string& path, const SceneHashes& scene) {
+  go_back(read_checkpoint(path, identity_of(scene)), {});
 }
 
 }  // namespace quoin::python

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -29,6 +30,8 @@
 namespace quoin::python {
 
 namespace py = pybind11;
+
+using SceneHashes = std::map<std::string, std::string>;  // by key of the scene
 
 struct Frame {
   double time = 0.0;               // s
@@ -71,13 +74,13 @@ class Session : private Observer {
   py::array state(int family, const std::string& id);
   LawSwap swap_law(const std::string& joint, const std::string& law);
   void velocities_changed() { quoin::velocities_changed(use()); }
-  int block_named(const py::object& block) const;  // number or name; throws IndexError, KeyError
+  int block_named(const py::object& block) const;  // number, or name of one block; throws IndexError, KeyError
   int family_named(const std::string& name) const;
 
-  py::bytes save() const;
-  void restore(const py::bytes& bytes);
-  void checkpoint(const std::string& path, const std::string& scene_hash) const;
-  void resume(const std::string& path, const std::string& scene_hash);
+  py::bytes save(const SceneHashes& scene) const;
+  void restore(const py::bytes& bytes, const SceneHashes& scene);
+  void checkpoint(const std::string& path, const SceneHashes& scene) const;
+  void resume(const std::string& path, const SceneHashes& scene);
 
   Simulation& use() const;  // simulation for a call that holds the interpreter's lock
 
@@ -96,7 +99,9 @@ class Session : private Observer {
   RunInfo info_of(const std::string& status, const std::string& message);
   [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds);
   py::array array_of(const ArrayView& view, bool writeable) const;
-  Identity identity_of(const std::string& scene_hash) const;
+  Identity identity_of(const SceneHashes& scene) const;
+  Checkpoint now() const;
+  void go_back(const Checkpoint& to, std::vector<double> frame_times);
   std::pair<std::size_t, std::size_t> points_of(int family) const;  // index of the first point, and one past the last
 
   LawIsolation isolation_;

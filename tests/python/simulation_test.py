@@ -326,7 +326,7 @@ class Steering(Folder):
         sim.step()
         with self.assertRaisesRegex(quoin.BadInput, "force: the stage holds or moves 'bottom_beam' along x"):
             sim.set_force("bottom_beam", [1.0, None, None])
-        with self.assertRaisesRegex(quoin.BadInput, "velocity: the stage leaves free 'top_beam' along y"):
+        with self.assertRaisesRegex(quoin.BadInput, "velocity: the stage leaves free 'top_beam' along y; give None"):
             sim.set_velocity("top_beam", [None, 1.0, None])
         with self.assertRaisesRegex(quoin.BadInput, "body: nothing is called 'roof'.*top_beam"):
             sim.set_force("roof", [1.0, 0, 0])
@@ -334,6 +334,21 @@ class Steering(Folder):
             sim.set_velocity("top_beam", [1.0, 2.0])
         with self.assertRaisesRegex(ValueError, "force: nan is not finite"):
             sim.set_force("top_beam", [float("nan"), 0, 0])
+        with self.assertRaisesRegex(ValueError, "n = 100000000000000000000: allowed: 1 to"):
+            sim.step(10**20)
+
+    def test_blocks_are_given_by_number_or_by_a_name_of_one(self):
+        scene = block_scene()
+        scene.block.append(quoin.Block(name="cube", material="stone", box=dict(lower=[0, 4, 0], size=[1, 1, 1])))
+        sim = quoin.Simulation(scene)
+        sim.velocity(np.int32(2))[...] = [0.0, 0.5, 0.0]
+        np.testing.assert_array_equal(sim.velocity(2), sim.velocity(np.int64(2)))
+        with self.assertRaisesRegex(KeyError, "2 blocks are called 'cube': give the number of one: 1, 2"):
+            sim.velocity("cube")
+        with self.assertRaisesRegex(IndexError, "block: 3 is not among the 3 blocks"):
+            sim.displacement(np.int64(3))
+        with self.assertRaisesRegex(TypeError, "a number or a name"):
+            sim.displacement(np.True_)
 
     def test_a_swapped_law_keeps_the_tractions(self):
         sim = quoin.Simulation(SMALL_WALL)
@@ -418,6 +433,20 @@ class Interruptions(Folder):
         with self.assertRaisesRegex(quoin.BadInput, "checkpoint"):
             sim.restore(b"rubbish")
 
+    def test_a_state_of_another_scene_is_refused(self):
+        state = quoin.Simulation(block_scene()).save()
+        for key, change in (("joints", lambda s: setattr(s.joints.dry, "friction_angle", 30.0)),
+                            ("block", lambda s: setattr(s.block[1].box, "size", [1, 0.9, 1])),
+                            ("stage", lambda s: s.stage.append(quoin.Stage(duration=1.0))),
+                            ("monitor", lambda s: s.monitor.append(quoin.Monitor(name="m", block="cube")))):
+            other = block_scene()
+            change(other)
+            sim = quoin.Simulation(other)
+            before = sim.hash
+            with self.assertRaisesRegex(quoin.BadInput, f"state: is of another value of '{key}' in the scene"):
+                sim.restore(state)
+            self.assertEqual(sim.hash, before)
+
     def test_files_are_complete_at_the_end_and_after_a_restart(self):
         scene = quoin.Scene.load(SMALL_WALL)
         scene.output.frames = 2
@@ -448,9 +477,13 @@ class Interruptions(Folder):
         sim.close()
         self.assertEqual(contents("stepped"), whole)
         quoin.Simulation.resume(scene, self.path("then.bin"), out=self.path("resumed")).run()
-        resumed = contents("resumed")
-        for name in ("history.csv", "monitors.csv", "monitors.json"):
-            self.assertEqual(resumed[name], whole[name], name)
+        restored = quoin.Simulation(scene, out=self.path("restored"))
+        restored.restore(state)
+        restored.run()
+        for out in ("resumed", "restored"):
+            of_out = contents(out)
+            for name in ("history.csv", "monitors.csv", "monitors.json"):
+                self.assertEqual(of_out[name], whole[name], (out, name))
 
     def test_a_simulation_that_is_closed_early_has_whole_files(self):
         def summary():
