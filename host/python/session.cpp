@@ -197,7 +197,7 @@ bool Session::step(long count, bool stop_at_stage_end) {
 }
 
 void Session::warn(const Warning& warning) {
-  if (told_.insert(warning.about).second) warnings_.push_back(warning.text);
+  if (reported_.insert(warning.about).second) warnings_.push_back(warning.text);
 }
 
 void Session::tell_warnings() {
@@ -528,7 +528,7 @@ void Session::go_back(const Checkpoint& to, std::vector<double> frame_times) {
   simulation_->restore(to.state);
   rows_ = to.results.rows;
   modes_ = to.results.modes;
-  told_.clear();
+  reported_.clear();
   if (surfaces_) *surfaces_ = Surfaces();
   std::erase_if(frame_times, [&](double time) { return time > simulation_->time(); });
   begin_files(to.results.monitor_rows, std::move(frame_times));

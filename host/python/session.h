@@ -122,7 +122,7 @@ class Session : private Observer {
   std::string summary_;                // summary.json, when the files are complete; else empty
   std::vector<StageModes> modes_;      // modes of stages with ground motion
   std::vector<std::string> warnings_;  // warnings not yet returned to Python
-  std::set<std::string> told_;         // Warning::about of these, and of those that were returned
+  std::set<std::string> reported_;     // Warning::about of these, and of those that were returned
   std::optional<LawWatchdog> watchdog_;
   std::vector<HashedFile> files_;         // files of the scene and of its laws, with their hashes at the start
   std::optional<Provenance> provenance_;  // provenance of a run that writes its end state
