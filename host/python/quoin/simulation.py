@@ -214,7 +214,7 @@ class Simulation:
 
     def set_velocity(self, body, velocity):
         """Sets the velocity of bodies that the stage holds or moves, m/s, from now to the end of the stage. None: no
-        change."""
+        change. Fixed blocks that follow a record stay the ground, whose motion is then what was set."""
         self._session_of("set_velocity").set_velocity(word("body", body), vector("velocity", velocity))
 
     def set_force(self, body, force):
