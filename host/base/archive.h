@@ -100,8 +100,8 @@ struct ArchiveReader {
   template <class Element, class Fields>
   void list(std::vector<Element>& x, Fields&& of_element) {
     x.clear();
-    x.resize(count_of(1));  // an element has at least one byte
-    for (Element& element : x) of_element(*this, element);
+    // An element has at least one byte. Memory grows with the bytes that are there.
+    for (std::size_t left = count_of(1); left > 0; --left) of_element(*this, x.emplace_back());
   }
   [[noreturn]] static void ends_too_early() { throw Error(Exit::bad_input, "checkpoint: the data end too early"); }
 };

@@ -240,7 +240,12 @@ PYBIND11_MODULE(_quoin, m) {
       .def("set_progress", &Session::set_progress)
       .def("history", &Session::history)
       .def("measure", &Session::measure)
-      .def("finish", &Session::finish)
+      .def("finish",
+           [](Session& s, const std::string& status, const std::string& message) {
+             std::string summary = s.finish(status, message);
+             s.tell_warnings();
+             return summary;
+           })
       .def("close", &Session::close)
       .def("frames", &Session::frames)
       .def("mesh", &Session::mesh)
@@ -289,7 +294,8 @@ PYBIND11_MODULE(_quoin, m) {
              quoin::require_report_library();
            })
       .def_property_readonly("time_step", [](const Session& s) { return s.use().time_step_report().time_step; })
-      .def_property_readonly("stage", &Session::stage)
+      .def_property_readonly("stage", [](const Session& s) { return s.use().stage(); })
+      .def_property_readonly("stages_ended", [](const Session& s) { return s.use().stages_ended(); })
       .def_property_readonly("stage_names",
                              [](const Session& s) {
                                std::vector<std::string> names;

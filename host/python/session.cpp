@@ -188,11 +188,22 @@ Simulation& Session::use() const {
 
 bool Session::step(long count, bool stop_at_stage_end) {
   const bool more = advance(count, stop_at_stage_end);
-  if (!more && file_) finish("done", "");
+  if (!more && file_)
+    finish("done", "");
+  else if (!more)
+    info_of("done", "");
+  tell_warnings();
+  return more;
+}
+
+void Session::warn(const Warning& warning) {
+  if (reported_.insert(warning.about).second) warnings_.push_back(warning.text);
+}
+
+void Session::tell_warnings() {
   for (const std::string& text : std::exchange(warnings_, {})) {
     if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
   }
-  return more;
 }
 
 bool Session::advance(long count, bool stop_at_stage_end) {
@@ -213,12 +224,11 @@ bool Session::advance(long count, bool stop_at_stage_end) {
   return more;
 }
 
-void Session::on_stage_begin([[maybe_unused]] const Simulation& simulation, int stage) {
+void Session::on_stage_begin([[maybe_unused]] const Simulation& simulation, [[maybe_unused]] int stage) {
 #ifdef QUOIN_MODES
   const bool shakes = simulation.scene().stages[static_cast<std::size_t>(stage)].ground.has_value();
   if (shakes && (modes_.empty() || modes_.back().stage != stage)) modes_.push_back(damped_modes(simulation, stage));
 #endif
-  stage_ = stage;
 }
 
 void Session::on_promotion(const Simulation&) {
@@ -301,9 +311,9 @@ py::dict Session::measure() const {
   return result;
 }
 
-std::string Session::finish(const std::string& status, const std::string& message) {
+// Warns also of what only a whole run shows.
+RunInfo Session::info_of(const std::string& status, const std::string& message) {
   const Simulation& simulation = use();
-  if (!summary_.empty()) return summary_;
   RunInfo info;
   info.status = status;
   info.message = message;
@@ -311,8 +321,16 @@ std::string Session::finish(const std::string& status, const std::string& messag
   info.law_answers = laws_answer(simulation);
   if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
+  std::ranges::for_each(info.warnings, [this](const Warning& warning) { warn(warning); });
   info.wall_clock_s = seconds_since(start_);
   info.modes = modes_;
+  return info;
+}
+
+std::string Session::finish(const std::string& status, const std::string& message) {
+  const Simulation& simulation = use();
+  if (!summary_.empty()) return summary_;
+  const RunInfo info = info_of(status, message);
   const std::string summary = summary_text(simulation, rows_, info);
   if (!file_) return summary;
   file_->finish();
@@ -329,6 +347,7 @@ void Session::close(const std::string& failure) {
   if (!file_) return;
   const std::string left = fmt::format("left at step {}, before the end of its last stage", simulation.step());
   finish(failure.empty() ? "interrupted" : "failed", failure.empty() ? left : failure);
+  tell_warnings();
 }
 
 py::list Session::frames() const {
@@ -385,8 +404,8 @@ std::pair<std::size_t, std::size_t> Session::points_of(int family) const {
 py::dict Session::contacts(int family) const {
   use();
   const auto [first, end] = points_of(family);
-  const std::vector<ContactPoint> all = contact_points(*simulation_);
-  const std::vector<ContactPoint> points(all.begin() + static_cast<long>(first), all.begin() + static_cast<long>(end));
+  const std::vector<ContactPoint> points =
+      contact_points(*simulation_, {static_cast<std::int32_t>(first), static_cast<std::int32_t>(end)});
   py::dict d;
   d["position"] = vectors_of(points, [](const ContactPoint& p) { return p.position; });
   d["normal"] = vectors_of(points, [](const ContactPoint& p) { return p.normal; });
@@ -433,8 +452,11 @@ py::array Session::block_array(BlockArray what, int block) {
 
 py::array Session::point_array(PointArray what, int family) {
   const ArrayView lies = view(use(), what, family);
-  if (!lies.data) return py::array_t<double>(0);
-  return array_of(lies, false);
+  if (lies.data) return array_of(lies, false);
+  if (what != PointArray::position) return py::array_t<double>(0);
+  const auto [first, end] = points_of(family);
+  return vectors_of(contact_points(*simulation_, {static_cast<std::int32_t>(first), static_cast<std::int32_t>(end)}),
+                    [](const ContactPoint& p) { return p.position; });
 }
 
 py::array Session::state(int family, const std::string& id) { return array_of(view_state(use(), family, id), false); }
@@ -448,14 +470,19 @@ int Session::block_named(const py::object& block) const {
     std::optional<blocks::Assembly> as_read;
     if (!simulation.large_motion() && simulation.scene().blocks) as_read = blocks::assemble(simulation.scene());
     std::vector<std::string> names;
+    std::vector<int> found;
     for (int b = 0; b < count; ++b) {
       const auto i = static_cast<std::size_t>(b);
       const std::string& is = simulation.large_motion() ? simulation.large_motion()->assembly.blocks[i].name
                               : as_read                 ? as_read->blocks[i].name
                                                         : simulation.assembly().bricks[i].body;
-      if (is == name) return b;
+      if (is == name) found.push_back(b);
       names.push_back(is);
     }
+    if (found.size() == 1) return found.front();
+    if (!found.empty())
+      throw py::key_error(fmt::format("block: {} blocks are called '{}': give the number of one: {}", found.size(),
+                                      name, fmt::join(found, ", ")));
     throw py::key_error(fmt::format("block: nothing is called '{}'{}; give a number from 0 to {}", name,
                                     did_you_mean(name, names), count - 1));
   }
@@ -483,48 +510,57 @@ LawSwap Session::swap_law(const std::string& joint, const std::string& law) {
   return exchange_law(use(), joint, law);
 }
 
-py::bytes Session::save() const {
-  const std::vector<std::uint8_t> bytes = use().save();
+Checkpoint Session::now() const {
+  Checkpoint checkpoint{{rows_, {}, modes_}, use().save()};
+  if (monitors_) checkpoint.results.monitor_rows = monitors_->rows();
+  return checkpoint;
+}
+
+// frame_times: of frames that are kept in the folder.
+void Session::go_back(const Checkpoint& to, std::vector<double> frame_times) {
+  const Isolated isolated(isolation_);
+  const std::size_t stages = use().scene().stages.size(), added = simulation_->measure().added.size();
+  const auto is_stage = [&](int stage) { return stage >= 0 && static_cast<std::size_t>(stage) < stages; };
+  if (!std::ranges::all_of(to.results.rows,
+                           [&](const HistoryRow& row) { return is_stage(row.stage) && row.added.size() == added; }) ||
+      !std::ranges::all_of(to.results.modes, is_stage, &StageModes::stage))
+    throw Error(Exit::bad_input, "checkpoint: its rows are of another model");
+  simulation_->restore(to.state);
+  rows_ = to.results.rows;
+  modes_ = to.results.modes;
+  reported_.clear();
+  if (surfaces_) *surfaces_ = Surfaces();
+  std::erase_if(frame_times, [&](double time) { return time > simulation_->time(); });
+  begin_files(to.results.monitor_rows, std::move(frame_times));
+}
+
+py::bytes Session::save(const SceneHashes& scene) const {
+  const std::vector<std::uint8_t> bytes = checkpoint_bytes(identity_of(scene), now());
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void Session::restore(const py::bytes& bytes) {
+void Session::restore(const py::bytes& bytes, const SceneHashes& scene) {
   const std::string_view view = bytes;
-  const Isolated isolated(isolation_);
-  use().restore({view.begin(), view.end()});
-  // Later rows and stages are removed, earlier ones stay.
-  std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
-  std::erase_if(modes_, [now = simulation_->measure().stage](const StageModes& of) { return of.stage > now; });
-  if (surfaces_) *surfaces_ = Surfaces();
-  std::vector<std::vector<double>> of_monitors = monitors_ ? monitors_->rows() : std::vector<std::vector<double>>();
-  std::erase_if(of_monitors,
-                [&](const std::vector<double>& row) { return row.front() > static_cast<double>(simulation_->step()); });
-  std::vector<double> frame_times = series_ ? series_->times() : std::vector<double>();
-  std::erase_if(frame_times, [&](double time) { return time > simulation_->time(); });
-  begin_files(of_monitors, std::move(frame_times));
+  use();
+  go_back(checkpoint_of({reinterpret_cast<const std::uint8_t*>(view.data()), view.size()}, identity_of(scene)),
+          series_ ? series_->times() : std::vector<double>());
 }
 
-Identity Session::identity_of(const std::string& scene_hash) const {
-  Identity identity{{{"version of quoin", QUOIN_VERSION}, {"scene", scene_hash}}};
+Identity Session::identity_of(const SceneHashes& scene) const {
+  Identity identity{{{"version of quoin", QUOIN_VERSION}}};
+  for (const auto& [key, hash] : scene)
+    identity.parts.push_back({fmt::format("value of '{}' in the scene", key), hash});
   for (const HashedFile& file : files_)
     identity.parts.push_back({"file " + std::filesystem::path(file.name).filename().string(), file.sha256});
   return identity;
 }
 
-void Session::checkpoint(const std::string& path, const std::string& scene_hash) const {
-  ResultsSoFar results{rows_, {}, modes_};
-  if (monitors_) results.monitor_rows = monitors_->rows();
-  write_checkpoint(path, identity_of(scene_hash), {results, use().save()});
+void Session::checkpoint(const std::string& path, const SceneHashes& scene) const {
+  write_checkpoint(path, identity_of(scene), now());
 }
 
-void Session::resume(const std::string& path, const std::string& scene_hash) {
-  const Checkpoint checkpoint = read_checkpoint(path, identity_of(scene_hash));
-  const Isolated isolated(isolation_);
-  use().restore(checkpoint.state);
-  rows_ = checkpoint.results.rows;
-  modes_ = checkpoint.results.modes;
-  if (surfaces_) *surfaces_ = Surfaces();
-  begin_files(checkpoint.results.monitor_rows, {});
+void Session::resume(const std::string& path, const SceneHashes& scene) {
+  go_back(read_checkpoint(path, identity_of(scene)), {});
 }
 
 }  // namespace quoin::python

@@ -7,8 +7,10 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,8 @@
 namespace quoin::python {
 
 namespace py = pybind11;
+
+using SceneHashes = std::map<std::string, std::string>;  // by key of the scene
 
 struct Frame {
   double time = 0.0;               // s
@@ -59,6 +63,7 @@ class Session : private Observer {
   std::string finish(const std::string& status, const std::string& message);
   // Completes the files of a run that is left before its end. failure: what ended it; empty: nothing.
   void close(const std::string& failure);
+  void tell_warnings();  // as UserWarnings, each assumption once
   py::list frames() const;
   py::dict mesh() const;
   py::dict contacts(int family) const;
@@ -69,16 +74,15 @@ class Session : private Observer {
   py::array state(int family, const std::string& id);
   LawSwap swap_law(const std::string& joint, const std::string& law);
   void velocities_changed() { quoin::velocities_changed(use()); }
-  int block_named(const py::object& block) const;  // number or name; throws IndexError, KeyError
+  int block_named(const py::object& block) const;  // number, or name of one block; throws IndexError, KeyError
   int family_named(const std::string& name) const;
 
-  py::bytes save() const;
-  void restore(const py::bytes& bytes);
-  void checkpoint(const std::string& path, const std::string& scene_hash) const;
-  void resume(const std::string& path, const std::string& scene_hash);
+  py::bytes save(const SceneHashes& scene) const;
+  void restore(const py::bytes& bytes, const SceneHashes& scene);
+  void checkpoint(const std::string& path, const SceneHashes& scene) const;
+  void resume(const std::string& path, const SceneHashes& scene);
 
   Simulation& use() const;  // simulation for a call that holds the interpreter's lock
-  int stage() const { return stage_; }
 
  private:
   bool advance(long count, bool stop_at_stage_end);
@@ -86,14 +90,18 @@ class Session : private Observer {
   void begin_files(const std::vector<std::vector<double>>& monitor_rows, std::vector<double> frame_times);
   void on_stage_begin(const Simulation& simulation, int stage) override;
   void on_promotion(const Simulation& simulation) override;
-  void on_warning(const Warning& warning) override { warnings_.push_back(warning.text); }
+  void on_warning(const Warning& warning) override { warn(warning); }
   void on_row(const HistoryRow& row) override;
   void on_pause(const Simulation& simulation, bool last) override;
   void on_progress(const Progress& progress) override;
   void on_frame(const Simulation& simulation, int stage, int frame) override;
+  void warn(const Warning& warning);
+  RunInfo info_of(const std::string& status, const std::string& message);
   [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds);
   py::array array_of(const ArrayView& view, bool writeable) const;
-  Identity identity_of(const std::string& scene_hash) const;
+  Identity identity_of(const SceneHashes& scene) const;
+  Checkpoint now() const;
+  void go_back(const Checkpoint& to, std::vector<double> frame_times);
   std::pair<std::size_t, std::size_t> points_of(int family) const;  // index of the first point, and one past the last
 
   LawIsolation isolation_;
@@ -111,10 +119,10 @@ class Session : private Observer {
   std::optional<VtkSeries> series_;
   py::object progress_ = py::none();
   bool stepping_ = false;
-  std::string summary_;  // summary.json, when the files are complete; else empty
-  int stage_ = -1;
+  std::string summary_;                // summary.json, when the files are complete; else empty
   std::vector<StageModes> modes_;      // modes of stages with ground motion
   std::vector<std::string> warnings_;  // warnings not yet returned to Python
+  std::set<std::string> reported_;     // Warning::about of these, and of those that were returned
   std::optional<LawWatchdog> watchdog_;
   std::vector<HashedFile> files_;         // files of the scene and of its laws, with their hashes at the start
   std::optional<Provenance> provenance_;  // provenance of a run that writes its end state

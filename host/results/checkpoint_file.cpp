@@ -155,6 +155,14 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
 
 namespace {
 
+// What precedes the state.
+void write_results(ArchiveWriter writer, const Identity& identity, const ResultsSoFar& results,
+                   std::uint64_t state_bytes) {
+  transfer_identity(writer, identity.parts);
+  transfer_results(writer, results);
+  writer.value(state_bytes);
+}
+
 // give: passes the state on piece by piece. It is called even if the file fails, as other ranks wait for it.
 void write_stored(const std::filesystem::path& path, const Identity& identity, const ResultsSoFar& results,
                   std::uint64_t state_bytes, const std::function<void(const Simulation::TakeBytes&)>& give) {
@@ -170,10 +178,7 @@ void write_stored(const std::filesystem::path& path, const Identity& identity, c
   const auto as_bytes = [](const Head& h) { return std::span(reinterpret_cast<const std::uint8_t*>(&h), sizeof h); };
   unless_it_failed([&] {
     std::vector<std::uint8_t> bytes;
-    ArchiveWriter writer{bytes};
-    transfer_identity(writer, identity.parts);
-    transfer_results(writer, results);
-    writer.value(state_bytes);
+    write_results({bytes}, identity, results, state_bytes);
     file = std::make_unique<DurableFile>(path);
     file->append(as_bytes(head));
     append(bytes);
@@ -206,6 +211,16 @@ struct Stored {
   Checkpoint checkpoint;  // its state is still in the file
 };
 
+// Reads what precedes the state, whose size it sets.
+Stored read_results(ByteSource& source) {
+  ArchiveReader reader{source};
+  Stored stored;
+  transfer_identity(reader, stored.identity.parts);
+  transfer_results(reader, stored.checkpoint.results);
+  stored.checkpoint.stored.bytes = reader.count_of(1);
+  return stored;
+}
+
 using Fault = std::function<Error(const std::string& reason)>;
 
 Head read_head(FileBytes& file, const Fault& fault) {
@@ -231,12 +246,8 @@ Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
   const Head head = read_head(whole, fault);
   if (head.checksum != checksum_of_rest(whole)) throw fault("is damaged: its checksum does not fit");
   file.skip(sizeof head);
-  ArchiveReader reader{file};
-  Stored stored;
-  transfer_identity(reader, stored.identity.parts);
-  transfer_results(reader, stored.checkpoint.results);
-  const std::uint64_t bytes = reader.count_of(1);
-  stored.checkpoint.stored = {file.position(), bytes, head.checksum, false};
+  Stored stored = read_results(file);
+  stored.checkpoint.stored.begin = file.position(), stored.checkpoint.stored.checksum = head.checksum;
   return stored;
 }
 
@@ -247,7 +258,7 @@ constexpr const char *kStageCount = "number of first stages", *kEnergy = "output
 void refuse_another(const Identity& identity, const Identity& expected, const Fault& fault) {
   for (std::size_t i = 0; i < std::max(identity.parts.size(), expected.parts.size()); ++i) {
     if (i >= identity.parts.size() || i >= expected.parts.size() || identity.parts[i].what != expected.parts[i].what)
-      throw fault("is of a scene with other laws");
+      throw fault("is of a scene with other laws or keys");
     if (identity.parts[i].value != expected.parts[i].value)
       throw fault(fmt::format(
           "is of another {} ({}; here {}{})", identity.parts[i].what, identity.parts[i].value, expected.parts[i].value,
@@ -380,6 +391,25 @@ Identity end_identity(const Simulation& simulation, const Provenance& provenance
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> checkpoint_bytes(const Identity& identity, const Checkpoint& checkpoint) {
+  std::vector<std::uint8_t> bytes;
+  write_results({bytes}, identity, checkpoint.results, checkpoint.state.size());
+  ArchiveWriter{bytes}.append(checkpoint.state.data(), checkpoint.state.size());
+  return bytes;
+}
+
+Checkpoint checkpoint_of(std::span<const std::uint8_t> bytes, const Identity& expected) {
+  BytesInMemory source(bytes);
+  Stored stored = read_results(source);
+  refuse_another(stored.identity, expected, [](const std::string& reason) {
+    return Error(Exit::bad_input,
+                 fmt::format("state: {}; restore it in a simulation of the scene that it is of", reason));
+  });
+  stored.checkpoint.state.resize(source.left());
+  source.take(stored.checkpoint.state.data(), source.left());
+  return std::move(stored.checkpoint);
+}
 
 Checkpoint find_checkpoint(const std::filesystem::path& path, const Identity& expected) {
   const Fault fault = [&](const std::string& reason) {

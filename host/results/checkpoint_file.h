@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,10 @@ void write_checkpoint(const std::filesystem::path& path, const Identity& identit
 
 // Throws Error(bad_input) with the reason: damaged, of another machine, another version, another scene or law.
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected);
+// A checkpoint in memory, without protection against damage. Reading throws as read_checkpoint; its message names it
+// `state`.
+std::vector<std::uint8_t> checkpoint_bytes(const Identity& identity, const Checkpoint& checkpoint);
+Checkpoint checkpoint_of(std::span<const std::uint8_t> bytes, const Identity& expected);
 // Reads a checkpoint without its state, which may be as large as the memory.
 Checkpoint find_checkpoint(const std::filesystem::path& path, const Identity& expected);
 // Restores the state. Collective: each rank reads its own part. Throws as Simulation::restore, or if the file has

@@ -95,7 +95,10 @@ MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation,
   stream_.open(begin_file(file_in(folder)), std::ios::trunc);
   for (std::size_t i = 0; i < columns_.size(); ++i) stream_ << (i == 0 ? "" : ",") << columns_[i];
   stream_ << '\n';
-  for (const std::vector<double>& row : before) write(row);
+  for (const std::vector<double>& row : before) {
+    if (row.size() != columns_.size()) throw Error(Exit::bad_input, "checkpoint: its rows of monitors are of others");
+    write(row);
+  }
 }
 
 // Called again after promotion to large motion, whose gridpoints have another order.

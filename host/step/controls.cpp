@@ -66,10 +66,11 @@ void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, con
   const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
     return !c.body.empty() && c.body == s.model.bodies[b].name;
   });
-  const bool controlled = control != settings.controls.end(), was_ground = s.controls.ramps[b].of_ground != 0;
+  const bool controlled = control != settings.controls.end();
+  const std::uint64_t was_ground = s.controls.ramps[b].of_ground;
   const bool ground = !controlled && s.model.assembly.bricks[static_cast<std::size_t>(s.model.bodies[b].block)].fixed;
-  const Vec3 goes_on = was_ground ? left_over_velocity(s, previous, static_cast<int>(b)) : left_over;
-  s.controls.ramps[b].of_ground = ground ? 7 : 0;
+  const Vec3 goes_on = was_ground != 0 ? left_over_velocity(s, previous, static_cast<int>(b)) : left_over;
+  s.controls.ramps[b].of_ground = ground ? kOfGround : 0;
   s.controls.ramps[b].motion = ground && settings.ground ? motion : ground ? s.controls.ramps[b].motion : 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const bool was_prescribed = body.prescribed[c][lane] != 0.0;
@@ -78,7 +79,7 @@ void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, con
     const double carried =
         was_prescribed ? -joints[c] - s.model.bodies[b].mass * s.data.gravity[c] : body.applied_force[c][lane];
     s.controls.ramps[b].velocity_from[c] = was_prescribed ? body.prescribed_velocity[c][lane] : body.velocity[c][lane];
-    if (was_ground) s.controls.ramps[b].velocity_from[c] = goes_on[c];
+    if (was_ground >> c & 1) s.controls.ramps[b].velocity_from[c] = goes_on[c];
     s.controls.ramps[b].velocity_to[c] = controlled && prescribed              ? control->velocity[c]
                                          : ground && settings.ramp_time <= 0.0 ? goes_on[c]
                                                                                : 0.0;

@@ -117,7 +117,7 @@ void require_sound_controls(const Simulation::Impl& s) {
       std::any_of(s.actions.drives.begin(), s.actions.drives.end(),
                   [](const Drive& drive) { return drive.in_cycles != 0; });
   const bool on_ground = std::all_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) {
-    return ramp.of_ground <= 7 && ramp.motion >= 0 && ramp.motion <= std::numeric_limits<std::int32_t>::max();
+    return ramp.of_ground <= kOfGround && ramp.motion >= 0 && ramp.motion <= std::numeric_limits<std::int32_t>::max();
   });
   if (!on_ground || (in_cycles && (s.progress.stage < 0 || !current_stage(s).cycles))) throw of_another_model();
 }

@@ -151,17 +151,18 @@ std::string pull_over_gaps(const Simulation::Impl& s) {
 std::string motion_left_to_ground(const Simulation::Impl& s) {
   constexpr double kSlow = 1e-4;  // m/s
   double left_over = norm(s.actions.ground_left);
+  const Stage& settings = current_stage(s);
+  const bool fades = settings.ramp_time > 0.0;
   for (const Drive& drive : s.actions.drives) {
-    if (drive.of_ground) left_over = std::max(left_over, norm(drive.velocity_from));
+    if (drive.of_ground) left_over = std::max(left_over, norm(fades ? drive.velocity_from : drive.velocity_to));
   }
   for (const BodyRamp& ramp : s.controls.ramps) {
-    if (ramp.of_ground != 0) left_over = std::max(left_over, norm(geometry::vector(ramp.velocity_from)));
+    if (ramp.of_ground != 0)
+      left_over = std::max(left_over, norm(geometry::vector(fades ? ramp.velocity_from : ramp.velocity_to)));
   }
   if (left_over <= kSlow) return "";
-  const Stage& settings = current_stage(s);
-  const std::string so = settings.ramp_time > 0.0
-                             ? fmt::format("comes to rest over its ramp_time of {:g} s", settings.ramp_time)
-                             : "goes on so, as the stage has no ramp_time over which it could come to rest";
+  const std::string so = fades ? fmt::format("comes to rest over its ramp_time of {:g} s", settings.ramp_time)
+                               : "goes on so, as the stage has no ramp_time over which it could come to rest";
   return fmt::format("the ground still moves at {:.3g} m/s when stage '{}' begins, and {}", left_over, settings.name,
                      so);
 }

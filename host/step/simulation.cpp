@@ -92,9 +92,7 @@ void Simulation::run(Observer& observer) {
 
 bool Simulation::run_stage(Observer& observer, long most_steps) {
   const int stages = static_cast<int>(impl_->scene.stages.size());
-  const int index = impl_->progress.stage < 0  ? 0
-                    : impl_->progress.in_stage ? impl_->progress.stage
-                                               : impl_->progress.stage + 1;
+  const int index = stages_ended();
   if (index >= stages) return false;
   const CurrentVelocities current{*impl_};
   StageRun stage(*this, *impl_, observer, index);
@@ -115,6 +113,8 @@ const Scene& Simulation::scene() const { return impl_->scene; }
 const Assembly& Simulation::assembly() const { return impl_->model.assembly; }
 const Model& Simulation::model() const { return impl_->model; }
 const TimeStepReport& Simulation::time_step_report() const { return impl_->time_step; }
+int Simulation::stage() const { return impl_->progress.stage; }
+int Simulation::stages_ended() const { return stage() + (impl_->progress.in_stage ? 0 : 1); }
 long Simulation::step() const { return impl_->progress.step; }
 double Simulation::time() const { return time_now(*impl_); }
 const blocks::Model* Simulation::large_motion() const { return impl_->large_motion.get(); }

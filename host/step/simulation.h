@@ -203,6 +203,8 @@ class Simulation {
   long zone_count() const;
   long point_count() const;
   const TimeStepReport& time_step_report() const;
+  int stage() const;         // index of the current stage, or of the last one; -1: none has begun
+  int stages_ended() const;  // number of stages that are over
   long step() const;
   double time() const;
   int thread_count() const;

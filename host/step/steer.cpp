@@ -23,7 +23,7 @@ namespace {
 constexpr const char* kAxis[3] = {"x", "y", "z"};
 
 Error refusal(const char* what, const std::string& body, std::size_t component, const char* reason) {
-  return {Exit::bad_input, fmt::format("{}: the stage {} '{}' along {}; give not a number there, or another stage",
+  return {Exit::bad_input, fmt::format("{}: the stage {} '{}' along {}; give None (NaN in C++) there, or another stage",
                                        what, reason, body, kAxis[component])};
 }
 
@@ -48,6 +48,9 @@ void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name
     for (std::size_t c = 0; c < 3; ++c) prescribed[c] = s.lattice.bodies[at(place)].prescribed[c][lane] != 0.0;
     require_kind(what, name, value, velocities, prescribed);
   }
+  // As in large motion, nothing is ground that moves before the first stage that shakes.
+  const bool has_shaken = std::any_of(s.scene.stages.begin(), s.scene.stages.begin() + s.progress.stage + 1,
+                                      [](const Stage& stage) { return stage.ground.has_value(); });
   for (const int body : bodies) {
     const auto [place, lane] = s.lattice.place[at(body)];
     BodyLanes& lanes = s.lattice.bodies[at(place)];
@@ -57,7 +60,7 @@ void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name
       if (velocities) {
         ramp.velocity_from[c] = ramp.velocity_to[c] = lanes.prescribed_velocity[c][lane] = value[c];
         ramp.in_cycles[c] = 0.0;
-        ramp.of_ground &= ~(std::uint64_t{1} << c);
+        ramp.of_ground = has_shaken ? ramp.of_ground & ~(std::uint64_t{1} << c) : 0;
       } else {
         ramp.force_from[c] = ramp.force_to[c] = lanes.applied_force[c][lane] = value[c];
       }
@@ -68,8 +71,30 @@ void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name
   s.small_motion.next_check = s.progress.step;
 }
 
+// Adds the pressures on a block that a force of these components replaces. One on a face that is inclined to these and
+// to others cannot go in part.
+void add_replaced(Simulation::Impl& s, const std::string& name, int block, const Vec3& force,
+                  std::vector<blocks::Pressure*>* replaced) {
+  constexpr double kAlong = 1e-9;  // rounding of a normal
+  for (blocks::Pressure& pressure : s.large_motion->actions.pressures) {
+    if (pressure.block != block || pressure.value == 0.0) continue;
+    const Vector normal = matrix(s.large_motion->assembly.blocks[at(block)].orientation) *
+                          s.large_motion->blocks[block].shape->normals[at(pressure.face)];
+    bool goes = false, stays = false;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::abs(normal[static_cast<int>(c)]) > kAlong) (std::isnan(force[c]) ? stays : goes) = true;
+    }
+    if (goes && stays)
+      throw Error(Exit::bad_input, fmt::format("force: a pressure of the stage acts on an inclined face of '{}', and "
+                                               "would go along some components and stay along others; give all three",
+                                               name));
+    if (goes) replaced->push_back(&pressure);
+  }
+}
+
 void steer_drives(Simulation::Impl& s, const char* what, const std::string& name, const Vec3& value, bool velocities) {
   const std::vector<int> steered = blocks_named(s, name, "body");
+  std::vector<blocks::Pressure*> replaced;
   const auto drive_of = [&](int block) {
     return std::find_if(s.actions.drives.begin(), s.actions.drives.end(),
                         [&](const Drive& d) { return d.block == block; });
@@ -81,6 +106,7 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
     for (std::size_t c = 0; c < 3; ++c)
       prescribed[c] = drive == s.actions.drives.end() ? fixed : (drive->held >> c & 1) != 0;
     require_kind(what, name, value, velocities, prescribed);
+    if (!velocities) add_replaced(s, name, block, value, &replaced);
   }
   for (const int block : steered) {
     auto drive = drive_of(block);
@@ -101,8 +127,15 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
         drive->force_from[c] = drive->force_to[c] = drive->force_now[c] = value[k];
       }
     }
-    if (!velocities) s.large_motion->apply_force(block, drive->force_to);
+    if (velocities) continue;
+    for (blocks::Load& load : s.large_motion->actions.loads) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (load.block == block && !std::isnan(value[c])) load.force[static_cast<int>(c)] = 0.0;
+      }
+    }
+    s.large_motion->apply_force(block, drive->force_to);
   }
+  for (blocks::Pressure* pressure : replaced) pressure->value = 0.0;
   s.controls.settled = false;  // the next step applies the drives
 }
 
@@ -202,11 +235,8 @@ ArrayView view(Simulation::Impl& s, PointArray what, int family) {
   const auto k = static_cast<std::size_t>(what);
   if (s.large_motion) {
     auto& f = const_cast<blocks::Family&>(s.large_motion->contacts.families[at(family)]);
-    if (what == PointArray::area) return {f.area.data(), f.size()};
-    if (what != PointArray::position) return {f.traction[k].data(), f.size()};
-    constexpr std::ptrdiff_t stride = sizeof(blocks::Point) / sizeof(double);
-    static_assert(sizeof(blocks::Point) % sizeof(double) == 0);
-    return {f.size() == 0 ? nullptr : &f.point[0].at.x, f.size(), 3, stride, 1};
+    if (what == PointArray::position) return {nullptr, f.size(), 3};
+    return {what == PointArray::area ? f.area.data() : f.traction[k].data(), f.size()};
   }
   const ContactFamily& f = s.model.families[at(family)];
   const std::size_t first = at(f.first_point), count = at(f.point_count);

@@ -12,6 +12,7 @@ import time
 import types
 import unittest
 import unittest.mock
+import warnings
 
 import quoin
 from support import PROGRAM, SMALL_WALL, Folder
@@ -114,7 +115,8 @@ class Progress(unittest.TestCase):
 
     def run_wall(self):
         told, plain = io.StringIO(), quoin.run(SMALL_WALL, threads=1)
-        with contextlib.redirect_stderr(told):
+        with contextlib.redirect_stderr(told), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
             run = quoin.run(SMALL_WALL, threads=1, progress=True)
         self.assertEqual(run.history.tobytes(), plain.history.tobytes())
         return run, told.getvalue()

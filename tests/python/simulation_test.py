@@ -143,6 +143,25 @@ class Views(unittest.TestCase):
         self.assertEqual(len(sigma), len(sim.contacts("dry")))
 
 
+    def test_positions_follow_large_motion(self):
+        # The base moves with the ground, by 0.1 m/s for 1 s, and takes the block on it along.
+        scene = block_scene()
+        scene.solver = dict(damping="none", large_motion="always")
+        scene.block[1].box.lower = [0, 1, 0]
+        scene.stage = [quoin.Stage(name="move", duration=1.0)]
+        sim = quoin.Simulation(scene)
+        sim.step()
+        start, view = sim.position("dry").copy(), sim.position("dry")
+        sim.set_velocity("base", [0.1, 0.0, 0.0])
+        sim.velocity("cube")[...] = [0.1, 0.0, 0.0]
+        then = sim.time
+        sim.run()
+        np.testing.assert_array_equal(view, sim.contacts("dry")["position"])
+        # Exact but for rounding, and half a step until the velocity acts on the whole of one.
+        np.testing.assert_allclose(view - start, np.tile([0.1 * (sim.time - then), 0, 0], (len(start), 1)),
+                                   atol=0.1 * sim.time_step)
+
+
 class Steering(Folder):
     def test_a_force_accelerates_as_newton_says(self):
         sim = quoin.Simulation(block_scene())
@@ -156,6 +175,64 @@ class Steering(Folder):
         before = sim.velocity("cube").copy()
         sim.step(10)
         np.testing.assert_array_equal(sim.velocity("cube"), before)
+
+    def test_a_force_replaces_what_the_stage_loads_the_block_with(self):
+        # A cube of 1000 kg on elastic joints, pushed by 4000 N and pressed by 1000 Pa on 1 m2, both along x.
+        def scene(**solver):
+            made = block_scene()
+            made.solver = dict(damping="local", **solver)
+            made.joints["dry"] = quoin.Joint(law="elastic", normal_stiffness=1e7, shear_stiffness=1e6)
+            made.block[1].box.lower = [0, 1, 0]
+            made.stage = [quoin.Stage(name="push", duration=3.0,
+                                      force=[dict(block="cube", point=[0.5, 1.5, 0.5], force=[4000.0, 0, 300.0])],
+                                      pressure=[dict(block="cube", normal=[-1.0, 0, 0], pressure=1000.0)])]
+            made.output.monitor = "cube"
+            return made
+
+        def at_rest(sim):
+            sim.run()
+            return [sim.measure()[f"monitor_f{axis}_N"] for axis in "xz"]
+
+        never = dict(large_motion="never", rotation_bound=0.3, sliding_bound=0.5)
+        goes_over = dict(large_motion="automatic", rotation_bound=0.3, sliding_bound=6e-3)
+        for solver in (dict(kernels="lattice", **never), dict(kernels="lattice", **goes_over), dict(kernels="general")):
+            # Reaction at rest. Tolerance 1e-6 of it: what local damping leaves of the motion after 3 s.
+            np.testing.assert_allclose(np.abs(at_rest(quoin.Simulation(scene(**solver)))), [5000.0, 300.0], rtol=1e-6)
+            sim = quoin.Simulation(scene(**solver))
+            sim.step()
+            sim.set_force("cube", [8000.0, None, None])
+            state = sim.save()
+            np.testing.assert_allclose(np.abs(at_rest(sim)), [8000.0, 300.0], rtol=1e-6, err_msg=str(solver))
+            self.assertEqual(sim.large_motion, "never" not in solver.values())
+            bits = sim.hash
+            sim.restore(state)
+            sim.run()
+            self.assertEqual(sim.hash, bits)
+            sim = quoin.Simulation(scene(**solver))
+            sim.restore(state)
+            sim.run()
+            self.assertEqual(sim.hash, bits)
+
+    def test_a_pressure_on_an_inclined_face_goes_as_a_whole(self):
+        scene = block_scene()
+        scene.block[1].rotation = [0.0, 0.0, 30.0]
+        face = [-np.cos(np.pi / 6), -0.5, 0.0]
+        scene.stage[0].pressure = [dict(block="cube", normal=face, pressure=1000.0)]
+        sim = quoin.Simulation(scene)
+        sim.step()
+        with self.assertRaisesRegex(quoin.BadInput, "an inclined face of 'cube'.*give all three"):
+            sim.set_force("cube", [8000.0, None, None])
+        sim.set_force("cube", [None, None, 10.0])  # the face has no part of this
+        before, then = sim.velocity("cube").copy(), sim.time
+        sim.step(10)
+        # Exact but for rounding of the rotation: 1000 Pa on 1 m2, and 1000 kg.
+        gained = (sim.velocity("cube")[0] - before[0]) / (sim.time - then)
+        np.testing.assert_allclose(gained, [np.cos(np.pi / 6), 0.5, 0.01], rtol=1e-9)
+        sim.set_force("cube", [500.0, 0.0, 0.0])
+        before, then = sim.velocity("cube").copy(), sim.time
+        sim.step(10)
+        gained = (sim.velocity("cube")[0] - before[0]) / (sim.time - then)
+        np.testing.assert_allclose(gained, [0.5, 0.0, 0.0], rtol=1e-9, atol=1e-9)
 
     def test_velocities_that_are_written_move_blocks(self):
         sim = quoin.Simulation(block_scene())
@@ -200,12 +277,56 @@ class Steering(Folder):
         self.assertAlmostEqual(wall.measure()["displacement_m"] - there, -0.02 * 200 * wall.time_step,
                                delta=0.02 * 2 * wall.time_step)
 
+    def test_ground_that_is_steered_is_still_the_ground(self):
+        blocks = block_scene()
+        blocks.joints["dry"] = quoin.Joint(law="elastic", normal_stiffness=1e7, shear_stiffness=1e7)
+        blocks.block[1].box.lower = [0, 1, 0]
+        blocks.output.monitor = "cube"
+        wall = quoin.Scene.load(SMALL_WALL)
+        wall.solver.large_motion = "never"
+        for scene, base, lasts, more in ((blocks, "base", 1.0, {}),
+                                         (wall, "bottom_beam", 4e-3, dict(kind="custom", monitor="top_beam"))):
+            shake = dict(direction=[1, 0, 0], time=[0, lasts / 2, lasts], acceleration=[0, 1.0, 0])
+            scene.stage = [quoin.Stage(name="shake", duration=lasts, ground_motion=shake, **more),
+                           quoin.Stage(name="after", duration=lasts / 10, **more)]
+            plain, steered = (quoin.Simulation(scene, threads=1) for _ in range(2))
+            self.assertEqual(plain.large_motion, scene is blocks)
+            for sim in (plain, steered):
+                sim.run(until=0.3 * lasts)
+            steered.set_velocity(base, [None, None, 0.1])
+            then, state = steered.time, steered.save()
+            plain.run(until=0.8 * lasts)
+            for _ in range(2):
+                steered.run(until=0.8 * lasts)
+                row, reference = steered.measure(), plain.measure()
+                self.assertGreater(row["ground_dx_m"], 0.1 * lasts**2)
+                self.assertEqual(row["ground_dx_m"], reference["ground_dx_m"])
+                self.assertEqual(row["monitor_relative_dx_m"], row["monitor_dx_m"] - row["ground_dx_m"])
+                # Exact but for rounding and for the steps at both ends.
+                self.assertAlmostEqual(row["ground_dz_m"], 0.1 * (steered.time - then), delta=0.1 * 2 * steered.time_step)
+                steered.restore(state)
+            # In the next stage what was set is at rest.
+            steered.run(until="shake")
+            steered.step(3)
+            before = steered.displacement(base).copy()
+            steered.step(10)
+            np.testing.assert_array_equal((steered.displacement(base) - before)[:, 2], 0.0)
+            # It stands, exactly, when it is told to.
+            steered.restore(state)
+            steered.set_velocity(base, [0.0, 0.0, 0.0])
+            steered.step(2)
+            there = steered.measure()
+            steered.run(until="shake")
+            for column in ("ground_dx_m", "ground_dz_m"):
+                self.assertEqual(steered.measure()[column], there[column])
+            self.assertGreater(there["ground_dx_m"], 0.0)
+
     def test_what_cannot_be_steered_is_told(self):
         sim = quoin.Simulation(SMALL_WALL)
         sim.step()
         with self.assertRaisesRegex(quoin.BadInput, "force: the stage holds or moves 'bottom_beam' along x"):
             sim.set_force("bottom_beam", [1.0, None, None])
-        with self.assertRaisesRegex(quoin.BadInput, "velocity: the stage leaves free 'top_beam' along y"):
+        with self.assertRaisesRegex(quoin.BadInput, "velocity: the stage leaves free 'top_beam' along y; give None"):
             sim.set_velocity("top_beam", [None, 1.0, None])
         with self.assertRaisesRegex(quoin.BadInput, "body: nothing is called 'roof'.*top_beam"):
             sim.set_force("roof", [1.0, 0, 0])
@@ -213,6 +334,21 @@ class Steering(Folder):
             sim.set_velocity("top_beam", [1.0, 2.0])
         with self.assertRaisesRegex(ValueError, "force: nan is not finite"):
             sim.set_force("top_beam", [float("nan"), 0, 0])
+        with self.assertRaisesRegex(ValueError, "n = 100000000000000000000: allowed: 1 to"):
+            sim.step(10**20)
+
+    def test_blocks_are_given_by_number_or_by_a_name_of_one(self):
+        scene = block_scene()
+        scene.block.append(quoin.Block(name="cube", material="stone", box=dict(lower=[0, 4, 0], size=[1, 1, 1])))
+        sim = quoin.Simulation(scene)
+        sim.velocity(np.int32(2))[...] = [0.0, 0.5, 0.0]
+        np.testing.assert_array_equal(sim.velocity(2), sim.velocity(np.int64(2)))
+        with self.assertRaisesRegex(KeyError, "2 blocks are called 'cube': give the number of one: 1, 2"):
+            sim.velocity("cube")
+        with self.assertRaisesRegex(IndexError, "block: 3 is not among the 3 blocks"):
+            sim.displacement(np.int64(3))
+        with self.assertRaisesRegex(TypeError, "a number or a name"):
+            sim.displacement(np.True_)
 
     def test_a_swapped_law_keeps_the_tractions(self):
         sim = quoin.Simulation(SMALL_WALL)
@@ -245,11 +381,33 @@ class Steering(Folder):
         self.assertAlmostEqual(sim.measure()["displacement_m"], 1e-4, delta=0.05 * 11 * sim.time_step)
         self.assertFalse(sim.run())
         self.assertFalse(sim.step())
+        for until in (None, "shear", "precompression", 1e-4, lambda s: True):
+            self.assertFalse(sim.run(until=until))
         reference = quoin.Simulation(SMALL_WALL)
         reference.run()
         self.assertEqual(sim.hash, reference.hash)
         with self.assertRaisesRegex(quoin.BadInput, "until = 'tea'.*precompression, shear"):
             sim.run(until="tea")
+
+    def test_the_end_of_a_stage_is_reached_once(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.run(until="precompression")
+        there, state = sim.steps, sim.save()
+        for _ in range(2):
+            self.assertTrue(sim.run(until="precompression"))
+            self.assertEqual((sim.steps, sim.stage), (there, "precompression"))
+        sim.step()
+        self.assertTrue(sim.run(until="precompression"))
+        self.assertEqual((sim.steps, sim.stage), (there + 1, "shear"))
+        other = quoin.Simulation(SMALL_WALL)
+        for restored in (sim, other):
+            restored.restore(state)
+            self.assertEqual(restored.stage, "precompression")
+            self.assertTrue(restored.run(until="precompression"))
+            self.assertEqual(restored.steps, there)
+            self.assertFalse(restored.run(until="shear"))
+            self.assertFalse(restored.run(until="shear"))
+        self.assertEqual(sim.hash, other.hash)
 
 
 class Interruptions(Folder):
@@ -260,7 +418,7 @@ class Interruptions(Folder):
         sim.checkpoint(self.path("then.bin"))
         sim.run()
         resumed = quoin.Simulation.resume(SMALL_WALL, self.path("then.bin"))
-        self.assertEqual(resumed.steps, 700)
+        self.assertEqual((resumed.steps, resumed.stage), (700, "shear"))
         resumed.run()
         self.assertEqual(resumed.hash, sim.hash)
         assert_same_history(resumed.history, sim.history)
@@ -274,6 +432,20 @@ class Interruptions(Folder):
             quoin.Simulation.resume(other, self.path("then.bin"))
         with self.assertRaisesRegex(quoin.BadInput, "checkpoint"):
             sim.restore(b"rubbish")
+
+    def test_a_state_of_another_scene_is_refused(self):
+        state = quoin.Simulation(block_scene()).save()
+        for key, change in (("joints", lambda s: setattr(s.joints.dry, "friction_angle", 30.0)),
+                            ("block", lambda s: setattr(s.block[1].box, "size", [1, 0.9, 1])),
+                            ("stage", lambda s: s.stage.append(quoin.Stage(duration=1.0))),
+                            ("monitor", lambda s: s.monitor.append(quoin.Monitor(name="m", block="cube")))):
+            other = block_scene()
+            change(other)
+            sim = quoin.Simulation(other)
+            before = sim.hash
+            with self.assertRaisesRegex(quoin.BadInput, f"state: is of another value of '{key}' in the scene"):
+                sim.restore(state)
+            self.assertEqual(sim.hash, before)
 
     def test_files_are_complete_at_the_end_and_after_a_restart(self):
         scene = quoin.Scene.load(SMALL_WALL)
@@ -305,9 +477,13 @@ class Interruptions(Folder):
         sim.close()
         self.assertEqual(contents("stepped"), whole)
         quoin.Simulation.resume(scene, self.path("then.bin"), out=self.path("resumed")).run()
-        resumed = contents("resumed")
-        for name in ("history.csv", "monitors.csv", "monitors.json"):
-            self.assertEqual(resumed[name], whole[name], name)
+        restored = quoin.Simulation(scene, out=self.path("restored"))
+        restored.restore(state)
+        restored.run()
+        for out in ("resumed", "restored"):
+            of_out = contents(out)
+            for name in ("history.csv", "monitors.csv", "monitors.json"):
+                self.assertEqual(of_out[name], whole[name], (out, name))
 
     def test_a_simulation_that_is_closed_early_has_whole_files(self):
         def summary():
@@ -383,6 +559,34 @@ class Interruptions(Folder):
         self.assertEqual(run.summary["status"], "interrupted")
         self.assertGreater(len(run.history), 0)
         self.assertTrue(os.path.exists(self.path("out/history.csv")))
+
+    def test_all_warnings_of_the_summary_are_told(self):
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.stage[1].displacement, scene.stage[1].velocity = 1e-4, 0.5  # far too fast for rest
+
+        def run(how):
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always")
+                how()
+            with open(self.path("out/summary.json"), encoding="utf-8") as file:
+                listed = [warning["text"] for warning in json.load(file)["warnings"]]
+            self.assertEqual(sorted(str(w.message) for w in told), sorted(listed))
+            self.assertTrue(any("quasi-static" in text for text in listed), listed)
+
+        def stepped():
+            sim = quoin.Simulation(scene, out=self.path("out"))
+            while sim.step(100):
+                pass
+            self.assertFalse(sim.step())
+            sim.close()
+
+        def closed():
+            with quoin.Simulation(scene, out=self.path("out")) as sim:
+                sim.run(until="precompression")
+                sim.step(50)
+
+        for how in (stepped, closed, lambda: quoin.run(scene, out=self.path("out")), lambda: quoin.run(scene)):
+            run(how)
 
     def test_other_threads_run_meanwhile_but_not_in_the_same_simulation(self):
         sim, told = quoin.Simulation(slow_scene(), threads=1), []

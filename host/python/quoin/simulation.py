@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _quoin
 from .errors import BadInput, Gone
-from .scene import scene_of
+from .scene import LISTS, TABLES, scene_of
 from .view import View
 
 MOST_STEPS = 2**62
@@ -20,6 +20,11 @@ def whole(name, value, lower, upper):
     if not lower <= value <= upper:
         raise ValueError(f"{name} = {value}: allowed: {lower} to {upper}")
     return int(value)
+
+
+def plain_number(block):
+    """Integers of NumPy, as block_a of contacts has them, as those of Python."""
+    return int(block) if isinstance(block, np.integer) else block
 
 
 def word(name, value):
@@ -83,7 +88,7 @@ class Simulation:
 
     def step(self, n=1):
         """Computes n steps, or fewer if the last stage ends. Returns whether more steps remain."""
-        if n.__class__ is not int or n < 1:
+        if n.__class__ is not int or not 1 <= n <= MOST_STEPS:
             n = whole("n", n, 1, MOST_STEPS)
         session = self._session
         if session is None:
@@ -92,32 +97,28 @@ class Simulation:
 
     def run(self, until=None, *, every=100):
         """Runs to the end of the last stage (until None), to a time in s, to the end of the stage of that name, or until
-        until(simulation) is true, which is called after every `every` steps. Returns whether more steps remain."""
+        until(simulation) is true, which is called after every `every` steps. Runs no step if that is reached already.
+        Returns whether more steps remain."""
         session = self._session_of("run")
         if until is None:
             return session.step(MOST_STEPS, False)
+        names = session.stage_names
+        more = session.stages_ended < len(names)
         if callable(until):
-            every, more = whole("every", every, 1, MOST_STEPS), True
+            every = whole("every", every, 1, MOST_STEPS)
             while more and not until(self):
                 more = self.step(every)
             return more
         if isinstance(until, str):
-            names = session.stage_names
             if until not in names:
                 raise BadInput(f"until = {until!r}: there is no such stage; there are {', '.join(names)}")
-            if max(session.stage, 0) > names.index(until):
-                return session.stage < len(names)
-            more = True
-            while more:
+            while session.stages_ended <= names.index(until):
                 more = session.step(MOST_STEPS, True)
-                if session.stage >= names.index(until):
-                    break
             return more
         if isinstance(until, (bool, np.bool_)) or not isinstance(until, (numbers.Real, np.floating)):
             raise TypeError(f"until: a time in s, the name of a stage or a function is needed, not {type(until).__name__}")
         if not math.isfinite(until):
             raise ValueError(f"until = {until}: allowed: a finite time in s")
-        more = True
         while more and self.time < until - 1e-9 * self.time_step:
             more = self.step(max(1, min(MOST_STEPS, math.ceil((until - self.time) / self.time_step - 1e-9))))
         return more
@@ -167,11 +168,13 @@ class Simulation:
     def displacement(self, block):
         """Displacement of the gridpoints of a block, m; of a rigid block on the lattice, of its centre. A copy in large
         motion."""
+        block = plain_number(block)
         return self._view("displacement", lambda s: s.displacement(block))
 
     def velocity(self, block):
         """Velocity of the gridpoints of a block, m/s, half a step ago; of a rigid block, of its centre. It can be
         written."""
+        block = plain_number(block)
         return self._view("velocity", lambda s: s.velocity(block), True)
 
     def sigma(self, joint):
@@ -189,7 +192,8 @@ class Simulation:
         return self._view("area", lambda s: s.area(word("joint", joint)))
 
     def position(self, joint):
-        """Places of the contact points of a joint family, m; in small displacements those at the start."""
+        """Places of the contact points of a joint family, m; in small displacements those at the start. A copy in large
+        motion."""
         return self._view("position", lambda s: s.position(word("joint", joint)))
 
     def state(self, joint, id):
@@ -210,11 +214,13 @@ class Simulation:
 
     def set_velocity(self, body, velocity):
         """Sets the velocity of bodies that the stage holds or moves, m/s, from now to the end of the stage. None: no
-        change."""
+        change. Fixed blocks that follow a record stay the ground, whose motion is then what was set."""
         self._session_of("set_velocity").set_velocity(word("body", body), vector("velocity", velocity))
 
     def set_force(self, body, force):
-        """Sets the force on free bodies, N, from now to the end of the stage. None: no change."""
+        """Sets the force on free bodies, N, from now to the end of the stage. Along its components it replaces forces
+        and pressures of the stage on each of these bodies, with their moments. Gravity and the pull of a whiffletree
+        stay. None: no change."""
         self._session_of("set_force").set_force(word("body", body), vector("force", force))
 
     def swap_law(self, joint, law):
@@ -225,31 +231,36 @@ class Simulation:
     # --- checkpoints ------------------------------------------------------------------------------------------------
 
     def save(self):
-        """The complete state, as bytes. After restore of these, all further bits are the same."""
-        state = self._session_of("save").save()
+        """The complete state with the history so far, as bytes. After restore of these, in this simulation or in another
+        one of the same scene, all further bits are the same."""
+        state = self._session_of("save").save(self._scene_hashes())
         return hashlib.blake2b(state).digest() + state
 
     def restore(self, state):
+        """Goes back, or on, to what save gave. States of another scene are refused, whatever differs."""
         session = self._session_of("restore")
         if not isinstance(state, bytes):
             raise TypeError(f"state: bytes of save() are needed, not {type(state).__name__}")
         size = hashlib.blake2b().digest_size
         if hashlib.blake2b(state[size:]).digest() != state[:size]:
             raise BadInput("state: not what save() gave, or a checkpoint that is damaged")
-        session.restore(state[size:])
+        session.restore(state[size:], self._scene_hashes())
 
-    def _scene_hash(self):
-        return hashlib.sha256(self.scene.text().encode()).hexdigest()
+    def _scene_hashes(self):
+        """Hash of each key of the scene, by which messages name the first that differs. None stands for one without it."""
+        document = self.scene._document()
+        return {key: hashlib.sha256(_quoin.text({key: document[key]}).encode()).hexdigest() if key in document else "none"
+                for key in {*LISTS, *TABLES, *document}}
 
     def checkpoint(self, path):
         """Writes the state and the history so far to a file."""
-        self._session_of("checkpoint").checkpoint(os.fspath(path), self._scene_hash())
+        self._session_of("checkpoint").checkpoint(os.fspath(path), self._scene_hashes())
 
     @classmethod
     def resume(cls, scene, path, **options):
         """A simulation of the scene that continues from a file of checkpoint."""
         simulation = cls(scene, **options)
-        simulation._session.resume(os.fspath(path), simulation._scene_hash())
+        simulation._session.resume(os.fspath(path), simulation._scene_hashes())
         return simulation
 
     # --- its end ----------------------------------------------------------------------------------------------------

@@ -29,6 +29,14 @@ using geometry::Vector;
 
 namespace {
 
+// Components that follow the ground; those that a controller has set are 0.
+Vector followed(std::uint64_t of_ground, Vector velocity) {
+  for (int c = 0; c < 3; ++c) {
+    if ((of_ground >> c & 1) == 0) velocity[c] = 0.0;
+  }
+  return velocity;
+}
+
 void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
   row.ground_displacement = geometry::array(ground_of_lattice_at_forces(s));
   Vector moment;
@@ -74,14 +82,13 @@ Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, 
 }
 
 Vec3 left_over_velocity(const Simulation::Impl& s, const Stage* previous, int body) {
-  const std::int64_t motion = s.controls.ramps[static_cast<std::size_t>(body)].motion;
-  const Vector record = record_since_half_step(s, previous, static_cast<std::int32_t>(motion));
-  Vec3 after = s.lattice.of_body(body, &BodyLanes::velocity);
-  for (std::size_t c = 0; c < 3; ++c) {
-    after[c] += record[static_cast<int>(c)];
+  const BodyRamp& ramp = s.controls.ramps[static_cast<std::size_t>(body)];
+  const Vector record = record_since_half_step(s, previous, static_cast<std::int32_t>(ramp.motion));
+  Vector after = geometry::vector(s.lattice.of_body(body, &BodyLanes::velocity)) + record;
+  for (int c = 0; c < 3; ++c) {
     if (std::abs(after[c]) <= kGroundAtRest) after[c] = 0.0;
   }
-  return after;
+  return geometry::array(followed(ramp.of_ground, after));
 }
 
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings) {
@@ -116,10 +123,10 @@ std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage&
 
 const Drive* Actions::ground_drive() const {
   const Drive* found = nullptr;
+  int highest = 0;
   for (const Drive& drive : drives) {
-    if (drive.of_ground != 7) continue;
-    if (drive.motion == 0) return &drive;
-    if (!found) found = &drive;
+    const int rank = ground_rank(drive.of_ground, drive.motion);
+    if (rank > highest) highest = rank, found = &drive;
   }
   return found;
 }
@@ -172,7 +179,7 @@ Vector left_below_springs(const Simulation::Impl& s, const Stage* previous) {
 void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   const auto old =
       std::find_if(s.actions.drives.begin(), s.actions.drives.end(), [](const Drive& d) { return d.of_ground != 0; });
-  const Vector left_over = old == s.actions.drives.end() ? Vector{} : old->velocity_from;
+  const Vector left_over = old == s.actions.drives.end() ? Vector{} : followed(old->of_ground, old->velocity_from);
   s.actions.ground_left = left_below_springs(s, previous);
   const std::vector<std::int32_t> groups = support_groups(s, settings);
   std::vector<std::int32_t> drive_of(static_cast<std::size_t>(s.large_motion->block_count()), -1);
@@ -197,8 +204,8 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
     Drive& drive = s.actions.drives[static_cast<std::size_t>(index)];
     if (!settings.ground && !drive.of_ground) continue;  // was driven by a table before, and comes to rest
     // Blocks that moved with the ground before continue, group by group.
-    const Vector goes_on = drive.of_ground ? drive.velocity_from : left_over;
-    drive.of_ground = 7;
+    const Vector goes_on = drive.of_ground ? followed(drive.of_ground, drive.velocity_from) : left_over;
+    drive.of_ground = kOfGround;
     if (settings.ground) drive.motion = groups[static_cast<std::size_t>(block)];
     drive.velocity_to = settings.ramp_time > 0.0 ? Vector{} : goes_on;
   }
@@ -211,7 +218,7 @@ void follow_ground(Simulation::Impl& s, const Stage& settings, double) {
   const auto velocity = [&](double time) {
     if (!ground) return velocity_below_springs(s, settings, time);
     return left_over_at(s, ground->velocity_from, ground->velocity_to, time) +
-           record_velocity(s, settings, time, ground->motion);
+           followed(ground->of_ground, record_velocity(s, settings, time, ground->motion));
   };
   const double now = s.large_motion->stepping.time;
   s.large_motion->move_ground(velocity(now - 0.5 * s.large_motion->stepping.dt), velocity(now));
@@ -227,7 +234,7 @@ void follow_ground_of_lattice(Simulation::Impl& s) {
   const double time = time_now(s) - (s.data.mass_damping > 0.0 ? 0.0 : 0.5 * s.data.time_step);
   s.data.ground_velocity = geometry::array(
       left_over_at(s, geometry::vector(ground.velocity_from), geometry::vector(ground.velocity_to), time) +
-      record_velocity(s, current_stage(s), time, static_cast<std::int32_t>(ground.motion)));
+      followed(ground.of_ground, record_velocity(s, current_stage(s), time, static_cast<std::int32_t>(ground.motion))));
 }
 
 void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {

@@ -12,7 +12,8 @@ geometry::Vector record_velocity(const Simulation::Impl& s, const Stage& of_stag
                                  std::int32_t motion = 0);
 // Change of that velocity over the last half step, m/s. of_stage: null: no ground motion.
 geometry::Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, std::int32_t motion);
-// Velocity of a body that moves with the ground, at the end of the previous stage, m/s. Lattice.
+// Velocity of a body that moves with the ground, at the end of the previous stage, m/s; 0 along components that a
+// controller has set. Lattice.
 Vec3 left_over_velocity(const Simulation::Impl& s, const Stage* previous, int body);
 // Index of the group of supports by block, as in Drive::motion; 0: none. Throws Error(bad_input): a block of a group is
 // not fixed, or is in two groups.

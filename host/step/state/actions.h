@@ -11,13 +11,21 @@
 
 namespace quoin {
 
+constexpr std::uint8_t kOfGround = 0xf;  // Drive::of_ground of a block that moves as the ground along all axes
+
+// Rank of a block or body as the one that stands for the ground; 0: it is none of the ground.
+constexpr int ground_rank(std::uint64_t of_ground, std::int64_t motion) {
+  return of_ground == 0 ? 0 : 1 + (motion == 0 ? 2 : 0) + (of_ground == kOfGround ? 1 : 0);
+}
+
 // Control of a block of any shape through a stage.
 struct Drive {
   int block = -1;
   std::uint8_t held = 0;       // bits 0..2: velocity along x, y, z prescribed; 3..5: rotation
   std::uint8_t in_cycles = 0;  // bits 0..2: the velocity component follows the cycles of the stage
   // Bits 0..2: the velocity component is that of the ground. The stage's record is added to the velocities below, which
-  // are what earlier records have left.
+  // are what earlier records have left. Bit 3: the block is of the ground, also along components that a controller has
+  // set.
   std::uint8_t of_ground = 0;
   std::int32_t motion = 0;  // index of the motion: 0: that of the ground; k: of the k-th group of supports
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s

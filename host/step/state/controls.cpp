@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "step/state/actions.h"
+
 namespace quoin {
 
 void Controls::find_loaded_blocks(const Model& model) {
@@ -36,11 +38,10 @@ void Controls::apply_load(const Model& model, std::size_t loaded) {
 }
 
 int Controls::ground_body() const {
-  int found = -1;
+  int found = -1, highest = 0;
   for (std::size_t b = 0; b < ramps.size(); ++b) {
-    if (ramps[b].of_ground != 7) continue;
-    if (ramps[b].motion == 0) return static_cast<int>(b);
-    if (found < 0) found = static_cast<int>(b);
+    const int rank = ground_rank(ramps[b].of_ground, ramps[b].motion);
+    if (rank > highest) highest = rank, found = static_cast<int>(b);
   }
   return found;
 }
