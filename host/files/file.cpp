@@ -113,13 +113,21 @@ void write_named_file(const std::filesystem::path& path, const std::string& byte
 
 void require_space(const std::filesystem::path& folder, double bytes, const std::string& what) {
   std::error_code unknown;
-  const std::filesystem::space_info space = std::filesystem::space(folder, unknown);
-  if (unknown || bytes <= static_cast<double>(space.available)) return;
+  std::filesystem::path there = std::filesystem::absolute(folder);
+  while (!std::filesystem::exists(there, unknown) && there.has_relative_path()) there = there.parent_path();
+  double room = static_cast<double>(std::filesystem::space(there, unknown).available);
+  if (unknown) return;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unknown)) {
+    std::error_code no_file;
+    const auto size = entry.file_size(no_file);
+    if (!no_file) room += static_cast<double>(size);
+  }
+  if (bytes <= room) return;
   throw Error(
       Exit::bad_input,
       fmt::format("{}: {} need about {:.3g} MB and {:.3g} MB are free there; free space, ask for less or choose "
                   "another place with --out",
-                  folder.string(), what, bytes / 1e6, static_cast<double>(space.available) / 1e6));
+                  folder.string(), what, bytes / 1e6, room / 1e6));
 }
 
 UnfinishedFile::UnfinishedFile(const std::filesystem::path& path) : path_(path), part_(begin_file(path)) {

@@ -61,7 +61,8 @@ class PlacedFile : public UnfinishedFile {
   void finish() { close_and_rename(); }
 };
 
-// Throws Error(bad_input) where the disk of FOLDER has fewer bytes left. what: their use, for the message.
+// Throws Error(bad_input) where the disk of FOLDER has fewer bytes left. Files in it count as free, as results replace
+// them. what: use of the bytes, for the message.
 void require_space(const std::filesystem::path& folder, double bytes, const std::string& what);
 
 // For files that are written in parts. begin_file() adds PATH to the manifest of its result folder (result_folder.h)

@@ -161,10 +161,13 @@ duration = 0.1
   }
 }
 
-// A stage without a control of the bottom beam holds it where a later stage shakes, and did not where none does.
+// A stage with controls of other bodies alone holds the bottom beam where a later stage shakes, and does not where none
+// does.
 TEST_F(Start, AnotherGroundOfTheFirstStagesIsRefused) {
   const std::string text = read_all(small_), before = text.substr(0, text.find("[[stage]]"));
-  const std::string free = "[[stage]]\nname = \"free\"\nkind = \"custom\"\nduration = 0.001\n";
+  const std::string free =
+      "[[stage]]\nname = \"free\"\nkind = \"custom\"\nduration = 0.001\n"
+      "control = [{ body = \"top_beam\" }]\n";
   const std::string shake =
       "[[stage]]\nname = \"shake\"\nduration = 0.001\nmonitor = \"top_beam\"\n"
       "ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }\n";
