@@ -4,6 +4,7 @@
 
 #include "model/contact_frames.h"
 #include "model/world.h"
+#include "model/world_parts.h"
 #include "model/world_results.h"
 
 namespace quoin::blocks {
@@ -144,6 +145,7 @@ void leave_fixed_frames(World& w) {
   w.part.fetch();
   take_back_facets(w);
   copy_velocities(w);
+  refresh_blocks(w, leaves);  // each step sends gridpoints at joints alone
   const std::vector<MovedPoint> points = points_at(w, leaves);
   for (int i = 0; i < w.block_count(); ++i) {
     if (leaves[size_t(i)] == 0.0) continue;

@@ -344,6 +344,16 @@ size_t gather_everything(World& w, bool to_all) {
   return bytes;
 }
 
+void refresh_blocks(World& w, std::span<const double> chosen) {
+  if (!w.part.ranks) return;
+  Wanted wanted(w, w.part.rank_of_block);
+  for (size_t b = 0; b < w.blocks.size(); ++b) {
+    wanted.block[b] = chosen[b] != 0.0;
+    wanted.block_here[b] = wanted.block[b] && w.part.laid_out[b] && !w.part.owns(int(b));
+  }
+  exchange(w, wanted);
+}
+
 // ---- Blocks close to those of other ranks --------------------------------------------------------------------------
 
 void receive_new_neighbours(World& w, const std::vector<geometry::Pair>& pairs) {
