@@ -178,6 +178,9 @@ std::vector<int> outline_of(const ConvexPolyhedron& shape, const std::vector<int
   return outline;
 }
 
+// Cosine between normals, of 2.5 degrees: steeper faces, as bevels, are meant, unless they are slivers.
+constexpr double kRounded = 0.999;
+
 // Groups of neighbouring faces that lie within the tolerance of one plane, with their outlines. Large faces begin.
 std::vector<std::vector<int>> coplanar_outlines(const ConvexPolyhedron& shape, double tolerance) {
   const int count = int(shape.faces.size());
@@ -198,7 +201,7 @@ std::vector<std::vector<int>> coplanar_outlines(const ConvexPolyhedron& shape, d
     std::vector<int> group{first}, outline = shape.faces[size_t(first)];
     Plane plane = plane_of(shape.vertices, outline);
     const auto joins = [&](int f) {
-      if (used[size_t(f)] || (dot(shape.normals[size_t(f)], plane.normal) < 0.5 && area[size_t(f)] > sliver))
+      if (used[size_t(f)] || (dot(shape.normals[size_t(f)], plane.normal) < kRounded && area[size_t(f)] > sliver))
         return false;
       group.push_back(f);
       const std::vector<int> wider = outline_of(shape, group);
@@ -253,6 +256,10 @@ double unite_faces(ConvexPolyhedron& shape, double tolerance) {
   double moved = 0.0;
   for (size_t v = 0; v < from.size(); ++v)
     moved = std::max(moved, norm(united.vertices[v] - shape.vertices[size_t(from[v])]));
+  for (size_t f = 0; f < outlines.size(); ++f) {  // corners that are left out
+    const Vector& on = united.vertices[size_t(united.faces[f].front())];
+    for (int c : outlines[f]) moved = std::max(moved, std::abs(dot(united.normals[f], shape.vertices[size_t(c)] - on)));
+  }
   shape = std::move(united);
   return moved;
 }

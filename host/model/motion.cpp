@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/error.h"
 #include "law/at_rest.h"
+#include "law/property_text.h"
 #include "scene/actions/actions.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
@@ -161,11 +163,23 @@ void refuse_swap_of_strips(const Scene& scene, const std::string& family, const 
   }
 }
 
+namespace {
+
+// Whether an edge that carries all of the load may crush. At corners alone, a quarter of the face each, it could not
+// before half of the face is at its strength.
+bool may_crush(const Material& material) {
+  return find_property(material.api(), "compressive_strength") &&
+         std::isfinite(material.number("compressive_strength"));
+}
+
+}  // namespace
+
 void choose_rigid_points(const Scene& scene, std::vector<JointFamily>* families) {
   for (JointFamily& family : *families) {
+    const Material material(Law::find(family.law), family.properties);
     if (scene.cubic_points)
       family.rigid_points = *scene.cubic_points ? RigidPoints::cubic : RigidPoints::corners;
-    else if (carries_tension(Material(Law::find(family.law), family.properties), family.initial_state))
+    else if (carries_tension(material, family.initial_state) || may_crush(material))
       family.rigid_points = RigidPoints::cubic_at_start;
     else
       family.rigid_points = RigidPoints::corners;

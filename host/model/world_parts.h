@@ -28,7 +28,7 @@ void hold_blocks(World& w, std::vector<int> rank_of_block, std::span<const int> 
 void exchange_blocks(World& w, std::span<const int> chosen);
 void exchange_joints(World& w, std::span<const int> of_blocks);
 void exchange_parted_blocks(World& w);  // collective
-// Brings up to date the blocks with a number other than 0 wherever they are laid out. Collective.
+// Sends blocks with a number other than 0 to the ranks that have laid them out. Collective.
 void refresh_blocks(World& w, std::span<const double> chosen);
 size_t gather_everything(World& w, bool to_all);  // or to rank 0 alone; returns bytes
 // visit(rank, first byte, bytes): data of blocks and points that steps change, with the rank that owns them.

@@ -77,8 +77,7 @@ int axis_of_action(const Stage& stage) {
 
 int axis_of(const Stage& stage) {
   if (stage.direction == 0 && axis_of_action(stage) == 2) return 2;
-  if (stage.direction != 0 || stage.whiffletree || stage.cycles || !beyond_lattice(stage).empty())
-    return stage.direction;
+  if (stage.direction != 0 || stage.whiffletree || stage.cycles) return stage.direction;
   const std::array<bool, 3> driven = driven_along(stage);
   return driven == std::array{false, true, false} ? 1 : driven == std::array{false, false, true} ? 2 : 0;
 }

@@ -317,6 +317,7 @@ Json motion_of(const Simulation& simulation) {
           {"largest_rotation_rad", seen.rotation},
           {"largest_sliding_over_length", simulation.large_motion() ? Json(nullptr) : Json(seen.sliding)},
           {"largest_opening_over_side", simulation.large_motion() ? Json(nullptr) : Json(seen.opening)},
+          {"largest_sway_over_extent", simulation.large_motion() ? Json(nullptr) : Json(seen.sway)},
           {"largest_translation_over_model", simulation.large_motion() ? Json(nullptr) : Json(seen.translation)},
           {"rotation_bound_rad", solver.motion_bound.rotation},
           {"sliding_bound", solver.motion_bound.sliding},

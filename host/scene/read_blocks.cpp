@@ -107,11 +107,11 @@ BlockSpec read_block(Table& t, const Scene& scene) {
   return b;
 }
 
-constexpr double kBed = 1e-9;  // of the length of a unit; distance from a bed joint that is rounding
+constexpr double kBed = 1e-5;  // of the height of a course; distance from a bed joint that is rounding
 
 // Refuses an opening that takes nothing from the wall, more than there is, or part of a course. Keys that are missing
 // are faults already.
-void check_opening(Table& o, const DryWallSpec::Opening& opening, const DryWallSpec& wall) {
+void check_opening(Table& o, DryWallSpec::Opening& opening, const DryWallSpec& wall) {
   const double rounding = 1.0 + 1e-9;
   const auto check = [&](const char* lower, double low, const char* upper, double up, double whole, const char* what) {
     if (!o.has(lower) || !o.has(upper) || !(whole > 0.0)) return;
@@ -123,13 +123,15 @@ void check_opening(Table& o, const DryWallSpec::Opening& opening, const DryWallS
   check("from", opening.from, "to", opening.to, wall.units_per_course * wall.unit[0], "length");
   check("sill", opening.sill, "head", opening.head, wall.courses * wall.unit[1], "height");
   const double height = wall.unit[1];
-  for (const auto& [key, place] : {std::pair{"sill", opening.sill}, std::pair{"head", opening.head}}) {
+  for (const auto& [key, place] : {std::pair{"sill", &opening.sill}, std::pair{"head", &opening.head}}) {
     if (!o.has(key) || !(height > 0.0)) continue;
-    const double below = std::floor(place / height) * height;
-    if (std::abs(place - std::round(place / height) * height) > kBed * wall.unit[0])
-      o.refuse(key, fmt::format("a bed joint, {:g} or {:g} m: courses are {:g} m high, and only whole ones end at an "
-                                "opening",
-                                below, below + height, height));
+    const double below = std::floor(*place / height) * height, bed = std::round(*place / height) * height;
+    if (std::abs(*place - bed) > kBed * height)
+      o.refuse(key,
+               fmt::format("a bed joint, {:.9g} or {:.9g} m: courses are {:.9g} m high, and only whole ones end at "
+                           "an opening",
+                           below, below + height, height));
+    *place = bed;
   }
   if (o.has("head") && opening.bearing > 0.0 && opening.head > (wall.courses - 0.5) * height)
     o.refuse("bearing", "0 where the head is the top of the wall: there is no course for a lintel");

@@ -59,13 +59,15 @@ void add_rigid(double count, double points, const Costs& costs, SceneSize* size)
 struct OfRigid {
   double spacing = 0.0, times = 1.0;
 };
-// Contact points of the scene's rigid blocks. Joints with tension have cubic points, 17 on a rectangle. Any initial
-// state other than dry counts as one with tension.
+// Contact points of the scene's rigid blocks. Joints that carry tension or may crush have cubic points, 17 on a
+// rectangle. Any initial state other than dry counts as one with tension.
 OfRigid points_of_rigid(const Scene& scene) {
   constexpr double kCubic = 17.0 / 4.0;
   const double spacing = scene.blocks ? scene.blocks->contact.point_spacing : 0.0;
-  const bool bonded = std::any_of(scene.joints.begin(), scene.joints.end(),
-                                  [](const auto& joint) { return joint.second.initial_state != "dry"; });
+  const bool bonded = std::any_of(scene.joints.begin(), scene.joints.end(), [](const auto& joint) {
+    return joint.second.initial_state != "dry" ||
+           std::ranges::count(joint.second.properties, "compressive_strength", &PropertySetting::id) > 0;
+  });
   return {spacing, spacing == 0.0 && scene.cubic_points.value_or(bonded) ? kCubic : 1.0};
 }
 

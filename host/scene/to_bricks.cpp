@@ -286,11 +286,13 @@ std::string text_of(const BodyControl& control) {
 // groups. Few keep their names, for monitors and for the columns of their reactions. Bodies without control or monitor
 // have no name.
 void share_names(std::vector<Stage>* stages, std::vector<Brick>* bricks) {
+  constexpr size_t kFew = 12;                   // as many have columns of reactions
   std::map<std::string, std::string> controls;  // by body, of all stages
   for (size_t i = 0; i < stages->size(); ++i) {
     for (const BodyControl& control : (*stages)[i].controls)
       controls[control.body] += fmt::format("stage {} {};", i, text_of(control));
   }
+  const bool few = controls.size() <= kFew;
   for (const Stage& stage : *stages) {
     if (!stage.monitor.empty()) controls[stage.monitor] += "watched as " + stage.monitor;
   }
@@ -299,13 +301,10 @@ void share_names(std::vector<Stage>* stages, std::vector<Brick>* bricks) {
     const auto found = controls.find(brick.body);
     if (found != controls.end()) by_control[(brick.rigid ? "rigid " : "loaded ") + found->second].push_back(brick.body);
   }
-  constexpr size_t kFew = 12;  // as many have columns of reactions
   std::map<std::string, std::string> shared;
   for (const auto& [control, bodies] : by_control) {
     for (const std::string& body : bodies)
-      shared[body] = bodies.size() == 1 || controls.size() <= kFew
-                         ? body
-                         : fmt::format("{} and {} more", bodies[0], bodies.size() - 1);
+      shared[body] = bodies.size() == 1 || few ? body : fmt::format("{} and {} more", bodies[0], bodies.size() - 1);
   }
   for (Brick& brick : *bricks) {
     const auto found = shared.find(brick.body);

@@ -22,14 +22,25 @@ std::string describe(const Assembly& assembly, int block) {
 
 Vec3 at_arm(const WholeMotion& m, const Vec3& arm) { return m.translation + cross(m.rotation, arm); }
 
-double diagonal_of(const std::vector<Brick>& bricks) {
-  double squares = 0.0;
+namespace {
+
+// Sides of the box around the bricks that count, m; -infinity without any.
+template <class Counts>
+Vec3 extent_of(const std::vector<Brick>& bricks, const Counts& counts) {
+  Vec3 extent;
   for (std::size_t c = 0; c < 3; ++c) {
     double from = std::numeric_limits<double>::infinity(), to = -from;
-    for (const Brick& b : bricks) from = std::min(from, b.origin[c]), to = std::max(to, b.origin[c] + b.size[c]);
-    squares += (to - from) * (to - from);
+    for (const Brick& b : bricks)
+      if (counts(b)) from = std::min(from, b.origin[c]), to = std::max(to, b.origin[c] + b.size[c]);
+    extent[c] = to - from;
   }
-  return std::sqrt(squares);
+  return extent;
+}
+
+}  // namespace
+
+double diagonal_of(const std::vector<Brick>& bricks) {
+  return norm_of(extent_of(bricks, [](const Brick&) { return true; }));
 }
 
 Vec3 centre_of(const Brick& brick) { return brick.origin + 0.5 * brick.size; }
@@ -51,7 +62,9 @@ WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
 }
 
 JointSliding::JointSliding(const Assembly& assembly, Places places)
-    : assembly_(&assembly), diagonal_(diagonal_of(assembly.bricks)) {
+    : assembly_(&assembly),
+      diagonal_(diagonal_of(assembly.bricks)),
+      extent_(extent_of(assembly.bricks, [](const Brick& b) { return !b.fixed && !b.beam; })) {
   if (places == Places::recomputed) return;
   for (const Joint& joint : assembly.joints) kept_.push_back(place_of(joint));
 }
@@ -82,6 +95,14 @@ void JointSliding::look(const std::vector<WholeMotion>& motion, MotionSeen* seen
     if (exceeds(angle, seen->rotation)) seen->rotation = angle, seen->turned_block = static_cast<int>(i);
     if (exceeds(moved, seen->translation)) seen->translation = moved, seen->moved_block = static_cast<int>(i);
   }
+  for (const std::size_t c : {0u, 2u}) {
+    const auto [least, most] =
+        std::ranges::minmax_element(motion, {}, [c](const WholeMotion& m) { return m.translation[c]; });
+    if (least == motion.end() || !(extent_[c] > 0.0)) continue;
+    const double sway = (most->translation[c] - least->translation[c]) / extent_[c];
+    const auto farthest = std::abs(most->translation[c]) > std::abs(least->translation[c]) ? most : least;
+    if (exceeds(sway, seen->sway)) seen->sway = sway, seen->swaying_block = farthest - motion.begin();
+  }
   for (std::size_t j = 0; assembly_ && j < assembly_->joints.size(); ++j) {
     Place found;
     if (kept_.empty()) found = place_of(assembly_->joints[j]);
@@ -105,6 +126,14 @@ std::string past_bound(const MotionSeen& seen, const MotionBound& bound, const A
         "{} has turned by {:.3g} rad, more than solver.rotation_bound = {:g}: displacements are no "
         "longer small",
         describe(assembly, seen.turned_block), seen.rotation, bound.rotation);
+  }
+  if (const double allowed = kSwayOverRotation * bound.rotation; exceeds(seen.sway, allowed)) {
+    return fmt::format(
+        "{} has moved sideways by {:.3g} of the extent of the units along its way, more than {:.3g} (1.5 "
+        "solver.rotation_bound): lever arms of "
+        "vertical "
+        "loads are no longer those of the start",
+        describe(assembly, static_cast<int>(seen.swaying_block)), seen.sway, allowed);
   }
   if (exceeds(seen.sliding, bound.sliding)) {
     const Joint& joint = assembly.joints[static_cast<std::size_t>(seen.slid_joint)];

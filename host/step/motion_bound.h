@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,10 @@ struct MotionSeen {
   double sliding = 0.0;      // sliding of two joined blocks over the length of their joint along the sliding
   double opening = 0.0;      // opening of a joint over its shorter side
   double translation = 0.0;  // displacement of a block since the start over the diagonal of the model
+  double sway = 0.0;         // horizontal displacements of two blocks apart, over the extent of the units along them
   double nearness = 0.0;     // least distance allowed for two blocks without a joint, over their current distance
   double gap = 0.0;          // current distance of these two blocks, m; < 0: depth of their overlap
+  std::int64_t swaying_block = -1;  // with the 6 numbers below, no byte of a checkpoint is undefined
   int turned_block = -1, moved_block = -1;
   int slid_joint = -1, opened_joint = -1;
   int near_block[2] = {-1, -1};
@@ -26,6 +29,9 @@ struct MotionSeen {
 // of that side if it turns by the default rotation_bound. That is less than sliding_bound allows. A block that has
 // moved farther than the diagonal of the model has left all supports.
 inline constexpr double kOpeningBound = 1.0, kTranslationBound = 1.0, kNearnessBound = 1.0;
+// Bound of the sway over that of the rotation: 0.02 by default. The vertical load of a wall has then moved by 4 % of
+// the lever arm that resists overturning. Small displacements have the lever arms of the start.
+inline constexpr double kSwayOverRotation = 1.5;
 
 Vec3 centre_of(const Brick& brick);  // m
 
@@ -72,6 +78,7 @@ class JointSliding {
 
   const Assembly* assembly_ = nullptr;
   double diagonal_ = 0.0;    // diagonal of the model, m
+  Vec3 extent_{};            // of blocks that are neither fixed nor beams, m
   std::vector<Place> kept_;  // Places::kept; else empty
 };
 

@@ -67,7 +67,8 @@ void check_motion(Simulation::Impl& s) {
     least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
   for (const WholeMotion& m : s.small_motion.whole_motions) fastest = std::max(fastest, m.speed);
   const double used =
-      std::max(s.small_motion.seen.rotation / bound.rotation, s.small_motion.seen.sliding / bound.sliding);
+      std::max({s.small_motion.seen.rotation / bound.rotation, s.small_motion.seen.sliding / bound.sliding,
+                s.small_motion.seen.sway / (kSwayOverRotation * bound.rotation)});
   const double way = std::max(0.5 * (1.0 - used), 0.0625) * least * std::min(bound.rotation, bound.sliding);
   const double steps = std::min(until_near, time_for(way, 2.0 * fastest)) / s.data.time_step;
   s.small_motion.next_check =

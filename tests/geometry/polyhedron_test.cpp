@@ -619,6 +619,25 @@ TEST(UnitedFaces, FacetsOfARoundShapeStay) {
   EXPECT_EQ(drum.faces.size(), 66u);
 }
 
+// A bevel at 45 degrees is meant, though it is hardly wider than the tolerance. The side beside it was tilted.
+TEST(UnitedFaces, ABevelStays) {
+  constexpr double kBevel = 1.5e-4, kTop = 1.0 - kBevel;
+  ConvexPolyhedron cube = from_vertices({{0, 0, 0},
+                                         {1, 0, 0},
+                                         {0, 0, 1},
+                                         {1, 0, 1},
+                                         {0, kTop, 0},
+                                         {0, kTop, 1},
+                                         {kBevel, 1, 0},
+                                         {kBevel, 1, 1},
+                                         {1, 1, 0},
+                                         {1, 1, 1}},
+                                        "cube");
+  ASSERT_EQ(cube.faces.size(), 7u);
+  EXPECT_EQ(unite_faces(cube, 1e-4), 0.0);
+  EXPECT_EQ(cube.faces.size(), 7u);
+}
+
 // Prisms of many sides, turned at random, 5e5 m from the origin, where coordinates have 6e-11 m.
 TEST(FromVertices, PrismsFarFromTheOriginClose) {
   std::mt19937 random(1);

@@ -191,7 +191,7 @@ TEST(Promotion, AWallFallsToTheGround) {
       text, {"dry_wall.wall.courses=8", "dry_wall.wall.units_per_course=1", "block.top_beam.position=[0,0.5,0]",
              "block.top_beam.box={lower=[0,0,0],size=[0.22,0.1,0.1]}",
              "block.bottom_beam.box={lower=[0,-0.1,0],size=[0.22,0.1,0.1]}", "stage.push.displacement=0.35",
-             "stage.fall.duration=1", "output.frames=0"});
+             "stage.shear.displacement=0.004", "stage.fall.duration=1", "output.frames=0"});
   Simulation s(scene);
   const auto pairs = [&](bool pressed) {
     std::set<std::pair<int, int>> met;

@@ -148,6 +148,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Building",
              kTests + "host/small_building.toml",
              {"stage.push.displacement=0.00005", "stage.push.record_interval=100"}},
+        Case{"LeavesFixedFrames", kTests + "host/tilting_boxes.toml", {}},
         Case{"RigidUnits", kScenes + "cube_wall_10.toml", {"stage.1.displacement=0.00005"}},
         Case{
             "LawSwaps",

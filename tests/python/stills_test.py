@@ -121,7 +121,7 @@ class Stills(Folder):
         scene.block.append(quoin.Block(name="behind", material="stone", box=dict(lower=[0, 1, 0.6], size=[0.4, 0.4, 0.4])))  # in no plane
         self.run_scene("cube", scene)
         words = self.assert_fine("cube", ("curve", "cracks", "mechanism"))
-        self.assertIn("vertical displacement (mm)", words)
+        self.assertIn("largest displacement of a block (mm)", words)
         self.assertTrue(any(re.fullmatch(r"[\d.]+ m", w) for w in words), "a scale bar")
 
     def test_joints_are_drawn_where_they_are_seen(self):

@@ -39,7 +39,7 @@ struct Drive {
 struct FirstLoad {
   double since = -1.0;                 // beginning of the time at rest in the stage, s; < 0: not checked yet
   double lowest = 0.0, highest = 0.0;  // displacements of the block that has moved farthest, since then, m
-  bool carried = false;
+  std::uint64_t carried = 0;  // 1: it stands; as wide as the others, so that no byte of a checkpoint is undefined
   // Adds a check. time: s, in the stage; moved: largest displacement of a block, m; allowed: its largest change at
   // rest, m; needed: time at rest, s.
   void look(double time, double moved, double allowed, double needed);
