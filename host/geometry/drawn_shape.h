@@ -25,8 +25,8 @@ bool is_closed(const RawShape& shape);
 // Orients faces counter-clockwise seen from outside, where every edge has two of them.
 void orient(RawShape& shape);
 
-// Whether all corners are in one plane, within warp_bound of their extent, and enclose no volume: a thin closed block is
-// not flat.
+// Whether all corners are in one plane, within warp_bound of their extent, and enclose no volume: a thin closed block
+// is not flat.
 bool is_flat(const RawShape& shape);
 
 struct DrawnShape {
