@@ -365,16 +365,21 @@ bool meets_at_rim(const blocks::World& world, const LimitPoint* points, std::siz
   return false;
 }
 
-// Leaves out the points of pairs that meet at a rim. Points of a pair are consecutive.
-void leave_rims_out(const blocks::World& world, std::vector<LimitPoint>* points) {
+// Leaves out the points of pairs that meet at a rim. Points of a pair are consecutive. Returns the number of pairs.
+std::size_t leave_rims_out(const blocks::World& world, std::vector<LimitPoint>* points) {
+  std::size_t pairs = 0;
   std::vector<LimitPoint> kept;
   for (auto first = points->begin(); first != points->end();) {
     const auto end =
         std::find_if(first, points->end(), [&](const LimitPoint& p) { return p.a != first->a || p.b != first->b; });
-    if (!meets_at_rim(world, &*first, static_cast<std::size_t>(end - first))) kept.insert(kept.end(), first, end);
+    if (meets_at_rim(world, &*first, static_cast<std::size_t>(end - first)))
+      ++pairs;
+    else
+      kept.insert(kept.end(), first, end);
     first = end;
   }
   *points = std::move(kept);
+  return pairs;
 }
 
 // Assembles the problem: rigid blocks, and a force at each contact point that is closed. Weights follow from the
@@ -418,7 +423,7 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
   }
-  if (shapes) leave_rims_out(*shapes, &limit->problem.points);
+  if (shapes) limit->edge_count = leave_rims_out(*shapes, &limit->problem.points);
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
@@ -451,7 +456,7 @@ void require_supports(const Scene& scene, const SceneLimit& limit) {
     throw Error(
         Exit::bad_input,
         fmt::format("{}: no chain of joints leads to a fixed block from {} block(s), so nothing holds them:{}\n  "
-                    "let them touch what is fixed, or leave them out",
+                    "let them touch what is fixed along more than an edge, or leave them out",
                     scene.file, loose.size(), blocks_text(limit, loose)));
 }
 

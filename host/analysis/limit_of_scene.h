@@ -74,6 +74,7 @@ struct SceneLimit {
   // direction.
   LimitProblem problem;
   std::size_t block_count = 0, point_count = 0;  // sizes of the scene
+  std::size_t edge_count = 0;                    // pairs of blocks that meet along edges, whose points are left out
   std::vector<std::string> names, labels;        // names of blocks in the scene, and in messages
   std::vector<LimitMass> masses;
   std::vector<LimitLoad> loads;

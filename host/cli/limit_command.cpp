@@ -193,6 +193,9 @@ void run(const Options& options) {
   const SceneLimit limit = limit_of(simulation, options.limit);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   fmt::print("{}: {} blocks, {} contact points; {:.2g} s\n", scene.file, limit.block_count, limit.point_count, seconds);
+  if (limit.edge_count > 0)
+    fmt::print("{} pairs of blocks meet along edges alone, and carry nothing there (analysis/README.md)\n",
+               limit.edge_count);
   print_stands(limit);
   if (limit.limit) print_multiplier(limit);
   if (const std::vector<int> blocks = moving_without_load(limit); !blocks.empty())

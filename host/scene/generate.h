@@ -19,8 +19,8 @@ Assembly generate_building(const BuildingSpec& building, const std::map<std::str
 // Assembly of the scene's wall or building.
 Assembly assemble(const Scene& scene);
 
-// Whether the bottom beams of a wall or building, or else its bottom course, are the ground. They are where a stage acts
-// on blocks, or has no control.
+// Whether the bottom beams of a wall or building, or else its bottom course, are the ground. They are where a stage
+// acts on blocks, or has no control.
 bool stands_on_ground(const Scene& scene);
 // Whether a body of this name is of that ground, whatever acts.
 bool is_ground(const Scene& scene, const std::string& body);

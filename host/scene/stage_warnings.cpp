@@ -89,6 +89,23 @@ std::string record_outside(const Stage& stage) {
   return text;
 }
 
+// A displacement that ends the stage, along an axis on which its monitor is held.
+std::string held_monitor(const Scene& scene, std::size_t stage) {
+  const Stage& now = scene.stages[stage];
+  const std::string& monitor = now.monitor.empty() ? scene.output.monitor : now.monitor;
+  const auto c = static_cast<std::size_t>(now.direction);
+  const auto found = std::ranges::find(now.controls, monitor, &BodyControl::body);
+  const bool ends_otherwise = now.duration || now.equilibrium_ratio || now.collapse || now.moving_load || now.ground;
+  if (!now.displacement || ends_otherwise || now.cycles || now.whiffletree || found == now.controls.end() ||
+      found->kind[c] == DofKind::free || found->velocity[c] != 0.0 || found->omega != Vec3{})
+    return "";
+  return fmt::format(
+      "stage '{}' ends by the displacement of '{}' along {}, where it holds that body, so it may never end; give "
+      "another "
+      "direction or monitor",
+      now.name, monitor, "xyz"[c]);
+}
+
 // A body that the stage before has driven, and that goes on over the ramp before it stops or turns back.
 std::string goes_on_in_ramp(const Scene& scene, std::size_t stage) {
   constexpr double kAllowed = 0.05;  // of the displacement that either stage asks for
@@ -121,9 +138,10 @@ std::string goes_on_in_ramp(const Scene& scene, std::size_t stage) {
 
 std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) {
   std::vector<StageWarning> all = {
-      {"damping", damped_ground(scene, stage)},        {"release", damped_release(scene, stage)},
-      {"collapse", damped_collapse(scene, stage)},     {"ramp", goes_on_in_ramp(scene, stage)},
-      {"record", record_outside(scene.stages[stage])}, {"inertia", raised_inertia(scene, stage)}};
+      {"damping", damped_ground(scene, stage)},     {"release", damped_release(scene, stage)},
+      {"collapse", damped_collapse(scene, stage)},  {"ramp", goes_on_in_ramp(scene, stage)},
+      {"held_monitor", held_monitor(scene, stage)}, {"record", record_outside(scene.stages[stage])},
+      {"inertia", raised_inertia(scene, stage)}};
   std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
   return all;
 }

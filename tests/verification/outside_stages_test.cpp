@@ -199,8 +199,34 @@ rotation_held = false
   EXPECT_NEAR(sum, expected, 0.15 * expected);
 }
 
-// Joints of rigid units that may crush have points beside their corners. At corners alone the toe of a pier with N = 0.4
-// fc A did not crush, and its strength was 1.68 times the exact one.
+// The direction is x where it is left out, and the beam is driven along y: the run went on through the destroyed wall.
+TEST(OutsideStages, ADisplacementAlongAnAxisThatIsHeldIsWarnedOf) {
+  const auto warned = [](const std::string& direction) {
+    Rows rows;
+    Simulation run(scene_of(kStone + kPressed + R"(
+[[stage]]
+name = "lift"
+kind = "custom"
+displacement = 1e-6
+max_steps = 300
+ramp_time = 0.001
+[[stage.control]]
+body = "bottom_beam"
+[[stage.control]]
+body = "top_beam"
+velocity = [0, 0.01, 0]
+)" + direction));
+    try {
+      run.run(rows);
+    } catch (const Error&) {  // max_steps
+    }
+    return std::ranges::count(rows.warned_of, "held_monitor");
+  };
+  EXPECT_EQ(warned(""), 1);
+}
+
+// Joints of rigid units that may crush have points beside their corners. At corners alone the toe of a pier with N =
+// 0.4 fc A did not crush, and its strength was 1.68 times the exact one.
 TEST(OutsideStages, DryJointsThatMayCrushHaveExactPoints) {
   const auto points = [](const std::string& crushing) {
     Simulation run(scene_of(kStone + "[joints.weak]\n" + crushing + R"(
