@@ -93,7 +93,7 @@ class Live(Folder):
         run.communicate(timeout=120)
 
     def test_idle_connections_keep_nobody_waiting(self):
-        run, port = self.served("--serve", "0")
+        run, port = self.served("--serve", "0", "--set", "stage.shear.velocity=0.000001")  # it must not end meanwhile
         idle = [socket.create_connection(("127.0.0.1", port)) for _ in range(70)]  # more than are kept open
         begin = time.monotonic()
         self.assertEqual(self.get(port, "/state")[0], 200)
