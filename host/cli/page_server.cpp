@@ -94,7 +94,8 @@ PageServer::PageServer(int port) {
   socklen_t size = sizeof place;
   auto* address = reinterpret_cast<sockaddr*>(&place);
   if (socket_ < 0 || setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0 ||
-      bind(socket_, address, size) != 0 || listen(socket_, SOMAXCONN) != 0 || getsockname(socket_, address, &size) != 0) {
+      bind(socket_, address, size) != 0 || listen(socket_, SOMAXCONN) != 0 ||
+      getsockname(socket_, address, &size) != 0) {
     const int why = errno;
     if (socket_ >= 0) close(socket_);
     throw Error(Exit::bad_input, fmt::format("--serve {}: the port cannot be had: {}; choose another one, or 0 for any",
