@@ -462,7 +462,7 @@ void require_supports(const Scene& scene, const SceneLimit& limit) {
 
 LimitResult solved(const std::string& file, const SceneLimit& limit, const LimitProblem& problem,
                    const LimitSettings& settings) {
-  const LimitResult result = limit_multiplier(problem, settings);
+  LimitResult result = limit_multiplier(problem, settings);
   if (result.status == LimitStatus::solved) return result;
   if (result.status == LimitStatus::no_equilibrium)
     throw Error(Exit::numerical, fmt::format("{}: the given loads alone cannot be carried; out of balance:{}", file,
