@@ -17,4 +17,9 @@ inline double smooth_way(double time, double ramp) {
   return ramp * t * t * t * t * (2.5 + t * (-3.0 + t)) + std::max(0.0, time - ramp);
 }
 
+// Displacement since the begin of a ramp over which a velocity changes from one value to another.
+inline double way_between(double from, double to, double time, double ramp) {
+  return from * time + (to - from) * smooth_way(time, ramp);
+}
+
 }  // namespace quoin

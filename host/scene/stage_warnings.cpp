@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/smooth_step.h"
 #include "scene/damping_text.h"
@@ -66,8 +67,7 @@ std::string damped_collapse(const Scene& scene, std::size_t stage) {
   return fmt::format(
       "stage '{}' looks for a collapse, and local damping (gamma {:g}) at gridpoints that vibrate on carries a share "
       "of the load: walls that should fall creep, and multipliers were up to 5 % too large; take damping = \"block\" "
-      "or "
-      "\"impact\"",
+      "or \"impact\"",
       settings.name, damping.gamma);
 }
 
@@ -101,8 +101,7 @@ std::string held_monitor(const Scene& scene, std::size_t stage) {
     return "";
   return fmt::format(
       "stage '{}' ends by the displacement of '{}' along {}, where it holds that body, so it may never end; give "
-      "another "
-      "direction or monitor",
+      "another direction or monitor",
       now.name, monitor, "xyz"[c]);
 }
 
@@ -119,11 +118,10 @@ std::string goes_on_in_ramp(const Scene& scene, std::size_t stage) {
       if (before.cycles || c.kind[k] == DofKind::free || then->kind[k] == DofKind::free) continue;
       const double from = then->velocity[k], to = c.velocity[k];
       if (from == 0.0 || from * to > 0.0) continue;
-      double on = 0.0;  // m
+      double on = 0.0;  // m, farthest along the old velocity
       constexpr int kParts = 100;
-      for (int i = 0; i < kParts; ++i)
-        on += std::max(0.0, 1.0 + (to / from - 1.0) * smooth_step((i + 0.5) / kParts)) * std::abs(from) *
-              now.ramp_time / kParts;
+      for (int i = 1; i <= kParts; ++i)
+        on = std::max(on, std::copysign(1.0, from) * way_between(from, to, now.ramp_time * i / kParts, now.ramp_time));
       if (on <= kAllowed * asked) continue;
       return fmt::format(
           "stage '{}' takes '{}' from {:g} to {:g} m/s along {} over its ramp_time of {:g} s, in which it goes on by "

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -27,6 +28,10 @@ namespace quoin {
 using geometry::Vector;
 
 namespace {
+
+std::array<long, kConditionCount> conditions_now(Simulation::Impl& s) {
+  return s.parts.divided && !has_all(s) ? conditions_of_all(s) : conditions_here(s);
+}
 
 void check_points(Simulation::Impl& s) {
   const auto see = [&](double opening, const auto& place) {
@@ -71,7 +76,7 @@ void check_stiffness(Simulation::Impl& s) {
   };
   if (s.large_motion) {
     for (const blocks::Family& f : s.large_motion->contacts.families) hold(*f.material, f.kn, f.ks, f.size());
-    const auto counts = s.parts.divided && !has_all(s) ? conditions_of_all(s) : conditions_here(s);
+    const auto counts = conditions_now(s);
     s.watch.crushed_out = std::max(s.watch.crushed_out, counts[static_cast<std::size_t>(Condition::crushed_out)]);
   } else {
     for (const ContactFamily& family : s.model.families)
@@ -321,7 +326,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   });
   const Stage& stage = current_stage(s);
   if (stage_ends && stage.kind == "pressure" && stage.ramp_time < Watch::kSlowRamp) {
-    const auto counts = s.parts.divided && !has_all(s) ? conditions_of_all(s) : conditions_here(s);
+    const auto counts = conditions_now(s);
     const long crushing = counts[static_cast<std::size_t>(Condition::crushing)] +
                           counts[static_cast<std::size_t>(Condition::crushed_out)];
     warn(crushing > 0, "pressure", [&] {

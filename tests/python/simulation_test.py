@@ -311,7 +311,7 @@ class Steering(Folder):
             before = steered.displacement(base).copy()
             steered.step(10)
             np.testing.assert_array_equal((steered.displacement(base) - before)[:, 2], 0.0)
-            # It stands, exactly, when it is told to.
+            # It stands, exactly, at the velocity that was set: 0.
             steered.restore(state)
             steered.set_velocity(base, [0.0, 0.0, 0.0])
             steered.step(2)

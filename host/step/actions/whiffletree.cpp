@@ -68,9 +68,8 @@ void pull_whiffletree(Simulation::Impl& s) {
   const Whiffletree& tree = *settings.whiffletree;
   JackHead& jack = s.controls.jack;
   const double time = stage_time(s), before = jack.velocity_from;
-  const double moved = s.controls.cycles
-                           ? s.controls.cycles->position(time, before)
-                           : before * time + (tree.velocity - before) * smooth_way(time, settings.ramp_time);
+  const double moved = s.controls.cycles ? s.controls.cycles->position(time, before)
+                                         : way_between(before, tree.velocity, time, settings.ramp_time);
   // Current displacements, as for joints: a spring with those of a step before would add energy in every step.
   double mean = 0.0;
   for (const std::vector<int>& floor : s.controls.floors)
