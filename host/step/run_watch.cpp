@@ -10,6 +10,7 @@
 #include <span>
 
 #include "law/answers.h"
+#include "members/members.h"
 #include "model/world_results.h"
 #include "scene/damping_text.h"
 #include "scene/stage_warnings.h"
