@@ -178,6 +178,10 @@ class Plugin {
   static quoin_status evaluate(const quoin_material* material, quoin_batch* batch) {
     if (material == nullptr || batch == nullptr || batch->struct_size < QUOIN_BATCH_SIZE_1_0)
       return QUOIN_ERROR_ARGUMENT;
+    if (batch->count == 0) {
+      put_summary({}, *batch);
+      return QUOIN_OK;
+    }
     if (kStates > 0 && (batch->state_old == nullptr || batch->state_new == nullptr)) return QUOIN_ERROR_ARGUMENT;
     if (batch->count == 1 && !needs_more(*batch)) return run_one(get(material).material, *batch);
     return guarded(nullptr, [&]() { return run(get(material).material, *batch); });
@@ -396,7 +400,7 @@ class Plugin {
     // The usual request in every step: tractions and states of whole vectors, in contiguous memory of the host.
     Columns columns;
     const std::size_t count = static_cast<std::size_t>(batch.count);
-    if (count % kMaxLanes == 0 && count > 0 && !needs_more(batch)) {
+    if (count % kMaxLanes == 0 && !needs_more(batch)) {
       const Pointed is = point_at(batch, columns);
       if (is.complete && is.contiguous) {
         Summary summary;

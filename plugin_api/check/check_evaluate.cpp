@@ -488,6 +488,7 @@ void check_refusals(Report& report, const Subject& subject) {
       "the summary of a batch of 0 is not 0");
   quoin_batch nothing = {};
   nothing.struct_size = sizeof nothing;
+  report.expect(law.evaluate(material.handle, &nothing) == QUOIN_OK, "a batch of 0 without columns is refused");
   nothing.state_old = columns.state_old.data();
   nothing.state_new = columns.state_new.data();
   for (auto& column : columns.state_old) column = {};

@@ -333,19 +333,21 @@ void check_stiffness(Report& report, const Subject& subject) {
             const double rise = right.traction[direction][i] - base.traction[direction][i];
             const double slope = rise / delta[i];
             const double near = (halfway.traction[direction][i] - base.traction[direction][i]) / (delta[i] / 2);
-            if (std::abs(slope - near) > 0.02 * std::abs(slope) + rounding) {  // a jump or a kink, not a slope
-              if (slope > bound * (1 + 1e-6) + rounding) {
-                ++jumps;
-                largest_jump = std::max(largest_jump, rise - bound * delta[i]);
-              }
-              continue;
+            // A jump in the first half is in `near` twice, one in the second half only in `slope`.
+            const double without_jump = std::min({slope, near, 2 * slope - near});
+            const double allowed = bound * (1 + 1e-6) + 3 * rounding;
+            const bool is_slope = std::abs(slope - near) <= 0.02 * std::abs(slope) + rounding;
+            if (slope > allowed && (!is_slope || without_jump <= allowed)) {
+              ++jumps;
+              largest_jump = std::max(largest_jump, rise - bound * delta[i]);
             }
+            if (!is_slope) continue;
             double& seen = direction == 0 ? seen_normal : seen_shear;
-            seen = std::max(seen, slope - rounding);
+            seen = std::max(seen, without_jump - rounding);
             report.clause("C8.5");
-            report.expect(
-                slope <= bound * (1 + 1e-6) + rounding, "%s: %.9g Pa/m is seen at d_n = %g, the bound is %.9g",
-                direction == 0 ? "d sigma / d d_n" : "d tau / d d_s", slope, walk.points.normal_jump[i], bound);
+            report.expect(without_jump <= allowed, "%s: %.9g Pa/m is seen at d_n = %g, the bound is %.9g",
+                          direction == 0 ? "d sigma / d d_n" : "d tau / d d_s", slope, walk.points.normal_jump[i],
+                          bound);
           }
           if (base.tangent[0].empty() || relative > 1e-4) continue;
           const Result left = evaluate(law, material, minus, 0);

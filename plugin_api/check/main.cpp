@@ -1,5 +1,6 @@
 // quoin-check-law: checks a law against the contract of plugin_api/README.md.
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "checks.h"
@@ -87,6 +88,22 @@ std::string json_of(const std::string& law, const check::Settings& settings, con
     separator = ", ";
   }
   return out + "]}";
+}
+
+// Fault of given properties that is the user's, not the law's; empty: none.
+std::string fault_of(const quoin_law& law, const check::Settings& given) {
+  if (!check::metadata_is_usable(law)) return "";
+  for (const auto& [id, value] : given) {
+    const quoin_property_info* info = nullptr;
+    for (uint64_t k = 0; k < law.property_count; ++k)
+      if (id == law.properties[k]->id) info = law.properties[k];
+    if (info == nullptr)
+      return "--property " + id + ": law " + law.id + " has no such property; quoin models lists them";
+    char* end = nullptr;
+    if (info->kind == QUOIN_PROPERTY_NUMBER && (std::strtod(value.c_str(), &end), value.empty() || *end != '\0'))
+      return "--property " + id + "=" + value + ": expected a number";
+  }
+  return "";
 }
 
 // Returns the report of one law, which includes the findings about its library.
@@ -198,6 +215,10 @@ int main(int argc, char** argv) {
     const std::string id = law.id != nullptr ? law.id : "(null)";
     if (!only.empty() && id != only) continue;
     found = true;
+    if (const std::string fault = fault_of(law, given); !fault.empty()) {
+      std::fprintf(stderr, "%s\n", fault.c_str());
+      return kUsage;
+    }
     check::Settings used;
     const Report report = check_law(library_report, law, given, &used);
     passed = passed && report.passed();

@@ -378,6 +378,24 @@ void check_first_forces(const JointModel& prototype, const quoin_law& law) {
   CHECK(std::abs(opening.state.dnop_ - 1e-7) <= 1e-19);
 }
 
+// Dilation raises the stiffness bounds, but neither the elastic stiffness nor the force of a contact at rest.
+void check_dilating_joint(const JointModel& prototype) {
+  Model dilating = mortar_joint(prototype);
+  const Index dilation = index_of(*dilating, "dilation_angle");
+  if (dilation == 0) return;
+  dilating->setProperty(dilation, 10.0);
+  Contact contact(std::move(dilating));
+  contact.state.normal_force_ = 2e4;
+  contact.move({0, 0, 0});
+  CHECK(std::abs(contact.state.normal_force_ - 2e4) <= 1e-11 * 2e4);
+  contact.model->setIfCanFail(false);
+  contact.move({-1e-7, 0, 0});
+  CHECK(std::abs(contact.state.normal_force_ - (2e4 + area * kn * 1e-7)) <= 1e-11 * 2e4);
+  contact.model->setIfCanFail(true);
+  contact.move({-1e-7, 0, 0});
+  CHECK(std::abs(contact.state.normal_force_ - (2e4 + area * kn * 1e-7)) <= 1e-11 * 2e4);
+}
+
 void check_dry_joint(const JointModel& prototype) {
   const Model dry = mortar_joint(prototype);
   dry->setProperty(index_of(*dry, "initial_state"), 1.0);
@@ -635,6 +653,7 @@ int main(int argc, char** argv) {
   check_random_path(*prototype, law);
   check_no_allocation(*prototype);
   check_first_forces(*prototype, law);
+  check_dilating_joint(*prototype);
   check_lost_area(*prototype, law);
   check_elastic_phase(*prototype);
   check_energy_activation(*prototype);

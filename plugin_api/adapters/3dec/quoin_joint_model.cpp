@@ -161,7 +161,7 @@ void QuoinJointModel::initialize(Dimension dim, jmodels::State* state) {
 // Sets the initial state. Normal force before the first step (gravity, in-situ stress) counts as elastic and gives d_n.
 void QuoinJointModel::start(const jmodels::State& state) {
   states_ = material_->initial_state(law_.initial_states[initial_state_]);
-  memory_.jump = -state.normal_force_ / state.area_ / material_->stiffness().normal;
+  memory_.jump = -state.normal_force_ / state.area_ / material_->elastic().normal;
   memory_.started = true;
 }
 
@@ -197,7 +197,7 @@ Index QuoinJointModel::step(const std::array<double, 2>& sliding, const jmodels:
   if (energies) book_energies(state.area_, point.energy_stored, point.dissipated);
 
   constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
-  const double kn = material_->stiffness().normal, ks = material_->stiffness().shear;
+  const double kn = material_->elastic().normal, ks = material_->elastic().shear;
   memory_.reach = std::max(memory_.reach, std::abs(memory_.jump));
   const double short_length = 4.0 * rounding * memory_.reach;
   Index now = 0;
@@ -260,9 +260,8 @@ void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
   if (canFail()) {
     now = step(sliding, s);
   } else {  // 3DEC's elastic phases
-    const quoin_stiffness_bounds& stiffness = material_->stiffness();
-    traction[0] += stiffness.normal * s.normal_disp_inc_;
-    for (std::size_t k = 0; k < 2; ++k) traction[1 + k] += stiffness.shear * sliding[k];
+    traction[0] += material_->elastic().normal * s.normal_disp_inc_;
+    for (std::size_t k = 0; k < 2; ++k) traction[1 + k] += material_->elastic().shear * sliding[k];
   }
   give_forces(-traction[0] * s.area_, memory_.axes.vector(traction[1], traction[2]) * -s.area_, s);
   s.state_ = state_bits(s.state_, now);
@@ -298,7 +297,7 @@ void QuoinJointModel::book_energies(double area, double stored, const double* di
   const std::array<double, 3>& traction = memory_.traction;
   std::array<double, energy_count>& e = memory_.energies;
   const double shear = std::hypot(traction[1], traction[2]);
-  e[strain_shear] = area * shear * shear / (2.0 * material_->stiffness().shear);
+  e[strain_shear] = area * shear * shear / (2.0 * material_->elastic().shear);
   const double normal = area * stored - e[strain_shear];
   e[strain_compression] = traction[0] <= 0.0 ? normal : 0.0;
   e[strain_tension] = traction[0] > 0.0 ? normal : 0.0;

@@ -110,7 +110,7 @@ int Behaviour::integrate(BehaviourData& data, Hypothesis hypothesis) const noexc
     if (!request.integration && tangent) prediction_operator(sets, point, data, components);
     if (request.wanted == Request::Operator::elastic) {
       const bool exact = point.column_count == 0;
-      elastic_operator(exact ? point.material->stiffness() : sets.make(properties)->stiffness(), components, data.K);
+      elastic_operator(exact ? point.material->elastic() : sets.make(properties)->elastic(), components, data.K);
     }
     return result;
   } catch (const std::exception& error) {

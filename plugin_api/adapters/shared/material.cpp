@@ -6,6 +6,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "shared/point.h"
+
 namespace quoin::adapters {
 
 std::vector<const quoin_property_info*> scalar_properties(const quoin_law& law) {
@@ -35,6 +37,20 @@ PropertyValue scalar_value(const quoin_property_info& property, double number) {
   for (std::uint64_t i = 0; i < property.choice_count; ++i)
     allowed += (i > 0 ? ", " : "") + std::to_string(i) + " " + property.choices[i];
   throw std::runtime_error(std::string(property.id) + " = " + std::to_string(number) + ": give one of " + allowed);
+}
+
+Material::Material(const quoin_law& law, const std::vector<PropertyValue>& values)
+    : api::Material(law, values), elastic_(stiffness()) {
+  constexpr double closing = 1e-12;  // m, more than rounding of 0, less than any strength
+  if ((law.capabilities & QUOIN_CAN_TANGENT) == 0) return;
+  PointBatch& point = PointBatch::of_thread(law, outputs::tangent);
+  std::vector<double> states = initial_state(law.initial_states[0]);
+  point.states(states.data(), states.data());
+  point.normal_jump = -closing;
+  for (double& slip : point.slip) slip = 0.0;
+  for (double& traction : point.traction) traction = 0.0;
+  if (point.evaluate(*this) == QUOIN_POINT_FAILED) return;
+  elastic_.normal = point.tangent[0], elastic_.shear = point.tangent[4];
 }
 
 std::unique_ptr<Material> scalar_material(const quoin_law& law, std::span<const double> scalars) {

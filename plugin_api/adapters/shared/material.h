@@ -11,7 +11,18 @@
 namespace quoin::adapters {
 
 using PropertyValue = api::Value;
-using Material = api::Material;
+
+class Material : public api::Material {
+ public:
+  // Throws as api::Material does.
+  Material(const quoin_law& law, const std::vector<PropertyValue>& values);
+  // Normal and shear stiffness of a closed joint that nothing has changed, Pa/m: the law's tangent there, or its
+  // stiffness bounds if it offers no tangent. Bounds may be larger, as of a joint that dilates.
+  const quoin_stiffness_bounds& elastic() const { return elastic_; }
+
+ private:
+  quoin_stiffness_bounds elastic_;
+};
 
 // Returns the properties that one number can give, in the law's order: numbers, and choices by their index. Tables are
 // excluded: they have the law's default.

@@ -1,5 +1,6 @@
 /* A host in C99: loads a law, opens and slides four contact points and prints their traction.
- *   cc -std=c99 -I plugin_api/include host.c -ldl -o host && ./host laws/elastic.so normal_stiffness=4e10 */
+ *   cc -std=c99 -I plugin_api/include host.c -ldl -o host && ./host laws/elastic.so normal_stiffness=4e10
+ * shear_stiffness=2e10 */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
