@@ -27,6 +27,7 @@ struct PointMass {
 
 struct Block {
   std::string name;
+  std::string body{};      // name in controls of stages that blocks share on the lattice; empty: none
   int shape = 0;           // index into Assembly::shapes; many blocks may share one
   Vector position;         // place of the origin of the shape's coordinates, m
   Quaternion orientation;  // orientation of its axes
@@ -43,6 +44,8 @@ struct Block {
   double spread_mass = 0.0;    // kg, additional to that of its volume, with the same distribution
   std::vector<PointMass> masses;
   std::optional<Vector> centre;  // rigid: centre of its mass without `masses`, m; none: that of its volume
+
+  const std::string& name_in_stages() const { return body.empty() ? name : body; }
 };
 
 // A new contact of two blocks, on which the choice of its joint family may depend.

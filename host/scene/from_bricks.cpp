@@ -23,7 +23,8 @@ void add_bricks(const quoin::Assembly& bricks, Assembly* assembly) {
   std::map<std::array<double, 3>, int> shape_of_size;
   for (const Brick& brick : bricks.bricks) {
     Block block;
-    block.name = brick.body.empty() ? brick.name : brick.body;
+    block.name = brick.name.empty() ? brick.body : brick.name;
+    block.body = brick.body;
     block.material = brick.material;
     block.position = geometry::vector(brick.origin);
     block.rigid = brick.rigid;

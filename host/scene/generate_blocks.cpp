@@ -441,7 +441,7 @@ std::vector<int> find_blocks(const Assembly& assembly, const std::string& name, 
   std::vector<int> found;
   for (size_t i = 0; i < assembly.blocks.size(); ++i) {
     names.push_back(assembly.blocks[i].name);
-    if (assembly.blocks[i].name == name) found.push_back(int(i));
+    if (assembly.blocks[i].name == name || assembly.blocks[i].name_in_stages() == name) found.push_back(int(i));
   }
   if (found.size() > 1 && !assembly.shared_names) {
     throw Error(Exit::bad_input,

@@ -9,8 +9,8 @@ namespace quoin::blocks {
 // Blocks of a scene. Throws Error(bad_input), with the place in the scene file, for shapes that are not convex.
 Assembly assemble(const Scene& scene);
 
-// Indices of the blocks with a name: one, unless names are shared. Throws Error(bad_input) with a suggestion when there
-// is none.
+// Indices of the blocks with a name, their own or that in stages: one, unless names are shared. Throws Error(bad_input)
+// with a suggestion when there is none.
 std::vector<int> find_blocks(const Assembly& assembly, const std::string& name, const std::string& where);
 
 }  // namespace quoin::blocks

@@ -51,7 +51,7 @@ bool moves(const BodyControl& control) {
 void find_restraints(Simulation::Impl& s) {
   std::vector<std::string> names;
   if (s.large_motion) {
-    for (const blocks::Block& block : s.large_motion->assembly.blocks) names.push_back(block.name);
+    for (const blocks::Block& block : s.large_motion->assembly.blocks) names.push_back(block.name_in_stages());
   } else {
     for (const RigidBody& body : s.model.bodies) names.push_back(body.name);
   }

@@ -182,7 +182,8 @@ Supports supports_in(const Simulation::Impl& s, int stage) {
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (held[i] == 0) continue;
     std::vector<std::string>& with_axes = names[held[i]];
-    std::string name = s.large_motion ? s.large_motion->assembly.blocks[i].name : s.model.assembly.bricks[i].body;
+    std::string name =
+        s.large_motion ? s.large_motion->assembly.blocks[i].name_in_stages() : s.model.assembly.bricks[i].body;
     if (name.empty()) name = block_label(s, static_cast<int>(i));
     if (with_axes.empty() || with_axes.back() != name) with_axes.push_back(std::move(name));
   }

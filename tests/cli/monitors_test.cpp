@@ -263,6 +263,48 @@ TEST_F(Monitors, OfNobodyAreRefusedByCheckToo) {
   EXPECT_THAT(error_, HasSubstr("no block is called 'hihg', did you mean 'high'?"));
 }
 
+// Many blocks with equal controls share a name on the lattice, and had lost their own: monitors of them were refused.
+TEST_F(Monitors, OfOneOfManyFixedBlocksHaveItsName) {
+  const std::string path = (folder_ / "many.toml").string();
+  std::ofstream file(path);
+  file << R"(
+[materials.stone]
+density = 2000.0
+[joints.joint]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 1e8
+)";
+  constexpr int kFixed = 14;
+  for (int i = 0; i < kFixed; ++i)
+    file << fmt::format(
+        "[[block]]\nname = \"ground{}\"\nmaterial = \"stone\"\nfixed = true\n"
+        "box = {{ lower = [{}, -1, 0], size = [1, 1, 1] }}\n",
+        i, 2 * i);
+  file << R"(
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[monitor]]
+name = "supported"
+block = "ground3"
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+duration = 0.02
+monitor = "cube"
+[output]
+frames = 0
+plots = false
+)";
+  file.close();
+  ASSERT_EQ(quoin({"run", path, "--out", out()}), 0) << error_;
+  EXPECT_THAT(out_, testing::Not(HasSubstr("general kernels")));
+  const auto rows = columns(fs::path(out()) / "monitors.csv");
+  for (const double u : rows.at("supported_dy_m")) EXPECT_EQ(u, 0.0);
+}
+
 TEST_F(Monitors, SayWhatIsWrong) {
   const auto fault = [&](const std::string& monitors) {
     EXPECT_EQ(quoin({"run", scene(monitors), "--out", out()}), 3) << monitors;
