@@ -37,8 +37,10 @@ constexpr double kWithoutLimit = 1e5;
 bool finite(const Vector& v) { return std::isfinite(v.x + v.y + v.z); }
 
 void require(const LimitProblem& problem, const LimitSettings& settings) {
-  if (settings.facets < 4 && settings.facets != 0)
-    refuse(fmt::format("{} facets of a friction cone; allowed: 4 or more, or 0 for the whole cone", settings.facets));
+  constexpr int kFewest = 4, kMost = 1000;  // with 1000 up to 5e-6 of the friction is missing
+  if ((settings.facets < kFewest || settings.facets > kMost) && settings.facets != 0)
+    refuse(fmt::format("{} facets of a friction cone; allowed: {} to {}, or 0 for the whole cone", settings.facets,
+                       kFewest, kMost));
   const auto count = static_cast<int>(problem.blocks.size());
   bool live = false;
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {

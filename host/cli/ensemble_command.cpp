@@ -300,8 +300,8 @@ void add_ensemble_command(CLI::App& app, int&) {
       ->check(CLI::Range(1, 100000))
       ->needs(slurm);
   command->add_flag("--detach", options->detach, "Do not wait for the job array")->needs(slurm);
-  CLI::Option* gather =
-      command->add_flag("--gather", options->gather, "Compute nothing; results of what is finished")->excludes(slurm);
+  CLI::Option* gather = command->add_flag("--gather", options->gather, "Compute nothing; results of what is finished")
+                            ->excludes(slurm, jobs);
   command
       ->add_flag("--worker", options->worker,
                  "Compute what no other process has claimed, and leave the results to others")

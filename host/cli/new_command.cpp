@@ -47,6 +47,16 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
     text.replace(at, from.size(), to);
 }
 
+// Names the headers and the version script of an installed program, in place of those of the source tree.
+void name_installed_files(std::string& text) {
+  std::error_code fault;
+  const fs::path prefix = fs::read_symlink("/proc/self/exe", fault).parent_path().parent_path();
+  const fs::path headers = prefix / "include", script = prefix / "share/quoin/quoin.map";
+  if (!fs::exists(headers / "quoin/quoin.h", fault) || !fs::exists(script, fault)) return;
+  replace_all(text, "plugin_api/include", printable(headers.string()));
+  replace_all(text, "plugin_api/quoin.map", printable(script.string()));
+}
+
 void begin(const std::string& kind, const fs::path& file, bool force) {
   const Beginning& b = beginning_of(kind);
   if (file.extension() != b.ending) {
@@ -63,6 +73,7 @@ void begin(const std::string& kind, const fs::path& file, bool force) {
   replace_all(text, "{name}", printable(file.stem().string()));
   replace_all(text, "plugin_api/template/template_law.c", printable(file.string()));
   replace_all(text, "template_law.so", printable(file.stem().string() + ".so"));
+  name_installed_files(text);
   write_named_file(file, text);
   fmt::print("{} written. Next: {}\n", printable(file.string()),
              fmt::format(fmt::runtime(b.next), printable(file.string())));

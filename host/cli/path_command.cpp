@@ -139,12 +139,14 @@ void add_path_command(CLI::App& app, int& exit_code) {
       }
       if (!options->out.empty() && options->files.size() > 1)
         throw Error(Exit::usage, "path: --out takes one path test");
+      if (!options->out.empty()) refuse_input_as_output(options->out, options->files);
       if (!run_files(*options)) exit_code = static_cast<int>(Exit::numerical);
       return;
     }
     if (options->law.empty()) throw Error(Exit::usage, "path: --law is missing");
     if (options->out.empty()) throw Error(Exit::usage, "path: --out is missing");
     if (!options->plot.empty()) throw Error(Exit::usage, "path: --plot goes with path tests");
+    refuse_input_as_output(options->out, {options->jumps});
     run_jumps(*options);
   });
 }

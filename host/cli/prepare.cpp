@@ -19,6 +19,7 @@
 #include "scene/read_scene.h"
 #include "scene/rest_scene.h"
 #include "scene/size.h"
+#include "scene/unused_settings.h"
 #include "step/law_swap.h"
 
 namespace quoin {
@@ -99,16 +100,6 @@ void refuse_what_does_not_fit(const Scene& scene, const SceneOptions& options) {
                    "make the scene smaller, or try all the same with --force");
   if (size.bytes > kLarge)
     notice(fmt::format("{}, about {:.2g} GB; to make them takes a while", words, size.bytes / 1e9));
-}
-
-void say_where_nothing_is_random(const Scene& scene) {
-  const RandomSample usual;
-  if (scene.random.seed == usual.seed && scene.random.sample == usual.sample) return;
-  if (std::ranges::none_of(scene.joints, [](const auto& joint) { return joint.second.is_random(); }))
-    notice(
-        fmt::format("{}: [random]: without effect, as no property of a joint has a distribution, and no joint "
-                    "missing_mortar",
-                    scene.file));
 }
 
 // Fault of stiffnesses that are typing errors. Time steps follow from stiffnesses.
@@ -228,7 +219,7 @@ Scene prepare_scene(const SceneOptions& options) {
 Scene prepare_scene(Scene scene, const SceneOptions& options) {
   refuse_what_does_not_fit(scene, options);
   faults_of_laws(scene, options).throw_any();
-  say_where_nothing_is_random(scene);
+  for (const std::string& text : unused_settings(scene)) notice(fmt::format("{}: {}", scene.file, text));
   if (const auto stage = rest_asked(options.overrides)) {
     // In the kernels of the whole scene, which can begin from this state.
     const bool is_general = scene.blocks && choose_motion(scene).shapes;

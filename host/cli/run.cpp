@@ -68,6 +68,8 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
   const bool has_frames = simulation.scene().has_frames();
   if (options.compressed && !has_frames)
     say("--compressed: without effect, as output.frames = 0 writes no files for ParaView");
+  if (options.svg && !output.plots) say("--svg: without effect, as output.plots = false draws no pictures");
+  if (options.histories && !output.plots) say("--histories: without effect, as output.plots = false draws no pictures");
   if (output.pieces && !has_frames) say("output.pieces: without effect, as output.frames = 0 writes no frames");
   if (output.pieces && has_frames && pieces_of(simulation.scene(), ranks).count <= 1)
     say("output.pieces: without effect in one process, which writes each frame as one file");

@@ -178,6 +178,7 @@ void run(Options options) {
   }
   if (options.out.empty()) return;
   const std::filesystem::path folder = options.out;
+  for (const char* name : {"spectrum.csv", "spectrum.json"}) refuse_input_as_output(folder / name, options.files);
   make_folder(folder);
   write_file(folder / "spectrum.csv", csv_of(spectra, options.dampings));
   write_json(folder / "spectrum.json", json_of(record, spectra, options));
@@ -204,12 +205,15 @@ void add_spectrum_command(CLI::App& app) {
   command->add_option("--baseline", options->baseline, "Correction of the acceleration before anything else")
       ->check(CLI::IsMember({"none", "linear", "polynomial", "high-pass"}))
       ->capture_default_str();
-  command->add_option("--order", options->order, "Of the polynomial or of the Butterworth filter")
-      ->capture_default_str();
-  command->add_option("--corner", options->corner, "Corner frequency of the high-pass filter, Hz");
-  command->add_option("--out", options->out, "Folder for spectrum.csv, spectrum.json and spectrum.png")
-      ->type_name("DIR");
-  command->add_flag("--svg", options->svg, "Write spectrum.svg beside spectrum.png");
+  CLI::Option* const order =
+      command->add_option("--order", options->order, "Of the polynomial or of the Butterworth filter")
+          ->capture_default_str();
+  CLI::Option* const corner =
+      command->add_option("--corner", options->corner, "Corner frequency of the high-pass filter, Hz");
+  CLI::Option* const out =
+      command->add_option("--out", options->out, "Folder for spectrum.csv, spectrum.json and spectrum.png")
+          ->type_name("DIR");
+  command->add_flag("--svg", options->svg, "Write spectrum.svg beside spectrum.png")->needs(out);
   command->footer(
       "Reads PEER .AT2, .VT2 and .DT2, ESM and ITACA ASCII, and CSV whose columns name their units (time_s, x_g).\n"
       "Exact for accelerations that are linear between samples; extremes within about 0.05 %.\n"
@@ -217,7 +221,13 @@ void add_spectrum_command(CLI::App& app) {
       "  quoin spectrum RECORD.AT2 --damping 0.05 --out out/spectrum\n"
       "  quoin spectrum east.asc north.asc up.asc --damping 0.02 0.05 --out out/spectrum\n"
       "  quoin spectrum record.csv --baseline high-pass --order 4 --corner 0.1");
-  command->callback([options] { run(*options); });
+  command->callback([options, order, corner] {
+    const bool filters = options->baseline == "high-pass";
+    if (order->count() > 0 && !filters && options->baseline != "polynomial")
+      throw Error(Exit::usage, "spectrum: --order goes with --baseline polynomial or high-pass");
+    if (corner->count() > 0 && !filters) throw Error(Exit::usage, "spectrum: --corner goes with --baseline high-pass");
+    run(*options);
+  });
 }
 
 }  // namespace quoin

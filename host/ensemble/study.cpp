@@ -147,6 +147,17 @@ std::vector<std::string> columns_of(const Study& study, const Scene& scene) {
   return columns;
 }
 
+// Whether records replace this key of the scene: motion and duration of the shaken stage, by its name or its number.
+bool is_of_record(const std::string& key, const Study& study, std::size_t shaken) {
+  for (const std::string& stage : {study.suite.stage, std::to_string(shaken + 1)}) {
+    for (const char* replaced : {"ground_motion", "duration"}) {
+      const std::string begin = fmt::format("stage.{}.{}", stage, replaced);
+      if (key == begin || key.starts_with(begin + ".")) return true;
+    }
+  }
+  return false;
+}
+
 template <class Add>
 void check_suite(const Study& study, const Scene& scene, const Add& add) {
   const auto shakes = [&](const Stage& stage) { return stage.name == study.suite.stage; };
@@ -159,6 +170,18 @@ void check_suite(const Study& study, const Scene& scene, const Add& add) {
         fmt::format("{}: shaking.stage = \"{}\": its supports have records of their own, and [[record]] would drop "
                     "them; take a stage without ground_motion.support",
                     study.file, study.suite.stage));
+  const auto shaken = static_cast<std::size_t>(found - scene.stages.begin());
+  const auto refuse = [&](const std::string& key, const std::string& where) {
+    if (is_of_record(key, study, shaken))
+      add(
+          fmt::format("{}: no effect, as [shaking] gives stage '{}' the motion and duration of each record; remove it, "
+                      "or give scale to [[record]]",
+                      where, study.suite.stage));
+  };
+  for (const std::string& setting : study.overrides)
+    refuse(setting.substr(0, setting.find('=')), fmt::format("{}: {}", study.file, setting));
+  for (int number = 0; const StudyQuantity& quantity : study.quantities)
+    refuse(quantity.key, fmt::format("{}: quantity.{}.key = \"{}\"", study.file, ++number, quantity.key));
   const bool scatters =
       !study.quantities.empty() || std::any_of(scene.joints.begin(), scene.joints.end(), [](const auto& family) {
         return std::any_of(family.second.properties.begin(), family.second.properties.end(),

@@ -99,6 +99,16 @@ std::filesystem::path named_place(const std::filesystem::path& path) {
   return target;
 }
 
+void refuse_input_as_output(const std::filesystem::path& output, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code none;
+    if (std::filesystem::equivalent(output, input, none) && std::filesystem::is_regular_file(output, none))
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: is an input of this command, and would be written over; give another name to --out",
+                              output.string()));
+  }
+}
+
 void write_named_file(const std::filesystem::path& path, const std::string& bytes) {
   const std::filesystem::path place = named_place(path);
   std::error_code error;

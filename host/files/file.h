@@ -16,6 +16,8 @@ void write_file(const std::filesystem::path& path, const std::string& bytes);
 // Writes a file that a user named. A link stays a link, and its target is written. A device or pipe receives the bytes
 // and stays. Throws Error(bad_input), also for a folder and for a link without target.
 void write_named_file(const std::filesystem::path& path, const std::string& bytes);
+// Throws Error(bad_input) where the output is a file of the inputs, also by another name.
+void refuse_input_as_output(const std::filesystem::path& output, const std::vector<std::string>& inputs);
 // Target of a link, or PATH itself. Throws Error(bad_input) for a folder and for a link without target.
 std::filesystem::path named_place(const std::filesystem::path& path);
 // A file that is written in parts; without finish() of the derived class it disappears. All calls throw

@@ -120,12 +120,13 @@ std::vector<SpectralOrdinates> response_spectrum(const TimeSeries& acceleration,
   std::vector<Oscillator> oscillators;
   for (const double period : periods) {
     constexpr double kMostPeriods = 1e7;  // of a record; its oscillator takes some seconds
-    const double shortest = (time.back() - time.front()) / kMostPeriods;
-    if (!(period > 0.0) || !std::isfinite(period) || period < shortest)
-      throw Error(Exit::bad_input,
-                  fmt::format("period {} s of a response spectrum; allowed: more than 0, and for a record of {:g} s at "
-                              "least {:g}",
-                              period, time.back() - time.front(), shortest));
+    constexpr double kLongest = 1e5;      // records; the displacement is that of the ground long before
+    const double duration = time.back() - time.front();
+    const double shortest = duration / kMostPeriods, longest = duration * kLongest;
+    if (!(period > 0.0 && period >= shortest && period <= longest))
+      throw Error(Exit::bad_input, fmt::format("period {} s of a response spectrum; allowed for a record of {:g} s: "
+                                               "from {:g} to {:g}",
+                                               period, duration, shortest, longest));
     oscillators.emplace_back(period, damping);
   }
   // Sample by sample for all oscillators, so that their independent operations overlap in the processor.

@@ -7,6 +7,7 @@
 
 #include "files/csv_text.h"
 #include "files/file.h"
+#include "scene/driven.h"
 #include "step/columns/columns.h"
 #include "step/findings.h"
 
@@ -47,16 +48,6 @@ std::string text_of(const HistoryColumn& column, const HistoryRow& row, const St
 }  // namespace
 
 namespace {
-
-// Directions along which a stage drives a body.
-std::array<bool, 3> driven_along(const Stage& stage) {
-  std::array<bool, 3> driven{};
-  for (const BodyControl& control : stage.controls) {
-    for (size_t c = 0; c < 3; ++c)
-      driven[c] = driven[c] || (control.kind[c] == DofKind::velocity && control.velocity[c] != 0.0);
-  }
-  return driven;
-}
 
 void add_directions(const GroundMotion& ground, std::vector<Vec3>& directions) {
   for (const GroundMotion::Component& c : ground.components) directions.push_back(c.direction);

@@ -1,11 +1,29 @@
-// Velocity at which a stage drives what it watches.
+// Velocity at which a stage drives bodies, and what it watches.
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "scene/scene.h"
 
 namespace quoin {
+
+// Axes along which a stage drives bodies. only: the one body that counts; empty: all.
+inline std::array<bool, 3> driven_along(const Stage& stage, const std::string& only = "") {
+  std::array<bool, 3> driven{};
+  for (const BodyControl& control : stage.controls) {
+    for (std::size_t c = 0; c < 3 && (only.empty() || control.body == only); ++c)
+      driven[c] = driven[c] || (control.kind[c] == DofKind::velocity && control.velocity[c] != 0.0);
+  }
+  return driven;
+}
+
+// Stage::direction where the scene gives none: the only axis along which bodies are driven, or where the stage ends by
+// a displacement its monitor; else x.
+inline int default_direction(const Stage& stage) {
+  const std::array<bool, 3> driven = driven_along(stage, stage.displacement ? stage.monitor : "");
+  return driven == std::array{false, true, false} ? 1 : driven == std::array{false, false, true} ? 2 : 0;
+}
 
 // Velocity of the monitor, or of the jack of a whiffletree, along the direction of the stage after its ramp, m/s. 0:
 // the stage does not drive it.

@@ -32,6 +32,9 @@ std::string elements_of(const toml::array& elements, const std::string& list) {
                      names.empty() ? "; count from 1" : names + "); count from 1 or use its name");
 }
 
+// Whether tables of this one have names that a scene chooses. A setting of one that is not there is a typing error.
+bool has_named_tables(const std::string& table) { return table == "materials" || table == "joints"; }
+
 // Passes the value to `set`, with its type in TOML.
 template <class Set>
 void set_value(const std::string& value, const std::string& key, const Set& set) {
@@ -93,6 +96,11 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
     read_by_key = resolved;
     if (!last) {
       node = table->get(keys[i]);
+      if (!node && i == 1 && has_named_tables(keys[0])) {
+        std::vector<std::string> names;
+        for (auto&& [name, value_of] : *table) names.emplace_back(name.str());
+        fail(fmt::format("[{}] has no '{}'{}", keys[0], keys[i], did_you_mean(keys[i], names)));
+      }
       if (!node) node = &table->insert(keys[i], toml::table{}).first->second;
       continue;
     }

@@ -112,6 +112,7 @@ std::vector<Derivation> fill_in_from_tests(toml::table& root, Context& context) 
     const TestedMasonry tested = read_tests(Table(context, *given, "tests"), height, first_pressure(root));
     numbers = numbers_of(tested, context);
   }
+  bool is_used = false;
   const auto each = [&](const char* kind, const auto& fill) {
     toml::table* all = root[kind].as_table();
     if (!all) return;
@@ -123,7 +124,7 @@ std::vector<Derivation> fill_in_from_tests(toml::table& root, Context& context) 
         context.fault(fmt::format("{}: properties = \"{}\" without a table [tests]; add one, with what tests gave",
                                   context.where(table, path), kWord));
       else
-        fill(*table, path);
+        is_used = true, fill(*table, path);
     }
   };
   each("materials", [&](toml::table& m, const std::string&) {
@@ -141,6 +142,11 @@ std::vector<Derivation> fill_in_from_tests(toml::table& root, Context& context) 
     for (const auto& [id, value] : joint_properties(numbers, part, j["law"].value_or(std::string())))
       set_missing(j, id, value);
   });
+  if (given && !is_used)
+    context.fault(
+        fmt::format("{}: no material and no joint has properties = \"{}\", so that this table does "
+                    "nothing; add it to one, or remove [tests]",
+                    context.where(given, "tests"), kWord));
   root.erase("tests");
   return numbers.derivation;
 }

@@ -56,13 +56,16 @@ class Search {
     unknowns_.emplace(impl);
   }
 
-  void run(double wanted) {
+  void run(double wanted, const std::function<bool()>& stop_requested) {
     VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(unknowns_->count()));
     move(none);
     std::unique_ptr<SparseCholesky> factor;
     std::vector<std::uint8_t> factored;  // states of the points in `factor`
     double last = std::numeric_limits<double>::infinity(), best = last, factored_with = 0.0, kept = 1.0;
     for (int i = 0; i < kMostIterations; ++i) {
+      if (stop_requested())
+        throw Error(Exit::interrupted, fmt::format("stopped in the search for the state of rest of stage '{}'",
+                                                   s_.scene.stages[at(s_.progress.stage)].name));
       const std::vector<ContactPoint> points = contact_points(s_);
       if (points.empty()) return;
       const VectorXd rest = out_of_balance(points);
@@ -361,7 +364,7 @@ class Search {
 
 }  // namespace
 
-void find_rest(Simulation::Impl& impl) {
+void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_requested) {
   const Stage& stage = impl.scene.stages[at(impl.progress.stage)];
   if (impl.ranks)
     throw Error(Exit::bad_input, fmt::format("{}: a stage of rest runs in one process; start quoin without mpirun, or "
@@ -372,7 +375,7 @@ void find_rest(Simulation::Impl& impl) {
     return energies ? energies->balance_error() : 0.0;
   };
   const double before = impl.progress.step > 0 ? out_of_books() : 0.0;
-  Search(impl).run(stage.equilibrium_ratio.value_or(1e-4));
+  Search(impl).run(stage.equilibrium_ratio.value_or(1e-4), stop_requested);
   // The work of loads is the energy that blocks and joints have taken up, as for loads that grow slowly.
   step_once(impl, true, true);
   const double taken_up = out_of_books() - before;
@@ -381,7 +384,7 @@ void find_rest(Simulation::Impl& impl) {
 
 #else
 
-void find_rest(Simulation::Impl& impl) {
+void find_rest(Simulation::Impl& impl, const std::function<bool()>&) {
   throw Error(Exit::bad_input,
               fmt::format("{}: this program finds no states of rest; build it with libopenblas-serial-dev",
                           impl.scene.stages[static_cast<std::size_t>(impl.progress.stage)].source.text));

@@ -5,12 +5,15 @@
 // imbalance.
 #pragma once
 
+#include <functional>
+
 #include "step/simulation.h"
 
 namespace quoin {
 
 // To be called between two steps, at the start of the current stage. Throws Error(bad_input) where ranks share the
-// model or the program has no sparse solver. Throws Error(numerical) with the name of a block that has no support.
-void find_rest(Simulation::Impl& impl);
+// model or the program has no sparse solver. Throws Error(interrupted) where a stop is requested between two
+// iterations, Error(numerical) with the name of a block that has no support.
+void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_requested);
 
 }  // namespace quoin

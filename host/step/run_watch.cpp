@@ -147,8 +147,7 @@ std::string pull_over_gaps(const Simulation::Impl& s) {
     return fmt::format(
         "joints '{}' pull blocks towards each other with {:.3g} Pa where no joint was at the start: the law has "
         "tension in a new contact, also over an open gap, and energy has no source there; take a law and properties "
-        "without "
-        "tension in its state dry, as coulomb_slip without tensile_strength_residual",
+        "without tension in its state dry, as coulomb_slip without tensile_strength_residual",
         m.assembly.families[f].name, most);
   }
   return "";
@@ -184,6 +183,101 @@ double energy_of_rounding(const Simulation::Impl& s) {
 bool is_just_loaded(const Simulation::Impl& s) {
   constexpr double kSpread = 20.0;  // of 2/omega_max; time after which a sudden load has spread over a block
   return stage_time(s) < kSpread * s.time_step.critical.value;
+}
+
+// Compares tangents and answers of the laws with what they state, each Watch::kStiffnessSteps.
+std::optional<WrongAnswer> check_laws(Simulation::Impl& s) {
+  if (s.progress.step < s.watch.next_stiffness) return std::nullopt;
+  s.watch.next_stiffness = s.progress.step + Watch::kStiffnessSteps;
+  if (s.parts.divided) {
+    if (!s.large_motion) receive_whole_borders(s);
+    check_stiffness(s);
+    s.watch.stiffness_ratio = largest_of_ranks(s, s.watch.stiffness_ratio);
+    if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // then all ranks report the same point
+  } else {
+    gather(s, Part::all);
+    check_stiffness(s);
+  }
+  return wrong_law(s);
+}
+
+// Where energies are written, their balance is that of the whole run; otherwise of the steps that check_energies saw.
+void book_energy_balance(Simulation::Impl& s) {
+  if (!s.energy.wanted || !s.energy.now || is_just_loaded(s)) return;
+  const Energies& e = *s.energy.now;
+  double moved =
+      e.kinetic + e.strain + e.contact_stored + e.members_stored + e.members_dissipated + std::abs(e.damping);
+  for (const double d : e.dissipated) moved += d;
+  s.watch.energy_missing = e.balance_error();
+  s.watch.energy_moved = std::max({s.watch.energy_moved, moved, std::abs(e.external)});
+}
+
+std::string deep_overlap(const Simulation::Impl& s) {
+  if (!(s.watch.overlap > allowed_overlap(s))) return "";
+  const Vec3& x = s.watch.overlap_at;
+  return fmt::format(
+      "blocks overlap by {:.3g} mm at ({:.3f}, {:.3f}, {:.3f}) m, more than {:g} of the least extent of a block: what "
+      "they are there is no longer described; make the joints stiffer or stronger (normal_stiffness, "
+      "compressive_strength, compressive_strength_residual), or read the results only until here",
+      s.watch.overlap * 1e3, x[0], x[1], x[2], Watch::kAllowedOverlap);
+}
+
+std::string points_crushed_out(const Simulation::Impl& s) {
+  if (s.watch.crushed_out == 0) return "";
+  return fmt::format(
+      "the first contact points ({}) are crushed out: they carry no more than the residual compressive strength, and "
+      "blocks sink into each other there; where that matters, as in a collapse, give the joints a "
+      "compressive_strength_residual > 0",
+      s.watch.crushed_out);
+}
+
+// Warning at the end of a stage of pressure.
+std::string crushed_in_ramp(Simulation::Impl& s) {
+  const Stage& stage = current_stage(s);
+  if (stage.kind != "pressure" || stage.ramp_time >= Watch::kSlowRamp) return "";
+  const auto counts = conditions_now(s);
+  const long crushing =
+      counts[static_cast<std::size_t>(Condition::crushing)] + counts[static_cast<std::size_t>(Condition::crushed_out)];
+  if (crushing == 0) return "";
+  return fmt::format(
+      "{} contact points have begun to crush in stage '{}': within its ramp_time of {:g} s the wall vibrates "
+      "vertically, and joints carry up to some 30 % more than at rest; compare with ramp_time = {:g} or more, or with "
+      "kind = \"rest\"",
+      crushing, stage.name, stage.ramp_time, Watch::kSlowRamp);
+}
+
+std::string turned_piece_of_beam(const Simulation::Impl& s) {
+  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  if (!members) return "";
+  const auto beam = std::ranges::find_if(
+      members->beams(), [](const members::Beam& b) { return !(b.largest_turn() <= Watch::kAllowedTurn); });
+  if (beam == members->beams().end()) return "";
+  return fmt::format(
+      "a piece of beam '{}' is turned against its chord by more than {:g} rad, and rotations in a piece are taken as "
+      "small: its moments lose or create energy; give smaller spacing, or more torsion where it buckles sideways",
+      beam->name(), Watch::kAllowedTurn);
+}
+
+std::string unbalanced_energies(const Simulation::Impl& s) {
+  // The balance oscillates about 0 while little energy has been converted.
+  const bool is_early = s.progress.step < (s.energy.wanted ? 1 : 10) * Watch::kOutputSteps;
+  // At rest no energy is moved but rounding.
+  const double allowed = Watch::kAllowedMissing * std::max(s.watch.energy_moved, energy_of_rounding(s));
+  if (is_early || std::abs(s.watch.energy_missing) <= allowed) return "";
+  return fmt::format(
+      "energies do not balance: {:+.3g} J of {:.3g} J that were moved{} have no source, {:.1f} %, allowed {:g} %; "
+      "reduce solver.time_step_fraction, and see whether the law keeps the contract (quoin-check-law)",
+      s.watch.energy_missing, s.watch.energy_moved, s.energy.wanted ? "" : " in the steps looked at",
+      100 * s.watch.energy_missing / s.watch.energy_moved, 100 * Watch::kAllowedMissing);
+}
+
+std::string stiff_law(const Simulation::Impl& s) {
+  if (!(s.watch.stiffness_ratio > Watch::kAllowedStiffness)) return "";
+  const double fraction = s.data.time_step / s.time_step.critical.value;
+  return fmt::format(
+      "a law is {:.3g} times as stiff as the bounds that it states, from which the time step follows ({:g} of "
+      "2/omega_max): set solver.time_step_fraction to {:.3g} at most, and tell the law's author",
+      s.watch.stiffness_ratio, fraction, fraction / std::sqrt(s.watch.stiffness_ratio));
 }
 
 }  // namespace
@@ -274,102 +368,29 @@ std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
 
 std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   check_points(s);
-  std::optional<WrongAnswer> wrong;
-  if (s.progress.step >= s.watch.next_stiffness) {
-    s.watch.next_stiffness = s.progress.step + Watch::kStiffnessSteps;
-    if (s.parts.divided) {
-      if (!s.large_motion) receive_whole_borders(s);
-      check_stiffness(s);
-      s.watch.stiffness_ratio = largest_of_ranks(s, s.watch.stiffness_ratio);
-      if (any_rank(s, wrong_law(s).has_value())) gather(s, Part::all);  // then all ranks report the same point
-    } else {
-      gather(s, Part::all);
-      check_stiffness(s);
-    }
-    wrong = wrong_law(s);
-  }
-  if (s.energy.wanted && s.energy.now && !is_just_loaded(s)) {
-    const Energies& e = *s.energy.now;
-    double moved =
-        e.kinetic + e.strain + e.contact_stored + e.members_stored + e.members_dissipated + std::abs(e.damping);
-    for (const double d : e.dissipated) moved += d;
-    s.watch.energy_missing = e.balance_error();
-    s.watch.energy_moved = std::max({s.watch.energy_moved, moved, std::abs(e.external)});
-  }
+  const std::optional<WrongAnswer> wrong = check_laws(s);
+  book_energy_balance(s);
 
   std::vector<Warning> fresh;
-  const auto warn = [&](bool has_left, const char* about, const auto& words) {
-    if (has_left) warn_once(s, about, words(), &fresh);
-  };
-  const auto warn_where_said = [&](const char* about, const std::string& words) {
-    if (!words.empty()) warn_once(s, about, words, &fresh);
+  // Warnings whose conditions cost a pass over blocks, joints or pieces are looked at until they are given.
+  const auto warn = [&](const char* about, const auto& text) {
+    if (was_warned(s, about)) return;
+    if (const std::string words = text(); !words.empty()) warn_once(s, about, words, &fresh);
   };
   for (const auto& [about, text] : stage_warnings(s.scene, static_cast<std::size_t>(s.progress.stage)))
     warn_once(s, about, text, &fresh);
-  if (!was_warned(s, "damping")) warn_where_said("damping", damped_motion(s));
-  warn_where_said("ground_motion", motion_left_to_ground(s));
-  if (!was_warned(s, "tension_in_new_contacts")) warn_where_said("tension_in_new_contacts", pull_over_gaps(s));
-  warn(s.watch.overlap > allowed_overlap(s), "interpenetration", [&] {
-    const Vec3& x = s.watch.overlap_at;
-    return fmt::format(
-        "blocks overlap by {:.3g} mm at ({:.3f}, {:.3f}, {:.3f}) m, more than {:g} of the least extent of a block: "
-        "what "
-        "they are there is no longer described; make the joints stiffer or stronger (normal_stiffness, "
-        "compressive_strength, compressive_strength_residual), or read the results only until here",
-        s.watch.overlap * 1e3, x[0], x[1], x[2], Watch::kAllowedOverlap);
+  warn("damping", [&] { return damped_motion(s); });
+  warn("ground_motion", [&] { return motion_left_to_ground(s); });
+  warn("tension_in_new_contacts", [&] { return pull_over_gaps(s); });
+  warn("interpenetration", [&] { return deep_overlap(s); });
+  warn("crushed_out", [&] { return points_crushed_out(s); });
+  warn("pressure", [&] { return stage_ends ? crushed_in_ramp(s) : ""; });
+  warn("beam", [&] { return turned_piece_of_beam(s); });
+  warn("energy_balance", [&] { return unbalanced_energies(s); });
+  warn("time_step", [&] { return stiff_law(s); });
+  warn("law_states", [&] {
+    return wrong ? wrong->text + "; what follows is not to be relied on: tell its author, and see quoin-check-law" : "";
   });
-  warn(s.watch.crushed_out > 0, "crushed_out", [&] {
-    return fmt::format(
-        "the first contact points ({}) are crushed out: they carry no more than the residual compressive strength, and "
-        "blocks sink into each other there; where that matters, as in a collapse, give the joints a "
-        "compressive_strength_residual > 0",
-        s.watch.crushed_out);
-  });
-  const Stage& stage = current_stage(s);
-  if (stage_ends && stage.kind == "pressure" && stage.ramp_time < Watch::kSlowRamp) {
-    const auto counts = conditions_now(s);
-    const long crushing = counts[static_cast<std::size_t>(Condition::crushing)] +
-                          counts[static_cast<std::size_t>(Condition::crushed_out)];
-    warn(crushing > 0, "pressure", [&] {
-      return fmt::format(
-          "{} contact points have begun to crush in stage '{}': within its ramp_time of {:g} s the wall vibrates "
-          "vertically, and joints carry up to some 30 % more than at rest; compare with ramp_time = {:g} or more, or "
-          "with kind = \"rest\"",
-          crushing, stage.name, stage.ramp_time, Watch::kSlowRamp);
-    });
-  }
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
-  for (const members::Beam& beam : members ? std::span(members->beams()) : std::span<const members::Beam>()) {
-    warn(!(beam.largest_turn() <= Watch::kAllowedTurn), "beam", [&] {
-      return fmt::format(
-          "a piece of beam '{}' is turned against its chord by more than {:g} rad, and rotations in a piece are taken "
-          "as small: its moments lose or create energy; give smaller spacing, or more torsion where it buckles "
-          "sideways",
-          beam.name(), Watch::kAllowedTurn);
-    });
-  }
-  // The balance oscillates about 0 while little energy has been converted.
-  const bool known =
-      s.energy.wanted ? s.progress.step >= Watch::kOutputSteps : s.progress.step >= 10 * Watch::kOutputSteps;
-  // At rest no energy is moved but rounding.
-  const double allowed = Watch::kAllowedMissing * std::max(s.watch.energy_moved, energy_of_rounding(s));
-  warn(known && !(std::abs(s.watch.energy_missing) <= allowed), "energy_balance", [&] {
-    return fmt::format(
-        "energies do not balance: {:+.3g} J of {:.3g} J that were moved{} have no source, {:.1f} %, allowed {:g} "
-        "%; "
-        "reduce solver.time_step_fraction, and see whether the law keeps the contract (quoin-check-law)",
-        s.watch.energy_missing, s.watch.energy_moved, s.energy.wanted ? "" : " in the steps looked at",
-        100 * s.watch.energy_missing / s.watch.energy_moved, 100 * Watch::kAllowedMissing);
-  });
-  warn(s.watch.stiffness_ratio > Watch::kAllowedStiffness, "time_step", [&] {
-    return fmt::format(
-        "a law is {:.3g} times as stiff as the bounds that it states, from which the time step follows ({:g} of "
-        "2/omega_max): set solver.time_step_fraction to {:.3g} at most, and tell the law's author",
-        s.watch.stiffness_ratio, s.data.time_step / s.time_step.critical.value,
-        s.data.time_step / s.time_step.critical.value / std::sqrt(s.watch.stiffness_ratio));
-  });
-  warn(wrong.has_value(), "law_states",
-       [&] { return wrong->text + "; what follows is not to be relied on: tell its author, and see quoin-check-law"; });
   return fresh;
 }
 

@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <functional>
 #include <set>
+#include <span>
 #include <sstream>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/input_file.h"
@@ -48,6 +50,11 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
+std::string upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
 // Text of letters, digits and '-' alone, with '_' for other characters.
 std::string plain(const std::string& text) {
   std::string name;
@@ -72,13 +79,18 @@ std::vector<std::array<double, 2>> read_envelope(const fs::path& file) {
 struct Words {
   const char* column;
   std::string WallRow::*value;
+  std::span<const std::string_view> codes{};  // allowed beginnings of units, whole words of joints; empty: any text
 };
+// Beginnings: calcium silicate, aerated concrete, stone, concrete, solid clay, hollow clay.
+constexpr std::string_view kUnits[] = {"CS", "AAC", "ST", "C", "LAC", "LWC", "SB", "H", "V", "P"};
+constexpr std::string_view kBeds[] = {"GP", "F", "TL", "TF", "DRY", "D"};
+constexpr std::string_view kHeads[] = {"F", "GP", "TL", "TF", "U", "UNFILLED", "DRY", "D"};
 constexpr Words kWords[] = {{"number", &WallRow::number},
                             {"campaign", &WallRow::campaign},
                             {"specimen", &WallRow::specimen},
-                            {"unit_type", &WallRow::unit_type},
-                            {"bed_joints", &WallRow::bed_joints},
-                            {"head_joints", &WallRow::head_joints},
+                            {"unit_type", &WallRow::unit_type, kUnits},
+                            {"bed_joints", &WallRow::bed_joints, kBeds},
+                            {"head_joints", &WallRow::head_joints, kHeads},
                             {"failure_mode", &WallRow::failure_mode}};
 
 struct Number {
@@ -147,7 +159,7 @@ class Reader {
     }
     WallRow row;
     row.line = line;
-    for (const Words& w : kWords) row.*w.value = cell(w.column);
+    for (const Words& w : kWords) row.*w.value = word(w);
     if (row.number.empty()) fault("number", "is blank; allowed: a number or word that no other row has");
     for (const Number& n : kNumbers) row.*n.value = number(n.column, n.least, n.most, n.positive);
     for (const Needed& n : kNeeded) {
@@ -169,6 +181,15 @@ class Reader {
   const std::string& cell(const char* column) const {
     const auto at = std::find(header_.begin(), header_.end(), column) - header_.begin();
     return (*cells_)[static_cast<std::size_t>(at)];
+  }
+  const std::string& word(const Words& w) {
+    const std::string &text = cell(w.column), code = upper(text);
+    const bool begins = w.value == &WallRow::unit_type;
+    const auto fits = [&](std::string_view known) { return begins ? code.starts_with(known) : code == known; };
+    if (!w.codes.empty() && !text.empty() && std::ranges::none_of(w.codes, fits))
+      fault(w.column, fmt::format("'{}' is not known; allowed: blank, or {} {}", printable(text),
+                                  begins ? "a code that begins with" : "one of", fmt::join(w.codes, ", ")));
+    return text;
   }
   void fault(const std::string& column, const std::string& what) {
     sound_ = false;

@@ -194,6 +194,27 @@ TEST_F(Fire, ResultsThatDoNotFitAreRefusedBeforeTheWork) {
   EXPECT_FALSE(fs::exists(out() + "/history.csv"));
 }
 
+// Commands that write one file wrote over their own input, which was lost.
+TEST_F(Fire, NamedOutputsAreNoInputs) {
+  const std::string jumps = write("in.csv", "dn,ds,dt\n-1e-6,0,0\n"),
+                    couplet = write("cpl.csv", "dn,sigma\n1e-6,1e4\n");
+  const fs::path test = folder_ / "test.toml";
+  fs::copy_file(QUOIN_TESTS "/law/paths/couplet.toml", test);
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& input) {
+    const std::string before = read_all(input);
+    EXPECT_EQ(quoin_in_time(words), 3) << error_;
+    EXPECT_THAT(error_, HasSubstr("is an input of this command")) << input;
+    EXPECT_EQ(read_all(input), before);
+  };
+  refused({"path", "--law", "elastic", "--set", "normal_stiffness=1e9", "--set", "shear_stiffness=1e9", "--jumps",
+           jumps, "--out", (folder_ / "." / "in.csv").string()},
+          jumps);
+  refused({"path", test.string(), "--out", test.string()}, test.string());
+  refused({"fit", "--couplet", couplet, "--set", "normal_stiffness=8e10", "--set", "shear_stiffness=36e9", "--out",
+           couplet},
+          couplet);
+}
+
 // Output to a device or a link does not replace it; a folder and a dangling link are refused.
 TEST_F(Fire, NamedOutputsDoNotReplaceDevicesAndLinks) {
   const std::string jumps = write("in.csv", "dn,ds,dt\n-1e-6,0,0\n");

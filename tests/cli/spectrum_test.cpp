@@ -61,6 +61,15 @@ TEST_F(Spectrum, BadInputIsNamedAndLeavesNothing) {
   EXPECT_EQ(quoin({"spectrum", step_record(), "--scale", "1e308", "--out", out()}), 3);
   EXPECT_THAT(error_, HasSubstr("too large for a spectrum"));
   EXPECT_FALSE(fs::exists(out()));
+  EXPECT_EQ(quoin({"spectrum", step_record(), "--period", "1e308"}), 3);  // it did not end
+  EXPECT_THAT(error_, HasSubstr("from 1e-06 to 1e+06"));
+  for (const std::vector<std::string>& useless :
+       {std::vector<std::string>{"--svg"}, {"--order", "2"}, {"--corner", "0.1", "--baseline", "linear"}}) {
+    std::vector<std::string> words{"spectrum", step_record()};
+    words.insert(words.end(), useless.begin(), useless.end());
+    EXPECT_EQ(quoin(words), 2) << useless.front();
+    EXPECT_THAT(error_, HasSubstr(useless.front()));
+  }
   EXPECT_EQ(quoin({"spectrum", step_record(), "--out", ""}), 2);
   EXPECT_THAT(error_, HasSubstr("--out: an empty name"));
 }

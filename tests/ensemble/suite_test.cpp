@@ -399,6 +399,10 @@ TEST_F(Suite, SaysWhatIsWrong) {
   EXPECT_THAT(fault(hunt_, "[[record]]\ndirection = [1, 0, 0]\npulse = { shape = \"cosin\", period = 1 }\n"),
               HasSubstr("did you mean"));
   EXPECT_THAT(fault("samples = 3\n" + hunt_, pulses_), HasSubstr("unknown key"));
+  for (const char* setting : {"stage.shake.ground_motion.scale=3", "stage.2.duration=9"}) {
+    EXPECT_EQ(ensemble(study(hunt_, pulses_), "x", {"--set", setting}), 3) << setting;
+    EXPECT_THAT(error_, HasSubstr("no effect, as [shaking]"));
+  }
   EXPECT_EQ(ensemble(study(hunt_, pulses_), "x", {"--samples", "3"}), 3);
   EXPECT_THAT(error_, HasSubstr("nothing scatters"));
 }

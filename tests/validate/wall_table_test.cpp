@@ -68,6 +68,20 @@ TEST_F(WallTables, RowsAtFaultAreNamedAndLeftOut) {
   EXPECT_THAT(table.faults[3], AllOf(HasSubstr(":6:"), HasSubstr("twice")));
 }
 
+// Unknown words were taken for those of other joints and units, and the walls were predicted with their properties.
+TEST_F(WallTables, UnknownKindsOfJointsAndUnitsAreNamed) {
+  for (const auto& [column, known] :
+       std::map<std::string, std::string>{{"bed_joints", "tl"}, {"head_joints", "unfilled"}, {"unit_type", "SB-C"}}) {
+    auto good = dry_wall(), wrong = dry_wall();
+    good[column] = known;
+    wrong["number"] = "2", wrong[column] = "xyzzy";
+    const WallTable table = read({good, wrong});
+    EXPECT_EQ(table.rows.size(), 1u) << column;
+    ASSERT_EQ(table.faults.size(), 1u) << column;
+    EXPECT_THAT(table.faults[0], AllOf(HasSubstr(":3: " + column), HasSubstr("'xyzzy'"), HasSubstr("allowed")));
+  }
+}
+
 TEST_F(WallTables, OneSignIsThePeakAndSignsDoNotMatter) {
   auto one = dry_wall(), both = dry_wall();
   one["peak_positive_kN"] = "", one["peak_negative_kN"] = "-18";

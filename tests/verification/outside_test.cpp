@@ -597,6 +597,14 @@ velocity = [100, 0, "free"]
   EXPECT_GT(rows.all.back().largest_displacement, 8.0);
 }
 
+// The search for a state of rest took no notice of a request to stop: 25 s after Ctrl-C on a wall of 996 blocks.
+TEST(Outside, TheSearchForRestCanBeStopped) {
+  Simulation run(scene_of(kStone + kBase + kCube + "[[stage]]\nkind = \"rest\"\ngravity = [0, -9.81, 0]\n"));
+  run.request_stop();
+  Rows rows;
+  expect_error(Exit::interrupted, "stopped in the search for the state of rest", [&] { run.run(rows); });
+}
+
 TEST(Outside, ABoundOfSmallMotionThatDoesNothingIsWarnedOf) {
   const std::string stage = "[[stage]]\ngravity = [0, -9.81, 0]\nduration = 0.001\n";
   for (const char* kernels : {"automatic", "general"}) {

@@ -95,17 +95,19 @@ class Simulation:
             raise Gone("step: the simulation is closed")
         return session.step(n, False)
 
-    def run(self, until=None, *, every=100):
+    def run(self, until=None, *, every=None):
         """Runs to the end of the last stage (until None), to a time in s, to the end of the stage of that name, or until
-        until(simulation) is true, which is called after every `every` steps. Runs no step if that is reached already.
-        Returns whether more steps remain."""
+        until(simulation) is true, which is called after every `every` steps, 100 by default. Runs no step if that is
+        reached already. Returns whether more steps remain."""
         session = self._session_of("run")
+        if every is not None and not callable(until):
+            raise TypeError(f"every = {every}: only where until is a function")
         if until is None:
             return session.step(MOST_STEPS, False)
         names = session.stage_names
         more = session.stages_ended < len(names)
         if callable(until):
-            every = whole("every", every, 1, MOST_STEPS)
+            every = 100 if every is None else whole("every", every, 1, MOST_STEPS)
             while more and not until(self):
                 more = self.step(every)
             return more

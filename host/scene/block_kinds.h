@@ -1,0 +1,24 @@
+// Whether blocks of a scene are rigid, and whether some deform.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace quoin {
+
+struct BlockKinds {
+  bool deformable = false, rigid = false;  // some are; rigid beams of walls and buildings do not count
+};
+
+inline BlockKinds kinds_of_blocks(const Scene& scene) {
+  BlockKinds kinds;
+  const auto add = [&](bool rigid) { (rigid ? kinds.rigid : kinds.deformable) = true; };
+  if (scene.wall) add(scene.wall->rigid_units);
+  if (scene.building) add(false);
+  if (!scene.blocks) return kinds;
+  for (const BlockSpec& block : scene.blocks->blocks) add(block.rigid);
+  for (const DryWallSpec& wall : scene.blocks->walls) add(wall.rigid);
+  for (const ArchSpec& arch : scene.blocks->arches) add(arch.rigid);
+  return kinds;
+}
+
+}  // namespace quoin

@@ -1,0 +1,99 @@
+#include "scene/unused_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "scene/block_kinds.h"
+#include "scene/members.h"
+#include "scene/quality.h"
+
+namespace quoin {
+
+namespace {
+
+using Names = std::set<std::string>;
+
+Names materials_in_use(const Scene& scene) {
+  Names names;
+  const auto add_lintels = [&](const std::vector<WallSpec::Opening>& openings) {
+    for (const WallSpec::Opening& opening : openings) names.insert(opening.lintel_material);
+  };
+  if (scene.wall) {
+    names.insert(scene.wall->unit_material);
+    for (const WallSpec::Changed& changed : scene.wall->changed) names.insert(changed.material);
+    add_lintels(scene.wall->openings);
+  }
+  if (scene.building) {
+    names.insert(scene.building->unit_material);
+    for (const BuildingSpec::Wall& wall : scene.building->walls) add_lintels(wall.openings);
+  }
+  if (scene.blocks) {
+    for (const BlockSpec& block : scene.blocks->blocks) names.insert(block.material);
+    for (const DryWallSpec& wall : scene.blocks->walls) names.insert(wall.material);
+    for (const ArchSpec& arch : scene.blocks->arches) names.insert(arch.material);
+  }
+  return names;
+}
+
+Names joints_in_use(const Scene& scene) {
+  Names names;
+  const auto add = [&](const auto& masonry, bool has_mid_unit_joints) {
+    names.insert({masonry.bed_joint, masonry.head_joint, masonry.beam_joint});
+    if (has_mid_unit_joints) names.insert(masonry.unit_joint);
+  };
+  if (scene.wall) add(*scene.wall, scene.wall->mid_unit_joints);
+  if (scene.building) add(*scene.building, true);
+  if (scene.blocks) {
+    names.insert(scene.blocks->default_joint);
+    for (const JointRule& rule : scene.blocks->rules) names.insert(rule.family);
+  }
+  if (scene.members) {
+    for (const StripSpec& strip : scene.members->strips) names.insert(strip.joint);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> unused_settings(const Scene& scene) {
+  std::vector<std::string> unused;
+  const auto add_unless_used = [&](const char* table, const auto& all, const Names& used, const char* why) {
+    for (const auto& [name, value] : all) {
+      if (!used.contains(name)) unused.push_back(fmt::format("{}.{}: without effect, as {}", table, name, why));
+    }
+  };
+  add_unless_used("materials", scene.materials, materials_in_use(scene), "no block is of this material");
+  add_unless_used("joints", scene.joints, joints_in_use(scene), "no joint is of this family");
+
+  const BlockKinds kinds = kinds_of_blocks(scene);
+  const SolverSettings none;
+  const SolverSettings& usual = scene.quality.empty() ? none : quality_named(scene.quality).solver;
+  const auto add_if = [&](bool is_unused, const char* key, const char* why) {
+    if (is_unused) unused.push_back(fmt::format("{}: without effect, as {}", key, why));
+  };
+  // Whether a value is neither the quality's nor that without it.
+  const auto is_given = [&](const auto& of) { return scene.solver.*of != usual.*of && scene.solver.*of != none.*of; };
+  const char* const all_rigid = "no block deforms";
+  add_if(!kinds.deformable && is_given(&SolverSettings::internal_forces), "solver.internal_forces", all_rigid);
+  add_if(!kinds.deformable && is_given(&SolverSettings::deformation_inertia), "solver.deformation_inertia", all_rigid);
+  add_if(!kinds.deformable && is_given(&SolverSettings::unit_inertia), "solver.unit_inertia", all_rigid);
+  const char* const none_rigid = "no block is rigid";
+  add_if(!kinds.rigid && scene.blocks && scene.blocks->contact.point_spacing > 0.0, "contact.point_spacing",
+         none_rigid);
+  add_if(!kinds.rigid && scene.cubic_points, "contact.cubic_points", none_rigid);
+  const bool settles = std::ranges::any_of(
+      scene.stages, [](const Stage& stage) { return stage.equilibrium_ratio.has_value() || stage.solver; });
+  const auto& settling = scene.solver.settling_damping;
+  add_if(!settles && settling && *settling != usual.settling_damping.value_or(-1.0), "solver.settling_damping",
+         "no stage ends by equilibrium_ratio");
+
+  const RandomSample first;
+  const bool is_random = std::ranges::any_of(scene.joints, [](const auto& joint) { return joint.second.is_random(); });
+  add_if(!is_random && (scene.random.seed != first.seed || scene.random.sample != first.sample), "[random]",
+         "no property of a joint has a distribution, and no joint missing_mortar");
+  return unused;
+}
+
+}  // namespace quoin

@@ -1,0 +1,142 @@
+// Settings that change nothing are named. Testers found them taken in silence.
+#include "scene/unused_settings.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "scene/read_scene.h"
+#include "scene/stage_warnings.h"
+
+namespace quoin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+std::string scene_text(const char* rigid, const std::string& more = "") {
+  return fmt::format(R"(default_joint = "dry"
+[materials.stone]
+density = 2000
+young_modulus = 1e10
+poisson_ratio = 0.2
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+[[block]]
+name = "block"
+material = "stone"
+fixed = true
+box = {{ lower = [0, 0, 0], size = [1, 1, 1] }}
+{}
+[[stage]]
+duration = 0.1
+{})",
+                     rigid, more);
+}
+
+std::string driven(const char* velocity) {
+  return fmt::format("[[stage.velocity]]\nblock = \"block\"\nvelocity = {}\n", velocity);
+}
+
+const char* const kRigid = "";
+const char* const kDeformable = "rigid = false\nzone_edge = 0.5";
+
+std::vector<std::string> unused(const std::string& text, const std::vector<std::string>& settings = {}) {
+  return unused_settings(read_scene_text(text, "scene.toml", settings));
+}
+
+TEST(UnusedSettings, MaterialsAndJointsWithoutBlocks) {
+  EXPECT_THAT(unused(scene_text(kRigid)), IsEmpty());
+  EXPECT_THAT(unused(scene_text(kRigid, R"([materials.other]
+density = 1000
+[joints.other]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+)")),
+              ElementsAre(StartsWith("materials.other"), StartsWith("joints.other")));
+}
+
+TEST(UnusedSettings, OfDeformationWhereAllIsRigid) {
+  for (const char* setting : {"deformation_inertia=2.0", "unit_inertia=2.0", "internal_forces=zones"}) {
+    const std::string key = std::string("solver.") + setting;
+    const std::vector<std::string> settings{"solver.damping=block", key};
+    EXPECT_THAT(unused(scene_text(kRigid), settings), ElementsAre(StartsWith(key.substr(0, key.find('='))))) << setting;
+    EXPECT_THAT(unused(scene_text(kDeformable), settings), IsEmpty()) << setting;
+  }
+}
+
+TEST(UnusedSettings, PointsOfRigidBlocksWhereAllDeforms) {
+  for (const char* setting : {"contact.point_spacing=0.3", "contact.cubic_points=true"}) {
+    EXPECT_THAT(unused(scene_text(kDeformable), {setting}), ElementsAre(StartsWith("contact."))) << setting;
+    EXPECT_THAT(unused(scene_text(kRigid), {setting}), IsEmpty()) << setting;
+  }
+}
+
+TEST(UnusedSettings, OfSettlingAndOfChance) {
+  EXPECT_THAT(unused(scene_text(kRigid), {"solver.settling_damping=0.3"}),
+              ElementsAre(StartsWith("solver.settling_damping")));
+  EXPECT_THAT(unused(scene_text(kRigid), {"solver.settling_damping=0.3", "stage.1.equilibrium_ratio=1e-3"}), IsEmpty());
+  EXPECT_THAT(unused(scene_text(kRigid), {"random.seed=7"}), ElementsAre(StartsWith("[random]")));
+}
+
+// --set materials.stne.density made a new material, and the run was that of before.
+TEST(UnusedSettings, AMistypedNameIsRefused) {
+  for (const char* setting : {"materials.stne.density=9000", "joints.dri.normal_stiffness=1e8"}) {
+    try {
+      read_scene_text(scene_text(kRigid), "scene.toml", {setting});
+      ADD_FAILURE() << setting;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::bad_input);
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("--set"), HasSubstr("has no"), HasSubstr("did you mean")));
+    }
+  }
+}
+
+TEST(UnusedSettings, TestsThatNoPropertyFollowsFromAreRefused) {
+  try {
+    read_scene_text(scene_text(kRigid, "[tests]\nunit = \"clay\"\nblock_height = 0.1\nunit_strength = 20e6\n"),
+                    "scene.toml", {});
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("tests: no material"), HasSubstr("from_tests")));
+  }
+}
+
+// Local damping brakes motion at an angle to the axes: a deformable wall at 37 degrees in plan was 12 % too strong.
+TEST(DrivenAtAnAngle, IsWarnedOfUnderLocalDamping) {
+  const auto warns = [](const char* rigid, const char* velocity, const char* damping) {
+    const Scene scene =
+        read_scene_text(scene_text(rigid, driven(velocity)), "scene.toml", {std::string("solver.damping=") + damping});
+    for (const StageWarning& warning : stage_warnings(scene, 0)) {
+      if (std::string(warning.about) == "angle") return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(warns(kDeformable, "[0.006, 0, 0.008]", "local"));
+  EXPECT_FALSE(warns(kDeformable, "[0.006, 0, 0]", "local"));
+  EXPECT_FALSE(warns(kDeformable, "[0.006, 0, 0.008]", "block"));
+  EXPECT_FALSE(warns(kRigid, "[0.006, 0, 0.008]", "local"));
+}
+
+// A stage measures along what it drives: beside x it was not, so that a slow push along z counted as one without work.
+TEST(DefaultDirection, IsThatOfTheDrive) {
+  const auto direction = [](const char* velocity, const std::vector<std::string>& settings) {
+    return read_scene_text(scene_text(kRigid, driven(velocity)), "scene.toml", settings).stages[0].direction;
+  };
+  EXPECT_EQ(direction("[0, 0, 0.01]", {}), 2);
+  EXPECT_EQ(direction("[0, 0.01, 0]", {}), 1);
+  EXPECT_EQ(direction("[0.01, 0, 0]", {}), 0);
+  EXPECT_EQ(direction("[0.01, 0, 0.01]", {}), 0);
+  EXPECT_EQ(direction("[0, 0, 0.01]", {"stage.1.direction=x"}), 0);
+  EXPECT_EQ(direction("[0, 0, 0.01]", {"stage.1.displacement=0.001", "stage.1.monitor=block"}), 2);
+}
+
+}  // namespace
+}  // namespace quoin
