@@ -257,7 +257,11 @@ def commands():
         option = re.match(r"  (?:-h,)?(--[a-z-]+)(.*)", line)
         if option and option[1] != "--help" and not line.startswith("  quoin"):
             kind, _, meaning = (option[2] + "  ").partition("  ")
-            yield command, option[1], kind.strip(), meaning.strip() or lines[i + 1].strip()
+            below = lines[i + 1] if lines[i + 1].startswith(" " * 8) else ""
+            if not meaning.strip() and not below:  # a range that just reaches the column of meanings
+                kind, _, meaning = option[2].partition("] ")
+                kind += "]"
+            yield command, option[1], kind.strip(), meaning.strip() or below.strip()
 
 
 def page():

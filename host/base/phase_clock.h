@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstddef>
 
+#include "base/clock.h"
+
 namespace quoin {
 
 enum class Phase {
@@ -31,7 +33,6 @@ struct PhaseTimes {
 
 // Times of one thread since start(), phase by phase. Threads do not share cache lines.
 struct alignas(64) PhaseClock {
-  using Clock = std::chrono::steady_clock;
   PhaseTimes times;
   Clock::time_point last;
 

@@ -5,11 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/duration_text.h"
 #include "cli/prepare.h"
 #include "files/memory.h"
@@ -180,13 +180,11 @@ void print_overhang(const Simulation& simulation) {
 // kLongest.
 void print_time(Simulation& simulation, double steps, bool force) {
   constexpr double kLook = 0.1, kLongest = 30.0 * 86400.0;  // s; longest measurement, longest run
-  using Clock = std::chrono::steady_clock;
-  const auto since = [](Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); };
-  simulation.advance(1, false);  // the first step touches memory for the first time
+  simulation.advance(1, false);                             // the first step touches memory for the first time
   long taken = 0;
   const auto begin = Clock::now();
-  while (taken == 0 || (since(begin) < kLook && taken < 1000)) simulation.advance(1, false), ++taken;
-  const double per_step = since(begin) / static_cast<double>(taken), all = per_step * steps;
+  while (taken == 0 || (seconds_since(begin) < kLook && taken < 1000)) simulation.advance(1, false), ++taken;
+  const double per_step = seconds_since(begin) / static_cast<double>(taken), all = per_step * steps;
   const bool settles = std::any_of(simulation.scene().stages.begin(), simulation.scene().stages.end(),
                                    [](const Stage& s) { return s.equilibrium_ratio.has_value(); });
   fmt::print("computing time about {}{} ({:.3g} ms a step, by {} steps with {} threads here)\n", duration_text(all),

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "analysis/limit_of_scene.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "cli/prepare.h"
 #include "files/csv_text.h"
@@ -189,9 +189,9 @@ void run(const Options& options) {
   if (!options.out.empty()) remove_results(options.out);
   const Scene scene = prepare_scene(options.scene);
   const Simulation simulation(scene, 1);
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   const SceneLimit limit = limit_of(simulation, options.limit);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double seconds = seconds_since(begin);
   fmt::print("{}: {} blocks, {} contact points; {:.2g} s\n", scene.file, limit.block_count, limit.point_count, seconds);
   if (limit.edge_count > 0)
     fmt::print("{} pairs of blocks meet along edges alone, and carry nothing there (analysis/README.md)\n",

@@ -7,6 +7,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -68,9 +70,10 @@ void send_all(int connection, const std::string& text, const std::atomic<bool>& 
 }
 
 // Whether the request names this machine. Otherwise a page of another site could read this one by a name of its own.
-bool names_this_machine(const std::string& request, int port) {
+bool names_this_machine(std::string request, int port) {
+  std::ranges::transform(request, request.begin(), [](unsigned char c) { return std::tolower(c); });
   for (const char* host : {"127.0.0.1", "localhost"}) {
-    if (request.find(fmt::format("\r\nHost: {}:{}\r\n", host, port)) != std::string::npos) return true;
+    if (request.find(fmt::format("\r\nhost: {}:{}\r\n", host, port)) != std::string::npos) return true;
   }
   return false;
 }

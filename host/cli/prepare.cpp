@@ -51,6 +51,7 @@ void replace_law(JointFamily& family, const std::string& name, const Law& law) {
 
 bool is_along_x(const Scene& scene) {
   if (scene.building) return false;
+  if (scene.blocks && !scene.blocks->arches.empty()) return false;
   return !scene.blocks || std::all_of(scene.blocks->walls.begin(), scene.blocks->walls.end(),
                                       [](const DryWallSpec& w) { return w.direction == 0.0; });
 }

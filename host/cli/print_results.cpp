@@ -59,8 +59,8 @@ std::string peak_text(const std::vector<HistoryRow>& rows, const Scene& scene, c
     return "no block is watched (output.monitor); ";
   const Peak peak = find_peak(rows, scene);
   const std::string unknown = why_error_unknown(scene, info);
-  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} % with these zones", scene.quality,
-                                                          100 * quality_named(scene.quality).peak_error)
+  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} % with these zones",
+                                                          scene.quality, 100 * quality_named(scene.quality).peak_error)
                                             : "error not known: " + unknown;
   return fmt::format("peak {:.2f} kN at {:.3f} mm{} ({}); ", peak.force / 1e3, peak.displacement * 1e3,
                      is_vertical(scene) ? " upright" : "", error);

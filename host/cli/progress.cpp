@@ -91,7 +91,7 @@ std::string phases_text(const PhaseTimes& times, double whole) {
                                       "other ranks",
                                       "members"};
   std::string text = "time:";
-  // Phases are timed in one of 32 steps: on a loaded machine their sum can exceed the time of the run.
+  // Phases are timed in one of kTimedSteps steps: on a loaded machine their sum can exceed the time of the run.
   whole = std::max(whole, std::accumulate(times.seconds.begin(), times.seconds.end(), 0.0));
   double rest = whole;
   for (std::size_t k = 0; k < kPhases; ++k) {

@@ -24,7 +24,7 @@ bool is_done(const std::filesystem::path& folder);
 
 // Whether a run resumed after `frames` frames keeps this result of FOLDER.
 bool is_kept(const std::string& name, std::size_t frames);
-// Says where one of these frames is no longer in the folder.
+// Prints which of these frames are no longer in the folder.
 void say_what_is_missing(const std::filesystem::path& folder, std::size_t frames);
 
 // Decides when a checkpoint is due.

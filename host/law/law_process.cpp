@@ -23,15 +23,13 @@
 #include <thread>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "law/law_watch.h"
 
 namespace quoin {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr std::size_t kPoints = 1024;  // largest piece of a batch; chunks of the host are smaller
 constexpr long kSpins = 400;           // polls before a process sleeps, if there are processors for both

@@ -21,7 +21,6 @@ struct Field {
   std::size_t hashed = 0;     // leading bytes of an item that belong to the hash of the state
   Part gathered = Part::all;  // first part with which ranks gather it in steps; nothing: steps do not change it
   bool known_to_all = false;  // whether every rank has all of it
-  bool of_step = false;       // every step computes it: new contact points inherit no values
   bool saved = true;
 
   // Copies of the field with one property changed.
@@ -36,9 +35,6 @@ struct Field {
   }
   constexpr Field on_all_ranks() const {
     return change([&](Field& f) { f.known_to_all = true; });
-  }
-  constexpr Field found_in_each_step() const {
-    return change([&](Field& f) { f.of_step = true; });
   }
   constexpr Field not_saved() const {
     return change([&](Field& f) { f.saved = false; });

@@ -54,16 +54,16 @@ struct WorldFields {
     visit(point.in(Part::nothing), f.point, g.point...);
     each(field("slid", "m"), f.slid, g.slid...);
     visit(field("normal_jump", "m").in(Part::row), f.normal_jump, g.normal_jump...);
-    each(field("slip", "m").found_in_each_step(), f.slip, g.slip...);
+    each(field("slip", "m"), f.slip, g.slip...);
     each(field("traction", "Pa").in_hash(sizeof(double)).in(Part::row), f.traction, g.traction...);
     each(field("state", "of the law").in_hash(sizeof(double)), f.state, g.state...);
     for (std::size_t k = 0; k < f.columns.size(); ++k)
       visit(field("property", "of the law").in(Part::nothing).on_all_ranks(), f.columns[k].values,
             g.columns[k].values...);
-    each(field("traction_before", "Pa").only(damped).found_in_each_step(), f.old_traction, g.old_traction...);
+    each(field("traction_before", "Pa").only(damped), f.old_traction, g.old_traction...);
     visit(field("jump_before", "m").only(damped), f.old_jump, g.old_jump...);
     visit(field("stored", "J/m2").only(energies), f.stored, g.stored...);
-    each(field("dissipated", "J/m2").only(energies).found_in_each_step(), f.dissipated, g.dissipated...);
+    each(field("dissipated", "J/m2").only(energies), f.dissipated, g.dissipated...);
     each(field("viscous_traction", "Pa").only(damped).in(Part::row), f.viscous, g.viscous...);
     each(field("maxwell_traction", "Pa").only(When::with_maxwell), f.maxwell, g.maxwell...);
   }

@@ -235,7 +235,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
     if (p.facet_a < 0) p.offset += p.reference;
     const Location now = locate(w, p, w.contacts.facets);
     p.at = now.at;
-    // A point that has made no step has not slipped, for results that ask before the next one.
+    // A point that has made no step has not slipped: results may be written before the next one.
     for (int axis = 0; axis < 2; ++axis) f.slid[axis][to] = now.slid[axis], f.slip[axis][to] = 0.0;
     if (nearest >= 0) {
       const Point& q = old.point[nearest];

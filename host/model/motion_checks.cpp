@@ -1,4 +1,4 @@
-// Decides when blocks have moved enough for contact detection. A pair has an allowed motion since its last narrow
+// Whether blocks have moved enough for contact detection. A pair has an allowed motion since its last narrow
 // phase, and a block since the last broad phase. The speed gives the earliest step at which that motion can be reached;
 // there is no check before it. The check assumes that a rigid block keeps its motion (AssumedMotion), up to a small
 // tolerated deviation of speed. A block that exceeds the tolerance deviates (rigid_kernels.cpp); it and its pairs are

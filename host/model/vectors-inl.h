@@ -24,6 +24,9 @@ using V = hn::Vec<D>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(D()));
 constexpr int kParts = kLanes / kWidth;
 
+// The larger of two numbers; NaN once one of them is.
+HWY_INLINE V larger_of(V a, V b) { return hn::IfThenElse(hn::Or(hn::Le(b, a), hn::Ne(a, a)), a, b); }
+
 // base[index[i]] for the next lanes of a tag. On AVX2 machines the gather instruction is slower than the loads that it
 // stands for. It takes a third of the time of a chunk's jumps on Zen 3. With AVX-512 it is faster.
 template <class Tag>

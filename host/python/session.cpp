@@ -34,10 +34,6 @@ namespace {
 
 constexpr double kLookPeriod = 0.05;  // s between two checks for Ctrl-C
 
-double seconds_since(std::chrono::steady_clock::time_point then) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
-}
-
 // Array of rows x columns with the values value(row, column).
 template <class T, class Value>
 py::array_t<T> table_of(std::size_t rows, std::size_t columns, const Value& value) {

@@ -286,12 +286,11 @@ std::string masonry_hash(const Scene& scene) {
 // Text of a stage's actions and settings, without its name and its records.
 std::string text_of(const Scene& scene, std::size_t index) {
   const Stage& s = scene.stages[index];
-  std::string text = fmt::format(
-      "{}, gravity {:g}, ramp_time {:g}, displacement {:g}, duration {:g}, equilibrium_ratio "
-      "{:g}, max_steps {}, {}",
-      s.kind, fmt::join(s.gravity, " "), s.ramp_time, s.displacement.value_or(0.0), s.duration.value_or(0.0),
-      s.equilibrium_ratio.value_or(0.0), s.max_steps,
-      solver_text(scene.solver_in(index), s.equilibrium_ratio.has_value()));
+  std::string text =
+      fmt::format("{}, gravity {}, ramp_time {}, displacement {}, duration {}, equilibrium_ratio {}, max_steps {}, {}",
+                  s.kind, fmt::join(s.gravity, " "), s.ramp_time, s.displacement.value_or(0.0),
+                  s.duration.value_or(0.0), s.equilibrium_ratio.value_or(0.0), s.max_steps,
+                  solver_text(scene.solver_in(index), s.equilibrium_ratio.has_value()));
   const auto add = [&](const std::string& more) { text += ", " + more; };
   if (s.displacement) add(fmt::format("monitor {} along {}", s.monitor, "xyz"[s.direction]));
   for (const BodyControl& c : s.controls) {

@@ -69,8 +69,7 @@ int axis_of_action(const Stage& stage) {
 int axis_of(const Stage& stage) {
   if (stage.direction == 0 && axis_of_action(stage) == 2) return 2;
   if (stage.direction != 0 || stage.whiffletree || stage.cycles) return stage.direction;
-  const std::array<bool, 3> driven = driven_along(stage);
-  return driven == std::array{false, true, false} ? 1 : driven == std::array{false, false, true} ? 2 : 0;
+  return only_axis(driven_along(stage));
 }
 
 int axis_of_response(const Stage& stage) { return axis_of(stage) == 2 ? 2 : axis_of_action(stage); }

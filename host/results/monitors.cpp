@@ -182,15 +182,22 @@ void MonitorFile::add(const HistoryRow& row) {
 void MonitorFile::write(const std::vector<double>& values) {
   for (std::size_t i = 0; i < values.size(); ++i) stream_ << (i == 0 ? "" : ",") << csv_number(values[i]);
   stream_ << '\n';
-  if (!stream_)
-    throw Error(Exit::bad_input, file_in(folder_).string() +
-                                     ": cannot be written; free space, or choose another "
-                                     "folder with --out");
+  require_written();
   rows_.push_back(values);
+}
+
+void MonitorFile::require_written() {
+  if (stream_) return;
+  stream_.close();
+  std::error_code ignored;
+  fs::remove(part_name(file_in(folder_)), ignored);
+  throw Error(Exit::bad_input,
+              file_in(folder_).string() + ": cannot be written; free space, or choose another folder with --out");
 }
 
 void MonitorFile::finish() {
   stream_.close();
+  require_written();
   finish_file(file_in(folder_));
   Json json = Json::object();
   for (std::size_t i = 0; i < monitors_.size(); ++i) {

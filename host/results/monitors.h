@@ -37,6 +37,7 @@ class MonitorFile {
   Motion motion_of(const MonitorPlace& place) const;
   Motion ground_of(const HistoryRow& row) const;
   void write(const std::vector<double>& values);
+  void require_written();  // throws Error(bad_input), and removes the unfinished file
 
   std::filesystem::path folder_;
   const Simulation& simulation_;

@@ -52,9 +52,9 @@ double landing_restitution(double damping_ratio) {
 }
 
 double end_velocity(const GroundMotion::Component& component) {
-  constexpr double kRounding = 1e-12;  // m/s; velocity that rounding leaves of a record that ends at rest: counts as 0
+  constexpr double kAtRest = 1e-12;  // m/s; velocity that rounding leaves of a record that ends at rest: counts as 0
   const double end = component.velocity.at(component.acceleration, component.acceleration.time.back());
-  return std::abs(end) < kRounding ? 0.0 : end;
+  return std::abs(end) < kAtRest ? 0.0 : end;
 }
 
 namespace {

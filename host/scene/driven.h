@@ -18,11 +18,15 @@ inline std::array<bool, 3> driven_along(const Stage& stage, const std::string& o
   return driven;
 }
 
-// Stage::direction where the scene gives none: the only axis along which bodies are driven, or where the stage ends by
-// a displacement its monitor; else x.
+// The only axis of these; else x.
+inline int only_axis(const std::array<bool, 3>& axes) {
+  return axes == std::array{false, true, false} ? 1 : axes == std::array{false, false, true} ? 2 : 0;
+}
+
+// Stage::direction where the scene gives none: the only axis along which bodies are driven, else x. In a stage that
+// ends by a displacement its monitor counts alone.
 inline int default_direction(const Stage& stage) {
-  const std::array<bool, 3> driven = driven_along(stage, stage.displacement ? stage.monitor : "");
-  return driven == std::array{false, true, false} ? 1 : driven == std::array{false, false, true} ? 2 : 0;
+  return only_axis(driven_along(stage, stage.displacement ? stage.monitor : ""));
 }
 
 // Velocity of the monitor, or of the jack of a whiffletree, along the direction of the stage after its ramp, m/s. 0:

@@ -16,11 +16,6 @@ namespace {
 
 constexpr int kPlusX = 1, kPlusY = 3;
 
-template <typename Map>
-int index_of(const Map& map, const std::string& name) {
-  return static_cast<int>(std::distance(map.begin(), map.find(name)));
-}
-
 // The wall as a grid of half units: the unit in each cell, -1 in openings.
 class WallGrid {
  public:

@@ -1,6 +1,7 @@
 // Generators: from the few numbers of a scene to blocks and joints.
 #pragma once
 
+#include <iterator>
 #include <map>
 #include <string>
 
@@ -8,6 +9,12 @@
 #include "scene/scene.h"
 
 namespace quoin {
+
+// Index of a name in the order of a map that has it.
+template <typename Map>
+int index_of(const Map& map, const std::string& name) {
+  return static_cast<int>(std::distance(map.begin(), map.find(name)));
+}
 
 // Blocks in the order of courses from the bottom, each from the left; then the rigid beams.
 Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,

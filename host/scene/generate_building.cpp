@@ -15,11 +15,6 @@ namespace {
 
 constexpr int kPlusX = 1, kPlusY = 3, kPlusZ = 5;
 
-template <typename Map>
-int index_of(const Map& map, const std::string& name) {
-  return static_cast<int>(std::distance(map.begin(), map.find(name)));
-}
-
 // Coordinate in whole micrometres, as a key of sets and maps.
 long micrometres(double x) { return std::lround(x * 1e6); }
 

@@ -143,7 +143,8 @@ DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
   t.text("name", w.name, "text");
   read_kind(t, scene, w.material, w.rigid, w.zone_edge);
   t.choice("bond", w.bond, {"running", "third", "stack"});
-  t.choice("first_course", w.first_course, {"whole", "half"});
+  if (t.choice("first_course", w.first_course, {"whole", "half"}) && w.bond == "third")
+    t.refuse("first_course", "only with bond = \"running\" or \"stack\"");
   t.integer("courses", w.courses, 1, 10000, true);
   if (t.number("units_per_course", w.units_per_course, between(0.5, 10000), "units, in halves", true) &&
       2 * w.units_per_course != std::floor(2 * w.units_per_course)) {
@@ -159,8 +160,14 @@ DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
   t.boolean("mid_unit_joints", w.mid_unit_joints);
   t.numbers("origin", w.origin, kPlace, "m");
   t.number("direction", w.direction, kTurn, "deg in plan, from x towards z");
-  t.numbers("trim_start", w.trim_start, kPlace, "m, of even and of odd courses");
-  t.numbers("trim_end", w.trim_end, kPlace, "m, of even and of odd courses");
+  t.numbers("trim_start", w.trim_start, kNotNegative, "m, of even and of odd courses");
+  t.numbers("trim_end", w.trim_end, kNotNegative, "m, of even and of odd courses");
+  const double length = w.units_per_course * w.unit[0];
+  for (std::size_t parity = 0; length > 0.0 && parity < 2; ++parity) {
+    if (w.trim_start[parity] + w.trim_end[parity] >= length)
+      t.refuse(w.trim_end[parity] > 0.0 ? "trim_end" : "trim_start",
+               fmt::format("together less than the length of the wall, {:g} m", length));
+  }
   t.each("opening", [&](Table& o) {
     DryWallSpec::Opening& opening = w.openings.emplace_back();
     o.number("from", opening.from, kNotNegative, "m along the wall", true);
@@ -187,6 +194,10 @@ ArchSpec read_arch(Table& t, const Scene& scene) {
   t.integer("voussoirs", a.voussoirs, 2, 10000, true);
   t.numbers("angles", a.angles, kTurn, "deg from x");
   t.boolean("abutments", a.abutments);
+  constexpr double kCircle = 360.0;
+  const double span = std::abs(a.angles[1] - a.angles[0]);
+  if (span == 0.0 || span > kCircle || (a.abutments && span * (1.0 + 2.0 / a.voussoirs) > kCircle))
+    t.refuse("angles", "two different ones, up to 360 degrees apart with the abutments");
   return a;
 }
 
@@ -282,7 +293,11 @@ BlocksSpec read_blocks(Table& t, const Scene& scene, const std::string& folder) 
 
 void read_contact(Table& c, const SolverSettings& solver, BlocksSpec::Contact* contact) {
   c.number("skin", contact->skin, between(1e-9, 1e3), "m");
-  c.number("joint_tolerance", contact->joint_tolerance, between(1e-9, 1e3), "m");
+  if (c.number("joint_tolerance", contact->joint_tolerance, between(1e-9, 1e3), "m") && contact->skin > 0.0 &&
+      contact->joint_tolerance > contact->skin / 4)
+    c.refuse("joint_tolerance", fmt::format("at most {:g} m, a quarter of contact.skin: faces further apart get no "
+                                            "contact points; give a larger skin too",
+                                            contact->skin / 4));
   c.number("point_spacing", contact->point_spacing, kPositive, "m");
   c.number("small_displacement", contact->small_displacement, between(0, 0.1), "of the least extent of a block");
   if (contact->small_displacement == 0.0 && solver.large_motion == LargeMotion::never)

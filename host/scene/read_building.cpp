@@ -17,7 +17,7 @@ Wall read_wall(Table& t, const BuildingSpec& b, const Scene& scene) {
   w.source = {t.where()};
   t.text("name", w.name, "text, as \"B\"", true);
   t.choice("axis", w.axis, {{"x", 0}, {"z", 2}});
-  t.numbers("start", w.start, kAny, "m (x and z of the lowest corner)", true);
+  t.numbers("start", w.start, kPlace, "m (x and z of the lowest corner)", true);
   const bool counted = t.integer("half_units", w.half_units, 1, 20000, true);
   const bool measured = t.number("half_unit", w.half_unit, kExtent, "m (length)", true);
   t.choice("first_course", w.first_course, {"whole", "half"});
@@ -82,7 +82,7 @@ BuildingSpec read_building(Table& t, const Scene& scene) {
   t.each("corner", [&](Table& c) {
     BuildingSpec::Corner& corner = b.corners.emplace_back();
     corner.source = {c.where()};
-    c.numbers("at", corner.at, kAny, "m (x and z of the lowest corner)", true);
+    c.numbers("at", corner.at, kPlace, "m (x and z of the lowest corner)", true);
     const bool first_known = wall_of(c, "first", corner.first), second_known = wall_of(c, "second", corner.second);
     if (first_known && second_known && corner.first == corner.second) c.refuse("second", "another wall than first");
   });

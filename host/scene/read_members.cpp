@@ -35,10 +35,7 @@ void read_name(Table& t, const std::string& fallback, std::set<std::string>& tak
   constexpr const char* allowed = "letters, digits, '_' and '-'";
   name = fallback;
   t.text("name", name, allowed);
-  const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-';
-  });
-  if (!plain)
+  if (!is_plain_name(name))
     t.refuse("name", allowed);
   else if (!taken.insert(name).second)
     t.context().fault(

@@ -7,16 +7,6 @@ namespace quoin {
 
 using namespace reader;
 
-namespace {
-
-bool fits_columns(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-  });
-}
-
-}  // namespace
-
 std::vector<Monitor> read_monitors(Table& scene) {
   std::vector<Monitor> monitors;
   scene.each("monitor", [&](Table& t) {
@@ -30,7 +20,7 @@ std::vector<Monitor> read_monitors(Table& scene) {
     const auto called = [&](const std::string& name) {
       return std::any_of(monitors.begin(), monitors.end(), [&](const Monitor& other) { return other.name == name; });
     };
-    if (t.has("name") && !fits_columns(m.name)) t.refuse("name", "letters, digits, _ and -, for columns");
+    if (t.has("name") && !is_plain_name(m.name)) t.refuse("name", "letters, digits, _ and -, for columns");
     if (called(m.name) || m.name == "ground") t.refuse("name", "a name that no other monitor has, and not \"ground\"");
     if (!m.below.empty() && !called(m.below)) t.refuse("below", "the name of a monitor that is given before this one");
     monitors.push_back(m);

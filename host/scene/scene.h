@@ -144,7 +144,7 @@ struct BodyControl {
 // A force that moves with a point of a block; its direction is constant.
 struct PointForce {
   std::string block;
-  Vec3 point, force;  // m, where it acts at the start of the stage's block; N
+  Vec3 point, force;  // m, where it acts at the start; N
   bool operator==(const PointForce&) const = default;
 };
 
@@ -209,9 +209,10 @@ struct Stage {
   Vec3 gravity{0.0, 0.0, 0.0};  // m/s2
   double ramp_time = 0.0;       // s; velocities and forces change smoothly from those of the stage before
 
-  // equilibrium: largest unbalanced nodal force <= tolerance * mean contact force, for check_interval steps
+  // Largest unbalanced force of a gridpoint or body, over the mean contact force, at which the stage ends. Several
+  // checks in a row must find it (step/stages.cpp).
   std::optional<double> equilibrium_ratio;
-  // displacement: largest |component| of the `monitor` since the start of the stage, m
+  // Displacement of `monitor` along `direction`, since the start of the stage, at which it ends, m.
   std::optional<double> displacement;
   std::optional<double> duration;                     // s; for cycles: their duration
   long max_steps = std::numeric_limits<long>::max();  // without equilibrium by then: numerical failure

@@ -129,7 +129,7 @@ std::string held_monitor(const Scene& scene, std::size_t stage) {
 
 // A body that the stage before has driven, and that goes on over the ramp before it stops or turns back.
 std::string goes_on_in_ramp(const Scene& scene, std::size_t stage) {
-  constexpr double kAllowed = 0.05;  // of the displacement that either stage asks for
+  constexpr double kAllowed = 0.05;  // of the smaller displacement at which the two stages end
   const Stage& now = scene.stages[stage];
   if (stage == 0 || now.ramp_time <= 0.0 || now.cycles) return "";
   const Stage& before = scene.stages[stage - 1];

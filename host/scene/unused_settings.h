@@ -1,4 +1,4 @@
-// Settings of a scene that change nothing in it, for notices.
+// Settings of a scene that change nothing in it.
 #pragma once
 
 #include <string>

@@ -6,6 +6,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/larger.h"
 #include "model/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -237,10 +238,8 @@ void AdvanceBodiesAndMeasure(const Model& model, const BodyGroup& group, const B
   *measured = {};
   double unbalanced[kLanes];
   in_lanes(work.unbalanced, unbalanced);
-  for (int i = 0; i < group.body_count; ++i) {
-    // The comparison keeps NaN.
-    if (!(unbalanced[i] <= measured->unbalanced_squared)) measured->unbalanced_squared = unbalanced[i];
-  }
+  for (int i = 0; i < group.body_count; ++i)
+    measured->unbalanced_squared = larger(measured->unbalanced_squared, unbalanced[i]);
   measured->kinetic = sum(work.kinetic);
   measured->damping_before = sum(work.damping_before);
   measured->damping_after = sum(work.damping_after);

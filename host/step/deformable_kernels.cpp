@@ -611,8 +611,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
       external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);
       if (columns.viscous) damping = hn::NegMulAdd(hn::Load(d, columns.viscous_force + at + k * kLanes), way, damping);
     });
-    // Keeps NaN.
-    if constexpr (kNeeds.measured) unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);
+    if constexpr (kNeeds.measured) unbalanced = larger_of(unbalanced, free);
     const Lanes3 place = plus_scaled(x, dt, next);
     positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
     store_line(place, all_x + at);

@@ -160,7 +160,8 @@ std::array<double, 2> way_of_slip(const PlacedPoint& p, int along) {
   geometry::Vector way;
   way[is_bed ? along : 1] = 1.0;
   way = normalized(way - dot(way, n) * n);
-  const double side = is_bed ? n.y : n[along] != 0.0 ? n[along] : n[2 - along];
+  constexpr double kAcross = 1e-9;  // component of a normal that is 0 but for rounding
+  const double side = is_bed ? n.y : std::abs(n[along]) > kAcross ? n[along] : n[2 - along];
   if (side < 0.0) way = -way;
   return {dot(way, geometry::vector(p.axis[1])), dot(way, geometry::vector(p.axis[2]))};
 }
@@ -188,8 +189,8 @@ void slide(const Damage& damage, const JointFamily& family, const Material& mate
   call.bind_jumps(opening.data(), part_s.data(), part_t.data());
   for (int step = 0; step < kSteps; ++step) {
     if (call.evaluate(material))
-      throw Error(Exit::law_refused,
-                  fmt::format("law {} fails where damage lets it slide by {:g} m", material.api().id, damage.slip));
+      throw Error(Exit::law_refused, fmt::format("{}: law {} fails where this damage lets it slide by {:g} m",
+                                                 damage.source.text, material.api().id, damage.slip));
     for (std::size_t i = 0; i < count; ++i) opening[i] += kFollows * std::max(0.0, -traction[i]) / stiffness;
   }
   for (std::size_t k = 0; k < states; ++k) {
@@ -240,6 +241,7 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
   fill(family.initial_state, all, result.state);
 
   std::vector<double> opening(count, 0.0);
+  std::vector<std::size_t> opened_by(count, 0);  // entry of a point's opening
   for (std::size_t d = 0; d < damage.size(); ++d) {
     const Damage& entry = damage[d];
     const bool meant =
@@ -259,7 +261,9 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
     }
     if (entry.slip > 0.0) slide(entry, family, *material, points, found, columns, result.state);
     set_states(entry, family, *material, found, count, result.state);
-    for (const std::size_t i : found) opening[i] = entry.opening;
+    for (const std::size_t i : found) {
+      if (entry.opening > 0.0) opening[i] = entry.opening, opened_by[i] = d;
+    }
     damaged.insert(damaged.end(), found.begin(), found.end());
   }
   std::sort(damaged.begin(), damaged.end());
@@ -280,7 +284,7 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
                                      "\"dry\" with it";
     throw Error(Exit::bad_input,
                 fmt::format("{}: opening = {:g} m: the joint of family '{}' at ({:.4f}, {:.4f}, {:.4f}) m {}",
-                            damage.back().source.text, opening[i], family.name, x[0], x[1], x[2], reason));
+                            damage[opened_by[i]].source.text, opening[i], family.name, x[0], x[1], x[2], reason));
   }
   return result;
 }

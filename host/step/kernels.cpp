@@ -7,6 +7,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/larger.h"
 #include "model/stiffness-inl.h"
 #include "model/vectors-inl.h"
 
@@ -642,7 +643,7 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
         sums->weight_after[p] = hn::MulAdd(weight, hn::Mul(after, half_dt), sums->weight_after[p]);
       }
     }
-    for (int p = 0; p < kParts; ++p) sums->unbalanced[p] = hn::Max(sums->unbalanced[p], squared[p]);
+    for (int p = 0; p < kParts; ++p) sums->unbalanced[p] = larger_of(sums->unbalanced[p], squared[p]);
   }
 }
 
@@ -713,8 +714,7 @@ HWY_INLINE void measure_unit(const UnitData& unit, const RigidStep& rigid, Measu
   alignas(64) double lane[kLanes];
   for (int p = 0; p < kParts; ++p) hn::Store(sums.unbalanced[p], d, lane + p * kWidth);
   measured->unbalanced_squared = 0.0;
-  for (double x : lane)
-    measured->unbalanced_squared = x > measured->unbalanced_squared ? x : measured->unbalanced_squared;
+  for (double x : lane) measured->unbalanced_squared = larger(measured->unbalanced_squared, x);
   measured->kinetic = 0.5 * sum_lanes(sums.kinetic);
   measured->strain = sum_lanes(sums.strain);
   measured->damping_before = sum_lanes(sums.damping_before);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/larger.h"
 #include "members/members.h"
 #include "model/contact_frames.h"
 #include "model/fixed_frames.h"
@@ -17,9 +18,6 @@ namespace quoin::blocks {
 using namespace geometry;
 
 namespace {
-
-// The larger of the two; NaN if either is.
-double larger(double so_far, double x) { return x <= so_far ? so_far : x; }
 
 void report_failure(const Model& m, const Chunk& chunk) {
   const Family& f = m.contacts.families[size_t(chunk.family)];

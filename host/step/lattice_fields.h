@@ -25,7 +25,7 @@ void each_lattice_field(State& lattice, const Visit& visit) {
   for (auto& column : lattice.viscous)
     visit(Field{Owner::contact_point, "viscous_traction", 1, "Pa"}.only(kDamped), column, -1);
   visit(Field{Owner::contact_point, "jump_before", 1, "m"}.only(kDamped), lattice.old_jump, -1);
-  visit(Field{Owner::contact_point, "flags", 1, "-"}.found_in_each_step().not_saved(), lattice.flags, -1);
+  visit(Field{Owner::contact_point, "flags", 1, "-"}.not_saved(), lattice.flags, -1);
 }
 
 }  // namespace quoin

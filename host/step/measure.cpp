@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/larger.h"
 #include "model/world_results.h"
 #include "step/actions/ground.h"
 #include "step/columns/columns.h"
@@ -96,7 +97,7 @@ double dynamic_force_of_lattice(const Simulation::Impl& s) {
 
 double largest_displacement(const Simulation::Impl& s) {
   double largest = 0.0;
-  const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // keeps NaN
+  const auto look = [&](double moved) { largest = larger(largest, moved); };
   for (std::size_t i = 0; !s.large_motion && i < s.model.assembly.bricks.size(); ++i)
     look(norm(geometry::vector((has_all(s) ? whole_motion_of(s, i) : s.small_motion.whole_motions[i]).translation)));
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i) {
@@ -111,8 +112,7 @@ void sum_measurements(Simulation::Impl& s) {
   double unbalanced = 0.0, damping_before = 0.0, damping_after = 0.0, external_before = 0.0, external_after = 0.0;
   Energies now;
   for (const Measured& m : s.division.measured) {
-    unbalanced = std::max(unbalanced, m.unbalanced_squared);
-    if (std::isnan(m.unbalanced_squared)) unbalanced = m.unbalanced_squared;
+    unbalanced = larger(unbalanced, m.unbalanced_squared);
     now.kinetic += m.kinetic;
     now.strain += m.strain;
     damping_before += m.damping_before;

@@ -191,7 +191,7 @@ class Simulation {
   void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
   bool stop_requested() const noexcept { return stop_requested_.load(std::memory_order_relaxed); }
 
-  // Advances by `steps` under the controls of the current stage (stage 0 before run); for tests and benchmarks. With
+  // Advances by `steps` under the controls of the current stage (stage 0 before run), without a look at its end. With
   // measure_last, the last step records the numbers of measure() and the flags of contact points.
   void advance(long steps, bool measure_last = true);
   const Scene& scene() const;

@@ -116,7 +116,8 @@ StageRun::Due StageRun::look_ahead() {
 // Each criterion is evaluated: its findings are kept, whichever of them ends the stage.
 bool StageRun::has_ended(const Due& due) {
   bool ended = due.check && equilibrium_reached(s_, settings_);
-  ended |= stage_fraction(s_) >= 1.0 || force_lost(s_);
+  ended |= force_lost(s_);
+  ended |= stage_fraction(s_) >= 1.0;
   if (s_.large_motion && s_.progress.stage_step % kCollapseInterval == 0) ended |= collapse_ended(s_, &warnings_);
   return ended;
 }

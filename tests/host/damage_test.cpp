@@ -21,6 +21,7 @@
 namespace quoin {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr double kFt = 0.2e6, kFc = 5e6, kGc = 8000.0;  // Pa, J/m2; linear softening
@@ -239,6 +240,9 @@ TEST(Damage, WhatCannotBeIsRefusedWithItsPlaceAndReason) {
   EXPECT_THAT(fault_of("[[damage]]\nstate = { w = -1 }\n"), HasSubstr("allows 0 to"));
   EXPECT_THAT(fault_of("[[damage]]\nfrom = [5, 0, 0]\n"), HasSubstr("no contact point of its joints lies there"));
   EXPECT_THAT(fault_of("[[damage]]\nxi = 0.1\nopening = 1e-4\n"), HasSubstr("give initial_state = \"dry\""));
+  // A later entry without an opening had closed the joint again, in silence.
+  EXPECT_THAT(fault_of("[[damage]]\ninitial_state = \"dry\"\nopening = 1e-4\n[[damage]]\ninitial_state = \"bonded\"\n"),
+              AllOf(HasSubstr("damage.1: opening = 0.0001 m"), HasSubstr("cannot stand open")));
   EXPECT_THAT(fault_of("[[damage]]\nopening = 1e-4\n", kElastic), HasSubstr("law elastic, which carries tension in"));
   EXPECT_THAT(fault_of("[[damage]]\nxi = 0.1\n", kElastic), HasSubstr("has no softening variable xi"));
   EXPECT_THAT(fault_of("[[damage]]\ninitial_state = \"wet\"\n"), HasSubstr("wet"));

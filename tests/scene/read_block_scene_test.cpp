@@ -440,6 +440,29 @@ TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
   EXPECT_THAT(refusal([&] { arch("2.0"); }), HasSubstr("less than twice the radius"));
 }
 
+// Faults of arches and dry walls ended in messages about hulls and overlaps, or whole courses vanished.
+TEST_F(ReadBlockScene, ArchesAndWallsThatCannotBeAreRefusedWithTheirKeys) {
+  const auto arch = [&](const char* angles) {
+    read_scene(write("arch.toml", std::string(kScene) +
+                                      "[[arch]]\nname = \"arch\"\nmaterial = \"stone\"\nradius = 1.0\ndepth = 0.5\n"
+                                      "thickness = 0.2\nvoussoirs = 9\nangles = " +
+                                      angles + "\n"));
+  };
+  EXPECT_THAT(refusal([&] { arch("[90, 90]"); }), HasSubstr("arch.1.angles"));
+  EXPECT_THAT(refusal([&] { arch("[0, 360]"); }), HasSubstr("arch.1.angles"));
+  EXPECT_NO_THROW(arch("[0, 290]"));  // 354 degrees with the abutments
+  const auto wall = [&](const char* keys) {
+    read_scene(write("wall.toml", std::string(kScene) +
+                                      "[[dry_wall]]\nname = \"wall\"\nmaterial = \"stone\"\ncourses = 2\n"
+                                      "units_per_course = 4\nunit = [0.5, 0.2, 0.2]\norigin = [10, 0, 0]\n" +
+                                      keys));
+  };
+  EXPECT_THAT(refusal([&] { wall("trim_start = [0, 3]"); }), HasSubstr("less than the length of the wall, 2 m"));
+  EXPECT_THAT(refusal([&] { wall("trim_start = [1, 0]\ntrim_end = [1, 0]"); }), HasSubstr("trim_end"));
+  EXPECT_THAT(refusal([&] { wall("trim_end = [-3, 0]"); }), HasSubstr("dry_wall.1.trim_end"));
+  EXPECT_THAT(refusal([&] { wall("bond = \"third\"\nfirst_course = \"half\""); }), HasSubstr("first_course"));
+}
+
 TEST_F(ReadBlockScene, StagesThatEndByDisplacementNeedAMonitor) {
   EXPECT_THAT(fault("stage.1.displacement=0.01"),
               HasSubstr("--set: stage.1.displacement = 0.01: allowed: only with a block to measure; give monitor"));

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/error.h"
+#include "base/larger.h"
 #include "base/rank_rows.h"
 #include "members/members.h"
 #include "model/world_results.h"
@@ -33,29 +34,6 @@ constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as up
 // by 0.1 % of the weight moves a block by more, even with nine tenths of its acceleration lost to damping.
 constexpr double kAtRest = 1e-3;
 constexpr double kMostSeen = 0.01;  // m; largest displacement of collapse in the criterion for rest
-
-void watch_uplift(Simulation::Impl& s) {
-  if (s.outcome.base_slip_at_uplift) return;
-  double opened = 0.0;
-  const auto& contacts = s.large_motion->contacts.list;
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const blocks::Contact& c = contacts[k];
-    if (c.count == 0 || !s.large_motion->part.owns(c.pair) ||
-        std::abs(s.large_motion->contacts.place[k].separation.normal.y) < kBed)
-      continue;
-    const auto& family = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
-    for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
-  }
-  if (s.parts.divided) opened = largest_of_ranks(s, opened);
-  if (opened < kUplift) return;
-  double slip = 0.0;
-  for (int b = 0; b < s.large_motion->block_count(); ++b) {
-    if (!s.reactions.on_base[static_cast<std::size_t>(b)] || !s.large_motion->part.owns(b)) continue;
-    const Vec3 d = block_translation(s, b);
-    slip = std::max(slip, std::hypot(d[0], d[2]));
-  }
-  s.outcome.base_slip_at_uplift = s.parts.divided ? largest_of_ranks(s, slip) : slip;
-}
 
 // Length of a window, s: four times that of a free fall by the displacement in the criterion for rest.
 double window_of(const Collapse& c, const Vec3& gravity) {
@@ -103,10 +81,35 @@ double moved_in_stage(const Simulation::Impl& s) {
   double largest = 0.0;
   for (std::size_t i = 0; i < s.actions.collapse_from.size(); ++i) {
     if (s.large_motion->assembly.blocks[i].fixed || (s.ranks && rank[i] != s.ranks->rank())) continue;
-    const double moved = norm(position_of(*s.large_motion, static_cast<int>(i)) - ground - s.actions.collapse_from[i]);
-    largest = moved <= largest ? largest : moved;  // keeps NaN
+    largest =
+        larger(largest, norm(position_of(*s.large_motion, static_cast<int>(i)) - ground - s.actions.collapse_from[i]));
   }
   return s.ranks ? largest_of_ranks(s, largest) : largest;
+}
+
+void watch_uplift(Simulation::Impl& s) {
+  if (s.outcome.base_slip_at_uplift) return;
+  double opened = 0.0;
+  const auto& contacts = s.large_motion->contacts.list;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const blocks::Contact& c = contacts[k];
+    if (c.count == 0 || !s.large_motion->part.owns(c.pair) ||
+        std::abs(s.large_motion->contacts.place[k].separation.normal.y) < kBed)
+      continue;
+    const auto& family = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
+    for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
+  }
+  if (s.parts.divided) opened = largest_of_ranks(s, opened);
+  if (opened < kUplift) return;
+  const Vector ground = position_of_ground(s);
+  double slip = 0.0;  // since the stage began, m
+  for (int b = 0; b < s.large_motion->block_count(); ++b) {
+    if (!s.reactions.on_base[static_cast<std::size_t>(b)] || !s.large_motion->part.owns(b)) continue;
+    const Vector moved =
+        position_of(*s.large_motion, b) - ground - s.actions.collapse_from[static_cast<std::size_t>(b)];
+    slip = std::max(slip, std::hypot(moved.x, moved.z));
+  }
+  s.outcome.base_slip_at_uplift = s.parts.divided ? largest_of_ranks(s, slip) : slip;
 }
 
 void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {

@@ -1,9 +1,9 @@
 // Times of the phases of a run. Steps, and the functions between them, add to these.
 #pragma once
 
-#include <chrono>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/phase_clock.h"
 
 namespace quoin {
@@ -11,11 +11,6 @@ namespace quoin {
 // One step in kTimedSteps is timed phase by phase, which costs less than one percent. A prime: phases at round
 // intervals, such as checks of motion, fall on timed steps as often as on others.
 constexpr long kTimedSteps = 31;
-
-using Clock = std::chrono::steady_clock;
-inline double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 struct StepTiming {
   bool every_step = false;

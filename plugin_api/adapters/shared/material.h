@@ -16,8 +16,8 @@ class Material : public api::Material {
  public:
   // Throws as api::Material does.
   Material(const quoin_law& law, const std::vector<PropertyValue>& values);
-  // Normal and shear stiffness of a closed joint that nothing has changed, Pa/m: the law's tangent there, or its
-  // stiffness bounds if it offers no tangent. Bounds may be larger, as of a joint that dilates.
+  // Normal and shear stiffness of a closed joint that nothing has changed, Pa/m. They are the law's tangent there.
+  // Without a tangent they are its stiffness bounds, which may be larger, as of a joint that dilates.
   const quoin_stiffness_bounds& elastic() const { return elastic_; }
 
  private:
