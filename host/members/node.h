@@ -1,11 +1,11 @@
 // A point of a block on which members act.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "base/local_damping.h"
 #include "geometry/vector.h"
 
 namespace quoin::members {
@@ -39,7 +39,7 @@ struct Surroundings {
 // Advances one component of a node's velocity by a step; returns the work of damping, J. inertia: kg; force: N.
 inline double brake(const Surroundings& step, double inertia, double force, double ground, double& v) {
   const double before = v, alpha = step.mass_damping * step.dt / 2.0;
-  const double local = v == ground ? 0.0 : std::copysign(step.local_damping * std::abs(force), v - ground);
+  const double local = quoin::local_damping(step.local_damping, force, v - ground);
   v = (v * (1.0 - alpha) + step.dt / inertia * (force - local) + 2.0 * alpha * ground) / (1.0 + alpha);
   const double middle = 0.5 * (before + v);
   return (local + step.mass_damping * inertia * (middle - ground)) * middle * step.dt;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/local_damping.h"
 
 namespace quoin::members {
 
@@ -112,7 +113,7 @@ void Strip::advance(const std::vector<Vector>& force, double dt) {
     Vector& w = speed_[i];
     const Vector before = w;
     for (int c = 0; c < 3; ++c) {
-      const double braking = w[c] == 0.0 ? 0.0 : std::copysign(kDamping * std::abs(force[i][c]), w[c]);
+      const double braking = local_damping(kDamping, force[i][c], w[c]);
       w[c] += dt / mass_[i] * (force[i][c] - braking);
       dissipated_ += braking * 0.5 * (before[c] + w[c]) * dt;
     }

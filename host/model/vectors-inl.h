@@ -111,10 +111,10 @@ HWY_INLINE void for_rows(const V (&column)[kFour], int count, const Visit& visit
   }
 }
 
-// Fd = gamma |F| sgn(v) of equation 1, sgn(0) = +1.
+// Fd = gamma |F| sgn(v) of equation 1; sgn(0) = 0, so that mirrored motion from rest has mirrored forces.
 HWY_INLINE V local_damping(V gamma, V force, V velocity) {
-  const V amount = hn::Mul(gamma, hn::Abs(force));
-  return hn::IfThenElse(hn::Lt(velocity, hn::Zero(D())), hn::Neg(amount), amount);
+  const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force)), velocity);
+  return hn::IfThenZeroElse(hn::Eq(velocity, hn::Zero(D())), amount);
 }
 
 }  // namespace HWY_NAMESPACE

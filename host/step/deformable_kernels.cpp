@@ -586,8 +586,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
       if constexpr (kNeeds.brakes) {
         if (step.gamma > 0.0) {
           const V relative = hn::Sub(v[k], hn::Set(d, step.ground[k]));
-          const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force[k])), relative);
-          brake = hn::IfThenZeroElse(hn::Eq(relative, zero), hn::Neg(amount));
+          brake = hn::Neg(local_damping(gamma, force[k], relative));
           change = hn::MulAdd(dt_over_mass, brake, change);
         }
         if (a > 0.0 && step.ground[k] != 0.0) change = hn::Add(change, hn::Set(d, 2.0 * a * step.ground[k]));

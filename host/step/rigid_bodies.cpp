@@ -1,6 +1,6 @@
 #include "step/rigid_bodies.h"
 
-#include <cmath>
+#include "base/local_damping.h"
 
 namespace quoin {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 double advance_component(double force, double inertia, const StepData& step, double ground, double* velocity) {
   double damping = 0.0;
   if (step.eq1 != Eq1::nothing) {
-    damping = step.local_damping * std::abs(force) * (*velocity - ground < 0.0 ? -1.0 : 1.0);
+    damping = local_damping(step.local_damping, force, *velocity - ground);
   } else if (step.mass_damping > 0.0) {
     damping = step.mass_damping * inertia * (*velocity - ground);
   }

@@ -257,12 +257,6 @@ struct HeldLanes {
   }
 };
 
-// Damping force of eq. 1; 0 at zero velocity.
-HWY_INLINE V against(V gamma, V force, V velocity) {
-  const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force)), velocity);
-  return hn::IfThenZeroElse(hn::Eq(velocity, hn::Zero(D())), hn::Neg(amount));
-}
-
 // Viscous damping: v' = -alpha v, with the mean of both velocities.
 HWY_INLINE double half_alpha_dt(const BodyStep& step) { return 0.5 * step.alpha * step.time_step; }
 
@@ -284,7 +278,7 @@ HWY_INLINE Lanes3 accelerate(const HeldLanes& is_held, int first, const BodyStep
   for (int k = 0; k < 3; ++k) {
     const auto hold = is_held(k);
     const V ground = hn::Set(d, step.ground[k]);
-    const V brake = against(gamma, force[k], hn::Sub(v[k], ground));
+    const V brake = hn::Neg(local_damping(gamma, force[k], hn::Sub(v[k], ground)));
     V driven = hn::MulAdd(dt_over_mass, hn::Add(force[k], brake), hn::Mul(keep, v[k]));
     if (a > 0.0 && step.ground[k] != 0.0) driven = hn::MulAdd(hn::Set(d, 2.0 * a), ground, driven);
     next[k] = hn::IfThenElse(hold, held_v[k], hn::Mul(over, driven));
@@ -391,7 +385,7 @@ HWY_INLINE void advance_vector(const Members& of, const AssumedMotion* const (&a
   const auto some_held = hn::Or(is_held(3), hn::Or(is_held(4), is_held(5)));
   Lanes3 turned;
   for (int k = 0; k < 3; ++k) {
-    const V brake = hn::IfThenZeroElse(is_held(3 + k), against(gamma, torque[k], spin[k]));
+    const V brake = hn::IfThenZeroElse(is_held(3 + k), hn::Neg(local_damping(gamma, torque[k], spin[k])));
     turned[k] = hn::Mul(over, hn::MulAdd(keep, momentum[k], hn::Mul(dt, hn::Add(torque[k], brake))));
     if (step.energies)
       energies.damping = hn::NegMulAdd(hn::IfThenZeroElse(all_held, hn::Mul(brake, spin[k])), dt, energies.damping);

@@ -227,10 +227,7 @@ HWY_INLINE V chord_factor(const Lanes3& spin, double dt) {
 HWY_INLINE Motion damped(double gamma, const Motion& force, const Motion& velocity) {
   const auto against = [&](const Lanes3& f, const Lanes3& v) HWY_ATTR {
     Lanes3 damping;
-    for (int k = 0; k < 3; ++k) {
-      const V amount = hn::CopySign(hn::Mul(hn::Set(D(), gamma), hn::Abs(f[k])), v[k]);
-      damping[k] = hn::IfThenZeroElse(hn::Eq(v[k], hn::Zero(D())), amount);
-    }
+    for (int k = 0; k < 3; ++k) damping[k] = local_damping(hn::Set(D(), gamma), f[k], v[k]);
     return damping;
   };
   return {against(force.linear, velocity.linear), against(force.angular, velocity.angular)};

@@ -23,7 +23,7 @@ TEST_P(Rocking, ForceFollowsFromTheShearSpan) {
   // Slow, since a stiff wall vibrates at uplift.
   ASSERT_EQ(quoin({"validate", "--walls", (folder_ / "walls.csv").string(), "--out", out(), "--jobs", "1", "--set",
                    "joints.bed.normal_stiffness=1e11", "--set", "joints.bed.shear_stiffness=4e10", "--set",
-                   held ? "stage.shear.velocity=0.004" : "stage.shear.control.2.velocity=[0.004, \"free\", 0]"}),
+                   held ? "stage.shear.velocity=0.002" : "stage.shear.control.2.velocity=[0.004, \"free\", 0]"}),
             0)
       << error_;
   const std::string csv = read_all(folder_ / "out" / "validation.csv");
