@@ -65,13 +65,22 @@ Vector ground_of(const std::vector<Drawn>& blocks, const std::vector<HistoryRow>
   return ground;
 }
 
-View choose_view(const std::vector<Drawn>& blocks) {
-  // Plane: all blocks that can move share their middle plane.
-  double low = HUGE_VAL, high = -HUGE_VAL, thickness = 0.0;
+// Blocks that a picture shows whole: those that can move, or all where none can.
+std::vector<const Drawn*> shown_whole(const std::vector<Drawn>& blocks) {
+  const bool none_moves = std::ranges::all_of(blocks, &Drawn::fixed);
+  std::vector<const Drawn*> whole;
   for (const Drawn& block : blocks) {
-    if (block.fixed) continue;
+    if (none_moves || !block.fixed) whole.push_back(&block);
+  }
+  return whole;
+}
+
+View choose_view(const std::vector<Drawn>& blocks) {
+  // Plane: all of these blocks share their middle plane.
+  double low = HUGE_VAL, high = -HUGE_VAL, thickness = 0.0;
+  for (const Drawn* block : shown_whole(blocks)) {
     geometry::Box box;
-    for (const auto& face : block.faces) {
+    for (const auto& face : block->faces) {
       for (const Vector& p : face) box.include(p);
     }
     const double middle = 0.5 * (box.lower.z + box.upper.z);
@@ -257,9 +266,8 @@ struct Frame {
 
 Frame frame_of(const View& view, const std::vector<Drawn>& blocks) {
   Frame f;
-  for (const Drawn& block : blocks) {
-    if (block.fixed) continue;
-    for (const auto& face : block.faces) {
+  for (const Drawn* block : shown_whole(blocks)) {
+    for (const auto& face : block->faces) {
       for (const Vector& p : face) {
         f.x0 = std::min(f.x0, view.x(p)), f.x1 = std::max(f.x1, view.x(p));
         f.y0 = std::min(f.y0, view.y(p)), f.y1 = std::max(f.y1, view.y(p));

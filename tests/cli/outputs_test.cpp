@@ -104,6 +104,34 @@ TEST_F(Outputs, TitlesAndFoldersRunNoCommands) {
   for (const auto& entry : fs::recursive_directory_iterator(folder_)) EXPECT_NE(entry.path().filename(), "canary");
 }
 
+// Where all blocks are fixed, as under a beam, the extent of what moves was none, and gnuplot failed.
+TEST_F(Outputs, BlocksThatAreAllFixedAreDrawn) {
+  const std::string scene = write("fixed.toml", R"([materials.m]
+density = 2000.0
+[joints.j]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+[[block]]
+name = "a"
+material = "m"
+fixed = true
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[block]]
+name = "b"
+material = "m"
+fixed = true
+box = { lower = [3, 0, 0], size = [1, 1, 1] }
+[output]
+frames = 0
+[[stage]]
+duration = 0.01
+)");
+  ASSERT_EQ(quoin({"run", scene, "--out", out()}), 0) << error_;
+  for (const char* picture : {"cracks.png", "mechanism.png"})
+    EXPECT_TRUE(fs::exists(fs::path(out()) / picture)) << picture << ": " << error_;
+}
+
 // File names are bytes; summary.json is UTF-8.
 TEST_F(Outputs, TitlesAndNamesOfAnyBytesReachTheSummary) {
   const fs::path scene = folder_ / "b\xff.toml";
