@@ -109,7 +109,7 @@ void add_constant_loads(const Stage& stage, const blocks::Assembly& assembly, Sc
     }
     if (norm(force) == 0.0) continue;
     for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text))
-      limit->loads.push_back({block, limit->problem.blocks[static_cast<std::size_t>(block)].centre, force});
+      limit->loads.push_back({block, limit->load_places[static_cast<std::size_t>(block)], force});
   }
 }
 
@@ -395,6 +395,7 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
     block.fixed = input.fixed || is_ground(scene, input.name);
     const geometry::MassProperties mass = mass_properties(geometry::from_vertices(corners, input.name));
     block.centre = input.centre.value_or(mass.centroid);
+    limit->load_places.push_back(block.centre);
     double weighs =
         assembly.materials[static_cast<std::size_t>(input.material)].density * mass.volume + input.spread_mass;
     Vector moment = weighs * block.centre;

@@ -78,7 +78,8 @@ struct SceneLimit {
   std::vector<std::string> names, labels;        // names of blocks in the scene, and in messages
   std::vector<LimitMass> masses;
   std::vector<LimitLoad> loads;
-  std::vector<std::string> tie_names;  // names of the ties, which are the first forces
+  std::vector<geometry::Vector> load_places;  // of the scene's blocks, where loads on a body act, m
+  std::vector<std::string> tie_names;         // names of the ties, which are the first forces
   std::vector<LimitMember> members;
   std::vector<LimitBody> bodies;
 

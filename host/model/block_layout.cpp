@@ -308,7 +308,7 @@ RigidMass rigid_mass(const World& w, const Block& block) {
   const Matrix turned = matrix(block.orientation);
   const auto place_of = [&](const Vector& at) { return transposed_times(turned, at - block.position); };
   const Vector centre = block.centre ? place_of(*block.centre) : facts.mass.centroid;
-  RigidMass all{density * facts.mass.volume, centre, {density * facts.axes.values, facts.axes.vectors}};
+  RigidMass all{density * facts.mass.volume, centre, centre, {density * facts.axes.values, facts.axes.vectors}};
   if (block.masses.empty()) return all;
   const double own = all.mass;
   Vector moment = own * centre;
@@ -397,6 +397,7 @@ void lay_out(World& w, int block) {
   if (b.body >= 0) {
     w.bodies[size_t(b.body)] = make_body(w, block);
     const RigidMass own = rigid_mass(w, w.assembly.blocks[size_t(block)]);
+    w.blocks[size_t(block)].load_arm = transposed_times(own.axes.vectors, own.load_place - own.centre);
     auto corner = w.shapes.corner.begin() + b.first_corner;
     for (const Vector& p : b.shape->vertices) *corner++ = transposed_times(own.axes.vectors, p - own.centre);
     auto normal = w.shapes.normal.begin() + b.first_normal;

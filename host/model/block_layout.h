@@ -20,6 +20,7 @@ void lay_out(World& w, int block);
 struct RigidMass {
   double mass;            // kg
   Vector centre;          // m
+  Vector load_place;      // centre without the point masses, where loads act, m
   geometry::Eigen3 axes;  // principal inertia, kg m2
 };
 RigidMass rigid_mass(const World& w, const Block& block);

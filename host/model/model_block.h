@@ -26,8 +26,9 @@ struct ModelBlock {
   int32_t congruent = -1;                    // index into Zones::congruent; -1: the block shares no stiffness
   uint32_t first_corner = 0;                 // index into BlockShapes::corner: vertices of the shape
   uint32_t first_normal = 0;
-  double mass = 0.0;                                       // mass for weight, kg
-  double radius = 0.0;                                     // largest distance of a vertex from the centre, m
+  double mass = 0.0;    // mass for weight, kg
+  Vector load_arm;      // rigid: from the centre of mass to that without point masses, where loads act; in body axes, m
+  double radius = 0.0;  // largest distance of a vertex from the centre, m
   double least_extent = 0.0;                               // m
   double corner_area = 0.0;                                // nominal area of an edge or corner contact, m2
   std::vector<geometry::Zoning::SurfaceTriangle> surface;  // deformable; node numbers of the model

@@ -39,7 +39,7 @@ struct MeanSquare {
 QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene& scene) {
   QuasiStatic result;
   result.driven = std::any_of(scene.stages.begin(), scene.stages.end(), drives);
-  double peak = 0.0, work = 0.0, kinetic = 0.0;
+  double peak = 0.0, work = 0.0, most_work = 0.0, kinetic = 0.0;  // most_work: at any time, as a closed cycle has none
   // Two means, as the force may be largest in the ramp, while quiet ramps must not hide what follows them.
   MeanSquare inertia, after_ramps;
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
@@ -53,6 +53,7 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
       if (rows[i].time - rows[first].time >= stage.ramp_time) after_ramps.add(rows[i].dynamic_force);
       if (i > first)
         work += 0.5 * (rows[i].resistance + rows[i - 1].resistance) * (rows[i].displacement - rows[i - 1].displacement);
+      most_work = std::max(most_work, work);
     }
     const HistoryRow& last = rows[end - 1];
     const auto is_number = [](const HistoryRow& row) {
@@ -73,7 +74,8 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
       result.not_judged = fmt::format("stage '{}' has {} rows, too few to judge by", stage.name, end - first);
   }
   if (peak > 0.0) result.dynamic_force_ratio = std::max(inertia.root(), after_ramps.root()) / peak;
-  if (work > 0.0) result.kinetic_energy_ratio = kinetic * (scene.wall && scene.wall->half_thickness ? 2.0 : 1.0) / work;
+  const double whole = scene.wall && scene.wall->half_thickness ? 2.0 : 1.0;
+  if (most_work > 0.0) result.kinetic_energy_ratio = kinetic * whole / most_work;
   if (!result.not_judged.empty()) return result;
   if (!result.driven)
     result.not_judged = "no stage drives a body";

@@ -3,16 +3,18 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
 namespace quoin {
 
-// Axes along which a stage drives bodies. only: the one body that counts; empty: all.
-inline std::array<bool, 3> driven_along(const Stage& stage, const std::string& only = "") {
+// Axes along which a stage drives bodies. only: those that count; empty: all.
+inline std::array<bool, 3> driven_along(const Stage& stage, const std::vector<std::string>& only = {}) {
   std::array<bool, 3> driven{};
   for (const BodyControl& control : stage.controls) {
-    for (std::size_t c = 0; c < 3 && (only.empty() || control.body == only); ++c)
+    for (std::size_t c = 0; c < 3 && (only.empty() || std::ranges::count(only, control.body) > 0); ++c)
       driven[c] = driven[c] || (control.kind[c] == DofKind::velocity && control.velocity[c] != 0.0);
   }
   return driven;
@@ -24,17 +26,21 @@ inline int only_axis(const std::array<bool, 3>& axes) {
 }
 
 // Stage::direction where the scene gives none: the only axis along which bodies are driven, else x. In a stage that
-// ends by a displacement its monitor counts alone.
-inline int default_direction(const Stage& stage) {
-  return only_axis(driven_along(stage, stage.displacement ? stage.monitor : ""));
+// ends by a displacement those count alone whose displacement that is.
+inline int default_direction(const Stage& stage, const Scene& scene) {
+  if (!stage.displacement) return only_axis(driven_along(stage));
+  const std::string& monitor = stage.monitor.empty() ? scene.output.monitor : stage.monitor;
+  return only_axis(driven_along(
+      stage, stage.roof.empty() ? bodies_called(monitor, scene.building.value_or(BuildingSpec{})) : stage.roof));
 }
 
-// Velocity of the monitor, or of the jack of a whiffletree, along the direction of the stage after its ramp, m/s. 0:
-// the stage does not drive it.
+// Velocity of the monitor or roof, or of the jack of a whiffletree, along the direction of the stage after its ramp,
+// m/s. 0: the stage does not drive it.
 inline double driven_velocity(const Stage& stage) {
   if (stage.whiffletree) return stage.whiffletree->velocity;
   const auto c = static_cast<std::size_t>(stage.direction);
-  const auto found = std::ranges::find(stage.controls, stage.monitor, &BodyControl::body);
+  const std::string& body = stage.roof.empty() ? stage.monitor : stage.roof.front();
+  const auto found = std::ranges::find(stage.controls, body, &BodyControl::body);
   return found == stage.controls.end() || found->kind[c] == DofKind::free ? 0.0 : found->velocity[c];
 }
 

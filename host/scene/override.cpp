@@ -32,7 +32,7 @@ std::string elements_of(const toml::array& elements, const std::string& list) {
                      names.empty() ? "; count from 1" : names + "); count from 1 or use its name");
 }
 
-// Whether tables of this one have names that a scene chooses. A setting of one that is not there is a typing error.
+// Whether tables of this one have names that a scene chooses.
 bool has_named_tables(const std::string& table) { return table == "materials" || table == "joints"; }
 
 // Passes the value to `set`, with its type in TOML.
@@ -99,7 +99,9 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
       if (!node && i == 1 && has_named_tables(keys[0])) {
         std::vector<std::string> names;
         for (auto&& [name, value_of] : *table) names.emplace_back(name.str());
-        fail(fmt::format("[{}] has no '{}'{}", keys[0], keys[i], did_you_mean(keys[i], names)));
+        // A name like one that is there is a typing error, another one a new table.
+        if (const std::string hint = did_you_mean(keys[i], names); !hint.empty())
+          fail(fmt::format("[{}] has no '{}'{}", keys[0], keys[i], hint));
       }
       if (!node) node = &table->insert(keys[i], toml::table{}).first->second;
       continue;

@@ -162,9 +162,10 @@ DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
   t.number("direction", w.direction, kTurn, "deg in plan, from x towards z");
   t.numbers("trim_start", w.trim_start, kNotNegative, "m, of even and of odd courses");
   t.numbers("trim_end", w.trim_end, kNotNegative, "m, of even and of odd courses");
+  constexpr double kRounding = 1e-9;
   const double length = w.units_per_course * w.unit[0];
   for (std::size_t parity = 0; length > 0.0 && parity < 2; ++parity) {
-    if (w.trim_start[parity] + w.trim_end[parity] >= length)
+    if (w.trim_start[parity] + w.trim_end[parity] >= (1.0 - kRounding) * length)
       t.refuse(w.trim_end[parity] > 0.0 ? "trim_end" : "trim_start",
                fmt::format("together less than the length of the wall, {:g} m", length));
   }

@@ -202,7 +202,7 @@ void read_stages(Table& t, bool of_blocks, const std::string& folder, Scene* sce
     Table stage_table(t.context(), *table, fmt::format("stage.{}", ++index));
     Stage stage = of_blocks ? read_block_stage(std::move(stage_table), *scene, previous, folder)
                             : read_stage(std::move(stage_table), *scene, previous, pressure, folder);
-    if (!table->contains("direction") && !stage.cycles) stage.direction = default_direction(stage);
+    if (!table->contains("direction") && !stage.cycles) stage.direction = default_direction(stage, *scene);
     if (of_blocks && scene->building) add_floor_loads(stage, *scene->building);
     scene->stages.push_back(std::move(stage));
   }

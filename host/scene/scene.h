@@ -428,7 +428,7 @@ struct Damage {
   std::optional<double> xi;             // value of all internal softening variables of the law
   std::map<std::string, double> state;  // state variables of the law, by the law's names
   double slip = 0.0;                    // m; slip without pressure
-  double opening = 0.0;                 // m; initial opening of the joint
+  std::optional<double> opening;        // m; initial opening of the joint; none: that of an earlier entry, or 0
   Source source;
 };
 

@@ -118,8 +118,9 @@ std::string held_monitor(const Scene& scene, std::size_t stage) {
   const auto c = static_cast<std::size_t>(now.direction);
   const auto found = std::ranges::find(now.controls, monitor, &BodyControl::body);
   const bool ends_otherwise = now.duration || now.equilibrium_ratio || now.collapse || now.moving_load || now.ground;
-  if (!now.displacement || ends_otherwise || now.cycles || now.whiffletree || found == now.controls.end() ||
-      found->kind[c] == DofKind::free || found->velocity[c] != 0.0 || found->omega != Vec3{})
+  if (!now.displacement || ends_otherwise || !now.roof.empty() || now.cycles || now.whiffletree ||
+      found == now.controls.end() || found->kind[c] == DofKind::free || found->velocity[c] != 0.0 ||
+      found->omega != Vec3{})
     return "";
   return fmt::format(
       "stage '{}' ends by the displacement of '{}' along {}, where it holds that body, so it may never end; give "

@@ -241,7 +241,7 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
   fill(family.initial_state, all, result.state);
 
   std::vector<double> opening(count, 0.0);
-  std::vector<std::size_t> opened_by(count, 0);  // entry of a point's opening
+  std::vector<std::size_t> opened_by(count, 0), last(count, 0);  // entry of a point's opening, and last one of all
   for (std::size_t d = 0; d < damage.size(); ++d) {
     const Damage& entry = damage[d];
     const bool meant =
@@ -262,7 +262,8 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
     if (entry.slip > 0.0) slide(entry, family, *material, points, found, columns, result.state);
     set_states(entry, family, *material, found, count, result.state);
     for (const std::size_t i : found) {
-      if (entry.opening > 0.0) opening[i] = entry.opening, opened_by[i] = d;
+      if (entry.opening) opening[i] = *entry.opening, opened_by[i] = d;
+      last[i] = d;
     }
     damaged.insert(damaged.end(), found.begin(), found.end());
   }
@@ -283,8 +284,9 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
                                    : "is not broken through and cannot stand open without force; give initial_state = "
                                      "\"dry\" with it";
     throw Error(Exit::bad_input,
-                fmt::format("{}: opening = {:g} m: the joint of family '{}' at ({:.4f}, {:.4f}, {:.4f}) m {}",
-                            damage[opened_by[i]].source.text, opening[i], family.name, x[0], x[1], x[2], reason));
+                fmt::format("{}: opening = {:g} m: the joint of family '{}' at ({:.4f}, {:.4f}, {:.4f}) m {}{}",
+                            damage[opened_by[i]].source.text, opening[i], family.name, x[0], x[1], x[2], reason,
+                            last[i] > opened_by[i] ? "; " + damage[last[i]].source.text + " changes it later" : ""));
   }
   return result;
 }

@@ -54,11 +54,11 @@ void each_member_force(const Model& m, int block, const Visit& visit) {
 Wrench loads_on_body(const Model& m, int block) {
   const Matrix& r = m.bodies[size_t(m.blocks[size_t(block)].body)].r;
   Wrench sum;
-  if (!m.actions.applied.empty()) sum.force += m.actions.applied[size_t(block)];
   const auto add = [&](const Vector& force, const Vector& arm) {
     sum.force += force;
     sum.torque += cross(r * arm, force);
   };
+  if (!m.actions.applied.empty()) add(m.actions.applied[size_t(block)], m.blocks[size_t(block)].load_arm);
   for (const Load& l : m.actions.loads) {
     if (l.block == block) add(l.scale * l.factor.at(m.stepping.time) * l.force, l.arm);
   }

@@ -127,7 +127,8 @@ class Search {
     for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
       if (u.rigid) {
-        add_wrench(sum, b, u.centre, m.blocks[b].mass * g + applied[at(b)]);
+        add_wrench(sum, b, u.centre, m.blocks[b].mass * g);
+        add_wrench(sum, b, u.centre + body_of(m, b).r * m.blocks[b].load_arm, applied[at(b)]);
         continue;
       }
       const blocks::ModelBlock& block = m.blocks[b];

@@ -212,14 +212,28 @@ void book_energy_balance(Simulation::Impl& s) {
   s.watch.energy_moved = std::max({s.watch.energy_moved, moved, std::abs(e.external)});
 }
 
+double least_extent(const Simulation::Impl& s, int block) {
+  const auto b = static_cast<std::size_t>(block);
+  return s.large_motion ? s.large_motion->blocks[b].least_extent
+                        : *std::ranges::min_element(s.model.assembly.bricks[b].size);
+}
+
 std::string deep_overlap(const Simulation::Impl& s) {
   if (!(s.watch.overlap > allowed_overlap(s))) return "";
-  const Vec3& x = s.watch.overlap_at;
-  return fmt::format(
-      "blocks overlap by {:.3g} mm at ({:.3f}, {:.3f}, {:.3f}) m, more than {:g} of the least extent of a block: what "
-      "they are there is no longer described; make the joints stiffer or stronger (normal_stiffness, "
-      "compressive_strength, compressive_strength_residual), or read the results only until here",
-      s.watch.overlap * 1e3, x[0], x[1], x[2], Watch::kAllowedOverlap);
+  // That bound is of the smallest block of all. The blocks that overlap may be larger.
+  double most = Watch::kAllowedOverlap;
+  std::string text;
+  for (const ContactPoint& p : contact_points(s, all_points(s), true)) {
+    const double share = -p.jump[0] / std::min(least_extent(s, p.block_a), least_extent(s, p.block_b));
+    if (!(share > most)) continue;
+    most = share;
+    text = fmt::format(
+        "blocks overlap by {:.3g} mm at ({:.3f}, {:.3f}, {:.3f}) m, more than {:g} of the least extent of one of them: "
+        "what they are there is no longer described; make the joints stiffer or stronger (normal_stiffness, "
+        "compressive_strength, compressive_strength_residual), or read the results only until here",
+        -p.jump[0] * 1e3, p.position[0], p.position[1], p.position[2], Watch::kAllowedOverlap);
+  }
+  return text;
 }
 
 std::string points_crushed_out(const Simulation::Impl& s) {

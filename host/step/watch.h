@@ -10,9 +10,7 @@ namespace quoin {
 
 // A violated assumption, reported once.
 struct Warning {
-  std::string about;  // key in summary.json: energy_balance, interpenetration, crushed_out, small_displacements,
-                      // time_step, law_states, damping, ground_motion, free_fall, motion_bound, monitor,
-                      // collapse_multiplier, record, inertia
+  std::string about;  // key in summary.json (host/scenes/README.md)
   std::string text;   // what exceeds which bound, where, by how much, and what to do
   int stage = 0;
   long step = 0;

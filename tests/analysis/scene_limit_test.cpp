@@ -168,6 +168,49 @@ TEST(LimitOfScene, OneBlockNeedsTheFrictionOfItsPush) {
   }
 }
 
+// A pressure acts on the top beam, a mass at a point beside it. Overturning of both about the right edge, by hand:
+// (50000 0.5 + 9810 0.5 + 3850.4 0.5 + 3850.4 0.2)/(9810 0.5 + 2 3850.4 1.05) = 2.510, up to the corner of the joint.
+// The pressure had moved to the common centre of mass: 1.932.
+TEST(LimitOfScene, APointMassLeavesThePressureWhereItIs) {
+  const Simulation simulation(scene_of_text(R"([materials.m]
+density = 2000.0
+young_modulus = 1e9
+poisson_ratio = 0.2
+[joints.d]
+law = "coulomb_slip"
+normal_stiffness = 1e10
+shear_stiffness = 5e9
+friction_angle = 60.0
+[wall]
+courses = 1
+units_per_course = 1
+unit = [1.0, 1.0, 0.5]
+mid_unit_joints = false
+rigid_units = true
+unit_material = "m"
+bed_joint = "d"
+head_joint = "d"
+beam_joint = "d"
+[[mass]]
+block = "top_beam"
+mass = 392.5
+point = [0.8, 1.05, 0.25]
+[[stage]]
+kind = "pressure"
+pressure = 1e5
+[[stage]]
+name = "c"
+gravity = [0, -9.81, 0]
+collapse = { direction = [1, 0, 0], start = 0.1, rate = 0.1 }
+)"),
+                              1);
+  LimitOptions options;
+  options.associated = true;
+  const SceneLimit limit = limit_of(simulation, options);
+  ASSERT_TRUE(limit.limit);
+  EXPECT_NEAR(limit.limit->multiplier, 2.510, 2e-3);
+}
+
 // Stones on which the interior point method stalled in units of the supports' weight. Pyramids of 32 facets give
 // 0.77915 to 0.790 by their orientation, an independent linear programme with 1024 facets 0.7900 (four digits).
 TEST(LimitOfScene, WholeConesSolveRubble) {

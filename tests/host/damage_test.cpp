@@ -242,7 +242,8 @@ TEST(Damage, WhatCannotBeIsRefusedWithItsPlaceAndReason) {
   EXPECT_THAT(fault_of("[[damage]]\nxi = 0.1\nopening = 1e-4\n"), HasSubstr("give initial_state = \"dry\""));
   // A later entry without an opening had closed the joint again, in silence.
   EXPECT_THAT(fault_of("[[damage]]\ninitial_state = \"dry\"\nopening = 1e-4\n[[damage]]\ninitial_state = \"bonded\"\n"),
-              AllOf(HasSubstr("damage.1: opening = 0.0001 m"), HasSubstr("cannot stand open")));
+              AllOf(HasSubstr("damage.1: opening = 0.0001 m"), HasSubstr("cannot stand open"),
+                    HasSubstr("damage.2 changes it later")));
   EXPECT_THAT(fault_of("[[damage]]\nopening = 1e-4\n", kElastic), HasSubstr("law elastic, which carries tension in"));
   EXPECT_THAT(fault_of("[[damage]]\nxi = 0.1\n", kElastic), HasSubstr("has no softening variable xi"));
   EXPECT_THAT(fault_of("[[damage]]\ninitial_state = \"wet\"\n"), HasSubstr("wet"));

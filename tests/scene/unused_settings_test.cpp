@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "scene/driven.h"
 #include "scene/read_scene.h"
 #include "scene/stage_warnings.h"
 
@@ -136,6 +137,35 @@ TEST(DefaultDirection, IsThatOfTheDrive) {
   EXPECT_EQ(direction("[0.01, 0, 0.01]", {}), 0);
   EXPECT_EQ(direction("[0, 0, 0.01]", {"stage.1.direction=x"}), 0);
   EXPECT_EQ(direction("[0, 0, 0.01]", {"stage.1.displacement=0.001", "stage.1.monitor=block"}), 2);
+  EXPECT_EQ(direction("[0, 0, 0.01]", {"stage.1.displacement=0.001", "output.monitor=block"}), 2);
+}
+
+// The displacement of a stage is that of its monitor, of buildings that of the last floor.
+TEST(DefaultDirection, IsThatOfTheMonitorWhereItEndsTheStage) {
+  const std::string other =
+      "[[block]]\nname = \"other\"\nmaterial = \"stone\"\nfixed = true\n"
+      "box = { lower = [5, 0, 0], size = [1, 1, 1] }\n";
+  const std::string stage = "displacement = 0.001\n" + driven("[0.01, 0, 0]") +
+                            "[[stage.velocity]]\nblock = \"other\"\nvelocity = [0, 0, -0.01]\n";
+  const auto direction = [&](const char* monitor) {
+    const std::string text = scene_text(kRigid, stage + other);
+    return read_scene_text(text, "scene.toml", {std::string("output.monitor=") + monitor}).stages[0].direction;
+  };
+  EXPECT_EQ(direction("block"), 0);
+  EXPECT_EQ(direction("other"), 2);
+  Scene building;
+  building.building.emplace();
+  BuildingSpec::Floor& floor = building.building->floors.emplace_back();
+  floor.name = "roof", floor.half_units = {0, 1};
+  Stage pushed;
+  pushed.roof = building.building->floors[0].bodies();
+  pushed.displacement = 1e-3;
+  pushed.controls.resize(2);
+  for (std::size_t i = 0; i < 2; ++i)
+    pushed.controls[i].body = pushed.roof.at(i), pushed.controls[i].velocity = {0.0, 0.0, 0.01};
+  EXPECT_EQ(default_direction(pushed, building), 2);
+  pushed.controls[0].body = pushed.controls[1].body = "bottom_beam";
+  EXPECT_EQ(default_direction(pushed, building), 0);
 }
 
 }  // namespace

@@ -597,6 +597,67 @@ velocity = [100, 0, "free"]
   EXPECT_GT(rows.all.back().largest_displacement, 8.0);
 }
 
+// A mass at a point had moved the loads of its body to the common centre of mass.
+TEST(Outside, APointMassLeavesLoadsWhereTheyAre) {
+  const auto pressed = [](const std::string& mass) {
+    return rows_of(wall("rigid_units = true\n") + mass + R"(
+[solver]
+large_motion = "always"
+[[stage]]
+name = "press"
+kind = "custom"
+equilibrium_ratio = 1e-7
+[[stage.control]]
+body = "bottom_beam"
+[[stage.control]]
+body = "top_beam"
+velocity = ["free", "free", "free"]
+force = [0, -20e3, 0]
+rotation_held = false
+)")
+        .all.back()
+        .largest_displacement;
+  };
+  const double alone = pressed("");
+  EXPECT_GT(alone, 1e-5);
+  // Moved by 0.09 m, the load would tilt the beam by about as much as it settles.
+  EXPECT_NEAR(pressed("[[mass]]\nblock = \"top_beam\"\nmass = 50\npoint = [0.35, 0.35, 0.05]\n"), alone, 1e-2 * alone);
+}
+
+// The bound of overlaps was that of the smallest block of the scene, also where that touches nothing.
+TEST(Outside, ASmallBlockElsewhereIsNoReasonToWarnOfAnOverlap) {
+  const auto warned = [](double size) {
+    return std::ranges::count(rows_of(kBase + kCube +
+                                      fmt::format(R"(
+[[block]]
+name = "small"
+material = "stone"
+fixed = true
+box = {{ lower = [50, 0, 0], size = [{0}, {0}, {0}] }}
+[[stage]]
+gravity = [0, -9.81, 0]
+duration = 0.1
+)",
+                                                  size))
+                                  .warned_of,
+                              "interpenetration");
+  };
+  EXPECT_EQ(warned(1e-4), 0);  // the cube settles by 2e-5 m, a fifth of the small block
+  const Rows deep = rows_of(kBase + kCube + R"(
+[joints.soft]
+law = "elastic"
+normal_stiffness = 2e5
+shear_stiffness = 2e5
+[[joint_rule]]
+family = "soft"
+[[stage]]
+gravity = [0, -9.81, 0]
+ramp_time = 0.5
+duration = 2.0
+)");
+  EXPECT_EQ(std::ranges::count(deep.warned_of, "interpenetration"), 1);  // by 0.098 m of 1 m
+}
+
 // Eq. 1 had sgn(0) = +1 on the lattice: the first step from rest went 1.8 F against an axis and 0.2 F along it. A block
 // that hangs below a support tore off at a strength that held its mirror image.
 TEST(Outside, MirroredScenesHaveMirroredMotion) {
