@@ -338,7 +338,7 @@ TEST_F(ReadScene, WhatIsLeftOutIsAsThePageSays) {
   EXPECT_EQ(damage.crack_along, 0);
   EXPECT_FALSE(damage.through_units || damage.xi);
   EXPECT_EQ(damage.slip, 0.0);
-  EXPECT_EQ(damage.opening, 0.0);
+  EXPECT_FALSE(damage.opening);
 
   for (const Stage& stage : s.stages) {
     EXPECT_EQ(stage.gravity, (Vec3{0, 0, 0}));
