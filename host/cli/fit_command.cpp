@@ -23,9 +23,8 @@ struct Options {
 };
 
 void run(const Options& options) {
-  for (const auto& files : {options.couplets, options.triplets, options.prisms}) {
-    if (!options.out.empty()) refuse_input_as_output(options.out, files);
-  }
+  for (const auto* files : {&options.couplets, &options.triplets, &options.prisms})
+    refuse_input_as_output(options.out, *files);
   const Law law = Law::find(options.law);
   std::vector<PropertySetting> given;
   for (const std::string& text : options.settings) given.push_back(parse_setting(*law.law, text, Source{"--set"}));

@@ -139,7 +139,7 @@ void add_path_command(CLI::App& app, int& exit_code) {
       }
       if (!options->out.empty() && options->files.size() > 1)
         throw Error(Exit::usage, "path: --out takes one path test");
-      if (!options->out.empty()) refuse_input_as_output(options->out, options->files);
+      refuse_input_as_output(options->out, options->files);
       if (!run_files(*options)) exit_code = static_cast<int>(Exit::numerical);
       return;
     }

@@ -161,6 +161,8 @@ void run(Options options) {
   if (!std::isfinite(options.scale)) throw Error(Exit::usage, "spectrum: --scale must be finite");
   if (options.baseline == "high-pass" && options.corner <= 0.0)
     throw Error(Exit::usage, "spectrum: --baseline high-pass needs --corner, the corner frequency in Hz");
+  for (const char* name : {"spectrum.csv", "spectrum.json"})
+    if (!options.out.empty()) refuse_input_as_output(std::filesystem::path(options.out) / name, options.files);
   if (options.periods.empty()) options.periods = default_periods();
   std::sort(options.periods.begin(), options.periods.end());
   const GroundRecord record = read_record(options.files);
@@ -178,7 +180,6 @@ void run(Options options) {
   }
   if (options.out.empty()) return;
   const std::filesystem::path folder = options.out;
-  for (const char* name : {"spectrum.csv", "spectrum.json"}) refuse_input_as_output(folder / name, options.files);
   make_folder(folder);
   write_file(folder / "spectrum.csv", csv_of(spectra, options.dampings));
   write_json(folder / "spectrum.json", json_of(record, spectra, options));

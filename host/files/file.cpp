@@ -44,6 +44,11 @@ std::filesystem::path begin_file(const std::filesystem::path& path) {
   return part_name(path);
 }
 
+void abandon_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  std::filesystem::remove(part_name(path), ignored);
+}
+
 void finish_file(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::rename(part_name(path), path, error);
@@ -78,8 +83,7 @@ void write_file(const std::filesystem::path& path, const std::string& bytes) {
   stream.close();
   if (!stream) {
     const int fault = errno;
-    std::error_code ignored;
-    std::filesystem::remove(part_name(path), ignored);
+    abandon_file(path);
     refuse_write(path, fault);
   }
   finish_file(path);

@@ -16,7 +16,7 @@ void write_file(const std::filesystem::path& path, const std::string& bytes);
 // Writes a file that a user named. A link stays a link, and its target is written. A device or pipe receives the bytes
 // and stays. Throws Error(bad_input), also for a folder and for a link without target.
 void write_named_file(const std::filesystem::path& path, const std::string& bytes);
-// Throws Error(bad_input) where the output is a file of the inputs, also by another name.
+// Throws Error(bad_input) where the output is a file of the inputs, also by another name. An empty name is none.
 void refuse_input_as_output(const std::filesystem::path& output, const std::vector<std::string>& inputs);
 // Target of a link, or PATH itself. Throws Error(bad_input) for a folder and for a link without target.
 std::filesystem::path named_place(const std::filesystem::path& path);
@@ -68,9 +68,10 @@ class PlacedFile : public UnfinishedFile {
 void require_space(const std::filesystem::path& folder, double bytes, const std::string& what);
 
 // For files that are written in parts. begin_file() adds PATH to the manifest of its result folder (result_folder.h)
-// and returns the temporary name; finish_file() renames that file.
+// and returns the temporary name; finish_file() renames that file, abandon_file() removes it.
 std::filesystem::path begin_file(const std::filesystem::path& path);
 void finish_file(const std::filesystem::path& path);
+void abandon_file(const std::filesystem::path& path);
 
 // PATH.TOKEN.part. The token is unique to this process, so that two processes never write the same file.
 std::filesystem::path part_name(const std::filesystem::path& path);

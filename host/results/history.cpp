@@ -264,8 +264,7 @@ void History::finish() {
 
 void History::refuse() {
   stream_.close();
-  std::error_code ignored;
-  std::filesystem::remove(part_name(path_), ignored);
+  abandon_file(path_);
   throw Error(Exit::bad_input, path_.string() +
                                    ": cannot be written; free space and go on with --resume, or choose another folder "
                                    "with --out");

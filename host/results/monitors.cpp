@@ -189,8 +189,7 @@ void MonitorFile::write(const std::vector<double>& values) {
 void MonitorFile::require_written() {
   if (stream_) return;
   stream_.close();
-  std::error_code ignored;
-  fs::remove(part_name(file_in(folder_)), ignored);
+  abandon_file(file_in(folder_));
   throw Error(Exit::bad_input,
               file_in(folder_).string() + ": cannot be written; free space, or choose another folder with --out");
 }

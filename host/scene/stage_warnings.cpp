@@ -59,27 +59,30 @@ std::string damped_release(const Scene& scene, std::size_t stage) {
       now.name, damping_in_space(scene, stage), kDampingForMotion);
 }
 
+// gamma of eq. 1 at the gridpoints of deformable blocks; 0: none.
+double gamma_at_gridpoints(const Scene& scene, std::size_t stage) {
+  const Damping damping = damping_of(scene.solver_in(stage), scene.stages[stage].equilibrium_ratio.has_value());
+  return kinds_of_blocks(scene).deformable && damping.eq1 == Eq1::gridpoints ? damping.gamma : 0.0;
+}
+
 // A collapse of deformable units under eq. 1 at gridpoints, whose vibrations carry a share of the load.
 std::string damped_collapse(const Scene& scene, std::size_t stage) {
   const Stage& settings = scene.stages[stage];
-  const Damping damping = damping_of(scene.solver_in(stage), settings.equilibrium_ratio.has_value());
-  if (!settings.collapse || !kinds_of_blocks(scene).deformable || damping.eq1 != Eq1::gridpoints ||
-      damping.gamma == 0.0)
-    return "";
+  const double gamma = gamma_at_gridpoints(scene, stage);
+  if (!settings.collapse || gamma == 0.0) return "";
   return fmt::format(
       "stage '{}' looks for a collapse, and local damping (gamma {:g}) at gridpoints that vibrate on carries a share "
-      "of the load: walls that should fall creep, and multipliers were up to 5 % too large, 40 % where blocks move at "
-      "an "
-      "angle to the axes; take damping = \"block\" or \"impact\"",
-      settings.name, damping.gamma);
+      "of the load: walls that should fall creep, and multipliers were up to 5 % too large, 40 % where blocks move "
+      "at an angle to the axes; take damping = \"block\" or \"impact\"",
+      settings.name, gamma);
 }
 
 // Motion at an angle to the axes of space, and eq. 1 at gridpoints, which acts on components along them.
 std::string damped_at_an_angle(const Scene& scene, std::size_t stage) {
   constexpr double kStraight = 0.05;  // of the velocity; less across an axis counts as along it
   const Stage& now = scene.stages[stage];
-  const Damping damping = damping_of(scene.solver_in(stage), now.equilibrium_ratio.has_value());
-  if (!kinds_of_blocks(scene).deformable || damping.eq1 != Eq1::gridpoints || damping.gamma == 0.0) return "";
+  const double gamma = gamma_at_gridpoints(scene, stage);
+  if (gamma == 0.0) return "";
   for (const BodyControl& c : now.controls) {
     const auto& v = c.velocity;
     const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
@@ -88,7 +91,7 @@ std::string damped_at_an_angle(const Scene& scene, std::size_t stage) {
         "stage '{}' drives '{}' at an angle to the axes, and local damping (gamma {:g}) acts on the components of "
         "motion along them: vibrations across the driven motion brake it, so that a wall at 37 degrees in plan was 12 "
         "% too strong; take damping = \"block\", or lay the wall along an axis",
-        now.name, c.body, damping.gamma);
+        now.name, c.body, gamma);
   }
   return "";
 }

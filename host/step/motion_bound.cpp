@@ -130,9 +130,7 @@ std::string past_bound(const MotionSeen& seen, const MotionBound& bound, const A
   if (const double allowed = kSwayOverRotation * bound.rotation; exceeds(seen.sway, allowed)) {
     return fmt::format(
         "{} has moved sideways by {:.3g} of the extent of the units along its way, more than {:.3g} (1.5 "
-        "solver.rotation_bound): lever arms of "
-        "vertical "
-        "loads are no longer those of the start",
+        "solver.rotation_bound): lever arms of vertical loads are no longer those of the start",
         describe(assembly, static_cast<int>(seen.swaying_block)), seen.sway, allowed);
   }
   if (exceeds(seen.sliding, bound.sliding)) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "one_block.h"
 #include "scene/actions/action.h"
 #include "scene/read_scene.h"
 
@@ -16,22 +17,6 @@ using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-const char* const kStones = R"([materials.stone]
-density = 2000
-young_modulus = 1e10
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e9
-shear_stiffness = 5e8
-[[block]]
-name = "block"
-material = "stone"
-box = { lower = [0, 0, 0], size = [1, 1, 1] }
-[[stage]]
-duration = 0.1
-)";
 
 // A sample of each action, and the sample with another number.
 const std::map<std::string, std::array<std::string, 2>> kSamples = {
@@ -51,7 +36,7 @@ const std::map<std::string, std::array<std::string, 2>> kSamples = {
 };
 
 Stage read(const std::string& key, const std::string& value) {
-  return read_scene_text(kStones + key + " = " + value + "\n", "scene.toml").stages.front();
+  return read_scene_text(kOneBlock + key + " = " + value + "\n", "scene.toml").stages.front();
 }
 
 TEST(StageActions, AreReadNamedAndToldApart) {

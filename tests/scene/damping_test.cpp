@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "one_block.h"
 #include "scene/read_scene.h"
 
 namespace quoin {
@@ -16,25 +17,9 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const char* const kBlock = R"([materials.stone]
-density = 2000
-young_modulus = 1e10
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e9
-shear_stiffness = 5e8
-[[block]]
-name = "block"
-material = "stone"
-box = { lower = [0, 0, 0], size = [1, 1, 1] }
-[[stage]]
-duration = 0.1
-)";
-
 SolverSettings read(std::vector<std::string> settings) {
   for (std::string& setting : settings) setting = "solver." + setting;
-  return read_scene_text(kBlock, "scene.toml", settings).solver;
+  return read_scene_text(kOneBlock, "scene.toml", settings).solver;
 }
 
 std::string fault_of(const std::vector<std::string>& settings) {

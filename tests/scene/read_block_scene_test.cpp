@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "one_block.h"
 #include "records/read_record.h"
 #include "scene/read_scene.h"
 
@@ -18,22 +19,6 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-const char* const kScene = R"([materials.stone]
-density = 2000
-young_modulus = 1e10
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e9
-shear_stiffness = 5e8
-[[block]]
-name = "block"
-material = "stone"
-box = { lower = [0, 0, 0], size = [1, 1, 1] }
-[[stage]]
-duration = 0.1
-)";
 
 class ReadBlockScene : public ::testing::Test {
  protected:
@@ -50,7 +35,7 @@ class ReadBlockScene : public ::testing::Test {
     std::ofstream(file, std::ios::binary) << text;
     return file;
   }
-  Scene read(const std::vector<std::string>& overrides) { return read_scene(write("s.toml", kScene), overrides); }
+  Scene read(const std::vector<std::string>& overrides) { return read_scene(write("s.toml", kOneBlock), overrides); }
   template <typename Action>
   std::string refusal(Action&& action) {
     try {
@@ -97,7 +82,7 @@ TEST_F(ReadBlockScene, InertiaThatCannotBeScaledIsRefused) {
   EXPECT_THAT(fault("solver.deformation_inertia=64"), HasSubstr("use damping = \"block\""));
   EXPECT_THAT(fault("solver.deformation_damping=0.1"), HasSubstr("only with damping = \"block\""));
   const auto of_stage = [&](const std::string& solver, const std::string& stage) {
-    return refusal([&] { read_scene(write("s.toml", kScene + ("solver = " + stage + "\n[solver]\n") + solver)); });
+    return refusal([&] { read_scene(write("s.toml", kOneBlock + ("solver = " + stage + "\n[solver]\n") + solver)); });
   };
   EXPECT_THAT(of_stage("damping = \"none\"\n", "{ damping = \"block\", deformation_inertia = 2 }"),
               HasSubstr("inertia is of the whole run; give it in [solver]"));
@@ -281,7 +266,7 @@ TEST_F(ReadBlockScene, PlacesDirectionsAndLoadsAreNumbersOfThisWorld) {
 }
 
 TEST_F(ReadBlockScene, VerticesAndFaces) {
-  std::string text = kScene;
+  std::string text = kOneBlock;
   const std::string box = "box = { lower = [0, 0, 0], size = [1, 1, 1] }";
   const auto with = [&](const std::string& vertices, const std::string& faces) {
     std::string other = text;
@@ -306,7 +291,7 @@ TEST_F(ReadBlockScene, VerticesAndFaces) {
 // Empty tables are refused (also in tests/fuzz/corpus/model: no_joints.toml, no_stages.toml).
 TEST_F(ReadBlockScene, TablesOfNothingAreRefused) {
   for (const std::string kind : {"joints", "materials"}) {
-    std::string text = kScene;
+    std::string text = kOneBlock;
     const size_t first = text.find("[" + kind + "."), last = text.find("\n[", first);
     text.replace(first, last - first, "[" + kind + "]");
     EXPECT_THAT(refusal([&] { read_scene(write("s.toml", text)); }),
@@ -318,7 +303,7 @@ TEST_F(ReadBlockScene, TablesOfNothingAreRefused) {
 
 TEST_F(ReadBlockScene, RulesOfJointsNameTwoBeginnings) {
   const auto scene = [&](const std::string& rule) {
-    return read_scene(write("rules.toml", std::string(kScene) + "[[joint_rule]]\nfamily = \"dry\"\n" + rule));
+    return read_scene(write("rules.toml", kOneBlock + "[[joint_rule]]\nfamily = \"dry\"\n" + rule));
   };
   const JointRule any = scene("").blocks->rules.at(0);
   EXPECT_EQ(any.normal, "any");
@@ -353,7 +338,7 @@ TEST_F(ReadBlockScene, LargeMotionFromTheStartIsNoLattice) {
 
 // Defaults are those of host/scenes/BLOCKS.md.
 TEST_F(ReadBlockScene, WhatIsLeftOutIsAsThePageSays) {
-  const Scene least = read_scene(write("least.toml", std::string(kScene) + R"(collapse = { displacement = 0.1 }
+  const Scene least = read_scene(write("least.toml", kOneBlock + R"(collapse = { displacement = 0.1 }
 [[dry_wall]]
 material = "stone"
 courses = 2
@@ -397,7 +382,7 @@ mesh = "stone.off"
 }
 
 TEST_F(ReadBlockScene, SettingsAndStagesThatAreLeftOutAreAsThePageSays) {
-  const Scene s = read_scene(write("stages.toml", std::string(kScene) + "[[stage]]\ncollapse = {}\n"), {});
+  const Scene s = read_scene(write("stages.toml", kOneBlock + "[[stage]]\ncollapse = {}\n"), {});
   EXPECT_EQ(s.solver.damping, DampingKind::local);
   EXPECT_EQ(s.solver.local_damping, 0.8);
   EXPECT_EQ(s.solver.time_step_fraction, 0.6);
@@ -418,7 +403,7 @@ TEST_F(ReadBlockScene, SettingsAndStagesThatAreLeftOutAreAsThePageSays) {
 
 TEST_F(ReadBlockScene, AMeshInMillimetresIsScaled) {
   const auto scale = [&](const char* value) {
-    return read_scene(write("scale.toml", std::string(kScene) + "[[block]]\nmaterial = \"stone\"\nmesh = " +
+    return read_scene(write("scale.toml", kOneBlock + "[[block]]\nmaterial = \"stone\"\nmesh = " +
                                               "\"stone.off\"\nscale = " + value + "\n"))
         .blocks->blocks.at(1)
         .scale;
@@ -432,7 +417,7 @@ TEST_F(ReadBlockScene, AMeshInMillimetresIsScaled) {
 TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
   const auto arch = [&](const char* thickness) {
     return read_scene(
-        write("arch.toml", std::string(kScene) + "[[arch]]\nname = \"arch\"\nmaterial = \"stone\"\n" +
+        write("arch.toml", kOneBlock + "[[arch]]\nname = \"arch\"\nmaterial = \"stone\"\n" +
                                "radius = 1.0\ndepth = 0.5\nangles = [0, 180]\nvoussoirs = 9\nthickness = " + thickness +
                                "\n"));
   };
@@ -443,7 +428,7 @@ TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
 // Faults of arches and dry walls ended in messages about hulls and overlaps, or whole courses vanished.
 TEST_F(ReadBlockScene, ArchesAndWallsThatCannotBeAreRefusedWithTheirKeys) {
   const auto arch = [&](const char* angles) {
-    read_scene(write("arch.toml", std::string(kScene) +
+    read_scene(write("arch.toml", kOneBlock +
                                       "[[arch]]\nname = \"arch\"\nmaterial = \"stone\"\nradius = 1.0\ndepth = 0.5\n"
                                       "thickness = 0.2\nvoussoirs = 9\nangles = " +
                                       angles + "\n"));
@@ -452,7 +437,7 @@ TEST_F(ReadBlockScene, ArchesAndWallsThatCannotBeAreRefusedWithTheirKeys) {
   EXPECT_THAT(refusal([&] { arch("[0, 360]"); }), HasSubstr("arch.1.angles"));
   EXPECT_NO_THROW(arch("[0, 290]"));  // 354 degrees with the abutments
   const auto wall = [&](const char* keys) {
-    read_scene(write("wall.toml", std::string(kScene) +
+    read_scene(write("wall.toml", kOneBlock +
                                       "[[dry_wall]]\nname = \"wall\"\nmaterial = \"stone\"\ncourses = 2\n"
                                       "units_per_course = 4\nunit = [0.5, 0.2, 0.2]\norigin = [10, 0, 0]\n" +
                                       keys));
@@ -472,7 +457,7 @@ TEST_F(ReadBlockScene, StagesThatEndByDisplacementNeedAMonitor) {
 
 // A stage of kind rest ends by equilibrium, within many steps unless it says how many.
 TEST_F(ReadBlockScene, StagesOfRestHaveTheirOwnEnd) {
-  std::string text = kScene;
+  std::string text = kOneBlock;
   text.replace(text.find("duration = 0.1"), 14, "kind = \"rest\"");
   const Stage usual = read_scene(write("s.toml", text)).stages.at(0);
   EXPECT_EQ(usual.max_steps, 1000000);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "one_block.h"
 #include "scene/driven.h"
 #include "scene/read_scene.h"
 #include "scene/stage_warnings.h"
@@ -20,16 +21,8 @@ using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 std::string scene_text(const char* rigid, const std::string& more = "") {
-  return fmt::format(R"(default_joint = "dry"
-[materials.stone]
-density = 2000
-young_modulus = 1e10
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e9
-shear_stiffness = 5e8
-[[block]]
+  return "default_joint = \"dry\"\n" + kStone +
+         fmt::format(R"([[block]]
 name = "block"
 material = "stone"
 fixed = true

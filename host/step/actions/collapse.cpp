@@ -74,6 +74,11 @@ Vector position_of_ground(const Simulation::Impl& s) {
   return members && !members->beds().empty() ? members->ground() : Vector{};
 }
 
+// Displacement of a block against the ground since the stage began, m.
+Vector displacement_in_stage(const Simulation::Impl& s, const Vector& ground, int block) {
+  return position_of(*s.large_motion, block) - ground - s.actions.collapse_from[static_cast<std::size_t>(block)];
+}
+
 // Largest displacement of a block against the ground since the stage began, m.
 double moved_in_stage(const Simulation::Impl& s) {
   const std::vector<int> rank = s.ranks ? rank_by_block(s) : std::vector<int>();
@@ -81,8 +86,7 @@ double moved_in_stage(const Simulation::Impl& s) {
   double largest = 0.0;
   for (std::size_t i = 0; i < s.actions.collapse_from.size(); ++i) {
     if (s.large_motion->assembly.blocks[i].fixed || (s.ranks && rank[i] != s.ranks->rank())) continue;
-    largest =
-        larger(largest, norm(position_of(*s.large_motion, static_cast<int>(i)) - ground - s.actions.collapse_from[i]));
+    largest = larger(largest, norm(displacement_in_stage(s, ground, static_cast<int>(i))));
   }
   return s.ranks ? largest_of_ranks(s, largest) : largest;
 }
@@ -105,8 +109,7 @@ void watch_uplift(Simulation::Impl& s) {
   double slip = 0.0;  // since the stage began, m
   for (int b = 0; b < s.large_motion->block_count(); ++b) {
     if (!s.reactions.on_base[static_cast<std::size_t>(b)] || !s.large_motion->part.owns(b)) continue;
-    const Vector moved =
-        position_of(*s.large_motion, b) - ground - s.actions.collapse_from[static_cast<std::size_t>(b)];
+    const Vector moved = displacement_in_stage(s, ground, b);
     slip = std::max(slip, std::hypot(moved.x, moved.z));
   }
   s.outcome.base_slip_at_uplift = s.parts.divided ? largest_of_ranks(s, slip) : slip;
