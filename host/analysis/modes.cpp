@@ -19,8 +19,8 @@ using Eigen::VectorXd;
 using geometry::Vector;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-// Largest number of unknowns for a full eigenvalue solution.
-constexpr Index kFew = 300;
+// Largest numbers of unknowns for a full eigenvalue solution: for a few modes, and for a third of all modes.
+constexpr Index kFew = 300, kFewForMany = 3000;
 // Share of the largest eigenvalue below which an eigenvalue counts as 0.
 constexpr double kZero = 1e-13;
 // Shift over the largest ratio of stiffness to mass. It makes the matrix of free motion positive definite.
@@ -65,7 +65,9 @@ MatrixXd orthonormalize(const Eigen::Ref<const MatrixXd>& basis, MatrixXd* block
 // factor once for all their columns.
 Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGroups& groups, double shift,
                      Index count) {
-  constexpr Index kBlock = 6, kMostBlocks = 60;  // more than the six rigid motions of one loose body
+  constexpr Index kBlock = 6;  // the six rigid motions of one loose body
+  // Walls take up to three vectors a mode.
+  const Index most_blocks = std::max<Index>(60, 4 * count / kBlock);
   // Residual over the eigenvalue: the error of frequencies is its square.
   constexpr double kSettled = 1e-7;
   const Index n = scaled.rows();
@@ -80,7 +82,7 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
   MatrixXd basis(n, 0);
   orthonormalize(basis, &next);
   MatrixXd projected(0, 0);
-  for (Index k = 1; k <= kMostBlocks; ++k) {
+  for (Index k = 1; k <= most_blocks; ++k) {
     const Index before = basis.cols();
     basis.conservativeResize(Eigen::NoChange, before + kBlock);
     basis.rightCols(kBlock) = next;
@@ -90,24 +92,25 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
     projected.rightCols(kBlock) = column;
     projected.bottomRows(kBlock) = column.transpose();
     const MatrixXd rest = orthonormalize(basis, &next);
+    if (projected.rows() < count + kBlock) continue;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(projected);
-    const Index wanted = std::min(count, projected.rows());
-    bool settled = projected.rows() >= count + kBlock;
-    for (Index i = 0; settled && i < wanted; ++i) {
+    bool settled = true;
+    for (Index i = 0; settled && i < count; ++i) {
       const Index at = projected.rows() - 1 - i;
       const double residual = (rest * eigen.eigenvectors().col(at).tail(kBlock)).norm();
       settled = residual <= kSettled * eigen.eigenvalues()(at);
     }
     if (!settled) continue;
-    Eigenpairs pairs{VectorXd(wanted), MatrixXd(n, wanted), factor.entries()};
-    for (Index i = 0; i < wanted; ++i) {
+    Eigenpairs pairs{VectorXd(count), MatrixXd(n, count), factor.entries()};
+    for (Index i = 0; i < count; ++i) {
       const Index at = projected.rows() - 1 - i;
       pairs.value(i) = 1.0 / eigen.eigenvalues()(at) - shift;
       pairs.vector.col(i).noalias() = basis * eigen.eigenvectors().col(at);
     }
     return pairs;
   }
-  throw Error(Exit::numerical, fmt::format("modes: not settled after {} vectors", kMostBlocks * kBlock));
+  throw Error(Exit::numerical,
+              fmt::format("modes: not settled after {} vectors; give fewer modes (--count)", most_blocks * kBlock));
 }
 
 void require(const ModesSettings& s) {
@@ -239,7 +242,12 @@ Modes find_modes(const Vibrating& v, const ModesSettings& settings) {
   const double stiffest = scaled.diagonal().maxCoeff();
   if (!std::isfinite(stiffest)) throw Error(Exit::bad_input, "modes: a stiffness or mass is not a finite number");
   const double shift = stiffest > 0.0 ? kShift * stiffest : 1.0;
-  Eigenpairs pairs = n <= kFew ? all_of(scaled, settings.count) : lowest_of(scaled, v.groups, shift, settings.count);
+  const bool many = Index{3} * settings.count > n;
+  if (many && n > kFewForMany)
+    throw Error(Exit::bad_input, fmt::format("modes: {} modes of a model with {} unknowns; allowed: up to a third, {}",
+                                             settings.count, n, n / 3));
+  const bool in_full = n <= kFew || many;
+  Eigenpairs pairs = in_full ? all_of(scaled, settings.count) : lowest_of(scaled, v.groups, shift, settings.count);
 
   Modes modes;
   modes.factor_entries = pairs.entries;

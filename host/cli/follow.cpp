@@ -59,7 +59,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     // read_run_record changes the working directory
     options.resume = fs::absolute(options.resume).string();
     if (is_done(options.resume)) return;
-    options.scene = read_run_record(options.resume);
+    read_run_record(options.resume, &options);
   }
   if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
   Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks), &ranks);

@@ -119,13 +119,13 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   if (has_all) gather_for_pictures(simulation);
   if (output.plots && has_all) draw(folder, simulation, surfaces, info, options, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
-  info.wall_clock_s = process_seconds();
-  keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
-  keep([&] {
-    if (options.report) write_report({folder});
-  });
   keep([&] {
     if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
+  });
+  info.wall_clock_s = process_seconds();
+  keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });  // says that the run is done
+  keep([&] {
+    if (options.report) write_report({folder});
   });
   std::error_code ignored;
   if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // not needed after the end of a run

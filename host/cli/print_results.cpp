@@ -7,6 +7,7 @@
 
 #include "cli/progress.h"
 #include "law/law_process.h"
+#include "results/ground_response.h"
 #include "results/history.h"
 #include "results/plots.h"
 #include "scene/collapse_load.h"
@@ -32,25 +33,13 @@ void print_isolation(const Simulation& simulation) {
   }
 }
 
-// Prints the response relative to the ground. The peak is of the monitor, whose displacement includes that of the
-// ground.
 void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
-  const HistoryRow *farthest = nullptr, *sheared = nullptr;
-  std::size_t along = 0;
-  double most = 0.0, shear = 0.0;
-  for (const HistoryRow& row : rows) {
-    const Stage& stage = scene.stages[static_cast<std::size_t>(row.stage)];
-    if (!stage.ground) continue;
-    along = static_cast<std::size_t>(axis_of_response(stage));
-    const double moved = std::abs(row.monitor_relative[along]), base = std::abs(row.base_force[along]);
-    if (moved > most) most = moved, farthest = &row;
-    if (base > shear) shear = base, sheared = &row;
-  }
-  if (farthest == nullptr || sheared == nullptr) return;
+  const std::optional<GroundResponse> response = find_ground_response(rows, scene);
+  if (!response) return;
   fmt::print(
       "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base {} {:.2f} kN (at {:.3f} s)\n",
-      moved_part(scene, scene.stages.back()), most * 1e3, "xyz"[along], farthest -> time,
-      along == 1 ? "force" : "shear", shear / 1e3, sheared->time);
+      moved_part(scene, scene.stages.back()), response->displacement * 1e3, "xyz"[response->axis], response -> moved_at,
+      response -> axis == 1 ? "force" : "shear", response->base_force / 1e3, response->sheared_at);
 }
 
 // Largest force on the monitor, with what is known of its error.

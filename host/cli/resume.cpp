@@ -24,17 +24,21 @@ Json read_json(const fs::path& path) { return Json::parse(read_input_file(path.s
 
 }  // namespace
 
-void write_run_record(const fs::path& folder, const SceneOptions& options, const std::string& scene_text) {
-  const Json json = {{"scene", options.scene},
+void write_run_record(const fs::path& folder, const RunOptions& options, const std::string& scene_text) {
+  const Json json = {{"scene", options.scene.scene},
                      {"scene_sha256", sha256_of(scene_text)},
-                     {"law", options.law},
-                     {"set", options.overrides},
-                     {"working_directory", fs::current_path().string()}};
+                     {"law", options.scene.law},
+                     {"set", options.scene.overrides},
+                     {"working_directory", fs::current_path().string()},
+                     {"report", options.report},
+                     {"svg", options.svg},
+                     {"histories", options.histories},
+                     {"compressed", options.compressed}};
   // A name that is not UTF-8 does not prevent the run; --resume just does not find it.
   write_file(folder / kRecord, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-SceneOptions read_run_record(const fs::path& folder) {
+void read_run_record(const fs::path& folder, RunOptions* options) {
   const fs::path path = folder / kRecord;
   std::error_code error;
   if (!fs::exists(path, error))
@@ -42,14 +46,19 @@ SceneOptions read_run_record(const fs::path& folder) {
                 fmt::format("{}: has no {}: no run was begun here; start it with quoin run SCENE.toml --out {}",
                             folder.string(), kRecord, folder.string()));
   const Json json = read_json(path);
-  SceneOptions options;
+  SceneOptions scene;
+  scene.force = options->scene.force;
   fs::path place;
   try {
-    options.scene = json.at("scene").get<std::string>();
-    options.text_sha256 = json.at("scene_sha256").get<std::string>();
-    options.law = json.at("law").get<std::string>();
-    options.overrides = json.at("set").get<std::vector<std::string>>();
+    scene.scene = json.at("scene").get<std::string>();
+    scene.text_sha256 = json.at("scene_sha256").get<std::string>();
+    scene.law = json.at("law").get<std::string>();
+    scene.overrides = json.at("set").get<std::vector<std::string>>();
     place = json.at("working_directory").get<std::string>();
+    for (const auto& [name, wanted] : {std::pair("report", &options->report), std::pair("svg", &options->svg),
+                                       std::pair("histories", &options->histories),
+                                       std::pair("compressed", &options->compressed)})
+      *wanted = *wanted || json.value(name, false);
   } catch (const Json::exception&) {
     throw Error(Exit::bad_input,
                 fmt::format("{}: is not the record of a run; start the run anew without --resume", path.string()));
@@ -59,12 +68,12 @@ SceneOptions read_run_record(const fs::path& folder) {
     throw Error(Exit::bad_input,
                 fmt::format("{}: the run was started in {}, where its paths count from, and that cannot be entered: {}",
                             path.string(), place.string(), error.message()));
-  return options;
+  options->scene = std::move(scene);
 }
 
 bool is_done(const fs::path& folder) {
   const fs::path summary = folder / "summary.json";
-  if (std::error_code error; !fs::exists(summary, error)) return false;
+  if (std::error_code error; !fs::exists(summary, error) || fs::exists(folder / "checkpoint.bin", error)) return false;
   const Json json = read_json(summary);
   return json.is_object() && json.value("status", Json()) == "done";
 }

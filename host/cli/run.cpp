@@ -40,15 +40,13 @@ namespace {
 constexpr double kTogether = 5.0;  // s within which ranks that fail together have all failed
 
 // Locks the folder of a run to be resumed, and reads its options. Null: the run is complete, and nothing was changed.
-std::shared_ptr<FolderLock> take_folder(const fs::path& folder, SceneOptions* scene) {
+std::shared_ptr<FolderLock> take_folder(const fs::path& folder, RunOptions* options) {
   if (!fs::is_directory(folder))
     throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", folder.string()));
   if (is_done(folder)) return nullptr;
   auto lock = std::make_shared<FolderLock>(folder);
   if (is_done(folder)) return nullptr;  // another process has completed it in the meantime
-  const bool force = scene->force;
-  *scene = read_run_record(folder);
-  scene->force = force;
+  read_run_record(folder, options);
   return lock;
 }
 
@@ -114,7 +112,7 @@ std::optional<RunFolder> run_folder(RunOptions* options) {
   run.folder = options->out.empty() ? fs::path("out") / fs::path(options->scene.scene).stem() : fs::path(options->out);
   if (!options->resume.empty()) {
     run.folder = fs::absolute(options->resume);
-    run.lock = take_folder(run.folder, &options->scene);
+    run.lock = take_folder(run.folder, options);
     if (!run.lock) return std::nullopt;
   }
   if (!options->again.empty()) {
@@ -170,7 +168,8 @@ void run_and_keep(const fs::path& folder, Simulation& simulation, const Surfaces
 void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const std::optional<RunFolder> place = run_folder(&options);
   if (!place) {
-    fmt::print("{}: the run is done; nothing to resume\n", options.resume);
+    fmt::print("{0}: the run is done; nothing to resume{1}\n", options.resume,
+               options.report ? "; its page: quoin report " + options.resume : "");
     return;
   }
   const auto& [folder, lock, there] = *place;
@@ -201,7 +200,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
     return resumed && is_kept(name, before.results.frame_times.size());
   });
-  if (!lock) write_run_record(folder, options.scene, simulation.scene().text);
+  if (!lock) write_run_record(folder, options, simulation.scene().text);
 
   Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before.results,
                     options.compressed, pieces);
@@ -213,9 +212,11 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
   if (server) recorder.serve(std::move(server), folder, simulation);
   run_and_keep(folder, simulation, surfaces, options, recorder, info, exit_code);
-  if (there && info.status != "interrupted" && !say_whether_same(info.provenance, folder, *there, options.again) &&
-      exit_code == 0)
-    exit_code = static_cast<int>(Exit::numerical);
+  if (there && info.status != "interrupted") {
+    const bool same = say_whether_same(info.provenance, folder, *there, options.again);
+    if (same && info.status == "failed") exit_code = 0;  // as the run there did
+    if (!same && exit_code == 0) exit_code = static_cast<int>(Exit::numerical);
+  }
   if (info.status != "done" && !ranks_together(simulation)) {
     std::fflush(stdout);
     ranks->abort(exit_code);

@@ -109,16 +109,16 @@ std::vector<Vector> Strip::pull_bars() {
 
 // force: of bars and bond, in the frame of the face.
 void Strip::advance(const std::vector<Vector>& force, double dt) {
+  dissipated_ += braked_later_, braked_later_ = 0.0;
   for (std::size_t i = 0; i < off_.size(); ++i) {
     Vector& w = speed_[i];
     const Vector before = w;
     for (int c = 0; c < 3; ++c) {
       const double braking = local_damping(kDamping, force[i][c], w[c]);
       w[c] += dt / mass_[i] * (force[i][c] - braking);
-      dissipated_ += braking * 0.5 * (before[c] + w[c]) * dt;
+      dissipated_ += 0.5 * dt * braking * before[c], braked_later_ += 0.5 * dt * braking * w[c];
     }
-    const Vector middle = 0.5 * (before + w);
-    stored_ += 0.5 * mass_[i] * dot(middle, middle);
+    stored_ += 0.5 * mass_[i] * dot(before, w);  // with the product the balance closes at any step
     off_[i] += dt * w;
   }
 }

@@ -57,7 +57,7 @@ class Strip {
     for (auto& column : s.traction_) archive.array(column);
     for (auto& column : s.state_) archive.array(column);
     archive.array(s.flags_);
-    archive.value(s.mass_step_), archive.value(s.stored_), archive.value(s.dissipated_);
+    archive.value(s.mass_step_), archive.value(s.stored_), archive.value(s.dissipated_), archive.value(s.braked_later_);
   }
 
  private:
@@ -84,7 +84,8 @@ class Strip {
   std::vector<double> energy_[1 + QUOIN_DISSIPATED_COUNT];  // stored, dissipated in the step, J/m2
   std::vector<std::uint32_t> flags_;
   double mass_step_ = 0.0;  // time step for which masses are computed, s
-  double stored_ = 0.0, dissipated_ = 0.0;
+  double stored_ = 0.0, dissipated_ = 0.0;  // J, at the time of the forces
+  double braked_later_ = 0.0;               // work of damping in the half step after that time, J
   quoin_batch batch_{};
   std::vector<quoin_in> state_old_;
   std::vector<quoin_out> state_new_;

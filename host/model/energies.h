@@ -18,8 +18,8 @@ struct Energies {
   std::array<double, QUOIN_DISSIPATED_COUNT> dissipated{};
   double damping = 0.0;   // work taken by damping since the start
   double external = 0.0;  // work of weight, loads, supports and prescribed velocities since the start
-  // Stored energy lost (> 0) or gained when contact points are placed again. Also the kinetic energy of halves' added
-  // inertia that is lost when a unit comes apart.
+  // Stored energy lost (> 0) or gained when contact points are placed again, or take another law. Also the kinetic
+  // energy of halves' added inertia that is lost when a unit comes apart.
   double detection = 0.0;
   double members_stored = 0.0, members_dissipated = 0.0;  // energies of host/members
 

@@ -8,6 +8,7 @@
 #include "members/members.h"
 #include "records/record.h"
 #include "records/response_spectrum.h"
+#include "results/ground_response.h"
 #include "results/history.h"
 #include "results/json_file.h"
 #include "results/plots.h"
@@ -486,6 +487,14 @@ Json list_of(const std::vector<Warning>& warnings, const Scene& scene) {
   return list;
 }
 
+Json response_json(const std::vector<HistoryRow>& rows, const Scene& scene) {
+  const std::optional<GroundResponse> response = find_ground_response(rows, scene);
+  if (!response) return nullptr;
+  return {{"of", moved_part(scene, scene.stages.back())}, {"axis", std::string(1, "xyz"[response->axis])},
+          {"displacement_m", response->displacement},     {"displacement_at_s", response->moved_at},
+          {"base_force_N", response->base_force},         {"base_force_at_s", response->sheared_at}};
+}
+
 }  // namespace
 
 std::string summary_text(const Simulation& simulation, const std::vector<HistoryRow>& rows, const RunInfo& info) {
@@ -505,6 +514,7 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   json["peak_horizontal_force_N"] = is_vertical(scene) ? Json(nullptr) : Json(peak.force);
   json["peak_vertical_force_N"] = is_vertical(scene) ? Json(peak.force) : Json(nullptr);
   json["displacement_at_peak_m"] = peak.displacement;
+  json["response"] = response_json(rows, scene);
   json["vertical_stress_at_peak_Pa"] = area > 0 ? Json(peak.vertical_force / area) : Json(nullptr);
   json["bed_area_m2"] = area;
   json["steps"] = simulation.step();

@@ -1,4 +1,4 @@
-// Whether blocks of a scene are rigid, and whether some deform.
+// Whether moving blocks of a scene are rigid, and whether some deform.
 #pragma once
 
 #include "scene/scene.h"
@@ -15,7 +15,9 @@ inline BlockKinds kinds_of_blocks(const Scene& scene) {
   if (scene.wall) add(scene.wall->rigid_units);
   if (scene.building) add(false);
   if (!scene.blocks) return kinds;
-  for (const BlockSpec& block : scene.blocks->blocks) add(block.rigid);
+  for (const BlockSpec& block : scene.blocks->blocks) {
+    if (!block.fixed) add(block.rigid);
+  }
   for (const DryWallSpec& wall : scene.blocks->walls) add(wall.rigid);
   for (const ArchSpec& arch : scene.blocks->arches) add(arch.rigid);
   return kinds;

@@ -222,7 +222,7 @@ void measure_large_motion_step(Simulation::Impl& s) {
   Energies& now = s.energy.now.emplace(e);
   for (std::size_t k = 0; k < now.dissipated.size(); ++k) now.dissipated[k] += s.energy.dissipated[k];
   now.external += s.energy.external, now.damping += s.energy.damping;
-  now.detection = s.energy.lost_inertia + e.detection - jump;
+  now.detection = s.energy.lost_at_changes + e.detection - jump;
 }
 
 Vec3 block_translation(const Simulation::Impl& s, int block) {

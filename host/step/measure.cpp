@@ -139,7 +139,7 @@ void sum_measurements(Simulation::Impl& s) {
   s.energy.damping += damped;
   now.damping = s.energy.damping + damping_before;
   now.external = s.energy.external + external_before;
-  now.detection = s.energy.lost_inertia;
+  now.detection = s.energy.lost_at_changes;
   s.energy.damping += damping_before + damping_after;
   s.energy.external += external_before + external_after;
   s.energy.now = now;

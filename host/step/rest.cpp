@@ -367,10 +367,6 @@ class Search {
 
 void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_requested) {
   const Stage& stage = impl.scene.stages[at(impl.progress.stage)];
-  if (impl.ranks)
-    throw Error(Exit::bad_input, fmt::format("{}: a stage of rest runs in one process; start quoin without mpirun, or "
-                                             "give the stage equilibrium_ratio without kind = \"rest\"",
-                                             stage.source.text));
   const auto out_of_books = [&] {
     const std::optional<Energies> energies = measure_row(impl).energies;
     return energies ? energies->balance_error() : 0.0;
@@ -385,12 +381,22 @@ void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_request
 
 #else
 
-void find_rest(Simulation::Impl& impl, const std::function<bool()>&) {
-  throw Error(Exit::bad_input,
-              fmt::format("{}: this program finds no states of rest; build it with libopenblas-serial-dev",
-                          impl.scene.stages[static_cast<std::size_t>(impl.progress.stage)].source.text));
-}
+void find_rest(Simulation::Impl&, const std::function<bool()>&) {}
 
 #endif
+
+void require_rest(const Simulation::Impl& impl, int stage) {
+  const Stage& settings = impl.scene.stages[static_cast<std::size_t>(stage)];
+  if (settings.kind != "rest") return;
+#ifndef QUOIN_REST
+  throw Error(Exit::bad_input, fmt::format("{}: this program finds no states of rest; build it with "
+                                           "libopenblas-serial-dev",
+                                           settings.source.text));
+#endif
+  if (impl.ranks)
+    throw Error(Exit::bad_input, fmt::format("{}: a stage of rest runs in one process; start quoin without mpirun, or "
+                                             "give the stage equilibrium_ratio without kind = \"rest\"",
+                                             settings.source.text));
+}
 
 }  // namespace quoin

@@ -11,9 +11,11 @@
 
 namespace quoin {
 
-// To be called between two steps, at the start of the current stage. Throws Error(bad_input) where ranks share the
-// model or the program has no sparse solver. Throws Error(interrupted) where a stop is requested between two
-// iterations, Error(numerical) with the name of a block that has no support.
+// To be called between two steps, at the start of the current stage, after require_rest. Throws Error(interrupted) where
+// a stop is requested between two iterations, Error(numerical) with the name of a block that has no support.
 void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_requested);
+
+// Throws Error(bad_input) where the stage is of rest, and ranks share the model or the program has no sparse solver.
+void require_rest(const Simulation::Impl& impl, int stage);
 
 }  // namespace quoin

@@ -35,7 +35,7 @@ void transfer_state(Archive& archive, Impl& s) {
   archive.value(s.energy.dissipated);
   archive.value(s.energy.damping);
   archive.value(s.energy.external);
-  archive.value(s.energy.lost_inertia);
+  archive.value(s.energy.lost_at_changes);
   archive.value(s.progress.unbalanced_ratio);
   archive.value(s.energy.kinetic);
   archive.value(s.progress.calm_checks);

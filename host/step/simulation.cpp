@@ -6,6 +6,7 @@
 #include "step/measure.h"
 #include "step/rank_agreement.h"
 #include "step/rank_load.h"
+#include "step/rest.h"
 #include "step/run_watch.h"
 #include "step/set_up.h"
 #include "step/small_motion.h"
@@ -94,6 +95,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   const int stages = static_cast<int>(impl_->scene.stages.size());
   const int index = stages_ended();
   if (index >= stages) return false;
+  for (int i = index; i < stages; ++i) require_rest(*impl_, i);
   const CurrentVelocities current{*impl_};
   StageRun stage(*this, *impl_, observer, index);
   for (; most_steps > 0; --most_steps) {

@@ -100,7 +100,7 @@ void begin_stage(Simulation::Impl& s, int index) {
   if (!s.large_motion && settings.solver) {
     const double added = s.energy.wanted ? added_kinetic_energy(s) : 0.0;
     follow_solver(s);
-    if (s.energy.wanted) s.energy.lost_inertia += added - added_kinetic_energy(s);
+    if (s.energy.wanted) s.energy.lost_at_changes += added - added_kinetic_energy(s);
   }
   bind_controls(s);
   bind_floors(s);
@@ -183,8 +183,11 @@ void swap_law(Simulation::Impl& s, const std::string& name, const std::string& l
   refuse_swap_of_strips(s.scene, name, current_stage(s).source.text);
   const auto f = static_cast<std::size_t>(found - families.begin());
   auto material = successor(*found, law);
-  if (s.large_motion) return swap_law_in_large_motion(s, f, std::move(material));
-  swap_lattice_law(s, f, std::move(material));
+  if (s.large_motion)
+    swap_law_in_large_motion(s, f, std::move(material));
+  else
+    swap_lattice_law(s, f, std::move(material));
+  if (s.energy.wanted) s.energy.lost_at_changes -= s.laws.swaps.back().energy_jump;
 }
 
 }  // namespace quoin

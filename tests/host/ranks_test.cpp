@@ -313,6 +313,32 @@ TEST(Ranks, WithDifferentModelsAreRefused) {
   EXPECT_THROW(on_ranks(2, [&](Ranks& ranks) { Simulation(stones(ranks.rank()), 1, &ranks); }), Error);
 }
 
+// Ranks find no state of rest. That is said before the first stage of the run, not hours later.
+TEST(Ranks, RefuseALaterStageOfRestAtTheStart) {
+  const std::string scene = undamped_stone("general") +
+                            "[[block]]\nmaterial = \"stone\"\nbox = { lower = [0, 0, 0], size = [0.1, 0.1, 0.1] }\n"
+                            "[[stage]]\nduration = 0.001\n[[stage]]\nkind = \"rest\"\n";
+  std::atomic<long> steps = 0;
+  try {
+    on_ranks(2, [&](Ranks& ranks) {
+      Simulation simulation(read_scene_text(scene, "stones.toml"), 1, &ranks);
+      Observer nothing;
+      try {
+        simulation.run(nothing);
+      } catch (...) {
+        steps += simulation.step();
+        throw;
+      }
+    });
+    ADD_FAILURE() << "taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::bad_input);
+    EXPECT_NE(std::string(error.what()).find("stones.toml:"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("start quoin without mpirun"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(steps, 0);
+}
+
 // 40 x 40 units: each of four ranks has a quarter of the blocks and the blocks close to it.
 TEST(Ranks, HoldTheirPartsOfLargeMotion) {
   const Overrides settings = {"solver.large_motion=always", "wall.courses=40", "wall.units_per_course=40"};

@@ -115,7 +115,7 @@ TEST(Strips, PullDeformableBlocksToo) {
   std::printf("  | deformable block: %.1f N, closed form %.1f N; energy error %.1e\n", result.largest, expected,
               result.energy_error);
   EXPECT_NEAR(result.largest / expected, 1.0, 0.03);
-  EXPECT_LT(result.energy_error, 0.02);
+  EXPECT_LT(result.energy_error, 0.0);
 }
 
 // A strip has no weight, and its nodes no inertia that its block has to move. So a block with one falls as one without,
@@ -145,6 +145,9 @@ TEST(Strips, FibresBreakAtTheirStrength) {
   const Pull result = pulled(pull(0.5, 0.0004, fmt::format("strength = {}\n", strength)), 1);
   EXPECT_LE(result.largest, strength * kWidth * kThickness);
   EXPECT_GT(result.largest, 0.98 * strength * kWidth * kThickness);
+  // The work of damping counts up to the time of the energies. With that of half a step more, and the kinetic energy of
+  // mean velocities, 2.3 % of the work had no source.
+  EXPECT_LT(result.energy_error, 0.005);
 }
 
 TEST(Strips, OneThatLeavesItsFaceIsRefused) {

@@ -208,7 +208,8 @@ energy = true
   EXPECT_NEAR(recorder.swaps[0].energy_jump, jump, 1e-9 * std::abs(jump));
   // The work of the block with prescribed velocity has an error of kn (v dt)^2 / 2 in a step, by the trapezoidal rule.
   const double step = velocity * simulation.large_motion()->stepping.dt;
-  EXPECT_NEAR(recorder.balance[1] - recorder.balance[0], recorder.swaps[0].energy_jump, 2.0 * kn * step * step);
+  EXPECT_GT(std::abs(jump), 4.0 * kn * step * step) << "whether the jump is booked is not tested";
+  EXPECT_NEAR(recorder.balance[1], recorder.balance[0], 2.0 * kn * step * step);
 }
 TEST(BlockLawSwap, SoftenedJointOnARigidPlaneKeepsItsTraction) { softened_joint(""); }
 TEST(BlockLawSwap, SoftenedJointOnADeformablePlaneKeepsItsTraction) {

@@ -85,7 +85,11 @@ class Run {
     if (driven && s.quasi_static && s.quasi_static.why_not && !told.some(t => t.includes(s.quasi_static.why_not))) told.push(s.quasi_static.why_not);
     for (const text of told) element(box, 'div', {className: 'warning', textContent: text});
     const peak = s.peak_vertical_force_N ?? s.peak_horizontal_force_N;
-    const rows = [['law', s.law], ['peak', `${(peak / 1e3).toFixed(2)} kN at ${(s.displacement_at_peak_m * 1e3).toFixed(3)} mm`]];
+    const shaken = s.response;
+    const rows = [['law', s.law], shaken ?
+      ['response', `${shaken.of} moves ${(shaken.displacement_m * 1e3).toFixed(3)} mm along ${shaken.axis} against the ground ` +
+        `(at ${shaken.displacement_at_s.toFixed(3)} s), base force ${(shaken.base_force_N / 1e3).toFixed(2)} kN (at ${shaken.base_force_at_s.toFixed(3)} s)`] :
+      ['peak', `${(peak / 1e3).toFixed(2)} kN at ${(s.displacement_at_peak_m * 1e3).toFixed(3)} mm`]];
     if (s.collapse_multiplier) rows.push(['collapse multiplier', s.collapse_multiplier.toFixed(4)]);
     rows.push(['known error', q.expected_error ?
       `quality ${q.name}: peak ${(100 * q.expected_error.peak).toFixed(1)} %, curve ${(100 * q.expected_error.curve).toFixed(1)} %` :

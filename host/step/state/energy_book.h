@@ -13,7 +13,7 @@ struct EnergyBook {
   bool sampled = false;                  // whether the energies of this step are measured for Watch
   std::array<double, 4> dissipated{};    // energy dissipated in joints of the lattice, by mode
   double damping = 0.0, external = 0.0;  // work on the lattice up to the last half step
-  double lost_inertia = 0.0;             // kinetic energy of added inertia, lost where a stage takes less of it
+  double lost_at_changes = 0.0;          // energy lost where a stage takes less added inertia or another law
   double kinetic = 0.0;                  // kinetic energy of the last measured step
   std::optional<Energies> now;           // energies of the last measured step
 };
