@@ -359,6 +359,41 @@ class Search {
     for (int chunk = 0; chunk < m.chunk_count(); ++chunk) m.advance_contacts(chunk);
   }
 
+ public:
+  // Rest is that against the ground, which earlier records may have left with a velocity.
+  void follow_ground() {
+    const Vector ground =
+        s_.large_motion ? s_.large_motion->actions.ground_then : geometry::vector(s_.data.ground_velocity);
+    if (norm(ground) == 0.0) return;
+    for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b)
+      s_.large_motion ? follow_ground_in_large_motion(b, ground) : follow_ground_on_lattice(b, ground);
+  }
+
+ private:
+  void follow_ground_in_large_motion(int b, const Vector& ground) {
+    blocks::Model& m = *s_.large_motion;
+    const auto follow = [&](const auto& unknown, Vector& velocity) {
+      for (int c = 0; c < 3; ++c)
+        if (unknown[at(c)] >= 0) velocity[c] = ground[c];
+    };
+    const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
+    if (u.rigid) return follow(u.body, body_of(m, b).v);
+    for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
+      follow(u.gridpoint[n], change_node_velocities(m)[at(m.blocks[b].first_node) + n]);
+  }
+
+  void follow_ground_on_lattice(int b, const Vector& ground) {
+    const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
+    const auto follow = [&](std::size_t first) {
+      for (int c = 0; c < 3; ++c) s_.lattice.velocity[first + at(c) * kLanes] = ground[c];
+    };
+    if (!u.rigid) return s_.model.for_each_gridpoint(b, [&](std::size_t first, double) { follow(first); });
+    const int index = s_.model.place[at(b)].body;
+    const auto [record, lane] = s_.lattice.place[at(index)];
+    for (int c = 0; c < 3; ++c) s_.lattice.bodies[at(record)].velocity[c][lane] = ground[c];
+    for (const std::int32_t slave : s_.model.bodies[at(index)].slave) follow(static_cast<std::size_t>(slave));
+  }
+
   Simulation::Impl& s_;
   std::optional<Unknowns> unknowns_;
 };
@@ -372,7 +407,9 @@ void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_request
     return energies ? energies->balance_error() : 0.0;
   };
   const double before = impl.progress.step > 0 ? out_of_books() : 0.0;
-  Search(impl).run(stage.equilibrium_ratio.value_or(1e-4), stop_requested);
+  Search search(impl);
+  search.run(stage.equilibrium_ratio.value_or(1e-4), stop_requested);
+  search.follow_ground();
   // The work of loads is the energy that blocks and joints have taken up, as for loads that grow slowly.
   step_once(impl, true, true);
   const double taken_up = out_of_books() - before;

@@ -155,21 +155,37 @@ std::string pull_over_gaps(const Simulation::Impl& s) {
 
 std::string motion_left_to_ground(const Simulation::Impl& s) {
   constexpr double kSlow = 1e-4;  // m/s
-  double left_over = norm(s.actions.ground_left);
   const Stage& settings = current_stage(s);
   const bool fades = settings.ramp_time > 0.0;
+  const auto stages = std::span(s.scene.stages).first(s.progress.at_stage());
+  const bool was_shaken = std::ranges::any_of(stages, [](const Stage& stage) { return stage.ground.has_value(); });
+  const auto was_of_ground = [&](bool fixed, const std::string& name) {
+    return was_shaken && fixed && std::ranges::find(stages.back().controls, name, &BodyControl::body) ==
+                                      stages.back().controls.end();
+  };
+  double goes_on = norm(s.actions.ground_left), held = 0.0;  // m/s
+  const auto look = [&](bool of_ground, bool was_ground, const Vector& from, const Vector& to) {
+    if (of_ground) goes_on = std::max(goes_on, norm(fades ? from : to));
+    if (!of_ground && was_ground) held = std::max(held, norm(from) - norm(to));
+  };
   for (const Drive& drive : s.actions.drives) {
-    if (drive.of_ground) left_over = std::max(left_over, norm(fades ? drive.velocity_from : drive.velocity_to));
+    const blocks::Block& block = s.large_motion->assembly.blocks[static_cast<std::size_t>(drive.block)];
+    look(drive.of_ground, was_of_ground(block.fixed, block.name_in_stages()), drive.velocity_from, drive.velocity_to);
   }
-  for (const BodyRamp& ramp : s.controls.ramps) {
-    if (ramp.of_ground != 0)
-      left_over = std::max(left_over, norm(geometry::vector(fades ? ramp.velocity_from : ramp.velocity_to)));
+  for (std::size_t i = 0; !s.large_motion && i < s.controls.ramps.size(); ++i) {
+    const BodyRamp& ramp = s.controls.ramps[i];
+    const RigidBody& body = s.model.bodies[i];
+    look(ramp.of_ground != 0,
+         was_of_ground(s.model.assembly.bricks[static_cast<std::size_t>(body.block)].fixed, body.name),
+         geometry::vector(ramp.velocity_from), geometry::vector(ramp.velocity_to));
   }
-  if (left_over <= kSlow) return "";
-  const std::string so = fades ? fmt::format("comes to rest over its ramp_time of {:g} s", settings.ramp_time)
-                               : "goes on so, as the stage has no ramp_time over which it could come to rest";
-  return fmt::format("the ground still moves at {:.3g} m/s when stage '{}' begins, and {}", left_over, settings.name,
-                     so);
+  if (std::max(goes_on, held) <= kSlow) return "";
+  const std::string stops = fades ? fmt::format("comes to rest over its ramp_time of {:g} s", settings.ramp_time)
+                                  : "goes on so, as the stage has no ramp_time over which it could come to rest";
+  return fmt::format("the ground still moves at {:.3g} m/s when stage '{}' begins, and {}", std::max(goes_on, held),
+                     settings.name, held > goes_on && !fades ? "stops at once, as the stage holds it" : stops) +
+         (held > goes_on || fades ? ": that shakes what stands on it; after = \"rest\" in ground_motion stops it gently"
+                                  : "");
 }
 
 // Energy below which a balance is rounding, J: a share of the weight times the least extent of a block.

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "members/members.h"
 #include "model/world_results.h"
+#include "step/actions/ground.h"
 #include "step/findings.h"
 #include "step/large_motion_run.h"
 #include "step/small_motion.h"
@@ -97,19 +98,26 @@ constexpr std::size_t kNamed = 5;  // most blocks that a message names
 }  // namespace
 
 void require_moving_ground(const Simulation::Impl& s) {
-  const auto any_fixed = [](const auto& blocks) {
-    return std::any_of(blocks.begin(), blocks.end(), [](const auto& b) { return b.fixed; });
+  if (s.large_motion && s.large_motion->held_by.members && !s.large_motion->held_by.members->beds().empty()) return;
+  std::vector<std::size_t> fixed;
+  const auto note_fixed = [&](const auto& blocks) {
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      if (blocks[i].fixed) fixed.push_back(i);
   };
-  if (s.large_motion && s.large_motion->held_by.members.get() && !s.large_motion->held_by.members.get()->beds().empty())
-    return;
-  if (s.large_motion ? any_fixed(s.large_motion->assembly.blocks) : any_fixed(s.model.assembly.bricks)) return;
+  s.large_motion ? note_fixed(s.large_motion->assembly.blocks) : note_fixed(s.model.assembly.bricks);
   for (const Stage& each : s.scene.stages) {
     if (!each.ground) continue;
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{}: stage '{}' has ground_motion, which moves the fixed blocks, and none is fixed; give the "
-                    "ground fixed = true, a wall its bottom_beam",
-                    each.source.text, each.name));
+    const auto refuse = [&](const char* why) {
+      throw Error(Exit::bad_input, fmt::format("{}: stage '{}' has ground_motion, {}", each.source.text, each.name, why));
+    };
+    if (fixed.empty())
+      refuse("which moves the fixed blocks, and none is fixed; give the ground fixed = true, a wall its bottom_beam");
+    const std::vector<std::int32_t> group = support_groups(s, each);
+    const bool moves = std::ranges::any_of(each.ground->components, [](const GroundMotion::Component& c) {
+      return std::ranges::any_of(c.acceleration.value, [](double value) { return value != 0.0; });
+    });
+    if (moves && std::ranges::none_of(fixed, [&](std::size_t block) { return group[block] == 0; }))
+      refuse("which moves nothing: all fixed blocks are in its supports; leave the motion of the ground itself out");
   }
 }
 

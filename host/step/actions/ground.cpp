@@ -161,7 +161,7 @@ Vector left_over_at(const Simulation::Impl& s, const Vector& from, const Vector&
   return from + (ramp > 0.0 ? smooth_step((time - s.progress.stage_start) / ramp) : 1.0) * (to - from);
 }
 
-// Velocity of the ground below springs that no block has, m/s, in a stage that runs.
+// Velocity of the ground below springs that no block follows, m/s, in a stage that runs.
 Vector velocity_below_springs(const Simulation::Impl& s, const Stage& stage, double time) {
   const Vector& left = s.actions.ground_left;
   return left_over_at(s, left, stage.ramp_time > 0.0 ? Vector{} : left, time) + record_velocity(s, stage, time, 0);
@@ -177,10 +177,9 @@ Vector left_below_springs(const Simulation::Impl& s, const Stage* previous) {
 // The ground consists of all fixed blocks that no table of the stage drives. Velocity that earlier records have left
 // continues, or fades over the ramp of the stage.
 void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
-  const auto old =
-      std::find_if(s.actions.drives.begin(), s.actions.drives.end(), [](const Drive& d) { return d.of_ground != 0; });
-  const Vector left_over = old == s.actions.drives.end() ? Vector{} : followed(old->of_ground, old->velocity_from);
   s.actions.ground_left = left_below_springs(s, previous);
+  const Drive* const old = s.actions.ground_drive();
+  const Vector left_over = old ? followed(old->of_ground, old->velocity_from) : s.actions.ground_left;
   const std::vector<std::int32_t> groups = support_groups(s, settings);
   std::vector<std::int32_t> drive_of(static_cast<std::size_t>(s.large_motion->block_count()), -1);
   for (std::size_t d = 0; d < s.actions.drives.size(); ++d)

@@ -13,9 +13,10 @@ namespace quoin {
 
 constexpr std::uint8_t kOfGround = 0xf;  // Drive::of_ground of a block that moves as the ground along all axes
 
-// Rank of a block or body as the one that stands for the ground; 0: it is none of the ground.
+// Rank of a block or body as the one that stands for the ground; 0: it is none of the ground, or has a motion of its
+// own.
 constexpr int ground_rank(std::uint64_t of_ground, std::int64_t motion) {
-  return of_ground == 0 ? 0 : 1 + (motion == 0 ? 2 : 0) + (of_ground == kOfGround ? 1 : 0);
+  return of_ground == 0 || motion != 0 ? 0 : of_ground == kOfGround ? 2 : 1;
 }
 
 // Control of a block of any shape through a stage.
@@ -52,7 +53,7 @@ struct Actions {
   double multiplier = 0.0;                             // multiplier of the body force in a collapse stage
   FirstLoad first_load;                                // for collapse stages
   std::vector<geometry::Vector> collapse_from;         // of blocks against the ground when a collapse stage began, m
-  geometry::Vector ground_left;  // velocity that records have left to ground below springs without fixed blocks, m/s
+  geometry::Vector ground_left;  // velocity that records have left to ground below springs that no block follows, m/s
 
   const Drive* ground_drive() const;  // drive of a block that moves with the ground; null: none
 };
