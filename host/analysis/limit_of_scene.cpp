@@ -243,6 +243,7 @@ void add_own_nodes(const members::LinearMembers& own, SceneLimit* limit) {
       limit->labels.push_back(
           fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", body.label, node.at.x, node.at.y, node.at.z));
       limit->masses.push_back({block, node.mass, node.at, node.ways});
+      if (norm(node.load) > 0.0) limit->loads.push_back({block, node.at, node.load});
       guide(block, node.at, node.ways, false, limit), guide(block, node.at, node.turns, true, limit);
     }
   }

@@ -210,6 +210,17 @@ void Beam::pull_support(Support& s, std::vector<Node>& nodes, double dt) {
   force_[k] -= s.state.force, moment_[k] -= cross(arm, s.state.force);
 }
 
+const Beam::Support* Beam::slid_off() const {
+  for (const Seat& seat : seats_) {
+    const Support& support = supports_[seat.support];
+    if (norm(support.state.force) == 0.0) continue;
+    const double half_piece = 0.5 * piece_at(support.place);  // the node stands for that much to each side
+    for (const ToEdge& edge : seat.edges)
+      if (-dot(support.state.moved, edge.out) > edge.distance + half_piece) return &support;
+  }
+  return nullptr;
+}
+
 void Beam::advance(const Surroundings& step) {
   unbalanced_ = 0.0;
   for (std::size_t k = 0; k < x_.size(); ++k) {

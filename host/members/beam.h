@@ -36,6 +36,15 @@ class Beam {
     SpringState state;
     Vector moved;  // motion of the block relative to the arm's end in the last step, m
   };
+  // Distance of a support from an edge of its face, along the outward normal of the edge in the face, m.
+  struct ToEdge {
+    Vector out;
+    double distance = 0.0;
+  };
+  struct Seat {
+    std::size_t support = 0;
+    std::vector<ToEdge> edges;
+  };
   // points: positions of its nodes at the start, m. up: any vector that is not along the line.
   Beam(std::string name, std::vector<Vector> points, const Vector& up, const Section& section);
 
@@ -43,6 +52,9 @@ class Beam {
   const std::vector<Vector>& nodes() const { return x_; }
   std::vector<Support>& supports() { return supports_; }
   const std::vector<Support>& supports() const { return supports_; }
+  std::vector<Seat>& seats() { return seats_; }  // of supports on which it rests
+  // A support that still carries, though its node has slid past the edge of the face by half a piece; null: none.
+  const Support* slid_off() const;
   double piece_at(int place) const;  // shortest piece at the node, m
   const Section& section() const { return section_; }
   double length() const;  // length at the start, m
@@ -103,6 +115,7 @@ class Beam {
   std::vector<Vector> start_;
   std::vector<Piece> pieces_;
   std::vector<Support> supports_;
+  std::vector<Seat> seats_;
   std::vector<Vector> x_, v_;  // m; m/s half a step ago
   std::vector<Clamp> clamps_;
   std::vector<geometry::Matrix> frame_;  // rotation of the places of a clamp since the start; else none

@@ -64,16 +64,22 @@ std::vector<Vector> places_along(const BeamSpec& spec) {
   return nodes;
 }
 
-// Outward normal, in space, of the face of a block that is nearest to a point of a piece. On an edge it is the face
-// along the piece, then the one towards its `up`.
-Vector normal_of_nearest_face(const blocks::Assembly& assembly, int block, const Vector& point,
-                              const Beam::Piece& piece) {
+// Face of a block in space: outward normal and corners.
+struct Face {
+  Vector normal;
+  std::vector<Vector> corners;
+};
+
+// The face of a block that is nearest to a point of a piece. On an edge it is the face along the piece, then the one
+// towards its `up`.
+Face nearest_face(const blocks::Assembly& assembly, int block, const Vector& point, const Beam::Piece& piece) {
   const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
   const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
   const geometry::Matrix turned = matrix(b.orientation);
   const Vector own = transposed_times(turned, point - b.position);
   constexpr double kSlope = 1e-6;  // difference of cosines below which directions are the same
   double nearest = -1e300;
+  std::size_t found = 0;
   Vector normal;
   const auto lies_better = [&](const Vector& other) {
     const auto cosine = [&](const Vector& n, int column) { return std::abs(dot(n, piece.frame.column(column))); };
@@ -84,9 +90,23 @@ Vector normal_of_nearest_face(const blocks::Assembly& assembly, int block, const
     const double off = dot(shape.normals[f], own - shape.vertices[static_cast<std::size_t>(shape.faces[f].front())]);
     const Vector other = turned * shape.normals[f];
     if (off > nearest + kSame || (off > nearest - kSame && lies_better(other)))
-      nearest = std::max(nearest, off), normal = other;
+      nearest = std::max(nearest, off), normal = other, found = f;
   }
-  return normal;
+  Face face{normal, {}};
+  for (const int corner : shape.faces[found])
+    face.corners.push_back(b.position + turned * shape.vertices[static_cast<std::size_t>(corner)]);
+  return face;
+}
+
+// Way from a point on a face to each of its edges.
+std::vector<Beam::ToEdge> ways_to_edges(const Face& face, const Vector& point) {
+  std::vector<Beam::ToEdge> ways;
+  for (std::size_t i = 0; i < face.corners.size(); ++i) {
+    const Vector& corner = face.corners[i];
+    const Vector out = normalized(cross(face.corners[(i + 1) % face.corners.size()] - corner, face.normal));
+    ways.push_back({out, dot(corner - point, out)});
+  }
+  return ways;
 }
 
 // Points at which a block holds a built-in node: half way to its corners.
@@ -110,7 +130,8 @@ void Members::hold(Beam& beam, int place, int block, const BeamSpec& spec, const
     Beam::Support support;
     support.place = place, support.node = static_cast<int>(nodes_.size());
     const Beam::Piece& piece = beam.pieces()[std::min(static_cast<std::size_t>(place), beam.pieces().size() - 1)];
-    support.arm = point - at, support.out = normal_of_nearest_face(assembly, block, at, piece);
+    const Face face = nearest_face(assembly, block, at, piece);
+    support.arm = point - at, support.out = face.normal;
     support.rests = how == "resting";
     support.law.normal = support.law.shear = whole / static_cast<double>(points.size());
     support.law.tension = !support.rests;
@@ -119,6 +140,7 @@ void Members::hold(Beam& beam, int place, int block, const BeamSpec& spec, const
     node.block = block;
     node.start = node.x = point;
     nodes_.push_back(node);
+    if (support.rests) beam.seats().push_back({beam.supports().size(), ways_to_edges(face, at)});
     beam.supports().push_back(support);
   }
 }

@@ -158,17 +158,22 @@ void Floor::load_blocks(std::vector<Node>& nodes, const Surroundings& step) {
 }
 
 void Floor::advance(const Surroundings& step) {
-  const InPlane gravity{geometry::dot(step.gravity, grid_.along), geometry::dot(step.gravity, grid_.across)};
+  const auto in_plane = [&](const Vector& g) {
+    return InPlane{geometry::dot(g, grid_.along), geometry::dot(g, grid_.across)};
+  };
+  // A load has no inertia, so the body force of a collapse stage does not push it along the floor.
+  const InPlane gravity = in_plane(step.gravity), of_load = in_plane(step.gravity - step.of_collapse);
   const InPlane ground{geometry::dot(step.ground_velocity, grid_.along),
                        geometry::dot(step.ground_velocity, grid_.across)};
   const double dt = step.dt;
   unbalanced_ = 0.0;
   for (std::size_t k = 0; k < start_.size(); ++k) {
     const double mass = membrane_.mass * share_of(static_cast<int>(k)), inertia = step.mass_scaling * mass;
+    const double loaded = membrane_.load / kGravityOfLoads * share_of(static_cast<int>(k));
     const InPlane inner = turned(force_[k], cosine_, sine_);
     const auto go = [&](double InPlane::*c) {
       double& v = velocity_[k].*c;
-      const double weight = mass * gravity.*c, before = v, force = inner.*c + weight;
+      const double weight = mass * gravity.*c + loaded * of_load.*c, before = v, force = inner.*c + weight;
       unbalanced_ = std::max(unbalanced_, std::abs(force));
       const double motion = brake(step, inertia, force, ground.*c, v);
       dissipated_ += motion;

@@ -69,10 +69,17 @@ void add_floor(const Floor& floor, const Vector& gravity, LinearMembers* out) {
   OwnBody body{
       fmt::format("floor '{}'", floor.name()), static_cast<int>(out->nodes.size()), 0, out->deformations.size(), 0, {}};
   const Vector normal = cross(grid.along, grid.across);
-  const double mass = floor.membrane().mass + floor.membrane().load / kGravityOfLoads;  // kg/m2
-  for (int place = 0; place < (n + 1) * (m + 1); ++place)
-    out->nodes.push_back(
-        {floor.start_of(place), floor.membrane().mass * floor.share_of(place), 0.0, {grid.along, grid.across}, {}});
+  const double load = floor.membrane().load / kGravityOfLoads, mass = floor.membrane().mass + load;  // kg/m2
+  const Vector in_plane = gravity - dot(gravity, normal) * normal;
+  for (int place = 0; place < (n + 1) * (m + 1); ++place) {
+    const double area = floor.share_of(place);
+    out->nodes.push_back({floor.start_of(place),
+                          floor.membrane().mass * area,
+                          0.0,
+                          {grid.along, grid.across},
+                          {},
+                          load * area * in_plane});
+  }
   body.end = static_cast<int>(out->nodes.size());
   for (int j = 0; j < m; ++j) {
     for (int i = 0; i < n; ++i) {
@@ -169,7 +176,8 @@ void add_beam(const Beam& beam, LinearMembers* out) {
                           beam.section().mass * half,
                           beam.section().polar * half,
                           {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
-                          turns_of(beam, k)});
+                          turns_of(beam, k),
+                          {}});
   }
   body.end = static_cast<int>(out->nodes.size());
   for (std::size_t i = 0; i + 1 < count; ++i) {

@@ -18,6 +18,7 @@ struct OwnNode {
   Vector at;                         // m
   double mass = 0.0, inertia = 0.0;  // kg, kg m2
   std::vector<Vector> ways, turns;   // unit vectors: directions in which it moves, axes about which it turns
+  Vector load;                       // constant force, N
 };
 
 // A floor or beam; its nodes and deformations are consecutive.

@@ -30,7 +30,8 @@ struct Surroundings {
   double dt = 0.0;             // s
   Vector ground_way;           // motion of the ground in the last step, m
   Vector ground_velocity;      // velocity of the ground, relative to which damping acts, m/s
-  Vector gravity;              // m/s2
+  Vector gravity;              // with the body force of a collapse stage, m/s2
+  Vector of_collapse;          // that body force by mass, m/s2
   double mass_scaling = 1.0;   // inertia over mass
   double mass_damping = 0.0;   // 1/s
   double local_damping = 0.0;  // coefficient of eq. 1

@@ -38,7 +38,8 @@ struct Actions {
   std::vector<Pressure> pressures;
   std::vector<uint8_t> loaded;  // by block: some load or pressure acts on it
   std::vector<Vector> applied;  // force by block, N; empty: none
-  Vector gravity;               // m/s2
+  Vector gravity;               // with the body force of a collapse stage, m/s2
+  Vector of_collapse;           // that body force by mass, m/s2
   TimeSeries gravity_factor;
   Vector ground_then, ground_now;  // velocity of the ground half a step ago and now, m/s
 };

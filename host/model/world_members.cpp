@@ -75,8 +75,8 @@ void follow_members(World& w) {
   }
   if (w.held_by.exchange) w.held_by.exchange(w.held_by.members->nodes());
   w.held_by.members->pull({w.stepping.dt, w.stepping.dt * w.actions.ground_then, braking_ground(w),
-                           w.actions.gravity_factor.at(w.stepping.time) * w.actions.gravity, w.solver.mass_scaling,
-                           w.damping.alpha, w.damping.gamma});
+                           w.actions.gravity_factor.at(w.stepping.time) * w.actions.gravity, w.actions.of_collapse,
+                           w.solver.mass_scaling, w.damping.alpha, w.damping.gamma});
 }
 
 // Adds springs of the same stiffness in all directions, an upper bound for members in any orientation.

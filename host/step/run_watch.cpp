@@ -288,6 +288,21 @@ std::string turned_piece_of_beam(const Simulation::Impl& s) {
       beam->name(), Watch::kAllowedTurn);
 }
 
+std::string beam_off_its_seat(const Simulation::Impl& s) {
+  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  if (!members) return "";
+  for (const members::Beam& beam : members->beams()) {
+    const members::Beam::Support* const support = beam.slid_off();
+    if (!support) continue;
+    const int block = members->nodes()[static_cast<std::size_t>(support->node)].block;
+    return fmt::format(
+        "beam '{}' has slid past the edge of block {} on which it rests, and is still carried there, as seats are not "
+        "lost: read the results only until here",
+        beam.name(), block_label(s, block));
+  }
+  return "";
+}
+
 std::string unbalanced_energies(const Simulation::Impl& s) {
   // The balance oscillates about 0 while little energy has been converted.
   const bool is_early = s.progress.step < (s.energy.wanted ? 1 : 10) * Watch::kOutputSteps;
@@ -416,6 +431,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   warn("crushed_out", [&] { return points_crushed_out(s); });
   warn("pressure", [&] { return stage_ends ? crushed_in_ramp(s) : ""; });
   warn("beam", [&] { return turned_piece_of_beam(s); });
+  warn("seat", [&] { return beam_off_its_seat(s); });
   warn("energy_balance", [&] { return unbalanced_energies(s); });
   warn("time_step", [&] { return stiff_law(s); });
   warn("law_states", [&] {

@@ -1338,5 +1338,44 @@ velocity = [0.0, 1e300, 0.0]
   });
 }
 
+// A beam that rests on a block that moves away was carried by it at any distance.
+TEST(Outside, ABeamPastTheEdgeOfItsSeatIsWarnedOf) {
+  const auto moved = [](double way) {
+    const char* pier = R"([[block]]
+name = "{0}"
+material = "stone"
+fixed = true
+box = {{ lower = [{1}, -1, -0.2], size = [0.4, 1, 0.4] }}
+)";
+    const Rows rows =
+        rows_of(fmt::format(fmt::runtime(pier), "left", -0.2) + fmt::format(fmt::runtime(pier), "right", 3.8) +
+                fmt::format(R"([[beam]]
+name = "lintel"
+points = [[0, 0, 0], [4, 0, 0]]
+spacing = 0.2
+area = 1e-2
+inertia = [1e-4, 1e-4]
+young_modulus = 200e9
+density = 7850
+support = [{{ point = [0, 0, 0], block = "left", hold = "resting" }}, {{ point = [4, 0, 0], block = "right", hold = "resting" }}]
+[[stage]]
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+duration = 0.2
+monitor = "right"
+[[stage]]
+duration = {}
+monitor = "right"
+[[stage.velocity]]
+block = "right"
+velocity = [1, 0, 0]
+)",
+                            way));
+    return std::ranges::count(rows.warned_of, "seat");
+  };
+  EXPECT_EQ(moved(0.25), 0);  // 0.2 m to the edge, and half a piece of 0.2 m
+  EXPECT_EQ(moved(0.4), 1);
+}
+
 }  // namespace
 }  // namespace quoin::verification

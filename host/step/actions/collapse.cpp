@@ -141,9 +141,10 @@ void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
     s.actions.multiplier = *settings.collapse->start * ramp +
                            *settings.collapse->rate * std::max(0.0, s.large_motion->stepping.time -
                                                                         s.progress.stage_start - settings.ramp_time);
-  s.large_motion->set_gravity(geometry::vector(s.data.gravity) +
-                              s.actions.multiplier * norm(geometry::vector(settings.gravity)) *
-                                  normalized(geometry::vector(settings.collapse->direction)));
+  const Vector pull = s.actions.multiplier * norm(geometry::vector(settings.gravity)) *
+                      normalized(geometry::vector(settings.collapse->direction));
+  s.large_motion->set_gravity(geometry::vector(s.data.gravity) + pull);
+  s.large_motion->actions.of_collapse = pull;
 }
 
 }  // namespace
