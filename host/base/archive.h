@@ -1,8 +1,11 @@
-// Bytes of a checkpoint; one list of fields serves writing and reading, so that both have the same fields.
+// Bytes of a checkpoint; one list of fields serves writing and reading, so that both have the same fields. Structs are
+// written as they lie in memory. They have no bytes between their members, which would be undefined: flags in them are
+// as wide as their neighbours.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -23,6 +26,11 @@ struct ArchiveWriter {
   void value(const T& x) {
     static_assert(std::is_trivially_copyable_v<T>);
     append(&x, sizeof x);
+  }
+  template <class T>
+  void optional(const std::optional<T>& x) {
+    value(x.has_value());
+    value(x.value_or(T{}));
   }
   template <class Array>
   void array(const Array& x) {
@@ -83,6 +91,13 @@ struct ArchiveReader {
     } else {
       take(&x, sizeof x);
     }
+  }
+  template <class T>
+  void optional(std::optional<T>& x) {
+    bool has_value = false;
+    T content{};
+    value(has_value), value(content);
+    x = has_value ? std::optional<T>(content) : std::nullopt;
   }
   template <class Array>
   void array(Array& x) {

@@ -74,13 +74,20 @@ void hold_against(const Provenance& here, const Provenance& there) {
 
 bool say_whether_same(const Provenance& here, const fs::path& folder_here, const Provenance& there,
                       const fs::path& folder_there) {
+  const fs::path history = folder_there / "history.csv";
+  std::error_code error;
+  if (fs::exists(history, error) && sha256_of_file(history.string()) != there.history_sha256) {
+    const std::string where = first_difference(folder_here / "history.csv", history);
+    fmt::print("{} is not what its run wrote{}\n", history.string(), where.empty() ? "" : ": it differs at " + where);
+    return false;
+  }
   const bool same = here.state == there.state && here.history_sha256 == there.history_sha256;
   if (same) {
     fmt::print("the bits agree with {}: state {}, history.csv sha256 {:.16}\n", folder_there.string(), here.state,
                here.history_sha256);
     return true;
   }
-  const std::string where = first_difference(folder_here / "history.csv", folder_there / "history.csv");
+  const std::string where = first_difference(folder_here / "history.csv", history);
   std::string why;
   for (const std::string& difference : differences(here, there)) why += (why.empty() ? "" : "; ") + difference;
   fmt::print(

@@ -119,9 +119,12 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   if (has_all) gather_for_pictures(simulation);
   if (output.plots && has_all) draw(folder, simulation, surfaces, info, options, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
+  bool end_is_missing = output.end_state && !failure;
   keep([&] {
-    if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
+    if (end_is_missing) write_end_state(folder, simulation, info.provenance);
+    end_is_missing = false;
   });
+  if (end_is_missing) info.status = "failed", info.message = "end_state.bin was not written";  // it can be resumed
   info.wall_clock_s = process_seconds();
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });  // says that the run is done
   keep([&] {

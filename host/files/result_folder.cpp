@@ -34,6 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLock = ".quoin-lock";
+constexpr const char* kPage = "report.html";
 constexpr const char* kManifest = ".quoin-manifest";
 constexpr const char* kManifestHead = "results of quoin, partial files .";  // the token of the process follows
 
@@ -45,13 +46,22 @@ constexpr std::array kNames{
     "plots/mechanism.*", "plots/bricks.dat", "plots/beams.dat", "plots/joints_*.dat", "run.json",
     "checkpoint.bin",    "end_state.bin",    "sample.json",     "cracks.csv",         "histories.png",
     "curve.svg",         "cracks.svg",       "mechanism.svg",   "histories.svg",      "plots/histories.*",
-    "monitors.csv",      "monitors.json",    "members.pvd",     "members_*.vtu"};
+    "monitors.csv",      "monitors.json",    "members.pvd",     "members_*.vtu",      "report.html"};
 
 bool matches(const char* pattern, const std::string& name) {
   return fnmatch(pattern, name.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0;
 }
 bool is_name_of_a_result(const std::string& name) {
   return std::any_of(kNames.begin(), kNames.end(), [&](const char* pattern) { return matches(pattern, name); });
+}
+
+// Whether a file is a page of quoin by its mark. `quoin report` adds pages after a run.
+bool is_own_page(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(file, error))) return false;
+  std::string head(300, '\0');
+  std::ifstream(file).read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head.find(kPageMark) != std::string::npos;
 }
 
 struct Manifest {
@@ -73,6 +83,13 @@ Manifest read_manifest(const fs::path& folder) {
   while (std::getline(stream, line)) {
     if (is_name_of_a_result(line) || line == "plots" || matches("plots/*", line)) manifest.names.insert(line);
   }
+  return manifest;
+}
+
+// Names of results of quoin in a folder.
+Manifest own_results(const fs::path& folder) {
+  Manifest manifest = read_manifest(folder);
+  if (is_own_page(folder / kPage)) manifest.names.insert(kPage);
   return manifest;
 }
 
@@ -221,7 +238,7 @@ FolderLock::~FolderLock() { close(file_); }
 ResultFolder::ResultFolder(const fs::path& folder, std::shared_ptr<FolderLock> held,
                            const std::function<bool(const std::string&)>& is_kept)
     : lock_(held ? std::move(held) : std::make_shared<FolderLock>(folder)) {
-  const Manifest old = read_manifest(folder);
+  const Manifest old = own_results(folder);
   refuse_what_others_wrote(folder, old);
   std::set<std::string> kept;
   for (const std::string& name : old.names) {
@@ -247,6 +264,15 @@ ResultFolder::ResultFolder(const fs::path& folder, std::shared_ptr<FolderLock> h
 ResultFolder::~ResultFolder() {
   const std::lock_guard guard(mutex);
   std::erase_if(open_folders, [&](const OpenFolder& f) { return f.path == path_; });
+}
+
+void refuse_page_of_others(const fs::path& page) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(page, error)) ||
+      own_results(page.parent_path()).names.contains(page.filename().string()))
+    return;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: is no page of quoin, and would be overwritten; move it away", page.string()));
 }
 
 void note_result(const fs::path& file) {

@@ -41,6 +41,11 @@ class ResultFolder {
   std::filesystem::path path_;  // absolute
 };
 
+// Mark of the pages that quoin writes into result folders.
+inline constexpr const char* kPageMark = "<meta name=\"generator\" content=\"quoin\">";
+// Throws Error(bad_input) where a page of someone else is in the place of `page`.
+void refuse_page_of_others(const std::filesystem::path& page);
+
 // Adds FILE to the manifest of the ResultFolder of this process that contains it, if any. Thread-safe.
 void note_result(const std::filesystem::path& file);
 

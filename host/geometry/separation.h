@@ -2,6 +2,7 @@
 // plane. Candidates are the face normals of both and the cross products of their edges.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -21,7 +22,7 @@ inline Placed placed(const ConvexPolyhedron& s, const Vector& centre) {
 }
 
 struct Separation {
-  enum Feature : int { none = 0, face_of_a = 1, face_of_b = 2, edges = 3 };
+  enum Feature : std::int64_t { none = 0, face_of_a = 1, face_of_b = 2, edges = 3 };
   Feature feature = none;
   int index_a = -1, index_b = -1;  // face or edge; -1 for the body without a face in it
   double distance = 0.0;           // along the normal, m; > 0 apart, < 0 overlapping

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -29,9 +30,9 @@ class Beam {
   // One spring between a block and the end of an arm that turns with a node of the beam.
   struct Support {
     int place = 0, node = 0;
-    Vector arm;  // m, at the start
-    bool rests = false;
-    Vector out;  // normal of the block's face, unit, where the node rests
+    Vector arm;               // m, at the start
+    std::uint64_t rests = 0;  // 1: no tension
+    Vector out;               // normal of the block's face, unit, where the node rests
     SpringLaw law;
     SpringState state;
     Vector moved;  // motion of the block relative to the arm's end in the last step, m

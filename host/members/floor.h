@@ -49,7 +49,7 @@ class Floor {
     double axial = 0.0, anchor = 0.0, shear = 0.0;  // N; axial: anchors and bearing
     double slid = 0.0, drawn = 0.0;                 // plastic: slip along the edge, opening of anchors, m
     double stored = 0.0;                            // J
-    bool is_out = false;
+    std::uint64_t is_out = 0;                       // 1: its anchors are pulled out
   };
   struct Grid {
     Vector origin, along, across;  // m; unit; unit

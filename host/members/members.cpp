@@ -166,7 +166,7 @@ std::vector<Line> Members::lines() const {
     const Tie& tie = ties_[i];
     for (std::size_t k = 0; k + 1 < tie.stops.size(); ++k)
       lines.push_back({kTie, static_cast<int>(i), place_of(tie.stops[k]), place_of(tie.stops[k + 1]), tie.state.force,
-                       tie.state.plastic, 0.0, tie.state.broken});
+                       tie.state.plastic, 0.0, tie.state.broken != 0});
   }
   for (std::size_t i = 0; i < dowels_.size(); ++i) {
     const Dowel& dowel = dowels_[i];

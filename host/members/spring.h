@@ -1,6 +1,7 @@
 // Bedding of a face on the ground: spring and dashpot at one point of it. Equations: README.md.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
 #include "geometry/vector.h"
@@ -14,7 +15,7 @@ struct SpringLaw {
   double normal = 0.0, shear = 0.0;                           // N/m
   double normal_dashpot = 0.0, shear_dashpot = 0.0;           // N s/m
   double friction = std::numeric_limits<double>::infinity();  // largest shear over normal force
-  bool tension = false;
+  std::uint64_t tension = 0;                                  // 1: it takes tension
 };
 
 // Energies in J.

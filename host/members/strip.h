@@ -83,7 +83,7 @@ class Strip {
   std::vector<std::vector<double>> state_;
   std::vector<double> energy_[1 + QUOIN_DISSIPATED_COUNT];  // stored, dissipated in the step, J/m2
   std::vector<std::uint32_t> flags_;
-  double mass_step_ = 0.0;  // time step for which masses are computed, s
+  double mass_step_ = 0.0;                  // time step for which masses are computed, s
   double stored_ = 0.0, dissipated_ = 0.0;  // J, at the time of the forces
   double braked_later_ = 0.0;               // work of damping in the half step after that time, J
   quoin_batch batch_{};

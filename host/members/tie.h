@@ -1,6 +1,7 @@
 // A tie: law of a bar along its axis. Equations: README.md.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
 namespace quoin::members {
@@ -17,10 +18,10 @@ struct TieLaw {
 
 // All but the force is history. Energies in J.
 struct TieState {
-  double force = 0.0;       // N, tension positive
-  double plastic = 0.0;     // plastic elongation, m
-  double shortening = 0.0;  // shortening by the jack, m; pretension over stiffness in the end
-  bool broken = false;
+  double force = 0.0;        // N, tension positive
+  double plastic = 0.0;      // plastic elongation, m
+  double shortening = 0.0;   // shortening by the jack, m; pretension over stiffness in the end
+  std::uint64_t broken = 0;  // 1: it is
   double stored = 0.0, dissipated = 0.0;
   double jack_work = 0.0;
 

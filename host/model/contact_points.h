@@ -21,7 +21,8 @@ using geometry::Vector;
 struct Point {
   int32_t a, b;                        // blocks
   int32_t facet_a = -1, facet_b = -1;  // index into Contacts::facets for a deformable side
-  bool on_gridpoints = false;  // on the first gridpoints of facet_a and facet_b, if any; n, s, t are in a's frame
+  // 1: on the first gridpoints of facet_a and facet_b, if any; n, s, t are in a's frame.
+  std::uint64_t on_gridpoints = 0;
   // Unit vectors, n from a to b. For a triangle's frame they are in space, from the last step or detection (see
   // frame_of).
   Vector n, s, t;
@@ -34,8 +35,9 @@ struct Point {
 
 // Position of a contact point on a triangle of a deformable block.
 struct Facet {
-  int32_t node[3];
   double weight[3];
+  int32_t node[3];
+  int32_t unused = 0;  // see base/archive.h
 };
 
 // Gradients of the shape functions of a triangle along its s and t, 1/m.

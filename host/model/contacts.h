@@ -14,10 +14,10 @@ using geometry::Vector;
 struct Contact {
   geometry::Pair pair;
   int family = -1;
-  uint32_t first = 0, count = 0;  // points in Family::point
-  uint32_t first_facet = 0;       // index of the contact's first facet point in Contacts::facets
-  bool initial = false;           // whether it is a joint of the start
-  bool beside_joint = false;      // whether the blocks touch only along an edge or at a corner since the start
+  uint32_t first = 0, count = 0;   // points in Family::point
+  uint32_t first_facet = 0;        // index of the contact's first facet point in Contacts::facets
+  std::uint16_t initial = 0;       // 1: it is a joint of the start
+  std::uint16_t beside_joint = 0;  // 1: the blocks touch only along an edge or at a corner since the start
 };
 
 // Geometry of a pair at its last narrow phase.

@@ -33,7 +33,7 @@ struct AssumedMotion {
 // The next check of a pair of blocks.
 struct PairCheck {
   int32_t a, b;
-  bool mostly_used = false;  // whether it has used most of its allowed motion, and joins the next narrow phase
+  long mostly_used = 0;  // 1: it has used most of its allowed motion, and joins the next narrow phase
   long step = 0;
 };
 

@@ -27,6 +27,7 @@ struct Body {
   Matrix r, transposed_r;  // rotation matrix of q
   uint8_t held = 0;        // bits 0..2: velocity prescribed along x, y, z; 3..5: rotation about them
   uint8_t support = 0;     // bits of `held` that a plane of symmetry holds for good
+  uint8_t unused[6] = {};  // see base/archive.h
 
   void turn_to(const Quaternion& orientation) {
     q = orientation;

@@ -20,6 +20,7 @@
 #include "base/number_text.h"
 #include "files/file.h"
 #include "files/markup.h"
+#include "files/result_folder.h"
 #include "results/colours.h"
 #include "results/joint_table.h"
 #include "results/read_vtu.h"
@@ -812,10 +813,10 @@ namespace {
 // scripts: elements with the runs of the page, or with their source.
 std::string page_text(const std::string& title, const std::string& scripts) {
   return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\n"
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">{}<title>{}</title>\n"
       "<style>{}</style></head><body>\n{}{}<script>{}</script>\n<script>{}</script>\n"
       "</body></html>\n",
-      escaped(title), kReportStyle, kReportBody, scripts, three_js(), kReportScript);
+      kPageMark, escaped(title), kReportStyle, kReportBody, scripts, three_js(), kReportScript);
 }
 
 std::string run_scripts(const Part& part) {
@@ -855,13 +856,14 @@ std::string GrowingRun::part(const std::string& summary, const std::string& hist
 
 fs::path write_report(const std::vector<fs::path>& folders, const OnFrame& on_frame) {
   require_report_library();
+  const fs::path path = folders.front() / "report.html";
+  refuse_page_of_others(path);
   std::string runs, title;
   for (const fs::path& folder : folders) {
     const Part part = part_of(folder, on_frame);
     title += fmt::format("{}{}", title.empty() ? "" : " | ", part.head.at("name").get<std::string>());
     runs += run_scripts(part);
   }
-  const fs::path path = folders.front() / "report.html";
   write_file(path, page_text(title, runs));
   return path;
 }
@@ -887,6 +889,7 @@ fs::path write_motion_report(const fs::path& vtu, const std::string& title, cons
   }
   const std::string data = pack_frames(start, frames, &head);
   const fs::path path = vtu.parent_path() / "report.html";
+  refuse_page_of_others(path);
   write_file(path, page_text(title, run_scripts({head, data})));
   return path;
 }

@@ -22,7 +22,6 @@ void transfer(Archive& archive, Series& series) {
 
 template <class Archive, class Self>
 void transfer_state(Archive& archive, Self& m) {
-  archive.value(m.solver);  // stages may change its damping
   archive.array(m.contacts.list);
   WorldFields::each(m, [&](const Field&, auto& array) { archive.array(array); });
   archive.value(m.units.count);

@@ -180,6 +180,7 @@ void take_state(Simulation::Impl& s, ArchiveReader& reader) {
 void take_large_motion(Simulation::Impl& s, ArchiveReader& reader) {
   const auto is_block = [&](int i) { return i >= 0 && i < s.large_motion->block_count(); };
   if (!s.energy.wanted) s.large_motion->book_energy(s.watch.pending);
+  s.large_motion->solver = solver_in_use(s);
   s.large_motion->restore(reader);
   if (!std::ranges::all_of(s.monitor.blocks, is_block)) throw of_another_model();
   for (const Drive& drive : s.actions.drives) {

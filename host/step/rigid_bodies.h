@@ -1,6 +1,8 @@
 // Rigid bodies in small rotations: lone ones, and groups of up to eight, one a lane.
 #pragma once
 
+#include <cstdint>
+
 #include "model/model.h"
 #include "model/time_step.h"
 #include "step/kernels.h"
@@ -17,8 +19,9 @@ struct BodyLanes {
   Quantity applied_force = {};        // N
   Quantity prescribed_velocity = {};  // m/s
   double prescribed[6][kLanes] = {};  // 1: prescribed velocity of a translation, or held rotation; else 0
-  bool any_prescribed = false;
-  bool at_rest = false;  // whether all are held at rest: a step changes nothing
+  std::uint64_t any_prescribed = 0;   // 1: some components are prescribed
+  std::uint64_t at_rest = 0;          // 1: all are held at rest: a step changes nothing
+  std::uint64_t unused[6] = {};       // see base/archive.h
 };
 
 // Constants of the bodies of a group, by lane.

@@ -160,8 +160,8 @@ std::string motion_left_to_ground(const Simulation::Impl& s) {
   const auto stages = std::span(s.scene.stages).first(s.progress.at_stage());
   const bool was_shaken = std::ranges::any_of(stages, [](const Stage& stage) { return stage.ground.has_value(); });
   const auto was_of_ground = [&](bool fixed, const std::string& name) {
-    return was_shaken && fixed && std::ranges::find(stages.back().controls, name, &BodyControl::body) ==
-                                      stages.back().controls.end();
+    return was_shaken && fixed &&
+           std::ranges::find(stages.back().controls, name, &BodyControl::body) == stages.back().controls.end();
   };
   double goes_on = norm(s.actions.ground_left), held = 0.0;  // m/s
   const auto look = [&](bool of_ground, bool was_ground, const Vector& from, const Vector& to) {

@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '9'};
+inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '0'};
 
 template <class Archive, class Impl>
 void transfer_state(Archive& archive, Impl& s) {
@@ -62,8 +62,8 @@ void transfer_state(Archive& archive, Impl& s) {
     restore_actions(archive, s);
   archive.array(s.monitor.blocks);
   archive.value(s.monitor.stands_below);
-  archive.value(s.outcome.collapse_multiplier);
-  archive.value(s.outcome.base_slip_at_uplift);
+  archive.optional(s.outcome.collapse_multiplier);
+  archive.optional(s.outcome.base_slip_at_uplift);
 }
 
 template <class Archive, class Promotion>

@@ -108,7 +108,8 @@ void require_moving_ground(const Simulation::Impl& s) {
   for (const Stage& each : s.scene.stages) {
     if (!each.ground) continue;
     const auto refuse = [&](const char* why) {
-      throw Error(Exit::bad_input, fmt::format("{}: stage '{}' has ground_motion, {}", each.source.text, each.name, why));
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: stage '{}' has ground_motion, {}", each.source.text, each.name, why));
     };
     if (fixed.empty())
       refuse("which moves the fixed blocks, and none is fixed; give the ground fixed = true, a wall its bottom_beam");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 
 #include "scene/scene.h"
@@ -41,7 +42,7 @@ struct Watch {
   double stiffness_ratio = 0.0;
 
   long next_energies = 0, next_flags = 0, next_stiffness = 0;  // steps of the next checks
-  bool pending = false;                                        // the first of two steps has been measured
+  std::uint64_t pending = 0;                                   // 1: the first of two steps has been measured
   double stored = 0.0, work_after = 0.0;  // of that step, J: all stored energy; work less damping in its second half
   double kinds[3] = {0.0, 0.0, 0.0};      // of that step, J: kinetic, strain, joints
 };

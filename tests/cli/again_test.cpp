@@ -73,6 +73,23 @@ TEST_F(Again, RepeatedRunsHaveTheSameBits) {
   EXPECT_TRUE(fs::exists(folder_ / "third" / "history.csv"));
 }
 
+// The history of the run itself is compared, not only its hash in the summary.
+TEST_F(Again, AChangedHistoryIsTold) {
+  ASSERT_EQ(run(), 0) << error_;
+  std::string history = read_all(out() + "/history.csv");
+  history.insert(history.rfind(','), "1");
+  std::ofstream(out() + "/history.csv") << history;
+  EXPECT_EQ(again(), 5) << error_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("history.csv is not what its run wrote"), HasSubstr("it differs at row")));
+}
+
+// A run that fails ends with its exit code, one that repeats it with that of the comparison.
+TEST_F(Again, ARunThatFailedIsRepeated) {
+  ASSERT_EQ(run({"--set", "stage.1.max_steps=100"}), 5) << error_;
+  EXPECT_EQ(again(), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("the bits agree"));
+}
+
 TEST_F(Again, OtherBitsAreToldWithTheReason) {
   const std::string law = (folder_ / "my_law.so").string();
   fs::copy_file(fs::path(QUOIN_PROGRAM).parent_path() / "laws" / "elastic.so", law);

@@ -181,7 +181,7 @@ TEST_F(Outputs, RefusesAFolderWithOtherThingsOfThoseNames) {
   std::vector<std::string> names = results(out());
   ASSERT_EQ(quoin({"run", block_scene(), "--out", out()}), 0) << error_;
   for (const std::string& name : results(out())) names.push_back(name);
-  names.insert(names.end(), {"plots/thesis.tex", "blocks_of_mine.vtu", "joints_of_mine.vtu"});
+  names.insert(names.end(), {"plots/thesis.tex", "blocks_of_mine.vtu", "joints_of_mine.vtu", "report.html"});
   EXPECT_GT(names.size(), 25u);
   for (const std::string& name : names) {
     const fs::path folder = folder_ / "others", file = folder / name;
@@ -196,6 +196,21 @@ TEST_F(Outputs, RefusesAFolderWithOtherThingsOfThoseNames) {
     EXPECT_EQ(read_all(file), "mine") << name;
     fs::remove_all(folder);
   }
+}
+
+// The page of the last run stayed beside the results of the next one, and a page of the user was overwritten.
+TEST_F(Outputs, PagesAreThoseOfTheirRun) {
+  const std::string page = out() + "/report.html";
+  ASSERT_EQ(run_small({"--set", "stage.shear.displacement=1e-5"}), 0) << error_;
+  if (quoin({"report", out()}) != 0) GTEST_SKIP() << "no three.js: " << error_;
+  ASSERT_TRUE(fs::exists(page));
+  ASSERT_EQ(quoin({"report", out()}), 0) << "again: " << error_;
+  ASSERT_EQ(run_small({"--set", "stage.shear.displacement=2e-5"}), 0) << error_;
+  EXPECT_FALSE(fs::exists(page));
+  std::ofstream(page) << "mine";
+  EXPECT_EQ(quoin({"report", out()}), 3);
+  EXPECT_THAT(error_, HasSubstr("report.html: is no page of quoin"));
+  EXPECT_EQ(read_all(page), "mine");
 }
 
 TEST_F(Outputs, TwoRunsDoNotShareAFolder) {

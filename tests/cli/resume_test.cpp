@@ -128,6 +128,28 @@ ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [2, 2] }
   EXPECT_GT(summary["damping_of_modes"]["shake"].size(), 0U) << summary["damping_of_modes"];
 }
 
+// Frames after a resume had other bytes than those before, and pictures that the run was asked for were not drawn.
+TEST_F(Resume, OptionsOfResultsStay) {
+  stop_soon({"--set", "output.plots=true", "--set", "output.frames=20", "--histories", "--compressed", "--set",
+             "stage.shear.velocity=0.0003"});
+  ASSERT_EQ(quoin({"run", "--resume", out(), "--threads", "1"}), 0) << error_;
+  EXPECT_THAT(read_all(out() + "/blocks_0020.vtu"), HasSubstr("compressor="));
+  EXPECT_TRUE(fs::exists(out() + "/histories.png") || error_.find("gnuplot") != std::string::npos) << error_;
+}
+
+// A run killed after its summary, and before its end, was "done": what came later was never written.
+TEST_F(Resume, ARunKilledAtItsEndIsCompleted) {
+  stop_soon({"--set", "output.end_state=true", "--set", "stage.shear.velocity=0.0003"});
+  const std::string last = read_all(checkpoint());
+  ASSERT_EQ(quoin({"run", "--resume", out(), "--threads", "1"}), 0) << error_;
+  const std::string end_state = read_all(out() + "/end_state.bin");
+  fs::remove(out() + "/end_state.bin");
+  write_checkpoint(last);
+  ASSERT_EQ(quoin({"run", "--resume", out(), "--threads", "1"}), 0) << error_;
+  EXPECT_TRUE(read_all(out() + "/end_state.bin") == end_state);
+  EXPECT_FALSE(fs::exists(checkpoint()));
+}
+
 // Dowels, soil on a face, a tie through a block, and a moving load on it.
 TEST_F(Resume, MembersAndAMovingLoadGoOn) {
   const fs::path scene = folder_ / "members.toml";

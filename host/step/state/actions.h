@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-constexpr std::uint8_t kOfGround = 0xf;  // Drive::of_ground of a block that moves as the ground along all axes
+constexpr std::uint16_t kOfGround = 0xf;  // Drive::of_ground of a block that moves as the ground along all axes
 
 // Rank of a block or body as the one that stands for the ground; 0: it is none of the ground, or has a motion of its
 // own.
@@ -27,8 +27,9 @@ struct Drive {
   // Bits 0..2: the velocity component is that of the ground. The stage's record is added to the velocities below, which
   // are what earlier records have left. Bit 3: the block is of the ground, also along components that a controller has
   // set.
-  std::uint8_t of_ground = 0;
+  std::uint16_t of_ground = 0;
   std::int32_t motion = 0;  // index of the motion: 0: that of the ground; k: of the k-th group of supports
+  std::int32_t unused = 0;  // see base/archive.h
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
   geometry::Vector force_from, force_to, force_now;  // N, along free components; force_now: in this step
 };
