@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "base/error.h"
@@ -25,6 +26,12 @@ constexpr Index kFew = 300, kFewForMany = 3000;
 constexpr double kZero = 1e-13;
 // Shift over the largest ratio of stiffness to mass. It makes the matrix of free motion positive definite.
 constexpr double kShift = 1e-10;
+
+[[noreturn]] void refuse_unstable() {
+  throw Error(Exit::numerical,
+              "modes: the state is not stable: a motion of it grows by itself, and has no frequency; a run that is "
+              "disturbed a little shows it");
+}
 
 struct Eigenpairs {
   VectorXd value;   // omega^2, 1/s2, ascending
@@ -73,7 +80,13 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
   const Index n = scaled.rows();
   Eigen::SparseMatrix<double> shifted = scaled;
   for (Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += shift;
-  const SparseCholesky factor(shifted, groups);
+  std::optional<SparseCholesky> factor;
+  try {
+    factor.emplace(shifted, groups);
+  } catch (const Error& error) {
+    if (error.exit_code == Exit::numerical) refuse_unstable();
+    throw;
+  }
 
   std::mt19937_64 random(1);  // fixed seed
   MatrixXd next(n, kBlock);
@@ -86,7 +99,7 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
     const Index before = basis.cols();
     basis.conservativeResize(Eigen::NoChange, before + kBlock);
     basis.rightCols(kBlock) = next;
-    factor.solve(next);
+    factor->solve(next);
     projected.conservativeResize(before + kBlock, before + kBlock);
     const MatrixXd column = basis.transpose() * next;
     projected.rightCols(kBlock) = column;
@@ -101,7 +114,7 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
       settled = residual <= kSettled * eigen.eigenvalues()(at);
     }
     if (!settled) continue;
-    Eigenpairs pairs{VectorXd(count), MatrixXd(n, count), factor.entries()};
+    Eigenpairs pairs{VectorXd(count), MatrixXd(n, count), factor->entries()};
     for (Index i = 0; i < count; ++i) {
       const Index at = projected.rows() - 1 - i;
       pairs.value(i) = 1.0 / eigen.eigenvalues()(at) - shift;
@@ -248,6 +261,7 @@ Modes find_modes(const Vibrating& v, const ModesSettings& settings) {
                                              settings.count, n, n / 3));
   const bool in_full = n <= kFew || many;
   Eigenpairs pairs = in_full ? all_of(scaled, settings.count) : lowest_of(scaled, v.groups, shift, settings.count);
+  if (pairs.value(0) < -shift) refuse_unstable();
 
   Modes modes;
   modes.factor_entries = pairs.entries;

@@ -133,6 +133,9 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
   Identity identity;
   identity.parts.push_back({"version of quoin", provenance.program});
   identity.parts.push_back({"build of quoin", provenance.program_sha256});
+  // Before the scene, whose hash has what laws answer at the start.
+  for (const HashedFile& law : provenance.laws)
+    identity.parts.push_back({fmt::format("library of the law '{}'", law.name), law.sha256});
   Sha256 hash;
   hash.add_text(provenance.scene_text);
   for (const std::string& text : provenance.request.overrides) hash.add_text(text);
@@ -148,8 +151,6 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
   hash.add(&start, sizeof start);
   hash.add(&points, sizeof points);
   identity.parts.push_back({"scene", hash.end()});
-  for (const HashedFile& law : provenance.laws)
-    identity.parts.push_back({fmt::format("library of the law '{}'", law.name), law.sha256});
   return identity;
 }
 

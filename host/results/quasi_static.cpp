@@ -39,7 +39,8 @@ struct MeanSquare {
 QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene& scene) {
   QuasiStatic result;
   result.driven = std::any_of(scene.stages.begin(), scene.stages.end(), drives);
-  double peak = 0.0, work = 0.0, most_work = 0.0, kinetic = 0.0;  // most_work: at any time, as a closed cycle has none
+  // most_work: largest magnitude at any time, as a closed cycle has none, and what is lowered takes up work
+  double peak = 0.0, work = 0.0, most_work = 0.0, kinetic = 0.0;
   // Two means, as the force may be largest in the ramp, while quiet ramps must not hide what follows them.
   MeanSquare inertia, after_ramps;
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
@@ -53,7 +54,7 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
       if (rows[i].time - rows[first].time >= stage.ramp_time) after_ramps.add(rows[i].dynamic_force);
       if (i > first)
         work += 0.5 * (rows[i].resistance + rows[i - 1].resistance) * (rows[i].displacement - rows[i - 1].displacement);
-      most_work = std::max(most_work, work);
+      most_work = std::max(most_work, std::abs(work));
     }
     const HistoryRow& last = rows[end - 1];
     const auto is_number = [](const HistoryRow& row) {
@@ -68,10 +69,14 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
           std::max(result.overshoot_ratio, std::abs(last.displacement) / *stage.displacement - 1.0);
     // The first row of a stage is that of its first step.
     if (last.time - rows[first].time < stage.ramp_time)
-      result.not_judged = fmt::format("stage '{}' ended inside its ramp of {:g} s: it never moved at its velocity",
-                                      stage.name, stage.ramp_time);
+      result.not_judged = fmt::format(
+          "stage '{}' ended inside its ramp of {:g} s: it never moved at its velocity; give a "
+          "longer way, or a shorter ramp_time",
+          stage.name, stage.ramp_time);
     else if (end - first < kLeastRows)
-      result.not_judged = fmt::format("stage '{}' has {} rows, too few to judge by", stage.name, end - first);
+      result.not_judged =
+          fmt::format("stage '{}' has {} rows, too few to judge by; give a shorter output.record_interval", stage.name,
+                      end - first);
   }
   if (peak > 0.0) result.dynamic_force_ratio = std::max(inertia.root(), after_ramps.root()) / peak;
   const double whole = scene.wall && scene.wall->half_thickness ? 2.0 : 1.0;
@@ -85,7 +90,7 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
     result.not_judged =
         std::ranges::any_of(scene.stages, [&](const Stage& s) { return drives(s) && watches_nothing(scene, s); })
             ? "no block is watched (output.monitor)"
-            : "what is driven did no work";
+            : "the force on what is watched did no work; watch what is driven (monitor)";
   return result;
 }
 
@@ -100,7 +105,9 @@ std::string QuasiStatic::reason() const {
     add(fmt::format("inertia carries {:.1f} % of the peak force (root of the mean square), allowed {:.0f} %",
                     100 * *dynamic_force_ratio, 100 * kAllowed));
   if (kinetic_energy_ratio && !(*kinetic_energy_ratio <= kAllowed))
-    add(fmt::format("the kinetic energy reaches {:.1f} % of the work, allowed {:.0f} %", 100 * *kinetic_energy_ratio,
+    add(fmt::format("the kinetic energy reaches {} the work, allowed {:.0f} %",
+                    *kinetic_energy_ratio > 10.0 ? fmt::format("{:.2g} times", *kinetic_energy_ratio)
+                                                 : fmt::format("{:.1f} % of", 100 * *kinetic_energy_ratio),
                     100 * kAllowed));
   if (!(overshoot_ratio <= kAllowedOvershoot))
     add(fmt::format("a stage went {:.1f} % beyond the displacement it asks for, allowed {:.0f} %: its steps are large",
@@ -110,7 +117,9 @@ std::string QuasiStatic::reason() const {
 
 std::string QuasiStatic::warning() const {
   if (!driven || quasi_static()) return {};
-  return "not known to be quasi-static: " + reason() +
+  const std::string text = "not known to be quasi-static: " + reason();
+  if (reason() == not_judged) return text;
+  return text +
          ". Load more slowly (stage velocity, or solver.quality) or with less inertia (solver.mass_scaling), and "
          "compare";
 }

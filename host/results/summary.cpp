@@ -164,7 +164,7 @@ Json of_ties(const members::Members& members, const std::vector<HistoryRow>& row
                     {"largest_force_N", largest},
                     {"yield_force_N", tie.law.yield},
                     {"plastic_elongation_m", tie.state.plastic},
-                    {"broken", tie.state.broken}});
+                    {"broken", tie.state.broken != 0}});
   }
   return ties;
 }

@@ -1,4 +1,4 @@
-// Whether moving blocks of a scene are rigid, and whether some deform.
+// Whether blocks of a scene are rigid, and whether some deform.
 #pragma once
 
 #include "scene/scene.h"
@@ -6,7 +6,8 @@
 namespace quoin {
 
 struct BlockKinds {
-  bool deformable = false, rigid = false;  // some are; rigid beams of walls and buildings do not count
+  // Some are. Rigid beams of walls and buildings do not count. A fixed block does not deform.
+  bool deformable = false, rigid = false;
 };
 
 inline BlockKinds kinds_of_blocks(const Scene& scene) {
@@ -16,7 +17,7 @@ inline BlockKinds kinds_of_blocks(const Scene& scene) {
   if (scene.building) add(false);
   if (!scene.blocks) return kinds;
   for (const BlockSpec& block : scene.blocks->blocks) {
-    if (!block.fixed) add(block.rigid);
+    if (!block.fixed || block.rigid) add(block.rigid);
   }
   for (const DryWallSpec& wall : scene.blocks->walls) add(wall.rigid);
   for (const ArchSpec& arch : scene.blocks->arches) add(arch.rigid);

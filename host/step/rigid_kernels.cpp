@@ -383,12 +383,10 @@ HWY_INLINE void advance_vector(const Members& of, const AssumedMotion* const (&a
   Lanes33 r = matrix_of(q);
   const auto all_held = hn::And(is_held(3), hn::And(is_held(4), is_held(5)));
   const auto some_held = hn::Or(is_held(3), hn::Or(is_held(4), is_held(5)));
-  Lanes3 turned;
+  Lanes3 turned, brake;
   for (int k = 0; k < 3; ++k) {
-    const V brake = hn::IfThenZeroElse(is_held(3 + k), hn::Neg(local_damping(gamma, torque[k], spin[k])));
-    turned[k] = hn::Mul(over, hn::MulAdd(keep, momentum[k], hn::Mul(dt, hn::Add(torque[k], brake))));
-    if (step.energies)
-      energies.damping = hn::NegMulAdd(hn::IfThenZeroElse(all_held, hn::Mul(brake, spin[k])), dt, energies.damping);
+    brake[k] = hn::IfThenZeroElse(is_held(3 + k), hn::Neg(local_damping(gamma, torque[k], spin[k])));
+    turned[k] = hn::Mul(over, hn::MulAdd(keep, momentum[k], hn::Mul(dt, hn::Add(torque[k], brake[k]))));
   }
   Lanes3 omega = spin_at_midpoint(q, r, turned, inertia, all_held, dt);
   Lanes3 carried = turned;
@@ -400,8 +398,12 @@ HWY_INLINE void advance_vector(const Members& of, const AssumedMotion* const (&a
   }
   turn(omega, dt, &q, &r);
   if (step.energies) {
-    energies.external = hn::Sub(energies.external, hn::IfThenElseZero(all_held, hn::Mul(dot_of(torque, omega), dt)));
-    const V swing = hn::Mul(hn::Set(d, 0.125), dot_of(sum_of(carried, momentum), sum_of(omega, spin)));
+    const Lanes3 twice_mean = sum_of(omega, spin);
+    const V half_dt = hn::Mul(hn::Set(d, 0.5), dt);
+    const auto work = [&](const Lanes3& of_moment) HWY_ATTR { return hn::Mul(dot_of(of_moment, twice_mean), half_dt); };
+    energies.external = hn::Sub(energies.external, hn::IfThenElseZero(all_held, work(torque)));
+    energies.damping = hn::Sub(energies.damping, hn::IfThenZeroElse(all_held, work(brake)));
+    const V swing = hn::Mul(hn::Set(d, 0.125), dot_of(sum_of(carried, momentum), twice_mean));
     const V viscous = hn::Mul(hn::Set(d, 4.0 * a), swing);
     energies.damping = hn::Add(energies.damping, hn::IfThenZeroElse(all_held, viscous));
     energies.kinetic = hn::Add(energies.kinetic, hn::IfThenZeroElse(all_held, swing));

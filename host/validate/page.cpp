@@ -35,10 +35,11 @@ std::string given_text(const Given& value, const char* format_unit) {
 
 std::string statistics_row(const std::string& name, const std::vector<double>& ratios) {
   const Statistics s = statistics_of(ratios);
-  return fmt::format(
-      "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.2f}</td><td class=\"n\">{:.2f}</td>"
-      "<td class=\"n\">{}</td></tr>\n",
-      escaped(name), s.count, s.mean, s.median, s.count > 1 ? fmt::format("{:.2f}", s.variation) : "-");
+  const auto cell = [&](std::size_t least, double value) {
+    return fmt::format("<td class=\"n\">{}</td>", ratios.size() >= least ? fmt::format("{:.2f}", value) : "-");
+  };
+  return fmt::format("<tr><td>{}</td><td class=\"n\">{}</td>{}{}{}</tr>\n", escaped(name), s.count, cell(1, s.mean),
+                     cell(1, s.median), cell(2, s.variation));
 }
 
 std::string statistics_table(const Campaign& campaign) {
@@ -201,6 +202,7 @@ std::string wall_section(const Prediction& p, const CampaignSettings& settings) 
 }  // namespace
 
 std::string statistics_text(const Statistics& s) {
+  if (s.count == 0) return "none";
   return fmt::format("mean {:.2f}, median {:.2f}, coefficient of variation {:.2f} ({} walls)", s.mean, s.median,
                      s.variation, s.count);
 }

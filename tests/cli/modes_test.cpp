@@ -24,6 +24,42 @@ TEST_F(Modes, OneFrequencyOfZeroIsRefused) {
   EXPECT_THAT(error_, HasSubstr("damping at 5 and 0 Hz; allowed: above 0"));
 }
 
+// A rigid block of weight W and height h stands on an elastic joint while kn b^3 d/12 > W h/2. Just below, its first
+// frequency was 0, of a mode "without stiffness".
+TEST_F(Modes, AStateThatIsNotStableIsRefused) {
+  const double b = 0.5, h = 4.0, d = 0.8, density = 2000.0;
+  const double limit = 9.81 * density * b * h * d * h / 2.0 / (b * b * b * d / 12.0);
+  const std::string path = (folder_ / "tall.toml").string();
+  std::ofstream(path) << fmt::format(R"([materials.stone]
+density = {}
+[joints.bed]
+law = "elastic"
+normal_stiffness = 1e7
+shear_stiffness = 1e8
+[contact]
+cubic_points = true
+[[block]]
+material = "stone"
+fixed = true
+box = {{ lower = [-1, -1, -1], size = [3, 1, 3] }}
+[[block]]
+material = "stone"
+box = {{ lower = [0, 0, 0], size = [{}, {}, {}] }}
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+duration = 1
+)",
+                                     density, b, h, d);
+  const auto at = [&](double share) {
+    return quoin(
+        {"modes", path, "--state", "weight", "--set", fmt::format("joints.bed.normal_stiffness={}", share * limit)});
+  };
+  EXPECT_EQ(at(1.02), 0) << error_;
+  EXPECT_EQ(at(0.98), 5);
+  EXPECT_THAT(error_, HasSubstr("the state is not stable"));
+}
+
 // A wall of bricks and an equal wall of blocks have equal frequencies.
 TEST_F(Modes, WallsOfBricksAndOfBlocksHaveTheSameFrequencies) {
   const nlohmann::json bricks = modes("solid_wall_030.toml"), blocks = modes("solid_wall_030_blocks.toml");

@@ -115,7 +115,7 @@ TEST(Strips, PullDeformableBlocksToo) {
   std::printf("  | deformable block: %.1f N, closed form %.1f N; energy error %.1e\n", result.largest, expected,
               result.energy_error);
   EXPECT_NEAR(result.largest / expected, 1.0, 0.03);
-  EXPECT_LT(result.energy_error, 0.0);
+  EXPECT_LT(result.energy_error, 0.02);
 }
 
 // A strip has no weight, and its nodes no inertia that its block has to move. So a block with one falls as one without,

@@ -25,7 +25,6 @@ std::string scene_text(const char* rigid, const std::string& more = "") {
          fmt::format(R"([[block]]
 name = "block"
 material = "stone"
-fixed = true
 box = {{ lower = [0, 0, 0], size = [1, 1, 1] }}
 {}
 [[stage]]

@@ -164,7 +164,8 @@ class Results(Pictures):
         try:
             with open(path, encoding="utf-8") as file:
                 self.summary = json.load(file)
-            self.history = _history(os.path.join(self.folder, "history.csv"))
+            path = os.path.join(self.folder, "history.csv")
+            self.history = _history(path)
         except FileNotFoundError as fault:
             raise BadInput(f"{fault.filename}: not found; give the folder of a run that has ended, as quoin run SCENE.toml "
                            f"--out {self.folder} makes it") from None
