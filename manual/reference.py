@@ -215,7 +215,22 @@ def keys_of_pages():
 
 def columns():
     names = re.findall(r'(?:columns\{\s*|add\(|\n\s+)\{?"([a-z_A-Z0-9]+)"', read("host/results/history.cpp"))
-    return [n for n in dict.fromkeys(names)]
+    return [n for n in dict.fromkeys(names)] + reaction_columns() + member_columns()
+
+
+def reaction_columns():
+    of_all = [f"reaction_{c}_N" for c in "xyz"] + [f"reaction_m{c}_Nm" for c in "xyz"]
+    return of_all + ["reaction_NAME_x_N", "reaction_NAME_mz_Nm"] + [f"driven_NAME_d{c}_m" for c in "xyz"]
+
+
+def member_columns():
+    code = read("host/members/members.cpp")
+    body = code[code.index("column_names(const"):code.index("return names")]
+    names = ["tie_NAME_N"]
+    for form in re.findall(r'"([a-z]+_\{\}_[^"]*)"', body):
+        name = form.replace("{}", "NAME", 1)
+        names += [name.replace("{}", axis) for axis in "xyz"] if "{}" in name else [name]
+    return names
 
 
 def python_names():

@@ -119,8 +119,8 @@ struct BondSlipLaw {
     const double tau = std::hypot(from.tau_s, from.tau_t);
     const double relative = std::hypot(tau / p.tau_m, std::max(0.0, from.sigma) / p.f_p);
     to.energy_stored = 0.5 * (from.sigma * d_n + tau * tau / p.ks);
-    const bool was_damaged = std::max({from.state("xi_t", 0.0), from.state("xi_s", 0.0), from.state("failed", 0.0),
-                                       from.state("xi", 0.0)}) > 0.0;
+    const bool was_damaged = from.is_gap() || std::max({from.state("xi_t", 0.0), from.state("xi_s", 0.0),
+                                                        from.state("failed", 0.0), from.state("xi", 0.0)}) > 0.0;
     to.status = relative > 1.0 + kRounding ? QUOIN_POINT_FAILED : was_damaged ? QUOIN_POINT_CLAMPED : QUOIN_POINT_OK;
   }
 };

@@ -98,7 +98,7 @@ struct CoulombSlipLaw {
     const bool damaged = xi > 0.0 || from.state("lambda", 0.0) > 0.0;
     const double tau = std::hypot(from.tau_s, from.tau_t);
     const double slack = 1e-9 * std::max({std::abs(from.sigma), p.ft, p.c0, tau});
-    const bool was_failed = from.state("failed", 0.0) > 0.0;
+    const bool was_failed = from.state("failed", 0.0) > 0.0 || from.is_gap();
     // A crack without residual tension keeps its width.
     const bool crack = from.sigma == 0.0 && from.normal_jump > 0.0 && p.ftr == 0.0 && (was_failed || xi >= 1.0);
     const double d_n = crack ? from.normal_jump : from.sigma / p.kn;

@@ -289,7 +289,7 @@ struct CyclicJointLaw {
     const bool same_law = from.state("kappa", -1.0) >= 0.0;
     double* const s = to.states;
     const double damage = std::max(from.state("xi_t", 0.0), from.state("xi_s", 0.0));
-    const double xi = from.state("failed", 0.0) > 0.0 ? m.end : from.state("xi", damage);
+    const double xi = from.state("failed", 0.0) > 0.0 || from.is_gap() ? m.end : from.state("xi", damage);
     const double w = from.state("w", 0.0);
     s[kXi] = xi;
     s[kW] = w;

@@ -46,7 +46,9 @@ struct ElasticLaw {
     elastic::evaluate_one(material, columns, summary);
   }
 
+  // An open joint that carries nothing has no counterpart: it is closed without stress at its width, and gets CLAMPED.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
+    if (from.sigma == 0.0 && from.normal_jump > 0.0) to.status = QUOIN_POINT_CLAMPED;
     to.normal_shift = from.sigma / material.kn - from.normal_jump;
     to.energy_stored = 0.5 * (from.sigma * from.sigma / material.kn +
                               (from.tau_s * from.tau_s + from.tau_t * from.tau_t) / material.ks);

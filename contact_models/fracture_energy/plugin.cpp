@@ -204,7 +204,7 @@ struct FractureEnergyLaw {
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;
-    const double of_both = from.state("failed", 0.0) > 0.0 ? m.end : from.state("xi", 0.0);
+    const double of_both = from.state("failed", 0.0) > 0.0 || from.is_gap() ? m.end : from.state("xi", 0.0);
     double xi_t = std::max(of_both, from.state("xi_t", 0.0));
     double xi_s = std::max(of_both, from.state("xi_s", xi_t));
     if (m.shared) xi_t = xi_s = std::max(xi_t, xi_s);

@@ -84,6 +84,16 @@ struct MigrationPoint {
     }
     return fallback;
   }
+  bool has_state(std::string_view id) const {
+    for (std::uint64_t k = 0; k < source->from_state_count; ++k)
+      if (id == source->from_state_ids[k]) return true;
+    return false;
+  }
+  // Whether a joint is open without traction under a law without states of damage: there is no bond.
+  bool is_gap() const {
+    if (has_state("failed") || has_state("xi") || has_state("xi_t") || has_state("lambda")) return false;
+    return normal_jump > 0.0 && sigma == 0.0 && tau_s == 0.0 && tau_t == 0.0;
+  }
 };
 
 struct MigrationResult {

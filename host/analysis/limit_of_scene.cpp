@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/upright_axis.h"
 #include "files/notice.h"
 #include "geometry/polyhedron.h"
 #include "law/law_library.h"
@@ -130,7 +131,8 @@ class Strengths {
     if (!has("friction_angle"))
       throw Error(Exit::bad_input,
                   fmt::format("{}: joints.{}: law '{}' has no friction_angle, so its joints have no limit; "
-                              "choose coulomb_slip, fracture_energy or cyclic_joint (--law)",
+                              "choose coulomb_slip, fracture_energy or cyclic_joint (--law), for glue inside a unit "
+                              "coulomb_slip with a cohesion and tensile_strength of 1e9",
                               file, family.name, family.law));
   }
   // point: index within the family
@@ -326,6 +328,7 @@ void add_members(const members::Members& members, const std::string& file, Scene
   for (const members::Carried& carried : own.carried) {
     const members::Node& node = members.nodes()[static_cast<std::size_t>(carried.node)];
     limit->masses.push_back({node.block, carried.mass, node.start, {carried.normal}});
+    limit->loads.push_back({node.block, node.start, carried.load});
   }
 }
 
@@ -472,14 +475,29 @@ LimitResult solved(const std::string& file, const SceneLimit& limit, const Limit
   if (result.status == LimitStatus::unbounded)
     throw Error(Exit::numerical,
                 fmt::format("{}: no multiple of the load moves a block; is its direction right, and is anything free "
-                            "to move? The load acts on:{}",
+                            "to move? With associated flow, which lifts what slides, blocks may also lock; a run has "
+                            "none. The load acts on:{}",
                             file, blocks_text(limit, result.blocks_concerned)));
   throw Error(Exit::numerical, fmt::format("{}: the linear programme was not solved: residuals are left", file));
 }
 
-// Smallest margin of four loads: the weight along x and z, in both directions. Two where a plane of symmetry holds z.
+// Both ways along the two axes that are farthest from gravity: those along x and z where it is closest to y.
+std::vector<Vector> horizontal_ways(const Vector& gravity) {
+  const int upright = upright_axis(geometry::array(gravity));
+  std::vector<Vector> ways;
+  for (int c = 0; c < 3; ++c) {
+    for (const double sign : {1.0, -1.0}) {
+      Vector way;
+      way[c] = sign;
+      if (c != upright) ways.push_back(way);
+    }
+  }
+  return ways;
+}
+
+// Smallest margin of four loads: the weight along these ways. Two where a plane of symmetry holds z.
 void find_least_margin(const std::string& file, const LimitSettings& settings, SceneLimit* limit) {
-  for (const Vector& way : {Vector{1, 0, 0}, Vector{-1, 0, 0}, Vector{0, 0, 1}, Vector{0, 0, -1}}) {
+  for (const Vector& way : horizontal_ways(limit->gravity)) {
     if (limit->halved && way.z != 0.0) continue;
     LimitProblem pushed = limit->problem;
     const std::vector<Wrench> live = pull_of(*limit, norm(limit->gravity) * way);
@@ -600,6 +618,14 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
                                              file));
   SceneLimit limit;
   const Stage& loaded = find_loads(simulation.scene(), options, &limit);
+  if (!simulation.scene().start.empty())
+    notice(
+        fmt::format("quoin: {}: start: without effect here, as limit analysis has the blocks as they are built", file));
+  if (!loaded.law_swaps.empty())
+    notice(
+        fmt::format("quoin: {}: law: without effect here, as limit analysis has the laws of [joints]; --law replaces "
+                    "them",
+                    loaded.source.text));
   assemble(simulation, options.given, loaded, &limit);
   require_supports(simulation.scene(), limit);
   limit.stands = stands(limit.problem, options.settings, options.friction);

@@ -95,6 +95,7 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
   MatrixXd basis(n, 0);
   orthonormalize(basis, &next);
   MatrixXd projected(0, 0);
+  Index next_check = count + kBlock;
   for (Index k = 1; k <= most_blocks; ++k) {
     const Index before = basis.cols();
     basis.conservativeResize(Eigen::NoChange, before + kBlock);
@@ -105,7 +106,8 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
     projected.rightCols(kBlock) = column;
     projected.bottomRows(kBlock) = column.transpose();
     const MatrixXd rest = orthonormalize(basis, &next);
-    if (projected.rows() < count + kBlock) continue;
+    if (projected.rows() < next_check) continue;
+    next_check = projected.rows() + projected.rows() / 10;  // a check costs the cube of the rows
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(projected);
     bool settled = true;
     for (Index i = 0; settled && i < count; ++i) {

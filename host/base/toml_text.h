@@ -65,7 +65,8 @@ inline void refuse_unfit_toml(std::string_view text, const std::string& file) {
     const char c = text[i];
     if (c == '"' || c == '\'') {
       const std::size_t end = end_of_toml_string(text, i);
-      if (!toml_string_is_printable(text.substr(i, end - i))) refuse("a text holds a control character, or is not UTF-8; remove it, or save the file as UTF-8");
+      if (!toml_string_is_printable(text.substr(i, end - i)))
+        refuse("a text holds a control character, or is not UTF-8; remove it, or save the file as UTF-8");
       for (; i < end; ++i) line += text[i] == '\n';
       --i;
       line_begins = false;

@@ -180,6 +180,21 @@ void compute_here(const EnsembleOptions& options, const StudyFolder& folder, con
                    is_finished});
 }
 
+// Prints how many samples failed, whose rows are left out. mean: whether sample 0, with all inputs at their means, is
+// one.
+void tell_of_failed(const StudyFolder& folder, std::uint64_t samples, bool mean) {
+  std::uint64_t failed = 0;
+  std::string first;
+  for (std::uint64_t i = mean ? 0 : 1; i <= samples; ++i) {
+    if (!is_finished(folder.sample(i))) continue;
+    const Sample sample = read_sample(folder.sample(i));
+    if (sample.status != "done" && ++failed == 1) first = fmt::format("sample {}: {}", i, sample.reason);
+  }
+  if (failed > 0)
+    notice(fmt::format("quoin: {} of {} runs failed, and what depends on them is left out; {}", failed,
+                       samples + (mean ? 1 : 0), first));
+}
+
 // Throws if all samples have failed.
 void require_results(const StudyFolder& folder, std::uint64_t samples) {
   std::uint64_t failed = 0;
@@ -234,6 +249,7 @@ void run_sensitivity(const EnsembleOptions& options) {
     compute_here(options, folder, study);
     fmt::print("{}", write_sensitivity(folder, study, !options.no_pictures));
     fmt::print("results in {}\n", (folder.path() / "sensitivity.csv").string());
+    tell_of_failed(folder, study.samples, true);
     return require_results(folder, study.samples);
   }
   if (2 * inputs > random::kMostSobolDimensions)
@@ -244,6 +260,7 @@ void run_sensitivity(const EnsembleOptions& options) {
   compute_here(options, folder, study);
   fmt::print("{}", write_sobol_table(folder, study, options.rows));
   fmt::print("results in {}\n", (folder.path() / "sobol.csv").string());
+  tell_of_failed(folder, study.samples, false);
   require_results(folder, study.samples);
 }
 

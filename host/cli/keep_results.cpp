@@ -124,9 +124,10 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
     if (end_is_missing) write_end_state(folder, simulation, info.provenance);
     end_is_missing = false;
   });
-  if (end_is_missing) info.status = "failed", info.message = "end_state.bin was not written";  // it can be resumed
   info.wall_clock_s = process_seconds();
-  keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });  // says that the run is done
+  RunInfo kept = info;  // what --resume goes by
+  if (end_is_missing) kept.status = "failed", kept.message = "end_state.bin was not written";
+  keep([&] { write_summary(folder / "summary.json", simulation, rows, kept); });
   keep([&] {
     if (options.report) write_report({folder});
   });

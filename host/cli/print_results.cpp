@@ -38,7 +38,7 @@ void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
   if (!response) return;
   fmt::print(
       "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base {} {:.2f} kN (at {:.3f} s)\n",
-      moved_part(scene, scene.stages.back()), response->displacement * 1e3, "xyz"[response->axis], response -> moved_at,
+      response->of, response->displacement * 1e3, "xyz"[response->axis], response -> moved_at,
       response -> axis == 1 ? "force" : "shear", response->base_force / 1e3, response->sheared_at);
 }
 

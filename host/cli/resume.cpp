@@ -55,9 +55,9 @@ void read_run_record(const fs::path& folder, RunOptions* options) {
     scene.law = json.at("law").get<std::string>();
     scene.overrides = json.at("set").get<std::vector<std::string>>();
     place = json.at("working_directory").get<std::string>();
-    for (const auto& [name, wanted] : {std::pair("report", &options->report), std::pair("svg", &options->svg),
-                                       std::pair("histories", &options->histories),
-                                       std::pair("compressed", &options->compressed)})
+    for (const auto& [name, wanted] :
+         {std::pair("report", &options->report), std::pair("svg", &options->svg),
+          std::pair("histories", &options->histories), std::pair("compressed", &options->compressed)})
       *wanted = *wanted || json.value(name, false);
   } catch (const Json::exception&) {
     throw Error(Exit::bad_input,

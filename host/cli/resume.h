@@ -11,15 +11,16 @@
 
 namespace quoin {
 
-// Writes to FOLDER/run.json the options of a run on which its results depend, the hash of its scene's text, and its
-// working directory, to which paths are relative.
+// Writes to FOLDER/run.json the options on which results depend, and the hash of the scene's text. Also the working
+// directory, to which paths are relative.
 void write_run_record(const std::filesystem::path& folder, const RunOptions& options, const std::string& scene_text);
 
 // Reads FOLDER/run.json, and changes to the working directory of the run. Options of results are added to those given.
 // Throws Error(bad_input) if FOLDER has no run, or the working directory does not exist.
 void read_run_record(const std::filesystem::path& folder, RunOptions* options);
 
-// Whether the run in FOLDER is complete, by its summary.json. The last thing that a run does is to delete its checkpoint.
+// Whether the run in FOLDER is complete, by its summary.json. The last thing that a run does is to delete its
+// checkpoint.
 bool is_done(const std::filesystem::path& folder);
 
 // Whether a run resumed after `frames` frames keeps this result of FOLDER.

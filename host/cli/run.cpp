@@ -200,7 +200,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
     return resumed && is_kept(name, before.results.frame_times.size());
   });
-  if (!lock) write_run_record(folder, options, simulation.scene().text);
+  write_run_record(folder, options, simulation.scene().text);  // a resumed run may have more options
 
   Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before.results,
                     options.compressed, pieces);

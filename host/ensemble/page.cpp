@@ -208,6 +208,25 @@ void draw_convergence(const std::vector<double>& peaks, Pictures& pictures) {
                 "The mean of the peaks and its 95 % interval as samples are added.");
 }
 
+// Values of an output at which samples reach a limit; NaN: not reached. A force that is largest at the end of the run
+// would have grown further, so such a sample has not reached its peak.
+std::vector<double> capacities_of(const Study& study, const std::string& output, const Results& r) {
+  std::vector<double> values = r.column.at(output);
+  if (output != "displacement_at_peak_m" && output != "drift_at_peak") return values;
+  const std::vector<double>&peak = r.column.at("peak_force_N"), &last = r.column.at("last_force_N");
+  long rising = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(std::abs(last[i]) >= peak[i])) continue;
+    values[i] = std::numeric_limits<double>::quiet_NaN(), ++rising;
+  }
+  if (rising > 0)
+    notice(
+        fmt::format("quoin: {}: fragility of '{}': {} of {} samples end with their largest force, so their peak is not "
+                    "reached; push them farther",
+                    study.file, output, rising, values.size()));
+  return values;
+}
+
 void draw_fragility(const std::vector<std::pair<std::string, std::vector<double>>>& limits, const std::string& x,
                     Pictures& pictures) {
   std::string data, plot;
@@ -308,13 +327,15 @@ std::string table_of(const Results& r) {
     if (!is_known(values) || name == "large_motion") continue;
     const Moments m = moments_of(values);
     rows += fmt::format(
-        "<tr><td>{}</td><td>{:.5g}</td><td>{:.5g} to "
+        "<tr><td>{}</td><td>{} of {}</td><td>{:.5g}</td><td>{:.5g} to "
         "{:.5g}</td><td>{:.4g}</td><td>{:.5g}</td><td>{:.5g}</td><td>{:.5g}</td>"
         "<td>{:.5g}</td></tr>\n",
-        name, m.mean, m.of_mean.low, m.of_mean.high, m.scatter, quantile_of(values, 0.05), quantile_of(values, 0.5),
+        name, std::ranges::count_if(values, [](double v) { return std::isfinite(v); }), values.size(), m.mean,
+        m.of_mean.low, m.of_mean.high, m.scatter, quantile_of(values, 0.05), quantile_of(values, 0.5),
         quantile_of(values, 0.95), r.of_means ? value_of(r.of_means->outputs, name) : kNone);
   }
-  return "<table><tr><th></th><th>mean</th><th>interval of the mean, 95 %</th><th>scatter</th><th>5 "
+  return "<table><tr><th></th><th>samples that have it</th><th>mean</th><th>interval of the mean, 95 "
+         "%</th><th>scatter</th><th>5 "
          "%</th><th>median</th><th>95 "
          "%</th>"
          "<th>everything at its mean</th></tr>\n" +
@@ -387,7 +408,8 @@ Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t sam
       notice(fmt::format("quoin: {}: fragility of '{}': samples.csv has no such column", study.file, asked.output));
       continue;
     }
-    const Fragility f = fragility_of(r.column.at(asked.output));
+    const std::vector<double> capacities = capacities_of(study, asked.output, r);
+    const Fragility f = fragility_of(capacities);
     json["fragility"].push_back({{"name", asked.name},
                                  {"output", asked.output},
                                  {"samples", f.samples},
@@ -396,7 +418,7 @@ Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t sam
                                  {"median_95", pair(f.of_median)},
                                  {"spread", number_or_null(f.spread)},
                                  {"fit", f.fit}});
-    limits.emplace_back(asked.name, r.column.at(asked.output));
+    limits.emplace_back(asked.name, capacities);
   }
   const Bands bands = bands_of(r);
   std::string band_text = "displacement_m,mean_N,of_means_N,q05_N,q16_N,q50_N,q84_N,q95_N\n";

@@ -214,9 +214,16 @@ const Beam::Support* Beam::slid_off() const {
   for (const Seat& seat : seats_) {
     const Support& support = supports_[seat.support];
     if (norm(support.state.force) == 0.0) continue;
-    const double half_piece = 0.5 * piece_at(support.place);  // the node stands for that much to each side
-    for (const ToEdge& edge : seat.edges)
-      if (-dot(support.state.moved, edge.out) > edge.distance + half_piece) return &support;
+    // The node stands for half a piece to each side on which there is one.
+    const auto k = static_cast<std::size_t>(support.place);
+    const auto goes_on = [&](const Vector& way) {
+      return (k > 0 && dot(start_[k - 1] - start_[k], way) > 0.0) ||
+             (k + 1 < start_.size() && dot(start_[k + 1] - start_[k], way) > 0.0);
+    };
+    for (const ToEdge& edge : seat.edges) {
+      const double still_there = goes_on(-edge.out) ? 0.5 * piece_at(support.place) : 0.0;
+      if (-dot(support.state.moved, edge.out) > edge.distance + still_there) return &support;
+    }
   }
   return nullptr;
 }

@@ -54,7 +54,7 @@ class Beam {
   std::vector<Support>& supports() { return supports_; }
   const std::vector<Support>& supports() const { return supports_; }
   std::vector<Seat>& seats() { return seats_; }  // of supports on which it rests
-  // A support that still carries, though its node has slid past the edge of the face by half a piece; null: none.
+  // A support that still carries, though what its node stands for has slid past the edge of the face; null: none.
   const Support* slid_off() const;
   double piece_at(int place) const;  // shortest piece at the node, m
   const Section& section() const { return section_; }

@@ -153,7 +153,8 @@ void Floor::load_blocks(std::vector<Node>& nodes, const Surroundings& step) {
     lift_then_[i] = lift;
   }
   begun_ = 1;
-  weight_ = (membrane_.mass + membrane_.load / kGravityOfLoads) * geometry::dot(step.gravity, normal);
+  weight_ = membrane_.mass * geometry::dot(step.gravity, normal) +
+            membrane_.load / kGravityOfLoads * geometry::dot(step.gravity - step.of_collapse, normal);
   for (const Connector& c : connectors_) nodes[static_cast<std::size_t>(c.node)].force += weight_ * c.carried * normal;
 }
 
@@ -161,7 +162,7 @@ void Floor::advance(const Surroundings& step) {
   const auto in_plane = [&](const Vector& g) {
     return InPlane{geometry::dot(g, grid_.along), geometry::dot(g, grid_.across)};
   };
-  // A load has no inertia, so the body force of a collapse stage does not push it along the floor.
+  // A load has no inertia, so the body force of a collapse stage does not push it.
   const InPlane gravity = in_plane(step.gravity), of_load = in_plane(step.gravity - step.of_collapse);
   const InPlane ground{geometry::dot(step.ground_velocity, grid_.along),
                        geometry::dot(step.ground_velocity, grid_.across)};

@@ -69,12 +69,12 @@ void add_floor(const Floor& floor, const Vector& gravity, LinearMembers* out) {
   OwnBody body{
       fmt::format("floor '{}'", floor.name()), static_cast<int>(out->nodes.size()), 0, out->deformations.size(), 0, {}};
   const Vector normal = cross(grid.along, grid.across);
-  const double load = floor.membrane().load / kGravityOfLoads, mass = floor.membrane().mass + load;  // kg/m2
+  const double mass = floor.membrane().mass, load = floor.membrane().load / kGravityOfLoads;  // kg/m2
   const Vector in_plane = gravity - dot(gravity, normal) * normal;
   for (int place = 0; place < (n + 1) * (m + 1); ++place) {
     const double area = floor.share_of(place);
     out->nodes.push_back({floor.start_of(place),
-                          floor.membrane().mass * area,
+                          mass * area,
                           0.0,
                           {grid.along, grid.across},
                           {},
@@ -89,8 +89,9 @@ void add_floor(const Floor& floor, const Vector& gravity, LinearMembers* out) {
     }
   }
   for (const Floor::Connector& c : floor.connectors()) {
-    add_connector(floor, body.first, c, mass * std::abs(dot(gravity, normal)), &out->deformations);
-    out->carried.push_back({c.node, mass * c.carried, normal});
+    const double along = dot(gravity, normal);
+    add_connector(floor, body.first, c, (mass + load) * std::abs(along), &out->deformations);
+    out->carried.push_back({c.node, mass * c.carried, normal, load * c.carried * along * normal});
   }
   body.end_deformation = out->deformations.size();
   out->bodies.push_back(body);

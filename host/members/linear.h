@@ -56,8 +56,9 @@ struct Rest {
 // Node on a block that carries the weight of a floor along the floor's normal.
 struct Carried {
   int node = 0;
-  double mass = 0.0;  // loads included, kg
+  double mass = 0.0;  // kg
   Vector normal;      // unit
+  Vector load;        // constant force, N
 };
 
 struct LinearMembers {

@@ -184,7 +184,8 @@ void exchange_findings(World& w, Detection& found) {
   std::vector<Exchanged> exchanged;
   for (size_t i = 0; w.part.ranks && i < found.contacts.size(); ++i) {
     const Finding& f = found.findings[i];
-    exchanged.push_back({found.contacts[i].family, f.fresh_count, f.examined, f.fresh, found.contacts[i].beside_joint != 0});
+    exchanged.push_back(
+        {found.contacts[i].family, f.fresh_count, f.examined, f.fresh, found.contacts[i].beside_joint != 0});
   }
   all_gather(w.part.ranks, std::span(exchanged), [&](size_t i) { return w.part.rank_of(found.contacts[i].pair); });
   for (size_t i = 0; i < exchanged.size(); ++i) {

@@ -177,7 +177,7 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
 }
 
 void World::set_gravity(const Vector& g, TimeSeries factor) {
-  actions.gravity = g, actions.of_collapse = {}, actions.gravity_factor = std::move(factor);
+  actions.gravity = g, actions.gravity_factor = std::move(factor);
 }
 
 namespace {

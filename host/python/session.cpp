@@ -127,7 +127,7 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   take_start(simulation_.get());
   files_ = input_files(simulation_->scene());
   for (const HashedFile& law : law_files(simulation_->scene())) files_.push_back(law);
-  if (!folder.empty() && simulation_->scene().output.end_state) provenance_ = provenance_of(*simulation_, {});
+  provenance_ = provenance_of(*simulation_, {});
   columns_ = history_columns(simulation_->scene(), restraints_of(*simulation_));
   if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>();
   if (!folder.empty()) {
@@ -326,15 +326,17 @@ RunInfo Session::info_of(const std::string& status, const std::string& message) 
 std::string Session::finish(const std::string& status, const std::string& message) {
   const Simulation& simulation = use();
   if (!summary_.empty()) return summary_;
-  const RunInfo info = info_of(status, message);
-  const std::string summary = summary_text(simulation, rows_, info);
-  if (!file_) return summary;
+  RunInfo info = info_of(status, message);
+  info.provenance = provenance_;
+  if (!file_) return summary_text(simulation, rows_, info);
   file_->finish();
   if (monitors_) monitors_->finish();
   if (series_ && status != "done" && info.law_answers) series_->add_frame(simulation);
   if (series_) series_->finish();
+  note_results(simulation, folder_, &info.provenance);
+  if (status == "done" && simulation.scene().output.end_state) write_end_state(folder_, simulation, info.provenance);
+  const std::string summary = summary_text(simulation, rows_, info);
   write_file(folder_ / "summary.json", summary);
-  if (status == "done" && provenance_) write_end_state(folder_, simulation, *provenance_);
   return summary_ = summary;
 }
 
@@ -507,7 +509,8 @@ LawSwap Session::swap_law(const std::string& joint, const std::string& law) {
 }
 
 Checkpoint Session::now() const {
-  Checkpoint checkpoint{{rows_, {}, modes_}, use().save()};
+  const Simulation& simulation = use();  // before rows, which a thread that steps would change
+  Checkpoint checkpoint{{rows_, {}, modes_}, simulation.save()};
   if (monitors_) checkpoint.results.monitor_rows = monitors_->rows();
   return checkpoint;
 }

@@ -125,7 +125,7 @@ class Session : private Observer {
   std::set<std::string> reported_;     // Warning::about of these, and of those that were returned
   std::optional<LawWatchdog> watchdog_;
   std::vector<HashedFile> files_;         // files of the scene and of its laws, with their hashes at the start
-  std::optional<Provenance> provenance_;  // provenance of a run that writes its end state
+  Provenance provenance_;
 };
 
 }  // namespace quoin::python

@@ -199,9 +199,9 @@ set key at screen 0.5,0.895 center horizontal samplen 3 reverse Left noenhanced
                   curve.name.empty() ? "notitle" : "title " + fitting_text(curve.name, curve.pressed ? 750 : 1300, 19));
   if (curve.pressed) {
     script += fmt::format(
-        "set y2label \"mean vertical stress (MPa)\" textcolor rgb \"{0}\"\nset y2range [0:*]\n"
+        "set y2label \"mean vertical stress (MPa)\" textcolor rgb \"{0}\"\nset y2range [{1}:*]\n"
         "set y2tics nomirror textcolor rgb \"{0}\"\n",
-        second);
+        second, range_of(curve, 2).low < 0.0 ? "*" : "0");
     plot += fmt::format(
         ", \\\n     \"curve.dat\" using 1:3 axes x1y2 with lines linewidth 1.7 dashtype (8,5) linecolor rgb \"{}\" "
         "title \"mean vertical stress (right axis)\"",

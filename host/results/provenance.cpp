@@ -102,7 +102,8 @@ Provenance provenance_of(const Simulation& simulation, const Request& request) {
   const Scene& scene = simulation.scene();
   Provenance p;
   p.program = QUOIN_VERSION;
-  p.program_sha256 = sha256_of_file(program_file());
+  static const std::string program_sha256 = sha256_of_file(program_file());  // of the process
+  p.program_sha256 = program_sha256;
   p.compiler = __VERSION__;
   p.laws = law_files(scene);
   p.scene = scene.file;

@@ -117,7 +117,7 @@ std::string QuasiStatic::reason() const {
 
 std::string QuasiStatic::warning() const {
   if (!driven || quasi_static()) return {};
-  const std::string text = "not known to be quasi-static: " + reason();
+  std::string text = "not known to be quasi-static: " + reason();
   if (reason() == not_judged) return text;
   return text +
          ". Load more slowly (stage velocity, or solver.quality) or with less inertia (solver.mass_scaling), and "

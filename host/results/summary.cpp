@@ -490,9 +490,12 @@ Json list_of(const std::vector<Warning>& warnings, const Scene& scene) {
 Json response_json(const std::vector<HistoryRow>& rows, const Scene& scene) {
   const std::optional<GroundResponse> response = find_ground_response(rows, scene);
   if (!response) return nullptr;
-  return {{"of", moved_part(scene, scene.stages.back())}, {"axis", std::string(1, "xyz"[response->axis])},
-          {"displacement_m", response->displacement},     {"displacement_at_s", response->moved_at},
-          {"base_force_N", response->base_force},         {"base_force_at_s", response->sheared_at}};
+  return {{"of", response->of},
+          {"axis", std::string(1, "xyz"[response->axis])},
+          {"displacement_m", response->displacement},
+          {"displacement_at_s", response->moved_at},
+          {"base_force_N", response->base_force},
+          {"base_force_at_s", response->sheared_at}};
 }
 
 }  // namespace

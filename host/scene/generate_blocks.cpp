@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/printable.h"
+#include "base/upright_axis.h"
 #include "geometry/drawn_shape.h"
 #include "geometry/mesh_file.h"
 #include "scene/from_bricks.h"
@@ -316,11 +317,13 @@ std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembl
   };
   std::optional<FamilyOfBricks> of_bricks;
   if (bricks) of_bricks.emplace(*bricks);
+  const auto weighed = std::ranges::find_if(scene.stages, [](const Stage& stage) { return stage.gravity != Vec3{}; });
+  const int upright = upright_axis(weighed != scene.stages.end() ? weighed->gravity : Vec3{});
   return [=, brick_count = bricks ? int(bricks->bricks.size()) : 0,
           fallback = family.at(scene.blocks->default_joint)](const Meeting& m) {
     if (std::max(m.block_a, m.block_b) < brick_count) return (*of_bricks)(m.block_a, m.block_b);
     const size_t i = size_t(m.block_a), j = size_t(m.block_b);
-    const bool vertical = std::abs(m.normal.y) > 0.7071, inside = units[i] >= 0 && units[i] == units[j];
+    const bool vertical = std::abs(m.normal[upright]) > 0.7071, inside = units[i] >= 0 && units[i] == units[j];
     const std::string &a = names[i], &b = names[j];
     for (const Rule& r : rules) {
       if ((r.rule.normal == "vertical" && !vertical) || (r.rule.normal == "horizontal" && vertical)) continue;

@@ -57,11 +57,23 @@ int block_at(const Assembly& assembly, const std::string& name, const Vector& po
   });
 }
 
-int face_towards(const Assembly& assembly, int block, const Vector& normal) {
+int face_towards(const Assembly& assembly, int block, const Vector& normal, const std::string& where) {
   const Block& of = assembly.blocks[static_cast<std::size_t>(block)];
   const std::vector<Vector>& normals = assembly.shapes[static_cast<std::size_t>(of.shape)].normals;
   const Vector along = transposed_times(matrix(of.orientation), normal);
   const auto face = std::ranges::max_element(normals, {}, [&](const Vector& of_face) { return dot(along, of_face); });
+  constexpr double kSame = 1e-6;  // difference of cosines below which directions are the same
+  const auto other = std::ranges::find_if(normals, [&](const Vector& of_face) {
+    return dot(along, *face - of_face) < kSame * norm(along) && dot(*face, of_face) < 1.0 - kSame;
+  });
+  if (other != normals.end()) {
+    const auto in_space = [&](const Vector& of_face) { return geometry::place(matrix(of.orientation) * of_face); };
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: normal: two faces of block {} are equally close to {}, with the normals {} and {}; give "
+                    "the one that is meant",
+                    where, label(assembly, block), geometry::place(normal), in_space(*face), in_space(*other)));
+  }
   return static_cast<int>(face - normals.begin());
 }
 
@@ -80,7 +92,7 @@ std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& 
     if (reach < furthest - kTolerance) continue;
     if (reach > furthest + kTolerance) outer.clear();
     furthest = std::max(furthest, reach);
-    outer.push_back({index, face_towards(assembly, index, normal)});
+    outer.push_back({index, face_towards(assembly, index, normal, where)});
   }
   return outer;
 }

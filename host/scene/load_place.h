@@ -24,8 +24,8 @@ std::vector<LoadPlace> places_of(const MovingLoad& load, const Assembly& assembl
 int block_at(const Assembly& assembly, const std::string& name, const geometry::Vector& point,
              const std::string& where);
 
-// Face of a block whose outward normal is closest to this one.
-int face_towards(const Assembly& assembly, int block, const geometry::Vector& normal);
+// Face of a block whose outward normal is closest to this one. Throws Error(bad_input) where two are equally close.
+int face_towards(const Assembly& assembly, int block, const geometry::Vector& normal, const std::string& where);
 
 struct BlockFace {
   int block = -1, face = 0;

@@ -1,5 +1,5 @@
 // Settings of --set, applied to the tables of a scene.
-#include <sstream>
+#include <algorithm>
 
 #include "base/toml_text.h"
 #include "scene/reader.h"
@@ -48,18 +48,32 @@ void set_value(const std::string& value, const std::string& key, const Set& set)
   }
 }
 
+// Parts of a dotted key. A name with a dot is in quotes, as in TOML. Returns the place of the equals sign; npos: there
+// is none, or a quote is not closed.
+size_t read_key(const std::string& setting, std::vector<std::string>* parts) {
+  size_t at = 0;
+  do {
+    const char quote = at < setting.size() ? setting[at] : '\0';
+    const bool quoted = quote == '"' || quote == '\'';
+    const size_t first = at + (quoted ? 1 : 0);
+    const size_t end =
+        quoted ? setting.find(quote, first) : std::min(setting.find_first_of(".=", first), setting.size());
+    if (end == std::string::npos) return end;
+    parts->push_back(setting.substr(first, end - first));
+    at = end + (quoted ? 1 : 0);
+  } while (at < setting.size() && setting[at++] == '.');
+  return at > 0 && at <= setting.size() && setting[at - 1] == '=' ? at - 1 : std::string::npos;
+}
+
 }  // namespace
 
 void apply_override(toml::table& root, const std::string& setting, Context& context) {
-  const size_t equals = setting.find('=');
-  const std::string path = setting.substr(0, equals);
+  std::vector<std::string> keys;
+  const size_t equals = read_key(setting, &keys);
   auto fail = [&](const std::string& why) {
     throw Error(Exit::bad_input, fmt::format("--set {}: {}; write --set dotted.key=value", setting, why));
   };
-  if (equals == std::string::npos || path.empty()) fail("no key or no value");
-
-  std::vector<std::string> keys;
-  for (std::stringstream stream(path); stream.good();) std::getline(stream, keys.emplace_back(), '.');
+  if (equals == std::string::npos || equals == 0) fail("no key or no value");
   if (keys.size() > static_cast<size_t>(kMostKeyParts))
     fail(fmt::format("the key has more than {} parts", kMostKeyParts));
   const std::string value = setting.substr(equals + 1);

@@ -150,6 +150,18 @@ void watch_blocks(Simulation::Impl& s, const Stage& settings) {
   s.monitor.stands_below = stands_below(s, s.monitor.blocks);
 }
 
+// Fixed blocks that a stage frees have a frequency, which the time step so far leaves out.
+void follow_freed_blocks(Simulation::Impl& s) {
+  blocks::Model& m = *s.large_motion;
+  bool freed = false;
+  for (const Drive& drive : s.actions.drives) {
+    if (!m.assembly.blocks[at(drive.block)].fixed || (drive.held & 0x3f) == 0x3f) continue;
+    m.prescribe(drive.block, drive.velocity_from, drive.omega_from, drive.held);
+    freed = true;
+  }
+  if (freed) find_time_step(m);
+}
+
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   blocks::Model& m = *s.large_motion;
   m.actions.applied.clear();
@@ -157,6 +169,7 @@ void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const 
   bind_actions(s, settings, previous);
   s.progress.stage_start = m.stepping.time;
   if (settings.solver) m.set_solver(*settings.solver);
+  follow_freed_blocks(s);
   follow_time_step(s);
   watch_blocks(s, settings);
   s.monitor.start = displacement_now(s, s.monitor.blocks);

@@ -89,13 +89,14 @@ JointSliding::Place JointSliding::place_of(const Joint& joint) const {
   return place;
 }
 
-void JointSliding::look(const std::vector<WholeMotion>& motion, MotionSeen* seen) const {
+void JointSliding::look(const std::vector<WholeMotion>& motion, MotionSeen* seen, int upright) const {
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const double angle = norm_of(motion[i].rotation), moved = norm_of(motion[i].translation) / diagonal_;
     if (exceeds(angle, seen->rotation)) seen->rotation = angle, seen->turned_block = static_cast<int>(i);
     if (exceeds(moved, seen->translation)) seen->translation = moved, seen->moved_block = static_cast<int>(i);
   }
-  for (const std::size_t c : {0u, 2u}) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (static_cast<int>(c) == upright) continue;
     const auto [least, most] =
         std::ranges::minmax_element(motion, {}, [c](const WholeMotion& m) { return m.translation[c]; });
     if (least == motion.end() || !(extent_[c] > 0.0)) continue;

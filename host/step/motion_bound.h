@@ -60,8 +60,8 @@ class JointSliding {
   enum class Places { kept, recomputed };
   JointSliding() = default;
   explicit JointSliding(const Assembly& assembly, Places places = Places::kept);
-  // Updates `seen` with the current motion. motion: one a brick.
-  void look(const std::vector<WholeMotion>& motion, MotionSeen* seen) const;
+  // Updates `seen` with the current motion. motion: one a brick. upright: axis of the weight, 0 to 2.
+  void look(const std::vector<WholeMotion>& motion, MotionSeen* seen, int upright = 1) const;
   Vec3 centre(int joint) const { return place_of(assembly_->joints[static_cast<std::size_t>(joint)]).centre; }
 
  private:

@@ -364,12 +364,32 @@ class Search {
   void follow_ground() {
     const Vector ground =
         s_.large_motion ? s_.large_motion->actions.ground_then : geometry::vector(s_.data.ground_velocity);
-    if (norm(ground) == 0.0) return;
+    if (norm(ground) == 0.0 || !all_fixed_follow()) return;
     for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b)
       s_.large_motion ? follow_ground_in_large_motion(b, ground) : follow_ground_on_lattice(b, ground);
   }
 
  private:
+  // Whether all fixed blocks move with the ground: others, as supports that a stage holds, carry blocks that rest.
+  bool all_fixed_follow() const {
+    const auto follows = [](std::uint64_t of_ground, std::int64_t motion) {
+      return ground_rank(of_ground, motion) == 2;
+    };
+    if (s_.large_motion) {
+      const auto& blocks = s_.large_motion->assembly.blocks;
+      const auto fixed = std::ranges::count_if(blocks, [](const blocks::Block& b) { return b.fixed; });
+      return fixed == std::ranges::count_if(s_.actions.drives, [&](const Drive& d) {
+               return blocks[at(d.block)].fixed && follows(d.of_ground, d.motion);
+             });
+    }
+    for (std::size_t i = 0; i < s_.model.bodies.size(); ++i) {
+      const BodyRamp& ramp = s_.controls.ramps[i];
+      if (s_.model.assembly.bricks[at(s_.model.bodies[i].block)].fixed && !follows(ramp.of_ground, ramp.motion))
+        return false;
+    }
+    return true;
+  }
+
   void follow_ground_in_large_motion(int b, const Vector& ground) {
     blocks::Model& m = *s_.large_motion;
     const auto follow = [&](const auto& unknown, Vector& velocity) {

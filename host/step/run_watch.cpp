@@ -179,13 +179,16 @@ std::string motion_left_to_ground(const Simulation::Impl& s) {
          was_of_ground(s.model.assembly.bricks[static_cast<std::size_t>(body.block)].fixed, body.name),
          geometry::vector(ramp.velocity_from), geometry::vector(ramp.velocity_to));
   }
+  if (settings.kind == "rest") held = 0.0;  // all comes to rest together
   if (std::max(goes_on, held) <= kSlow) return "";
-  const std::string stops = fades ? fmt::format("comes to rest over its ramp_time of {:g} s", settings.ramp_time)
-                                  : "goes on so, as the stage has no ramp_time over which it could come to rest";
-  return fmt::format("the ground still moves at {:.3g} m/s when stage '{}' begins, and {}", std::max(goes_on, held),
-                     settings.name, held > goes_on && !fades ? "stops at once, as the stage holds it" : stops) +
-         (held > goes_on || fades ? ": that shakes what stands on it; after = \"rest\" in ground_motion stops it gently"
-                                  : "");
+  const bool brakes = held > kSlow || fades;
+  const std::string then = fades ? fmt::format("comes to rest over its ramp_time of {:g} s", settings.ramp_time)
+                           : held > kSlow
+                               ? "what the stage holds of it stops at once"
+                               : "goes on so, as the stage has no ramp_time over which it could come to rest";
+  return fmt::format(
+      "the ground still moves at {:.3g} m/s when stage '{}' begins, and {}{}", std::max(goes_on, held), settings.name,
+      then, brakes ? ": that shakes what stands on it; after = \"rest\" in ground_motion stops it gently" : "");
 }
 
 // Energy below which a balance is rounding, J: a share of the weight times the least extent of a block.
@@ -261,14 +264,20 @@ std::string points_crushed_out(const Simulation::Impl& s) {
       s.watch.crushed_out);
 }
 
+bool presses_quickly(const Stage& stage) { return stage.kind == "pressure" && stage.ramp_time < Watch::kSlowRamp; }
+
+long crushing_now(Simulation::Impl& s) {
+  const auto counts = conditions_now(s);
+  return counts[static_cast<std::size_t>(Condition::crushing)] +
+         counts[static_cast<std::size_t>(Condition::crushed_out)];
+}
+
 // Warning at the end of a stage of pressure.
 std::string crushed_in_ramp(Simulation::Impl& s) {
   const Stage& stage = current_stage(s);
-  if (stage.kind != "pressure" || stage.ramp_time >= Watch::kSlowRamp) return "";
-  const auto counts = conditions_now(s);
-  const long crushing =
-      counts[static_cast<std::size_t>(Condition::crushing)] + counts[static_cast<std::size_t>(Condition::crushed_out)];
-  if (crushing == 0) return "";
+  if (!presses_quickly(stage)) return "";
+  const long crushing = crushing_now(s) - s.watch.crushing_before;
+  if (crushing <= 0) return "";
   return fmt::format(
       "{} contact points have begun to crush in stage '{}': within its ramp_time of {:g} s the wall vibrates "
       "vertically, and joints carry up to some 30 % more than at rest; compare with ramp_time = {:g} or more, or with "
@@ -326,6 +335,10 @@ std::string stiff_law(const Simulation::Impl& s) {
 }
 
 }  // namespace
+
+void note_crushed(Simulation::Impl& s) {
+  s.watch.crushing_before = presses_quickly(current_stage(s)) ? crushing_now(s) : 0;
+}
 
 bool begins_check(const Simulation::Impl& s) {
   if (s.energy.wanted || s.watch.pending || s.progress.step < s.watch.next_energies || is_just_loaded(s)) return false;

@@ -9,6 +9,8 @@
 
 namespace quoin {
 
+// Counts the contact points that crush already when a stage begins.
+void note_crushed(Simulation::Impl& s);
 // Whether this step, before a row, is the first of two whose energies are compared.
 bool begins_check(const Simulation::Impl& s);
 // Ends a comparison of two steps: it is complete, or the second step was not measured.

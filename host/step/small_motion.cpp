@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/upright_axis.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/ground.h"
@@ -53,7 +54,7 @@ void check_motion(Simulation::Impl& s) {
     const Vec3 moved = s.small_motion.whole_motions[at(ground)].translation;
     for (WholeMotion& m : motions) m.translation -= moved;
   }
-  s.small_motion.joint_sliding.look(motions, &s.small_motion.seen);
+  s.small_motion.joint_sliding.look(motions, &s.small_motion.seen, upright_axis(s.data.gravity));
   s.small_motion.next_check = s.progress.step + kMostSteps;
   if (!past_motion_bound(s).empty()) return;
   const MotionBound& bound = s.scene.solver.motion_bound;

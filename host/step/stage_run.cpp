@@ -61,7 +61,7 @@ void StageRun::report_promotion(const Act& act) {
 
 void StageRun::begin(bool was_in_stage) {
   report_promotion([&] {
-    if (!was_in_stage) begin_stage(s_, index_);
+    if (!was_in_stage) begin_stage(s_, index_), note_crushed(s_);
     if (!was_in_stage && settings_.kind == "rest") find_rest(s_, [&] { return simulation_.stop_requested(); });
   });
   observer_.on_stage_begin(simulation_, index_);

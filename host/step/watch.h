@@ -31,9 +31,10 @@ struct Watch {
   static long after(long step) { return step + std::max(kOutputSteps, step / 20); }
   static constexpr long kStiffnessSteps = 2000;  // least interval between two checks of tangents and of laws' answers
 
-  double overlap = 0.0;  // largest closure of a contact point, elastic and crushed, m
-  Vec3 overlap_at{};     // position of that point, m
-  long crushed_out = 0;  // most contact points that are crushed out
+  double overlap = 0.0;      // largest closure of a contact point, elastic and crushed, m
+  Vec3 overlap_at{};         // position of that point, m
+  long crushed_out = 0;      // most contact points that are crushed out
+  long crushing_before = 0;  // contact points that crush when a stage of pressure begins, as by [[damage]]
 
   // With output.energy of the balance of the whole run, else of the steps that are compared.
   double energy_missing = 0.0;  // energy that the balance lacks, J

@@ -339,6 +339,37 @@ TEST(Ranks, RefuseALaterStageOfRestAtTheStart) {
   EXPECT_EQ(steps, 0);
 }
 
+// The state of rest is found at the start of its stage. Ranks may take the steps that follow.
+TEST(Ranks, GoOnInsideAStageOfRest) {
+  const std::string scene =
+      undamped_stone("general") +
+      "[[block]]\nmaterial = \"stone\"\nbox = { lower = [0, 0, 0], size = [0.1, 0.1, 0.1] }\n"
+      "fixed = true\n[[stage]]\nkind = \"rest\"\nmax_steps = 100000\n[[stage]]\nduration = 1e-4\n";
+  struct Stopper : Observer {
+    Simulation* simulation = nullptr;
+    std::vector<std::uint8_t> saved;
+    void on_pause(const Simulation& of, bool) override {
+      if (saved.empty()) saved = of.save(), simulation->request_stop();
+    }
+  } stopper;
+  Simulation first(read_scene_text(scene, "stones.toml"), 1);
+  stopper.simulation = &first;
+  try {
+    first.run(stopper);
+  } catch (const Error&) {
+  }
+  if (stopper.saved.empty()) GTEST_SKIP() << "this program finds no states of rest";
+  std::atomic<int> ended = 0;
+  on_ranks(2, [&](Ranks& ranks) {
+    Simulation simulation(read_scene_text(scene, "stones.toml"), 1, &ranks);
+    simulation.restore(stopper.saved);
+    Observer nothing;
+    simulation.run(nothing);
+    ended += simulation.stages_ended() == 2 ? 1 : 0;
+  });
+  EXPECT_EQ(ended, 2);
+}
+
 // 40 x 40 units: each of four ranks has a quarter of the blocks and the blocks close to it.
 TEST(Ranks, HoldTheirPartsOfLargeMotion) {
   const Overrides settings = {"solver.large_motion=always", "wall.courses=40", "wall.units_per_course=40"};

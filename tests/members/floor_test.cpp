@@ -189,6 +189,48 @@ TEST(Floors, LoadsOfSlopingFloorsAreVertical) {
   }
 }
 
+// The body force of a collapse stage is 0.2 of the weight of the mass, not of the load, and fades in the next stage.
+// There the load was pushed too, at once and as much as the mass. Tolerance: vibrations of the ramp.
+TEST(Floors, CollapseMultipliesTheMassAlone) {
+  for (const char* along : {"[4, 0, 0]", "[4, 3, 0]"}) {
+    const double area = 3.0 * (along[4] == '0' ? 4.0 : 5.0), pull = 0.2 * 9.81 * 200.0 * area;
+    Simulation simulation(
+        read_scene_text(
+            head(30.0, 1e9, 40.0) + box("low", "[0, 0, 0]", "[0.4, 4, 3]", "fixed = true") +
+                box("high", "[4, 0, 0]", "[0.4, 5, 3]", "fixed = true") + box("top", "[0, 4, 0]", "[0.4, 0.4, 3]") +
+                fmt::format("[[floor]]\nname = \"f\"\ncorner = [0.2, 1, 0]\nalong = {}\nacross = [0, 0, 3]\n"
+                            "spacing = 0.5\naxial_stiffness = [2e7, 2e7]\nshear_stiffness = 1e6\nmass = 200\n"
+                            "load = 2000\nspan = \"along\"\nconnector = {{ axial_stiffness = 2e7, "
+                            "shear_stiffness = 2e7 }}\n[[stage]]\ngravity = [0, -9.81, 0]\nramp_time = 0.2\n"
+                            "duration = 0.6\n[[stage]]\nramp_time = 0.2\nduration = 0.6\ncollapse = {{ direction = "
+                            "[1, 0, 0], start = 0.2, rate = 1e-6, displacement = 1.0 }}\n[[stage]]\n"
+                            "ramp_time = 0.4\nduration = 0.6\n",
+                            along),
+            "floor.toml"),
+        1);
+    const auto push = [&] {
+      geometry::Vector sum;
+      for (const members::Node& node : simulation.large_motion()->held_by.members->nodes()) sum += node.force;
+      return sum.x;
+    };
+    struct Watch : Observer {
+      std::vector<std::pair<int, double>> pushes;  // stage, N
+      std::function<double()> push;
+      void on_row(const HistoryRow& row) override { pushes.emplace_back(row.stage, push()); }
+    } watch;
+    watch.push = push;
+    simulation.run(watch);
+    double at_end = 0.0, after = 0.0;
+    for (const auto& [stage, x] : watch.pushes) {
+      if (stage == 1) at_end = x;
+      if (stage == 2) after = std::max(after, x);
+    }
+    EXPECT_NEAR(at_end, pull, 0.01 * pull) << along;
+    EXPECT_LT(after, 1.02 * pull) << along;
+    EXPECT_NEAR(push(), 0.0, 0.01 * pull) << along;
+  }
+}
+
 TEST(Floors, GoOnFromACheckpointBitForBit) {
   Floor f;
   f.keys = "shear_yield = 250.0\n";

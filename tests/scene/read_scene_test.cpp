@@ -152,6 +152,20 @@ TEST_F(ReadScene, OverridesByNumberAndByName) {
   EXPECT_EQ(s.output.frames, 0);
 }
 
+TEST_F(ReadScene, OverridesOfNamesWithADotAreInQuotes) {
+  std::string text = kScene;
+  for (size_t at; (at = text.find("\"mortar\"")) != std::string::npos;) text.replace(at, 8, "\"lime.1\"");
+  text.replace(text.find("[joints.mortar]"), 15, "[joints.\"lime.1\"]");
+  for (const std::string key : {R"(joints."lime.1".normal_stiffness)", "joints.'lime.1'.normal_stiffness"}) {
+    const std::vector<PropertySetting> properties = read(text, {key + "=5e9"}).joints.at("lime.1").properties;
+    const auto found = std::ranges::find(properties, "normal_stiffness", &PropertySetting::id);
+    ASSERT_NE(found, properties.end()) << key;
+    EXPECT_EQ(found->numbers, std::vector{5e9}) << key;
+  }
+  EXPECT_THAT(message(kScene, {R"(joints."mortar.normal_stiffness=5e9)"}), HasSubstr("no key or no value"));
+  EXPECT_THAT(message(kScene, {R"(joints."mortar"x.normal_stiffness=5e9)"}), HasSubstr("no key or no value"));
+}
+
 TEST_F(ReadScene, QualityGivesDefaultsThatKeysOverride) {
   const Scene reference = read(kScene, {"solver.quality=reference"});
   EXPECT_EQ(reference.solver.damping, DampingKind::local);

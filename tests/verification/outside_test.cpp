@@ -1368,17 +1368,19 @@ duration = {}
 monitor = "right"
 [[stage.velocity]]
 block = "right"
-velocity = [1, 0, 0]
+velocity = [{}, 0, 0]
 )",
-                            way));
+                            std::abs(way), way > 0.0 ? 1 : -1));
     return std::ranges::count(rows.warned_of, "seat");
   };
-  EXPECT_EQ(moved(0.25), 0);  // 0.2 m to the edge, and half a piece of 0.2 m
-  EXPECT_EQ(moved(0.4), 1);
+  EXPECT_EQ(moved(0.15), 0);  // of 0.2 m to the edge
+  EXPECT_EQ(moved(0.25), 1);
+  EXPECT_EQ(moved(-0.25), 0) << "the pier moves in: half a piece of 0.2 m is still on it";
+  EXPECT_EQ(moved(-0.4), 1);
 }
 
-// The work of a prescribed rotation that changes was that of the rotation after the change: 10 % of it were missing
-// here, and half of that with half the step. A joint that is twisted and held stores what the support has given.
+// A prescribed rotation that changes did the work of its last value. 10 % of the work were missing here, and half of
+// that with half the step. A joint that is twisted and held stores what the support has given.
 TEST(Outside, APrescribedRotationDoesItsWork) {
   std::string scene = kBase + kCube +
                       "[joints.stiff]\nlaw = \"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 5e8\n" +
@@ -1391,6 +1393,70 @@ TEST(Outside, APrescribedRotationDoesItsWork) {
   const Energies e = rows_of(scene).all.back().energies.value();
   EXPECT_GT(e.contact_stored, 50.0);
   EXPECT_NEAR(e.external, e.contact_stored, 1e-6 * e.contact_stored);
+}
+
+// A normal between two faces took one of them: a corner under pressure was pushed one way.
+TEST(Outside, ANormalBetweenTwoFacesIsRefused) {
+  const auto pressed = [](const std::string& normal) {
+    return kBase + kCube +
+           "[[stage]]\nduration = 0.1\n[[stage.pressure]]\nblock = \"cube\"\npressure = 1e3\nnormal = " + normal + "\n";
+  };
+  expect_refused(pressed("[1, 1, 0]"), "two faces of block #1 'cube' are equally close to (1, 1, 0)");
+  const std::string spring = "[[spring]]\nblock = \"cube\"\nnormal_stiffness = 1e8\n";
+  expect_refused(kBase + kCube + spring + "normal = [1, 0, 1]\n[[stage]]\nduration = 0.1\n", "equally close");
+  rows_of(pressed("[0.9, 1, 0]"));
+}
+
+// The time step of a fixed block that a stage frees was that without it: three times the stable one here.
+TEST(Outside, AFixedBlockThatIsFreedSetsTheTimeStep) {
+  for (const char* kind : {"", "rigid = false\ndivisions = [2, 2, 2]\n"}) {
+    const auto step = [&](const std::string& fixed, const std::string& stage) {
+      std::unique_ptr<Simulation> run;
+      const Rows rows = rows_of("[solver]\nkernels = \"general\"\n" + kBase + kCube + kind + fixed +
+                                    "[[stage]]\ngravity = [0, -9.81, 0]\nramp_time = 0.05\nduration = 0.1\n" + stage,
+                                &run);
+      EXPECT_LT(rows.all.back().largest_displacement, 1e-3);
+      return run->large_motion()->stepping.dt;
+    };
+    const double freed = step("fixed = true\n", "[[stage.velocity]]\nblock = \"cube\"\nvelocity = [0, \"free\", 0]\n");
+    EXPECT_LT(freed, 1.6 * step("", "")) << kind << "held sideways, it is stiffer than free";
+  }
+}
+
+// Sway along y was not watched, whatever the gravity. A slender pile under gravity along -z, pushed along y, kept the
+// lever arms of the start. And joint rules for vertical normals were those for normals along y.
+TEST(Outside, UprightIsTheAxisOfGravity) {
+  const auto pile = [](bool z_up) {
+    const auto vector = [&](double along, double up) {
+      return z_up ? fmt::format("[{0}, {1}, {2}]", 0.0, along, up) : fmt::format("[{0}, {1}, {2}]", along, up, 0.0);
+    };
+    const auto box = [&](double low, double high, const char* more) {
+      const double h = high - low;
+      return "[[block]]\nmaterial = \"stone\"\n" + std::string(more) + "box = { lower = " + vector(0.0, low) +
+             ", size = " + (z_up ? fmt::format("[0.5, 0.5, {}]", h) : fmt::format("[0.5, {}, 0.5]", h)) + " }\n";
+    };
+    std::unique_ptr<Simulation> run;
+    const Rows rows = rows_of(R"([joints.soft]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 3e7
+shear_stiffness = 3e7
+friction_angle = 60
+[[joint_rule]]
+family = "soft"
+normal = "vertical"
+)" + box(-0.2, 0.0, "fixed = true\n") +
+                                  box(0.0, 5.0, "") + box(5.0, 10.0, "name = \"top\"\n") +
+                                  "[[stage]]\nkind = \"rest\"\ngravity = " + vector(0.0, -9.81) +
+                                  "\n[[stage.force]]\nblock = \"top\"\nforce = " + vector(400.0, 0.0) +
+                                  "\npoint = " + (z_up ? "[0.25, 0.25, 7.5]\n" : "[0.25, 7.5, 0.25]\n"),
+                              &run);
+    return std::pair(rows.all.back().largest_displacement, rows.goes_over);
+  };
+  const auto y_up = pile(false), z_up = pile(true);
+  EXPECT_TRUE(y_up.second) << "the lever arms are those of the start: nothing is tested";
+  EXPECT_TRUE(z_up.second);
+  EXPECT_NEAR(z_up.first, y_up.first, 1e-3 * y_up.first);
 }
 
 }  // namespace

@@ -222,7 +222,8 @@ class Scene(Table):
         return self._text if self._file and document == self._loaded else document, self._place(), self._hashes
 
     def check(self):
-        """Raises BadInput with all faults, or LawRefused."""
+        """Raises BadInput with all faults of keys and values, or LawRefused. Faults of shapes are found when a
+        Simulation is made of it."""
         _quoin.check(*self._source())
 
     def text(self):

@@ -222,7 +222,7 @@ class Simulation:
     def set_force(self, body, force):
         """Sets the force on free bodies, N, from now to the end of the stage. Along its components it replaces forces
         and pressures of the stage on each of these bodies, with their moments. Gravity and the pull of a whiffletree
-        stay. None: no change."""
+        stay. None: no change. With half_thickness it acts on the half, and rows have twice as much."""
         self._session_of("set_force").set_force(word("body", body), vector("force", force))
 
     def swap_law(self, joint, law):

@@ -144,7 +144,7 @@ void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
   const Vector pull = s.actions.multiplier * norm(geometry::vector(settings.gravity)) *
                       normalized(geometry::vector(settings.collapse->direction));
   s.large_motion->set_gravity(geometry::vector(s.data.gravity) + pull);
-  s.large_motion->actions.of_collapse = pull;
+  s.large_motion->actions.of_collapse += pull;
 }
 
 }  // namespace

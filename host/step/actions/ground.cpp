@@ -202,8 +202,9 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
     }
     Drive& drive = s.actions.drives[static_cast<std::size_t>(index)];
     if (!settings.ground && !drive.of_ground) continue;  // was driven by a table before, and comes to rest
-    // Blocks that moved with the ground before continue, group by group.
-    const Vector goes_on = drive.of_ground ? followed(drive.of_ground, drive.velocity_from) : left_over;
+    // Blocks that moved with the ground before continue, group by group. Others join it.
+    if (!drive.of_ground) drive.velocity_from = left_over;
+    const Vector goes_on = followed(drive.of_ground ? drive.of_ground : kOfGround, drive.velocity_from);
     drive.of_ground = kOfGround;
     if (settings.ground) drive.motion = groups[static_cast<std::size_t>(block)];
     drive.velocity_to = settings.ramp_time > 0.0 ? Vector{} : goes_on;

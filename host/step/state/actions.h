@@ -13,8 +13,8 @@ namespace quoin {
 
 constexpr std::uint16_t kOfGround = 0xf;  // Drive::of_ground of a block that moves as the ground along all axes
 
-// Rank of a block or body as the one that stands for the ground; 0: it is none of the ground, or has a motion of its
-// own.
+// Rank of a block or body as the one that stands for the ground. 0: it is none of the ground, or a support with a
+// motion of its own.
 constexpr int ground_rank(std::uint64_t of_ground, std::int64_t motion) {
   return of_ground == 0 || motion != 0 ? 0 : of_ground == kOfGround ? 2 : 1;
 }
@@ -54,6 +54,7 @@ struct Actions {
   double multiplier = 0.0;                             // multiplier of the body force in a collapse stage
   FirstLoad first_load;                                // for collapse stages
   std::vector<geometry::Vector> collapse_from;         // of blocks against the ground when a collapse stage began, m
+  geometry::Vector collapse_left;  // body force by mass at the end of a collapse stage, which fades in the next, m/s2
   geometry::Vector ground_left;  // velocity that records have left to ground below springs that no block follows, m/s
 
   const Drive* ground_drive() const;  // drive of a block that moves with the ground; null: none

@@ -183,6 +183,12 @@ class Material:
         if getattr(self, "_handle", None):
             self._raw.destroy_material(self._handle)
 
+    def __copy__(self):
+        return self  # it never changes, and the handle has one owner
+
+    def __deepcopy__(self, memo):
+        return self
+
     def number(self, name):
         value = _f64()
         if self._raw.material_number(self._handle, name.encode(), c.byref(value)) != OK:
