@@ -28,7 +28,8 @@ void Members::add_bed(const SpringSpec& spec, const blocks::Assembly& assembly) 
   for (const int index : blocks::find_blocks(assembly, spec.block, spec.source.text)) {
     const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(index)];
     const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
-    const auto face = static_cast<std::size_t>(blocks::face_towards(assembly, index, geometry::vector(spec.normal), spec.source.text));
+    const auto face = static_cast<std::size_t>(
+        blocks::face_towards(assembly, index, geometry::vector(spec.normal), spec.source.text));
     const Vector out = matrix(block.orientation) * shape.normals[face];
     each_triangle(assembly, index, face, [&](const std::array<Vector, 3>& triangle) {
       each_point(triangle, spec.divisions, [&](const Vector& at, double area) {

@@ -73,12 +73,8 @@ void add_floor(const Floor& floor, const Vector& gravity, LinearMembers* out) {
   const Vector in_plane = gravity - dot(gravity, normal) * normal;
   for (int place = 0; place < (n + 1) * (m + 1); ++place) {
     const double area = floor.share_of(place);
-    out->nodes.push_back({floor.start_of(place),
-                          mass * area,
-                          0.0,
-                          {grid.along, grid.across},
-                          {},
-                          load * area * in_plane});
+    out->nodes.push_back(
+        {floor.start_of(place), mass * area, 0.0, {grid.along, grid.across}, {}, load * area * in_plane});
   }
   body.end = static_cast<int>(out->nodes.size());
   for (int j = 0; j < m; ++j) {

@@ -124,7 +124,7 @@ class Session : private Observer {
   std::vector<std::string> warnings_;  // warnings not yet returned to Python
   std::set<std::string> reported_;     // Warning::about of these, and of those that were returned
   std::optional<LawWatchdog> watchdog_;
-  std::vector<HashedFile> files_;         // files of the scene and of its laws, with their hashes at the start
+  std::vector<HashedFile> files_;  // files of the scene and of its laws, with their hashes at the start
   Provenance provenance_;
 };
 

@@ -9,7 +9,8 @@
 namespace quoin {
 
 struct BlockKinds {
-  // Some are. Rigid beams of walls and buildings do not count. A fixed block does not deform unless a stage controls it.
+  // Some are. Rigid beams of walls and buildings do not count. A fixed block does not deform unless a stage controls
+  // it.
   bool deformable = false, rigid = false;
 };
 

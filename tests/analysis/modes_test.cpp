@@ -489,7 +489,8 @@ TEST(Modes, ASolidWallSwingsAtItsFirstFrequency) {
 }
 
 // All eigenvalues by a full solver. The sparse solver misses none, and its error is rounding of the highest frequency,
-// 1e-16 of its square. A plate with equal sides has equal frequencies. More than 120 modes of a wall were "not settled".
+// 1e-16 of its square. A plate with equal sides has equal frequencies. More than 120 modes of a wall were "not
+// settled".
 TEST(Modes, SparseSolverAgreesWithAFullOne) {
   std::string text = std::string(kMaterials) + "[[joint_rule]]\nfamily = \"bond\"\n";
   for (int i = 0; i < 4; ++i)

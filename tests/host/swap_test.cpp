@@ -138,8 +138,8 @@ TEST(LawSwap, RefusedWhereTheTractionIsOutsideTheStrength) {
   }
 }
 
-// An open joint of a law without states carries nothing. It has no bond under the next law, and keeps its width. The gap
-// was closed without a word, so the block above stopped in the air. `elastic`, without states, stands for that law.
+// An open joint of a law without states carries nothing. It has no bond under the next law, and keeps its width. The
+// gap was closed without a word, so the block above stopped in the air. `elastic`, without states, stands for that law.
 TEST(LawSwap, AGapStaysOpenFromALawWithoutStates) {
   const Scene scene = wall_scene(2, 2.0);
   const JointFamily& mortar = scene.joints.at("mortar");

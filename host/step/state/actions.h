@@ -55,7 +55,7 @@ struct Actions {
   FirstLoad first_load;                                // for collapse stages
   std::vector<geometry::Vector> collapse_from;         // of blocks against the ground when a collapse stage began, m
   geometry::Vector collapse_left;  // body force by mass at the end of a collapse stage, which fades in the next, m/s2
-  geometry::Vector ground_left;  // velocity that records have left to ground below springs that no block follows, m/s
+  geometry::Vector ground_left;    // velocity that records have left to ground below springs that no block follows, m/s
 
   const Drive* ground_drive() const;  // drive of a block that moves with the ground; null: none
 };
