@@ -34,8 +34,17 @@ HWY_INLINE Lanes33 broadcast_matrix(const geometry::Matrix& m) {
   return {{broadcast(&m.row[0].x), broadcast(&m.row[1].x), broadcast(&m.row[2].x)}};
 }
 
+// Positions of gridpoints, from node[0] on; lanes beyond the part have any of them.
+HWY_INLINE Lanes3 places_of(const geometry::Vector* x, const std::int32_t* node, const FirstLanes& part) {
+  if (part.count >= kWidth) return load_vectors([&](int l) { return &x[node[l]].x; });
+  if (part.count == 1) return broadcast(&x[*node].x);  // joints with 9 points leave one to the last vector
+  return load_vectors([&](int l) { return &x[node[l < part.count ? l : 0]].x; });
+}
+
 void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockPlaces& places,
-                    const GridpointColumns& c) {
+                    const GridpointColumns& columns) {
+  const GridpointColumns c = columns;  // else the compiler would load it again after each store
+  const geometry::Vector* const x = places.node_x;
   for (const GridpointPair& pair : pairs) {
     PairAxes& of_pair = *axes++;
     if (places.frames) turn_axes(places.frames[pair.a], pair, of_pair);
@@ -43,22 +52,15 @@ void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const 
     const std::uint32_t end = pair.first + pair.count;
     for (std::uint32_t i = pair.first; i < end; i += kWidth) {
       const FirstLanes part{static_cast<int>(end - i)};
-      const auto at = [&](const std::int32_t* node) HWY_ATTR {
-        // Joints with 9 points leave one point to the last vector.
-        if (part.count == 1) return broadcast(&places.node_x[node[i - c.first]].x);
-        return load_vectors([&](int l) {
-          return &places.node_x[node[std::min(i + static_cast<std::uint32_t>(l), end - 1) - c.first]].x;
-        });
-      };
       Lanes3 at_b;
       if (pair.has_body()) {
         const Body& b = places.bodies[pair.body_b];
         const Lanes3 arm{part.load(c.arm[0] + i), part.load(c.arm[1] + i), part.load(c.arm[2] + i)};
         at_b = sum_of(broadcast(&b.x.x), times(broadcast_matrix(b.r), arm));
       } else {
-        at_b = at(c.node_b);
+        at_b = places_of(x, c.node_b + (i - c.first), part);
       }
-      const Lanes3 apart = difference_of(at_b, at(c.node_a));
+      const Lanes3 apart = difference_of(at_b, places_of(x, c.node_a + (i - c.first), part));
       part.store(hn::Sub(dot_of(n, apart), part.load(c.reference + i)), c.normal_jump + i);
       const V place[2] = {dot_of(s, apart), dot_of(t, apart)};
       for (int k = 0; k < 2; ++k) {
@@ -117,8 +119,8 @@ HWY_INLINE void forces_of(const GridpointPair& pair, const PairAxes& axes, const
     const Lanes3 force = plus_scaled(plus_scaled(scaled(f[0], n), f[1], s), f[2], t);
     const V column[kFour] = {force.x, force.y, force.z, hn::Zero(D())};
     FacetRow* const row = rows + pair.row + (i - pair.first);
-    for_rows(column, std::min(kWidth, part.count),
-             [&](int l, int at, F four) HWY_ATTR { hn::StoreU(four, Four(), row[l].force + at); });
+    const auto store = [&](int l, int at, F four) HWY_ATTR { hn::StoreU(four, Four(), row[l].force + at); };
+    part.count >= kWidth ? for_rows(column, kWidth, store) : for_rows(column, part.count, store);
     if constexpr (kBody) {
       const Lanes3 arm{part.load(c.arm[0] + i), part.load(c.arm[1] + i), part.load(c.arm[2] + i)};
       on_body.add(p, force);
@@ -143,7 +145,8 @@ HWY_INLINE void forces_of(const GridpointPair& pair, const PairAxes& axes, const
 }
 
 void GridpointForces(std::span<const GridpointPair> pairs, const PairAxes* axes, const BlockPlaces& places,
-                     const GridpointColumns& c, FacetRow* rows) {
+                     const GridpointColumns& columns, FacetRow* rows) {
+  const GridpointColumns c = columns;  // as in GridpointJumps
   for (const GridpointPair& pair : pairs) {
     const PairAxes& of_pair = *axes++;
     if (pair.has_body())

@@ -59,6 +59,7 @@ void transfer_state(Archive& archive, Self& m) {
   archive.value(m.stepping.time);
   archive.value(m.stepping.dt);
   archive.value(m.stepping.critical_dt);
+  archive.value(m.stepping.springs);
   archive.array(m.impacts.beta);
   archive.value(m.impacts.zone_beta);
   archive.value(m.impacts.rate);

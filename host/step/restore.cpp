@@ -181,11 +181,13 @@ void take_large_motion(Simulation::Impl& s, ArchiveReader& reader) {
   const auto is_block = [&](int i) { return i >= 0 && i < s.large_motion->block_count(); };
   if (!s.energy.wanted) s.large_motion->book_energy(s.watch.pending);
   s.large_motion->solver = solver_in_use(s);
+  const double springs = s.large_motion->stepping.springs;
   s.large_motion->restore(reader);
   if (!std::ranges::all_of(s.monitor.blocks, is_block)) throw of_another_model();
   for (const Drive& drive : s.actions.drives) {
     if (!is_block(drive.block)) throw of_another_model();
   }
+  s.large_motion->hold_by_springs(springs);  // another scene may go on from the state with a whiffletree of its own
   follow_time_step(s);
   partition_work(s);
 }

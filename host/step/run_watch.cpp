@@ -15,6 +15,7 @@
 #include "scene/damping_text.h"
 #include "scene/stage_warnings.h"
 #include "step/borders.h"
+#include "step/corner_bending.h"
 #include "step/findings.h"
 #include "step/gather.h"
 #include "step/points_at_rest.h"
@@ -231,12 +232,6 @@ void book_energy_balance(Simulation::Impl& s) {
   s.watch.energy_moved = std::max({s.watch.energy_moved, moved, std::abs(e.external)});
 }
 
-double least_extent(const Simulation::Impl& s, int block) {
-  const auto b = static_cast<std::size_t>(block);
-  return s.large_motion ? s.large_motion->blocks[b].least_extent
-                        : *std::ranges::min_element(s.model.assembly.bricks[b].size);
-}
-
 std::string deep_overlap(const Simulation::Impl& s) {
   if (!(s.watch.overlap > allowed_overlap(s))) return "";
   // That bound is of the smallest block of all. The blocks that overlap may be larger.
@@ -371,6 +366,12 @@ void check_energies(Simulation::Impl& s, const Energies& now, double dissipated,
   s.watch.next_energies = Watch::after(s.progress.step);
 }
 
+double least_extent(const Simulation::Impl& s, int block) {
+  const auto b = static_cast<std::size_t>(block);
+  return s.large_motion ? s.large_motion->blocks[b].least_extent
+                        : *std::ranges::min_element(s.model.assembly.bricks[b].size);
+}
+
 double allowed_overlap(const Simulation::Impl& s) {
   double least = std::numeric_limits<double>::infinity();
   for (const Brick& brick : s.model.assembly.bricks) {
@@ -442,6 +443,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   warn("tension_in_new_contacts", [&] { return pull_over_gaps(s); });
   warn("interpenetration", [&] { return deep_overlap(s); });
   warn("crushed_out", [&] { return points_crushed_out(s); });
+  warn("bending", [&] { return bending_at_corners(s); });
   warn("pressure", [&] { return stage_ends ? crushed_in_ramp(s) : ""; });
   warn("beam", [&] { return turned_piece_of_beam(s); });
   warn("seat", [&] { return beam_off_its_seat(s); });

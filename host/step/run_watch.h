@@ -18,6 +18,7 @@ void end_check(Simulation::Impl& s);
 // Adds a step to the comparison: stored energy must change by work less dissipation. The steps that are compared stand
 // for all.
 void check_energies(Simulation::Impl& s, const Energies& now, double dissipated, double work_before, double work_after);
+double least_extent(const Simulation::Impl& s, int block);  // m
 // First wrong answer of a law in its last call; none: all are right.
 std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s);
 // Checks all assumptions when a row is written, after its step; stage_ends: the last of its stage. Returns the new

@@ -86,6 +86,33 @@ TEST_F(Start, AMovingBeamMovesOn) {
   }
 }
 
+// The stiffness of a whiffletree counts from the start of the run that has it. In large motion the time step of the
+// state went on, 3 times too long, and the run blew up: a peak of 0.00 kN, and no error.
+TEST_F(Start, AWhiffletreeSetsTheTimeStepInLargeMotion) {
+  const std::string text = read_all(QUOIN_TESTS "/host/small_building.toml");
+  const std::string before = text.substr(0, text.find("[[stage]]"));
+  const std::string weight = "[[stage]]\nname = \"weight\"\nkind = \"weight\"\nduration = 0.02\n";
+  const std::string push =
+      "[[stage]]\nname = \"push\"\nkind = \"push\"\nvelocity = 0.02\nstiffness = 1e11\ndisplacement = 0.0001\n";
+  std::ofstream(whole_) << before << weight << push;
+  std::ofstream(first_) << before << weight;
+  std::ofstream(second_) << "start = \"soft\"\n" << before << weight << push;
+  const std::vector<std::string> always{"--set", "solver.large_motion=always"};
+  ASSERT_EQ(run(first_, "soft", {always[0], always[1], "--set", "output.end_state=true"}), 0) << error_;
+  ASSERT_EQ(run(whole_, "whole", always), 0) << error_;
+  ASSERT_EQ(run(second_, "second", always), 0) << error_;
+  const auto number = [&](const std::string& name, const std::string& key) {
+    const std::string summary = file(name, "summary.json");
+    return std::stod(summary.substr(summary.find("\"" + key + "\": ") + key.size() + 4));
+  };
+  EXPECT_LT(number("second", "time_step_s"), 0.5 * number("soft", "time_step_s"));
+  EXPECT_NEAR(number("second", "time_step_s"), number("whole", "time_step_s"), 1e-9 * number("whole", "time_step_s"));
+  const double peak = number("whole", "peak_horizontal_force_N");
+  ASSERT_GT(peak, 1e3);
+  // The first run has taken its first stage in longer steps.
+  EXPECT_NEAR(number("second", "peak_horizontal_force_N"), peak, 0.01 * peak);
+}
+
 TEST_F(Start, KilledRunsGoOn) {
   const std::vector<std::string> slowly{"--set",
                                         "stage.shear.velocity=0.002"};  // long enough to be killed during the run

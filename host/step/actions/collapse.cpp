@@ -196,7 +196,14 @@ bool collapse_ended(Simulation::Impl& s, std::vector<Warning>* warnings) {
       s.actions.multiplier = waiting_load(&s.actions.first_load, settings, stage_time(s), s.actions.multiplier, moved);
     else if (stage_time(s) >= settings.ramp_time)
       s.actions.first_load.look(stage_time(s), moved, 0.1 * c.displacement, FirstLoad::time_of(c, settings.gravity));
-    return s.actions.multiplier > *c.limit;
+    if (!(s.actions.multiplier > *c.limit)) return false;
+    warn_once(s, "collapse_multiplier",
+              fmt::format("stage '{}' ends at collapse.limit = {:.4g}, and blocks have moved by {:.2g} m, less than "
+                          "collapse.displacement = {:g}: the collapse multiplier is larger; give a larger limit, as a "
+                          "number (limit analysis, with start = \"limit\", leaves out what stages hold)",
+                          settings.name, *c.limit, moved, c.displacement),
+              warnings);
+    return true;
   }
   if (*c.start <= 0.0 || s.actions.first_load.carried) {
     s.outcome.collapse_multiplier = s.actions.multiplier;
