@@ -233,6 +233,25 @@ void keep_on_plane(SceneLimit* limit) {
   }
 }
 
+// Reactions of what holds bodies in a stage of collapse. They have no bound, whether it moves the bodies or not.
+void hold_bodies(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
+  if (!stage.collapse) return;
+  for (const BodyControl& control : stage.controls) {
+    for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text)) {
+      const LimitBlock& body = limit->problem.blocks[static_cast<std::size_t>(block)];
+      const auto react = [&](const Vector& way, const Vector& turn) {
+        limit->problem.forces.push_back({{{block, body.centre, way, turn}}});
+      };
+      for (std::size_t c = 0; c < 3 && !body.fixed; ++c) {
+        Vector axis;
+        axis[static_cast<int>(c)] = 1.0;
+        if (control.kind[c] == DofKind::velocity) react(axis, {});
+        if (!control.may_turn) react({}, axis);
+      }
+    }
+  }
+}
+
 // Nodes of floors and beams as blocks; they are held in directions that are not free.
 void add_own_nodes(const members::LinearMembers& own, SceneLimit* limit) {
   for (const members::OwnBody& body : own.bodies) {
@@ -432,6 +451,7 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
+  hold_bodies(loaded, assembly, limit);
   add_constant_loads(loaded, assembly, limit);
   const std::vector<Wrench> dead = pull_of(*limit, limit->gravity);
   const std::vector<Wrench> live =

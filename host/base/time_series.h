@@ -19,6 +19,19 @@ struct TimeSeries {
     return value[i - 1] + f * (value[i] - value[i - 1]);
   }
 
+  // Part of it from `start` to `until`, which lie in its times or beyond; its time begins at 0.
+  TimeSeries part(double start, double until) const {
+    TimeSeries part;
+    const auto add = [&](double t, double v) { part.time.push_back(t - start), part.value.push_back(v); };
+    const double first = std::max(start, time.front()), last = std::min(until, time.back());
+    add(first, at(first));
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      if (time[i] > first && time[i] < last) add(time[i], value[i]);
+    }
+    add(last, at(last));
+    return part;
+  }
+
   // Integral from time[0] to t of a record that is 0 outside its times, such as ground velocity from acceleration.
   // Exact.
   double integral(double t) const {

@@ -187,8 +187,12 @@ void print_time(Simulation& simulation, double steps, bool force) {
   const double per_step = seconds_since(begin) / static_cast<double>(taken), all = per_step * steps;
   const bool settles = std::any_of(simulation.scene().stages.begin(), simulation.scene().stages.end(),
                                    [](const Stage& s) { return s.equilibrium_ratio.has_value(); });
-  fmt::print("computing time about {}{} ({:.3g} ms a step, by {} steps with {} threads here)\n", duration_text(all),
-             settles ? ", and what stages take to come to rest" : "", per_step * 1e3, taken, simulation.thread_count());
+  const bool grows = std::any_of(simulation.scene().stages.begin(), simulation.scene().stages.end(),
+                                 [](const Stage& s) { return s.collapse && !seconds_of_growth(*s.collapse); });
+  fmt::print("computing time about {}{}{} ({:.3g} ms a step, by {} steps with {} threads here)\n", duration_text(all),
+             settles ? ", and what stages take to come to rest" : "",
+             grows ? ", and that in which the load of a collapse grows" : "", per_step * 1e3, taken,
+             simulation.thread_count());
   if (force || all <= kLongest) return;
   throw Error(
       Exit::bad_input,
@@ -238,7 +242,13 @@ void print_rigid_joints(const JointFamily& family, const Material& material, lon
   if (family.rigid_points != RigidPoints::corners)
     fmt::print("    {} joints of rigid blocks have points that integrate bending exactly (contact.cubic_points)\n",
                joints);
-  else if (carries_tension(material, family.initial_state))
+  else if (!carries_tension(material, family.initial_state))
+    fmt::print(
+        "    {} joints of rigid blocks have points at corners alone, about which dry blocks turn; while closed they "
+        "are 3 "
+        "times too stiff in bending (contact.cubic_points)\n",
+        joints);
+  else
     fmt::print(
         "    warning: {} joints of rigid blocks that carry tension have contact points at their corners alone, which "
         "makes them 3 times too stiff and too strong in bending: remove contact.cubic_points = false\n",
@@ -321,8 +331,17 @@ void print_motion(const blocks::World& world) {
              fmt::join(parts, ", "));
 }
 
+// The scene with numbers in place of those that limit analysis finds before a run.
+Scene with_some_collapse(Scene scene) {
+  for (Stage& stage : scene.stages) {
+    if (stage.collapse && !stage.collapse->start) stage.collapse->start = 0.0;
+    if (stage.collapse && !stage.collapse->limit) stage.collapse->limit = Collapse{}.limit;
+  }
+  return scene;
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
-  Simulation simulation(scene, 0);
+  Simulation simulation(with_some_collapse(scene), 0);
   monitor_places(simulation);  // throws for a monitor of a block that does not exist
   const TimeStepReport& step = simulation.time_step_report();
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,

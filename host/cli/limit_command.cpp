@@ -18,6 +18,7 @@
 #include "files/csv_text.h"
 #include "files/file.h"
 #include "files/notice.h"
+#include "files/result_folder.h"
 #include "results/json_file.h"
 #include "results/report.h"
 #include "results/virtual_motion.h"
@@ -180,7 +181,9 @@ void print_multiplier(const SceneLimit& limit) {
 
 // Removes the results of an earlier analysis, which would be taken for those of one that fails.
 void remove_results(const std::filesystem::path& folder) {
+  refuse_folder_of_run(folder);
   if (!exists(folder / "limit.json")) return;
+  refuse_page_of_others(folder / "report.html");
   for (const char* name : {"limit.json", "mechanism.csv", "mechanism.vtu", "forces.csv", "moving.csv", "report.html"})
     remove(folder / name);
 }

@@ -17,6 +17,7 @@
 #include "cli/prepare.h"
 #include "files/file.h"
 #include "files/notice.h"
+#include "files/result_folder.h"
 #include "results/json_file.h"
 #include "results/report.h"
 #include "results/virtual_motion.h"
@@ -101,6 +102,7 @@ void write_page(const std::filesystem::path& shapes, const Scene& scene, const M
 }
 
 void run(const Options& options) {
+  if (!options.out.empty()) refuse_folder_of_run(options.out);
   const bool undamaged = options.state == "undamaged";
   SceneOptions asked = options.scene;
   asked.runs = !undamaged;

@@ -51,8 +51,9 @@ std::string peak_text(const std::vector<HistoryRow>& rows, const Scene& scene, c
   const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} % with these zones",
                                                           scene.quality, 100 * quality_named(scene.quality).peak_error)
                                             : "error not known: " + unknown;
-  return fmt::format("peak {:.2f} kN at {:.3f} mm{} ({}); ", peak.force / 1e3, peak.displacement * 1e3,
-                     is_vertical(scene) ? " upright" : "", error);
+  const bool rises = peak.row > 0 && peak.row + 1 == static_cast<int>(rows.size());
+  return fmt::format("peak {:.2f} kN at {:.3f} mm{}{} ({}); ", peak.force / 1e3, peak.displacement * 1e3,
+                     is_vertical(scene) ? " upright" : "", rises ? ", still rising at the end" : "", error);
 }
 
 }  // namespace

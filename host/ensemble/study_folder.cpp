@@ -16,6 +16,7 @@
 #include "base/sha256.h"
 #include "files/csv_text.h"
 #include "files/file.h"
+#include "files/result_folder.h"
 #include "results/provenance.h"
 
 #ifndef QUOIN_VERSION
@@ -140,6 +141,7 @@ void Claim::sign() const {
 
 StudyFolder::StudyFolder(fs::path path, const Study& study, const Scene& scene, const StudyRequest& request)
     : path_(std::move(path)) {
+  refuse_folder_of_run(path_);
   make_folder(path_ / "samples");
   make_folder(path_ / "claims");
   const fs::path file = path_ / "study.json";

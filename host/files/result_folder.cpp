@@ -266,6 +266,14 @@ ResultFolder::~ResultFolder() {
   std::erase_if(open_folders, [&](const OpenFolder& f) { return f.path == path_; });
 }
 
+void refuse_folder_of_run(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder / kManifest, error)) return;
+  throw Error(Exit::bad_input, fmt::format("{}: has the results of a run, and files of the same names would replace "
+                                           "them; choose another folder with --out",
+                                           folder.string()));
+}
+
 void refuse_page_of_others(const fs::path& page) {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(page, error)) ||

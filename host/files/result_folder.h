@@ -41,6 +41,9 @@ class ResultFolder {
   std::filesystem::path path_;  // absolute
 };
 
+// Throws Error(bad_input) where the folder has the results of a run, whose files would be overwritten.
+void refuse_folder_of_run(const std::filesystem::path& folder);
+
 // Mark of the pages that quoin writes into result folders.
 inline constexpr const char* kPageMark = "<meta name=\"generator\" content=\"quoin\">";
 // Throws Error(bad_input) where a page of someone else is in the place of `page`.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
+#include "base/error.h"
 #include "members/members.h"
 #include "records/record.h"
 #include "records/response_spectrum.h"
@@ -72,7 +74,8 @@ Json spectrum_of(const TimeSeries& acceleration) {
   return {{"damping", kDamping}, {"period_s", periods}, {"pseudo_acceleration_m_per_s2", values}};
 }
 
-Json ground_of(const GroundMotion& ground) {
+// duration: of the stage, s; what comes later is no part of the spectrum.
+Json ground_of(const GroundMotion& ground, double duration) {
   Json json;
   for (const GroundMotion::Component& c : ground.components) {
     const RecordMeasures m = measure_record(c.acceleration);
@@ -84,11 +87,15 @@ Json ground_of(const GroundMotion& ground) {
     if (json.empty()) json = of_component;
     json["components"].push_back(of_component);
     json["components"].back()["record"] = thinned(c.acceleration);
-    json["components"].back()["spectrum"] = spectrum_of(c.acceleration);
+    try {
+      const TimeSeries seen = c.acceleration.part(c.acceleration.time.front(), duration);
+      json["components"].back()["spectrum"] = spectrum_of(seen);
+    } catch (const Error&) {  // a record of one sample, or too short or long for these periods, has none
+    }
   }
   json["notes"] = ground.notes;
   if (!ground.blocks.empty()) json["blocks"] = ground.blocks;
-  for (const GroundMotion& support : ground.supports) json["supports"].push_back(ground_of(support));
+  for (const GroundMotion& support : ground.supports) json["supports"].push_back(ground_of(support, duration));
   return json;
 }
 
@@ -106,7 +113,7 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
       if (n.of_kind) std::visit([&](auto value) { j[n.key_in_summary] = value; }, n.value);
     }
     j["local_damping"] = local_damping_in(scene, i);  // settling or not
-    if (stage.ground) j["ground_motion"] = ground_of(*stage.ground);
+    if (stage.ground) j["ground_motion"] = ground_of(*stage.ground, stage.duration.value_or(HUGE_VAL));
     if (stage.solver) j["deformation_inertia"] = used.deformation_inertia, j["unit_inertia"] = used.unit_inertia;
     if (stage.equilibrium_ratio) j["equilibrium_ratio"] = *stage.equilibrium_ratio;
     if (stage.displacement) j["displacement_m"] = *stage.displacement;

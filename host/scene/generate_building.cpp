@@ -230,6 +230,41 @@ struct Builder {
   }
 };
 
+// Part of the building in plan.
+struct InPlan {
+  std::string name, source;
+  std::array<double, 2> lower, size;  // x and z, m
+};
+
+// Walls meet at corners alone. Blocks that overlap have no joint, and their gridpoints are not those of one grid.
+void refuse_overlaps(const BuildingSpec& building) {
+  std::vector<InPlan> parts;
+  for (const Wall& wall : building.walls) {
+    const double length = wall.half_units * wall.half_unit, across = building.thickness;
+    parts.push_back({fmt::format("wall '{}'", wall.name), wall.source.text, wall.start,
+                     wall.axis == 0 ? std::array{length, across} : std::array{across, length}});
+  }
+  for (const Corner& corner : building.corners)
+    parts.push_back({fmt::format("the corner at ({:g}, {:g})", corner.at[0], corner.at[1]),
+                     corner.source.text,
+                     corner.at,
+                     {building.thickness, building.thickness}});
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const InPlan &a = parts[j], &b = parts[i];
+      const auto common = [&](std::size_t c) {
+        return micrometres(std::min(a.lower[c] + a.size[c], b.lower[c] + b.size[c]) - std::max(a.lower[c], b.lower[c]));
+      };
+      if (common(0) <= 0 || common(1) <= 0) continue;
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: {} overlaps {} in plan, by {:g} m along x and {:g} m along z; walls end at each "
+                              "other's faces, and are joined by [[building.corner]] at their ends",
+                              b.source, b.name, a.name, 1e-6 * static_cast<double>(common(0)),
+                              1e-6 * static_cast<double>(common(1))));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> BuildingSpec::Floor::bodies() const {
@@ -247,6 +282,7 @@ std::vector<std::string> bodies_called(const std::string& name, const BuildingSp
 
 Assembly generate_building(const BuildingSpec& building, const std::map<std::string, BlockMaterial>& materials,
                            const std::map<std::string, JointFamily>& joints) {
+  refuse_overlaps(building);
   Assembly assembly;
   for (const auto& [name, material] : materials) assembly.materials.push_back(material);
   for (const auto& [name, family] : joints) assembly.families.push_back(family);

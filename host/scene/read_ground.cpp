@@ -180,19 +180,6 @@ TimeSeries read_synthetic(Table t, GroundMotion& ground) {
   return acceleration_of(made.record, 0);
 }
 
-// Part of a record from `start` to `until`; its time begins at 0.
-TimeSeries part_of(const TimeSeries& series, double start, double until) {
-  TimeSeries part;
-  const auto add = [&](double time, double value) { part.time.push_back(time - start), part.value.push_back(value); };
-  const double first = std::max(start, series.time.front()), last = std::min(until, series.time.back());
-  add(first, series.at(first));
-  for (std::size_t i = 0; i < series.time.size(); ++i) {
-    if (series.time[i] > first && series.time[i] < last) add(series.time[i], series.value[i]);
-  }
-  add(last, series.at(last));
-  return part;
-}
-
 void cut(Table& t, GroundMotion& ground) {
   double start = 0.0, until = HUGE_VAL;
   const bool starts = t.number("start", start, kNotNegative, "s of the record, where the stage begins");
@@ -204,7 +191,7 @@ void cut(Table& t, GroundMotion& ground) {
       return t.refuse(ends ? "until" : "start",
                       fmt::format("start < until, and a part of the record, which goes from {:g} to {:g} s",
                                   time.front(), time.back()));
-    c.acceleration = part_of(c.acceleration, start, until);
+    c.acceleration = c.acceleration.part(start, until);
   }
 }
 

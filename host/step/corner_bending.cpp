@@ -62,8 +62,7 @@ std::string bending_at_corners(const Simulation::Impl& s) {
   };
   const double g = norm(geometry::vector(s.data.gravity));
   if (g == 0.0 || (s.scene.blocks && s.scene.blocks->contact.point_spacing > 0.0) ||
-      std::ranges::none_of(families(s),
-                           [](const JointFamily& f) { return f.rigid_points == RigidPoints::corners; }))
+      std::ranges::none_of(families(s), [](const JointFamily& f) { return f.rigid_points == RigidPoints::corners; }))
     return "";
   const Vector up = -1.0 / g * geometry::vector(s.data.gravity);
   const std::vector<ContactPoint> points = contact_points(s, all_points(s), true);

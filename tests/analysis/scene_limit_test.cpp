@@ -211,6 +211,26 @@ collapse = { direction = [1, 0, 0], start = 0.1, rate = 0.1 }
   EXPECT_NEAR(limit.limit->multiplier, 2.510, 2e-3);
 }
 
+// A slab that the stage of collapse holds along x and z lies on an equal plate, which slides between two faces:
+// (W + 2 W) tan(35)/W. The slab counted as free and slid first, at tan(35).
+TEST(LimitOfScene, WhatTheStageOfCollapseHoldsIsHeld) {
+  const auto multiplier = [](const std::string& held) {
+    const Simulation simulation(
+        scene_of_text(head(35.0) + block("base", "box = { lower = [-5, -0.2, -5], size = [12, 0.2, 12] }", true) +
+                      block("plate", "box = { lower = [0, 0, 0], size = [4, 0.4, 4] }") +
+                      block("slab", "box = { lower = [0, 0.4, 0], size = [4, 0.4, 4] }") + R"([[stage]]
+name = "push"
+gravity = [0, -9.81, 0]
+collapse = { direction = [1, 0, 0], start = 0.1, rate = 0.1 }
+)" + held),
+        1);
+    return limit_of(simulation, {}).limit->multiplier;
+  };
+  const double friction = std::tan(35.0 * kDegree);
+  EXPECT_NEAR(multiplier(""), friction, 1e-4);
+  EXPECT_NEAR(multiplier("[[stage.velocity]]\nblock = \"slab\"\nvelocity = [0, \"free\", 0]\n"), 3.0 * friction, 3e-4);
+}
+
 // Stones on which the interior point method stalled in units of the supports' weight. Pyramids of 32 facets give
 // 0.77915 to 0.790 by their orientation, an independent linear programme with 1024 facets 0.7900 (four digits).
 TEST(LimitOfScene, WholeConesSolveRubble) {

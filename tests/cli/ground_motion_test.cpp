@@ -119,6 +119,21 @@ TEST_F(GroundMotion, ASlidingBlockIsLeftBehindAsFarAsNewmarkSays) {
 
 // A record with a velocity at its end. In a stage without ramp the ground keeps it. Over a ramp the ground comes to
 // rest, with half of that displacement (the mean of smooth_step).
+// The spectrum in the summary is of what the stage has seen. One sample has no spectrum: the run ended without a
+// summary. A record of a day took minutes after a run of a second.
+TEST_F(GroundMotion, ARecordWithoutASpectrumHasASummary) {
+  const auto summary_of = [&](const std::string& record) {
+    const std::string path = scene(
+        "[[stage]]\nname = \"shake\"\nduration = 0.05\nground_motion = { direction = [1, 0, 0], " + record + " }\n",
+        "block", "");
+    EXPECT_EQ(quoin({"run", path, "--out", out()}), 0) << error_;
+    return read_all(folder_ / "out" / "summary.json");
+  };
+  EXPECT_THAT(summary_of("time = [0], acceleration = [1]"), Not(HasSubstr("pseudo_acceleration")));
+  const std::string of_a_day = summary_of("time = [0, 0.1, 1e5], acceleration = [0, 1, 0]");
+  EXPECT_THAT(of_a_day, HasSubstr("pseudo_acceleration"));
+}
+
 TEST_F(GroundMotion, WhatARecordLeavesGoesOnOrComesToRest) {
   const std::string after = "[[stage]]\nname = \"after\"\nduration = 0.3\n";
   ASSERT_EQ(run(kShake + after, "ground"), 0) << error_;

@@ -217,6 +217,24 @@ TEST_F(Limit, AStartFromTheLimitThatCannotBeFoundIsSaid) {
   EXPECT_EQ(quoin({"check", wall, "--set", "stage.push.collapse={ start = \"limit\" }"}), 0) << error_;
   EXPECT_THAT(out_, HasSubstr("multiplier at most 1.2 times the associated one of limit analysis"));
   EXPECT_THAT(error_, Not(HasSubstr("collapse.start")));
+  // Also where the collapse is the first stage, whose steps it times.
+  std::ofstream(folder_ / "first.toml") << dry_stone(30) << kCubeOnGround << R"([[stage]]
+name = "push"
+gravity = [0, -9.81, 0]
+collapse = { direction = [1, 0, 0], start = "limit" }
+)";
+  EXPECT_EQ(quoin({"check", (folder_ / "first.toml").string()}), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("and that in which the load of a collapse grows"));
+}
+
+// Results of a run in the folder stay: its page was overwritten.
+TEST_F(Limit, TheFolderOfARunIsRefused) {
+  fs::create_directories(out());
+  std::ofstream(fs::path(out()) / ".quoin-manifest") << "results of quoin, partial files .0\n";
+  for (const char* command : {"limit", "modes"}) {
+    EXPECT_EQ(quoin({command, QUOIN_SCENES "/arch.toml", "--out", out()}), 3) << command;
+    EXPECT_THAT(error_, HasSubstr("has the results of a run"));
+  }
 }
 
 // Two cubes on each other on a slope of 0.3, friction tan(35) = 0.7002.

@@ -658,6 +658,15 @@ TEST_F(Ensemble, RefusesTheFolderOfAnotherStudy) {
 }
 
 // Settings that are given twice are refused, since one of them would have no effect.
+// The study wrote over the summary of the run.
+TEST_F(Ensemble, RefusesTheFolderOfARun) {
+  fs::create_directories(folder_ / "run");
+  std::ofstream(folder_ / "run" / ".quoin-manifest") << "results of quoin, partial files .0\n";
+  EXPECT_EQ(ensemble("run"), 3);
+  EXPECT_THAT(error_, HasSubstr("has the results of a run"));
+  EXPECT_FALSE(fs::exists(folder_ / "run" / "samples"));
+}
+
 TEST_F(Ensemble, NothingOfAStudyIsLeftOutInSilence) {
   const auto run = [&](const std::string& quantity, const std::vector<std::string>& more = {}) {
     std::string text = read_all(study_);

@@ -262,6 +262,31 @@ TEST(Building, ARunWithLoadedBlocksGoesOnBitForBit) {
 
 // Wall B with a window and its lintel, which ends at a corner: the corner is then a separate unit, and all faces
 // conform.
+// Walls that cross have blocks in each other, which the lattice took: the run ended by a segmentation fault.
+TEST(Building, WallsThatOverlapAreRefused) {
+  const auto refused = [](const Scene& scene, const std::string& reason) {
+    try {
+      assemble(scene);
+      ADD_FAILURE() << "accepted: " << reason;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+    }
+  };
+  Scene scene = small_building(4);
+  scene.building->walls.push_back({"T", 2, {kThickness + kHalf, 0.0}, 3, kHalf, "whole", {}, {}});
+  refused(scene, "wall 'T' overlaps wall 'B' in plan");
+  scene = small_building(4);
+  scene.building->walls.push_back(scene.building->walls[1]);
+  refused(scene, "wall 'A' overlaps wall 'A' in plan");
+  scene = small_building(4);
+  scene.building->corners.push_back(scene.building->corners[0]);
+  refused(scene, "the corner at (0, 0) overlaps the corner at (0, 0) in plan");
+  // Faces that touch do not overlap.
+  scene = small_building(4);
+  scene.building->walls.push_back({"T", 2, {kThickness + kHalf, kThickness}, 2, kHalf, "whole", {}, {}});
+  EXPECT_EQ(assemble(scene).bricks.size(), assemble(small_building(4)).bricks.size() + 8);
+}
+
 TEST(Building, LintelsMayEndAtCorners) {
   for (const int axis : {0, 2}) {
     Scene scene = small_building(5);

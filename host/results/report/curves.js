@@ -123,7 +123,7 @@ class Curve {
 // Record of an earthquake along an axis, with its spectrum; undefined if the summary has none.
 function recordOf(stage, way) {
   const along = c => c.direction.every((d, k) => (Math.abs(d) > 0.5) === ('xyz'[k] === way));
-  return (((stage || {}).ground_motion || {}).components || []).find(c => c.record && along(c));
+  return (((stage || {}).ground_motion || {}).components || []).find(c => c.record && c.spectrum && along(c));
 }
 
 // The curves of a stage, and the energies of the run.

@@ -199,8 +199,7 @@ bool collapse_ended(Simulation::Impl& s, std::vector<Warning>* warnings) {
     if (!(s.actions.multiplier > *c.limit)) return false;
     warn_once(s, "collapse_multiplier",
               fmt::format("stage '{}' ends at collapse.limit = {:.4g}, and blocks have moved by {:.2g} m, less than "
-                          "collapse.displacement = {:g}: the collapse multiplier is larger; give a larger limit, as a "
-                          "number (limit analysis, with start = \"limit\", leaves out what stages hold)",
+                          "collapse.displacement = {:g}: the collapse multiplier is larger; give a larger limit",
                           settings.name, *c.limit, moved, c.displacement),
               warnings);
     return true;
