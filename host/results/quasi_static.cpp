@@ -24,6 +24,23 @@ bool drives(const Stage& stage) {
          });
 }
 
+// Why the force on what a stage of blocks watches is not that of its drive; empty: it is.
+std::string watches_another(const Stage& stage, const Scene& scene) {
+  const std::string& watched = stage.monitor.empty() ? scene.output.monitor : stage.monitor;
+  if (!scene.blocks || stage.whiffletree || watched.empty()) return "";
+  std::string driven;
+  for (const BodyControl& c : stage.controls) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (c.kind[i] != DofKind::velocity || c.velocity[i] == 0.0) continue;
+      if (c.body == watched || watched.starts_with(c.body + "/") || c.body.starts_with(watched + "/")) return "";
+      driven = c.body;
+    }
+  }
+  if (driven.empty()) return "";
+  return fmt::format("stage '{}' drives '{}' and watches '{}', whose force is not that of the drive: watch the former",
+                     stage.name, driven, watched);
+}
+
 struct MeanSquare {
   double sum = 0.0;
   long count = 0;
@@ -47,6 +64,10 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
     for (end = first; end < rows.size() && rows[end].stage == rows[first].stage;) ++end;
     const Stage& stage = scene.stages[static_cast<std::size_t>(rows[first].stage)];
     if (!drives(stage)) continue;
+    if (const std::string other = watches_another(stage, scene); !other.empty()) {
+      result.not_judged = other;
+      return result;
+    }
     for (std::size_t i = first; i < end; ++i) {
       peak = std::max(peak, std::abs(rows[i].resistance));
       kinetic = std::max(kinetic, rows[i].kinetic_energy);

@@ -211,7 +211,7 @@ collapse = { direction = [1, 0, 0], start = 0.1, rate = 0.1 }
   EXPECT_NEAR(limit.limit->multiplier, 2.510, 2e-3);
 }
 
-// A slab that the stage of collapse holds along x and z lies on an equal plate, which slides between two faces:
+// The stage of collapse holds a slab along x and z. It lies on an equal plate, which slides between two faces at
 // (W + 2 W) tan(35)/W. The slab counted as free and slid first, at tan(35).
 TEST(LimitOfScene, WhatTheStageOfCollapseHoldsIsHeld) {
   const auto multiplier = [](const std::string& held) {

@@ -87,7 +87,7 @@ TEST_F(Start, AMovingBeamMovesOn) {
 }
 
 // The stiffness of a whiffletree counts from the start of the run that has it. In large motion the time step of the
-// state went on, 3 times too long, and the run blew up: a peak of 0.00 kN, and no error.
+// state went on, 3 times too long. The run blew up, with a peak of 0.00 kN, and no error.
 TEST_F(Start, AWhiffletreeSetsTheTimeStepInLargeMotion) {
   const std::string text = read_all(QUOIN_TESTS "/host/small_building.toml");
   const std::string before = text.substr(0, text.find("[[stage]]"));

@@ -254,9 +254,9 @@ duration = 0.001
   EXPECT_EQ(points("compressive_strength = 1e6\nfracture_energy_compression = 1e4\n"), 17);
 }
 
-// The top block of a dry pier of 20 rigid blocks sways by 5.54 mm under 2 kN, 30 mm off its axis, and the pier buckles
-// below 9 kN: an independent program with no-tension sections and the moments of now. On corners alone it swayed
-// by 1.36 mm, and stood at 16 kN, without a word.
+// The top block of a dry pier of 20 rigid blocks sways by 5.54 mm under 2 kN, 30 mm off its axis. The pier buckles
+// below 9 kN. Both are of an independent program with no-tension sections and the moments of now. On corners alone the
+// block swayed by 1.36 mm, and the pier stood at 16 kN, without a word.
 TEST(OutsideStages, DryJointsOnCornersAreWarnedOfWhereTheyBend) {
   const auto pier = [](double force, const char* cubic, std::vector<std::string>* warned) {
     Simulation run(scene_of(kStone +
