@@ -106,7 +106,8 @@ void report(const Gathered& gathered, const StudyFolder& folder, std::uint64_t s
   if (std::isfinite(gathered.peak)) {
     fmt::print("; peak {:.2f} kN on average", gathered.peak / 1e3);
     if (std::isfinite(gathered.scatter)) fmt::print(", scatter {:.2f} kN", gathered.scatter / 1e3);  // of two at least
-    fmt::print("; with everything at its mean {:.2f} kN", gathered.of_means / 1e3);
+    if (std::isfinite(gathered.of_means))  // else its run has not ended
+      fmt::print("; with everything at its mean {:.2f} kN", gathered.of_means / 1e3);
   }
   fmt::print("; results in {}\n", (folder.path() / "index.html").string());
 }

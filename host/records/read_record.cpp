@@ -156,6 +156,12 @@ GroundRecord read_peer(const Lines& lines) {
   if (word.ends_with('.')) word.pop_back();
   const Unit* const unit = unit_named(word);
   if (!unit) lines.refuse(2, "its unit is unknown; allowed: G, CM/SEC/SEC, CM/SEC, CM and the units of CSV records");
+  for (const auto& [quantity, kind] : {std::pair("acceleration", MotionKind::acceleration),
+                                       {"velocity", MotionKind::velocity},
+                                       {"displacement", MotionKind::displacement}}) {
+    if (trimmed(units).starts_with(quantity) && kind != unit->kind)
+      lines.refuse(2, fmt::format("its unit, {}, is none of {}; correct the header", unit->name, quantity));
+  }
   std::string sizes = lines[3];
   for (char& c : sizes) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   for (auto at = sizes.find(" ="); at != std::string::npos; at = sizes.find(" =")) sizes.erase(at, 1);

@@ -122,10 +122,10 @@ std::vector<WallSpec::Changed> read_changed(Table& wall, const Lattice& lattice,
   std::vector<WallSpec::Changed> changed;
   wall.each("changed", [&](Table& u) {
     WallSpec::Changed unit;
-    const bool placed =
-        u.integer("course", unit.course, 0, (lattice.courses > 0 ? lattice.courses : kManyCourses) - 1, true) &&
-        u.integer("half_unit", unit.half_unit, 0, (lattice.half_units > 0 ? lattice.half_units : kManyHalfUnits) - 1,
-                  true);
+    const int courses = lattice.courses > 0 ? lattice.courses : kManyCourses;
+    const int half_units = lattice.half_units > 0 ? lattice.half_units : kManyHalfUnits;
+    const bool in_course = u.integer("course", unit.course, 0, courses - 1, true);
+    const bool placed = u.integer("half_unit", unit.half_unit, 0, half_units - 1, true) && in_course;
     bool missing = false;
     u.boolean("missing", missing);
     u.choice("material", unit.material, names_of(materials));

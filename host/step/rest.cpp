@@ -265,8 +265,8 @@ class Search {
         if (std::abs(moved(i, 0)) <= kFlies * s_.small_motion.extent) continue;
         throw Error(
             Exit::numerical,
-            fmt::format("stage '{}': no state of rest: block {} is held by nothing that its loads press on; "
-                        "quoin limit tells whether it stands",
+            fmt::format("stage '{}': no state of rest: block {} is held by nothing that its loads press on, or what it "
+                        "stands on buckles; quoin limit tells whether it stands as it is at the start",
                         s_.scene.stages[at(s_.progress.stage)].name, block_label(s_, unknowns_->block_of_group(g))));
       }
     }

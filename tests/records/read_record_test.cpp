@@ -72,6 +72,9 @@ TEST_F(ReadRecord, PeerThatIsCutOffIsRefused) {
   const std::string text = kPeer;
   EXPECT_THAT(fault("c.AT2", text.substr(0, text.size() - 10)),
               HasSubstr("the header states 6 values, the file has 5"));
+  std::string in_metres = kPeer;
+  in_metres.replace(in_metres.find("UNITS OF ") + 9, 1, "M");
+  EXPECT_THAT(fault("e.AT2", in_metres), HasSubstr("its unit, m, is none of acceleration"));
   EXPECT_THAT(fault("d.AT2", "one\ntwo\nthree\nfour\nfive\n"), HasSubstr("do not state units and NPTS"));
 }
 
