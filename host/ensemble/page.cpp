@@ -369,6 +369,50 @@ void write_page(const fs::path& folder, const Study& study, const Results& r, st
   write_page_of(folder, study.title.empty() ? study.scene : study.title, body);
 }
 
+// Numbers of limit states, and the capacities of the samples for each.
+using Limits = std::vector<std::pair<std::string, std::vector<double>>>;
+Limits limits_of(const Study& study, const Results& r, Json& json) {
+  Limits limits;
+  for (const LimitState& asked : study.limits) {
+    if (!r.column.contains(asked.output)) {
+      notice(fmt::format("quoin: {}: fragility of '{}': samples.csv has no such column", study.file, asked.output));
+      continue;
+    }
+    const std::vector<double> capacities = capacities_of(study, asked.output, r);
+    const Fragility f = fragility_of(capacities);
+    json["fragility"].push_back({{"name", asked.name},
+                                 {"output", asked.output},
+                                 {"samples", f.samples},
+                                 {"reached", f.reached},
+                                 {"median", number_or_null(f.median)},
+                                 {"median_95", pair(f.of_median)},
+                                 {"spread", number_or_null(f.spread)},
+                                 {"fit", f.fit}});
+    limits.emplace_back(asked.name, capacities);
+  }
+  return limits;
+}
+
+std::string text_of(const Bands& bands) {
+  std::string text = "displacement_m,mean_N,of_means_N,q05_N,q16_N,q50_N,q84_N,q95_N\n";
+  for (std::size_t k = 0; k < bands.displacement.size(); ++k) {
+    text += fmt::format("{},{},{}", bands.displacement[k], bands.mean[k],
+                        std::isfinite(bands.of_means[k]) ? fmt::format("{}", bands.of_means[k]) : "");
+    for (const auto& q : bands.quantile) text += fmt::format(",{}", q[k]);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string text_of(const CrackMap& cracks) {
+  std::string text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,probability\n";
+  for (std::size_t k = 0; k < cracks.joints.size(); ++k) {
+    const OpenedJoint& j = cracks.joints[k];
+    text += fmt::format("{},{},{},{},{},{},{}\n", j.block_a, j.block_b, j.x0, j.y0, j.x1, j.y1, cracks.probability[k]);
+  }
+  return text;
+}
+
 }  // namespace
 
 Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t samples, bool pictures) {
@@ -402,41 +446,11 @@ Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t sam
                                    {"correlation", number_or_null(i.dependence.pearson)},
                                    {"rank_correlation", number_or_null(i.dependence.spearman)},
                                    {"correlation_ratio", number_or_null(i.dependence.correlation_ratio)}});
-  std::vector<std::pair<std::string, std::vector<double>>> limits;
-  for (const LimitState& asked : study.limits) {
-    if (!r.column.contains(asked.output)) {
-      notice(fmt::format("quoin: {}: fragility of '{}': samples.csv has no such column", study.file, asked.output));
-      continue;
-    }
-    const std::vector<double> capacities = capacities_of(study, asked.output, r);
-    const Fragility f = fragility_of(capacities);
-    json["fragility"].push_back({{"name", asked.name},
-                                 {"output", asked.output},
-                                 {"samples", f.samples},
-                                 {"reached", f.reached},
-                                 {"median", number_or_null(f.median)},
-                                 {"median_95", pair(f.of_median)},
-                                 {"spread", number_or_null(f.spread)},
-                                 {"fit", f.fit}});
-    limits.emplace_back(asked.name, capacities);
-  }
+  const Limits limits = limits_of(study, r, json);
   const Bands bands = bands_of(r);
-  std::string band_text = "displacement_m,mean_N,of_means_N,q05_N,q16_N,q50_N,q84_N,q95_N\n";
-  for (std::size_t k = 0; k < bands.displacement.size(); ++k) {
-    band_text += fmt::format("{},{},{}", bands.displacement[k], bands.mean[k],
-                             std::isfinite(bands.of_means[k]) ? fmt::format("{}", bands.of_means[k]) : "");
-    for (const auto& q : bands.quantile) band_text += fmt::format(",{}", q[k]);
-    band_text += '\n';
-  }
-  write_file(folder.path() / "curve_bands.csv", band_text);
+  write_file(folder.path() / "curve_bands.csv", text_of(bands));
   const CrackMap cracks = cracks_of(folder, r, study.crack_opening);
-  std::string crack_text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,probability\n";
-  for (std::size_t k = 0; k < cracks.joints.size(); ++k) {
-    const OpenedJoint& j = cracks.joints[k];
-    crack_text +=
-        fmt::format("{},{},{},{},{},{},{}\n", j.block_a, j.block_b, j.x0, j.y0, j.x1, j.y1, cracks.probability[k]);
-  }
-  write_file(folder.path() / "crack_probability.csv", crack_text);
+  write_file(folder.path() / "crack_probability.csv", text_of(cracks));
   write_json(folder.path() / "summary.json", json);
   std::string figures;
   if (pictures) {
