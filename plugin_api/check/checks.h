@@ -14,6 +14,10 @@ struct Subject {
   std::vector<Settings> varied;  // base first, then variations
 };
 
+// Checks C2 on what a call writes: with whole, cut, null and short texts. call returns whether its result is the
+// expected.
+void check_text(Report& report, const char* what, const std::function<bool(quoin_text*)>& call);
+
 void check_library(Report& report, const Library& library);
 void check_metadata(Report& report, const quoin_law& law);
 bool metadata_is_usable(const quoin_law& law);  // true if the other sections can read the metadata without a crash

@@ -20,13 +20,25 @@ double uniform(std::mt19937_64& random, double low, double high) {
 
 Text::Text() : bytes(1 << 16), text{sizeof(quoin_text), bytes.data(), bytes.size(), 0} {}
 
+std::vector<const quoin_property_info*> numbers_of(const quoin_law& law) {
+  std::vector<const quoin_property_info*> numbers;
+  for (const quoin_property_info* property : properties_of(law)) {
+    if (property->kind == QUOIN_PROPERTY_NUMBER) numbers.push_back(property);
+  }
+  return numbers;
+}
+
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id) {
-  for (uint64_t p = 0; p < law.property_count; ++p) {
-    if (law.properties[p] != nullptr && law.properties[p]->id != nullptr && id == law.properties[p]->id) {
-      return law.properties[p];
-    }
+  for (const quoin_property_info* property : properties_of(law)) {
+    if (property != nullptr && property->id != nullptr && id == property->id) return property;
   }
   return nullptr;
+}
+
+bool inside(const quoin_property_info& number, double value) {
+  const bool above = number.flags & QUOIN_PROPERTY_LOWER_OPEN ? value > number.lower : value >= number.lower;
+  const bool below = number.flags & QUOIN_PROPERTY_UPPER_OPEN ? value < number.upper : value <= number.upper;
+  return above && below;
 }
 
 Values::Values(const quoin_law& law, const Settings& settings) {
@@ -77,12 +89,9 @@ double Material::number(const char* id) const {
 
 Settings base_settings(const quoin_law& law, const Settings& given) {
   Settings settings = given;
-  for (uint64_t p = 0; p < law.property_count; ++p) {
-    const quoin_property_info& property = *law.properties[p];
-    if (property.kind != QUOIN_PROPERTY_NUMBER || !(property.flags & QUOIN_PROPERTY_REQUIRED) ||
-        given.count(property.id)) {
-      continue;
-    }
+  for (const quoin_property_info* number : numbers_of(law)) {
+    const quoin_property_info& property = *number;
+    if (!(property.flags & QUOIN_PROPERTY_REQUIRED) || given.count(property.id)) continue;
     static const std::map<std::string, double> usual = {{"Pa/m", 4e10}, {"Pa", 3e5}, {"deg", 30},
                                                         {"J/m2", 100},  {"-", 0.5},  {"m", 1e-3}};
     const auto found = usual.find(property.unit);
@@ -102,16 +111,12 @@ std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base
   std::mt19937_64 random(7);
   for (int attempt = 0; attempt < 40 && all.size() < 3; ++attempt) {
     Settings varied = base;
-    for (uint64_t p = 0; p < law.property_count; ++p) {
-      const quoin_property_info& property = *law.properties[p];
-      if (property.kind != QUOIN_PROPERTY_NUMBER) continue;
-      const auto set = varied.find(property.id);
+    for (const quoin_property_info* property : numbers_of(law)) {
+      const auto set = varied.find(property->id);
       if (set == varied.end()) continue;  // the property has its default
       const double value = std::strtod(set->second.c_str(), nullptr);
       const double other = value * std::exp(uniform(random, -0.3, 0.3));
-      if (std::isfinite(other) && other > property.lower && other < property.upper) {
-        set->second = shortest(other);
-      }
+      if (std::isfinite(other) && other > property->lower && other < property->upper) set->second = shortest(other);
     }
     if (varied != base && Material(law, varied).handle != nullptr) all.push_back(varied);
   }
@@ -265,13 +270,11 @@ Scales::Scales(const quoin_law& law, const Material& material) {
   law.stiffness_bounds(material.handle, &bounds);
   normal_stiffness = bounds.normal > 0 && std::isfinite(bounds.normal) ? bounds.normal : 1e10;
   shear_stiffness = bounds.shear > 0 && std::isfinite(bounds.shear) ? bounds.shear : 1e10;
-  for (uint64_t p = 0; p < law.property_count; ++p) {
-    const quoin_property_info& property = *law.properties[p];
-    if (property.kind != QUOIN_PROPERTY_NUMBER) continue;
-    const double value = material.number(property.id);
+  for (const quoin_property_info* property : numbers_of(law)) {
+    const double value = material.number(property->id);
     if (!(value > 0) || !std::isfinite(value)) continue;
-    if (std::strcmp(property.unit, "Pa") == 0) strengths.push_back(value);
-    if (std::strcmp(property.unit, "J/m2") == 0) energies.push_back(value);
+    if (std::strcmp(property->unit, "Pa") == 0) strengths.push_back(value);
+    if (std::strcmp(property->unit, "J/m2") == 0) energies.push_back(value);
   }
   if (strengths.empty()) strengths.push_back(1e5);
   traction = *std::max_element(strengths.begin(), strengths.end());

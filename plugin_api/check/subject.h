@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,7 +53,15 @@ class Material {
   const quoin_law& law_;
 };
 
+inline std::span<const quoin_property_info* const> properties_of(const quoin_law& law) {
+  return {law.properties, law.property_count};
+}
+inline std::span<const quoin_state_info* const> states_of(const quoin_law& law) {
+  return {law.states, law.state_count};
+}
+std::vector<const quoin_property_info*> numbers_of(const quoin_law& law);  // properties that are numbers
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id);
+bool inside(const quoin_property_info& number, double value);           // within the bounds that the law states
 
 // Returns values for all properties: given, default, or for a required property a usual value of its unit.
 Settings base_settings(const quoin_law& law, const Settings& given);
