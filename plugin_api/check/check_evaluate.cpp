@@ -539,20 +539,6 @@ void check_refusals(Report& report, const Subject& subject) {
   report.expect(law.evaluate(material.handle, &batch) == QUOIN_OK, "a longer batch of a newer host is refused");
 }
 
-namespace {
-
-// Returns values that create_material (C4.2, C4.4) and therefore also a column must refuse.
-std::vector<double> refused_values(const quoin_property_info& property) {
-  std::vector<double> values = {kNan};
-  if (property.lower > -kInfinity) values.push_back(property.lower - 7);
-  if (property.flags & QUOIN_PROPERTY_LOWER_OPEN) values.push_back(property.lower);
-  if (property.upper < kInfinity) values.push_back(property.upper + 7);
-  if (property.flags & QUOIN_PROPERTY_UPPER_OPEN) values.push_back(property.upper);
-  return values;
-}
-
-}  // namespace
-
 void check_property_columns(Report& report, const Subject& subject) {
   const quoin_law& law = subject.law;
   report.clause("C6.9");
@@ -568,7 +554,8 @@ void check_property_columns(Report& report, const Subject& subject) {
     const quoin_property_info& property = *law.properties[p];
     if (!(property.flags & QUOIN_PROPERTY_PER_POINT) || property.kind != QUOIN_PROPERTY_NUMBER) continue;
     const double base = material.number(property.id);
-    const std::vector<double> bad = refused_values(property);
+    std::vector<double> bad = values_outside(property);
+    bad.insert(bad.begin(), kNan);
     for (const double factor : {1.0, 1.03, 0.98}) {
       if (factor != 1.0 && !std::isfinite(base)) break;
       Settings settings = subject.base;

@@ -41,6 +41,16 @@ bool inside(const quoin_property_info& number, double value) {
   return above && below;
 }
 
+std::vector<double> values_outside(const quoin_property_info& number) {
+  constexpr double kBeyond = 7;
+  std::vector<double> values;
+  if (std::isfinite(number.lower)) values.push_back(number.lower - kBeyond);
+  if (number.flags & QUOIN_PROPERTY_LOWER_OPEN) values.push_back(number.lower);
+  if (std::isfinite(number.upper)) values.push_back(number.upper + kBeyond);
+  if (number.flags & QUOIN_PROPERTY_UPPER_OPEN) values.push_back(number.upper);
+  return values;
+}
+
 Values::Values(const quoin_law& law, const Settings& settings) {
   for (const auto& [id, text] : settings) {
     const quoin_property_info* property = find_property(law, id);

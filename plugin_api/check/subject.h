@@ -62,6 +62,7 @@ inline std::span<const quoin_state_info* const> states_of(const quoin_law& law) 
 std::vector<const quoin_property_info*> numbers_of(const quoin_law& law);  // properties that are numbers
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id);
 bool inside(const quoin_property_info& number, double value);           // within the bounds that the law states
+std::vector<double> values_outside(const quoin_property_info& number);  // beyond each bound, and a bound that is open
 
 // Returns values for all properties: given, default, or for a required property a usual value of its unit.
 Settings base_settings(const quoin_law& law, const Settings& given);
