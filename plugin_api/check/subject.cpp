@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace check {
 
@@ -183,31 +182,46 @@ Points points_at(const quoin_law& law, const Material& material, size_t count, c
   return points;
 }
 
-Result evaluate(const quoin_law& law, const Material& material, const Points& points, unsigned wanted) {
-  const size_t n = points.size();
+Result unwritten(const quoin_law& law, size_t count, double value) {
   Result result;
-  quoin_batch batch = {};
+  for (auto& column : result.traction) column.assign(count, value);
+  result.state.assign(law.state_count, std::vector<double>(count, value));
+  return result;
+}
+
+Columns::Columns(const quoin_law& law) : state_old(law.state_count), state_new(law.state_count) {
   batch.struct_size = sizeof batch;
-  batch.count = n;
+  batch.state_old = state_old.data();
+  batch.state_new = state_new.data();
+}
+
+Columns::Columns(const quoin_law& law, const Points& points, Result& result) : Columns(law) {
+  read(points);
+  write(result.traction, result.state);
+}
+
+void Columns::read(const Points& points) {
+  batch.count = points.size();
   batch.normal_jump = {points.normal_jump.data(), 1};
   for (size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {points.slip[k].data(), 1};
+  for (size_t k = 0; k < 3; ++k) batch.traction_old[k] = {points.traction[k].data(), 1};
+  for (size_t s = 0; s < state_old.size(); ++s) state_old[s] = {points.state[s].data(), 1};
+}
+
+void Columns::write(std::array<std::vector<double>, 3>& traction, std::vector<std::vector<double>>& state) {
+  for (size_t k = 0; k < 3; ++k) batch.traction_new[k] = {traction[k].data(), 1};
+  for (size_t s = 0; s < state_new.size(); ++s) state_new[s] = {state[s].data(), 1};
+}
+
+Result evaluate(const quoin_law& law, const Material& material, const Points& points, unsigned wanted) {
+  const size_t n = points.size();
+  Result result = unwritten(law, n);
+  Columns columns(law, points, result);
+  quoin_batch& batch = columns.batch;
   const auto column = [&](std::vector<double>& data) {
     data.assign(n, std::numeric_limits<double>::quiet_NaN());
     return quoin_out{data.data(), 1};
   };
-  for (size_t k = 0; k < 3; ++k) {
-    batch.traction_old[k] = {points.traction[k].data(), 1};
-    batch.traction_new[k] = column(result.traction[k]);
-  }
-  std::vector<quoin_in> state_old;
-  std::vector<quoin_out> state_new;
-  result.state.resize(law.state_count);
-  for (uint64_t s = 0; s < law.state_count; ++s) {
-    state_old.push_back({points.state[s].data(), 1});
-    state_new.push_back(column(result.state[s]));
-  }
-  batch.state_old = state_old.data();
-  batch.state_new = state_new.data();
   if ((wanted & kEnergy) && (law.capabilities & QUOIN_CAN_ENERGY)) {
     batch.energy_stored = column(result.stored);
     for (size_t k = 0; k < result.dissipated.size(); ++k) batch.dissipated[k] = column(result.dissipated[k]);

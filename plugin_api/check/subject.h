@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <random>
@@ -93,6 +94,21 @@ struct Result {
   uint32_t worst = 0, any_yielding = 0;
   double dissipation(size_t i) const;
   Result take(const std::vector<size_t>& indices) const;
+};
+
+// Returns a result whose tractions and states have this value.
+Result unwritten(const quoin_law& law, size_t count, double value = std::numeric_limits<double>::quiet_NaN());
+
+// A batch of contiguous columns, without optional outputs. A test may change every column.
+struct Columns {
+  explicit Columns(const quoin_law& law);
+  Columns(const quoin_law& law, const Points& points, Result& result);
+  Columns(const Columns&) = delete;
+  void read(const Points& points);
+  void write(std::array<std::vector<double>, 3>& traction, std::vector<std::vector<double>>& state);
+  quoin_batch batch = {};
+  std::vector<quoin_in> state_old;
+  std::vector<quoin_out> state_new;
 };
 
 constexpr unsigned kEnergy = 1, kTangent = 2, kFlags = 4, kStatus = 8, kDamage = 16, kAll = 31;
