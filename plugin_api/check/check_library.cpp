@@ -163,8 +163,8 @@ void check_choice(Report& report, const quoin_property_info& property) {
 }
 
 void check_properties(Report& report, const quoin_law& law) {
-  report.clause("C3.3");
   for (const quoin_property_info* property : properties_of(law)) {
+    report.clause("C3.3");
     const bool number = property->kind == QUOIN_PROPERTY_NUMBER, choice = property->kind == QUOIN_PROPERTY_CHOICE;
     report.expect(number || choice || property->kind == QUOIN_PROPERTY_TABLE, "%s: kind %u", property->id,
                   property->kind);
@@ -175,18 +175,19 @@ void check_properties(Report& report, const quoin_law& law) {
 }
 
 void check_units(Report& report, const quoin_law& law) {
-  report.clause("C3.4");
   for (const quoin_property_info* property : properties_of(law)) {
+    report.clause("C3.4");
     report.expect(known_unit(property->unit), "property %s: unit \"%s\"", property->id, property->unit);
   }
   for (const quoin_state_info* state : states_of(law)) {
+    report.clause("C3.4");
     report.expect(known_unit(state->unit), "state %s: unit \"%s\"", state->id, state->unit);
   }
 }
 
 void check_state_infos(Report& report, const quoin_law& law) {
-  report.clause("C3.5");
   for (uint64_t s = 0; s < law.state_count; ++s) {
+    report.clause("C3.5");
     const quoin_state_info& state = *law.states[s];
     report.expect(state.role == QUOIN_ROLE_HISTORY || state.role == QUOIN_ROLE_DIAGNOSTIC, "%s: role %u", state.id,
                   state.role);

@@ -53,8 +53,8 @@ void check_accepted(Report& report, const Subject& subject) {
 }
 
 void check_out_of_bounds(Report& report, const Subject& subject) {
-  report.clause("C4.2");
   for (const quoin_property_info* number : numbers_of(subject.law)) {
+    report.clause("C4.2");
     const std::string id = number->id;
     for (const std::string& value : wrong_values(*number)) {
       expect_refused(report, subject.law, with(subject.base, id, value), id + " = " + value);
