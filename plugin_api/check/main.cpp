@@ -1,7 +1,10 @@
 // quoin-check-law: checks a law against the contract of plugin_api/README.md.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <span>
 
 #include "checks.h"
 
@@ -21,7 +24,7 @@ const char* const kHelp =
     "  --property id=value  property value: a number, a word, or a table x:y,x:y; the others take their default, or a\n"
     "                       usual value of their unit when they are required\n"
     "  --json               findings as JSON\n"
-    "exit: 0 kept, 1 broken, 2 usage, 4 the library cannot be loaded\n";
+    "exit: 0 kept, 1 broken, 2 usage or a value that the law does not allow, 4 the library cannot be loaded\n";
 
 struct Arguments {
   std::string path, only;
@@ -123,18 +126,48 @@ std::string json_of(const std::string& law, const check::Settings& settings, con
   return out + "],\n     \"notes\": " + list_of(report.notes()) + "}";
 }
 
-// Fault of given properties that is the user's, not the law's; empty: none.
-std::string fault_of(const quoin_law& law, const check::Settings& given) {
+// Returns what a law allows for a property; empty: anything, or bounds that are the law's fault (C3.3).
+std::string allowed(const quoin_property_info& property) {
+  if (property.kind == QUOIN_PROPERTY_NUMBER && property.lower <= property.upper) {
+    const bool lower_open = (property.flags & QUOIN_PROPERTY_LOWER_OPEN) || std::isinf(property.lower);
+    const bool upper_open = (property.flags & QUOIN_PROPERTY_UPPER_OPEN) || std::isinf(property.upper);
+    return std::string("a number in ") + (lower_open ? "(" : "[") + check::shortest(property.lower) + ", " +
+           check::shortest(property.upper) + (upper_open ? ") " : "] ") + property.unit;
+  }
+  std::string words;
+  if (property.kind == QUOIN_PROPERTY_CHOICE && property.choices != nullptr) {
+    for (const char* choice : std::span(property.choices, property.choice_count)) {
+      if (choice != nullptr) words += (words.empty() ? "" : ", ") + std::string(choice);
+    }
+  }
+  return words.empty() ? "" : "one of " + words;
+}
+
+bool is_allowed(const quoin_property_info& property, const std::string& value) {
+  if (property.kind == QUOIN_PROPERTY_CHOICE) {
+    return std::ranges::any_of(std::span(property.choices, property.choice_count),
+                               [&](const char* choice) { return choice != nullptr && value == choice; });
+  }
+  if (property.kind != QUOIN_PROPERTY_NUMBER) return true;
+  char* end = nullptr;
+  const double number = std::strtod(value.c_str(), &end);
+  return !value.empty() && *end == '\0' && check::inside(property, number);
+}
+
+// Returns the faults of given properties that are the user's, not the law's, a line each.
+std::string faults_of(const quoin_law& law, const check::Settings& given) {
   if (!check::metadata_is_usable(law)) return "";
+  std::string faults;
   for (const auto& [id, value] : given) {
     const quoin_property_info* info = check::find_property(law, id);
-    if (info == nullptr)
-      return "--property " + id + ": law " + law.id + " has no such property; quoin models lists them";
-    char* end = nullptr;
-    if (info->kind == QUOIN_PROPERTY_NUMBER && (std::strtod(value.c_str(), &end), value.empty() || *end != '\0'))
-      return "--property " + id + "=" + value + ": expected a number";
+    if (info == nullptr) {
+      faults += "--property " + id + ": law " + law.id + " has no such property; quoin models lists them\n";
+    } else if (const std::string range = allowed(*info); !range.empty() && !is_allowed(*info, value)) {
+      faults += "--property " + id + "=" + value + ": law " + law.id + " allows " + range +
+                "; give one, or leave the property out\n";
+    }
   }
-  return "";
+  return faults;
 }
 
 // Returns the report of one law, which includes the findings about its library.
@@ -186,17 +219,23 @@ Report check_law(const Report& library_report, const quoin_law& law, const check
 
 // Checks the laws of a library and prints what was found. Returns the exit code.
 int check_laws(const Arguments& arguments, const quoin_library& info, const Report& library_report) {
-  bool passed = true, found = false;
+  std::vector<const quoin_law*> laws;
+  std::string faults;
+  for (const quoin_law* law : std::span(info.laws, info.law_count)) {
+    if (!arguments.only.empty() && (law->id == nullptr || law->id != arguments.only)) continue;
+    laws.push_back(law);
+    faults += faults_of(*law, arguments.given);
+  }
+  if (laws.empty()) faults = arguments.path + ": no law " + arguments.only + "\n";
+  if (!faults.empty()) {
+    std::fputs(faults.c_str(), stderr);
+    return kUsage;
+  }
+  bool passed = true;
   std::string entries;
   if (!arguments.json) std::printf("%s: %s %s\n", arguments.path.c_str(), info.name, info.version);
-  for (const quoin_law* law : std::span(info.laws, info.law_count)) {
+  for (const quoin_law* law : laws) {
     const std::string id = law->id != nullptr ? law->id : "(null)";
-    if (!arguments.only.empty() && id != arguments.only) continue;
-    found = true;
-    if (const std::string fault = fault_of(*law, arguments.given); !fault.empty()) {
-      std::fprintf(stderr, "%s\n", fault.c_str());
-      return kUsage;
-    }
     check::Settings used;
     const Report report = check_law(library_report, *law, arguments.given, &used);
     passed = passed && report.passed();
@@ -205,10 +244,6 @@ int check_laws(const Arguments& arguments, const quoin_library& info, const Repo
     } else {
       print_text(id, used, report);
     }
-  }
-  if (!found) {
-    std::fprintf(stderr, "%s: no law %s\n", arguments.path.c_str(), arguments.only.c_str());
-    return kUsage;
   }
   if (arguments.json) {
     std::printf("{\"library\": %s, \"passed\": %s, \"laws\": [\n%s\n]}\n", quoted(arguments.path).c_str(),
