@@ -148,6 +148,12 @@ Result evaluate_records(const quoin_law& law, const Material& material, const Po
 
 }  // namespace
 
+void expect_same(Report& report, const quoin_law& law, const Result& expected, const Result& found,
+                 const std::string& when) {
+  const std::string what = difference(law, expected, found);
+  report.expect(what.empty(), "%s: %s", when.c_str(), what.c_str());
+}
+
 namespace {
 
 void check_initial_states(Report& report, const Subject& subject) {
@@ -184,8 +190,7 @@ void check_restored(Report& report, const Subject& subject) {
       const Result through = evaluate(law, kept, walk.points);
       const Material fresh(law, settings);
       const Result restored = evaluate(law, fresh, walk.points);
-      const std::string what = difference(law, through, restored);
-      report.expect(what.empty(), "step %d: %s", step, what.c_str());
+      expect_same(report, law, through, restored, "step " + std::to_string(step));
       walk.advance(through);
     }
   }
@@ -209,30 +214,27 @@ void check_purity(Report& report, const Subject& subject) {
     const Result expected = evaluate(law, material, points);
 
     report.clause("C6.1");
-    std::string what = difference(law, expected, evaluate(law, material, points));
-    report.expect(what.empty(), "evaluated twice: %s", what.c_str());
+    expect_same(report, law, expected, evaluate(law, material, points), "evaluated twice");
     for (const Material& other : materials) evaluate(law, other, scattered_points(law, other, 17, 5));
-    what = difference(law, expected, evaluate(law, material, points));
-    report.expect(what.empty(), "after other materials and points: %s", what.c_str());
+    expect_same(report, law, expected, evaluate(law, material, points), "after other materials and points");
     {
       const Material passing(law, subject.base);  // made and destroyed in between
       evaluate(law, passing, points);
     }
-    what = difference(law, expected, evaluate(law, material, points));
-    report.expect(what.empty(), "after a material was made, used and destroyed: %s", what.c_str());
+    expect_same(report, law, expected, evaluate(law, material, points),
+                "after a material was made, used and destroyed");
 
     report.clause("C6.2");
     std::mt19937_64 random(m + 1);
     std::vector<size_t> shuffled = all_indices(kCount);
     std::shuffle(shuffled.begin(), shuffled.end(), random);
-    what = difference(law, expected.take(shuffled), evaluate(law, material, points.take(shuffled)));
-    report.expect(what.empty(), "shuffled: %s", what.c_str());
+    expect_same(report, law, expected.take(shuffled), evaluate(law, material, points.take(shuffled)), "shuffled");
     for (const size_t size : {1u, 2u, 3u, 7u, 8u, 64u, 333u, 999u}) {
       for (size_t begin = 0; begin < kCount; begin += size) {
         std::vector<size_t> part;
         for (size_t i = begin; i < std::min(begin + size, kCount); ++i) part.push_back(i);
-        what = difference(law, expected.take(part), evaluate(law, material, points.take(part)));
-        report.expect(what.empty(), "in batches of %zu: %s", size, what.c_str());
+        expect_same(report, law, expected.take(part), evaluate(law, material, points.take(part)),
+                    "in batches of " + std::to_string(size));
       }
     }
   }
@@ -262,6 +264,7 @@ void check_records(Report& report, const Example& example) {
 // Contiguous and in place, as a host with a structure of arrays does.
 void check_in_place(Report& report, const Example& example) {
   report.clause("C6.4");
+  const size_t count = example.points.size();
   Points in_place = example.points;
   Columns columns(example.law);
   columns.read(in_place);
@@ -270,8 +273,7 @@ void check_in_place(Report& report, const Example& example) {
   result.status = example.law.evaluate(example.material.handle, &columns.batch);
   result.traction = in_place.traction;
   result.state = in_place.state;
-  const std::string what = difference(example.law, example.all, result);
-  report.expect(what.empty(), "%zu contiguous points in place: %s", in_place.size(), what.c_str());
+  expect_same(report, example.law, example.all, result, std::to_string(count) + " contiguous points in place");
 }
 
 // One value for all points.
@@ -286,8 +288,8 @@ void check_stride_0(Report& report, const Example& example) {
   columns.batch.normal_jump.stride = 0;
   for (quoin_in& column : columns.batch.slip_increment) column.stride = 0;
   result.status = example.law.evaluate(example.material.handle, &columns.batch);
-  const std::string what = difference(example.law, expected, result);
-  report.expect(what.empty(), "%zu points with repeated inputs (stride 0): %s", same.size(), what.c_str());
+  expect_same(report, example.law, expected, result,
+              std::to_string(same.size()) + " points with repeated inputs (stride 0)");
 }
 
 }  // namespace
@@ -384,8 +386,7 @@ void check_each_energy(Report& report, const Example& example) {
         example,
         [&](quoin_batch& batch) -> quoin_out& { return one == 0 ? batch.energy_stored : batch.dissipated[one - 1]; },
         [&](Result& r) -> std::vector<double>& { return one == 0 ? r.stored : r.dissipated[one - 1]; });
-    const std::string what = difference(example.law, example.all, result);
-    report.expect(what.empty(), "one energy output alone: %s", what.c_str());
+    expect_same(report, example.law, example.all, result, "one energy output alone");
   }
 }
 
@@ -395,8 +396,7 @@ void check_each_damage(Report& report, const Example& example) {
         example, [&](quoin_batch& batch) -> quoin_out& { return batch.damage[one]; },
         [&](Result& r) -> std::vector<double>& { return r.damage[one]; });
     if (example.law.capabilities & QUOIN_CAN_DAMAGE) {
-      const std::string what = difference(example.law, example.all, result);
-      report.expect(what.empty(), "one damage output alone: %s", what.c_str());
+      expect_same(report, example.law, example.all, result, "one damage output alone");
     } else {  // a law of version 1.0 does not read the damage columns
       report.expect(result.status == QUOIN_ERROR_UNSUPPORTED || std::isnan(result.damage[one][0]),
                     "damage, which the capabilities do not offer, is written");
@@ -438,8 +438,7 @@ void check_without_diagnostics(Report& report, const Example& example) {
     return;
   }
   result.status = law.evaluate(example.material.handle, &columns.batch);
-  const std::string what = difference(law, example.all, result);
-  report.expect(what.empty(), "without diagnostics: %s", what.c_str());
+  expect_same(report, law, example.all, result, "without diagnostics");
 }
 
 }  // namespace
@@ -707,8 +706,8 @@ void check_failed_points(Report& report, const Subject& subject) {
     for (size_t i = 0; i < points.size(); ++i) {
       report.clause(is_bad(i) ? "C7.1" : "C7.2");
       if (!is_bad(i)) {
-        const std::string what = difference(law, example.all.take({i}), result.take({i}));
-        report.expect(what.empty(), "%s is bad at other points: %s", name, what.c_str());
+        expect_same(report, law, example.all.take({i}), result.take({i}),
+                    name + std::string(" is bad at other points"));
       } else if (may_be_unused(input) && result.point_status[i] == QUOIN_POINT_OK) {
         check_unused(report, example, result, input, column[i], i);
       } else {

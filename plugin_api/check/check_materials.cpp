@@ -215,8 +215,7 @@ void check_order_and_pointers(Report& report, const Subject& subject, const Mate
   if (other == nullptr) return;
   Material kept(law, subject.base);
   std::swap(kept.handle, other);
-  const std::string what = difference(law, expected, evaluate(law, kept, points));
-  report.expect(what.empty(), "after the caller reused its memory: %s", what.c_str());
+  expect_same(report, law, expected, evaluate(law, kept, points), "after the caller reused its memory");
   law.destroy_material(other);
 }
 
