@@ -78,7 +78,8 @@ void check_all_faults(Report& report, const Subject& subject) {
     report.skip("no property has a finite bound");
     return;
   }
-  const std::string message = Material(law, all_wrong).message;
+  const Material refused(law, all_wrong);
+  const std::string& message = refused.message;
   for (const std::string& id : wrong_ids) {
     report.expect(message.find(id) != std::string::npos, "%zu values are out of bounds, %s is not named in: %s",
                   wrong_ids.size(), id.c_str(), message.c_str());
@@ -92,11 +93,10 @@ void check_all_faults(Report& report, const Subject& subject) {
   });
 }
 
-// C4.4 of numbers and choices, one at a time.
-void check_wrong_values(Report& report, const Subject& subject) {
+void check_wrong_numbers(Report& report, const Subject& subject) {
   const quoin_law& law = subject.law;
-  report.clause("C4.4");
   for (const quoin_property_info* number : numbers_of(law)) {
+    report.clause("C4.4");
     const std::string id = number->id;
     expect_refused(report, law, with(subject.base, id, "nan"), id + " = nan");
     if (!std::isinf(number->lower)) expect_refused(report, law, with(subject.base, id, "-inf"), id + " = -inf");
@@ -106,6 +106,12 @@ void check_wrong_values(Report& report, const Subject& subject) {
       expect_refused(report, law, settings, id + " missing");
     }
   }
+}
+
+// C4.4 of everything but numbers: properties that are unknown, given twice or of another kind, and choices.
+void check_wrong_properties(Report& report, const Subject& subject) {
+  const quoin_law& law = subject.law;
+  report.clause("C4.4");
   const Settings unknown = with(subject.base, "no_such_property", "1");
   expect_refused(report, law, unknown, "no_such_property");
   report.expect(Material(law, unknown).message.find("no_such_property") != std::string::npos,
@@ -115,13 +121,7 @@ void check_wrong_values(Report& report, const Subject& subject) {
     const std::string id = property->id;
     expect_refused(report, law, with(subject.base, id, "no_such_choice"), id + " = no_such_choice");
   }
-}
-
-// C4.4 of lists of values that Settings cannot hold.
-void check_wrong_lists(Report& report, const Subject& subject) {
-  const quoin_law& law = subject.law;
   if (subject.base.empty()) return;
-  report.clause("C4.4");
   Values twice(law, subject.base);
   twice.pointers.push_back(twice.pointers.front());
   quoin_material* material = nullptr;
@@ -256,9 +256,9 @@ std::vector<std::string> optional_strengths(const quoin_law& law) {
 void check_materials(Report& report, const Subject& subject) {
   check_accepted(report, subject);
   check_out_of_bounds(report, subject);
+  check_wrong_numbers(report, subject);
   check_all_faults(report, subject);
-  check_wrong_values(report, subject);
-  check_wrong_lists(report, subject);
+  check_wrong_properties(report, subject);
   const Material base(subject.law, subject.base);
   check_arguments(report, subject, base);
   check_values_in_force(report, subject, base);
