@@ -126,9 +126,13 @@ std::string json_of(const std::string& law, const check::Settings& settings, con
   return out + "],\n     \"notes\": " + list_of(report.notes()) + "}";
 }
 
-// Returns what a law allows for a property; empty: anything, or bounds that are the law's fault (C3.3).
+// Bounds that are not ordered are the law's fault (C3.3), not the user's.
+bool has_ordered_bounds(const quoin_property_info& number) { return number.lower <= number.upper; }
+
+// Returns what a law allows for a property; empty: anything.
 std::string allowed(const quoin_property_info& property) {
-  if (property.kind == QUOIN_PROPERTY_NUMBER && property.lower <= property.upper) {
+  if (property.kind == QUOIN_PROPERTY_NUMBER) {
+    if (!has_ordered_bounds(property)) return "a number";
     const bool lower_open = (property.flags & QUOIN_PROPERTY_LOWER_OPEN) || std::isinf(property.lower);
     const bool upper_open = (property.flags & QUOIN_PROPERTY_UPPER_OPEN) || std::isinf(property.upper);
     return std::string("a number in ") + (lower_open ? "(" : "[") + check::shortest(property.lower) + ", " +
@@ -151,7 +155,7 @@ bool is_allowed(const quoin_property_info& property, const std::string& value) {
   if (property.kind != QUOIN_PROPERTY_NUMBER) return true;
   char* end = nullptr;
   const double number = std::strtod(value.c_str(), &end);
-  return !value.empty() && *end == '\0' && check::inside(property, number);
+  return !value.empty() && *end == '\0' && (!has_ordered_bounds(property) || check::inside(property, number));
 }
 
 // Returns the faults of given properties that are the user's, not the law's, a line each.
