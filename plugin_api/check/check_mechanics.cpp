@@ -41,9 +41,13 @@ Points rotated(const quoin_law& law, Points points, const std::vector<double>& a
   return points;
 }
 
-}  // namespace
-
-namespace {
+// Returns the points at the end of a step, with nothing to do in the next one.
+Points at_rest(Points points, const Result& result) {
+  points.traction = result.traction;
+  points.state = result.state;
+  for (auto& column : points.slip) std::fill(column.begin(), column.end(), 0.0);
+  return points;
+}
 
 // Expects results of points that are finite and within bounds, and states that do not decrease where they must not.
 // Returns whether a monotonic state of the history has grown. range: largest magnitude so far, by state.
@@ -91,101 +95,129 @@ void check_far(Report& report, const quoin_law& law, const Material& material, u
   }
 }
 
+// A step of a walk. range: largest magnitude of each state so far.
+struct Step {
+  const quoin_law& law;
+  const Material& material;
+  const Scales& scales;
+  const Points& points;
+  const Result& result;
+  const std::vector<double>& range;
+};
+
+void check_yielding(Report& report, const Result& result, bool history_moved) {
+  report.clause("C7.4");
+  report.expect(result.any_yielding != 0 || !history_moved, "any_yielding is 0, but a monotonic state grew");
+  const bool flagged =
+      std::ranges::any_of(result.flags, [](uint32_t flags) { return (flags & QUOIN_FLAG_YIELDING) != 0; });
+  report.expect(result.any_yielding != 0 || !flagged, "any_yielding is 0, but a point has the flag YIELDING");
+  report.expect(result.flags.empty() || result.any_yielding == 0 || flagged,
+                "any_yielding is %u, but no point has the flag YIELDING", result.any_yielding);
+}
+
+// A second step from the end of the first, without a change of d_n and without sliding.
+void check_zero_increment(Report& report, const Step& step) {
+  report.clause("C8.1");
+  const Points still = at_rest(step.points, step.result);
+  const Result stayed = evaluate(step.law, step.material, still);
+  for (size_t i = 0; i < still.size(); ++i) {
+    const double scale = traction_scale(step.law, step.scales, still, i);
+    for (size_t k = 0; k < 3; ++k) {
+      report.expect(std::abs(stayed.traction[k][i] - still.traction[k][i]) <= 1e-9 * scale,
+                    "traction[%zu] goes from %.12g to %.12g", k, still.traction[k][i], stayed.traction[k][i]);
+    }
+    for (uint64_t s = 0; s < step.law.state_count; ++s) {
+      report.expect(std::abs(stayed.state[s][i] - still.state[s][i]) <= 1e-9 * step.range[s],
+                    "%s goes from %.12g to %.12g", step.law.states[s]->id, still.state[s][i], stayed.state[s][i]);
+    }
+    report.expect(stayed.dissipation(i) <= 1e-9 * scale * scale / step.scales.normal_stiffness,
+                  "%g J/m2 are dissipated", stayed.dissipation(i));
+  }
+}
+
+// The step again with (s, t) of each point turned by its angle, rad.
+void check_rotation(Report& report, const Step& step, const std::vector<double>& angle) {
+  report.clause("C8.2");
+  const Result turned = evaluate(step.law, step.material, rotated(step.law, step.points, angle));
+  const Points should = rotated(step.law, at_rest(step.points, step.result), angle);
+  for (size_t i = 0; i < should.size(); ++i) {
+    const double scale = traction_scale(step.law, step.scales, step.points, i);
+    for (size_t k = 0; k < 3; ++k) {
+      report.expect(std::abs(turned.traction[k][i] - should.traction[k][i]) <= 1e-9 * scale,
+                    "turned by %.4f rad: traction[%zu] is %.12g, not %.12g", angle[i], k, turned.traction[k][i],
+                    should.traction[k][i]);
+    }
+    for (uint64_t s = 0; s < step.law.state_count; ++s) {
+      report.expect(std::abs(turned.state[s][i] - should.state[s][i]) <= 1e-9 * step.range[s],
+                    "turned by %.4f rad: %s is %.12g, not %.12g", angle[i], step.law.states[s]->id, turned.state[s][i],
+                    should.state[s][i]);
+    }
+  }
+}
+
+void check_dissipation(Report& report, const Step& step) {
+  report.clause("C8.4");
+  for (size_t i = 0; i < step.points.size(); ++i) {
+    const double scale = traction_scale(step.law, step.scales, step.points, i);
+    for (size_t mode = 0; mode < step.result.dissipated.size(); ++mode) {
+      const std::vector<double>& dissipated = step.result.dissipated[mode];
+      if (dissipated.empty()) continue;
+      report.expect(dissipated[i] >= -1e-12 * scale * scale / step.scales.normal_stiffness, "dissipated[%zu] = %g J/m2",
+                    mode, dissipated[i]);
+    }
+  }
+}
+
+constexpr size_t kPathPoints = 100;
+constexpr int kPathSteps = 25;  // a leg
+
+// All clauses of a step, near the strengths. angle: of the turned step, rad.
+void check_near(Report& report, const quoin_law& law, const Material& material, uint64_t seed, const char* initial,
+                const std::vector<double>& angle) {
+  constexpr int kLegs = 10;
+  const Scales scales(law, material);
+  Walk walk(law, material, kPathPoints, seed, kPathSteps, initial);
+  std::vector<double> range(law.state_count, 0.0);
+  for (int i = 0; i < kPathSteps * kLegs; ++i) {
+    walk.aim();
+    const Result result = evaluate(law, material, walk.points);
+    const bool history_moved = expect_sound(report, law, walk.points, result, &range);
+    check_yielding(report, result, history_moved);
+    const Step step = {law, material, scales, walk.points, result, range};
+    check_zero_increment(report, step);
+    check_rotation(report, step, angle);
+    check_dissipation(report, step);
+    walk.advance(result);
+  }
+}
+
+// Sliding along s alone does not change tau_t.
+void check_plane(Report& report, const quoin_law& law, const Material& material, uint64_t seed, const char* initial) {
+  report.clause("C8.2");
+  constexpr int kLegs = 4;
+  Walk plane(law, material, kPathPoints, seed, kPathSteps, initial);
+  for (int step = 0; step < kPathSteps * kLegs; ++step) {
+    plane.aim();
+    std::fill(plane.points.slip[1].begin(), plane.points.slip[1].end(), 0.0);
+    const Result result = evaluate(law, material, plane.points);
+    for (const double tau_t : result.traction[2]) report.expect(tau_t == 0, "d_t = 0 gives tau_t = %g", tau_t);
+    plane.advance(result);
+  }
+}
+
 }  // namespace
 
 void check_paths(Report& report, const Subject& subject) {
-  const quoin_law& law = subject.law;
-  for (uint64_t initial = 0; initial < law.initial_state_count; ++initial) {
+  for (uint64_t initial = 0; initial < subject.law.initial_state_count; ++initial) {
+    const char* id = subject.law.initial_states[initial];
     for (size_t m = 0; m < subject.varied.size(); ++m) {
-      const Material material(law, subject.varied[m]);
-      const Scales scales(law, material);
-      constexpr size_t kCount = 100;
-      constexpr int kSteps = 25, kLegs = 10;
-      Walk walk(law, material, kCount, 1000 + 10 * initial + m, kSteps, law.initial_states[initial]);
+      const Material material(subject.law, subject.varied[m]);
       std::mt19937_64 random(m);
-      std::vector<double> angle(kCount), range(law.state_count, 0.0);
+      std::vector<double> angle(kPathPoints);
       for (double& a : angle) a = uniform(random, 0, 6.283185307179586);
-      for (int step = 0; step < kSteps * kLegs; ++step) {
-        walk.aim();
-        const Points& points = walk.points;
-        const Result result = evaluate(law, material, points);
-
-        const bool history_moved = expect_sound(report, law, points, result, &range);
-        report.clause("C7.4");
-        report.expect(result.any_yielding != 0 || !history_moved, "any_yielding is 0, but a monotonic state grew");
-        bool flagged = false;
-        for (const uint32_t flags : result.flags) flagged = flagged || (flags & QUOIN_FLAG_YIELDING);
-        report.expect(result.any_yielding != 0 || !flagged, "any_yielding is 0, but a point has the flag YIELDING");
-        report.expect(result.flags.empty() || result.any_yielding == 0 || flagged,
-                      "any_yielding is %u, but no point has the flag YIELDING", result.any_yielding);
-
-        // A second step from the end of the first, without a change of d_n and without sliding.
-        report.clause("C8.1");
-        Points still = points;
-        still.traction = result.traction;
-        still.state = result.state;
-        for (auto& column : still.slip) std::fill(column.begin(), column.end(), 0.0);
-        const Result stayed = evaluate(law, material, still);
-        for (size_t i = 0; i < kCount; ++i) {
-          const double scale = traction_scale(law, scales, still, i);
-          for (size_t k = 0; k < 3; ++k) {
-            report.expect(std::abs(stayed.traction[k][i] - still.traction[k][i]) <= 1e-9 * scale,
-                          "traction[%zu] goes from %.12g to %.12g", k, still.traction[k][i], stayed.traction[k][i]);
-          }
-          for (uint64_t s = 0; s < law.state_count; ++s) {
-            report.expect(std::abs(stayed.state[s][i] - still.state[s][i]) <= 1e-9 * range[s],
-                          "%s goes from %.12g to %.12g", law.states[s]->id, still.state[s][i], stayed.state[s][i]);
-          }
-          report.expect(stayed.dissipation(i) <= 1e-9 * scale * scale / scales.normal_stiffness,
-                        "%g J/m2 are dissipated", stayed.dissipation(i));
-        }
-
-        report.clause("C8.2");
-        const Result turned = evaluate(law, material, rotated(law, points, angle));
-        Points should = points;
-        should.traction = result.traction;
-        should.state = result.state;
-        const Points turned_back = rotated(law, should, angle);
-        for (size_t i = 0; i < kCount; ++i) {
-          const double scale = traction_scale(law, scales, points, i);
-          for (size_t k = 0; k < 3; ++k) {
-            report.expect(std::abs(turned.traction[k][i] - turned_back.traction[k][i]) <= 1e-9 * scale,
-                          "turned by %.4f rad: traction[%zu] is %.12g, not %.12g", angle[i], k, turned.traction[k][i],
-                          turned_back.traction[k][i]);
-          }
-          for (uint64_t s = 0; s < law.state_count; ++s) {
-            report.expect(std::abs(turned.state[s][i] - turned_back.state[s][i]) <= 1e-9 * range[s],
-                          "turned by %.4f rad: %s is %.12g, not %.12g", angle[i], law.states[s]->id, turned.state[s][i],
-                          turned_back.state[s][i]);
-          }
-        }
-
-        report.clause("C8.4");
-        for (size_t i = 0; i < kCount; ++i) {
-          const double scale = traction_scale(law, scales, points, i);
-          for (size_t mode = 0; mode < result.dissipated.size(); ++mode) {
-            if (result.dissipated[mode].empty()) continue;
-            report.expect(result.dissipated[mode][i] >= -1e-12 * scale * scale / scales.normal_stiffness,
-                          "dissipated[%zu] = %g J/m2", mode, result.dissipated[mode][i]);
-          }
-        }
-        walk.advance(result);
-      }
-
-      check_far(report, law, material, 6000 + 10 * initial + m, law.initial_states[initial]);
-
-      // Sliding along s alone does not change tau_t.
-      report.clause("C8.2");
-      Walk plane(law, material, kCount, 2000 + m, kSteps, law.initial_states[initial]);
-      for (int step = 0; step < kSteps * 4; ++step) {
-        plane.aim();
-        std::fill(plane.points.slip[1].begin(), plane.points.slip[1].end(), 0.0);
-        const Result result = evaluate(law, material, plane.points);
-        for (size_t i = 0; i < kCount; ++i) {
-          report.expect(result.traction[2][i] == 0, "d_t = 0 gives tau_t = %g", result.traction[2][i]);
-        }
-        plane.advance(result);
-      }
+      check_near(report, subject.law, material, 1000 + 10 * initial + m, id, angle);
+      check_far(report, subject.law, material, 6000 + 10 * initial + m, id);
+      check_plane(report, subject.law, material, 2000 + m, id);
     }
   }
   report.clause("C5.2");
@@ -288,6 +320,130 @@ void check_damage(Report& report, const Subject& subject) {
   }
 }
 
+namespace {
+
+// What the steps of a walk have shown of the stiffness.
+struct Seen {
+  double normal = 0, shear = 0;  // largest slopes, Pa/m
+  size_t jumps = 0;
+  double largest_jump = 0;         // Pa
+  size_t compared = 0, kinks = 0;  // entries of the tangent
+};
+
+// A step, and the same with a displacement of each point a little more and less.
+struct Difference {
+  const quoin_law& law;
+  const Scales& scales;
+  const quoin_stiffness_bounds& bounds;
+  const Points& points;
+  const Result& base;
+  size_t direction;           // of the displacement: n, s, t
+  std::vector<double> delta;  // change of the displacement, m
+  Points plus, minus;
+};
+
+std::vector<double>& displacement(Points& points, size_t direction) {
+  return direction == 0 ? points.normal_jump : points.slip[direction - 1];
+}
+
+// relative: change of the displacement, as a share of that at a strength.
+Difference difference_of(const quoin_law& law, const Scales& scales, const quoin_stiffness_bounds& bounds,
+                         const Points& points, const Result& base, size_t direction, double relative) {
+  Difference step = {law, scales, bounds, points, base, direction, std::vector<double>(points.size()), points, points};
+  std::vector<double>& up = displacement(step.plus, direction);
+  std::vector<double>& down = displacement(step.minus, direction);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double length = scales.strengths[i % scales.strengths.size()] /
+                          (direction == 0 ? scales.normal_stiffness : scales.shear_stiffness);
+    const double centre = up[i];
+    up[i] += relative * length;
+    down[i] -= relative * length;
+    step.delta[i] = std::max(up[i] - centre, centre - down[i]);
+  }
+  return step;
+}
+
+// right: results of step.plus.
+void check_bound(Report& report, const Material& material, const Difference& step, const Result& right, Seen* seen) {
+  report.clause("C8.5");
+  const size_t direction = step.direction;
+  const double bound = direction == 0 ? step.bounds.normal : step.bounds.shear;
+  Points half = step.points;
+  for (size_t i = 0; i < half.size(); ++i) displacement(half, direction)[i] += step.delta[i] / 2;
+  const Result halfway = evaluate(step.law, material, half, 0);
+  for (size_t i = 0; i < half.size(); ++i) {
+    const double delta = step.delta[i];
+    if (!(delta > 0)) continue;
+    const double rounding = 1e-14 * traction_scale(step.law, step.scales, step.points, i) / delta;
+    const double rise = right.traction[direction][i] - step.base.traction[direction][i];
+    const double slope = rise / delta;
+    const double near = (halfway.traction[direction][i] - step.base.traction[direction][i]) / (delta / 2);
+    // A jump in the first half is in `near` twice, one in the second half only in `slope`.
+    const double without_jump = std::min({slope, near, 2 * slope - near});
+    const double allowed = bound * (1 + 1e-6) + 3 * rounding;
+    const bool is_slope = std::abs(slope - near) <= 0.02 * std::abs(slope) + rounding;
+    if (slope > allowed && (!is_slope || without_jump <= allowed)) {
+      ++seen->jumps;
+      seen->largest_jump = std::max(seen->largest_jump, rise - bound * delta);
+    }
+    if (!is_slope) continue;
+    double& largest = direction == 0 ? seen->normal : seen->shear;
+    largest = std::max(largest, without_jump - rounding);
+    report.expect(without_jump <= allowed, "%s: %.9g Pa/m is seen at d_n = %g, the bound is %.9g",
+                  direction == 0 ? "d sigma / d d_n" : "d tau / d d_s", slope, step.points.normal_jump[i], bound);
+  }
+}
+
+// right, left: results of step.plus and step.minus.
+void check_tangent(Report& report, const Difference& step, const Result& right, const Result& left, Seen* seen) {
+  report.clause("C8.6");
+  const Points& points = step.points;
+  const Result& base = step.base;
+  const double stiffness = std::max(step.bounds.normal, step.bounds.shear);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double delta = step.delta[i];
+    // Near the apex of the friction cone the direction of slip changes within the difference quotient, so there is no
+    // derivative.
+    const double trial = std::hypot(points.traction[1][i], points.traction[2][i]) +
+                         step.bounds.shear * std::hypot(points.slip[0][i], points.slip[1][i]);
+    if (step.direction > 0 && trial < 100 * step.bounds.shear * delta) continue;
+    for (size_t row = 0; row < 3; ++row) {
+      const double after = (right.traction[row][i] - base.traction[row][i]) / delta;
+      const double before = (base.traction[row][i] - left.traction[row][i]) / delta;
+      const double rounding = 1e-13 * traction_scale(step.law, step.scales, points, i) / delta;
+      const double tolerance = 1e-3 * (stiffness + std::abs(after)) + rounding;
+      if (!(std::abs(after - before) <= tolerance)) {
+        ++seen->kinks;  // a branch ends here: no derivative
+        continue;
+      }
+      ++seen->compared;
+      const size_t entry = 3 * row + step.direction;
+      report.expect(std::abs(base.tangent[entry][i] - (after + before) / 2) <= 2 * tolerance,
+                    "tangent[%zu] = %.6g, finite differences give %.6g (d_n = %g)", entry, base.tangent[entry][i],
+                    (after + before) / 2, points.normal_jump[i]);
+    }
+  }
+}
+
+void report_seen(Report& report, const quoin_law& law, const quoin_stiffness_bounds& bounds, const Seen& seen) {
+  report.note("largest slopes seen: %.4g and %.4g Pa/m, bounds %.4g and %.4g", seen.normal, seen.shear, bounds.normal,
+              bounds.shear);
+  if (seen.jumps > 0) {
+    report.note(
+        "%zu times a traction jumped up with a displacement, at most by %.4g Pa: no stiffness bound holds there",
+        seen.jumps, seen.largest_jump);
+  }
+  report.clause("C8.6");
+  if (law.capabilities & QUOIN_CAN_TANGENT) {
+    report.expect(seen.compared > seen.kinks, "only %zu of %zu entries are smooth enough to compare", seen.compared,
+                  seen.compared + seen.kinks);
+  } else {
+    report.skip("the law does not offer the tangent");
+  }
+}
+
+}  // namespace
+
 void check_stiffness(Report& report, const Subject& subject) {
   const quoin_law& law = subject.law;
   for (const Settings& settings : subject.varied) {
@@ -298,136 +454,39 @@ void check_stiffness(Report& report, const Subject& subject) {
     report.expect(law.stiffness_bounds(material.handle, &bounds) == QUOIN_OK && bounds.normal > 0 && bounds.shear > 0 &&
                       std::isfinite(bounds.normal) && std::isfinite(bounds.shear),
                   "bounds %g and %g", bounds.normal, bounds.shear);
-    constexpr size_t kCount = 200;
-    Walk walk(law, material, kCount, 4000, 20);
-    double seen_normal = 0, seen_shear = 0;
-    size_t compared = 0, kinks = 0, jumps = 0;
-    double largest_jump = 0;
-    for (int step = 0; step < 200; ++step) {
+    Walk walk(law, material, 200, 4000, 20);
+    Seen seen;
+    for (int i = 0; i < 200; ++i) {
       walk.aim();
       const Result base = evaluate(law, material, walk.points, kTangent);
       for (const double relative : {1e-2, 1e-5}) {
         for (size_t direction = 0; direction < 3; ++direction) {
-          std::vector<double> delta(kCount);
-          Points plus = walk.points, minus = walk.points;
-          std::vector<double>& up = direction == 0 ? plus.normal_jump : plus.slip[direction - 1];
-          std::vector<double>& down = direction == 0 ? minus.normal_jump : minus.slip[direction - 1];
-          for (size_t i = 0; i < kCount; ++i) {
-            const double length = scales.strengths[i % scales.strengths.size()] /
-                                  (direction == 0 ? scales.normal_stiffness : scales.shear_stiffness);
-            const double centre = up[i];
-            up[i] += relative * length;
-            down[i] -= relative * length;
-            delta[i] = std::max(up[i] - centre, centre - down[i]);
-          }
-          const Result right = evaluate(law, material, plus, 0);
-          const double bound = direction == 0 ? bounds.normal : bounds.shear;
-          Points half = walk.points;
-          for (size_t i = 0; i < kCount; ++i) {
-            (direction == 0 ? half.normal_jump : half.slip[direction - 1])[i] += delta[i] / 2;
-          }
-          const Result halfway = evaluate(law, material, half, 0);
-          for (size_t i = 0; i < kCount; ++i) {
-            if (!(delta[i] > 0)) continue;
-            const double rounding = 1e-14 * traction_scale(law, scales, walk.points, i) / delta[i];
-            const double rise = right.traction[direction][i] - base.traction[direction][i];
-            const double slope = rise / delta[i];
-            const double near = (halfway.traction[direction][i] - base.traction[direction][i]) / (delta[i] / 2);
-            // A jump in the first half is in `near` twice, one in the second half only in `slope`.
-            const double without_jump = std::min({slope, near, 2 * slope - near});
-            const double allowed = bound * (1 + 1e-6) + 3 * rounding;
-            const bool is_slope = std::abs(slope - near) <= 0.02 * std::abs(slope) + rounding;
-            if (slope > allowed && (!is_slope || without_jump <= allowed)) {
-              ++jumps;
-              largest_jump = std::max(largest_jump, rise - bound * delta[i]);
-            }
-            if (!is_slope) continue;
-            double& seen = direction == 0 ? seen_normal : seen_shear;
-            seen = std::max(seen, without_jump - rounding);
-            report.clause("C8.5");
-            report.expect(without_jump <= allowed, "%s: %.9g Pa/m is seen at d_n = %g, the bound is %.9g",
-                          direction == 0 ? "d sigma / d d_n" : "d tau / d d_s", slope, walk.points.normal_jump[i],
-                          bound);
-          }
+          const Difference step = difference_of(law, scales, bounds, walk.points, base, direction, relative);
+          const Result right = evaluate(law, material, step.plus, 0);
+          check_bound(report, material, step, right, &seen);
           if (base.tangent[0].empty() || relative > 1e-4) continue;
-          const Result left = evaluate(law, material, minus, 0);
-          report.clause("C8.6");
-          const double stiffness = std::max(bounds.normal, bounds.shear);
-          for (size_t i = 0; i < kCount; ++i) {
-            // Near the apex of the friction cone the direction of slip changes within the difference quotient, so there
-            // is no derivative.
-            const double trial = std::hypot(walk.points.traction[1][i], walk.points.traction[2][i]) +
-                                 bounds.shear * std::hypot(walk.points.slip[0][i], walk.points.slip[1][i]);
-            const bool at_rest = trial < 100 * bounds.shear * delta[i];
-            if (direction > 0 && at_rest) continue;
-            for (size_t row = 0; row < 3; ++row) {
-              const double after = (right.traction[row][i] - base.traction[row][i]) / delta[i];
-              const double before = (base.traction[row][i] - left.traction[row][i]) / delta[i];
-              const double rounding = 1e-13 * traction_scale(law, scales, walk.points, i) / delta[i];
-              const double tolerance = 1e-3 * (stiffness + std::abs(after)) + rounding;
-              if (!(std::abs(after - before) <= tolerance)) {
-                ++kinks;  // a branch ends here: no derivative
-                continue;
-              }
-              ++compared;
-              report.expect(std::abs(base.tangent[3 * row + direction][i] - (after + before) / 2) <= 2 * tolerance,
-                            "tangent[%zu] = %.6g, finite differences give %.6g (d_n = %g)", 3 * row + direction,
-                            base.tangent[3 * row + direction][i], (after + before) / 2, walk.points.normal_jump[i]);
-            }
-          }
+          check_tangent(report, step, right, evaluate(law, material, step.minus, 0), &seen);
         }
       }
       walk.advance(base);
     }
-    report.note("largest slopes seen: %.4g and %.4g Pa/m, bounds %.4g and %.4g", seen_normal, seen_shear, bounds.normal,
-                bounds.shear);
-    if (jumps > 0) {
-      report.note(
-          "%zu times a traction jumped up with a displacement, at most by %.4g Pa: no stiffness bound holds there",
-          jumps, largest_jump);
-    }
-    report.clause("C8.6");
-    if (law.capabilities & QUOIN_CAN_TANGENT) {
-      report.expect(compared > kinks, "only %zu of %zu entries are smooth enough to compare", compared,
-                    compared + kinks);
-    } else {
-      report.skip("the law does not offer the tangent");
-    }
+    report_seen(report, law, bounds, seen);
   }
 }
 
-void check_migration(Report& report, const Subject& subject) {
-  const quoin_law& law = subject.law;
-  report.clause("C9.1");
-  if (!(law.capabilities & QUOIN_CAN_MIGRATE) || law.migrate_state == nullptr) {
-    report.skip("the law does not offer migration");
-    return;
-  }
-  const Material material(law, subject.base);
-  const Scales scales(law, material);
-  Points points = scattered_points(law, material, 100, 800);
-  {
-    // Points at the end of a step, as in a law swap.
-    const Result end = evaluate(law, material, points);
-    points.traction = end.traction;
-    points.state = end.state;
-  }
-  const size_t n = points.size();
-  std::vector<const char*> ids;
-  for (uint64_t s = 0; s < law.state_count; ++s) ids.push_back(law.states[s]->id);
-  for (const bool own : {true, false}) {
-    std::vector<quoin_in> from;
-    std::vector<quoin_out> to;
-    Points after = points;
+namespace {
+
+// The columns that a migration reads and writes. own: from the same law; else from a law without states.
+struct MigrationColumns {
+  MigrationColumns(const quoin_law& law, const Points& points, bool own)
+      : after(points), shift(points.size(), kNeverSet), jump(points.size(), kNeverSet), status(points.size(), 77) {
     for (uint64_t s = 0; s < law.state_count; ++s) {
+      ids.push_back(law.states[s]->id);
       from.push_back({points.state[s].data(), 1});
       to.push_back({after.state[s].data(), 1});
     }
-    std::vector<double> shift(n, 1e300), jump(n, 1e300);
-    std::vector<uint32_t> status(n, 77);
-    quoin_migration migration = {};
     migration.struct_size = sizeof migration;
-    migration.count = n;
+    migration.count = points.size();
     migration.from_law = own ? law.id : "some_other_law";
     migration.from_schema = own ? law.state_schema : 1;
     migration.from_state_count = own ? law.state_count : 0;
@@ -439,41 +498,74 @@ void check_migration(Report& report, const Subject& subject) {
     migration.state_new = to.data();
     migration.energy_jump = {jump.data(), 1};
     migration.status = {status.data(), 1};
-    Text text;
-    const quoin_status result = law.migrate_state(material.handle, &migration, &text.text);
-    const char* what = own ? "from itself" : "from a law without states";
-    if (result != QUOIN_OK) {
-      report.expect(!own && !text.str().empty(), "%s: refused (%d): %s", what, result, text.str().c_str());
-      continue;
-    }
-    Points still = after;
-    for (auto& column : still.slip) std::fill(column.begin(), column.end(), 0.0);
-    for (size_t i = 0; i < n; ++i) {
-      if (status[i] == QUOIN_POINT_OK) still.normal_jump[i] = points.normal_jump[i] + shift[i];
-    }
-    const Result stayed = evaluate(law, material, still);
-    uint64_t failed = 0;
-    for (size_t i = 0; i < n; ++i) {
-      failed += status[i] == QUOIN_POINT_FAILED;
-      if (own) {
-        report.expect(status[i] == QUOIN_POINT_OK, "%s: point %zu is refused", what, i);
-        for (uint64_t s = 0; s < law.state_count; ++s) {
-          report.expect(after.state[s][i] == points.state[s][i], "%s: %s goes from %.17g to %.17g", what,
-                        law.states[s]->id, points.state[s][i], after.state[s][i]);
-        }
-      }
-      if (status[i] != QUOIN_POINT_OK) continue;
-      const double scale = traction_scale(law, scales, still, i);
-      for (size_t k = 0; k < 3; ++k) {
-        report.expect(std::abs(stayed.traction[k][i] - points.traction[k][i]) <= 1e-9 * scale,
-                      "%s: traction[%zu] goes from %.12g to %.12g", what, k, points.traction[k][i],
-                      stayed.traction[k][i]);
-      }
-      report.expect(std::isfinite(jump[i]) && jump[i] != 1e300, "%s: the energy jump is not written", what);
-    }
-    report.expect(migration.failed_count == failed, "%s: failed_count %llu, %llu points have failed", what,
-                  static_cast<unsigned long long>(migration.failed_count), static_cast<unsigned long long>(failed));
   }
+  MigrationColumns(const MigrationColumns&) = delete;
+  static constexpr double kNeverSet = 1e300;
+  Points after;  // its states are the new ones
+  std::vector<double> shift, jump;
+  std::vector<uint32_t> status;
+  quoin_migration migration = {};
+  std::vector<const char*> ids;
+  std::vector<quoin_in> from;
+  std::vector<quoin_out> to;
+};
+
+void expect_kept_states(Report& report, const quoin_law& law, const char* what, const Points& points,
+                        const MigrationColumns& columns, size_t i) {
+  report.expect(columns.status[i] == QUOIN_POINT_OK, "%s: point %zu is refused", what, i);
+  for (uint64_t s = 0; s < law.state_count; ++s) {
+    const double before = points.state[s][i], after = columns.after.state[s][i];
+    report.expect(after == before, "%s: %s goes from %.17g to %.17g", what, law.states[s]->id, before, after);
+  }
+}
+
+void check_migrated(Report& report, const quoin_law& law, const Material& material, const Points& points, bool own) {
+  MigrationColumns columns(law, points, own);
+  Text text;
+  const quoin_status result = law.migrate_state(material.handle, &columns.migration, &text.text);
+  const char* what = own ? "from itself" : "from a law without states";
+  if (result != QUOIN_OK) {
+    report.expect(!own && !text.str().empty(), "%s: refused (%d): %s", what, result, text.str().c_str());
+    return;
+  }
+  Points still = columns.after;
+  for (size_t i = 0; i < still.size(); ++i) {
+    if (columns.status[i] == QUOIN_POINT_OK) still.normal_jump[i] += columns.shift[i];
+  }
+  const Scales scales(law, material);
+  const Result stayed = evaluate(law, material, still);
+  for (size_t i = 0; i < still.size(); ++i) {
+    if (own) expect_kept_states(report, law, what, points, columns, i);
+    if (columns.status[i] != QUOIN_POINT_OK) continue;
+    const double scale = traction_scale(law, scales, still, i);
+    for (size_t k = 0; k < 3; ++k) {
+      report.expect(std::abs(stayed.traction[k][i] - points.traction[k][i]) <= 1e-9 * scale,
+                    "%s: traction[%zu] goes from %.12g to %.12g", what, k, points.traction[k][i],
+                    stayed.traction[k][i]);
+    }
+    report.expect(std::isfinite(columns.jump[i]) && columns.jump[i] != columns.kNeverSet,
+                  "%s: the energy jump is not written", what);
+  }
+  const auto failed =
+      static_cast<unsigned long long>(std::ranges::count(columns.status, static_cast<uint32_t>(QUOIN_POINT_FAILED)));
+  report.expect(columns.migration.failed_count == failed, "%s: failed_count %llu, %llu points have failed", what,
+                static_cast<unsigned long long>(columns.migration.failed_count), failed);
+}
+
+}  // namespace
+
+void check_migration(Report& report, const Subject& subject) {
+  const quoin_law& law = subject.law;
+  report.clause("C9.1");
+  if (!(law.capabilities & QUOIN_CAN_MIGRATE) || law.migrate_state == nullptr) {
+    report.skip("the law does not offer migration");
+    return;
+  }
+  const Material material(law, subject.base);
+  const Points points = scattered_points(law, material, 100, 800);
+  // Points at the end of a step, as in a law swap.
+  const Points ended = at_rest(points, evaluate(law, material, points));
+  for (const bool own : {true, false}) check_migrated(report, law, material, ended, own);
 }
 
 }  // namespace check

@@ -14,6 +14,14 @@ struct Subject {
   std::vector<Settings> varied;  // base first, then variations
 };
 
+// Expects the same bits in both results; when: what was done before the second.
+void expect_same(Report& report, const quoin_law& law, const Result& expected, const Result& found,
+                 const std::string& when);
+
+// Checks C2 on what a call writes: with whole, cut, null and short texts. call returns whether its result is the
+// expected.
+void check_text(Report& report, const char* what, const std::function<bool(quoin_text*)>& call);
+
 void check_library(Report& report, const Library& library);
 void check_metadata(Report& report, const quoin_law& law);
 bool metadata_is_usable(const quoin_law& law);  // true if the other sections can read the metadata without a crash

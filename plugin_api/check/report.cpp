@@ -41,6 +41,16 @@ unsigned floating_point_mode() {
   return mode;
 }
 
+// Returns the beginning of a file, in one line.
+std::string beginning_of(std::FILE* file) {
+  constexpr std::size_t kLongest = 300;
+  std::string text;
+  std::rewind(file);
+  for (int c = 0; text.size() < kLongest && (c = std::fgetc(file)) != EOF;)
+    text += c < ' ' ? ' ' : static_cast<char>(c);
+  return text;
+}
+
 }  // namespace
 
 const std::vector<Clause>& clauses() {
@@ -101,13 +111,6 @@ const std::vector<Clause>& clauses() {
   return all;
 }
 
-const char* clause_text(const std::string& id) {
-  for (const Clause& clause : clauses()) {
-    if (id == clause.id) return clause.text;
-  }
-  return "";
-}
-
 void Report::section(const std::string& name, const std::function<void(Report&)>& run) {
   int ends[2];
   std::FILE* output = std::tmpfile();
@@ -123,30 +126,55 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
   if (child == 0) {
     close(ends[0]);
     pipe_ = ends[1];
-    outcomes_.clear();
-    outcome_ = &outcomes_[current_];
     dup2(fileno(output), STDOUT_FILENO);
     dup2(fileno(output), STDERR_FILENO);
-    alarm(kSectionSeconds);
-    const unsigned mode = floating_point_mode();
-    int status = 0;
-    try {
-      run(*this);
-      clause("C1.6");
-      expect(floating_point_mode() == mode, "%s: the floating-point mode was changed", name.c_str());
-      send('E', "");
-    } catch (const std::exception& error) {
-      expect(false, "%s: an exception came through: %s", name.c_str(), error.what());
-      send('E', "");
-      status = 1;
-    }
-    _exit(status);
+    run_as_child(name, run);
   }
   close(ends[1]);
+  const bool finished = receive_all(ends[0]);
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (const std::string printed = beginning_of(output); !printed.empty()) {
+    outcomes_["C1.6"].failures++;
+    outcomes_["C1.6"].details.push_back(name + ": something was printed: " + printed);
+  }
+  std::fclose(output);
+  if (!finished) {
+    // The failure is reported for the clause that was current when the process ended.
+    Outcome& outcome = outcomes_[current_];
+    outcome.failures++;
+    const std::string how = WIFSIGNALED(status) ? std::string("killed by signal ") + strsignal(WTERMSIG(status))
+                                                : "the process was ended from inside";
+    outcome.details.push_back(name + ": " + how);
+  }
+  munmap(shared, kLongestId);
+}
+
+// C1.6: what crosses the boundary beside results.
+void Report::run_as_child(const std::string& name, const std::function<void(Report&)>& run) {
+  outcomes_.clear();
+  outcome_ = &outcomes_[current_];
+  alarm(kSectionSeconds);
+  const unsigned mode = floating_point_mode();
+  int status = 0;
+  try {
+    run(*this);
+    clause("C1.6");
+    expect(floating_point_mode() == mode, "%s: the floating-point mode was changed", name.c_str());
+  } catch (const std::exception& error) {
+    expect(false, "%s: an exception came through: %s", name.c_str(), error.what());
+    status = 1;
+  }
+  send('E', "");
+  _exit(status);
+}
+
+bool Report::receive_all(int pipe) {
   std::string line;
   bool finished = false;
   char bytes[4096];
-  for (ssize_t n = 0; (n = read(ends[0], bytes, sizeof bytes)) > 0;) {
+  for (ssize_t n = 0; (n = read(pipe, bytes, sizeof bytes)) > 0;) {
     for (ssize_t i = 0; i < n; ++i) {
       if (bytes[i] != '\n') {
         line += bytes[i];
@@ -157,28 +185,7 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
       line.clear();
     }
   }
-  close(ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-
-  std::string printed;
-  std::rewind(output);
-  for (int c = 0; printed.size() < 300 && (c = std::fgetc(output)) != EOF;)
-    printed += c < ' ' ? ' ' : static_cast<char>(c);
-  std::fclose(output);
-  if (!printed.empty()) {
-    outcomes_["C1.6"].failures++;
-    outcomes_["C1.6"].details.push_back(name + ": something was printed: " + printed);
-  }
-  if (!finished) {
-    // The failure is reported for the clause that was current when the process ended.
-    Outcome& outcome = outcomes_[current_];
-    outcome.failures++;
-    const std::string how = WIFSIGNALED(status) ? std::string("killed by signal ") + strsignal(WTERMSIG(status))
-                                                : "the process was ended from inside";
-    outcome.details.push_back(name + ": " + how);
-  }
-  munmap(shared, kLongestId);
+  return finished;
 }
 
 // Writes one line to the parent: kind, clause, a space, text.

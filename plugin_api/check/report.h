@@ -14,7 +14,6 @@ struct Clause {
   const char* text;  // requirement in one line
 };
 const std::vector<Clause>& clauses();
-const char* clause_text(const std::string& id);
 
 struct Outcome {
   int expectations = 0;
@@ -40,6 +39,8 @@ class Report {
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  [[noreturn]] void run_as_child(const std::string& name, const std::function<void(Report&)>& run);
+  bool receive_all(int pipe);  // returns whether the section came to its end
   void send(char kind, const std::string& text);
   void receive(const std::string& line);
 

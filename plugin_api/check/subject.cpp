@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace check {
 
@@ -20,13 +19,35 @@ double uniform(std::mt19937_64& random, double low, double high) {
 
 Text::Text() : bytes(1 << 16), text{sizeof(quoin_text), bytes.data(), bytes.size(), 0} {}
 
+std::vector<const quoin_property_info*> numbers_of(const quoin_law& law) {
+  std::vector<const quoin_property_info*> numbers;
+  for (const quoin_property_info* property : properties_of(law)) {
+    if (property->kind == QUOIN_PROPERTY_NUMBER) numbers.push_back(property);
+  }
+  return numbers;
+}
+
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id) {
-  for (uint64_t p = 0; p < law.property_count; ++p) {
-    if (law.properties[p] != nullptr && law.properties[p]->id != nullptr && id == law.properties[p]->id) {
-      return law.properties[p];
-    }
+  for (const quoin_property_info* property : properties_of(law)) {
+    if (property != nullptr && property->id != nullptr && id == property->id) return property;
   }
   return nullptr;
+}
+
+bool inside(const quoin_property_info& number, double value) {
+  const bool above = number.flags & QUOIN_PROPERTY_LOWER_OPEN ? value > number.lower : value >= number.lower;
+  const bool below = number.flags & QUOIN_PROPERTY_UPPER_OPEN ? value < number.upper : value <= number.upper;
+  return above && below;
+}
+
+std::vector<double> values_outside(const quoin_property_info& number) {
+  constexpr double kBeyond = 7;
+  std::vector<double> values;
+  if (std::isfinite(number.lower)) values.push_back(number.lower - kBeyond);
+  if (number.flags & QUOIN_PROPERTY_LOWER_OPEN) values.push_back(number.lower);
+  if (std::isfinite(number.upper)) values.push_back(number.upper + kBeyond);
+  if (number.flags & QUOIN_PROPERTY_UPPER_OPEN) values.push_back(number.upper);
+  return values;
 }
 
 Values::Values(const quoin_law& law, const Settings& settings) {
@@ -77,12 +98,9 @@ double Material::number(const char* id) const {
 
 Settings base_settings(const quoin_law& law, const Settings& given) {
   Settings settings = given;
-  for (uint64_t p = 0; p < law.property_count; ++p) {
-    const quoin_property_info& property = *law.properties[p];
-    if (property.kind != QUOIN_PROPERTY_NUMBER || !(property.flags & QUOIN_PROPERTY_REQUIRED) ||
-        given.count(property.id)) {
-      continue;
-    }
+  for (const quoin_property_info* number : numbers_of(law)) {
+    const quoin_property_info& property = *number;
+    if (!(property.flags & QUOIN_PROPERTY_REQUIRED) || given.count(property.id)) continue;
     static const std::map<std::string, double> usual = {{"Pa/m", 4e10}, {"Pa", 3e5}, {"deg", 30},
                                                         {"J/m2", 100},  {"-", 0.5},  {"m", 1e-3}};
     const auto found = usual.find(property.unit);
@@ -102,16 +120,12 @@ std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base
   std::mt19937_64 random(7);
   for (int attempt = 0; attempt < 40 && all.size() < 3; ++attempt) {
     Settings varied = base;
-    for (uint64_t p = 0; p < law.property_count; ++p) {
-      const quoin_property_info& property = *law.properties[p];
-      if (property.kind != QUOIN_PROPERTY_NUMBER) continue;
-      const auto set = varied.find(property.id);
+    for (const quoin_property_info* property : numbers_of(law)) {
+      const auto set = varied.find(property->id);
       if (set == varied.end()) continue;  // the property has its default
       const double value = std::strtod(set->second.c_str(), nullptr);
       const double other = value * std::exp(uniform(random, -0.3, 0.3));
-      if (std::isfinite(other) && other > property.lower && other < property.upper) {
-        set->second = shortest(other);
-      }
+      if (std::isfinite(other) && other > property->lower && other < property->upper) set->second = shortest(other);
     }
     if (varied != base && Material(law, varied).handle != nullptr) all.push_back(varied);
   }
@@ -168,31 +182,46 @@ Points points_at(const quoin_law& law, const Material& material, size_t count, c
   return points;
 }
 
-Result evaluate(const quoin_law& law, const Material& material, const Points& points, unsigned wanted) {
-  const size_t n = points.size();
+Result unwritten(const quoin_law& law, size_t count, double value) {
   Result result;
-  quoin_batch batch = {};
+  for (auto& column : result.traction) column.assign(count, value);
+  result.state.assign(law.state_count, std::vector<double>(count, value));
+  return result;
+}
+
+Columns::Columns(const quoin_law& law) : state_old(law.state_count), state_new(law.state_count) {
   batch.struct_size = sizeof batch;
-  batch.count = n;
+  batch.state_old = state_old.data();
+  batch.state_new = state_new.data();
+}
+
+Columns::Columns(const quoin_law& law, const Points& points, Result& result) : Columns(law) {
+  read(points);
+  write(result.traction, result.state);
+}
+
+void Columns::read(const Points& points) {
+  batch.count = points.size();
   batch.normal_jump = {points.normal_jump.data(), 1};
   for (size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {points.slip[k].data(), 1};
+  for (size_t k = 0; k < 3; ++k) batch.traction_old[k] = {points.traction[k].data(), 1};
+  for (size_t s = 0; s < state_old.size(); ++s) state_old[s] = {points.state[s].data(), 1};
+}
+
+void Columns::write(std::array<std::vector<double>, 3>& traction, std::vector<std::vector<double>>& state) {
+  for (size_t k = 0; k < 3; ++k) batch.traction_new[k] = {traction[k].data(), 1};
+  for (size_t s = 0; s < state_new.size(); ++s) state_new[s] = {state[s].data(), 1};
+}
+
+Result evaluate(const quoin_law& law, const Material& material, const Points& points, unsigned wanted) {
+  const size_t n = points.size();
+  Result result = unwritten(law, n);
+  Columns columns(law, points, result);
+  quoin_batch& batch = columns.batch;
   const auto column = [&](std::vector<double>& data) {
     data.assign(n, std::numeric_limits<double>::quiet_NaN());
     return quoin_out{data.data(), 1};
   };
-  for (size_t k = 0; k < 3; ++k) {
-    batch.traction_old[k] = {points.traction[k].data(), 1};
-    batch.traction_new[k] = column(result.traction[k]);
-  }
-  std::vector<quoin_in> state_old;
-  std::vector<quoin_out> state_new;
-  result.state.resize(law.state_count);
-  for (uint64_t s = 0; s < law.state_count; ++s) {
-    state_old.push_back({points.state[s].data(), 1});
-    state_new.push_back(column(result.state[s]));
-  }
-  batch.state_old = state_old.data();
-  batch.state_new = state_new.data();
   if ((wanted & kEnergy) && (law.capabilities & QUOIN_CAN_ENERGY)) {
     batch.energy_stored = column(result.stored);
     for (size_t k = 0; k < result.dissipated.size(); ++k) batch.dissipated[k] = column(result.dissipated[k]);
@@ -265,13 +294,11 @@ Scales::Scales(const quoin_law& law, const Material& material) {
   law.stiffness_bounds(material.handle, &bounds);
   normal_stiffness = bounds.normal > 0 && std::isfinite(bounds.normal) ? bounds.normal : 1e10;
   shear_stiffness = bounds.shear > 0 && std::isfinite(bounds.shear) ? bounds.shear : 1e10;
-  for (uint64_t p = 0; p < law.property_count; ++p) {
-    const quoin_property_info& property = *law.properties[p];
-    if (property.kind != QUOIN_PROPERTY_NUMBER) continue;
-    const double value = material.number(property.id);
+  for (const quoin_property_info* property : numbers_of(law)) {
+    const double value = material.number(property->id);
     if (!(value > 0) || !std::isfinite(value)) continue;
-    if (std::strcmp(property.unit, "Pa") == 0) strengths.push_back(value);
-    if (std::strcmp(property.unit, "J/m2") == 0) energies.push_back(value);
+    if (std::strcmp(property->unit, "Pa") == 0) strengths.push_back(value);
+    if (std::strcmp(property->unit, "J/m2") == 0) energies.push_back(value);
   }
   if (strengths.empty()) strengths.push_back(1e5);
   traction = *std::max_element(strengths.begin(), strengths.end());

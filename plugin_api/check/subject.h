@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,7 +54,16 @@ class Material {
   const quoin_law& law_;
 };
 
+inline std::span<const quoin_property_info* const> properties_of(const quoin_law& law) {
+  return {law.properties, law.property_count};
+}
+inline std::span<const quoin_state_info* const> states_of(const quoin_law& law) {
+  return {law.states, law.state_count};
+}
+std::vector<const quoin_property_info*> numbers_of(const quoin_law& law);  // properties that are numbers
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id);
+bool inside(const quoin_property_info& number, double value);           // within the bounds that the law states
+std::vector<double> values_outside(const quoin_property_info& number);  // beyond each bound, and a bound that is open
 
 // Returns values for all properties: given, default, or for a required property a usual value of its unit.
 Settings base_settings(const quoin_law& law, const Settings& given);
@@ -83,6 +94,21 @@ struct Result {
   uint32_t worst = 0, any_yielding = 0;
   double dissipation(size_t i) const;
   Result take(const std::vector<size_t>& indices) const;
+};
+
+// Returns a result whose tractions and states have this value.
+Result unwritten(const quoin_law& law, size_t count, double value = std::numeric_limits<double>::quiet_NaN());
+
+// A batch of contiguous columns, without optional outputs. A test may change every column.
+struct Columns {
+  explicit Columns(const quoin_law& law);
+  Columns(const quoin_law& law, const Points& points, Result& result);
+  Columns(const Columns&) = delete;
+  void read(const Points& points);
+  void write(std::array<std::vector<double>, 3>& traction, std::vector<std::vector<double>>& state);
+  quoin_batch batch = {};
+  std::vector<quoin_in> state_old;
+  std::vector<quoin_out> state_new;
 };
 
 constexpr unsigned kEnergy = 1, kTangent = 2, kFlags = 4, kStatus = 8, kDamage = 16, kAll = 31;
