@@ -74,24 +74,19 @@ struct MigrationPoint {
   double normal_jump, sigma, tau_s, tau_t;
   const quoin_migration* source;
   std::uint64_t index;
-  // Returns the value of the old law's state with this id, or fallback if the old law has no such state.
-  double state(std::string_view id, double fallback) const {
-    for (std::uint64_t k = 0; k < source->from_state_count; ++k) {
-      const quoin_in& column = source->from_states[k];
-      if (id == source->from_state_ids[k] && column.data != nullptr) {
-        return column.data[static_cast<std::int64_t>(index) * column.stride];
-      }
-    }
-    return fallback;
-  }
-  bool has_state(std::string_view id) const {
+  // State of the old law with this id; null: it has none.
+  const quoin_in* column(std::string_view id) const {
     for (std::uint64_t k = 0; k < source->from_state_count; ++k)
-      if (id == source->from_state_ids[k]) return true;
-    return false;
+      if (id == source->from_state_ids[k]) return &source->from_states[k];
+    return nullptr;
+  }
+  double state(std::string_view id, double fallback) const {
+    const quoin_in* const of_id = column(id);
+    return of_id && of_id->data ? of_id->data[static_cast<std::int64_t>(index) * of_id->stride] : fallback;
   }
   // Whether a joint is open without traction under a law without states of damage: there is no bond.
   bool is_gap() const {
-    if (has_state("failed") || has_state("xi") || has_state("xi_t") || has_state("lambda")) return false;
+    if (column("failed") || column("xi") || column("xi_t") || column("lambda")) return false;
     return normal_jump > 0.0 && sigma == 0.0 && tau_s == 0.0 && tau_t == 0.0;
   }
 };

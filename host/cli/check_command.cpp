@@ -221,7 +221,7 @@ void print_scatter(const JointFamily& family, const std::vector<PropertyColumn>&
   }
   for (const PropertyCorrelation& c : family.correlation)
     fmt::print("    {} and {} correlated by {:g}\n", c.first, c.second, c.value);
-  if (family.missing_mortar > 0.0)
+  if (family.missing_mortar > 0.0 && random.sample != 0)
     fmt::print("    {:.1f} % of the joints without mortar, at random\n", 100 * family.missing_mortar);
 }
 
@@ -245,8 +245,7 @@ void print_rigid_joints(const JointFamily& family, const Material& material, lon
   else if (!carries_tension(material, family.initial_state))
     fmt::print(
         "    {} joints of rigid blocks have points at corners alone, about which dry blocks turn; while closed they "
-        "are 3 "
-        "times too stiff in bending (contact.cubic_points)\n",
+        "are 3 times too stiff in bending (contact.cubic_points)\n",
         joints);
   else
     fmt::print(

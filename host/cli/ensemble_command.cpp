@@ -90,6 +90,7 @@ ReadStudy read(const EnsembleOptions& options, Trials trials = Trials::drawn, co
   all.study.trials = trials;
   if (options.samples > 0) all.study.samples = options.samples;
   all.scene = scene_of_means(all.study);
+  add_scatter_of(all.scene, all.study);
   for (const std::string& file : all.scene.inputs) read_input_file(file);
   for (const HashedFile& law : law_files(all.scene)) all.laws.push_back(Law::find(law.name));
   kept_inputs().end();

@@ -30,6 +30,7 @@
 #include "step/findings.h"
 #include "step/kernels.h"
 #include "step/large_motion.h"
+#include "step/rest.h"
 
 namespace quoin {
 
@@ -193,6 +194,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
     share(*ranks, shared);
   }
   // What may refuse the run comes before results of an earlier one are removed.
+  require_coming_stages(simulation);
   Surfaces surfaces;
   require_room(folder, simulation, surfaces);
   auto server = options.serve >= 0 ? std::make_unique<PageServer>(options.serve) : nullptr;

@@ -227,6 +227,16 @@ void check_study(const Study& study, const Scene& scene) {
   if (!faults.empty()) throw Error(Exit::bad_input, faults);
 }
 
+void add_scatter_of(const Scene& scene, Study& study) {
+  for (const auto& [family, joint] : scene.joints) {
+    for (const PropertySetting& p : joint.properties) {
+      const std::string key = fmt::format("joints.{}.{}", family, p.id);
+      if (p.scatter && std::ranges::find(study.scattered, key, &StudyQuantity::key) == study.scattered.end())
+        study.scattered.push_back({key, key, p.scatter->distribution});
+    }
+  }
+}
+
 std::vector<StudyQuantity> Study::inputs() const {
   std::vector<StudyQuantity> all = quantities;
   if (trials != Trials::drawn) all.insert(all.end(), scattered.begin(), scattered.end());

@@ -39,7 +39,7 @@ struct Study {
   random::Method method = random::Method::monte_carlo;
   std::vector<std::string> overrides;  // overrides of the scene, as --set
   std::vector<StudyQuantity> quantities;
-  std::vector<StudyQuantity> scattered;  // random properties of joints, among the overrides
+  std::vector<StudyQuantity> scattered;  // random properties of joints, of [set] and of the scene
   Trials trials = Trials::drawn;
   std::vector<double> mix;  // correlation of the quantities' normal variables: random::mix_of, row by row
   std::vector<LimitState> limits;
@@ -68,6 +68,8 @@ struct Study {
 
 // Reads a study. Throws Error(bad_input) with all faults of the file.
 Study read_study(const std::string& file);
+// Adds the random properties of the scene itself to `scattered`.
+void add_scatter_of(const Scene& scene, Study& study);
 
 // Makes the checks that no sample makes. Fragilities need outputs in samples.csv, columns different names, and no key
 // may be both set and random. Throws Error(bad_input) with all faults.

@@ -80,19 +80,18 @@ Face nearest_face(const blocks::Assembly& assembly, int block, const Vector& poi
   constexpr double kSlope = 1e-6;  // difference of cosines below which directions are the same
   double nearest = -1e300;
   std::size_t found = 0;
-  Vector normal;
   const auto lies_better = [&](const Vector& other) {
+    const Vector normal = turned * shape.normals[found];
     const auto cosine = [&](const Vector& n, int column) { return std::abs(dot(n, piece.frame.column(column))); };
     const double across = cosine(other, 0) - cosine(normal, 0);
     return across < -kSlope || (across <= kSlope && cosine(other, 1) > cosine(normal, 1) + kSlope);
   };
   for (std::size_t f = 0; f < shape.faces.size(); ++f) {
     const double off = dot(shape.normals[f], own - shape.vertices[static_cast<std::size_t>(shape.faces[f].front())]);
-    const Vector other = turned * shape.normals[f];
-    if (off > nearest + kSame || (off > nearest - kSame && lies_better(other)))
-      nearest = std::max(nearest, off), normal = other, found = f;
+    if (off > nearest + kSame || (off > nearest - kSame && lies_better(turned * shape.normals[f])))
+      nearest = std::max(nearest, off), found = f;
   }
-  Face face{normal, {}};
+  Face face{turned * shape.normals[found], {}};
   for (const int corner : shape.faces[found])
     face.corners.push_back(b.position + turned * shape.vertices[static_cast<std::size_t>(corner)]);
   return face;

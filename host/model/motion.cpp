@@ -45,6 +45,7 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
 
 // First kind of item in the scene that the lattice cannot have; null: none.
 const char* what_is_carried(const Scene& scene) {
+  if (scene.building && has_walls_that_touch(*scene.building)) return "walls that touch without a [[building.corner]]";
   return scene.members ? "members" : !scene.masses.empty() ? "added masses" : nullptr;
 }
 

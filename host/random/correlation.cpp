@@ -30,12 +30,14 @@ double variance_of_mean(double interval, double length) {
 Distribution of_points(const Distribution& of_mean, double length, std::span<const double> x,
                        std::span<const double> weight) {
   // Variance of the weighted mean over that of a point: the sum of w_i w_j f(r_ij), where r_ij is the correlation of
-  // the points.
+  // the points. Without a length each point has a draw of its own, also beside one with the same x.
+  const auto correlation = [&](std::size_t i, std::size_t j) {
+    return length > 0.0 ? follow(std::abs(x[i] - x[j]), length).share : i == j ? 1.0 : 0.0;
+  };
   const auto over_pairs = [&](const auto& of_correlation) {
     double sum = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      for (std::size_t j = 0; j < x.size(); ++j)
-        sum += weight[i] * weight[j] * of_correlation(follow(std::abs(x[i] - x[j]), length).share);
+      for (std::size_t j = 0; j < x.size(); ++j) sum += weight[i] * weight[j] * of_correlation(correlation(i, j));
     }
     return sum;
   };

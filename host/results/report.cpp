@@ -826,6 +826,12 @@ std::string run_scripts(const Part& part) {
       json_in_page(part.head), part.data);
 }
 
+fs::path page_in(const fs::path& folder) {
+  fs::path page = folder / "report.html";
+  refuse_page_of_others(page);
+  return page;
+}
+
 }  // namespace
 
 std::string live_page_text(const std::string& title) {
@@ -856,8 +862,7 @@ std::string GrowingRun::part(const std::string& summary, const std::string& hist
 
 fs::path write_report(const std::vector<fs::path>& folders, const OnFrame& on_frame) {
   require_report_library();
-  const fs::path path = folders.front() / "report.html";
-  refuse_page_of_others(path);
+  const fs::path path = page_in(folders.front());
   std::string runs, title;
   for (const fs::path& folder : folders) {
     const Part part = part_of(folder, on_frame);
@@ -888,8 +893,7 @@ fs::path write_motion_report(const fs::path& vtu, const std::string& title, cons
     head["labels"].push_back(motion.label), head["times"].push_back(frames.size() - 1);
   }
   const std::string data = pack_frames(start, frames, &head);
-  const fs::path path = vtu.parent_path() / "report.html";
-  refuse_page_of_others(path);
+  const fs::path path = page_in(vtu.parent_path());
   write_file(path, page_text(title, run_scripts({head, data})));
   return path;
 }

@@ -5,11 +5,15 @@
 namespace quoin::blocks {
 
 FamilyOfBricks::FamilyOfBricks(const quoin::Assembly& bricks) {
+  const auto is_beam = [&](int brick) { return bricks.bricks[static_cast<std::size_t>(brick)].beam; };
   const Joint* bed = nullptr;
-  for (const Joint& joint : bricks.joints) {
-    joined_[std::minmax(joint.block_a, joint.block_b)] = joint.family;
-    if (!bed && joint.face_a / 2 == 1) bed = &joint;
+  for (const bool at_beam : {false, true}) {
+    for (const Joint& joint : bricks.joints) {
+      if (!bed && joint.face_a / 2 == 1 && (at_beam || !(is_beam(joint.block_a) || is_beam(joint.block_b))))
+        bed = &joint;
+    }
   }
+  for (const Joint& joint : bricks.joints) joined_[std::minmax(joint.block_a, joint.block_b)] = joint.family;
   if (bed) others_ = bed->family;
   for (const auto& [a, b] : bricks.apart) joined_[std::minmax(a, b)] = kNoFamily;
 }

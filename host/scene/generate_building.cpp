@@ -45,6 +45,23 @@ struct Builder {
   // Index of the wall whose unit includes the corner in this course.
   int owner(const Corner& corner, int course) const { return course % 2 == 0 ? corner.first : corner.second; }
 
+  // Whether a corner starts a wall, and whether the units of a course include the corners at its ends.
+  struct Ends {
+    bool corner_at_start = false, owns_start = false, owns_end = false;
+  };
+  Ends ends_of(int wall, int course) const {
+    Ends ends;
+    for (const Corner& corner : spec.corners) {
+      if (corner.first != wall && corner.second != wall) continue;
+      const bool owns = owner(corner, course) == wall;
+      if (end_at(spec.walls[static_cast<size_t>(wall)], corner) < 0)
+        ends.corner_at_start = true, ends.owns_start = owns;
+      else
+        ends.owns_end = owns;
+    }
+    return ends;
+  }
+
   int add(const Vec3& origin, const Vec3& size, const std::array<int, 3>& zones, int unit, int course) {
     Brick brick;
     brick.origin = origin;
@@ -64,16 +81,10 @@ struct Builder {
       const bool x = wall.axis == 0;
       for (int course = 0; course < spec.courses; ++course) {
         auto& row = blocks.emplace_back(static_cast<size_t>(wall.half_units), -1);
-        // The unit at the end of this wall consists of the corner and the half unit beside it.
-        bool corner_at_start = false, corner_here = false;
-        for (const Corner& corner : spec.corners) {
-          if ((corner.first != static_cast<int>(w) && corner.second != static_cast<int>(w)) ||
-              end_at(wall, corner) != -1)
-            continue;
-          corner_at_start = true;
-          corner_here = owner(corner, course) == static_cast<int>(w);
-        }
-        const bool starts_half = corner_at_start ? corner_here : (wall.first_course == "half") != (course % 2 == 1);
+        // The unit at an end of this wall consists of the corner and the half unit beside it.
+        const Ends ends = ends_of(static_cast<int>(w), course);
+        const bool starts_half =
+            ends.corner_at_start ? ends.owns_start : (wall.first_course == "half") != (course % 2 == 1);
         for (int column = 0; column < wall.half_units; ++column) {
           if (in_opening(wall.openings, course, column)) continue;
           const int before = column > 0 ? row[static_cast<size_t>(column) - 1] : -1;
@@ -82,7 +93,8 @@ struct Builder {
             row[static_cast<size_t>(column)] = before;
             continue;
           }
-          const bool second_half = column > 0 && (column % 2 == 1) != starts_half && !lintel &&
+          const bool in_corner = ends.owns_end && column + 1 == wall.half_units;
+          const bool second_half = column > 0 && (column % 2 == 1) != starts_half && !in_corner && !lintel &&
                                    !lintel_at(wall.openings, course, column - 1);
           const int unit = second_half && before >= 0 ? assembly.bricks[static_cast<size_t>(before)].unit : next_unit++;
           const int count = lintel ? lintel->lintel_length() : 1;
@@ -230,39 +242,55 @@ struct Builder {
   }
 };
 
-// Part of the building in plan.
+// Part of the building in plan: a wall, or a corner and the walls that it joins.
 struct InPlan {
   std::string name, source;
   std::array<double, 2> lower, size;  // x and z, m
+  std::vector<std::size_t> joined;    // indices of walls
 };
 
-// Walls meet at corners alone. Blocks that overlap have no joint, and their gridpoints are not those of one grid.
-void refuse_overlaps(const BuildingSpec& building) {
+std::vector<InPlan> parts_of(const BuildingSpec& building) {
   std::vector<InPlan> parts;
   for (const Wall& wall : building.walls) {
     const double length = wall.half_units * wall.half_unit, across = building.thickness;
-    parts.push_back({fmt::format("wall '{}'", wall.name), wall.source.text, wall.start,
-                     wall.axis == 0 ? std::array{length, across} : std::array{across, length}});
+    parts.push_back({fmt::format("wall '{}'", wall.name),
+                     wall.source.text,
+                     wall.start,
+                     wall.axis == 0 ? std::array{length, across} : std::array{across, length},
+                     {}});
   }
   for (const Corner& corner : building.corners)
     parts.push_back({fmt::format("the corner at ({:g}, {:g})", corner.at[0], corner.at[1]),
                      corner.source.text,
                      corner.at,
-                     {building.thickness, building.thickness}});
+                     {building.thickness, building.thickness},
+                     {static_cast<size_t>(corner.first), static_cast<size_t>(corner.second)}});
+  return parts;
+}
+
+// Visits pairs of parts with the lengths that they have in common along x and z, in micrometres. < 0: a gap.
+template <class Visit>
+void each_pair(const std::vector<InPlan>& parts, const Visit& visit) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const InPlan &a = parts[j], &b = parts[i];
       const auto common = [&](std::size_t c) {
         return micrometres(std::min(a.lower[c] + a.size[c], b.lower[c] + b.size[c]) - std::max(a.lower[c], b.lower[c]));
       };
-      if (common(0) <= 0 || common(1) <= 0) continue;
-      throw Error(Exit::bad_input,
-                  fmt::format("{}: {} overlaps {} in plan, by {:g} m along x and {:g} m along z; walls end at each "
-                              "other's faces, and are joined by [[building.corner]] at their ends",
-                              b.source, b.name, a.name, 1e-6 * static_cast<double>(common(0)),
-                              1e-6 * static_cast<double>(common(1))));
+      visit(a, b, common(0), common(1), std::ranges::find(b.joined, j) != b.joined.end());
     }
   }
+}
+
+// Walls meet at corners alone. Blocks that overlap have no joint, and their gridpoints are not those of one grid.
+void refuse_overlaps(const BuildingSpec& building) {
+  each_pair(parts_of(building), [](const InPlan& a, const InPlan& b, long x, long z, bool) {
+    if (x <= 0 || z <= 0) return;
+    throw Error(Exit::bad_input,
+                fmt::format("{}: {} overlaps {} in plan, by {:g} m along x and {:g} m along z; walls end at each "
+                            "other's faces, and are joined by [[building.corner]] at their ends",
+                            b.source, b.name, a.name, 1e-6 * static_cast<double>(x), 1e-6 * static_cast<double>(z)));
+  });
 }
 
 }  // namespace
@@ -271,6 +299,16 @@ std::vector<std::string> BuildingSpec::Floor::bodies() const {
   std::vector<std::string> names;
   for (size_t i = 0; i < half_units.size(); ++i) names.push_back(fmt::format("{}_{}", name, i + 1));
   return names;
+}
+
+bool has_walls_that_touch(const BuildingSpec& building) {
+  constexpr long kGap = 10;  // micrometres, up to which the faces of small blocks make a joint
+  bool found = false;
+  each_pair(parts_of(building), [&](const InPlan&, const InPlan&, long x, long z, bool joined) {
+    const auto touches = [](long across, long along) { return across <= 0 && across >= -kGap && along > 0; };
+    found = found || (!joined && (touches(x, z) || touches(z, x)));
+  });
+  return found;
 }
 
 std::vector<std::string> bodies_called(const std::string& name, const BuildingSpec& building) {
@@ -303,6 +341,10 @@ Assembly generate_building(const BuildingSpec& building, const std::map<std::str
       if (builder.end_at(wall, corner) == 0)
         throw Error(Exit::bad_input,
                     fmt::format("{}: wall {} neither starts nor ends at this corner", corner.source.text, wall.name));
+      if (builder.end_at(wall, corner) < 0 && wall.first_course == "half")
+        throw Error(Exit::bad_input, fmt::format("{}: first_course = 'half': without effect, as a corner starts this "
+                                                 "wall, whose `first` says which courses begin with it; remove it",
+                                                 wall.source.text));
     }
   }
   builder.add_walls();

@@ -137,6 +137,37 @@ void check_opening(Table& o, DryWallSpec::Opening& opening, const DryWallSpec& w
     o.refuse("bearing", "0 where the head is the top of the wall: there is no course for a lintel");
 }
 
+// Compares the last opening and its lintel with those before. No two may take the same part of the wall, and a lintel
+// may not leave it.
+void check_lintels(Table& o, const DryWallSpec& wall) {
+  struct Place {
+    double from, to, low, high;
+  };
+  const double length = wall.units_per_course * wall.unit[0], height = wall.unit[1], tiny = 1e-9 * length;
+  const auto overlap = [tiny](const Place& a, const Place& b) {
+    return std::min(a.to, b.to) - std::max(a.from, b.from) > tiny &&
+           std::min(a.high, b.high) - std::max(a.low, b.low) > tiny;
+  };
+  const auto hole = [](const DryWallSpec::Opening& x) { return Place{x.from, x.to, x.sill, x.head}; };
+  const auto lintel = [&](const DryWallSpec::Opening& x) {
+    return Place{x.from - x.bearing, x.to + x.bearing, x.head, x.bearing > 0.0 ? x.head + height : x.head};
+  };
+  const DryWallSpec::Opening& last = wall.openings.back();
+  const Place of_last = lintel(last);
+  if (last.bearing > 0.0 &&
+      ((last.from > tiny && of_last.from < -tiny) || (last.to < length - tiny && of_last.to > length + tiny)))
+    return o.refuse("bearing", fmt::format("at most {:g} m, up to the end of the wall, or an opening up to there",
+                                           std::min(last.from, length - last.to)));
+  for (std::size_t i = 0; i + 1 < wall.openings.size(); ++i) {
+    const DryWallSpec::Opening& other = wall.openings[i];
+    if (overlap(of_last, hole(other)) || overlap(of_last, lintel(other)))
+      o.refuse("bearing", fmt::format("a lintel beside opening {} and its lintel", i + 1));
+    else if (overlap(hole(last), lintel(other)))
+      o.refuse("from", fmt::format("an opening beside the lintel of opening {}, which goes from {:g} to {:g} m", i + 1,
+                                   lintel(other).from, lintel(other).to));
+  }
+}
+
 DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
   DryWallSpec w;
   w.source = {t.where()};
@@ -177,6 +208,7 @@ DryWallSpec read_dry_wall(Table& t, const Scene& scene) {
     o.number("head", opening.head, kPositive, "m above the foot", true);
     o.number("bearing", opening.bearing, kNotNegative, "m of lintel either side (0: no lintel)");
     check_opening(o, opening, w);
+    check_lintels(o, w);
   });
   return w;
 }

@@ -335,6 +335,8 @@ struct BuildingSpec {
   std::vector<Floor> floors;
 };
 
+// Whether walls touch without a corner between them. The lattice has no joint there.
+bool has_walls_that_touch(const BuildingSpec& building);
 // Bodies of the building's floor of this name; else the name alone.
 std::vector<std::string> bodies_called(const std::string& name, const BuildingSpec& building);
 

@@ -442,18 +442,32 @@ void find_rest(Simulation::Impl&, const std::function<bool()>&) {}
 
 #endif
 
-void require_rest(const Simulation::Impl& impl, int stage) {
-  const Stage& settings = impl.scene.stages[static_cast<std::size_t>(stage)];
-  if (settings.kind != "rest") return;
+namespace {
+
+void require(const Stage& stage, bool on_ranks) {
 #ifndef QUOIN_REST
-  throw Error(Exit::bad_input, fmt::format("{}: this program finds no states of rest; build it with "
-                                           "libopenblas-serial-dev",
-                                           settings.source.text));
+  if (stage.kind == "rest")
+    throw Error(Exit::bad_input, fmt::format("{}: this program finds no states of rest; build it with "
+                                             "libopenblas-serial-dev",
+                                             stage.source.text));
 #endif
-  if (impl.ranks)
+  if (!on_ranks) return;
+  if (stage.kind == "rest")
     throw Error(Exit::bad_input, fmt::format("{}: a stage of rest runs in one process; start quoin without mpirun, or "
                                              "give the stage equilibrium_ratio without kind = \"rest\"",
-                                             settings.source.text));
+                                             stage.source.text));
+  if (stage.solver && damping_of(*stage.solver).is_implicit())
+    throw Error(Exit::bad_input, fmt::format("{}: solver.implicit_contacts runs in one process; start quoin without "
+                                             "mpirun, or remove it from the stage",
+                                             stage.source.text));
+}
+
+}  // namespace
+
+void require_coming_stages(const Simulation& simulation) {
+  const Simulation::Impl& s = simulation;
+  const auto first = at(simulation.stages_ended() + (s.progress.in_stage ? 1 : 0));
+  for (std::size_t i = first; i < s.scene.stages.size(); ++i) require(s.scene.stages[i], s.ranks != nullptr);
 }
 
 }  // namespace quoin

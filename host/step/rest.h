@@ -11,11 +11,13 @@
 
 namespace quoin {
 
-// To be called between two steps, at the start of the current stage, after require_rest. Throws Error(interrupted)
-// where a stop is requested between two iterations, Error(numerical) with the name of a block that has no support.
+// To be called between two steps, at the start of the current stage, after require_coming_stages. Throws
+// Error(interrupted) where a stop is requested between two iterations, Error(numerical) with the name of a block that
+// has no support.
 void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_requested);
 
-// Throws Error(bad_input) where the stage is of rest, and ranks share the model or the program has no sparse solver.
-void require_rest(const Simulation::Impl& impl, int stage);
+// Throws Error(bad_input) where ranks share the model, and a stage that has not begun is of rest or has implicit
+// contacts. Also for a stage of rest where the program has no sparse solver.
+void require_coming_stages(const Simulation& simulation);
 
 }  // namespace quoin

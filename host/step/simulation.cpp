@@ -95,7 +95,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   const int stages = static_cast<int>(impl_->scene.stages.size());
   const int index = stages_ended();
   if (index >= stages) return false;
-  for (int i = index + (impl_->progress.in_stage ? 1 : 0); i < stages; ++i) require_rest(*impl_, i);
+  require_coming_stages(*this);
   const CurrentVelocities current{*impl_};
   StageRun stage(*this, *impl_, observer, index);
   for (; most_steps > 0; --most_steps) {

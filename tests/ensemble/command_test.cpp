@@ -315,6 +315,21 @@ TEST_F(Ensemble, SensitivityOneAtATimeIsTwoRunsAnInput) {
   EXPECT_TRUE(fs::exists(folder_ / "s" / "sensitivity.csv"));
 }
 
+// Properties that scatter in the scene itself are inputs, as those below [set]. They were left out.
+TEST_F(Ensemble, SensitivityHasWhatScattersInTheScene) {
+  std::string scene = read_all(QUOIN_ENSEMBLE_TESTS "/../cli/small_wall.toml");
+  const std::size_t at = scene.find("tensile_strength"), end = scene.find('\n', at);
+  scene.replace(at, end - at, "tensile_strength = { distribution = \"lognormal\", mean = 0.2e6, cov = 0.3 }");
+  std::ofstream(folder_ / "scene.toml") << scene;
+  std::ofstream(folder_ / "study.toml") << "title = \"s\"\nscene = \"scene.toml\"\nsamples = 2\n";
+  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "sensitivity", (folder_ / "study.toml").string(), "--out",
+                          (folder_ / "s").string(), "--no-pictures", "--set", "stage.shear.displacement=0.00005"})),
+            0)
+      << error_;
+  EXPECT_THAT(out_, HasSubstr("joints.mortar.tensile_strength"));
+  EXPECT_EQ(finished("s"), 3);
+}
+
 // One input at a time, with given results in place of runs. The pressure is uniform from 0.2 to 0.4 MPa, the strength
 // lognormal with mean 0.2 MPa and a coefficient of variation of 0.3.
 TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {

@@ -7,8 +7,11 @@
 #include <map>
 
 #include "base/error.h"
+#include "model/motion.h"
+#include "model/world_results.h"
 #include "scene/quality.h"
 #include "scene/read_scene.h"
+#include "step/large_motion.h"
 #include "step/results.h"
 #include "support.h"
 
@@ -262,6 +265,18 @@ TEST(Building, ARunWithLoadedBlocksGoesOnBitForBit) {
 
 // Wall B with a window and its lintel, which ends at a corner: the corner is then a separate unit, and all faces
 // conform.
+// A wall with an odd number of half units owns both of its corners in the same courses. Units of these courses had
+// three halves at its end.
+TEST(Building, UnitsHaveTwoHalves) {
+  Scene scene = small_building(4);
+  scene.building->corners[1].first = 0, scene.building->corners[1].second = 2;
+  std::map<int, int> halves;
+  for (const Brick& brick : assemble(scene).bricks) ++halves[brick.unit];
+  for (const auto& [unit, count] : halves) EXPECT_LE(count, 2) << unit;
+  scene.building->walls[0].first_course = "half";
+  EXPECT_THROW(assemble(scene), Error) << "a corner starts the wall";
+}
+
 // Walls that cross have blocks in each other, which the lattice took: the run ended by a segmentation fault.
 TEST(Building, WallsThatOverlapAreRefused) {
   const auto refused = [](const Scene& scene, const std::string& reason) {
@@ -281,10 +296,33 @@ TEST(Building, WallsThatOverlapAreRefused) {
   scene = small_building(4);
   scene.building->corners.push_back(scene.building->corners[0]);
   refused(scene, "the corner at (0, 0) overlaps the corner at (0, 0) in plan");
-  // Faces that touch do not overlap.
-  scene = small_building(4);
+}
+
+// Walls that touch without a corner had no joint on the lattice, and passed through each other.
+TEST(Building, WallsThatTouchHaveJoints) {
+  Scene scene = small_building(4);
+  scene.stages.emplace_back();
+  ASSERT_FALSE(choose_motion(scene).shapes) << "on the lattice";
   scene.building->walls.push_back({"T", 2, {kThickness + kHalf, kThickness}, 2, kHalf, "whole", {}, {}});
-  EXPECT_EQ(assemble(scene).bricks.size(), assemble(small_building(4)).bricks.size() + 8);
+  ASSERT_TRUE(choose_motion(scene).shapes);
+  const Simulation run(scene);
+  const blocks::Model& m = *run.large_motion();
+  const auto in_t = [&](int block) {
+    const geometry::Vector x = position_of(m, block);
+    return x.z > kThickness && x.x > kThickness + kHalf && x.x < 2 * kThickness + kHalf && x.y > 0.0;
+  };
+  const auto in_b = [&](int block) { return position_of(m, block).z < kThickness && position_of(m, block).y > 0.0; };
+  EXPECT_GE(std::ranges::count_if(m.contacts.list,
+                                  [&](const blocks::Contact& c) {
+                                    return c.count >= 4 &&
+                                           ((in_t(c.pair.a) && in_b(c.pair.b)) || (in_t(c.pair.b) && in_b(c.pair.a)));
+                                  }),
+            4);
+  scene.building->walls.back().start[1] += 1e-3;  // a gap
+  ASSERT_FALSE(choose_motion(scene).shapes);
+  scene.building->walls.back().start[1] -= 1e-3;
+  scene.solver.large_motion = LargeMotion::never;
+  EXPECT_THROW(choose_motion(scene), Error);
 }
 
 TEST(Building, LintelsMayEndAtCorners) {

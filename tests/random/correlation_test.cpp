@@ -83,6 +83,17 @@ TEST(Correlation, VarianceOfAMeanOfAShortIntervalIsThatOfAPoint) {
   EXPECT_NEAR(variance_of_mean(1e4, 1.0), 2e-4, 1e-7);                                // scale of fluctuation over T
 }
 
+// Without a length points are independent, also those of one x: the variance of a mean of n is 1/n. They counted as
+// equal, and means scattered by a third to three quarters of what was asked.
+TEST(Correlation, PointsWithoutALengthAreIndependent) {
+  const std::vector<double> x(16, 0.3), weight(16, 1.0 / 16.0);
+  for (const Shape shape : {Shape::normal, Shape::lognormal}) {
+    const Distribution of_mean{shape, 2e9, 0.2e9, -kNone, kNone};
+    EXPECT_NEAR(of_points(of_mean, 0.0, x, weight).scatter, 4.0 * 0.2e9, 1e-6 * 0.2e9) << shape_name(shape);
+    EXPECT_NEAR(of_points(of_mean, 0.1, x, weight).scatter, 0.2e9, 1e-6 * 0.2e9) << "one place of a field";
+  }
+}
+
 // Mean and standard deviation of the average over a joint are those requested.
 TEST(Correlation, PointsScatterMoreSoThatTheirMeanScattersAsGiven) {
   const std::vector<double> x{0.0, 0.0275, 0.055, 0.0825, 0.11}, weight{0.125, 0.25, 0.25, 0.25, 0.125};

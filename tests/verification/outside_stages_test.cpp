@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 
 #include "outside.h"
 
@@ -293,6 +294,48 @@ force = [0, {}, 0]
   pier(16e3, "false", &warned);
   EXPECT_EQ(std::ranges::count(warned, "bending"), 1);
   EXPECT_THROW(pier(16e3, "true", nullptr), Error) << "it buckles";
+}
+
+// Units that meet after the start have the joints of beds, not those to beams. A unit falls over the gap of a missing
+// one. Its joint was that to the beam.
+TEST(OutsideStages, UnitsThatMeetLaterHaveTheJointOfBeds) {
+  Simulation run(scene_of(kStone + R"(
+[joints.a_beam]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+friction_angle = 60.0
+[wall]
+courses = 4
+units_per_course = 1
+unit = [0.4, 0.2, 0.2]
+mid_unit_joints = false
+bond = "stack"
+rigid_units = true
+top_beam = false
+unit_material = "stone"
+bed_joint = "dry"
+head_joint = "dry"
+beam_joint = "a_beam"
+[[wall.changed]]
+course = 2
+half_unit = 0
+missing = true
+[[stage]]
+kind = "custom"
+gravity = [0, -9.81, 0]
+duration = 0.5
+[[stage.control]]
+body = "bottom_beam"
+)"));
+  Rows rows;
+  run.run(rows);
+  std::map<std::string, int> points;
+  for (const ContactPoint& p : contact_points(run))
+    if (p.traction[0] < 0.0) ++points[run.assembly().families[static_cast<std::size_t>(p.family)].name];
+  EXPECT_EQ(points["a_beam"], 4);
+  EXPECT_EQ(points["dry"], 8);
 }
 
 // A stage of collapse that ended at its limit said nothing, and its picture looked like a collapse.

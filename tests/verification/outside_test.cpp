@@ -1318,6 +1318,14 @@ duration = 0.001
   expect_refused(opening("sill = 0.25\nhead = 0.8"), "a bed joint, 0.2 or 0.4 m");
   expect_refused(opening("sill = 0.2\nhead = 1.2\nbearing = 0.2"), "no course for a lintel");
   rows_of(opening("sill = 0.2\nhead = 0.8\nbearing = 0.2"));
+  // A lintel that met another opening vanished, with 0.9 m of wall where 0.2 m were asked for.
+  const auto beside = [&](const std::string& second) {
+    return opening("sill = 0.2\nhead = 0.6\nbearing = 0.2\n[[dry_wall.opening]]\n" + second);
+  };
+  expect_refused(beside("from = 1.2\nto = 1.8\nsill = 0.6\nhead = 0.8"), "beside the lintel of opening 1");
+  expect_refused(beside("from = 1.5\nto = 1.9\nsill = 0.2\nhead = 0.6\nbearing = 0.1"), "beside opening 1 and its");
+  expect_refused(beside("from = 1.7\nto = 1.9\nsill = 0.2\nhead = 0.6\nbearing = 0.2"), "up to the end of the wall");
+  rows_of(beside("from = 1.6\nto = 1.9\nsill = 0.6\nhead = 0.8"));
 }
 
 // Squares of such displacements overflow: detection, to which the run went over, had no order of boxes left.
