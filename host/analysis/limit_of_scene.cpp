@@ -24,6 +24,7 @@
 #include "model/contact_frames.h"
 #include "model/new_points.h"
 #include "model/placed_blocks.h"
+#include "scene/driven.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
@@ -209,16 +210,17 @@ void add_ties(const members::Members& members, SceneLimit* limit) {
   }
 }
 
+// A reaction without bound on a block, along `way` and about `turn`.
+void hold(int block, const Vector& at, const Vector& way, const Vector& turn, SceneLimit* limit) {
+  limit->problem.forces.push_back({{{block, at, way, turn}}});
+}
+
 // Reaction of the ground along the directions in which a node is not free.
 void guide(int block, const Vector& at, const std::vector<Vector>& free, bool turns, SceneLimit* limit) {
   std::vector<Vector> held;
   if (free.empty()) held = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   if (free.size() == 2) held = {cross(free[0], free[1])};
-  for (const Vector& way : held) {
-    const LimitForce::Place place =
-        turns ? LimitForce::Place{block, at, {}, way} : LimitForce::Place{block, at, way, {}};
-    limit->problem.forces.push_back({{place}});
-  }
+  for (const Vector& way : held) turns ? hold(block, at, {}, way, limit) : hold(block, at, way, {}, limit);
 }
 
 // A plane of symmetry at z = 0 leaves a block motions along x and y, and rotation about z.
@@ -228,8 +230,7 @@ void keep_on_plane(SceneLimit* limit) {
     if (block.fixed) continue;
     const auto i = static_cast<int>(k);
     guide(i, block.centre, {{1, 0, 0}, {0, 1, 0}}, false, limit);
-    for (const Vector& axis : {Vector{1, 0, 0}, Vector{0, 1, 0}})
-      limit->problem.forces.push_back({{{i, block.centre, {}, axis}}});
+    for (const Vector& axis : {Vector{1, 0, 0}, Vector{0, 1, 0}}) hold(i, block.centre, {}, axis, limit);
   }
 }
 
@@ -237,16 +238,14 @@ void keep_on_plane(SceneLimit* limit) {
 void hold_bodies(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
   if (!stage.collapse) return;
   for (const BodyControl& control : stage.controls) {
+    const unsigned held = prescribed_by(control);
     for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text)) {
       const LimitBlock& body = limit->problem.blocks[static_cast<std::size_t>(block)];
-      const auto react = [&](const Vector& way, const Vector& turn) {
-        limit->problem.forces.push_back({{{block, body.centre, way, turn}}});
-      };
-      for (std::size_t c = 0; c < 3 && !body.fixed; ++c) {
+      for (int c = 0; c < 3 && !body.fixed; ++c) {
         Vector axis;
-        axis[static_cast<int>(c)] = 1.0;
-        if (control.kind[c] == DofKind::velocity) react(axis, {});
-        if (!control.may_turn) react({}, axis);
+        axis[c] = 1.0;
+        if (held >> c & 1u) hold(block, body.centre, axis, {}, limit);
+        if (held >> (c + 3) & 1u) hold(block, body.centre, {}, axis, limit);
       }
     }
   }

@@ -18,6 +18,7 @@
 #include "model/motion.h"
 #include "model/world.h"
 #include "model/world_results.h"
+#include "scene/driven.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
@@ -109,8 +110,7 @@ void World::hold(const Stage& stage, std::vector<std::string>* held) {
   held_.assign(given.size(), 0);
   for (std::size_t i = 0; i < given.size(); ++i) held_[i] = given[i].fixed ? 0x3f : 0;
   for (const BodyControl& control : stage.controls) {
-    unsigned bits = control.may_turn ? 0u : 0x38u;
-    for (unsigned c = 0; c < 3; ++c) bits |= control.kind[c] == DofKind::velocity ? 1u << c : 0u;
+    const unsigned bits = prescribed_by(control);
     for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text)) {
       const bool rigid = given[at(block)].rigid;
       held_[at(block)] = static_cast<std::uint8_t>(rigid ? bits : 0u);

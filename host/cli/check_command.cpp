@@ -178,16 +178,16 @@ void print_overhang(const Simulation& simulation) {
 
 // Prints the time of all steps, estimated by some steps of this model on this machine. Throws Error(bad_input) above
 // kLongest.
-void print_time(Simulation& simulation, double steps, bool force) {
+void print_time(Simulation& simulation, const Scene& scene, double steps, bool force) {
   constexpr double kLook = 0.1, kLongest = 30.0 * 86400.0;  // s; longest measurement, longest run
   simulation.advance(1, false);                             // the first step touches memory for the first time
   long taken = 0;
   const auto begin = Clock::now();
   while (taken == 0 || (seconds_since(begin) < kLook && taken < 1000)) simulation.advance(1, false), ++taken;
   const double per_step = seconds_since(begin) / static_cast<double>(taken), all = per_step * steps;
-  const bool settles = std::any_of(simulation.scene().stages.begin(), simulation.scene().stages.end(),
+  const bool settles = std::any_of(scene.stages.begin(), scene.stages.end(),
                                    [](const Stage& s) { return s.equilibrium_ratio.has_value(); });
-  const bool grows = std::any_of(simulation.scene().stages.begin(), simulation.scene().stages.end(),
+  const bool grows = std::any_of(scene.stages.begin(), scene.stages.end(),
                                  [](const Stage& s) { return s.collapse && !seconds_of_growth(*s.collapse); });
   fmt::print("computing time about {}{}{} ({:.3g} ms a step, by {} steps with {} threads here)\n", duration_text(all),
              settles ? ", and what stages take to come to rest" : "",
@@ -198,7 +198,7 @@ void print_time(Simulation& simulation, double steps, bool force) {
       Exit::bad_input,
       fmt::format("{}: about {:.3g} steps of {:.3g} ms, {}, and {} are taken for the longest that a run may last; "
                   "load faster (stage velocity, solver.quality), make the scene smaller, or go on with --force",
-                  simulation.scene().file, steps, per_step * 1e3, duration_text(all), duration_text(kLongest)));
+                  scene.file, steps, per_step * 1e3, duration_text(all), duration_text(kLongest)));
 }
 
 // Prints random properties of a family, and their range in the sample.
@@ -366,7 +366,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   print_overhang(simulation);
   if (const members::Members* const members = simulation.large_motion()->held_by.members.get())
     print_members(*members, simulation.large_motion()->assembly);
-  print_time(simulation, print_stages(scene, step), options.force);
+  print_time(simulation, scene, print_stages(scene, step), options.force);
 }
 
 void check(const SceneOptions& options) {
@@ -411,7 +411,7 @@ void check(const SceneOptions& options) {
              report.time_step / report.critical.value);
   print_notes(report);
   print_supports(simulation);
-  print_time(simulation, print_stages(scene, report), options.force);
+  print_time(simulation, scene, print_stages(scene, report), options.force);
 }
 
 }  // namespace

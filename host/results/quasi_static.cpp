@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "results/history.h"
+#include "scene/driven.h"
 
 namespace quoin {
 namespace {
@@ -14,14 +15,8 @@ constexpr long kLeastRows = 10;  // least rows of a stage: fewer do not sample o
 
 // Whether a stage drives bodies slowly; ground motion does not count.
 bool drives(const Stage& stage) {
-  if (stage.ground) return false;
-  return stage.displacement || stage.whiffletree ||
-         std::any_of(stage.controls.begin(), stage.controls.end(), [](const BodyControl& c) {
-           for (std::size_t i = 0; i < 3; ++i) {
-             if (c.kind[i] == DofKind::velocity && c.velocity[i] != 0.0) return true;
-           }
-           return false;
-         });
+  return !stage.ground &&
+         (stage.displacement || stage.whiffletree || driven_along(stage) != std::array{false, false, false});
 }
 
 // Why the force on what a stage of blocks watches is not that of its drive; empty: it is.
@@ -30,11 +25,9 @@ std::string watches_another(const Stage& stage, const Scene& scene) {
   if (!scene.blocks || stage.whiffletree || watched.empty()) return "";
   std::string driven;
   for (const BodyControl& c : stage.controls) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (c.kind[i] != DofKind::velocity || c.velocity[i] == 0.0) continue;
-      if (c.body == watched || watched.starts_with(c.body + "/") || c.body.starts_with(watched + "/")) return "";
-      driven = c.body;
-    }
+    if (driven_along(stage, {c.body}) == std::array{false, false, false}) continue;
+    if (c.body == watched || watched.starts_with(c.body + "/") || c.body.starts_with(watched + "/")) return "";
+    driven = c.body;
   }
   if (driven.empty()) return "";
   return fmt::format("stage '{}' drives '{}' and watches '{}', whose force is not that of the drive: watch the former",

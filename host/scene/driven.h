@@ -10,6 +10,13 @@
 
 namespace quoin {
 
+// Components that a stage prescribes, moved or held: displacements along x, y, z in bits 0..2, rotations in bits 3..5.
+inline unsigned prescribed_by(const BodyControl& control) {
+  unsigned bits = control.may_turn ? 0u : 0x38u;
+  for (unsigned c = 0; c < 3; ++c) bits |= control.kind[c] == DofKind::velocity ? 1u << c : 0u;
+  return bits;
+}
+
 // Axes along which a stage drives bodies. only: those that count; empty: all.
 inline std::array<bool, 3> driven_along(const Stage& stage, const std::vector<std::string>& only = {}) {
   std::array<bool, 3> driven{};

@@ -6,15 +6,13 @@ namespace quoin::blocks {
 
 FamilyOfBricks::FamilyOfBricks(const quoin::Assembly& bricks) {
   const auto is_beam = [&](int brick) { return bricks.bricks[static_cast<std::size_t>(brick)].beam; };
-  const Joint* bed = nullptr;
-  for (const bool at_beam : {false, true}) {
-    for (const Joint& joint : bricks.joints) {
-      if (!bed && joint.face_a / 2 == 1 && (at_beam || !(is_beam(joint.block_a) || is_beam(joint.block_b))))
-        bed = &joint;
-    }
-  }
+  const auto is_bed = [](const Joint& joint) { return joint.face_a / 2 == 1; };
+  auto bed = std::ranges::find_if(bricks.joints, [&](const Joint& joint) {
+    return is_bed(joint) && !is_beam(joint.block_a) && !is_beam(joint.block_b);
+  });
+  if (bed == bricks.joints.end()) bed = std::ranges::find_if(bricks.joints, is_bed);
+  if (bed != bricks.joints.end()) others_ = bed->family;
   for (const Joint& joint : bricks.joints) joined_[std::minmax(joint.block_a, joint.block_b)] = joint.family;
-  if (bed) others_ = bed->family;
   for (const auto& [a, b] : bricks.apart) joined_[std::minmax(a, b)] = kNoFamily;
 }
 

@@ -47,22 +47,17 @@ Vector centre(const Simulation::Impl& s, int block) {
   return geometry::vector(centre_of(s.model.assembly.bricks[static_cast<std::size_t>(block)]));
 }
 
-const std::vector<JointFamily>& families(const Simulation::Impl& s) {
-  return s.large_motion ? s.large_motion->assembly.families : s.model.assembly.families;
-}
-
 }  // namespace
 
 std::string bending_at_corners(const Simulation::Impl& s) {
   constexpr double kAllowed = 0.02;  // sway that is missing, share of the depth of a joint
   constexpr double kBed = 0.7;       // least cosine between the normal of a bed joint and gravity
   constexpr double kDeep = 0.25;     // depth of a joint that carries a stack, share of the least extent of its blocks
-  const auto at_corners = [&](int family) {
-    return families(s)[static_cast<std::size_t>(family)].rigid_points == RigidPoints::corners;
-  };
+  const std::vector<JointFamily>& families = s.model.assembly.families;
+  const auto at_corners = [](const JointFamily& f) { return f.rigid_points == RigidPoints::corners; };
   const double g = norm(geometry::vector(s.data.gravity));
   if (g == 0.0 || (s.scene.blocks && s.scene.blocks->contact.point_spacing > 0.0) ||
-      std::ranges::none_of(families(s), [](const JointFamily& f) { return f.rigid_points == RigidPoints::corners; }))
+      std::ranges::none_of(families, at_corners))
     return "";
   const Vector up = -1.0 / g * geometry::vector(s.data.gravity);
   const std::vector<ContactPoint> points = contact_points(s, all_points(s), true);
@@ -75,8 +70,8 @@ std::string bending_at_corners(const Simulation::Impl& s) {
     const ContactPoint& p = points[first];
     while (end < points.size() && points[end].block_a == p.block_a && points[end].block_b == p.block_b) ++end;
     const std::span<const ContactPoint> joint = std::span(points).subspan(first, end - first);
-    if (!at_corners(p.family) || !is_rigid(s, p.block_a) || !is_rigid(s, p.block_b) ||
-        std::abs(dot(up, geometry::vector(p.normal))) < kBed ||
+    if (!at_corners(families[static_cast<std::size_t>(p.family)]) || !is_rigid(s, p.block_a) ||
+        !is_rigid(s, p.block_b) || std::abs(dot(up, geometry::vector(p.normal))) < kBed ||
         !std::ranges::all_of(joint, [](const ContactPoint& q) { return q.jump[0] < 0.0; }))
       continue;
     const double rise = std::abs(dot(up, centre(s, p.block_b) - centre(s, p.block_a)));
@@ -96,7 +91,7 @@ std::string bending_at_corners(const Simulation::Impl& s) {
       "they are closed, as joints of their normal_stiffness: what stands on them sways too little, by about {:.2g} "
       "times the depth of a joint, and buckles too late; take contact.cubic_points = true, or a larger "
       "normal_stiffness",
-      families(s)[static_cast<std::size_t>(family)].name, most);
+      families[static_cast<std::size_t>(family)].name, most);
 }
 
 }  // namespace quoin

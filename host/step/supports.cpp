@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "members/members.h"
 #include "model/world_results.h"
+#include "scene/driven.h"
 #include "step/actions/ground.h"
 #include "step/findings.h"
 #include "step/large_motion_run.h"
@@ -21,11 +22,7 @@ namespace quoin {
 
 namespace {
 
-std::uint8_t imposed_by(const BodyControl& control) {
-  unsigned bits = 0;
-  for (unsigned c = 0; c < 3; ++c) bits |= control.kind[c] == DofKind::velocity ? 1u << c : 0u;
-  return static_cast<std::uint8_t>(bits);
-}
+std::uint8_t imposed_by(const BodyControl& control) { return static_cast<std::uint8_t>(prescribed_by(control) & 7u); }
 
 // Held components by block; bits 0..2: x, y, z.
 std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settings) {
