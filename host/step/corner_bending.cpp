@@ -55,11 +55,10 @@ std::string bending_at_corners(const Simulation::Impl& s) {
   constexpr double kDeep = 0.25;     // depth of a joint that carries a stack, share of the least extent of its blocks
   const std::vector<JointFamily>& families = s.model.assembly.families;
   const auto at_corners = [](const JointFamily& f) { return f.rigid_points == RigidPoints::corners; };
-  const double g = norm(geometry::vector(s.data.gravity));
-  if (g == 0.0 || (s.scene.blocks && s.scene.blocks->contact.point_spacing > 0.0) ||
-      std::ranges::none_of(families, at_corners))
+  if ((s.scene.blocks && s.scene.blocks->contact.point_spacing > 0.0) || std::ranges::none_of(families, at_corners))
     return "";
-  const Vector up = -1.0 / g * geometry::vector(s.data.gravity);
+  const Vector gravity = geometry::vector(s.data.gravity);
+  const Vector up = norm(gravity) > 0.0 ? -normalized(gravity) : Vector{0, 1, 0};
   const std::vector<ContactPoint> points = contact_points(s, all_points(s), true);
   double top = -std::numeric_limits<double>::infinity();
   for (const ContactPoint& p : points) top = std::max(top, dot(up, geometry::vector(p.position)));

@@ -296,6 +296,36 @@ force = [0, {}, 0]
   EXPECT_THROW(pier(16e3, "true", nullptr), Error) << "it buckles";
 }
 
+// The same on the lattice, where a wall under pressure needs no gravity.
+TEST(OutsideStages, WallsOnCornersAreWarnedOfWithoutGravity) {
+  const auto warned = [](const std::string& contact) {
+    const Rows rows = rows_of(contact + R"(
+[wall]
+courses = 20
+units_per_course = 1
+unit = [0.2, 0.2, 0.5]
+mid_unit_joints = false
+bond = "stack"
+rigid_units = true
+unit_material = "stone"
+bed_joint = "dry"
+head_joint = "dry"
+beam_joint = "dry"
+[[stage]]
+kind = "pressure"
+pressure = 1e5
+ramp_time = 0.1
+duration = 0.15
+[[stage]]
+kind = "shear"
+displacement = 0.02
+)");
+    return std::ranges::count(rows.warned_of, "bending");
+  };
+  EXPECT_EQ(warned(""), 1);
+  EXPECT_EQ(warned("[contact]\ncubic_points = true\n"), 0);
+}
+
 // Units that meet after the start have the joints of beds, not those to beams. A unit falls over the gap of a missing
 // one. Its joint was that to the beam.
 TEST(OutsideStages, UnitsThatMeetLaterHaveTheJointOfBeds) {
