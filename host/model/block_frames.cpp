@@ -32,16 +32,21 @@ Matrix rotation_of_frame(const World& w, int block) {
   return w.is_small ? start_of_frame(w, block) : transposed(w.frames.frame[size_t(block)].transposed_r);
 }
 
-void find_block_frame(World& w, int i) {
-  const ModelBlock& b = w.blocks[size_t(i)];
-  if (b.body >= 0 || !w.part.laid_out[size_t(i)] || (b.congruent < 0 && w.nodes.anchor.empty())) return;
-  if (w.frames.fixed[size_t(i)]) return;
+BlockFrame frame_of(const World& w, int block) {
+  const ModelBlock& b = w.blocks[size_t(block)];
   const size_t first = size_t(b.first_node), corners = b.shape->vertices.size();
   const Vector* const anchor =
       b.congruent >= 0 ? w.zones.congruent[size_t(b.congruent)].anchor.data() : w.nodes.anchor.data() + first;
   Matrix f = Matrix::zero();
   for (size_t n = 0; n < corners; ++n) f += outer(w.nodes.x[first + n] - w.nodes.x[first], anchor[n]);
-  w.frames.frame[size_t(i)] = {transposed(rotation_in(f)), f};
+  return {transposed(rotation_in(f)), f};
+}
+
+void find_block_frame(World& w, int i) {
+  const ModelBlock& b = w.blocks[size_t(i)];
+  if (b.body >= 0 || !w.part.laid_out[size_t(i)] || (b.congruent < 0 && w.nodes.anchor.empty())) return;
+  if (w.frames.fixed[size_t(i)] && w.is_small) return;
+  w.frames.frame[size_t(i)] = frame_of(w, i);
 }
 
 void find_block_frames(World& w) {
@@ -49,12 +54,9 @@ void find_block_frames(World& w) {
   for (int i = 0; i < w.block_count(); ++i) find_block_frame(w, i);
 }
 
-namespace {
-
-// Largest |u| in the frame, from the first gridpoint, as in a step, m.
-double deformation(const World& w, int block) {
+double deformation_in(const World& w, const BlockFrame& frame, int block) {
   const ModelBlock& b = w.blocks[size_t(block)];
-  const Matrix& back = w.frames.frame[size_t(block)].transposed_r;
+  const Matrix& back = frame.transposed_r;
   double largest = 0.0;
   for (size_t n = 0; n < size_t(b.node_count); ++n) {
     const size_t first = size_t(b.first_node);
@@ -66,13 +68,11 @@ double deformation(const World& w, int block) {
   return largest;
 }
 
-}  // namespace
-
 void leave_frames_of_deformed(World& w) {
   for (int i = 0; i < w.block_count(); ++i) {
     const ModelBlock& b = w.blocks[size_t(i)];
     if (b.body < 0 && may_have_frame(w, i) && !w.frames.fixed[size_t(i)] &&
-        deformation(w, i) > kLargestDeformation * b.least_extent)
+        deformation_in(w, w.frames.frame[size_t(i)], i) > kLargestDeformation * b.least_extent)
       w.frames.by_zone[size_t(i)] = 1, w.pieces.are_old = true;
   }
 }

@@ -28,14 +28,19 @@ struct BlockFrames {
   LaneVector<BlockFrame> frame;  // frames of deformable blocks that have one
   bool are_old = true;           // whether gridpoints have moved outside of steps since then
   std::vector<uint8_t> by_zone;  // by block: 1 where forces are computed zone by zone
-  std::vector<uint8_t> fixed;    // by block: 1 where the frame stays that of the start, as on the lattice
+  // By block: 1 where internal forces are in the frame of the start, as on the lattice. Axes of contact points follow
+  // the block there too.
+  std::vector<uint8_t> fixed;
 };
 
 bool may_have_frame(const World& w, int block);       // whether a block is deformable and not computed by zone
 Matrix start_of_frame(const World& w, int block);     // R of a deformable block at the start
 Matrix rotation_of_frame(const World& w, int block);  // current R; in small displacements R at the start
-void find_block_frames(World& w);                     // computes the frames of all blocks that are laid out
-void find_block_frame(World& w, int block);           // fixed ones stay
+BlockFrame frame_of(const World& w, int block);       // that of its current gridpoints
+// Largest |u| of a deformable block in a frame, from its first gridpoint, m.
+double deformation_in(const World& w, const BlockFrame& frame, int block);
+void find_block_frames(World& w);            // computes the frames of all blocks that are laid out
+void find_block_frame(World& w, int block);  // that of the start in small displacements
 void leave_frames_of_deformed(World& w);
 
 }  // namespace quoin::blocks

@@ -37,15 +37,11 @@ struct Displaced {
 
 Vector at_arm(const Rigid& motion, const Vector& arm) { return motion.linear + cross(motion.angular, arm); }
 
-// Whether the displacements of a block are still small: its rotation, and the largest displacement beside rigid motion.
+// Whether the displacements of a block are still small: its rotation, and the largest displacement beside it.
 bool keeps_fixed_frame(const World& w, int block) {
-  const ModelBlock& b = w.blocks[size_t(block)];
-  const Displaced d(w, b);
-  const Rigid moved = d.rigid_part(d.displacement);
-  if (norm(moved.angular) > largest_fixed_rotation(w)) return false;
-  for (size_t n = 0; n < d.place.size(); ++n)
-    if (!(norm(d.displacement[n] - at_arm(moved, d.arm(n))) <= kLargestDeformation * b.least_extent)) return false;
-  return true;
+  const BlockFrame frame = frame_of(w, block);
+  return angle_between(transposed(frame.transposed_r), start_of_frame(w, block)) <= largest_fixed_rotation(w) &&
+         deformation_in(w, frame, block) <= kLargestDeformation * w.blocks[size_t(block)].least_extent;
 }
 
 // Turns the gridpoints of a deformable block, whose displacements and velocities are small ones.

@@ -233,6 +233,7 @@ bool moved_enough(World& w) {
   }
   if (moved && w.is_small) {
     w.is_small = false;  // permanent, as blocks that have moved will move again
+    find_block_frames(w);
     for (size_t i = 0; i < w.blocks.size(); ++i) {
       if (w.blocks[i].body < 0) continue;
       w.checks.next = w.stepping.count + 1;  // the allowed motion has changed

@@ -32,10 +32,13 @@ std::vector<Vector> arms_of(const World& w, int block) {
 }
 
 // arm: line of a group's columns. held: by the supports of now.
-InertiaLanes inertia_at_start(const World& w, std::span<const int32_t> blocks, const double* arm) {
-  InertiaLanes lanes;
+FixedFrameLanes lanes_at_start(const World& w, std::span<const int32_t> blocks, const double* arm) {
+  FixedFrameLanes at_start;
+  InertiaLanes& lanes = at_start.inertia;
   for (size_t l = 0; l < size_t(kLanes); ++l) {
-    const ModelBlock& b = w.blocks[size_t(blocks[std::min(l, blocks.size() - 1)])];
+    const int32_t block = blocks[std::min(l, blocks.size() - 1)];
+    const ModelBlock& b = w.blocks[size_t(block)];
+    const Matrix r = start_of_frame(w, block);
     const auto arm_of = [&](size_t n) {
       const double* const x = arm + n * kLine + l;
       return Vector{x[0], x[kLanes], x[2 * kLanes]};
@@ -52,10 +55,11 @@ InertiaLanes inertia_at_start(const World& w, std::span<const int32_t> blocks, c
     lanes.mass.of[l] = mass;
     for (int i = 0; i < 3; ++i) {
       lanes.centre[i].of[l] = centre[i], lanes.held[i].of[l] = held >> i & 1;
-      for (int j = 0; j < 3; ++j) lanes.second[i][j].of[l] = second.row[i][j];
+      for (int j = 0; j < 3; ++j)
+        lanes.second[i][j].of[l] = second.row[i][j], at_start.rotation[i][j].of[l] = r.row[i][j];
     }
   }
-  return lanes;
+  return at_start;
 }
 
 void fill_columns(const World& w, std::span<const int32_t> blocks, const FixedColumns<double>& to) {
@@ -89,14 +93,14 @@ void fill_columns(World& w, Piece& piece) {
     return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
   });
   const bool held_as_before = some_held == std::exchange(piece.some_held, some_held);
-  piece.inertia.clear();
+  piece.at_start.clear();
   thread_local LaneVector<double> numbers;
   for (size_t group = 0; group < piece.group_count(); ++group) {
     const int most = most_gridpoints(w, w.pieces.blocks_of(piece, group));
     numbers.assign(FixedColumns<double>::size(most, piece), 0.0);
     const FixedColumns<double> to(numbers.data(), most, piece);
     fill_columns(w, w.pieces.blocks_of(piece, group), to);
-    if (to.arm) piece.inertia.push_back(inertia_at_start(w, w.pieces.blocks_of(piece, group), to.arm));
+    if (to.arm) piece.at_start.push_back(lanes_at_start(w, w.pieces.blocks_of(piece, group), to.arm));
     size_t& columns = piece.columns[group];
     size_t* const shared =
         piece.kind == Piece::Kind::congruent

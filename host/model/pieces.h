@@ -28,6 +28,12 @@ struct GridpointLine {
   RowLine row;  // of the force
 };
 
+// Blocks of a group in fixed frames, at the start. rotation: R of their frames.
+struct FixedFrameLanes {
+  InertiaLanes inertia;
+  ByLane rotation[3][3];
+};
+
 // Blocks that are advanced together: rigid blocks, deformable single blocks, or all first halves and then all second
 // halves of units.
 struct Piece {
@@ -39,9 +45,9 @@ struct Piece {
   static constexpr size_t kNoColumns = size_t(-1);
   size_t columns[2] = {kNoColumns, kNoColumns};  // first number of the FixedColumns of its groups in Pieces::columns
   bool some_held = false;
-  bool fixed = false;                      // whether the frames of its blocks are fixed; of congruent blocks
-  std::vector<InertiaLanes> inertia = {};  // of its groups in fixed frames, at the start
-  bool other_sides = true;                 // whether blocks have sides of contact points beside those of `lines`
+  bool fixed = false;                          // whether the frames of its blocks are fixed; of congruent blocks
+  std::vector<FixedFrameLanes> at_start = {};  // of its groups in fixed frames
+  bool other_sides = true;                     // whether blocks have sides of contact points beside those of `lines`
   // Of its groups, in frames: contact points on gridpoints, and moments on the frames.
   std::vector<GridpointLine> lines[2] = {};
   std::vector<RowLine> moments[2] = {};

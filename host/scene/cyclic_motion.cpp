@@ -42,6 +42,8 @@ int CyclicMotion::half_cycle(double time) const {
   return std::max(0, static_cast<int>(next - way_.begin()) - 1);
 }
 
+double CyclicMotion::shortest_half_cycle() const { return std::ranges::min(way_, {}, &HalfCycle::duration).duration; }
+
 double CyclicMotion::position(double time, double initial_velocity) const {
   const HalfCycle& h = way_[static_cast<std::size_t>(half_cycle(time))];
   const double since = time - h.start, left = h.duration - since;

@@ -31,6 +31,7 @@ class CyclicMotion {
   double position(double time, double initial_velocity = 0.0) const;
   // Index of the half cycle at `time`, from 0; the last one returns to 0.
   int half_cycle(double time) const;
+  double shortest_half_cycle() const;  // s
   int half_cycles() const { return static_cast<int>(way_.size()); }
   double target(int half_cycle) const { return way_[static_cast<std::size_t>(half_cycle)].to; }  // m, where it ends
 

@@ -398,13 +398,10 @@ HWY_INLINE void frame_forces(const Frame (&frames)[kCount], const FramedGroup* g
 }
 
 // Rotations of the fixed frames of a vector of blocks.
-HWY_INLINE Lanes33 fixed_rotations(std::span<const LaneBlock> blocks, int first) {
+HWY_INLINE Lanes33 fixed_rotations(const FixedFrameLanes& at_start, int first) {
   Lanes33 r;
   for (int i = 0; i < 3; ++i) {
-    const Lanes3 column = load_vectors([&](int l) {
-      return &blocks[std::min(static_cast<std::size_t>(first + l), blocks.size() - 1)].frame->transposed_r.row[i].x;
-    });
-    for (int k = 0; k < 3; ++k) r.row[k][i] = column[k];
+    for (int j = 0; j < 3; ++j) r.row[i][j] = hn::Load(D(), at_start.rotation[i][j].of + first);
   }
   return r;
 }
@@ -433,7 +430,7 @@ HWY_INLINE void fixed_forces(const FramedGroup* groups, const CongruentBlocks& c
     const LaneColumns& c = *(columns[b] = groups[b].columns);
     w[b] = step.beta > 0.0 ? c.weighted : c.u, u[b] = c.u;
     for (int p = 0; p < kParts; ++p) {
-      r[b][p] = fixed_rotations(groups[b].blocks, p * kWidth);
+      r[b][p] = fixed_rotations(*c.at_start, p * kWidth);
       q[b][p] = scaled(hn::Set(D(), 0.5), transposed_times_of(r[b][p], load_line(c.moment + p * kWidth)));
       fixed_displacements(c, p * kWidth, step.beta, r[b][p]);
     }
@@ -506,7 +503,7 @@ HWY_INLINE void store_vectors(const double* lanes, std::span<const LaneBlock> bl
   }
 }
 
-// No frame that follows the block: a fixed one, or forces zone by zone.
+// No frame that follows the block: small displacements, or forces zone by zone.
 struct NoFrame {};
 
 // Stores F, and its R, of the blocks in the lanes from `first` on.
@@ -654,7 +651,7 @@ HWY_INLINE void advance_all(std::span<const LaneBlock> blocks, const LaneColumns
 void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
                        const GridpointStep& step, const CongruentBlocks* shared, BlockSums* sums) {
   GridpointSums lanes;
-  if (!blocks.front().frame || columns.arm)
+  if (!blocks.front().frame)
     advance_all(blocks, columns, gains, step, NoFrame{}, &lanes);
   else if (shared)
     advance_all(blocks, columns, gains, step, SharedFrame{*shared}, &lanes);

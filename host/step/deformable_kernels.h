@@ -33,7 +33,7 @@ struct LaneBlock {
   Vector acceleration;
   int node_count;
   std::span<const ZoneLanes> zones;  // zones in the reference shape, for distinct_forces
-  BlockFrame* frame;                 // current frame; null: forces zone by zone
+  BlockFrame* frame;  // current frame, which follows the block; null: forces zone by zone, or small displacements
 };
 
 // Columns of up to kLanes blocks, one line a gridpoint. Missing gridpoints of a block have no mass and no force, and
@@ -48,7 +48,7 @@ struct LaneColumns {
   double* rows;                              // scratch of distinct_forces, for one block
   // FixedColumns; place and anchor for distinct_forces; arm is null where frames follow their blocks.
   const double *mass, *over_mass, *place, *anchor, *held_v, *arm;
-  const InertiaLanes* inertia;  // at the start, of blocks in fixed frames; else null
+  const FixedFrameLanes* at_start;  // of blocks in fixed frames; else null
 
   void resize(int nodes, double* motion);  // motion: memory for x and v, as in KeptMotion
 

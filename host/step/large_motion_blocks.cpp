@@ -253,6 +253,7 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   group.count = blocks.size();
   columns.viscous = m.books_energy && zone_damping(m) > 0;
   const bool has_rows = has_other_forces(m, piece);
+  const bool follows = piece.in_frame() && !(piece.fixed && m.is_small);
   const Vector weight = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
   size_t size = 0;
   for (const int32_t block : blocks) size += kRow * size_t(m.blocks[size_t(block)].node_count);
@@ -281,12 +282,12 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
                       per_mass / m.solver.mass_scaling,
                       b.node_count,
                       m.zones.lanes_of(b),
-                      piece.in_frame() ? &m.frames.frame[size_t(blocks[l])] : nullptr};
+                      follows ? &m.frames.frame[size_t(blocks[l])] : nullptr};
     force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
   }
   lap(clock, Phase::motion);
   const FixedColumns<const double> fixed(m.pieces.columns.data() + piece.columns[g], most_gridpoints(m, blocks), piece);
-  columns.inertia = piece.fixed ? &piece.inertia[g] : nullptr;
+  columns.at_start = piece.fixed ? &piece.at_start[g] : nullptr;
   KeptMotion kept;
   if (piece.kind == Piece::Kind::congruent) kept = {m.pieces.motion.data() + piece.motion[g], !m.pieces.motion_is_old};
   load_blocks(group.blocks(), fixed, kept, &columns);

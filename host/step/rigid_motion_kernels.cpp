@@ -331,7 +331,7 @@ void SplitMotion(std::span<const LaneColumns> groups, int count, const RigidMoti
                  RigidLanes* lanes) {
   Sums sums[2];
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    if (groups[g].arm) sums[g].inertia = *groups[g].inertia;
+    if (groups[g].arm) sums[g].inertia = groups[g].at_start->inertia;
     for (int first = 0; first < count; first += kWidth)
       groups[g].arm ? add_up_with_fixed_arms(groups[g], first, &sums[g]) : add_up(groups[g], first, &sums[g]);
   }

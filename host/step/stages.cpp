@@ -130,10 +130,23 @@ void choose_damping(Simulation::Impl& s) {
   s.data.eq1 = damping.eq1, s.data.local_damping = damping.gamma, s.data.mass_damping = damping.alpha;
 }
 
+namespace {
+
+// Checks of a half cycle, at least: their largest force is within 1e-3 of the largest one, which is near its end at
+// rest.
+constexpr double kChecksAHalfCycle = 100.0;
+
+bool force_check_is_due(const Simulation::Impl& s) {
+  const double steps = s.controls.cycles->shortest_half_cycle() / s.data.time_step;
+  const double interval = std::clamp(steps / kChecksAHalfCycle, 1.0, static_cast<double>(kCheckInterval));
+  return s.progress.stage_step % static_cast<long>(interval) == 0;
+}
+
+}  // namespace
+
 bool force_lost(Simulation::Impl& s) {
   const Stage& settings = current_stage(s);
-  if (!settings.cycles || !settings.cycles->stop_at_force_loss || s.progress.stage_step % kCheckInterval != 0)
-    return false;
+  if (!settings.cycles || !settings.cycles->stop_at_force_loss || !force_check_is_due(s)) return false;
   gather(s, Part::row);
   const int half_cycle = s.controls.cycles->half_cycle(stage_time(s));
   if (!s.progress.force_loss.see(measure_row(s).resistance, half_cycle, s.controls.cycles->target(half_cycle),
