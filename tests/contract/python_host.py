@@ -1,4 +1,6 @@
 """Laws through the Python package without the host. Usage: python_host.py MODULE_DIR LAW_DIR OUTPUT_DIR. Exit 77: skipped."""
+import os
+import shutil
 import sys
 import warnings
 
@@ -34,6 +36,20 @@ try:
     raise AssertionError("accepted")
 except quoin.Refused as refused:
     assert "normal_stiffness" in str(refused) and "shear_stiffness" in str(refused), refused
+
+# A law that is built again under the same path is the new one, and the old one stays in use. One that was cut off is refused.
+rebuilt = f"{output}/rebuilt_law.so"
+shutil.copyfile(f"{laws}/elastic.so", rebuilt)
+first = quoin.load(rebuilt)[0].material(normal_stiffness=4e10, shear_stiffness=2e10)
+shutil.copyfile(f"{laws}/coulomb_slip.so", rebuilt)
+assert quoin.load(rebuilt)[0].id == "coulomb_slip"
+assert first.law.id == "elastic" and first.number("normal_stiffness") == 4e10
+os.truncate(rebuilt, 8000)
+try:
+    quoin.load(rebuilt)
+    raise AssertionError("loaded")
+except quoin.Refused as refused:
+    assert rebuilt in str(refused) and "the file has 8000 bytes of" in str(refused), refused
 
 # The area under the tension curve of Table 1 is G1 (trapezoidal rule).
 fracture = quoin.load(f"{laws}/fracture_energy.so")[0]

@@ -13,9 +13,19 @@ stresses in Pa, energies in J/m2; opening and tension are positive.
 """
 import ctypes as c
 import os
+import struct
 import warnings
 
 import numpy as np
+
+try:
+    from .errors import LawRefused as _LawRefused
+except ImportError:  # a build with laws only
+    _LawRefused = Exception
+try:
+    from ._quoin import law_path as _try_to_load  # as the command line: in a child process first
+except ImportError:
+    _try_to_load = None
 
 ABI_MAJOR, ABI_MINOR = 1, 1
 OK, CLAMPED, FAILED = 0, 1, 2
@@ -77,8 +87,9 @@ _Batch.__repr__ = lambda b: (f"<batch of {b.count} points: {b.failed_count} fail
                             f"{'yielding' if b.any_yielding else 'elastic'}>")
 
 
-class Refused(Exception):
-    """The law refuses property values or a law swap. The text is its message: every fault, one a line."""
+class Refused(_LawRefused):
+    """A library does not load, or the law refuses property values or a law swap. The text is its message: every fault, one
+    a line. It is a LawRefused where the host is installed."""
 
 
 class NotReached(Exception):
@@ -511,10 +522,79 @@ class Path:
         plt.close(figure)
 
 
+def _missing_of(data):
+    """Returns what is missing of the bytes of a shared library, "" if it is whole. The loader maps one that was cut off, and
+    its use ends the process."""
+    if not data:
+        return "the file is empty"
+    if data[:6] != b"\x7fELF\x02\x01":  # not of 64 bits, little-endian: left to the loader
+        return ""
+    ends = [64]  # of the head; then of the tables and of the parts that are mapped
+    if len(data) >= ends[0]:
+        parts_at, sections_at = struct.unpack_from("<QQ", data, 32)
+        part_size, parts, section_size, sections = struct.unpack_from("<4H", data, 54)
+        if parts and part_size != 56:
+            return "its head is damaged"
+        ends += [parts_at + parts * part_size, sections_at + sections * section_size]
+        if max(ends) <= len(data):
+            heads = [struct.unpack_from("<4Q", data, parts_at + k * part_size + 8) for k in range(parts)]
+            ends += [offset + length for offset, _, _, length in heads]
+    return "" if max(ends) <= len(data) else (f"the file has {len(data)} bytes of {max(ends)}: it was not copied or built "
+                                              "to its end")
+
+
+_loaded = {}  # libraries by path and bytes; ctypes unloads none
+
+
+def _library(path, failed):
+    """Returns a library with the code that its file has now. It runs from a copy, so that the file may be overwritten."""
+    try:
+        with open(path, "rb") as file:
+            data = file.read()
+    except (OSError, ValueError) as fault:
+        raise Refused(f"{failed}{getattr(fault, 'strerror', None) or fault}; check the path, or build the law") from None
+    key = path, len(data), hash(data)
+    if key in _loaded:
+        return _loaded[key]
+    if missing := _missing_of(data):
+        raise Refused(f"{failed}it is not whole: {missing}; copy or build it again")
+    if _try_to_load:
+        try:
+            _try_to_load(path)
+        except _LawRefused as refused:
+            raise Refused(str(refused)) from None
+    if "QUOIN_LAW_IN_PLACE" not in os.environ:
+        try:
+            # It stays open: the loader identifies libraries by their names too, so that the name must stay in use.
+            copy = os.memfd_create("law")
+        except (AttributeError, OSError):  # a system without files in memory
+            copy = None
+        if copy is not None:
+            try:
+                with open(copy, "wb", closefd=False) as file:
+                    file.write(data)
+                _loaded[key] = c.CDLL(f"/proc/self/fd/{copy}")
+                return _loaded[key]
+            except OSError:
+                os.close(copy)
+    # A law may need files beside it, and a system may refuse to run code from memory.
+    try:
+        _loaded[key] = c.CDLL(path)
+    except OSError as fault:
+        raise Refused(f"{failed}the dynamic loader says: {str(fault).removeprefix(path + ': ')}; give a shared library built "
+                      "for this machine") from None
+    return _loaded[key]
+
+
 def load(path):
-    """Returns the laws of a shared library."""
-    library = c.CDLL(os.path.abspath(path))
-    entry = library.quoin_library_v1
+    """Returns the laws of a shared library, with the code that its file has now."""
+    path = os.path.abspath(os.fsdecode(path))
+    failed = f"law library {path} could not be loaded: "
+    library = _library(path, failed)
+    try:
+        entry = library.quoin_library_v1
+    except AttributeError:
+        raise Refused(f"{failed}it exports no quoin_library_v1, so it is no contact law of ABI version {ABI_MAJOR}") from None
     entry.restype, entry.argtypes = c.POINTER(_Library), [c.POINTER(_HostInfo), c.POINTER(_Text)]
     host = _HostInfo(c.sizeof(_HostInfo), ABI_MAJOR, ABI_MINOR, b"quoin.law", b"1.0")
     message = _Message()
