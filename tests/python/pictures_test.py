@@ -12,6 +12,7 @@ import numpy as np  # after support, which tells where it is missing
 try:
     import matplotlib
     matplotlib.use("Agg")
+    import matplotlib.collections
     from matplotlib import pyplot
 except ImportError:
     matplotlib = None
@@ -64,6 +65,12 @@ def shown_boxes(figure, renderer):
     for text in figure.findobj(matplotlib.text.Text):
         if text not in ticks and text.get_visible():
             yield text.get_window_extent(renderer)
+
+
+def drawn_cracks(figure):
+    """Returns the lines of cracks of a picture by the label of their kind."""
+    lines = [c for c in figure.axes[0].collections if isinstance(c, matplotlib.collections.LineCollection)]
+    return {c.get_label(): c.get_segments() for c in lines}
 
 
 class Opened(Folder):
@@ -148,16 +155,57 @@ class Drawn(Folder):
 
     def test_an_earthquake_is_drawn_against_the_ground(self):
         scene = resting_cube()
+        scene.stage[0].duration = 0.1
         scene.solver = dict(damping="viscous", mass_damping=2.0)
-        scene.stage.append(quoin.Stage(name="shake", duration=0.2, ground_motion=dict(
-            direction=[0, 0, 1], time=[0.0, 0.1, 0.2], acceleration=[0.0, 2.0, 0.0])))
+        scene.stage.append(quoin.Stage(name="shake", duration=0.05))
         scene.output.monitor = "cube"
-        run = quoin.run(scene, threads=1)
-        figure = run.plot(file=self.path("curve.svg"))
-        self.assert_fine(figure, "displacement along z of cube, relative to the ground [mm]", "time [s]")
-        rows = run.history["stage"] == 2
-        np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), 1e3 * run.history["monitor_relative_dz_m"][rows])
-        self.assertGreater(os.path.getsize(self.path("curve.svg")), 5000)
+        for axis, direction in (("z", [0, 0, 1]), ("y", [0, 1, 0]), ("x", [0.6, 0, 0.8]), ("z", [0, 0.8, 0.6])):
+            with self.subTest(direction=direction):
+                scene.stage[1].ground_motion = dict(direction=direction, time=[0.0, 0.025, 0.05], acceleration=[0.0, 2.0, 0.0])
+                run = quoin.run(scene, threads=1)
+                self.assertEqual(run.summary["response"]["axis"], axis)  # as curve.png
+                figure = run.plot(file=self.path("curve.svg"))
+                self.assert_fine(figure, f"displacement along {axis} of cube, relative to the ground [mm]", "time [s]")
+                rows = run.history["stage"] == 2
+                np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(),
+                                              1e3 * run.history[f"monitor_relative_d{axis}_m"][rows])
+                self.assertGreater(os.path.getsize(self.path("curve.svg")), 5000)
+
+    def test_cracks_of_a_wall_are_those_of_cracks_png(self):
+        """The run writes the data of cracks.png, a closed line for each piece of a joint."""
+        changes = ("wall.courses=3", "wall.units_per_course=3", "joints.mortar.cohesion=1e6", "output.frames=1",
+                   "joints.mortar.tensile_strength=0.1e6")
+        done = self.command("run", SMALL_WALL, "--out", "out", *(word for change in changes for word in ("--set", change)))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        pieces = drawn_cracks(quoin.open(self.path("out")).plot_cracks())
+        for kind, (label, _) in list(enumerate(quoin._quoin.colours()["cracks"]))[1:]:
+            with open(self.path(f"out/plots/joints_{kind}.dat"), encoding="utf-8") as file:
+                self.assertEqual(len(pieces[label]), file.read().count("\n\n"), label)
+        self.assertGreater(len(pieces["opening begun"]), 5)
+
+    def test_a_joint_of_blocks_is_a_line(self):
+        scene = resting_cube()
+        scene.joints["dry"].friction_angle = 12.0
+        scene.stage.append(quoin.Stage(name="slope", gravity=[4.0, -9.81, 0], ramp_time=0.05, duration=0.2))
+        quoin.run(scene, out=self.path("cube"), threads=1)
+        lines = drawn_cracks(quoin.open(self.path("cube")).plot_cracks(magnified=1.0))
+        self.assertEqual([label for label in lines if len(lines[label])], ["slipped"])
+        (begin, end), = lines["slipped"]
+        np.testing.assert_allclose(np.sort([begin[0], end[0]]), [0.0, 1.0], atol=0.05)
+        np.testing.assert_allclose([begin[1], end[1]], 1.0, atol=1e-3)
+
+    def test_a_block_behind_others_is_hidden(self):
+        scene = resting_cube()
+        scene.block.append(quoin.Block(name="back", material="stone", fixed=True,
+                                       box=dict(lower=[0, 1.25, -4], size=[1, 0.5, 0.5])))
+        quoin.run(scene, out=self.path("cube"), threads=1)
+        figure = quoin.open(self.path("cube")).plot_cracks()
+        figure.canvas.draw()
+        picture, axes = np.asarray(figure.canvas.buffer_rgba()), figure.axes[0]
+        columns, rows = axes.transData.transform([(0.5, 1.1), (0.5, 1.9)]).astype(int).T
+        strip = picture[picture.shape[0] - rows[1]:picture.shape[0] - rows[0], columns[0]]
+        self.assertGreater(len(strip), 50)
+        self.assertEqual(len(np.unique(strip, axis=0)), 1)  # the colour of the face alone
 
     def test_a_label_that_crosses_another_is_seen(self):
         figure = pyplot.figure()

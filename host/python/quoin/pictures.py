@@ -30,9 +30,23 @@ def _finished(figure, file):
     return figure
 
 
+def _curve_of(stage):
+    """What the curve of a stage shows. In an earthquake it is the response along z if the stage is measured there, else
+    along the first of x, z, y along which the ground moves, as in curve.png."""
+    curve = stage.get("curve") or {"kind": "push", "along": "x"}
+    if curve["kind"] != "earthquake" or curve["along"] == "z":
+        return curve
+    directions, motions = [], [stage.get("ground_motion") or {}]
+    for motion in motions:
+        directions += [component["direction"] for component in motion.get("components") or ()]
+        motions += motion.get("support") or ()
+    moves = np.any(np.reshape(directions, (-1, 3)), axis=0)
+    return {**curve, "along": next(("xyz"[c] for c in (0, 2, 1) if moves[c]), "x")}
+
+
 def _curve(stage, history):
     """Axes of the curve of a stage: (column, factor, label) of both."""
-    of = stage.get("curve") or {"kind": "push", "along": "x"}
+    of = _curve_of(stage)
     upright, whose = of["along"] == "y", f" of {of['of']}" if of.get("of") else ""
     way = {"y": "vertical", "z": "out-of-plane"}.get(of["along"], "horizontal")
     time, moved = ("time_s", 1.0, "time [s]"), "vertical_displacement_m" if upright else "displacement_m"
@@ -65,8 +79,10 @@ class _Paper:
         self.faces = moment.faces()
         extents = {}
         for corners, block in self.faces:
-            extents.setdefault(block, []).extend(corners)
-        moving = [self.start[c] for c in extents.values() if np.any(self.moved[c])] or [self.start]
+            extents.setdefault(block, set()).update(corners)
+        self.vertices = {block: np.array(sorted(corners)) for block, corners in extents.items()}
+        self.still = {block for block, corners in self.vertices.items() if not np.any(self.moved[corners])}
+        moving = [self.start[c] for block, c in self.vertices.items() if block not in self.still] or [self.start]
         middles = [(c[:, 2].min() + c[:, 2].max()) / 2 for c in moving]
         self.plane = max(middles) - min(middles) < 0.25 * max(np.ptp(c[:, 2]) for c in moving)
         towards = np.array([0.0, 0.0, 1.0]) if self.plane else SEEN_FROM / np.linalg.norm(SEEN_FROM)
@@ -88,16 +104,31 @@ class _Paper:
         return np.column_stack([places @ self.right, places @ self.up])
 
     def visible(self, magnified):
-        """Faces towards the viewer, from back to front: (index, outline)."""
+        """Faces towards the viewer, from back to front: (index, outline). Supports come first, as the depth of their middle
+        does not sort what stands on them. In a plane view the faces of a block follow each other."""
         places = self.start + magnified * self.moved
-        seen = []
-        for k, (corners, _) in enumerate(self.faces):
+        seen, nearest = [], {}
+        for k, (corners, block) in enumerate(self.faces):
             p = places[corners]
             normal = np.cross(p[1] - p[0], p[2] - p[0])
             if normal @ self.towards > 0.05 * np.linalg.norm(normal):
-                seen.append((p.mean(axis=0) @ self.towards, k, self.flat(p)))
-        return [(k, outline) for _, k, outline in sorted(seen, key=lambda f: f[0])]
+                depth = p.mean(axis=0) @ self.towards
+                nearest[block] = max(depth, nearest.get(block, -np.inf))
+                seen.append((block not in self.still, depth, block, k, self.flat(p)))
+        if self.plane:
+            seen = [(moves, nearest[block], block, k, outline) for moves, _, block, k, outline in seen]
+        return [(k, outline) for *_, k, outline in sorted(seen, key=lambda f: f[:4])]
 
+    def magnify(self, places, blocks, magnified):
+        """Current places on blocks, moved on with the nearest vertex of each: the mean of these."""
+        if magnified == 1:
+            return places
+        now = self.start + self.moved
+        shift = np.zeros_like(places)
+        for of in (self.vertices[block] for block in blocks):
+            nearest = [of[np.argmin(((now[of] - p) ** 2).sum(axis=1))] for p in places]
+            shift += self.moved[nearest] / len(blocks)
+        return places + (magnified - 1) * shift
 
     def sharp(self, wanted):
         """Edges of some faces at which a block has a corner."""
@@ -110,6 +141,89 @@ class _Paper:
                 normals.setdefault((min(a, b), max(a, b)), []).append((normal, k in wanted))
         return [edge for edge, sides in normals.items() if any(seen for _, seen in sides) and
                 (len(sides) != 2 or abs(sides[0][0] @ sides[1][0]) < 0.94)]
+
+
+def _joints_of(*columns):
+    """Indices of contact points, joint by joint: those with equal values in these columns."""
+    _, joint = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
+    order = np.argsort(joint.ravel(), kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(joint.ravel()[order])) + 1)
+
+
+def _front_lines(joints, magnified):
+    """Cracks of joints on the lattice, from the front: (kind, places of both ends). Each contact point colours the line
+    half-way to its neighbours. Of points behind each other the worst one counts."""
+    start, crack = joints["position"].astype(float), joints["crack"]
+    places = start + magnified * joints["displacement_m"].astype(float)
+    axis = np.abs(joints["normal"]).argmax(axis=1)
+    lines = []
+    for points in _joints_of(joints["block_a"], joints["block_b"], axis):
+        if axis[points[0]] == 2 or not crack[points].any():  # in the plane of the picture, or intact
+            continue
+        points = points[np.argsort(start[points, 1 if axis[points[0]] == 0 else 0], kind="stable")]
+        along = start[points, 1 if axis[points[0]] == 0 else 0]
+        columns = np.split(points, np.flatnonzero(np.diff(along) > 1e-3 * np.ptp(along)) + 1)  # behind each other
+        kinds = [crack[column].max() for column in columns]
+        fronts = [places[column[start[column, 2].argmax()]] for column in columns]
+        for (kind_a, a), (kind_b, b) in zip(zip(kinds, fronts), zip(kinds[1:], fronts[1:])):
+            lines += [(kind_a, np.array([a, (a + b) / 2])), (kind_b, np.array([(a + b) / 2, b]))]
+    return lines
+
+
+def _cracked_sides(joints):
+    """Sides of joints that are not intact: (kind, blocks, current places). The worst contact point gives the kind. A joint
+    has one side for both blocks, or one for each where these have parted."""
+    at = joints["position"].astype(float) + joints["displacement_m"]
+    gap = joints["gap_m"].astype(float) if "gap_m" in joints else np.zeros_like(at)
+    a, b = joints["block_a"], joints["block_b"]
+    sides = []
+    for points in _joints_of(np.minimum(a, b), np.maximum(a, b)):
+        kind = joints["crack"][points].max()
+        if kind == 0:
+            continue
+        low, high = sorted((int(a[points[0]]), int(b[points[0]])))
+        if not gap[points].any():
+            sides.append((kind, (low, high), at[points]))
+            continue
+        on_a, on_b = at[points], at[points] + gap[points]
+        in_order = (a[points] == low)[:, None]
+        sides += [(kind, (low,), np.where(in_order, on_a, on_b)), (kind, (high,), np.where(in_order, on_b, on_a))]
+    return sides
+
+
+def _side_lines(sides, paper, magnified):
+    """Cracks of blocks in a plane view: the line between the two places of a side that are furthest apart."""
+    lines = []
+    for kind, blocks, places in sides:
+        flat, depth = paper.flat(places), places @ paper.towards
+        apart = np.linalg.norm(flat[:, None] - flat[None, :], axis=2)
+        apart += 1e-6 * (depth[:, None] + depth[None, :])  # of equal ones that on the viewer's side
+        ends = np.unravel_index(apart.argmax(), apart.shape)
+        lines.append((kind, paper.magnify(places[list(ends)], blocks, magnified)))
+    return lines
+
+
+def _edge_lines(sides, paper, magnified):
+    """Cracks of other views, by face: what joints cover of its edges. As the faces, nearer faces hide them."""
+    now, drawn = paper.start + paper.moved, paper.start + magnified * paper.moved
+    of_block = {}
+    for kind, blocks, places in sides:
+        for block in blocks:
+            of_block.setdefault(block, []).append((kind, places))
+    lines = {}
+    for k, (corners, block) in enumerate(paper.faces):
+        for p, q in zip(corners, corners[1:] + corners[:1]):
+            edge = now[q] - now[p]
+            length = np.linalg.norm(edge) or 1.0
+            for kind, places in of_block.get(block, ()):
+                along = (places - now[p]) @ edge / length**2
+                away = np.linalg.norm(places - now[p] - along[:, None] * edge, axis=1)
+                # The tolerance is above the overlap of blocks under compression.
+                on = np.clip(along[(along > -0.02) & (along < 1.02) & (away <= 0.02 * length)], 0.0, 1.0)
+                if len(on) and np.ptp(on) > 0.02:
+                    ends = np.array([on.min(), on.max()])[:, None]
+                    lines.setdefault(k, []).append((kind, drawn[p] + ends * (drawn[q] - drawn[p])))
+    return lines
 
 
 class Pictures:
@@ -134,7 +248,7 @@ class Pictures:
         """The curve of a stage (the last one): force over displacement, multiplier, or displacement over time."""
         figure, axes = _pyplot().subplots(figsize=(WIDEST, 4.6), constrained_layout=True)
         history, settings = self.history, self._stages()[stage]
-        alike = [k + 1 for k, s in enumerate(self._stages()) if s.get("curve") == settings.get("curve")]
+        alike = [k + 1 for k, s in enumerate(self._stages()) if _curve_of(s) == _curve_of(settings)]
         rows = np.isin(history["stage"], alike)
         (x, x_factor, x_label), (y, y_factor, y_label) = _curve(settings, history)
         xs, ys = history[x][rows] * x_factor, history[y][rows] * y_factor
@@ -153,26 +267,28 @@ class Pictures:
         return _finished(figure, file)
 
     def plot_cracks(self, frame=-1, magnified=None, file=None):
-        """The model at a frame, with its cracks in the colours of cracks.png."""
+        """The model at a frame, with its cracks as in cracks.png."""
         from matplotlib.collections import LineCollection
         moment = self.frames[frame]
         paper = _Paper(moment)
         magnified = paper.magnification(self.summary) if magnified is None else magnified
         figure, axes = self._sheet(paper, moment, magnified)
-        self._draw_faces(axes, paper, magnified, [_quoin.colours()["face"]] * len(paper.faces))
         joints, styles = moment.joints, _quoin.colours()["cracks"]
-        crack, places = joints["crack"], joints["position"] + magnified * joints["displacement_m"].astype(float)
+        widths = [2.0 + 0.3 * kind for kind in range(len(styles))]  # worse cracks are wider, also in grey
+        on_faces, lines = {}, []
+        if paper.plane and "gap_m" not in joints:  # the lattice
+            lines = _front_lines(joints, magnified)
+        elif paper.plane:
+            lines = _side_lines(_cracked_sides(joints), paper, magnified)
+        else:
+            on_faces = {k: [(paper.flat(ends), styles[kind][1], widths[kind]) for kind, ends in of_face]
+                        for k, of_face in _edge_lines(_cracked_sides(joints), paper, magnified).items()}
+        self._draw_faces(axes, paper, magnified, [_quoin.colours()["face"]] * len(paper.faces), on_faces)
         handles = []
         for kind, (label, colour) in list(enumerate(styles))[1:]:
-            width = 2.0 + 0.3 * kind  # worse cracks are wider, also in grey
-            if len(joints["connectivity"]) > len(joints["position"]):  # quads of the lattice
-                lines = [paper.flat(places[list(ends)]) for ends in self._rim(joints["connectivity"])
-                         if min(crack[list(ends)]) > 0 and max(crack[list(ends)]) == kind]
-                axes.add_collection(LineCollection(lines, colors=colour, linewidths=width, zorder=2 + kind))
-            else:
-                at = self._on_blocks(joints, crack == kind, paper, magnified)
-                axes.scatter(*paper.flat(at).T, s=4.0 * width, color=colour, zorder=2 + kind, linewidths=0)
-            handles.append(axes.plot([], [], color=colour, linewidth=width + 1.5, label=label)[0])
+            axes.add_collection(LineCollection([paper.flat(ends) for of, ends in lines if of == kind], colors=colour,
+                                               linewidths=widths[kind], zorder=2 + kind, label=label))
+            handles.append(axes.plot([], [], color=colour, linewidth=widths[kind] + 1.5, label=label)[0])
         figure.legend(handles=handles, loc="lower center", ncol=3, frameon=False)
         return _finished(figure, file)
 
@@ -288,39 +404,29 @@ class Pictures:
         return figure, axes
 
     @staticmethod
-    def _draw_faces(axes, paper, magnified, colours):
-        from matplotlib.collections import LineCollection, PolyCollection
+    def _draw_faces(axes, paper, magnified, colours, lines_on=None):
+        """Draws faces from back to front, so that nearer ones hide farther ones with their edges. lines_on: by face, lines to
+        draw with it: (ends, colour, width)."""
+        from matplotlib.collections import PolyCollection
+        outline, width = _quoin.colours()["edge"], 0.5
         seen = paper.visible(magnified)
-        # A plane view has edges of blocks, not of their zones. In other views nearer faces hide farther edges.
-        outline = _quoin.colours()["edge"]
-        edges = "face" if paper.plane else outline
-        axes.add_collection(PolyCollection([face for _, face in seen], facecolors=[colours[k] for k, _ in seen],
-                                           edgecolors=edges, linewidths=0.4, zorder=1))
+        # A plane view has edges of blocks, not of their zones: after the last face of each.
+        of_block = {}
         if paper.plane:
             places = paper.flat(paper.start + magnified * paper.moved)
-            axes.add_collection(LineCollection([places[list(e)] for e in paper.sharp({k for k, _ in seen})], colors=outline,
-                                               linewidths=0.5, zorder=1.5))
-
-    @staticmethod
-    def _rim(corners):
-        """Edges of only one quad, where joints meet the surface."""
-        quads = corners.reshape(-1, 4)
-        ends = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-        edges, count = np.unique(ends, axis=0, return_counts=True)
-        return edges[count == 1]
-
-    @staticmethod
-    def _on_blocks(joints, wanted, paper, magnified):
-        """Places of joints' points in the picture: on their blocks, and on both blocks where these have parted."""
-        at = joints["position"][wanted].astype(float)
-        if "gap_m" in joints:
-            apart = at + joints["gap_m"][wanted]
-            at = np.vstack([at, apart[np.any(joints["gap_m"][wanted] != 0, axis=1)]])
-        if magnified != 1 and len(at):  # current places: moved with the nearest vertex
-            now = paper.start + paper.moved
-            nearest = [int(np.argmin(((now - p) ** 2).sum(axis=1))) for p in at]
-            at = at + (magnified - 1) * paper.moved[nearest]
-        return at
+            block_of = {int(v): block for block, vertices in paper.vertices.items() for v in vertices}
+            for edge in paper.sharp({k for k, _ in seen}):
+                of_block.setdefault(block_of[edge[0]], []).append(places[list(edge)])
+        items = []  # (outline, fill, colour of the outline, width)
+        for i, (k, face) in enumerate(seen):
+            block = paper.faces[k][1]
+            items.append((face, colours[k], colours[k] if paper.plane else outline, 0.4))
+            if i + 1 == len(seen) or paper.faces[seen[i + 1][0]][1] != block:
+                items += [(ends, "none", outline, width) for ends in of_block.pop(block, ())]
+            items += [(ends, "none", colour, wide) for ends, colour, wide in (lines_on or {}).get(k, ())]
+        if items:
+            faces, fills, edges, widths = zip(*items)
+            axes.add_collection(PolyCollection(faces, facecolors=fills, edgecolors=edges, linewidths=widths, zorder=1))
 
     @staticmethod
     def _values(quantity, moment, paper):
