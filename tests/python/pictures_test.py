@@ -186,13 +186,15 @@ class Drawn(Folder):
     def test_a_joint_of_blocks_is_a_line(self):
         scene = resting_cube()
         scene.joints["dry"].friction_angle = 12.0
+        scene.solver.kernels = "general"  # else cubes that conform are on the lattice
         scene.stage.append(quoin.Stage(name="slope", gravity=[4.0, -9.81, 0], ramp_time=0.05, duration=0.2))
         quoin.run(scene, out=self.path("cube"), threads=1)
         lines = drawn_cracks(quoin.open(self.path("cube")).plot_cracks(magnified=1.0))
         self.assertEqual([label for label in lines if len(lines[label])], ["slipped"])
-        (begin, end), = lines["slipped"]
-        np.testing.assert_allclose(np.sort([begin[0], end[0]]), [0.0, 1.0], atol=0.05)
-        np.testing.assert_allclose([begin[1], end[1]], 1.0, atol=1e-3)
+        self.assertLessEqual(len(lines["slipped"]), 2)  # one, or one for each of two blocks that have parted
+        for line in lines["slipped"]:
+            np.testing.assert_allclose(np.sort(line[:, 0]), [0.0, 1.0], atol=0.05)
+            np.testing.assert_allclose(line[:, 1], 1.0, atol=1e-3)
 
     def test_a_block_behind_others_is_hidden(self):
         scene = resting_cube()
