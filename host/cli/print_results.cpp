@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "cli/progress.h"
 #include "law/law_process.h"
@@ -38,21 +39,24 @@ void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
   if (!response) return;
   fmt::print(
       "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base {} {:.2f} kN (at {:.3f} s)\n",
-      response->of, response->displacement * 1e3, "xyz"[response->axis], response -> moved_at,
-      response -> axis == 1 ? "force" : "shear", response->base_force / 1e3, response->sheared_at);
+      response->of, response->displacement * 1e3, response->axis.name, response->moved_at,
+      response->axis.direction[1] != 0.0 ? "force" : "shear", response->base_force / 1e3, response->sheared_at);
 }
 
 // Largest force on the monitor, with what is known of its error.
 std::string peak_text(const std::vector<HistoryRow>& rows, const Scene& scene, const RunInfo& info) {
   if (std::ranges::all_of(scene.stages, [&](const Stage& stage) { return watches_nothing(scene, stage); }))
-    return "no block is watched (output.monitor); ";
+    return fmt::format("no block is watched ({}); ", key_of_monitor(scene));
   const Peak peak = find_peak(rows, scene);
+  if (peak.force < 5.0) return "";  // 0.00 kN, as of blocks at rest
   const std::string unknown = why_error_unknown(scene, info);
   const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} % with these zones",
                                                           scene.quality, 100 * quality_named(scene.quality).peak_error)
                                             : "error not known: " + unknown;
-  const bool rises = peak.row > 0 && peak.row + 1 == static_cast<int>(rows.size());
-  return fmt::format("peak {:.2f} kN at {:.3f} mm{}{} ({}); ", peak.force / 1e3, peak.displacement * 1e3,
+  const bool rises = peak.row > 0 && peak.row + 1 == static_cast<int>(rows.size()) &&
+                     std::string_view(curve_kind(scene.stages.back())) != "rest";
+  const std::string whose = watches_several(scene) ? " of the " + moved_part(scene, stage_of_curve(scene)) : "";
+  return fmt::format("peak{} {:.2f} kN at {:.3f} mm{}{} ({}); ", whose, peak.force / 1e3, peak.displacement * 1e3,
                      is_vertical(scene) ? " upright" : "", rises ? ", still rising at the end" : "", error);
 }
 

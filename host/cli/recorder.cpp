@@ -9,6 +9,7 @@
 #ifdef QUOIN_MODES
 #include "analysis/damping_ratios.h"
 #endif
+#include "results/plots.h"
 #include "scene/damping_text.h"
 #include "step/large_motion.h"
 #include "step/results.h"
@@ -136,12 +137,16 @@ void Recorder::on_frame(const Simulation& simulation, int, int) {
 }
 
 void Recorder::on_stage_end(const Simulation& simulation, int stage, const HistoryRow& last) {
-  const Response r = response(last, scene_.stages[static_cast<size_t>(stage)]);
-  progress_.message(fmt::format(
-      "stage {}/{} done after {} steps: {:.3f} mm{}, horizontal {:.2f} kN, vertical {:.2f} kN, "
-      "unbalanced ratio {:.1e}",
-      stage + 1, scene_.stages.size(), simulation.step(), shown(last, scene_).displacement * 1e3,
-      is_vertical(scene_) ? " upright" : "", r.horizontal_force / 1e3, r.vertical_force / 1e3, last.unbalanced_ratio));
+  const Stage& done = scene_.stages[static_cast<size_t>(stage)];
+  const Response r = response(last, done);
+  const std::string measured =
+      watches_nothing(scene_, done)
+          ? ""
+          : fmt::format("{:.3f} mm{}, horizontal {:.2f} kN, vertical {:.2f} kN, ",
+                        shown(last, scene_).displacement * 1e3, is_vertical(scene_) ? " upright" : "",
+                        r.horizontal_force / 1e3, r.vertical_force / 1e3);
+  progress_.message(fmt::format("stage {}/{} done after {} steps: {}unbalanced ratio {:.1e}", stage + 1,
+                                scene_.stages.size(), simulation.step(), measured, last.unbalanced_ratio));
   for (const StopAtForceLoss& stop : simulation.outcome().force_losses) {
     if (stop.stage == stage)
       progress_.message(
@@ -152,6 +157,9 @@ void Recorder::on_stage_end(const Simulation& simulation, int stage, const Histo
 
 void Recorder::take(const HistoryRow& row) {
   const Shown now = shown(row, scene_);
+  const auto stage = static_cast<std::size_t>(row.stage);
+  if (!same_curve(scene_, scene_.stages[stage], scene_.stages[stage_of_peak_])) so_far_.peak = 0.0;
+  stage_of_peak_ = stage;
   so_far_.displacement = now.displacement, so_far_.force = now.force;
   so_far_.kinetic_energy = row.kinetic_energy;
   if (std::abs(now.force) > std::abs(so_far_.peak))

@@ -66,6 +66,7 @@ class Recorder : public Observer {
   Identity identity_;
   CheckpointClock clock_;
   RunSoFar so_far_;
+  std::size_t stage_of_peak_ = 0;           // stage of the last row, whose curve has the peak so far
   const Simulation* simulation_ = nullptr;  // the simulation on the live page
   std::unique_ptr<LiveRun> live_;           // null: no live page
   std::set<std::string> reported_;

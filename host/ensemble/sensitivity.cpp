@@ -62,15 +62,16 @@ void draw_tornado(const StudyFolder& folder, const Study& study, const std::vect
   if (row == 0) return;
   make_folder(folder.path() / "plots");
   write_file(folder.path() / "plots" / "sensitivity.dat", data);
+  // One bar below the other: both results may lie on one side of the mean.
   const std::string script = fmt::format(
       "set terminal pngcairo size 1500,950 font \"Sans,19\" linewidth 1.5\nset title {} noenhanced\nset xlabel {} "
       "noenhanced\n"
       "set yrange [{}:-1]\nset ytics noenhanced\nset xtics rotate by -35\nset rmargin 6\nset lmargin 52\nset key below "
       "noenhanced\nset grid xtics\nset style fill solid "
       "0.7 noborder\n"
-      "plot 'sensitivity.dat' using 2:1:2:3:($1-0.3):($1+0.3):ytic(5) with boxxyerror linecolor rgb '#0072b2' title "
+      "plot 'sensitivity.dat' using 2:1:2:3:($1-0.3):($1):ytic(5) with boxxyerror linecolor rgb '#0072b2' title "
       "'at the 16 % "
-      "quantile', '' using 4:1:3:4:($1-0.3):($1+0.3) with boxxyerror linecolor rgb '#d55e00' title 'at the 84 % "
+      "quantile', '' using 4:1:3:4:($1):($1+0.3) with boxxyerror linecolor rgb '#d55e00' title 'at the 84 % "
       "quantile'\n",
       gnuplot_text(study.title), gnuplot_text(output), row);
   const std::string fault = draw_picture(folder.path(), "sensitivity", script);

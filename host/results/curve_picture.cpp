@@ -31,21 +31,22 @@ struct Curve {
   int peak = -1;                              // index of a point; -1: none
 };
 
-// Curve of the rows of all stages. A push in one direction is drawn to the right.
+// Curve of the rows of stages_on_curve. A push in one direction is drawn to the right.
 Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::string& law) {
   const double area = bed_area(scene);
-  const Stage& last = scene.stages.back();
-  const char* axis = is_vertical(scene) ? "vertical" : "horizontal";
+  const bool upright = is_vertical(scene);
+  const char* axis = upright ? "vertical" : "horizontal";
   Curve curve;
   curve.columns = fmt::format("displacement_mm {}_force_kN vertical_stress_MPa", axis);
-  curve.x_label = fmt::format("{} displacement of the {}{} (mm)", axis, moved_part(scene, last),
-                              axis_of(last) == 2 ? " along z" : "");
-  curve.y_label = fmt::format("{} force (kN)", axis);
+  curve.y_label = fmt::format("{} force{} (kN)", axis, upright ? " that resists" : "");
   curve.name = fmt::format("{} force, law {}", axis, law);
   curve.x_unit = " mm", curve.y_unit = " kN";
   curve.pressed = area > 0;
+  const std::vector<bool> on_curve = stages_on_curve(scene);
+  const auto is_drawn = [&](const Row& row) { return on_curve[static_cast<size_t>(row.stage)]; };
   double lowest = 0.0, highest = 0.0;
   for (const Row& row : rows) {
+    if (!is_drawn(row)) continue;
     const double x = shown(row, scene).displacement;
     lowest = std::min(lowest, x), highest = std::max(highest, x);
   }
@@ -53,9 +54,15 @@ Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::st
   // Noise about 0 must not select another quadrant.
   const bool turns = std::min(highest, -lowest) > 0.01 * largest;
   const double sign = !turns && -lowest > highest ? -1.0 : 1.0;
+  const Stage& measured = stage_of_curve(scene);
+  curve.x_label = fmt::format("{} displacement of the {}{} (mm)", axis, moved_part(scene, measured),
+                              axis_of(measured) == 2  ? " along z"
+                              : upright && sign < 0.0 ? ", downwards"
+                                                      : "");
   const Peak peak = find_peak(rows, scene);
   bool moving = false;  // before it moves, only pressure grows: a vertical line at 0
   for (size_t i = 0; i < rows.size(); ++i) {
+    if (!is_drawn(rows[i])) continue;
     const Shown r = shown(rows[i], scene);
     const bool next_is_still = i + 1 < rows.size() && rows[i + 1].stage == rows[i].stage;
     moving = moving || std::abs(r.displacement) > 1e-9 * largest;
@@ -68,13 +75,14 @@ Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::st
   return curve;
 }
 
-// Curve of the rows of stages of the kind of the last one; the peak is the value farthest from 0.
+// Curve of the rows of stages of the kind of the last one that watch the same; the peak is the value farthest from 0.
 template <class X, class Y>
 void add_points(const std::vector<Row>& rows, const Scene& scene, const X& x, const Y& y, Curve& curve) {
-  const std::string_view kind = curve_kind(scene.stages.back());
+  const Stage& last = scene.stages.back();
   double largest = 0.0;
   for (const Row& row : rows) {
-    if (curve_kind(scene.stages[static_cast<size_t>(row.stage)]) != kind) continue;
+    const Stage& stage = scene.stages[static_cast<size_t>(row.stage)];
+    if (std::string_view(curve_kind(stage)) != curve_kind(last) || !same_curve(scene, stage, last)) continue;
     if (std::abs(y(row)) > largest) largest = std::abs(y(row)), curve.peak = static_cast<int>(curve.points.size());
     curve.points.push_back({x(row), y(row), 0.0});
   }
@@ -84,17 +92,17 @@ double seconds(const Row& row) { return row.time; }
 
 Curve earthquake_curve(const std::vector<Row>& rows, const Scene& scene) {
   const Stage& last = scene.stages.back();
-  const auto axis = static_cast<size_t>(axis_of_response(last));
-  const char name = "xyz"[axis];
+  const ResponseAxis axis = response_axis(last);
   Curve curve;
-  curve.columns = fmt::format("time_s relative_displacement_{}_mm", name);
+  if (watches_nothing(scene, last)) return curve;
+  curve.columns = fmt::format("time_s relative_displacement_{}_mm", axis.name.size() > 1 ? "oblique" : axis.name);
   curve.x_label = "time (s)";
-  curve.y_label = fmt::format("displacement along {} (mm)", name);
+  curve.y_label = fmt::format("displacement along {} (mm)", axis.name);
   curve.name = fmt::format("of {}, relative to the ground", moved_part(scene, last));
   curve.x_unit = " s", curve.y_unit = " mm";
   curve.over_time = true;
   add_points(
-      rows, scene, seconds, [&](const Row& row) { return row.monitor_relative[axis] * 1e3; }, curve);
+      rows, scene, seconds, [&](const Row& row) { return dot(row.monitor_relative, axis.direction) * 1e3; }, curve);
   return curve;
 }
 
@@ -114,6 +122,7 @@ Curve rest_curve(const std::vector<Row>& rows, const Scene& scene) {
   Curve curve;
   const Stage& last = scene.stages.back();
   const bool of_largest = watches_nothing(scene, last);
+  if (of_largest && !has_actions(scene)) return curve;
   const char* quantity = of_largest ? "largest" : "vertical";
   curve.columns = fmt::format("time_s {}_displacement_mm", quantity);
   curve.x_label = "time (s)";
@@ -133,7 +142,8 @@ Curve curve_of(const std::vector<Row>& rows, const Scene& scene, const std::stri
   if (kind == "earthquake") return earthquake_curve(rows, scene);
   if (kind == "collapse") return collapse_curve(rows, scene);
   // Without a driven part, forces of walls are those that press them.
-  if (kind == "rest" && !is_vertical(scene) && scene.blocks) return rest_curve(rows, scene);
+  if (kind == "rest" && !is_vertical(scene) && (scene.blocks || watches_nothing(scene, stage_of_curve(scene))))
+    return rest_curve(rows, scene);
   return push_curve(rows, scene, law);
 }
 
@@ -184,6 +194,7 @@ set ylabel {} noenhanced textcolor rgb "{}"
 set border {} linecolor rgb "#404040"
 set xrange [{:.6g}:{:.6g}]
 set yrange [{}:*]
+set format "%g"
 set xtics nomirror
 set ytics nomirror textcolor rgb "{}"
 set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
@@ -222,7 +233,10 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
   const Curve curve = curve_of(rows, scene, law);
   std::string data = "# " + curve.columns + "\n";
   for (const auto& point : curve.points) data += fmt::format("{:.7g} {:.7g} {:.7g}\n", point[0], point[1], point[2]);
-  if (curve.points.empty()) data += "NaN NaN NaN\n";
+  if (curve.points.empty())
+    return watches_nothing(scene, stage_of_curve(scene))
+               ? fmt::format("no curve.png: no block is watched ({})", key_of_monitor(scene))
+               : "no curve.png: the run has not come to the stages that it shows";
   write_file(folder / "plots" / "curve.dat", data);
   return draw_picture(folder, "curve", script_of(curve, scene, label));
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "results/history.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -13,7 +14,7 @@ namespace quoin {
 // Absolute values in the rows of the last stages with ground motion that watch one part along one axis.
 struct GroundResponse {
   std::string of;                             // name of what is watched
-  int axis = 0;                               // 0, 1, 2: x, y, z
+  ResponseAxis axis;                          // direction of both
   double displacement = 0.0, moved_at = 0.0;  // m, s
   double base_force = 0.0, sheared_at = 0.0;  // N, s
 };

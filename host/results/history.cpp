@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "files/csv_text.h"
 #include "files/file.h"
@@ -49,16 +50,31 @@ std::string text_of(const HistoryColumn& column, const HistoryRow& row, const St
 
 namespace {
 
-void add_directions(const GroundMotion& ground, std::vector<Vec3>& directions) {
-  for (const GroundMotion::Component& c : ground.components) directions.push_back(c.direction);
-  for (const GroundMotion& support : ground.supports) add_directions(support, directions);
+using Component = GroundMotion::Component;
+
+void add_components(const GroundMotion& ground, std::vector<const Component*>& components) {
+  for (const Component& c : ground.components) components.push_back(&c);
+  for (const GroundMotion& support : ground.supports) add_components(support, components);
+}
+
+// Whether a component is horizontal, at least in part, and its largest acceleration: the order of strength.
+std::pair<bool, double> strength_of(const Component* component) {
+  double largest = 0.0;
+  for (const double a : component->acceleration.value) largest = std::max(largest, std::abs(a));
+  return {component->direction[0] != 0.0 || component->direction[2] != 0.0, largest};
+}
+
+bool watches_nothing(const std::string& monitor_of_scene, const Stage& stage) {
+  return stage.monitor.empty() && stage.roof.empty() && monitor_of_scene.empty();
 }
 
 }  // namespace
 
 int axis_of_action(const Stage& stage) {
+  std::vector<const Component*> components;
+  if (stage.ground) add_components(*stage.ground, components);
   std::vector<Vec3> directions;
-  if (stage.ground) add_directions(*stage.ground, directions);
+  for (const Component* component : components) directions.push_back(component->direction);
   if (stage.collapse) directions.push_back(stage.collapse->direction);
   for (const std::size_t c : {0u, 2u, 1u}) {
     if (std::ranges::any_of(directions, [c](const Vec3& d) { return d[c] != 0.0; })) return static_cast<int>(c);
@@ -72,10 +88,33 @@ int axis_of(const Stage& stage) {
   return only_axis(driven_along(stage));
 }
 
-int axis_of_response(const Stage& stage) { return axis_of(stage) == 2 ? 2 : axis_of_action(stage); }
+ResponseAxis response_axis(const Stage& stage) {
+  if (stage.direction == 2) return {{0.0, 0.0, 1.0}, "z"};
+  std::vector<const Component*> components;
+  if (stage.ground) add_components(*stage.ground, components);
+  const auto strongest = std::ranges::max_element(components, {}, strength_of);
+  if (strongest == components.end()) return {};
+  const Vec3 d = (*strongest)->direction / norm_of((*strongest)->direction);
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (std::abs(d[c]) < 1.0) continue;
+    ResponseAxis axis{{}, std::string(1, "xyz"[c])};
+    axis.direction[c] = 1.0;
+    return axis;
+  }
+  return {d, fmt::format("[{:.3g}, {:.3g}, {:.3g}]", d[0], d[1], d[2])};
+}
 
-bool watches_nothing(const Scene& scene, const Stage& stage) {
-  return scene.blocks && stage.monitor.empty() && stage.roof.empty() && scene.output.monitor.empty();
+std::string axis_name(const Stage& stage) {
+  return stage.ground ? response_axis(stage).name : std::string(1, "xyz"[axis_of(stage)]);
+}
+
+bool watches_nothing(const Scene& scene, const Stage& stage) { return watches_nothing(scene.output.monitor, stage); }
+
+const char* key_of_monitor(const Scene& scene) { return scene.blocks ? "output.monitor" : "monitor of a custom stage"; }
+
+bool has_actions(const Scene& scene) {
+  return scene.blocks ||
+         std::ranges::any_of(scene.stages, [](const Stage& stage) { return !beyond_lattice(stage).empty(); });
 }
 
 bool is_vertical(const Stage& stage) { return axis_of(stage) == 1; }
@@ -130,16 +169,24 @@ Shown shown(const HistoryRow& row, const Scene& scene) {
 
 namespace {
 
+// Value of the monitor: empty in rows of stages without one.
+Value of_monitor(const Scene& scene, Value value) {
+  return [monitor = scene.output.monitor, value = std::move(value)](const HistoryRow& row, const Stage& stage) {
+    return watches_nothing(monitor, stage) ? std::nan("") : value(row, stage);
+  };
+}
+
 // Adds the columns of blocks of any shape.
 void add_block_columns(const Scene& scene, bool on_ground, const std::function<void(const std::string&, Value)>& add) {
+  const auto add_of_monitor = [&](const std::string& name, const Value& value) { add(name, of_monitor(scene, value)); };
   add("multiplier", number<&HistoryRow::multiplier>);
-  add("monitor_dx_m", component<&HistoryRow::monitor_displacement, 0>);
-  add("monitor_dy_m", component<&HistoryRow::monitor_displacement, 1>);
-  add("monitor_dz_m", component<&HistoryRow::monitor_displacement, 2>);
+  add_of_monitor("monitor_dx_m", component<&HistoryRow::monitor_displacement, 0>);
+  add_of_monitor("monitor_dy_m", component<&HistoryRow::monitor_displacement, 1>);
+  add_of_monitor("monitor_dz_m", component<&HistoryRow::monitor_displacement, 2>);
   if (on_ground) {
-    add("monitor_relative_dx_m", component<&HistoryRow::monitor_relative, 0>);
-    add("monitor_relative_dy_m", component<&HistoryRow::monitor_relative, 1>);
-    add("monitor_relative_dz_m", component<&HistoryRow::monitor_relative, 2>);
+    add_of_monitor("monitor_relative_dx_m", component<&HistoryRow::monitor_relative, 0>);
+    add_of_monitor("monitor_relative_dy_m", component<&HistoryRow::monitor_relative, 1>);
+    add_of_monitor("monitor_relative_dz_m", component<&HistoryRow::monitor_relative, 2>);
     add("ground_dx_m", component<&HistoryRow::ground_displacement, 0>);
     add("ground_dy_m", component<&HistoryRow::ground_displacement, 1>);
     add("ground_dz_m", component<&HistoryRow::ground_displacement, 2>);
@@ -149,9 +196,9 @@ void add_block_columns(const Scene& scene, bool on_ground, const std::function<v
     add("overturning_moment_x_Nm", component<&HistoryRow::overturning_moment, 0>);
     add("overturning_moment_z_Nm", component<&HistoryRow::overturning_moment, 2>);
   }
-  add("monitor_fx_N", component<&HistoryRow::joint_force, 0>);
-  add("monitor_fy_N", component<&HistoryRow::joint_force, 1>);
-  add("monitor_fz_N", component<&HistoryRow::joint_force, 2>);
+  add_of_monitor("monitor_fx_N", component<&HistoryRow::joint_force, 0>);
+  add_of_monitor("monitor_fy_N", component<&HistoryRow::joint_force, 1>);
+  add_of_monitor("monitor_fz_N", component<&HistoryRow::joint_force, 2>);
   add("largest_displacement_m", number<&HistoryRow::largest_displacement>);
   if (!scene.output.energy) return;
   add("kinetic_J", energy<&Energies::kinetic>);
@@ -201,11 +248,12 @@ std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector
       {"stage_name", Kind::text, nullptr},
       {"step", Kind::integer, [](const HistoryRow& row, const Stage&) { return static_cast<double>(row.step); }},
       {"time_s", kNumber, number<&HistoryRow::time>},
-      {"displacement_m", kNumber, [](const HistoryRow& row, const Stage& s) { return response(row, s).displacement; }},
-      {"vertical_displacement_m", kNumber, component<&HistoryRow::monitor_displacement, 1>},
+      {"displacement_m", kNumber,
+       of_monitor(scene, [](const HistoryRow& row, const Stage& s) { return response(row, s).displacement; })},
+      {"vertical_displacement_m", kNumber, of_monitor(scene, component<&HistoryRow::monitor_displacement, 1>)},
       {"horizontal_force_N", kNumber,
-       [](const HistoryRow& row, const Stage& s) { return response(row, s).horizontal_force; }},
-      {"vertical_force_N", kNumber, number<&HistoryRow::vertical_force>},
+       of_monitor(scene, [](const HistoryRow& row, const Stage& s) { return response(row, s).horizontal_force; })},
+      {"vertical_force_N", kNumber, of_monitor(scene, number<&HistoryRow::vertical_force>)},
       {"unbalanced_ratio", kNumber, number<&HistoryRow::unbalanced_ratio>},
       {"kinetic_energy_J", kNumber, number<&HistoryRow::kinetic_energy>}};
   const auto add = [&](const std::string& name, const Value& value) { columns.push_back({name, kNumber, value}); };
@@ -222,10 +270,8 @@ std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector
   }
   const auto& stages = scene.stages;
   const bool on_ground = std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.ground.has_value(); });
-  const bool acts =
-      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return !beyond_lattice(s).empty(); });
   add_groups(scene, add);
-  if (scene.blocks || acts) add_block_columns(scene, on_ground, add);
+  if (has_actions(scene)) add_block_columns(scene, on_ground, add);
   add_reaction_columns(restraints, add);
   return columns;
 }

@@ -24,10 +24,22 @@ Response response(const HistoryRow& row, const Stage& stage);
 int axis_of(const Stage& stage);
 // First axis of x, z, y along which the ground moves or a collapse pushes; 0 without either.
 int axis_of_action(const Stage& stage);
-// Axis of the response to ground motion: z where axis_of is, else axis_of_action.
-int axis_of_response(const Stage& stage);
-// Whether blocks of any shape move in a stage without a monitor: displacements and forces of its rows are 0.
+// Direction of length 1 along which the response to ground motion is measured.
+struct ResponseAxis {
+  Vec3 direction{1.0, 0.0, 0.0};
+  std::string name = "x";  // y, z, or as "[0.6, 0, 0.8]"
+};
+// Axis z where the stage is measured along it, else that of the strongest horizontal motion; without one of the
+// vertical.
+ResponseAxis response_axis(const Stage& stage);
+// Axis or direction of the curve of a stage: that of the response to ground motion, or of axis_of.
+std::string axis_name(const Stage& stage);
+// Whether a stage has no monitor: rows have no displacement and no force of one.
 bool watches_nothing(const Scene& scene, const Stage& stage);
+// Key that gives a monitor, for messages.
+const char* key_of_monitor(const Scene& scene);
+// Whether rows have the columns of blocks and of actions: of any shape, or some stage goes beyond the lattice.
+bool has_actions(const Scene& scene);
 // Whether a stage is measured along y, or drives bodies along y alone. A run is vertical if its last stage is.
 bool is_vertical(const Stage& stage);
 bool is_vertical(const Scene& scene);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "files/file.h"
 #include "files/gnuplot.h"
@@ -29,11 +30,23 @@ bool is_shaken(const Scene& scene) {
   return std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
 }
 
+// Values of the part that the title names; NaN, a gap, in rows of stages that watch another.
+std::function<double(const HistoryRow&)> of_part(const Scene& scene, std::function<double(const HistoryRow&)> value) {
+  std::vector<bool> has_part;
+  for (const Stage& stage : scene.stages)
+    has_part.push_back(!watches_nothing(scene, stage) &&
+                       moved_part(scene, stage) == moved_part(scene, stage_of_curve(scene)));
+  return [has_part, value = std::move(value)](const HistoryRow& row) {
+    return has_part[static_cast<std::size_t>(row.stage)] ? value(row) : std::nan("");
+  };
+}
+
 Panel displacements(const Scene& scene) {
   Panel panel{"displacement (mm)", {}};
   const auto part = is_shaken(scene) ? &HistoryRow::monitor_relative : &HistoryRow::monitor_displacement;
   for (std::size_t c = 0; c < 3; ++c)
-    panel.lines.push_back({fmt::format("along {}", "xyz"[c]), [=](const HistoryRow& r) { return (r.*part)[c] * 1e3; }});
+    panel.lines.push_back(
+        {fmt::format("along {}", "xyz"[c]), of_part(scene, [=](const HistoryRow& r) { return (r.*part)[c] * 1e3; })});
   return panel;
 }
 
@@ -41,8 +54,8 @@ Panel forces(const Scene& scene) {
   const auto horizontal = [&scene](const HistoryRow& r) {
     return response(r, scene.stages[static_cast<std::size_t>(r.stage)]).horizontal_force / 1e3;
   };
-  return {"force (kN)",
-          {{"horizontal", horizontal}, {"vertical", [](const HistoryRow& r) { return r.vertical_force / 1e3; }}}};
+  const auto vertical = [](const HistoryRow& r) { return r.vertical_force / 1e3; };
+  return {"force (kN)", {{"horizontal", of_part(scene, horizontal)}, {"vertical", of_part(scene, vertical)}}};
 }
 
 Panel energies(bool all) {
@@ -63,8 +76,8 @@ Panel energies(bool all) {
 }
 
 std::string title_text(const Scene& scene) {
-  return fmt::format("{}: motion of {}{}", title_of(scene),
-                     scene.stages.empty() ? "wall" : moved_part(scene, scene.stages.back()),
+  if (scene.stages.empty() || watches_nothing(scene, stage_of_curve(scene))) return title_of(scene);
+  return fmt::format("{}: motion of {}{}", title_of(scene), moved_part(scene, stage_of_curve(scene)),
                      is_shaken(scene) ? ", relative to the ground" : "");
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "base/attempt.h"
 #include "files/file.h"
@@ -44,10 +45,39 @@ std::string moved_part(const Scene& scene, const Stage& stage) {
   return name.empty() ? "wall" : name;
 }
 
+bool same_curve(const Scene& scene, const Stage& a, const Stage& b) {
+  return &a == &b || (moved_part(scene, a) == moved_part(scene, b) && axis_name(a) == axis_name(b));
+}
+
+const Stage& stage_of_curve(const Scene& scene) {
+  for (const bool at_rest : {false, true}) {
+    for (auto stage = scene.stages.rbegin(); stage != scene.stages.rend(); ++stage) {
+      const bool rests = std::string_view(curve_kind(*stage)) == "rest";
+      if (rests == at_rest && is_vertical(*stage) == is_vertical(scene) && !watches_nothing(scene, *stage))
+        return *stage;
+    }
+  }
+  return scene.stages.back();
+}
+
+std::vector<bool> stages_on_curve(const Scene& scene) {
+  std::vector<bool> on_curve;
+  for (const Stage& stage : scene.stages)
+    on_curve.push_back(!watches_nothing(scene, stage) && same_curve(scene, stage, stage_of_curve(scene)));
+  return on_curve;
+}
+
+bool watches_several(const Scene& scene) {
+  return std::ranges::any_of(scene.stages, [&](const Stage& stage) {
+    return !watches_nothing(scene, stage) && moved_part(scene, stage) != moved_part(scene, stage_of_curve(scene));
+  });
+}
+
 Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
   Peak peak;
+  const std::vector<bool> on_curve = stages_on_curve(scene);
   for (size_t i = 0; i < rows.size(); ++i) {
-    if (is_vertical(scene) && !is_vertical(scene.stages[static_cast<size_t>(rows[i].stage)])) continue;
+    if (!on_curve[static_cast<size_t>(rows[i].stage)]) continue;
     const Shown r = shown(rows[i], scene);
     if (peak.row >= 0 && std::abs(r.force) <= peak.force) continue;
     peak = {static_cast<int>(i), std::abs(r.force), std::abs(r.displacement), rows[i].vertical_force};
@@ -302,7 +332,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   attempt.rethrow();
 
   std::string state = "law " + law;
-  if (!rows.empty()) {
+  if (!rows.empty() && !watches_nothing(scene, scene.stages.back())) {
     const Shown r = shown(rows.back(), scene);
     state = fmt::format("{} moved {:.2f} mm{}, {} force {:.1f} kN, law {}", moved_part(scene),
                         std::abs(r.displacement) * 1e3,

@@ -11,16 +11,25 @@
 
 namespace quoin {
 
-// Highest resistance of a history, as absolute values: along the wall, or vertical if the last stage is (history.h).
-// Then only vertical stages count. row: -1: there is none.
+// Part whose displacement the history of a stage has: "top beam", "top course", "roof".
+std::string moved_part(const Scene& scene, const Stage& stage);
+
+// Whether two stages watch the same part along the same axis. Rows of others belong to another curve.
+bool same_curve(const Scene& scene, const Stage& a, const Stage& b);
+// Stage whose part and axis the curve and the peak of a run have: the last that watches a part and does more than rest.
+const Stage& stage_of_curve(const Scene& scene);
+// By stage: whether its rows are on the curve.
+std::vector<bool> stages_on_curve(const Scene& scene);
+// Whether stages of a run watch different parts, so that texts name the part.
+bool watches_several(const Scene& scene);
+
+// Highest resistance on the curve, as absolute values: along the wall, or vertical if the last stage is (history.h).
+// row: -1: there is none.
 struct Peak {
   int row = -1;
   double force = 0.0, displacement = 0.0, vertical_force = 0.0;
 };
 Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene);
-
-// Part whose displacement the history of a stage has: "top beam", "top course", "roof".
-std::string moved_part(const Scene& scene, const Stage& stage);
 
 // Draw a picture. Return a one-line notice without one (no gnuplot), otherwise an empty text. label: of warnings.h, or
 // empty.

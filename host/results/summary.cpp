@@ -141,8 +141,9 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
                           {"force_N", stage.moving_load->force},
                           {"positions", stage.moving_load->positions}};
     j["curve"] = {{"kind", curve_kind(stage)},
-                  {"along", std::string(1, "xyz"[axis_of(stage)])},
-                  {"of", moved_part(scene, stage)}};
+                  {"along", axis_name(stage)},
+                  {"of", watches_nothing(scene, stage) ? Json(nullptr) : Json(moved_part(scene, stage))}};
+    if (stage.ground) j["curve"]["direction"] = response_axis(stage).direction;
     stages.push_back(j);
   }
   Json settings = {{"set", info.provenance.request.overrides},
@@ -498,7 +499,7 @@ Json response_json(const std::vector<HistoryRow>& rows, const Scene& scene) {
   const std::optional<GroundResponse> response = find_ground_response(rows, scene);
   if (!response) return nullptr;
   return {{"of", response->of},
-          {"axis", std::string(1, "xyz"[response->axis])},
+          {"axis", response->axis.name},
           {"displacement_m", response->displacement},
           {"displacement_at_s", response->moved_at},
           {"base_force_N", response->base_force},
@@ -521,11 +522,13 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   json["status"] = info.status;
   json["interrupted"] = info.status == "interrupted";
   if (!info.message.empty()) json["message"] = info.message;
-  json["peak_horizontal_force_N"] = is_vertical(scene) ? Json(nullptr) : Json(peak.force);
-  json["peak_vertical_force_N"] = is_vertical(scene) ? Json(peak.force) : Json(nullptr);
-  json["displacement_at_peak_m"] = peak.displacement;
+  const auto of_peak = [&](bool has_it, double value) { return has_it && peak.row >= 0 ? Json(value) : Json(nullptr); };
+  json["peak_horizontal_force_N"] = of_peak(!is_vertical(scene), peak.force);
+  json["peak_vertical_force_N"] = of_peak(is_vertical(scene), peak.force);
+  json["displacement_at_peak_m"] = of_peak(true, peak.displacement);
+  json["peak_of"] = peak.row >= 0 ? Json(moved_part(scene, stage_of_curve(scene))) : Json(nullptr);
   json["response"] = response_json(rows, scene);
-  json["vertical_stress_at_peak_Pa"] = area > 0 ? Json(peak.vertical_force / area) : Json(nullptr);
+  json["vertical_stress_at_peak_Pa"] = of_peak(area > 0, peak.vertical_force / area);
   json["bed_area_m2"] = area;
   json["steps"] = simulation.step();
   json["simulated_time_s"] = simulation.time();

@@ -222,7 +222,7 @@ class Arch(Shown, unittest.TestCase):
     def test_curve_is_that_of_the_multiplier(self):
         h = self.history
         self.assert_curve(1e3 * h["largest_displacement_m"], h["multiplier"],
-                          ["largest displacement [mm]", "multiplier of the horizontal load"])
+                          ["largest displacement [mm]", "multiplier of the weight"])
 
     def test_colours_of_displacement_are_those_of_the_values(self):
         most = max(np.linalg.norm(b["displacement_m"].astype(float), axis=1).max() for b in self.blocks)

@@ -5,13 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "base/error.h"
 #include "files/file.h"
+#include "files/gnuplot.h"
 #include "folder.h"
 #include "results/colours.h"
 #include "results/history.h"
@@ -143,6 +146,173 @@ nlohmann::json head_of(const std::string& page) {
   const std::string begin = "class=\"head\">";
   const std::size_t from = page.find(begin) + begin.size();
   return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+// Blocks of 19.62 and 9.81 kN on a fixed one, friction 35 degrees, pushed in turn along x; each stage watches its own.
+const std::string kPushedInTurn = R"(
+[materials.stone]
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 35.0
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-1.0, -0.2, 0.0], size = [5.0, 0.2, 1.0] }
+[[block]]
+name = "left"
+material = "stone"
+box = { lower = [0.0, 0.0, 0.0], size = [1.0, 1.0, 1.0] }
+[[block]]
+name = "right_one"
+material = "stone"
+box = { lower = [2.0, 0.0, 0.0], size = [1.0, 0.5, 1.0] }
+[[stage]]
+name = "weight"
+gravity = [0.0, -9.81, 0.0]
+ramp_time = 0.05
+duration = 0.1
+[[stage]]
+name = "push_left"
+monitor = "left"
+displacement = 0.002
+ramp_time = 0.02
+[[stage.velocity]]
+block = "left"
+velocity = [0.02, "free", "free"]
+[[stage]]
+name = "push_right"
+monitor = "right_one"
+displacement = 0.001
+ramp_time = 0.02
+[[stage.velocity]]
+block = "right_one"
+velocity = [0.02, "free", "free"]
+[output]
+monitor = "left"
+frames = 0
+)";
+
+// Tables of numbers after a line of names.
+std::vector<std::vector<double>> numbers_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  std::vector<std::vector<double>> rows;
+  while (std::getline(stream, line)) {
+    rows.emplace_back();
+    std::istringstream cells(line);
+    for (std::string cell; cells >> cell;) rows.back().push_back(std::stod(cell));
+  }
+  return rows;
+}
+
+// Curve, histories and peak are those of the block that the last stage watches: it slides at mu W = 6.869 kN, the other
+// at 13.74 kN.
+TEST_F(Report, CurvesHaveTheRowsOfOneBlock) {
+  write_run(kPushedInTurn);
+  const Scene scene = read_scene_text(kPushedInTurn, "page.toml", {});
+  const double carried = 9.81e3 * std::tan(35.0 * std::numbers::pi / 180.0);  // N
+  EXPECT_NEAR(find_peak(rows_, scene).force, carried, 1e-3 * carried);
+
+  plot_curve(folder_, rows_, scene, "law", "");
+  const auto curve = numbers_of(folder_ / "plots/curve.dat");
+  ASSERT_GT(curve.size(), 20u);
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    EXPECT_LT(curve[i][1], 1.001e-3 * carried) << i;
+    // One way: no line back from the other block.
+    EXPECT_GE(curve[i][0], i > 0 ? curve[i - 1][0] : 0.0) << i;
+  }
+  EXPECT_NE(read_all(folder_ / "plots/curve.gp").find("of the right one"), std::string::npos);
+
+  plot_histories(folder_, rows_, scene, "");
+  EXPECT_NE(read_all(folder_ / "plots/histories.gp").find("motion of right one"), std::string::npos);
+  const auto histories = numbers_of(folder_ / "plots/histories.dat");  // time, then the displacement along x
+  ASSERT_EQ(histories.size(), rows_.size());
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    EXPECT_EQ(std::isnan(histories[i][1]), rows_[i].stage < 2) << "row " << i;
+}
+
+// Without a monitor rows have no displacement and no force, and the summary has no peak; nothing stands for them as 0.
+TEST_F(Report, WithoutAMonitorNothingIsReportedAsMeasured) {
+  std::string text = kStones;
+  text.replace(text.find("monitor = \"stone\"\n"), 18, "");
+  write_run(text);
+  const nlohmann::json head = head_of(outcome()), &history = head.at("history"), &summary = head.at("summary");
+  for (const char* column : {"displacement_m", "vertical_displacement_m", "horizontal_force_N", "vertical_force_N",
+                             "monitor_dx_m", "monitor_fy_N"})
+    for (const auto& value : history.at(column)) EXPECT_TRUE(value.is_null()) << column;
+  EXPECT_GT(history.at("largest_displacement_m").back().get<double>(), 0.0);
+  for (const char* key : {"peak_horizontal_force_N", "peak_vertical_force_N", "displacement_at_peak_m", "peak_of"})
+    EXPECT_TRUE(summary.at(key).is_null()) << key;
+  EXPECT_TRUE(summary.at("settings").at("stages")[0].at("curve").at("of").is_null());
+
+  const Scene scene = read_scene_text(text, "page.toml", {});
+  plot_curve(folder_, rows_, scene, "law", "");
+  EXPECT_NE(read_all(folder_ / "plots/curve.gp").find("largest displacement of a block"), std::string::npos);
+}
+
+// A block of 2 t that does not slide (mu g = 6.87 m/s2) under ground accelerations of at most 3 m/s2.
+std::string shaken_block(const std::string& motion) {
+  return kPushedInTurn.substr(0, kPushedInTurn.find("[[block]]\nname = \"right_one\"")) +
+         "[[stage]]\ngravity = [0, -9.81, 0]\nramp_time = 0.05\nduration = 0.1\n"
+         "[[stage]]\nduration = 0.4\nground_motion = { " +
+         motion +
+         ", time = [0, 0.1, 0.2, 0.3, 0.4], acceleration = [0, 3, 0, -3, 0] }\n"
+         "[output]\nmonitor = \"left\"\nframes = 1\n";
+}
+
+struct Shake {
+  std::string motion, axis;
+  double base_force;  // N
+};
+class ShakenReport : public Report, public ::testing::WithParamInterface<Shake> {};
+
+// The response is along the motion: the base carries m a there, and the weight too where that is vertical.
+TEST_P(ShakenReport, HasTheResponseAlongTheMotion) {
+  const auto& [motion, axis, base_force] = GetParam();
+  write_run(shaken_block(motion));
+  const nlohmann::json summary = head_of(outcome()).at("summary"), &response = summary.at("response");
+  EXPECT_EQ(response.at("axis"), axis);
+  EXPECT_NEAR(response.at("base_force_N").get<double>(), base_force, 0.02 * base_force);
+  const nlohmann::json& curve = summary.at("settings").at("stages")[1].at("curve");  // the page draws along it
+  EXPECT_EQ(curve.at("along"), axis);
+  const Vec3 along = curve.at("direction").get<Vec3>();
+  double moved = 0.0;
+  for (const HistoryRow& row : rows_)
+    if (row.stage == 1) moved = std::max(moved, std::abs(dot(row.monitor_relative, along)));
+  EXPECT_DOUBLE_EQ(response.at("displacement_m").get<double>(), moved);
+
+  plot_curve(folder_, rows_, read_scene_text(shaken_block(motion), "page.toml", {}), "law", "");
+  EXPECT_NE(read_all(folder_ / "plots/curve.gp").find(gnuplot_text("displacement along " + axis + " (mm)")),
+            std::string::npos);
+  double drawn = 0.0;
+  for (const auto& point : numbers_of(folder_ / "plots/curve.dat")) drawn = std::max(drawn, std::abs(point[1]));
+  EXPECT_NEAR(drawn, 1e3 * moved, 1e-5 * drawn);
+}
+INSTANTIATE_TEST_SUITE_P(Ways, ShakenReport,
+                         ::testing::Values(Shake{"direction = [-2, 0, 0]", "x", 2e3 * 3.0},
+                                           Shake{"direction = [0, 1, 0]", "y", 2e3 * (9.81 + 3.0)},
+                                           Shake{"direction = [3, 0, 4]", "[0.6, 0, 0.8]", 2e3 * 3.0}));
+
+// Of two components the stronger one, and a horizontal one before a vertical one.
+TEST(ResponseAxis, IsThatOfTheStrongestHorizontalMotion) {
+  const auto moved_by = [](const Vec3& direction, double largest) {
+    GroundMotion::Component component;
+    component.direction = direction;
+    component.acceleration.time = {0.0, 1.0}, component.acceleration.value = {0.0, largest};
+    return component;
+  };
+  Stage stage;
+  stage.ground.emplace();
+  stage.ground->components = {moved_by({1, 0, 0}, 1.0), moved_by({0, 0, 2}, -9.0), moved_by({0, 1, 0}, 20.0)};
+  EXPECT_EQ(response_axis(stage).name, "z");
+  stage.ground->components.erase(stage.ground->components.begin() + 1);
+  EXPECT_EQ(response_axis(stage).name, "x");
 }
 
 // The page has the colours of cracks.png: blue for sliding and warm colours for opening.

@@ -30,32 +30,23 @@ def _finished(figure, file):
     return figure
 
 
-def _curve_of(stage):
-    """What the curve of a stage shows. In an earthquake it is the response along z if the stage is measured there, else
-    along the first of x, z, y along which the ground moves, as in curve.png."""
-    curve = stage.get("curve") or {"kind": "push", "along": "x"}
-    if curve["kind"] != "earthquake" or curve["along"] == "z":
-        return curve
-    directions, motions = [], [stage.get("ground_motion") or {}]
-    for motion in motions:
-        directions += [component["direction"] for component in motion.get("components") or ()]
-        motions += motion.get("support") or ()
-    moves = np.any(np.reshape(directions, (-1, 3)), axis=0)
-    return {**curve, "along": next(("xyz"[c] for c in (0, 2, 1) if moves[c]), "x")}
-
-
 def _curve(stage, history):
-    """Axes of the curve of a stage: (column, factor, label) of both."""
-    of = _curve_of(stage)
+    """Axes of the curve of a stage: (column, or its values, factor, label) of both; None where nothing is watched."""
+    of = stage.get("curve") or {"kind": "push", "along": "x"}
     upright, whose = of["along"] == "y", f" of {of['of']}" if of.get("of") else ""
     way = {"y": "vertical", "z": "out-of-plane"}.get(of["along"], "horizontal")
     time, moved = ("time_s", 1.0, "time [s]"), "vertical_displacement_m" if upright else "displacement_m"
     displacement = (moved, 1e3, f"{way} displacement{whose} [mm]")
     if of["kind"] == "collapse" and "multiplier" in history.dtype.names:
-        return ("largest_displacement_m", 1e3, "largest displacement [mm]"), ("multiplier", 1.0, "multiplier of the horizontal load")
+        return ("largest_displacement_m", 1e3, "largest displacement [mm]"), ("multiplier", 1.0, "multiplier of the weight")
+    if of.get("of", "") is None:
+        return (time, ("largest_displacement_m", 1e3, "largest displacement of a block [mm]")) if (
+            "largest_displacement_m" in history.dtype.names) else None
     if of["kind"] == "earthquake":
-        relative = f"monitor_relative_d{of['along']}_m"
-        if relative in history.dtype.names:
+        direction = of.get("direction") or [float(axis == of["along"]) for axis in "xyz"]
+        parts = [(d, f"monitor_relative_d{axis}_m") for d, axis in zip(direction, "xyz") if d]
+        if parts[0][1] in history.dtype.names:
+            relative = sum(d * history[name] for d, name in parts)
             return time, (relative, 1e3, f"displacement along {of['along']}{whose}, relative to the ground [mm]")
         return time, displacement
     if of["kind"] == "rest":
@@ -239,7 +230,8 @@ class Pictures:
 
     def _moment_text(self, moment):
         stage = self._stage_of(moment.row)
-        (name, factor, label), _ = _curve(stage, self.history)
+        axes = _curve(stage, self.history)
+        (name, factor, _) = axes[0] if axes else ("time_s", 1.0, "")
         value = self.history[name][moment.row] * factor
         come = "" if name == "time_s" else f", {0.0 if abs(value) < 1e-6 else value:.4g} mm"
         return f"stage {moment.stage} {stage.get('name', '')}{come}, {moment.time:.3g} s"
@@ -248,10 +240,13 @@ class Pictures:
         """The curve of a stage (the last one): force over displacement, multiplier, or displacement over time."""
         figure, axes = _pyplot().subplots(figsize=(WIDEST, 4.6), constrained_layout=True)
         history, settings = self.history, self._stages()[stage]
-        alike = [k + 1 for k, s in enumerate(self._stages()) if _curve_of(s) == _curve_of(settings)]
+        alike = [k + 1 for k, s in enumerate(self._stages()) if s.get("curve") == settings.get("curve")]
         rows = np.isin(history["stage"], alike)
-        (x, x_factor, x_label), (y, y_factor, y_label) = _curve(settings, history)
-        xs, ys = history[x][rows] * x_factor, history[y][rows] * y_factor
+        axes_of = _curve(settings, history)
+        if axes_of is None:
+            raise Error(f"{self.title}: no block is watched in stage {settings.get('name', '')}, so there is no curve: give a monitor")
+        (x, x_factor, x_label), (y, y_factor, y_label) = axes_of
+        xs, ys = history[x][rows] * x_factor, (history[y] if isinstance(y, str) else y)[rows] * y_factor
         axes.plot(xs, ys, color=_quoin.colours()["pens"][0], linewidth=1.6)
         axes.set(xlabel=x_label, ylabel=y_label, title=self.title)
         axes.grid(True, color="#dddddd", linewidth=0.6)

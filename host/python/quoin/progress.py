@@ -26,7 +26,7 @@ def state_of(simulation, stage, stages, name, fraction):
     """Stage, displacement and force, peak so far, kinetic energy, and the share of contact points that are damaged."""
     history = simulation.history
     told = f"stage {stage + 1} of {stages} {name}: {100 * fraction:.0f} %"
-    if len(history):
+    if len(history) and np.isfinite(history["displacement_m"][-1]):
         upright = np.ptp(history["vertical_displacement_m"]) > np.ptp(history["displacement_m"])
         force = history["vertical_force_N" if upright else "horizontal_force_N"]
         moved = history["vertical_displacement_m" if upright else "displacement_m"]

@@ -67,13 +67,14 @@ class Run(Pictures):
     @property
     def peak(self):
         """Largest horizontal force, N, and its displacement, m; vertical ones if the last stage is driven vertically. Magnitudes:
-        the history has the signs."""
+        the history has the signs. None where no block is watched."""
         upright = self.summary["peak_vertical_force_N"]
         return self.summary["peak_horizontal_force_N"] if upright is None else upright, self.summary["displacement_at_peak_m"]
 
     def __repr__(self):
-        return (f"<run {self.summary['status']}: {len(self.history)} rows, {len(self.frames)} frames, peak "
-                f"{self.peak[0] / 1e3:.2f} kN at {self.peak[1] * 1e3:.3f} mm>")
+        force, displacement = self.peak
+        peak = "no block watched" if force is None else f"peak {force / 1e3:.2f} kN at {displacement * 1e3:.3f} mm"
+        return f"<run {self.summary['status']}: {len(self.history)} rows, {len(self.frames)} frames, {peak}>"
 
 
 def run(scene, *, threads=0, progress=False, frames=True, out=None, report=False, isolate_law=False, law_seconds=None):

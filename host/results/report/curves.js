@@ -14,7 +14,10 @@ const ENERGIES = [['kinetic_energy_J', 'kinetic'], ['strain_energy_J', 'strain']
   ['dissipated_crushing_J', 'crushing'], ['damping_work_J', 'damping'], ['external_work_J', 'external work']];
 const CHART = {narrowest: 260, widest: 700, gap: 8, height: 235, left: 62, right: 14, bottom: 42};  // pixels
 
-// Axes of the curve of a stage: columns of the history, factors and labels.
+// Direction of the response to ground motion. Results of older versions have its axis alone.
+const directionOf = curve => curve.direction || [...'xyz'].map(axis => Number(axis === curve.along));
+
+// Axes of the curve of a stage: columns of the history, factors and labels. `at`: value of a row, of no column.
 function axesOf(stage, history) {
   const curve = (stage && stage.curve) || {kind: 'push', along: 'x'};
   const along = curve.along, of = curve.of ? ` of ${curve.of}` : '';
@@ -26,14 +29,21 @@ function axesOf(stage, history) {
   const force = {key: carried, factor: 1e-3, label: `${direction} force [kN]`};
   if (curve.kind === 'collapse' && history.multiplier)
     return [[{key: 'largest_displacement_m', factor: 1e3, label: 'largest displacement [mm]'},
-      {key: 'multiplier', factor: 1, label: 'multiplier of the horizontal load'}]];
+      {key: 'multiplier', factor: 1, label: 'multiplier of the weight'}]];
+  const isWatched = curve.of !== null;
   if (curve.kind === 'earthquake') {
-    // Along the first record, relative displacement and base shear, if the history has both.
-    const d = ((stage.ground_motion || {}).direction || [1, 0, 0]).map(Math.abs), way = d[2] > d[0] ? 'z' : 'x';
-    const relative = `monitor_relative_d${way}_m`, shear = `base_shear_${way}_N`;
-    if (!history[relative] || !history[shear]) return [[time, displacement], [time, force]];
-    return [[time, {key: relative, factor: 1e3, label: `relative displacement along ${way}${of} [mm]`}],
-      [time, {key: shear, factor: 1e-3, label: `base shear along ${way} [kN]`}]];
+    // Along the response: relative displacement and base force, if the history has both.
+    const moves = ['monitor_relative_dx_m', 'monitor_relative_dy_m', 'monitor_relative_dz_m'];
+    const carries = ['base_shear_x_N', 'base_vertical_N', 'base_shear_z_N'], d = directionOf(curve);
+    if (![...moves, ...carries].every(key => history[key])) return [[time, displacement], [time, force]];
+    const sum = keys => row => keys.reduce((all, key, k) => all + (d[k] === 0 ? 0 : d[k] * history[key][row]), 0);
+    const relative = {at: sum(moves), factor: 1e3, label: `relative displacement along ${along}${of} [mm]`};
+    const base = {at: sum(carries), factor: 1e-3, label: `base ${d[1] === 0 ? 'shear' : 'force'} along ${along} [kN]`};
+    return isWatched ? [[time, relative], [time, base]] : [[time, base]];
+  }
+  if (!isWatched) {
+    const largest = {key: 'largest_displacement_m', factor: 1e3, label: 'largest displacement of a block [mm]'};
+    return history.largest_displacement_m ? [[time, largest]] : [];
   }
   if (curve.kind === 'rest') return [[time, {key: 'vertical_displacement_m', factor: 1e3, label: `vertical displacement${of} [mm]`}]];
   return [[displacement, force]];
@@ -120,9 +130,9 @@ class Curve {
   }
 }
 
-// Record of an earthquake along an axis, with its spectrum; undefined if the summary has none.
+// Record of an earthquake along a direction, with its spectrum; undefined if the summary has none.
 function recordOf(stage, way) {
-  const along = c => c.direction.every((d, k) => (Math.abs(d) > 0.5) === ('xyz'[k] === way));
+  const along = c => Math.abs(c.direction.reduce((sum, d, k) => sum + d * way[k], 0)) > 0.999 * Math.hypot(...c.direction);
   return (((stage || {}).ground_motion || {}).components || []).find(c => c.record && c.spectrum && along(c));
 }
 
@@ -130,11 +140,12 @@ function recordOf(stage, way) {
 function curvesOf(parent, head, stage) {
   const h = head.history, stages = (head.summary.settings || {}).stages || [], pens = head.colours.pens;
   const rows = rowsLike(stage, stages, h);
-  const axes = axesOf(stage, h), way = (/ along ([xz])/.exec(axes[0][1].label) || [])[1], record = way && recordOf(stage, way);
+  const axes = axesOf(stage, h), curve = (stage && stage.curve) || {}, way = curve.along;
+  const record = curve.kind === 'earthquake' && recordOf(stage, directionOf(curve));
   const count = record ? 4 : 2;
   const width = Math.max(CHART.narrowest, Math.min(CHART.widest, Math.floor((parent.clientWidth - (count - 1) * CHART.gap) / count) - 2));
   const made = axes.map(([x, y]) => new Curve(parent, width, rows, rows.map(i => h[x.key][i] * x.factor),
-    [{values: rows.map(i => h[y.key][i] * y.factor)}], x.label, y.label, pens));
+    [{values: rows.map(i => (y.at ? y.at(i) : h[y.key][i]) * y.factor)}], x.label, y.label, pens));
   if (record) {
     const begin = h.time_s[h.stage.indexOf(stages.indexOf(stage) + 1)], times = record.record.time_s.map(t => begin + t), last = h.time_s[rows[rows.length - 1]];
     const within = times.filter(t => t <= last).length, {period_s: periods, damping} = record.spectrum;

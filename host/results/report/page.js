@@ -36,9 +36,9 @@ class Run {
   momentOf(frame) {
     if (this.head.labels) return this.head.labels[frame];
     const h = this.head.history, row = this.rowOf(frame), s = this.stageOf(frame), stage = this.stages[s];
-    const [[x, y]] = axesOf(stage, h), told = [`stage ${s + 1} of ${Math.max(this.stages.length, s + 1)}`];
+    const [[x, y] = [{}, {}]] = axesOf(stage, h), told = [`stage ${s + 1} of ${Math.max(this.stages.length, s + 1)}`];
     if (stage && stage.name) told[0] += ` ${stage.name}`;
-    if (x.key !== 'time_s') told.push(`${short(Math.abs(h[x.key][row]) < 1e-9 ? 0 : h[x.key][row] * x.factor)} mm`);
+    if (x.key && x.key !== 'time_s') told.push(`${short(Math.abs(h[x.key][row]) < 1e-9 ? 0 : h[x.key][row] * x.factor)} mm`);
     if (y.key === 'multiplier') told.push(`multiplier ${h.multiplier[row].toFixed(3)}`);
     told.push(`${this.head.times[frame].toPrecision(3)} s`);
     return told.join(', ');
@@ -85,11 +85,13 @@ class Run {
     if (driven && s.quasi_static && s.quasi_static.why_not && !told.some(t => t.includes(s.quasi_static.why_not))) told.push(s.quasi_static.why_not);
     for (const text of told) element(box, 'div', {className: 'warning', textContent: text});
     const peak = s.peak_vertical_force_N ?? s.peak_horizontal_force_N;
+    const watched = new Set(this.stages.map(stage => stage.curve && stage.curve.of).filter(of => of));
+    const whose = watched.size > 1 && s.peak_of ? ` of ${s.peak_of}` : '';
     const shaken = s.response;
     const rows = [['law', s.law], shaken ?
       ['response', `${shaken.of} moves ${(shaken.displacement_m * 1e3).toFixed(3)} mm along ${shaken.axis} against the ground ` +
         `(at ${shaken.displacement_at_s.toFixed(3)} s), base force ${(shaken.base_force_N / 1e3).toFixed(2)} kN (at ${shaken.base_force_at_s.toFixed(3)} s)`] :
-      ['peak', `${(peak / 1e3).toFixed(2)} kN at ${(s.displacement_at_peak_m * 1e3).toFixed(3)} mm`]];
+      ['peak', peak === null ? 'none: no block is watched' : `${(peak / 1e3).toFixed(2)} kN at ${(s.displacement_at_peak_m * 1e3).toFixed(3)} mm${whose}`]];
     if (s.collapse_multiplier) rows.push(['collapse multiplier', s.collapse_multiplier.toFixed(4)]);
     rows.push(['known error', q.expected_error ?
       `quality ${q.name}: peak ${(100 * q.expected_error.peak).toFixed(1)} %, curve ${(100 * q.expected_error.curve).toFixed(1)} %` :

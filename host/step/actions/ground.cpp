@@ -239,12 +239,12 @@ void follow_ground_of_lattice(Simulation::Impl& s) {
 
 void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
   if (!current_stage(s).ground || !shown_blocks(s).empty()) return;
-  warn_once(
-      s, "monitor",
-      fmt::format("stage '{}' moves the ground, and no block is watched: displacement and force of the monitor "
-                  "are 0 in its rows, whatever moves; give a monitor; those of [[monitor]] are in monitors.csv alone",
-                  current_stage(s).name),
-      warnings);
+  warn_once(s, "monitor",
+            fmt::format(
+                "stage '{}' moves the ground, and no block is watched: displacement and force of the monitor "
+                "are empty in its rows, whatever moves; give a monitor; those of [[monitor]] are in monitors.csv alone",
+                current_stage(s).name),
+            warnings);
 }
 
 // Measures force and moment of the structure on the ground: on fixed blocks, and on what lies below springs.
