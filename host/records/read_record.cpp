@@ -260,10 +260,12 @@ class CsvRecord {
       const std::vector<std::string> cells = cells_of(lines_[i], separator);
       if (cells.empty()) continue;
       double number = 0.0;
-      if (first && !parse_number(cells[0], number))
+      const bool header = first && !parse_number(cells[0], number);
+      if (header)
         take_header(i, cells);
-      else
-        take_row(i, cells, first);
+      else if (first)
+        assume_columns(i, cells);
+      if (!header) take_row(i, cells);
       first = false;
     }
     if (record_.time.size() < 2)
@@ -275,23 +277,14 @@ class CsvRecord {
   void take_header(std::size_t line, const std::vector<std::string>& cells) {
     if (cells.size() < 2)
       lines_.refuse(line, "one column; allowed: time and at least one component, each with its unit");
-    const auto [time, time_unit] = name_and_unit(cells[0]);
-    if (time_unit == "ms")
-      time_factor_ = 1e-3;
-    else if (time_unit.empty())
-      record_.assumptions.push_back(fmt::format("{}: times are in s", lines_.file()));
-    else if (time_unit != "s")
-      lines_.refuse(line, fmt::format("the unit '{}' of the time; allowed: s, ms", time_unit));
+    find_time(line, cells);
     std::optional<MotionKind> kind;
-    for (std::size_t c = 1; c < cells.size(); ++c) {
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      if (c == time_column_) continue;
       const auto [name, unit_name] = name_and_unit(cells[c]);
       const Unit* unit = unit_named(unit_name);
-      const bool bracketed = !unit_name.empty() && cells[c].find_first_of("([") != std::string::npos;
-      if (!unit && (bracketed || !unknown_unit(cells[c]).empty()))
-        lines_.refuse(line,
-                      fmt::format("the unit '{}' of column {} is unknown; allowed: m/s2, cm/s2, mm/s2, gal, g, m/s, "
-                                  "cm/s, mm/s, m, cm, mm",
-                                  bracketed ? unit_name : unknown_unit(cells[c]), c + 1));
+      if (is_table_of_run() && (!unit || unit->kind != MotionKind::acceleration)) continue;
+      if (!unit) refuse_foreign_unit(line, c, cells[c]);
       const bool assumed = !unit;
       if (assumed) {
         record_.assumptions.push_back(
@@ -306,39 +299,94 @@ class CsvRecord {
       const std::string& component = assumed ? cells[c] : name;
       if (std::ranges::any_of(record_.components, [&](const auto& other) { return other.name == component; }))
         lines_.refuse(line, fmt::format("two columns '{}'; allowed: a name of its own for each", component));
-      factors_.push_back(unit->factor);
+      columns_.push_back({c, unit->factor});
       record_.components.push_back({component, {}, unit->name});
     }
+    width_ = cells.size();
+    if (!kind)
+      lines_.refuse(line,
+                    "no column states a unit of acceleration; allowed in a table whose first column is not the "
+                    "time: accelerations, as 'ax_m_s2'; they alone are read");
+    if (is_table_of_run() && columns_.size() + 2 < width_)
+      record_.assumptions.push_back(
+          fmt::format("{}: of its {} columns the {} that state a unit of acceleration are read", lines_.file(), width_,
+                      columns_.size()));
     record_.kind = *kind;
   }
 
-  void take_row(std::size_t line, const std::vector<std::string>& cells, bool without_header) {
-    if (without_header) {
-      if (cells.size() < 2) lines_.refuse(line, "one number; allowed: a time and at least one value");
-      record_.assumptions.push_back(fmt::format("{}: times are in s, values are accelerations in m/s2", lines_.file()));
-      for (std::size_t c = 1; c < cells.size(); ++c) {
-        record_.components.push_back(
-            {cells.size() == 2 ? "acceleration" : fmt::format("column {}", c + 1), {}, kUnits[0].name});
-        factors_.push_back(1.0);
-      }
+  // Tables of runs count steps in the first column and have motions of all kinds.
+  bool is_table_of_run() const { return time_column_ > 0; }
+
+  static bool is_time(const std::string& name) { return lower(name) == "time" || lower(name) == "t"; }
+
+  // The column of times is named time or t; else it is the first one.
+  void find_time(std::size_t line, const std::vector<std::string>& cells) {
+    const auto found =
+        std::ranges::find_if(cells, [](const std::string& cell) { return is_time(name_and_unit(cell).first); });
+    if (found == cells.end() && lower(cells[0]) == "step")
+      lines_.refuse(line, "the first column is 'step', and none is named time or t; allowed: a column 'time_s'");
+    time_column_ = found == cells.end() ? 0 : static_cast<std::size_t>(found - cells.begin());
+    const auto [time, time_unit] = name_and_unit(cells[time_column_]);
+    if (time_unit == "ms")
+      time_factor_ = 1e-3;
+    else if (time_unit.empty())
+      record_.assumptions.push_back(fmt::format("{}: times are in s", lines_.file()));
+    else if (time_unit != "s")
+      lines_.refuse(line, fmt::format("the unit '{}' of the time; allowed: s, ms", time_unit));
+  }
+
+  // Such a column may also be a second one of times.
+  void refuse_foreign_unit(std::size_t line, std::size_t column, const std::string& cell) const {
+    const auto [name, given] = name_and_unit(cell);
+    const bool whole = (!given.empty() && cell.find_first_of("([") != std::string::npos) || is_time(name);
+    const std::string foreign = whole ? given : unknown_unit(cell);
+    if (whole || !foreign.empty())
+      lines_.refuse(line, fmt::format("the unit '{}' of column {} is unknown; allowed: m/s2, cm/s2, mm/s2, gal, g, "
+                                      "m/s, cm/s, mm/s, m, cm, mm",
+                                      foreign, column + 1));
+  }
+
+  void assume_columns(std::size_t line, const std::vector<std::string>& cells) {
+    if (cells.size() < 2) lines_.refuse(line, "one number; allowed: a time and at least one value");
+    record_.assumptions.push_back(fmt::format("{}: times are in s, values are accelerations in m/s2", lines_.file()));
+    for (std::size_t c = 1; c < cells.size(); ++c) {
+      record_.components.push_back(
+          {cells.size() == 2 ? "acceleration" : fmt::format("column {}", c + 1), {}, kUnits[0].name});
+      columns_.push_back({c, 1.0});
     }
-    if (cells.size() != record_.components.size() + 1)
-      lines_.refuse(line, fmt::format("{} values; allowed: {}, as in the first line", cells.size(),
-                                      record_.components.size() + 1));
-    const double time = time_factor_ * lines_.number(line, cells[0], "the time");
+    width_ = cells.size();
+  }
+
+  void take_row(std::size_t line, const std::vector<std::string>& cells) {
+    // Empty cells at the end of a line are none of `cells`.
+    const auto cell = [&](std::size_t c) { return c < cells.size() ? cells[c] : std::string(); };
+    const bool cut = is_table_of_run() && cells.size() < width_ && cells.size() > time_column_;
+    if (cells.size() != width_ && !cut)
+      lines_.refuse(line, fmt::format("{} values; allowed: {}, as in the first line", cells.size(), width_));
+    // A run has no acceleration before its second row.
+    if (is_table_of_run() && record_.time.empty() &&
+        std::ranges::all_of(columns_, [&](const Column& column) { return cell(column.place).empty(); }))
+      return;
+    const double time = time_factor_ * lines_.number(line, cells[time_column_], "the time");
     if (time < 0.0) lines_.refuse(line, "the time is negative; allowed: 0 s or later");
     if (!record_.time.empty() && time <= record_.time.back())
       lines_.refuse(line, fmt::format("the time {} s does not lie after {} s before it; allowed: times that increase",
                                       time, record_.time.back()));
     record_.time.push_back(time);
-    for (std::size_t c = 0; c < factors_.size(); ++c)
-      record_.components[c].value.push_back(factors_[c] * lines_.number(line, cells[c + 1], "the value"));
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      record_.components[c].value.push_back(columns_[c].factor *
+                                            lines_.number(line, cell(columns_[c].place), "the value"));
   }
 
+  struct Column {
+    std::size_t place = 0;  // in a row, from 0
+    double factor = 1.0;    // to SI
+  };
   const Lines& lines_;
   GroundRecord record_;
+  std::size_t width_ = 0, time_column_ = 0;
   double time_factor_ = 1.0;
-  std::vector<double> factors_;  // factors of the components, to SI
+  std::vector<Column> columns_;  // of the components
 };
 
 }  // namespace

@@ -172,6 +172,23 @@ TEST_F(ReadRecord, FaultsAreNamedWithTheirPlace) {
   EXPECT_THAT(fault("u.csv", "time_s,x_g\n-1,1\n0,1\n"), HasSubstr("negative"));
 }
 
+// Of monitors.csv: `step` was taken for the time, so 2 s of a record became 200 s, and time_s for an acceleration.
+TEST_F(ReadRecord, TablesOfRunsGiveTheirAccelerations) {
+  const GroundRecord record = read_record(file("m.csv",
+                                               "step,time_s,top_dx_m,top_ax_m_s2,top_az_m_s2,top_drift_x\n"
+                                               "1,0.01,0.5,,,\n2,0.02,0.6,1.5,-2,\n3,0.03,0.7,2.5,-3,0.1\n"));
+  EXPECT_THAT(record.time, ElementsAre(0.02, 0.03));
+  ASSERT_EQ(record.components.size(), 2u);
+  EXPECT_EQ(record.components[0].name, "top_ax");
+  EXPECT_THAT(record.components[0].value, ElementsAre(1.5, 2.5));
+  EXPECT_THAT(record.components[1].value, ElementsAre(-2.0, -3.0));
+  EXPECT_THAT(record.assumptions, ElementsAre(HasSubstr("of its 6 columns the 2 that state a unit of acceleration")));
+  EXPECT_THAT(fault("n.csv", "step,time_s,x_m\n1,0,0\n2,1,0\n"), HasSubstr("no column states a unit of acceleration"));
+  EXPECT_THAT(fault("o.csv", "step,ax_m_s2\n1,0\n2,1\n"), HasSubstr("the first column is 'step'"));
+  EXPECT_THAT(fault("p.csv", "step,time_s,ax_m_s2\n1,0,0\n2,1,\n"), HasSubstr("p.csv:3"));
+  EXPECT_THAT(fault("q.csv", "time_s,time_s,x_g\n0,0,0\n1,1,1\n"), HasSubstr("the unit 's' of column 2 is unknown"));
+}
+
 TEST_F(ReadRecord, ComponentsFromSeveralFilesNeedOneTime) {
   const std::string x = file("x.csv", "time_s,x_g\n0,1\n1,2\n"), y = file("y.csv", "time_s,y_g\n0,3\n1,4\n");
   const GroundRecord record = read_record({x, y});
