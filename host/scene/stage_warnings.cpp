@@ -9,6 +9,7 @@
 #include "base/smooth_step.h"
 #include "scene/block_kinds.h"
 #include "scene/damping_text.h"
+#include "scene/members.h"
 
 namespace quoin {
 
@@ -114,6 +115,26 @@ std::string record_outside(const Stage& stage) {
   return text;
 }
 
+// A record where the stage itself moves or holds all fixed blocks. Springs move with the ground on their own.
+std::string record_of_none(const Scene& scene, std::size_t stage) {
+  const Stage& now = scene.stages[stage];
+  const bool blocks_alone = scene.blocks && !scene.wall && !scene.building && scene.blocks->walls.empty() &&
+                            scene.blocks->arches.empty() && !(scene.members && !scene.members->springs.empty());
+  if (!now.ground || !blocks_alone) return "";
+  std::vector<std::string> held;
+  for (const BlockSpec& block : scene.blocks->blocks) {
+    if (!block.fixed_names.empty()) return "";
+    if (!block.fixed) continue;
+    if (std::ranges::find(now.controls, block.name, &BodyControl::body) == now.controls.end()) return "";
+    held.push_back(block.name);
+  }
+  if (held.empty()) return "";
+  return fmt::format(
+      "stage '{}': ground_motion moves nothing, as the stage has a velocity for all fixed blocks ({}); leave their "
+      "velocity out, or the ground_motion",
+      now.name, fmt::join(held, ", "));
+}
+
 // A displacement that ends the stage, along an axis on which its monitor is held.
 std::string held_monitor(const Scene& scene, std::size_t stage) {
   const Stage& now = scene.stages[stage];
@@ -165,7 +186,8 @@ std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) 
       {"damping", damped_ground(scene, stage)},        {"release", damped_release(scene, stage)},
       {"collapse", damped_collapse(scene, stage)},     {"angle", damped_at_an_angle(scene, stage)},
       {"ramp", goes_on_in_ramp(scene, stage)},         {"held_monitor", held_monitor(scene, stage)},
-      {"record", record_outside(scene.stages[stage])}, {"inertia", raised_inertia(scene, stage)}};
+      {"record", record_outside(scene.stages[stage])}, {"record", record_of_none(scene, stage)},
+      {"inertia", raised_inertia(scene, stage)}};
   std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
   return all;
 }

@@ -848,6 +848,25 @@ damping = "none"
   EXPECT_FALSE(std::ranges::count(shaken(0.4).warned_of, "record"));
 }
 
+// A stage that holds all fixed blocks leaves a record nothing to move. Such a run had no warning, and ground_dx_m of 0.
+TEST(Outside, ARecordForBlocksThatTheStageHoldsIsWarnedOf) {
+  const auto shaken = [](const std::string& held) {
+    return rows_of(kBase + kCube + R"(
+[[stage]]
+name = "shake"
+gravity = [0, -9.81, 0]
+duration = 0.1
+monitor = "cube"
+ground_motion = { direction = [1, 0, 0], time = [0, 0.2], acceleration = [1.0, 1.0] }
+)" + held + R"([solver]
+damping = "none"
+)");
+  };
+  EXPECT_TRUE(
+      std::ranges::count(shaken("velocity = [{ block = \"base\", velocity = [0.1, 0, 0] }]\n").warned_of, "record"));
+  EXPECT_FALSE(std::ranges::count(shaken("").warned_of, "record"));
+}
+
 // Rows of a shake that watches no block have zeros for its response: the run says so.
 TEST(Outside, AShakeWithoutAMonitorIsWarnedOf) {
   const std::string shake = kBase + kCube + R"(
