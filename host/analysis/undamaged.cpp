@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 
+#include "base/did_you_mean.h"
 #include "base/error.h"
 #include "base/index.h"
 #include "law/material_point.h"
@@ -427,8 +428,8 @@ int stage_named(const Scene& scene, const std::string& name) {
   for (const Stage& stage : scene.stages) names.push_back(stage.name);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end())
-    throw Error(Exit::bad_input, fmt::format("{}: stage '{}': no such stage; the scene has: {}", scene.file, name,
-                                             fmt::join(names, ", ")));
+    throw Error(Exit::bad_input, fmt::format("{}: stage '{}': no such stage{}; the scene has: {}", scene.file, name,
+                                             did_you_mean(name, names), fmt::join(names, ", ")));
   return static_cast<int>(found - names.begin());
 }
 

@@ -461,6 +461,10 @@ struct Part {
 
 void require_results(const fs::path& folder) {
   std::error_code error;
+  if (fs::exists(folder / "study.json", error))
+    throw Error(Exit::bad_input, fmt::format("{}: results of a study, whose page is index.html; give a run's folder, "
+                                             "as `quoin run SCENE.toml --out DIR` makes it",
+                                             folder.string()));
   if (!fs::exists(folder / "summary.json", error))
     throw Error(Exit::bad_input, fmt::format("{}: no results here (summary.json is missing); give the folder of a run "
                                              "that has ended, as quoin run SCENE.toml --out {} makes it",

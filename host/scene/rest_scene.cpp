@@ -1,9 +1,11 @@
 #include "scene/rest_scene.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
+#include "base/did_you_mean.h"
 #include "base/error.h"
 #include "scene/generate.h"
 
@@ -27,10 +29,10 @@ Scene at_rest(Scene scene, const std::string& name) {
   const auto wanted = [&](const Stage& s) { return name.empty() ? has_load(s) : s.name == name; };
   const auto found = std::find_if(stages.begin(), stages.end(), wanted);
   if (found == stages.end() && !name.empty()) {
-    std::string names;
-    for (const Stage& s : stages) names += (names.empty() ? "" : ", ") + s.name;
-    throw Error(Exit::bad_input,
-                fmt::format("{}: stage '{}': no such stage; the scene has: {}", scene.file, name, names));
+    std::vector<std::string> names;
+    for (const Stage& s : stages) names.push_back(s.name);
+    throw Error(Exit::bad_input, fmt::format("{}: stage '{}': no such stage{}; the scene has: {}", scene.file, name,
+                                             did_you_mean(name, names), fmt::join(names, ", ")));
   }
   if (found == stages.end())
     throw Error(Exit::bad_input,
