@@ -12,8 +12,11 @@
 #include "base/clock.h"
 #include "base/duration_text.h"
 #include "cli/prepare.h"
+#include "cli/run_command.h"
 #include "files/memory.h"
 #include "law/at_rest.h"
+#include "law/law_calls.h"
+#include "law/law_trial.h"
 #include "members/members.h"
 #include "model/motion.h"
 #include "model/time_step.h"
@@ -420,17 +423,23 @@ void add_check_command(CLI::App& app, int&) {
   CLI::App* command = app.add_subcommand(
       "check", "Validate a scene; print sizes, time steps, memory and computing time without running");
   auto options = std::make_shared<SceneOptions>();
+  auto law_seconds = std::make_shared<double>(kLawSeconds);
   command->add_option("scene", options->scene, "Scene file")->required()->type_name("SCENE.toml");
   command->add_option("--law", options->law, "Law for all joints in place of the scene's")->type_name("NAME_OR_PATH");
   command->add_option("--set", options->overrides, "Set a key of the scene; may be repeated")
       ->type_name("dotted.key=value")
       ->allow_extra_args(false);
   command->add_flag("--force", options->force, "Go on where the model seems too large or too slow for this machine");
+  add_law_seconds(*command, *law_seconds);
   command->footer(
       "Examples:\n"
       "  quoin check host/scenes/solid_wall_030.toml\n"
       "  quoin check host/scenes/solid_wall_030.toml --set wall.zones=[8,4,2]");
-  command->callback([options] { check(*options); });
+  command->callback([options, law_seconds] {
+    if (*law_seconds != kLawSeconds) law_loading_seconds = *law_seconds;
+    const LawWatchdog watchdog(*law_seconds, end_program(*law_seconds, "--law-seconds"));
+    check(*options);
+  });
 }
 
 }  // namespace quoin

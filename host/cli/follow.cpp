@@ -62,6 +62,8 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     read_run_record(options.resume, &options);
   }
   if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
+  std::optional<LawWatchdog> of_set_up(std::in_place, options.law_seconds,
+                                       end_program(options.law_seconds, "--law-seconds"));
   Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks), &ranks);
   StoredState state;
   ranks.share(std::as_writable_bytes(std::span(&state, 1)));
@@ -73,6 +75,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     share(ranks, folder);
     use_part_token(folder.token);
   }
+  of_set_up.reset();
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
     notices_wanted = true;
     notice(fmt::format("quoin: rank {}: the law '{}' has not returned from a batch within {:g} s: {}", ranks.rank(),

@@ -117,6 +117,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   info.modes = recorder.modes();
   if (has_all) gather_for_pictures(simulation);
+  stop_drawing = false;  // a signal that has ended the steps does not end the pictures
   if (output.plots && has_all) draw(folder, simulation, surfaces, info, options, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   bool end_is_missing = output.end_state && !failure;
@@ -133,6 +134,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   });
   std::error_code ignored;
   if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // not needed after the end of a run
+  if (stop_drawing && exit_code == 0) exit_code = static_cast<int>(Exit::interrupted);
 }
 
 void collect_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {

@@ -16,6 +16,7 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +45,7 @@
 #include "cli/spectrum_command.h"
 #include "cli/validate_command.h"
 #include "files/notice.h"
+#include "law/law_calls.h"
 #include "law/law_watch.h"
 #include "scene/read_scene.h"
 
@@ -108,6 +110,13 @@ void suggest(const CLI::App& app, const std::vector<std::string>& words) {
   }
 }
 
+// A setting without key or "=" is an error of the command line; scenes and laws judge keys and values.
+std::string fault_of_setting(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals != std::string::npos && equals > 0) return "";
+  return fmt::format("'{}': {}; write --set key=value", text, equals == 0 ? "the key is missing" : "it has no '='");
+}
+
 int run_command(int argc, char** argv) {
   CLI::App app{
       "Quoin: discrete-element analysis of masonry with contact laws that are loaded at run time.\n\n"
@@ -152,9 +161,14 @@ int run_command(int argc, char** argv) {
   quoin::add_modes_command(app);
 #endif
   quoin::add_completion_command(app);
+  std::optional<quoin::LawWatchdog> watchdog;
   for (CLI::App* command : app.get_subcommands({})) {
+    if (command->get_option_no_throw("--law-seconds") == nullptr)  // which has a limit of its own
+      command->preparse_callback(
+          [&](std::size_t) { watchdog.emplace(quoin::kLawSeconds, quoin::end_program(quoin::kLawSeconds)); });
     if (CLI::Option* out = command->get_option_no_throw("--out"))
       out->check([](const std::string& name) { return std::string(name.empty() ? "an empty name" : ""); }, "");
+    if (CLI::Option* set = command->get_option_no_throw("--set")) set->check(fault_of_setting, "");
   }
 
   try {

@@ -1,7 +1,6 @@
 #include "cli/path_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <memory>
@@ -12,7 +11,6 @@
 #include "files/file.h"
 #include "files/notice.h"
 #include "law/csv_table.h"
-#include "law/law_calls.h"
 #include "law/material_point.h"
 #include "law/path_file.h"
 #include "law/property_text.h"
@@ -124,11 +122,6 @@ void add_path_command(CLI::App& app, int& exit_code) {
       "Exit code 5: a check of a path test failed, or the law failed numerically.\n"
       "Formats: host/law/path_file.h; examples: tests/law/paths");
   command->callback([options, &exit_code] {
-    const LawWatchdog watchdog(kLawSeconds, [](const Material& material, const quoin_batch&) {
-      notice(fmt::format("quoin: the law '{}' of {} has not returned from a point within {:g} s; tell its author",
-                         material.api().id, material.law().library->path(), kLawSeconds));
-      _exit(static_cast<int>(Exit::numerical));
-    });
     const bool tests = !options->files.empty();
     if (tests == !options->jumps.empty()) {
       throw Error(Exit::usage, "path: give either path tests (FILE.toml...) or --law, --jumps and --out");

@@ -33,6 +33,14 @@ struct ReproduceOptions {
   int jobs = 0;
 };
 
+// The last line, of all studies. failed: studies without an evaluation.
+std::string outcome_text(int missed, int failed, std::size_t studies) {
+  std::vector<std::string> parts;
+  if (missed > 0) parts.push_back(fmt::format("{} claims not reproduced", missed));
+  if (failed > 0) parts.push_back(fmt::format("{} of {} studies not evaluated, as runs are missing", failed, studies));
+  return parts.empty() ? "every claim reproduced" : fmt::format("{}", fmt::join(parts, "; "));
+}
+
 void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
   if (options.list) {
     for (const Study& s : studies()) fmt::print("{:<15} {} ({})\n", s.id, s.title, s.figures);
@@ -62,8 +70,10 @@ void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
   for (const Study* study : chosen) {
     for (RunSpec& spec : study->runs(quality)) specs.push_back(std::move(spec));
   }
+  if (specs.empty() && !options.overrides.empty())
+    throw Error(Exit::usage, "--set: without effect, as these studies run no scene; leave it out");
   const FolderLock lock(settings.root);
-  cache.compute(specs);
+  const int code = cache.compute(specs);
 
   int missed = 0, failed = 0;
   for (const Study* study : chosen) {
@@ -87,9 +97,8 @@ void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
     for (const std::string& notice : report.notices) quoin::notice(fmt::format("quoin: {}: {}", study->id, notice));
   }
   write_page(settings.root);
-  fmt::print("{}; read {}\n", missed == 0 ? "every claim reproduced" : fmt::format("{} claims not reproduced", missed),
-             (settings.root / "index.html").string());
-  if (failed > 0) exit_code = static_cast<int>(Exit::numerical);
+  fmt::print("{}; read {}\n", outcome_text(missed, failed, chosen.size()), (settings.root / "index.html").string());
+  if (failed > 0) exit_code = code != 0 ? code : static_cast<int>(Exit::numerical);
 }
 
 }  // namespace

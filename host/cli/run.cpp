@@ -179,6 +179,8 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   keep_start(scene, folder);
   const int wanted = threads_of(options, ranks);
   if (options.isolate_law) isolate_laws({wanted, options.law_seconds});
+  std::optional<LawWatchdog> of_set_up(std::in_place, options.law_seconds,
+                                       end_program(options.law_seconds, "--law-seconds"));
   Simulation simulation(std::move(scene), wanted, ranks);
   RunInfo info;
   info.provenance = provenance_of(simulation, {options.scene.law, options.scene.overrides});
@@ -213,6 +215,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
     recorder.follow(folder, simulation, before.results.monitor_rows);
   say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
   if (server) recorder.serve(std::move(server), folder, simulation);
+  of_set_up.reset();
   run_and_keep(folder, simulation, surfaces, options, recorder, info, exit_code);
   if (there && info.status != "interrupted") {
     const bool same = say_whether_same(info.provenance, folder, *there, options.again);

@@ -23,6 +23,16 @@ std::string is_given(const std::string& text) { return text.empty() ? "the name 
 
 }  // namespace
 
+void add_law_seconds(CLI::App& command, double& seconds) {
+  command
+      .add_option("--law-seconds", seconds,
+                  "Seconds that a law has for one batch, or to be loaded, before the " + command.get_name() +
+                      " ends and names it; 0: any time (default: 60, and 10 to be loaded)")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 1e9))
+      ->check(is_number);
+}
+
 void add_run_command(CLI::App& app, int& exit_code) {
   process_seconds();  // starts the clock
   CLI::App* command = app.add_subcommand("run", "Run a scene and write its results");
@@ -58,14 +68,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--force", options->scene.force, "Go on where the model seems too large for this machine");
   command->add_flag("--isolate-law", options->isolate_law,
                     "Evaluate each law in a process of its own: its crash costs the law and keeps the results; slower");
-  command
-      ->add_option(
-          "--law-seconds", options->law_seconds,
-          "Seconds that a law has for one batch, or to be loaded, before the run ends and names it; 0: any time "
-          "(default: 60, and 10 to be loaded)")
-      ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, 1e9))
-      ->check(is_number);
+  add_law_seconds(*command, options->law_seconds);
   command
       ->add_option("--checkpoint-every", options->checkpoint_every,
                    "Seconds between two checkpoints, from which --resume goes on; 0: none (default: 60)")

@@ -2,6 +2,8 @@
 
 #include <atomic>
 
+#include "files/gnuplot.h"
+
 namespace quoin {
 
 namespace {
@@ -9,6 +11,7 @@ namespace {
 std::atomic<Simulation*> running{nullptr};
 
 extern "C" void stop_running(int) {
+  stop_drawing = true;
   if (Simulation* simulation = running.load()) simulation->request_stop();
 }
 

@@ -25,6 +25,7 @@
 #include "base/error.h"
 #include "files/file.h"
 #include "files/notice.h"
+#include "law/law_calls.h"
 
 namespace quoin::ensemble {
 
@@ -162,6 +163,7 @@ class Pool {
   // Computes a sample in its own process. Returns the exit code.
   int compute(std::uint64_t sample, int reasons) {
     const fs::path place = folder_.sample(sample);
+    const LawWatchdog watchdog(kLawSeconds, end_program(kLawSeconds));
     int code = 0;
     try {
       const std::unique_ptr<Claim> claim = Claim::take(folder_.claim(sample));

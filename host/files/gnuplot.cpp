@@ -68,14 +68,19 @@ bool is_whole_picture(const fs::path& file) {
 
 bool is_control(unsigned char code) { return code < 0x20 || code == 0x7f; }
 
+constexpr const char* kInterrupted = "interrupted";
+
+std::atomic<bool> last_was_late{false};
+
 // Time limit of a drawing, s. A plot program that never ends must not block the results of a run.
 double longest_drawing() {
   double seconds = 0.0;
   const char* given = std::getenv("QUOIN_PLOT_SECONDS");
-  return given != nullptr && parse_number(given, seconds) && seconds > 0.0 ? seconds : 300.0;
+  const double most = given != nullptr && parse_number(given, seconds) && seconds > 0.0 ? seconds : 300.0;
+  return last_was_late ? most / 10.0 : most;  // a program that hangs does so in every picture
 }
 
-// Exit status of the child, or nothing after the time limit, s, when it is killed.
+// Exit status of the child, or nothing after the time limit, s, or stop_drawing, when its process group is killed.
 std::optional<int> wait_for(pid_t child, double seconds) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
@@ -85,11 +90,11 @@ std::optional<int> wait_for(pid_t child, double seconds) {
     const pid_t ended = waitpid(child, &status, WNOHANG);
     if (ended == child) return status;
     if (ended < 0 && errno != EINTR) return std::nullopt;
-    if (std::chrono::duration<double>(Clock::now() - begin).count() > seconds) break;
+    if (std::chrono::duration<double>(Clock::now() - begin).count() > seconds || stop_drawing) break;
     std::this_thread::sleep_for(pause);
     pause = std::min(2 * pause, std::chrono::milliseconds(20));
   }
-  kill(child, SIGKILL);
+  kill(-child, SIGKILL);
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   return std::nullopt;
@@ -120,12 +125,19 @@ Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, c
   // with a system call each.
   std::array<std::string, 3> words{"gnuplot", "-d", "/dev/stdin"};
   std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
+  posix_spawnattr_t attributes;  // a process group of its own, with what a wrapper script starts
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   pid_t child = 0;
-  const int no_start = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);
+  const int no_start =
+      stop_drawing ? EINTR : posix_spawnp(&child, "gnuplot", &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
 
   Drawing drawing;
-  if (no_start == ENOENT) {
+  if (no_start == EINTR) {
+    drawing.fault = kInterrupted;
+  } else if (no_start == ENOENT) {
     drawing.fault = "gnuplot is not installed (apt-get install gnuplot-nox)";
   } else if (no_start != 0) {
     drawing.fault =
@@ -133,7 +145,10 @@ Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, c
   } else {
     const double limit = longest_drawing();
     const std::optional<int> status = wait_for(child, limit);
-    if (!status)
+    last_was_late = !status;
+    if (!status && stop_drawing)
+      drawing.fault = kInterrupted;
+    else if (!status)
       drawing.fault = fmt::format("gnuplot was stopped after {:g} s (QUOIN_PLOT_SECONDS allows more)", limit);
     else if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0 || !is_whole_picture(part))
       drawing.fault = "gnuplot failed";

@@ -27,8 +27,10 @@ void require_memory(double bytes, const std::string& what, const std::string& re
   constexpr double kShare = 0.8;  // the rest is for other processes, and for errors of the estimate
   const double here = memory_here();
   if (bytes <= kShare * here) return;
-  throw Error(Exit::bad_input, fmt::format("{} need about {:.3g} GB of memory, and this process may use {:.3g} GB; {}",
-                                           what, bytes / 1e9, here / 1e9, remedy));
+  throw Error(
+      Exit::bad_input,
+      fmt::format("{} need about {:.3g} GB of memory, more than {:.3g} GB, {:g} % of what this process may use; {}",
+                  what, bytes / 1e9, kShare * here / 1e9, 100.0 * kShare, remedy));
 }
 
 }  // namespace quoin

@@ -1,8 +1,15 @@
 #include "law/law_calls.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <system_error>
+
+#include "base/error.h"
+#include "files/notice.h"
+#include "law/law_library.h"
 
 namespace quoin {
 
@@ -48,6 +55,18 @@ LawWatchdog::~LawWatchdog() {
   }
   wake_.notify_all();
   thread_.join();
+}
+
+LawWatchdog::Overdue end_program(double seconds, const std::string& option) {
+  return [=](const Material& material, const quoin_batch& batch) {
+    notices_wanted = true;
+    notice(
+        fmt::format("quoin: the law '{}' of {} has not returned from a batch of {} points within {:g} s; tell its "
+                    "author{}",
+                    material.api().id, material.law().library->path(), batch.count, seconds,
+                    option.empty() ? "" : fmt::format(", or give it more time with {}", option)));
+    _exit(static_cast<int>(Exit::numerical));
+  };
 }
 
 void LawWatchdog::watch(double seconds, const Overdue& overdue) {

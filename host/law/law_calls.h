@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "quoin.hpp"
@@ -63,5 +64,9 @@ class LawWatchdog {
   std::thread thread_;
 };
 inline constexpr double kLawSeconds = 60.0;  // for one batch, whose evaluation takes microseconds
+
+// For work without results to be kept: ends the program with a message that names the law. option: sets the limit;
+// empty: none does.
+LawWatchdog::Overdue end_program(double seconds, const std::string& option = "");
 
 }  // namespace quoin

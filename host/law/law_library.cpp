@@ -287,8 +287,15 @@ bool names(const std::string& line, const std::string& id) {
   return false;
 }
 
-// Lines of a law's text, printable, each preceded by the sources of the properties that it names.
-std::string with_sources(const std::string& words, const std::vector<const PropertySetting*>& settings) {
+bool has_property(const quoin_law& law, const std::string& id) {
+  return std::any_of(law.properties, law.properties + law.property_count,
+                     [&](const quoin_property_info* info) { return id == info->id; });
+}
+
+// Lines of a law's text, printable, each preceded by the sources of the properties that it names. A line about an
+// unknown property, which may list the known ones, has the source of that one only.
+std::string with_sources(const std::string& words, const quoin_law& law,
+                         const std::vector<const PropertySetting*>& settings) {
   const std::string text = printable(words);
   std::string result;
   for (std::size_t begin = 0; begin < text.size();) {
@@ -296,10 +303,14 @@ std::string with_sources(const std::string& words, const std::vector<const Prope
     const std::string line = text.substr(begin, end - begin);
     begin = end + 1;
     if (line.empty()) continue;
+    const bool unknown = std::ranges::any_of(settings, [&](const PropertySetting* setting) {
+      return line.starts_with(setting->id + ":") && !has_property(law, setting->id);
+    });
     std::vector<std::string> sources;
     for (const PropertySetting* setting : settings) {
       const std::string& source = setting->source.text;
       if (source.empty() || !names(line, setting->id)) continue;
+      if (unknown && !line.starts_with(setting->id + ":")) continue;
       if (std::find(sources.begin(), sources.end(), source) == sources.end()) sources.push_back(source);
     }
     if (!result.empty()) result += '\n';
@@ -326,7 +337,7 @@ quoin::api::Material make_material(const quoin_law& law, const std::vector<const
   try {
     return {law, values};
   } catch (const quoin::api::Error& error) {
-    const std::string detail = error.words.empty() ? "it gives no reason" : with_sources(error.words, settings);
+    const std::string detail = error.words.empty() ? "it gives no reason" : with_sources(error.words, law, settings);
     if (error.status == QUOIN_ERROR_PROPERTY)
       refuse(fmt::format("law '{}' refuses its properties:\n{}", law.id, detail));
     refuse(fmt::format("law '{}' made no material (status {}): {}", law.id, error.status, detail));
@@ -338,7 +349,7 @@ quoin::api::Material make_material(const quoin_law& law, const std::vector<const
 Material::Material(Law law, const std::vector<PropertySetting>& settings)
     : law_(std::move(law)),
       material_(make_material(*law_.law, in_force(settings))),
-      warnings_(with_sources(material_.warnings(), in_force(settings))) {
+      warnings_(with_sources(material_.warnings(), *law_.law, in_force(settings))) {
   if (isolation.threads > 0)
     process_ =
         std::make_shared<LawProcess>(api(), handle(), law_.library->path(), isolation.threads, isolation.seconds);

@@ -25,6 +25,7 @@ namespace quoin {
 
 namespace {
 
+constexpr double kMostSteps = 1e8;  // of a point of a path
 constexpr std::array<const char*, 4> kModes = {"dissipated_tension", "dissipated_cohesion", "dissipated_friction",
                                                "dissipated_crushing"};
 constexpr std::array<std::pair<const char*, uint32_t>, 9> kFlags = {
@@ -204,8 +205,9 @@ class Reader {
       fail(node, "a point prescribes dn or sigma, not both");
     }
     const double steps = number(*table, "steps", 1.0);
-    if (!(steps >= 1.0 && steps <= 1e8) || steps != std::floor(steps)) {
-      fail(*table->get("steps"), fmt::format("steps = {}: a whole number from 1", steps));
+    if (!(steps >= 1.0 && steps <= kMostSteps) || steps != std::floor(steps)) {
+      fail(*table->get("steps"),
+           fmt::format("steps = {:.15g}: allowed: whole numbers from 1 to {:g}", steps, kMostSteps));
     }
     result.steps = static_cast<int>(steps);
     if (const toml::node* plot = table->get("plot")) {

@@ -123,6 +123,8 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   if (isolate_law) isolation_ = {std::max(1, wanted), law_seconds};
   const Isolated isolated(isolation_);
   if (!folder.empty()) keep_start(scene, folder_);
+  std::optional<LawWatchdog> of_set_up;
+  if (!isolate_law) of_set_up.emplace(law_seconds, end_program(law_seconds, "law_seconds"));
   simulation_ = std::make_unique<Simulation>(std::move(scene), threads);
   take_start(simulation_.get());
   files_ = input_files(simulation_->scene());
@@ -141,6 +143,7 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
     }
   }
   if (isolate_law) return;
+  of_set_up.reset();
   watchdog_.emplace(law_seconds, [this, law_seconds](const Material& material, const quoin_batch& batch) {
     const auto& families = simulation_->model().families;
     const auto is_it = [&](const ContactFamily& f) { return f.material.get() == &material; };

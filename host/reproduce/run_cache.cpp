@@ -78,6 +78,10 @@ pid_t start(const std::vector<std::string>& words, const fs::path& log) {
   _exit(127);
 }
 
+bool is_refusal(int code) {
+  return code == static_cast<int>(Exit::bad_input) || code == static_cast<int>(Exit::law_refused);
+}
+
 std::string last_line(const fs::path& log) {
   std::string text = read_text(log);
   while (!text.empty() && text.back() == '\n') text.pop_back();
@@ -137,13 +141,13 @@ bool RunCache::done(const RunSpec& spec) const {
   return status == "done" || (spec.may_fail && status == "failed");
 }
 
-void RunCache::compute(const std::vector<RunSpec>& specs) {
+int RunCache::compute(const std::vector<RunSpec>& specs) {
   std::vector<const RunSpec*> queue;
   std::set<std::string> seen;
   for (const RunSpec& spec : specs) {
     if (seen.insert(key(spec)).second && (settings_.again || !done(spec))) queue.push_back(&spec);
   }
-  if (queue.empty()) return;
+  if (queue.empty()) return 0;
   std::stable_sort(queue.begin(), queue.end(), [](const RunSpec* a, const RunSpec* b) { return a->cost > b->cost; });
   notice(fmt::format("{} runs, {} of them done before; {} side by side", seen.size(), seen.size() - queue.size(),
                      std::min<std::size_t>(queue.size(), static_cast<std::size_t>(settings_.jobs))));
@@ -155,7 +159,7 @@ void RunCache::compute(const std::vector<RunSpec>& specs) {
   };
   std::map<pid_t, Job> running;
   std::size_t next = 0, finished = 0;
-  int threads_used = 0;
+  int threads_used = 0, code = 0;
   StopHandler handler;
   bool reported = false;
   while (next < queue.size() || !running.empty()) {
@@ -201,13 +205,18 @@ void RunCache::compute(const std::vector<RunSpec>& specs) {
     running.erase(found);
     threads_used -= job.threads;
     ++finished;
+    const bool is_done = done(*job.spec);
+    if (!is_done && !is_refusal(code))
+      code = WIFEXITED(status) && WEXITSTATUS(status) != 0 ? WEXITSTATUS(status) : static_cast<int>(Exit::numerical);
     notice(fmt::format("[{}/{}] {} {}: {} ({:.0f} s)", finished, queue.size(), key(*job.spec), job.spec->name,
-                       done(*job.spec) ? last_line(folder(*job.spec) / "log.txt")
-                                       : "NOT DONE: " + last_line(folder(*job.spec) / "log.txt"),
+                       is_done      ? last_line(folder(*job.spec) / "log.txt")
+                       : stop_asked ? std::string("NOT DONE: interrupted")
+                                    : "NOT DONE: " + last_line(folder(*job.spec) / "log.txt"),
                        std::chrono::duration<double>(Clock::now() - job.since).count()));
   }
   if (stop_asked)
     throw Error(Exit::interrupted, "stopped; runs that are done are kept, the others start again next time");
+  return code;
 }
 
 RunResult RunCache::result(const RunSpec& spec) const {

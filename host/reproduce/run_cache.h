@@ -29,8 +29,9 @@ class RunCache {
   bool done(const RunSpec& spec) const;
 
   // Computes runs that are not done, longest first, with a line on stderr for each. Reports failed runs and continues.
-  // Throws Error(interrupted) after Ctrl-C, when all runs have stopped.
-  void compute(const std::vector<RunSpec>& specs);
+  // Throws Error(interrupted) after Ctrl-C, when all runs have stopped. Returns the exit code of a run that was refused
+  // for its input, or else of the last one that failed; 0: none did.
+  int compute(const std::vector<RunSpec>& specs);
   RunResult result(const RunSpec& spec) const;
 
  private:

@@ -46,6 +46,26 @@ TEST_F(Cli, UsageErrors) {
   EXPECT_EQ(quoin({"run", small_, "--spped"}), 2);
 }
 
+// A setting that is none is an error of the command line in every command (issue 2: one code everywhere).
+TEST_F(Cli, SettingsWithoutAValueAreUsageErrors) {
+  for (const char* const setting : {"foo", "wall", "=3"}) {
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"run", small_, "--out", out()},
+                                                  {"check", small_},
+                                                  {"path", "--law", "elastic", "--jumps", small_, "--out", out()},
+                                                  {"fit", "--law", "elastic", "--out", out(), small_},
+                                                  {"reproduce", "law", "--out", out()},
+                                                  {"validate", "--short", "--out", out()}}) {
+      std::vector<std::string> all = words;
+      all.insert(all.end(), {"--set", setting});
+      EXPECT_EQ(quoin(all), 2) << words[0] << setting;
+      EXPECT_THAT(error_, HasSubstr("write --set key=value")) << words[0] << setting;
+    }
+  }
+  EXPECT_EQ(quoin({"reproduce", "law", "--out", out(), "--set", "wall.nokey=1"}), 2);
+  EXPECT_THAT(error_, HasSubstr("--set: without effect"));
+  EXPECT_FALSE(fs::exists(out()));
+}
+
 TEST_F(Cli, BadScenes) {
   EXPECT_EQ(quoin({"run", "/nowhere/none.toml"}), 3);
   EXPECT_THAT(error_, HasSubstr("/nowhere/none.toml: cannot read"));
@@ -53,6 +73,8 @@ TEST_F(Cli, BadScenes) {
   EXPECT_THAT(error_, HasSubstr("did you mean 'courses'?"));
   EXPECT_EQ(run_small({"--set", "joints.mortar.cohesoin=3"}), 3);
   EXPECT_THAT(error_, AllOf(HasSubstr("joints.mortar.cohesoin = 3"), HasSubstr("did you mean 'cohesion'?")));
+  EXPECT_EQ(run_small({"--set", "joints.mortar.cohesion=\"x\""}), 4);
+  EXPECT_THAT(error_, HasSubstr("cohesion: needs one number, got the text 'x'"));
   EXPECT_FALSE(fs::exists(out())) << "nothing is written for a refused scene";
 }
 

@@ -16,6 +16,7 @@
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -369,8 +370,10 @@ velocity = ["free", "free", "free"]
     ASSERT_EQ(run(fall, "ground", damped ? "[solver]\nkernels = \"general\"\n" : kForMotion), 0) << error_;
     EXPECT_EQ(warnings().count("damping"), damped ? 1u : 0u);
     if (!damped) continue;
-    EXPECT_THAT(warnings()["damping"], AllOf(HasSubstr("falls, slides or topples"), HasSubstr("gamma 0.8"),
-                                             HasSubstr("stage 'fall'"), HasSubstr("\"none\"")));
+    EXPECT_THAT(
+        warnings()["damping"],
+        AllOf(HasSubstr("falls, slides or topples"), HasSubstr("gamma 0.8"), HasSubstr("stage 'fall'"),
+              HasSubstr("\"none\""), ContainsRegex("block #[01] '[a-z]+' at [(][-0-9.]+, [-0-9.]+, [-0-9.]+[)] m")));
   }
   // At rest, or nearly at rest, there is no warning.
   ASSERT_EQ(run("", "block", ""), 0) << error_;

@@ -142,6 +142,12 @@ TEST_F(PathCommand, UsageAndRefusalsHaveTheirExitCodes) {
                  "--out", out()}),
             4);
   EXPECT_NE(message_.find("--set normal_stiffness"), std::string::npos) << message_;
+  // The law lists its properties: they are not at fault.
+  EXPECT_EQ(run({"--law", "elastic", "--set", "normal_stiffness=1e9", "--set", "shear_stiffness=1e9", "--set",
+                 "nokey=1", "--jumps", jumps, "--out", out()}),
+            4);
+  EXPECT_NE(message_.find("--set nokey: nokey: unknown property"), std::string::npos) << message_;
+  EXPECT_EQ(message_.find("--set normal_stiffness"), std::string::npos) << message_;
   EXPECT_EQ(run({"--law", "elastic", "--set", "normal_stiffness=x", "--jumps", jumps, "--out", out()}), 3);
 }
 
@@ -206,6 +212,7 @@ TEST_F(PathCommand, BadPathFilesNameFileLineAndKey) {
   };
   refused("steps = 4", "stepz = 4", {"bad.toml:10", "stepz"});
   refused("steps = 4", "steps = 0.5", {"bad.toml:10", "0.5"});
+  refused("steps = 4", "steps = 500000000", {"bad.toml:10", "500000000", "1 to 1e+08"});
   refused("sigma = kn*dn", "sigma = kn*nonsense", {"bad.toml:11", "nonsense"});
   refused("sigma = kn*dn", "sigma = kn*(dn", {"bad.toml:11", "')'"});
   refused("sigma = kn*dn", "sigma : kn*dn", {"bad.toml:11", "quantity = formula"});

@@ -193,6 +193,19 @@ TEST_F(Plugins, LawsThatNeverReturnAreNamedWithTheirBatch) {
   }
 }
 
+// The set-up of a model evaluates laws too: it asks whether they carry tension.
+TEST_F(Plugins, LawsThatHangBeforeTheFirstStepAreNamed) {
+  const std::string library = QUOIN_HOSTILE_LAW;
+  for (const auto& words :
+       {run_with({"--law-seconds", "1"}), {"check", small_, "--law", library, "--law-seconds", "1"}}) {
+    EXPECT_EQ(quoin(words, doing("hang at once")), 5) << words[0] << out_;
+    EXPECT_THAT(error_, AllOf(HasSubstr("the law 'hostile_law' of " + library + " has not returned from a batch"),
+                              HasSubstr("within 1 s"), HasSubstr("--law-seconds")))
+        << words[0];
+  }
+  EXPECT_FALSE(fs::exists(out() + "/history.csv"));
+}
+
 // A law in a separate process may end without ending the program; the results until then are kept.
 TEST_F(Plugins, IsolatedLawsEndAlone) {
   for (const auto& [deed, words] : {std::pair{"crash", "crashed (SIGSEGV)"},

@@ -176,6 +176,12 @@ TEST_F(Reproduce, RunsAreComputedOnceAndUnfinishedOnesAgain) {
   EXPECT_THAT(error_, HasSubstr("4 runs, 0 of them done before"));
 }
 
+// Without a run there is no claim; the cause is an input (3).
+TEST_F(Reproduce, RunsThatAreRefusedReproduceNothing) {
+  EXPECT_EQ(quoin("walls --quality fast --set solver.nokey=1 " + results()), 3) << error_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("1 of 1 studies not evaluated, as runs are missing"), Not(HasSubstr("every"))));
+}
+
 // This small wall at the time step of eq. 3: the run fails, which is its result, and is not repeated.
 TEST_F(Reproduce, RunsThatMayFailAreResults) {
   const std::string tiny =
