@@ -75,7 +75,10 @@ PropertyValues::PropertyValues(std::span<const quoin_property_info* const> metad
         tables_[id].assign(value->numbers, value->numbers + value->number_count);
       }
     } else if (value->number_count != 1 || value->numbers == nullptr) {
-      report.faults.push_back(id + ": needs one number, got " + std::to_string(value->number_count));
+      const bool is_text = value->number_count == 0 && value->text != nullptr && *value->text != '\0';
+      report.faults.push_back(
+          id + ": needs one number, got " +
+          (is_text ? std::string("the text '") + value->text + "'" : std::to_string(value->number_count)));
     } else {
       const double number = value->numbers[0];
       if (!inside(info, number)) {

@@ -110,13 +110,17 @@ std::string damped_motion(const Simulation::Impl& s) {
   }
   if (s.parts.divided) block = largest_of_ranks(s, most == largest_of_ranks(s, most) ? block : -1.0);
   if (block < 0.0) return "";
+  const auto number = static_cast<int>(block);
+  const Vector& place = s.large_motion->assembly.blocks[static_cast<std::size_t>(number)].position;
+  const std::string which =
+      fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", blocks::label(s.large_motion->assembly, number), place[0],
+                  place[1], place[2]);  // units of buildings have no names
   if (scaling != 1.0)
     return fmt::format(
         "block {} falls, slides or topples with {:g} times its inertia (solver.mass_scaling), so that its "
         "accelerations are that much smaller; take mass_scaling = 1 where blocks move",
-        blocks::label(s.large_motion->assembly, static_cast<int>(block)), scaling);
-  return fmt::format("block {} falls, slides or topples, and the {} of stage '{}' brakes it: {}; {}",
-                     blocks::label(s.large_motion->assembly, static_cast<int>(block)), damping,
+        which, scaling);
+  return fmt::format("block {} falls, slides or topples, and the {} of stage '{}' brakes it: {}; {}", which, damping,
                      s.scene.stages[now_in].name,
                      local_damping_in(s.scene, now_in) > 0.0
                          ? "what is not balanced moves it with 1 - gamma of the acceleration that it has without"

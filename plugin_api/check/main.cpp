@@ -15,7 +15,7 @@ using check::Report;
 constexpr int kPassed = 0, kFailed = 1, kUsage = 2, kNotLoadable = 4;
 
 const char* const kHelp =
-    "quoin-check-law LIB [--law ID] [--property id=value]... [--json]\n"
+    "quoin-check-law LIB [--law ID] [--property id=value]... [--law-seconds N] [--json]\n"
     "\n"
     "Checks every promise of the contact-law contract on a law, without the Quoin host. The contract is\n"
     "README.md of plugin_api, which quoin-dev installs in share/quoin.\n"
@@ -23,6 +23,7 @@ const char* const kHelp =
     "  --law ID             only this law of the library\n"
     "  --property id=value  property value: a number, a word, or a table x:y,x:y; the others take their default, or a\n"
     "                       usual value of their unit when they are required\n"
+    "  --law-seconds N      whole seconds that a call of the law has before the check ends; 0: any time (default: 60)\n"
     "  --json               findings as JSON\n"
     "exit: 0 kept, 1 broken, 2 usage or a value that the law does not allow, 4 the library cannot be loaded\n";
 
@@ -43,6 +44,13 @@ std::optional<int> parse(int argc, char** argv, Arguments* arguments) {
     }
     if (argument == "--json") {
       arguments->json = true;
+    } else if (argument == "--law-seconds" && has_next) {
+      const std::string seconds = argv[++i];
+      if (seconds.empty() || seconds.size() > 9 || seconds.find_first_not_of("0123456789") != std::string::npos) {
+        std::fprintf(stderr, "--law-seconds %s: expected a whole number from 0 to 999999999\n", seconds.c_str());
+        return kUsage;
+      }
+      check::law_seconds = static_cast<unsigned>(std::atoi(seconds.c_str()));
     } else if (argument == "--law" && has_next) {
       arguments->only = argv[++i];
     } else if (argument == "--property" && has_next) {
@@ -212,6 +220,7 @@ Report check_law(const Report& library_report, const quoin_law& law, const check
       {"migration", check::check_migration},
   };
   for (const auto& section : sections) {
+    if (report.hangs()) break;
     report.section(section.name, [&](Report& r) {
       r.clause("C4.1");
       subject.varied = check::varied_settings(law, subject.base);
@@ -272,7 +281,7 @@ int main(int argc, char** argv) {
   library_report.section("library", [&](Report& r) { check::check_library(r, library); });
   const quoin_host_info host = check::host_info();
   check::Text text;
-  const quoin_library* info = library.entry(&host, &text.text);
+  const quoin_library* info = library_report.hangs() ? nullptr : library.entry(&host, &text.text);
   if (info == nullptr || info->laws == nullptr) {
     print_text("-", {}, library_report);
     std::printf("%s: BROKEN\n", arguments.path.c_str());

@@ -20,8 +20,7 @@ namespace check {
 namespace {
 
 constexpr int kDetailsPerClause = 3;
-constexpr std::size_t kLongestId = 64;     // bytes, of a clause
-constexpr unsigned kSectionSeconds = 300;  // time after which a section counts as hanging
+constexpr std::size_t kLongestId = 64;  // bytes, of a clause
 
 std::string formatted(const char* format, va_list arguments) {
   char text[1024];
@@ -144,8 +143,11 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
     // The failure is reported for the clause that was current when the process ended.
     Outcome& outcome = outcomes_[current_];
     outcome.failures++;
-    const std::string how = WIFSIGNALED(status) ? std::string("killed by signal ") + strsignal(WTERMSIG(status))
-                                                : "the process was ended from inside";
+    hangs_ = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
+    const std::string how = hangs_ ? "did not return from a call within " + std::to_string(law_seconds) +
+                                         " s (--law-seconds); the other sections are left out"
+                            : WIFSIGNALED(status) ? std::string("killed by signal ") + strsignal(WTERMSIG(status))
+                                                  : "the process was ended from inside";
     outcome.details.push_back(name + ": " + how);
   }
   munmap(shared, kLongestId);
@@ -155,7 +157,7 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
 void Report::run_as_child(const std::string& name, const std::function<void(Report&)>& run) {
   outcomes_.clear();
   outcome_ = &outcomes_[current_];
-  alarm(kSectionSeconds);
+  alarm(law_seconds);  // evaluate() restarts it
   const unsigned mode = floating_point_mode();
   int status = 0;
   try {

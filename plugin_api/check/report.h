@@ -9,6 +9,9 @@
 
 namespace check {
 
+// Time limit of one call of the law, s; 0: none. The section in which a call takes longer is ended by SIGALRM.
+inline unsigned law_seconds = 60;
+
 struct Clause {
   const char* id;    // of plugin_api/README.md, as "C6.4"
   const char* text;  // requirement in one line
@@ -35,6 +38,7 @@ class Report {
   void note(const char* format, ...) __attribute__((format(printf, 2, 3)));
 
   bool passed() const;
+  bool hangs() const { return hangs_; }  // whether a section was ended by the time limit
   const std::map<std::string, Outcome>& outcomes() const { return outcomes_; }
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -44,6 +48,7 @@ class Report {
   void send(char kind, const std::string& text);
   void receive(const std::string& line);
 
+  bool hangs_ = false;
   int pipe_ = -1;
   char* current_ = nullptr;     // id of the current clause, in memory shared with the child, where it survives a crash
   Outcome* outcome_ = nullptr;  // outcome of the current clause, in the child
