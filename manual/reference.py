@@ -233,16 +233,49 @@ def member_columns():
     return names
 
 
+def monitor_columns():
+    """Columns of monitors.csv: of the ground, of a monitor NAME, and against the ground."""
+    code = read("host/results/monitors.cpp")
+    relative, drift = re.search(r'm\.name \+ "(_relative)"', code)[1], re.search(r'"\{\}(_drift_)\{\}"', code)[1]
+    motions = [f"_{q}{c}_{unit}" for q, unit in (("d", "m"), ("v", "m_s"), ("a", "m_s2")) for c in "xyz"]
+    names = [of + motion for of in ("ground", "NAME", "NAME" + relative) for motion in motions]
+    return names + [f"NAME{drift}{axis}" for axis in "xz"]
+
+
+def exported_names():
+    """Names that the package gives to functions of other names, and functions of the compiled part: {module.name: name}."""
+    found = {}
+    for node in ast.walk(ast.parse(read("plugin_api/python/quoin/__init__.py"))):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            found.update({(node.module, name.name): name.asname for name in node.names if name.asname})
+    return found
+
+
 def python_names():
+    exported = exported_names()
+    yield "quoin", "add_law_folder(folder)", "", "Adds a folder in which laws are searched"
     for path in PYTHON:
         tree = ast.parse(read(path))
         module = os.path.basename(path)[:-3]
         for node in tree.body:
             if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
-                yield module, node.name, signature(node), first_line(node)
+                shown = exported.get((module, node.name), node.name)
+                yield module, shown, signature(node), first_line(node)
                 for member in node.body if isinstance(node, ast.ClassDef) else []:
                     if isinstance(member, ast.FunctionDef) and not member.name.startswith("_"):
                         yield module, f"{node.name}.{member.name}", signature(member), first_line(member)
+                    elif is_property(member) and not member.targets[0].id.startswith("_"):
+                        yield module, f"{node.name}.{member.targets[0].id}", "", doc_of(member.value)
+
+
+def is_property(node):
+    """Whether a statement is name = property(...)."""
+    return (isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and isinstance(node.targets[0], ast.Name) and
+            getattr(node.value.func, "id", "") == "property")
+
+
+def doc_of(call):
+    return next((k.value.value for k in call.keywords if k.arg == "doc"), "")
 
 
 def signature(node):
@@ -295,6 +328,12 @@ def page():
             "## Columns of history.csv", "", "| column | explained in |", "|---|---|"]
     for name in columns():
         found = places(name, COLUMN_PAGES)
+        if not found:
+            lost.append(name)
+        out.append(f"| `{name}` | {links(found)} |")
+    out += ["", "## Columns of monitors.csv", "", "NAME: of a `[[monitor]]`.", "", "| column | explained in |", "|---|---|"]
+    for name in monitor_columns():
+        found = places(re.sub(r"(_relative)?_([dva])[xyz]_", r"_\2x_", name), KEY_PAGES[1:2])
         if not found:
             lost.append(name)
         out.append(f"| `{name}` | {links(found)} |")
