@@ -18,7 +18,7 @@ DAMPING = "host/scene/damping.cpp"
 KEY_PAGES = ["host/scenes/README.md", "host/scenes/BLOCKS.md", "host/ensemble/README.md", "host/records/README.md"]
 COLUMN_PAGES = KEY_PAGES + ["host/python/README.md", "host/analysis/README.md", "host/step/RANKS.md"]
 PYTHON = ["plugin_api/python/quoin/law.py"] + [f"host/python/quoin/{m}.py" for m in
-          ("scene", "run", "simulation", "results", "analysis", "meshes", "shapes", "pictures", "view", "errors")]
+          ("scene", "run", "simulation", "results", "analysis", "spectrum", "meshes", "shapes", "pictures", "view", "errors")]
 ACCESSORS = {"number": "a number", "integer": "an integer", "boolean": "true or false", "text": "text", "choice": "one of",
              "numbers": "a list of numbers", "texts": "a list of texts", "points": "a list of points", "line": "a list of points", "list": "",
              "table": "a table", "tables": "tables", "within": "a table", "each": "tables", "velocity": "a velocity",

@@ -4,8 +4,10 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <variant>
 
 #ifdef QUOIN_LIMIT
@@ -30,6 +32,7 @@
 #include "python/stones.h"
 #include "python/voronoi.h"
 #endif
+#include "records/response_spectrum.h"
 #include "results/colours.h"
 #include "results/provenance.h"
 #include "results/report.h"
@@ -129,6 +132,19 @@ py::dict properties_of(const py::dict& tests) {
   return result;
 }
 
+// Periods, and w^2 Sd, w Sd and Sd at each.
+std::array<std::vector<double>, 4> spectrum_of(const std::vector<double>& time, const std::vector<double>& acceleration,
+                                               double damping, const std::optional<std::vector<double>>& periods) {
+  const py::gil_scoped_release others_go_on;
+  std::array<std::vector<double>, 4> columns;
+  for (const quoin::SpectralOrdinates& o :
+       quoin::response_spectrum({time, acceleration}, damping, periods ? *periods : quoin::default_periods())) {
+    columns[0].push_back(o.period), columns[1].push_back(o.pseudo_acceleration);
+    columns[2].push_back(o.pseudo_velocity), columns[3].push_back(o.displacement);
+  }
+  return columns;
+}
+
 #ifdef QUOIN_LIMIT
 // Text of limit.json; velocity and spin of each block; blocks, place, and force along n, s, t of each point.
 py::tuple limit(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
@@ -203,6 +219,7 @@ PYBIND11_MODULE(_quoin, m) {
   });
 #endif
   m.def("properties_of", &properties_of);
+  m.def("response_spectrum", &spectrum_of);
   m.def("read_mesh", &mesh_of);
   m.def("colours", [] {
     py::list cracks;

@@ -29,6 +29,16 @@ def stacked(cubes, deformable=False, stage=None, **ground):
     return scene
 
 
+def duhamel(time, acceleration, period, damping):
+    """Returns the largest displacement by the convolution of the record with the free decay after a unit of velocity, until
+    one period after the record."""
+    dt, omega = time[1] - time[0], 2 * math.pi / period
+    damped = omega * math.sqrt(1 - damping ** 2)
+    t = np.arange(0, time[-1] + period, dt)
+    decay = np.exp(-damping * omega * t) * np.sin(damped * t) / damped
+    return np.abs(np.convolve(acceleration, decay)[:len(t)]).max() * dt
+
+
 def sway(normal, along):
     """Returns frequency (Hz) and damping ratio of the lower mode of a cube on springs at its lower corners, for given ratios
     of viscosity and stiffness, s. Springs act on u0 = u + theta/2 along the base and on theta/2 at the corners."""
@@ -40,6 +50,45 @@ def sway(normal, along):
     shape = np.linalg.inv(root) @ shapes[:, 0]
     omega = math.sqrt(squares[0])
     return omega / (2 * math.pi), shape @ c @ shape / (2 * omega)
+
+
+class ResponseSpectra(Folder):
+    DT = 1e-4
+    TIME = np.arange(0, 2 + DT / 2, DT)
+    RECORD = 3 * np.sin(2 * math.pi * TIME / 0.4)
+
+    def test_a_harmonic_record_has_the_spectrum_of_duhamels_integral(self):
+        """The sum of the convolution is that of a trapezium, exact to (w dt)^2/12 = 4e-6; five periods of forcing at
+        resonance, 0.4 s, and beside it."""
+        for damping in (0.0, 0.05, 0.3):
+            periods, sa, sv, sd = quoin.response_spectrum(self.DT, self.RECORD, [0.1, 0.4, 0.7, 3.0], damping)
+            for k, period in enumerate(periods):
+                expected = duhamel(self.TIME, self.RECORD, period, damping)
+                self.assertAlmostEqual(sd[k] / expected, 1, delta=1e-3, msg=f"{period} s, {damping}")
+                self.assertAlmostEqual(sv[k], 2 * math.pi / period * sd[k], delta=1e-12 * sv[k])
+                self.assertAlmostEqual(sa[k], 2 * math.pi / period * sv[k], delta=1e-12 * sa[k])
+
+    def test_it_is_that_of_the_command(self):
+        every = slice(None, None, 50)
+        with open(self.path("record.csv"), "w", encoding="utf-8") as file:
+            file.write("time_s,x_m/s2\n" + "".join(f"{t},{a}\n" for t, a in zip(self.TIME[every].tolist(),
+                                                                             self.RECORD[every].tolist())))
+        done = self.command("spectrum", self.path("record.csv"), "--out", self.path("spectrum"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.path("spectrum/spectrum.csv"), encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        found = quoin.response_spectrum(self.TIME[every], self.RECORD[every])
+        self.assertEqual(len(found.periods), 200)
+        for values, column in ((found.periods, "period_s"), (found.Sd, "displacement_m"),
+                               (found.Sv, "pseudo_velocity_m_s"), (found.Sa, "pseudo_acceleration_m_s2")):
+            np.testing.assert_allclose(values, [float(row[column]) for row in rows], rtol=1e-5)
+
+    def test_bad_input_is_refused(self):
+        for time, values, more, text in ((0.0, [1, 2], {}, "times do not increase"), ([0, 1], [1, 2, 3], {}, "shapes"),
+                                         (0.1, [1, math.nan], {}, "not finite"), (0.1, [1, 2], {"damping": 1.0}, "damping"),
+                                         (0.1, [1, 2], {"periods": [-1.0]}, "period"), (0.1, [1], {}, "2 samples")):
+            with self.assertRaisesRegex(quoin.BadInput, text):
+                quoin.response_spectrum(time, values, **more)
 
 
 class Earthquakes(Folder):

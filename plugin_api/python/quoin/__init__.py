@@ -33,10 +33,11 @@ else:
         from .scene import (Arch, Beam, Block, BlockMaterial, Damage, Dowel, DryWall, Fill, Floor, Joint,  # noqa: F401
                             JointRule, Mass, Monitor, Scene, Spring, Stage, Strip, Table, Tie, Wall)
         from .simulation import Simulation  # noqa: F401
+        from .spectrum import ResponseSpectrum, response_spectrum  # noqa: F401
 
 
 def __getattr__(name):
-    if name in ("Scene", "Simulation", "run", "limit", "modes", "open"):
+    if name in ("Scene", "Simulation", "run", "limit", "modes", "open", "response_spectrum"):
         raise AttributeError(f"quoin.{name}: this installation has the laws alone; build the host with pybind11-dev and "
                              "python3-dev installed (cmake says why it left it out)")
     raise AttributeError(f"module 'quoin' has no attribute {name!r}")
