@@ -48,13 +48,13 @@ std::string peak_text(const std::vector<HistoryRow>& rows, const Scene& scene, c
   if (std::ranges::all_of(scene.stages, [&](const Stage& stage) { return watches_nothing(scene, stage); }))
     return fmt::format("no block is watched ({}); ", key_of_monitor(scene));
   const Peak peak = find_peak(rows, scene);
-  if (peak.force < 5.0) return "";  // 0.00 kN, as of blocks at rest
+  const bool ends_at_rest = std::string_view(curve_kind(scene.stages.back())) == "rest";
+  if (ends_at_rest && peak.force < 5.0) return "";  // 0.00 kN
   const std::string unknown = why_error_unknown(scene, info);
   const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} % with these zones",
                                                           scene.quality, 100 * quality_named(scene.quality).peak_error)
                                             : "error not known: " + unknown;
-  const bool rises = peak.row > 0 && peak.row + 1 == static_cast<int>(rows.size()) &&
-                     std::string_view(curve_kind(scene.stages.back())) != "rest";
+  const bool rises = peak.row > 0 && peak.row + 1 == static_cast<int>(rows.size()) && !ends_at_rest;
   const std::string whose = watches_several(scene) ? " of the " + moved_part(scene, stage_of_curve(scene)) : "";
   return fmt::format("peak{} {:.2f} kN at {:.3f} mm{}{} ({}); ", whose, peak.force / 1e3, peak.displacement * 1e3,
                      is_vertical(scene) ? " upright" : "", rises ? ", still rising at the end" : "", error);

@@ -133,6 +133,12 @@ Work Members::work() const {
   return sum;
 }
 
+double Members::unbalanced_strips() const {
+  double largest = 0.0;
+  for (const Strip& strip : strips_) largest = std::max(largest, strip.unbalanced());
+  return largest;
+}
+
 std::vector<double> Members::columns() const {
   std::vector<double> values;
   for (const Tie& tie : ties_) values.push_back(tie.state.force);

@@ -112,6 +112,7 @@ class Members {
   const std::vector<Tie>& ties() const { return ties_; }
   const std::vector<Bed>& beds() const { return beds_; }
   const std::vector<Strip>& strips() const { return strips_; }
+  double unbalanced_strips() const;  // largest Strip::unbalanced, N
   const std::vector<Floor>& floors() const { return floors_; }
   const std::vector<Beam>& beams() const { return beams_; }
   const std::vector<SpringPoint>& spring_points() const { return points_; }

@@ -131,12 +131,17 @@ void Strip::pull(std::vector<Node>& nodes, double dt) {
   ask_law();
   stored_ = 0.0;
   std::vector<Vector> force = pull_bars();
+  unbalanced_ = 0.0;
+  Vector on_block;  // sum over the nodes of one block
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place& p = places_[i];
     node_at(i).force += force[i];
     const Vector traction =
         traction_[0][i] * p.normal + traction_[1][i] * p.along + traction_[2][i] * cross(p.normal, p.along);
     force[i] = transposed_times(node_at(i).turn, force[i]) - p.area * traction;
+    on_block = i > 0 && node_at(i).block == node_at(i - 1).block ? on_block + force[i] : force[i];
+    if (i + 1 == places_.size() || node_at(i).block != node_at(i + 1).block)
+      unbalanced_ = std::max(unbalanced_, norm(on_block));
     stored_ += p.area * energy_[0][i];
     for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) dissipated_ += p.area * energy_[1 + k][i];
   }

@@ -38,6 +38,8 @@ class Strip {
   double dissipated() const { return dissipated_; }
   double largest_force() const;    // force of its bars of largest magnitude, N
   double debonded_length() const;  // m
+  // Largest force on a block that its bond does not carry in the last step, N: inertia and damping of nodes. 0 at rest.
+  double unbalanced() const { return unbalanced_; }
   const std::vector<Vector>& nodes() const { return x_; }
   const std::vector<double>& forces() const { return force_; }  // forces of bars, N
   bool is_broken(std::size_t bar) const { return broken_[bar] != 0; }
@@ -86,6 +88,7 @@ class Strip {
   double mass_step_ = 0.0;                  // time step for which masses are computed, s
   double stored_ = 0.0, dissipated_ = 0.0;  // J, at the time of the forces
   double braked_later_ = 0.0;               // work of damping in the half step after that time, J
+  double unbalanced_ = 0.0;                 // N
   quoin_batch batch_{};
   std::vector<quoin_in> state_old_;
   std::vector<quoin_out> state_new_;

@@ -101,7 +101,7 @@ ResponseAxis response_axis(const Stage& stage) {
     axis.direction[c] = 1.0;
     return axis;
   }
-  return {d, fmt::format("[{:.3g}, {:.3g}, {:.3g}]", d[0], d[1], d[2])};
+  return {d, fmt::format("({:.3g}, {:.3g}, {:.3g})", d[0], d[1], d[2])};
 }
 
 std::string axis_name(const Stage& stage) {

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/larger.h"
+#include "members/members.h"
 #include "model/world_results.h"
 #include "step/actions/ground.h"
 #include "step/columns/columns.h"
@@ -43,6 +44,8 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.largest_displacement = largest_displacement(s);
   const double whole = s.model.assembly.symmetry_factor;
   row.dynamic_force = whole * s.large_motion->step_sums.net[static_cast<int>(direction)];
+  if (const auto& members = s.large_motion->held_by.members)
+    row.dynamic_force += std::copysign(members->unbalanced_strips(), row.dynamic_force);
   measure_base(s, row);
   if (s.monitor.blocks.empty()) return;
   for (const int block : s.monitor.blocks)

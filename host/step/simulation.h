@@ -53,7 +53,8 @@ struct HistoryNumbers {
   double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
   Vec3 monitor_displacement{};    // displacement of monitor or roof since the start of the simulation, m
   Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
-  double dynamic_force = 0.0;     // sum of reactions and loads along Stage::direction, N; 0 at rest
+  double dynamic_force = 0.0;     // sum of reactions and loads along Stage::direction, and Members::unbalanced_strips,
+                                  // N; 0 at rest
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
   double kinetic_energy = 0.0;    // kinetic energy of the model as computed, J
   double multiplier = 0.0;        // multiplier of the body force in a collapse stage

@@ -90,7 +90,8 @@ TEST(QuasiStatic, StageThatEndsInItsRampIsNotVouchedFor) {
 }
 
 TEST(QuasiStatic, NothingToJudgeByIsNotVouchedFor) {
-  const Scene scene = scene_of({stage_to(0.01, 0.0)});
+  Scene scene = scene_of({stage_to(0.01, 0.0)});
+  scene.output.monitor = "spring";
   EXPECT_THAT(check_quasi_static({}, scene).warning(), HasSubstr("no stage that drives a body was reached"));
   EXPECT_THAT(check_quasi_static(pulled_spring(0.01, 2), scene).warning(), HasSubstr("2 rows, too few"));
   EXPECT_THAT(check_quasi_static(pulled_spring(0.0), scene).warning(), HasSubstr("did no work"));

@@ -297,7 +297,7 @@ TEST_P(ShakenReport, HasTheResponseAlongTheMotion) {
 INSTANTIATE_TEST_SUITE_P(Ways, ShakenReport,
                          ::testing::Values(Shake{"direction = [-2, 0, 0]", "x", 2e3 * 3.0},
                                            Shake{"direction = [0, 1, 0]", "y", 2e3 * (9.81 + 3.0)},
-                                           Shake{"direction = [3, 0, 4]", "[0.6, 0, 0.8]", 2e3 * 3.0}));
+                                           Shake{"direction = [3, 0, 4]", "(0.6, 0, 0.8)", 2e3 * 3.0}));
 
 // Of two components the stronger one, and a horizontal one before a vertical one.
 TEST(ResponseAxis, IsThatOfTheStrongestHorizontalMotion) {

@@ -47,7 +47,7 @@ def _curve(stage, history):
         parts = [(d, f"monitor_relative_d{axis}_m") for d, axis in zip(direction, "xyz") if d]
         if parts[0][1] in history.dtype.names:
             relative = sum(d * history[name] for d, name in parts)
-            return time, (relative, 1e3, f"displacement along {of['along']}{whose}, relative to the ground [mm]")
+            return time, (relative, 1e3, f"relative displacement along {of['along']}{whose} [mm]")
         return time, displacement
     if of["kind"] == "rest":
         return time, ("vertical_displacement_m", 1e3, f"vertical displacement{whose} [mm]")
