@@ -108,10 +108,9 @@ TEST(Strips, TheForceIsThatOfTheReactionAtAnySpacing) {
   }
 }
 
-// On a deformable block, whose gridpoints the bars pull. The block stretches by 3e-5 where the strip does by 4e-3.
 // Strips with short pieces that are drawn fast are too strong. Inertia of nodes is scaled to the time step, so waves in
-// the strip are slow. What their bond does not carry is counted as dynamic force, so that the run is said not
-// to be quasi-static: no less than the force beyond the closed form, as waves in the strip count too.
+// the strip are slow. What their bond does not carry counts as dynamic force, so that the run is not quasi-static. It is
+// no less than the force beyond the closed form, as waves in the strip count too.
 TEST(Strips, TheInertiaOfNodesIsDynamicForce) {
   const double expected = kWidth * std::sqrt(2 * kModulus * kThickness * kGf);
   for (const double spacing : {0.01, 0.001}) {
@@ -135,6 +134,7 @@ TEST(Strips, TheInertiaOfNodesIsDynamicForce) {
   }
 }
 
+// On a deformable block, whose gridpoints the bars pull. The block stretches by 3e-5 where the strip does by 4e-3.
 TEST(Strips, PullDeformableBlocksToo) {
   const Pull result = pulled(pull(0.2, 0.004, "", 0.02, "rigid = false\ndivisions = [10, 1, 1]\n"), 200);
   const double expected = kWidth * std::sqrt(2 * kModulus * kThickness * kGf);
