@@ -109,8 +109,8 @@ TEST(Strips, TheForceIsThatOfTheReactionAtAnySpacing) {
 }
 
 // Strips with short pieces that are drawn fast are too strong. Inertia of nodes is scaled to the time step, so waves in
-// the strip are slow. What their bond does not carry counts as dynamic force, so that the run is not quasi-static. It is
-// no less than the force beyond the closed form, as waves in the strip count too.
+// the strip are slow. What their bond does not carry counts as dynamic force, so that the run is not quasi-static. It
+// is no less than the force beyond the closed form, as waves in the strip count too.
 TEST(Strips, TheInertiaOfNodesIsDynamicForce) {
   const double expected = kWidth * std::sqrt(2 * kModulus * kThickness * kGf);
   for (const double spacing : {0.01, 0.001}) {
