@@ -1,7 +1,6 @@
 #include "analysis/undamaged.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -9,7 +8,6 @@
 #include <map>
 #include <memory>
 
-#include "base/did_you_mean.h"
 #include "base/error.h"
 #include "base/index.h"
 #include "law/material_point.h"
@@ -420,17 +418,6 @@ double Vibrating::free_mass(int axis) const {
   for (std::size_t i = 0; i < unknown.size(); ++i)
     sum += mass[i] * unknown[i].translation[axis] * unknown[i].translation[axis];
   return symmetry_factor * sum;
-}
-
-int stage_named(const Scene& scene, const std::string& name) {
-  if (name.empty()) return 0;
-  std::vector<std::string> names;
-  for (const Stage& stage : scene.stages) names.push_back(stage.name);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    throw Error(Exit::bad_input, fmt::format("{}: stage '{}': no such stage{}; the scene has: {}", scene.file, name,
-                                             did_you_mean(name, names), fmt::join(names, ", ")));
-  return static_cast<int>(found - names.begin());
 }
 
 void refuse_if_held(const Vibrating& v, const std::string& file) {

@@ -57,9 +57,6 @@ struct Vibrating {
   double free_mass(int axis) const;  // mass that can move along the axis, kg
 };
 
-// Index of the stage of that name; empty: the first stage. Throws Error(bad_input) where none has it.
-int stage_named(const Scene& scene, const std::string& name);
-
 // Vibration with the supports of a stage: fixed blocks, and components whose velocity its controls prescribe, whatever
 // its value. Throws Error(bad_input) where all is held.
 Vibrating vibrating(const Scene& scene, int stage = 0);

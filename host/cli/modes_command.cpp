@@ -21,6 +21,7 @@
 #include "results/json_file.h"
 #include "results/report.h"
 #include "results/virtual_motion.h"
+#include "scene/stage_named.h"
 
 namespace quoin {
 namespace {

@@ -40,6 +40,7 @@
 #include "scene/read_scene.h"
 #include "scene/read_tests.h"
 #include "scene/reader.h"
+#include "scene/stage_named.h"
 #include "step/large_motion.h"
 #include "step/steer.h"
 

@@ -79,10 +79,12 @@ Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::st
 template <class X, class Y>
 void add_points(const std::vector<Row>& rows, const Scene& scene, const X& x, const Y& y, Curve& curve) {
   const Stage& last = scene.stages.back();
+  std::vector<bool> on_same_curve;  // by stage
+  for (const Stage& stage : scene.stages)
+    on_same_curve.push_back(std::string_view(curve_kind(stage)) == curve_kind(last) && same_curve(scene, stage, last));
   double largest = 0.0;
   for (const Row& row : rows) {
-    const Stage& stage = scene.stages[static_cast<size_t>(row.stage)];
-    if (std::string_view(curve_kind(stage)) != curve_kind(last) || !same_curve(scene, stage, last)) continue;
+    if (!on_same_curve[static_cast<size_t>(row.stage)]) continue;
     if (std::abs(y(row)) > largest) largest = std::abs(y(row)), curve.peak = static_cast<int>(curve.points.size());
     curve.points.push_back({x(row), y(row), 0.0});
   }

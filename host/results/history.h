@@ -27,7 +27,7 @@ int axis_of_action(const Stage& stage);
 // Direction of length 1 along which the response to ground motion is measured.
 struct ResponseAxis {
   Vec3 direction{1.0, 0.0, 0.0};
-  std::string name = "x";  // y, z, or as "[0.6, 0, 0.8]"
+  std::string name = "x";  // y, z, or as "(0.6, 0, 0.8)"
 };
 // Axis z where the stage is measured along it, else that of the strongest horizontal motion; without one of the
 // vertical.

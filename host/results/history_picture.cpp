@@ -33,9 +33,7 @@ bool is_shaken(const Scene& scene) {
 // Values of the part that the title names; NaN, a gap, in rows of stages that watch another.
 std::function<double(const HistoryRow&)> of_part(const Scene& scene, std::function<double(const HistoryRow&)> value) {
   std::vector<bool> has_part;
-  for (const Stage& stage : scene.stages)
-    has_part.push_back(!watches_nothing(scene, stage) &&
-                       moved_part(scene, stage) == moved_part(scene, stage_of_curve(scene)));
+  for (const Stage& stage : scene.stages) has_part.push_back(watches_part_of_curve(scene, stage));
   return [has_part, value = std::move(value)](const HistoryRow& row) {
     return has_part[static_cast<std::size_t>(row.stage)] ? value(row) : std::nan("");
   };

@@ -60,16 +60,21 @@ const Stage& stage_of_curve(const Scene& scene) {
   return scene.stages.back();
 }
 
+bool watches_part_of_curve(const Scene& scene, const Stage& stage) {
+  return !watches_nothing(scene, stage) && moved_part(scene, stage) == moved_part(scene, stage_of_curve(scene));
+}
+
 std::vector<bool> stages_on_curve(const Scene& scene) {
+  const Stage& of_curve = stage_of_curve(scene);
   std::vector<bool> on_curve;
   for (const Stage& stage : scene.stages)
-    on_curve.push_back(!watches_nothing(scene, stage) && same_curve(scene, stage, stage_of_curve(scene)));
+    on_curve.push_back(!watches_nothing(scene, stage) && same_curve(scene, stage, of_curve));
   return on_curve;
 }
 
 bool watches_several(const Scene& scene) {
   return std::ranges::any_of(scene.stages, [&](const Stage& stage) {
-    return !watches_nothing(scene, stage) && moved_part(scene, stage) != moved_part(scene, stage_of_curve(scene));
+    return !watches_nothing(scene, stage) && !watches_part_of_curve(scene, stage);
   });
 }
 

@@ -18,6 +18,8 @@ std::string moved_part(const Scene& scene, const Stage& stage);
 bool same_curve(const Scene& scene, const Stage& a, const Stage& b);
 // Stage whose part and axis the curve and the peak of a run have: the last that watches a part and does more than rest.
 const Stage& stage_of_curve(const Scene& scene);
+// Whether a stage watches the part of the curve, along any axis.
+bool watches_part_of_curve(const Scene& scene, const Stage& stage);
 // By stage: whether its rows are on the curve.
 std::vector<bool> stages_on_curve(const Scene& scene);
 // Whether stages of a run watch different parts, so that texts name the part.

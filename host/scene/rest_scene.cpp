@@ -1,13 +1,12 @@
 #include "scene/rest_scene.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "base/did_you_mean.h"
 #include "base/error.h"
 #include "scene/generate.h"
+#include "scene/stage_named.h"
 
 namespace quoin {
 namespace {
@@ -26,14 +25,8 @@ bool has_load(const Stage& s) {
 
 Scene at_rest(Scene scene, const std::string& name) {
   std::vector<Stage>& stages = scene.stages;
-  const auto wanted = [&](const Stage& s) { return name.empty() ? has_load(s) : s.name == name; };
-  const auto found = std::find_if(stages.begin(), stages.end(), wanted);
-  if (found == stages.end() && !name.empty()) {
-    std::vector<std::string> names;
-    for (const Stage& s : stages) names.push_back(s.name);
-    throw Error(Exit::bad_input, fmt::format("{}: stage '{}': no such stage{}; the scene has: {}", scene.file, name,
-                                             did_you_mean(name, names), fmt::join(names, ", ")));
-  }
+  const auto found =
+      name.empty() ? std::find_if(stages.begin(), stages.end(), has_load) : stages.begin() + stage_named(scene, name);
   if (found == stages.end())
     throw Error(Exit::bad_input,
                 fmt::format("{}: no stage has a weight or a load, so all is at rest as it is; give one gravity, forces "

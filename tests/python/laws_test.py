@@ -24,7 +24,7 @@ class Libraries(Folder):
         self.law = self.path("law.so")
 
     def build(self, name, in_place=True):
-        """Makes the library anew from a shipped law; in place, its inode stays."""
+        """Copies a shipped law to the library. In place, its inode stays."""
         if not in_place and os.path.exists(self.law):
             os.remove(self.law)
         shutil.copyfile(shipped(name), self.law)

@@ -12,6 +12,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "../dry_stone.h"
 #include "base/error.h"
 #include "files/file.h"
 #include "files/gnuplot.h"
@@ -149,16 +150,7 @@ nlohmann::json head_of(const std::string& page) {
 }
 
 // Blocks of 19.62 and 9.81 kN on a fixed one, friction 35 degrees, pushed in turn along x; each stage watches its own.
-const std::string kPushedInTurn = R"(
-[materials.stone]
-density = 2000.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = 35.0
-[[block]]
+const std::string kPushedInTurn = dry_stone(35.0) + R"([[block]]
 name = "ground"
 material = "stone"
 fixed = true
