@@ -37,11 +37,12 @@ struct Displaced {
 
 Vector at_arm(const Rigid& motion, const Vector& arm) { return motion.linear + cross(motion.angular, arm); }
 
-// Whether the displacements of a block are still small: its rotation, and the largest displacement beside it.
-bool keeps_fixed_frame(const World& w, int block) {
+// Whether the displacements of a block are still small: its rotation, and the largest displacement beside it. share: of
+// the bounds.
+bool keeps_fixed_frame(const World& w, int block, double share = 1.0) {
   const BlockFrame frame = frame_of(w, block);
-  return angle_between(transposed(frame.transposed_r), start_of_frame(w, block)) <= largest_fixed_rotation(w) &&
-         deformation_in(w, frame, block) <= kLargestDeformation * w.blocks[size_t(block)].least_extent;
+  return angle_between(transposed(frame.transposed_r), start_of_frame(w, block)) <= share * largest_fixed_rotation(w) &&
+         deformation_in(w, frame, block) <= share * kLargestDeformation * w.blocks[size_t(block)].least_extent;
 }
 
 // Turns the gridpoints of a deformable block, whose displacements and velocities are small ones.
@@ -82,6 +83,11 @@ void begin_with_fixed_frames(World& w) {
 }
 
 namespace {
+
+// Share of the bounds from which on blocks leave their fixed frames as soon as one leaves past the bound. All work is
+// divided again each time, which costs as much as tens of steps. A smaller share means fewer times, and frames that
+// turn a little earlier.
+constexpr double kLeavesTogether = 0.5;
 
 // A contact point at a block that leaves its fixed frame, and where it was.
 struct MovedPoint {
@@ -132,6 +138,10 @@ void leave_fixed_frames(World& w) {
     if (is_due && !keeps_fixed_frame(w, i)) leaves[size_t(i)] = 1.0, some = true;
   }
   if (!w.part.any(some)) return;
+  for (int i = 0; i < w.block_count(); ++i) {
+    if (w.frames.fixed[size_t(i)] && w.part.owns(i) && !keeps_fixed_frame(w, i, kLeavesTogether))
+      leaves[size_t(i)] = 1.0;
+  }
   w.part.gather_by_block(leaves);
   for (const Piece& piece : w.pieces.all) {
     const auto blocks = w.pieces.blocks_of(piece);

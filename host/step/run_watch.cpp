@@ -430,24 +430,27 @@ std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
 }
 
 std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
-  check_points(s);
+  const bool pass_is_due = stage_ends || s.progress.step >= s.watch.next_pass;
+  if (pass_is_due) s.watch.next_pass = s.progress.step + Watch::kPassSteps, check_points(s);
   // Seldom, as it lists all contact points.
   const bool bending_is_due = stage_ends || s.progress.step >= s.watch.next_stiffness;
   const std::optional<WrongAnswer> wrong = check_laws(s);
   book_energy_balance(s);
 
   std::vector<Warning> fresh;
-  // Warnings whose conditions cost a pass over blocks, joints or pieces are looked at until they are given.
   const auto warn = [&](const char* about, const auto& text) {
     if (was_warned(s, about)) return;
     if (const std::string words = text(); !words.empty()) warn_once(s, about, words, &fresh);
   };
+  const auto warn_after_pass = [&](const char* about, const auto& text) {
+    if (pass_is_due) warn(about, text);
+  };
   for (const auto& [about, text] : stage_warnings(s.scene, static_cast<std::size_t>(s.progress.stage)))
     warn_once(s, about, text, &fresh);
-  warn("damping", [&] { return damped_motion(s); });
+  warn_after_pass("damping", [&] { return damped_motion(s); });
   warn("ground_motion", [&] { return motion_left_to_ground(s); });
-  warn("tension_in_new_contacts", [&] { return pull_over_gaps(s); });
-  warn("interpenetration", [&] { return deep_overlap(s); });
+  warn_after_pass("tension_in_new_contacts", [&] { return pull_over_gaps(s); });
+  warn_after_pass("interpenetration", [&] { return deep_overlap(s); });
   warn("crushed_out", [&] { return points_crushed_out(s); });
   warn("bending", [&] { return bending_is_due ? bending_at_corners(s) : ""; });
   warn("pressure", [&] { return stage_ends ? crushed_in_ramp(s) : ""; });

@@ -30,6 +30,8 @@ struct Watch {
   static constexpr long kOutputSteps = 200;
   static long after(long step) { return step + std::max(kOutputSteps, step / 20); }
   static constexpr long kStiffnessSteps = 2000;  // least interval between two checks of tangents and of laws' answers
+  // Least interval between two passes over all blocks and contact points. In a large model one costs as much as steps.
+  static constexpr long kPassSteps = 100;
 
   double overlap = 0.0;      // largest closure of a contact point, elastic and crushed, m
   Vec3 overlap_at{};         // position of that point, m
@@ -42,8 +44,8 @@ struct Watch {
   // Largest tangent stiffness over the bound that its law states, from which the time step follows; 0: unknown.
   double stiffness_ratio = 0.0;
 
-  long next_energies = 0, next_flags = 0, next_stiffness = 0;  // steps of the next checks
-  std::uint64_t pending = 0;                                   // 1: the first of two steps has been measured
+  long next_energies = 0, next_flags = 0, next_stiffness = 0, next_pass = 0;  // steps of the next checks
+  std::uint64_t pending = 0;              // 1: the first of two steps has been measured
   double stored = 0.0, work_after = 0.0;  // of that step, J: all stored energy; work less damping in its second half
   double kinds[3] = {0.0, 0.0, 0.0};      // of that step, J: kinetic, strain, joints
 };
