@@ -91,6 +91,9 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
       return hn::And(known, hn::And(hn::Or(elastic, rests), hn::Gt(traction2, zero)));
     };
     V elements[3] = {zero, zero, zero};
+    // A joint whose shear falls while slip goes on slides under falling compression. Where the dashpot takes all of
+    // that compression, shear may fall to zero, but not turn round.
+    auto lets_go = hn::And(closed, hn::Lt(hn::MulAdd(change[1], way[1], hn::Mul(change[2], way[2])), zero));
     if (kMaxwell) {
       const V t0 = load(c.traction[0]), t1 = load(c.traction[1]), t2 = load(c.traction[2]);
       const V pressed2 = hn::Mul(t0, t0), sheared2 = hn::MulAdd(t1, t1, hn::Mul(t2, t2));
@@ -104,7 +107,13 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
       const V traction = load(c.traction[k]);
       V viscous = hn::Mul(hn::Set(d, k == 0 ? normal : along), change[k]);
       if (kMaxwell) viscous = hn::Add(hn::IfThenElseZero(closed, viscous), elements[k]);
-      if (k == 0) viscous = hn::IfThenElse(hn::Le(traction, zero), hn::Min(viscous, hn::Neg(traction)), viscous);
+      const V whole = hn::Neg(traction);
+      if (k == 0) {
+        viscous = hn::IfThenElse(hn::Le(traction, zero), hn::Min(viscous, whole), viscous);
+        lets_go = hn::And(lets_go, hn::Ge(viscous, whole));
+      } else if (kImpacts) {
+        viscous = hn::IfThenElse(lets_go, hn::Clamp(viscous, hn::Min(whole, zero), hn::Max(whole, zero)), viscous);
+      }
       const auto touches = kImpacts && !kMaxwell ? closed : hn::Ne(traction, zero);
       viscous = hn::IfThenElseZero(hn::And(known, touches), viscous);
       // Central differences: half of the motion is under the traction of the last step.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "law/answers.h"
 #include "members/members.h"
@@ -87,10 +88,11 @@ void check_stiffness(Simulation::Impl& s) {
   }
 }
 
-// Warning of a block that falls, slides or topples under damping or with scaled inertia; empty: none. Such a block is
-// as fast as after a fall of kFall of its least extent, and its forces are not balanced.
-std::string damped_motion(const Simulation::Impl& s) {
-  constexpr double kFall = 0.05, kUnbalanced = 0.05;  // shares of the least extent and of the weight
+// Warning of a block that falls, slides or topples under damping or with scaled inertia; empty: none. Such a block has
+// moved by kMoved of its least extent, is as fast as after a fall of kFall of it, and its forces are not balanced, in
+// two passes one after the other.
+std::string damped_motion(Simulation::Impl& s) {
+  constexpr double kMoved = 0.02, kFall = 0.01, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);
   const std::string damping = damping_in_space(s.scene, now_in);
   const double scaling = s.scene.solver.mass_scaling;
@@ -105,12 +107,14 @@ std::string damped_motion(const Simulation::Impl& s) {
         !(norm(s.large_motion->step_sums.of_block[i].net) > kUnbalanced * g * s.large_motion->blocks[i].mass))
       continue;
     const Vector v = velocity_of(*s.large_motion, i);
-    const double fall = scaling * dot(v, v) / (2.0 * g * kFall * s.large_motion->blocks[i].least_extent);
-    if (fall > most) most = fall, block = i;
+    const double extent = s.large_motion->blocks[i].least_extent;
+    const double fall = scaling * dot(v, v) / (2.0 * g * kFall * extent);
+    const Vector moved = position_of(*s.large_motion, i) - start_position_of(*s.large_motion, i);
+    if (fall > most && norm(moved) > kMoved * extent) most = fall, block = i;
   }
   if (s.parts.divided) block = largest_of_ranks(s, most == largest_of_ranks(s, most) ? block : -1.0);
-  if (block < 0.0) return "";
-  const auto number = static_cast<int>(block);
+  const int number = static_cast<int>(block);
+  if (std::exchange(s.watch.falling, number) != number || number < 0) return "";
   const Vector& place = s.large_motion->assembly.blocks[static_cast<std::size_t>(number)].position;
   const std::string which =
       fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", blocks::label(s.large_motion->assembly, number), place[0],
@@ -311,9 +315,10 @@ std::string beam_off_its_seat(const Simulation::Impl& s) {
   return "";
 }
 
-std::string unbalanced_energies(const Simulation::Impl& s) {
+std::string unbalanced_energies(const Simulation::Impl& s, bool stage_ends) {
   // The balance oscillates about 0 while little energy has been converted.
-  const bool is_early = s.progress.step < (s.energy.wanted ? 1 : 10) * Watch::kOutputSteps;
+  const bool is_early = s.energy.wanted ? s.progress.step < Watch::kOutputSteps && !stage_ends
+                                        : s.progress.step < 10 * Watch::kOutputSteps;
   // At rest no energy is moved but rounding.
   const double allowed = Watch::kAllowedMissing * std::max(s.watch.energy_moved, energy_of_rounding(s));
   if (is_early || std::abs(s.watch.energy_missing) <= allowed) return "";
@@ -431,7 +436,8 @@ std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
 
 std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   const bool pass_is_due = stage_ends || s.progress.step >= s.watch.next_pass;
-  if (pass_is_due) s.watch.next_pass = s.progress.step + Watch::kPassSteps, check_points(s);
+  if (pass_is_due) s.watch.next_pass = s.progress.step + Watch::kPassSteps;
+  if (pass_is_due || !s.large_motion) check_points(s);  // on the lattice chunks have the sums
   // Seldom, as it lists all contact points.
   const bool bending_is_due = stage_ends || s.progress.step >= s.watch.next_stiffness;
   const std::optional<WrongAnswer> wrong = check_laws(s);
@@ -456,7 +462,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   warn("pressure", [&] { return stage_ends ? crushed_in_ramp(s) : ""; });
   warn("beam", [&] { return turned_piece_of_beam(s); });
   warn("seat", [&] { return beam_off_its_seat(s); });
-  warn("energy_balance", [&] { return unbalanced_energies(s); });
+  warn("energy_balance", [&] { return unbalanced_energies(s, stage_ends); });
   warn("time_step", [&] { return stiff_law(s); });
   warn("law_states", [&] {
     return wrong ? wrong->text + "; what follows is not to be relied on: tell its author, and see quoin-check-law" : "";

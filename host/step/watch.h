@@ -36,6 +36,7 @@ struct Watch {
   double overlap = 0.0;      // largest closure of a contact point, elastic and crushed, m
   Vec3 overlap_at{};         // position of that point, m
   long crushed_out = 0;      // most contact points that are crushed out
+  long falling = -1;         // block that falls fastest under damping, in the last pass; -1: none
   long crushing_before = 0;  // contact points that crush when a stage of pressure begins, as by [[damage]]
 
   // With output.energy of the balance of the whole run, else of the steps that are compared.
