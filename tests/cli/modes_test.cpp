@@ -109,9 +109,9 @@ ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }
   }
 }
 
-// A table of velocities replaces the fixity of a deformable block too: held along all axes it is a fixed one, and free
-// along x the pair moves along x without stiffness. The table counted for the undamaged scene as no support at all, and
-// for a state as one besides the fixity.
+// A table of velocities replaces the fixity of a deformable block too. Held along all axes it is a fixed one; free
+// along x the pair moves along x without stiffness. For the undamaged scene the table did not count. For a state it
+// counted beside the fixity.
 TEST_F(Modes, DeformableBlocksAreHeldAsTheirTableSays) {
   const auto found = [&](const std::string& of_base, const std::string& velocity, const std::string& state) {
     const std::string path = (folder_ / "pair.toml").string();
