@@ -58,8 +58,9 @@ TEST(Record, VelocitiesAndDisplacementsBecomeAccelerations) {
   for (std::size_t i = 1; i < 1000; ++i) {
     const double exact = -w * w * std::sin(w * velocity.time[i]);
     EXPECT_NEAR(from_v.value[i], exact, w * w * w * w * h * h / 6.0 * 1.01);
-    EXPECT_NEAR(from_u.value[i], w * w * std::cos(w * velocity.time[i]), w * w * w * w * h * h / 12.0 * 1.01);
   }
+  for (std::size_t i = 0; i <= 1000; ++i)  // ends too, where second differences have errors of (w h)^2/2
+    EXPECT_NEAR(from_u.value[i], w * w * std::cos(w * velocity.time[i]), w * w * w * w * h * h / 12.0 * 1.01);
 }
 
 TEST(Record, ScalesToEachIntensity) {
