@@ -111,8 +111,8 @@ void World::hold(const Stage& stage, std::vector<std::string>* held) {
   for (const BodyControl& control : stage.controls) {
     const unsigned bits = prescribed_by(control);
     for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text)) {
-      const bool rigid = given[at(block)].rigid;
-      held_[at(block)] = static_cast<std::uint8_t>(rigid ? bits : 0u);
+      const unsigned of_gridpoints = bits & 7u;
+      held_[at(block)] = static_cast<std::uint8_t>(given[at(block)].rigid ? bits : of_gridpoints);
     }
   }
   std::map<std::string, std::uint8_t> names;

@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/duration_text.h"
+#include "base/upright_axis.h"
 #include "cli/prepare.h"
 #include "cli/run_command.h"
 #include "files/memory.h"
@@ -143,6 +144,11 @@ void print_supports(const Simulation& simulation) {
 void print_overhang(const Simulation& simulation) {
   constexpr std::size_t kNamed = 5;
   const int count = static_cast<int>(simulation.block_count());
+  const auto weighed =
+      std::ranges::find_if(simulation.scene().stages, [](const Stage& stage) { return stage.gravity != Vec3{}; });
+  const Vec3 gravity = weighed != simulation.scene().stages.end() ? weighed->gravity : Vec3{};
+  const auto upright = static_cast<std::size_t>(upright_axis(gravity));
+  const double sign = gravity[upright] > 0.0 ? -1.0 : 1.0;
   std::vector<double> foot(static_cast<std::size_t>(count), HUGE_VAL);
   std::vector<bool> fixed(foot.size()), stands(foot.size());
   double lowest = HUGE_VAL, highest = -HUGE_VAL;
@@ -151,8 +157,9 @@ void print_overhang(const Simulation& simulation) {
     const auto block = static_cast<std::size_t>(b);
     fixed[block] = mesh.fixed;
     for (const Vec3& p : mesh.gridpoint) {
-      foot[block] = std::min(foot[block], p[1]);
-      if (!mesh.fixed) highest = std::max(highest, p[1]);
+      const double height = sign * p[upright];
+      foot[block] = std::min(foot[block], height);
+      if (!mesh.fixed) highest = std::max(highest, height);
     }
     if (!mesh.fixed) lowest = std::min(lowest, foot[block]);
   }

@@ -12,6 +12,7 @@
 #include <optional>
 #include <string_view>
 
+#include "base/input_file.h"
 #include "base/number_text.h"
 #include "ensemble/figures.h"
 #include "ensemble/no_number.h"
@@ -45,6 +46,7 @@ struct Results {
   std::map<std::string, std::vector<double>> column;  // inputs and outputs of all samples without failure
   std::vector<Curve> curves;
   Curve curve_of_means;
+  bool vertical = false;  // whether curves are those of a vertical test
 };
 
 double value_of(const Values& values, const std::string& name) {
@@ -55,7 +57,7 @@ double value_of(const Values& values, const std::string& name) {
 }
 
 // The n-th cell of a CSV row, counted from `at`.
-std::string_view cell(std::string_view row, std::size_t at, int n) {
+std::string_view cell(std::string_view row, std::size_t at, std::size_t n) {
   for (; n > 0; --n) {
     at = row.find(',', at);
     if (at++ == std::string_view::npos) return {};
@@ -63,9 +65,18 @@ std::string_view cell(std::string_view row, std::size_t at, int n) {
   return row.substr(at, row.find(',', at) - at);
 }
 
-// Curve of the last stage: largest displacement so far, and the force at it.
-Curve read_curve(const fs::path& file) {
-  std::ifstream stream(file);
+// Whether the peak of a run is that of a vertical test.
+bool is_vertical(const fs::path& sample) {
+  const fs::path file = sample / "summary.json";
+  if (!fs::exists(file)) return false;
+  const Json json = Json::parse(read_input_file(file.string()), nullptr, false);
+  return json.is_object() && json.value("peak_vertical_force_N", Json()).is_number();
+}
+
+// Curve of the last stage: largest displacement so far, and the force at it, of vertical tests its magnitude.
+Curve read_curve(const fs::path& sample, bool vertical) {
+  const std::size_t at_displacement = vertical ? 3 : 2, at_force = vertical ? 5 : 4;
+  std::ifstream stream(sample / "history.csv");
   std::string line;
   std::vector<std::array<double, 3>> rows;  // stage, displacement, force
   std::getline(stream, line);
@@ -74,8 +85,9 @@ Curve read_curve(const fs::path& file) {
     if (quoted == std::string::npos) continue;
     double stage = 0.0, displacement = 0.0, force = 0.0;
     if (parse_number(std::string_view(line).substr(0, first), stage) &&
-        parse_number(cell(line, quoted + 2, 2), displacement) && parse_number(cell(line, quoted + 2, 4), force))
-      rows.push_back({stage, displacement, force});
+        parse_number(cell(line, quoted + 2, at_displacement), displacement) &&
+        parse_number(cell(line, quoted + 2, at_force), force))
+      rows.push_back({stage, displacement, vertical ? std::abs(force) : force});
   }
   Curve curve;
   for (const auto& [stage, displacement, force] : rows) {
@@ -90,7 +102,8 @@ Results read_results(const StudyFolder& folder, std::uint64_t samples) {
   Results r;
   if (is_finished(folder.sample(0))) {
     r.of_means = read_sample(folder.sample(0));
-    r.curve_of_means = read_curve(folder.sample(0) / "history.csv");
+    r.vertical = is_vertical(folder.sample(0));
+    r.curve_of_means = read_curve(folder.sample(0), r.vertical);
   }
   for (std::uint64_t i = 1; i <= samples; ++i) {
     if (is_finished(folder.sample(i))) r.samples.emplace_back(i, read_sample(folder.sample(i)));
@@ -104,7 +117,8 @@ Results read_results(const StudyFolder& folder, std::uint64_t samples) {
     if (sample.status != "done") continue;
     for (const std::string& name : r.inputs) r.column[name].push_back(value_of(sample.inputs, name));
     for (const std::string& name : output_names()) r.column[name].push_back(value_of(sample.outputs, name));
-    r.curves.push_back(read_curve(folder.sample(i) / "history.csv"));
+    r.vertical = r.vertical || is_vertical(folder.sample(i));
+    r.curves.push_back(read_curve(folder.sample(i), r.vertical));
   }
   return r;
 }
@@ -175,7 +189,7 @@ Bands bands_of(const Results& r) {
 
 // ---- Pictures -------------------------------------------------------------------------------------------------------
 
-void draw_bands(const Bands& b, Pictures& pictures) {
+void draw_bands(const Bands& b, bool vertical, Pictures& pictures) {
   if (b.displacement.empty()) return;
   std::string data;
   for (std::size_t k = 0; k < b.displacement.size(); ++k) {
@@ -184,7 +198,7 @@ void draw_bands(const Bands& b, Pictures& pictures) {
     data += '\n';
   }
   pictures.draw(
-      "bands", data, "displacement, mm", "horizontal force, kN",
+      "bands", data, "displacement, mm", vertical ? "vertical force, kN" : "horizontal force, kN",
       "plot 'bands.dat' using 1:4:8 with filledcurves linecolor rgb '#56b4e9' title '5 to 95 %', "
       "'' using 1:5:7 with filledcurves linecolor rgb '#0072b2' title '16 to 84 %', "
       "'' using 1:6 with lines linewidth 1.5 dashtype 2 linecolor rgb '#0072b2' title 'median', "
@@ -301,15 +315,22 @@ CrackMap cracks_of(const StudyFolder& folder, const Results& r, double opening) 
   return map;
 }
 
+// Draws joints as seen along the thinner way of the masonry, z or x.
 void draw_cracks(const CrackMap& map, double opening, Pictures& pictures) {
+  if (map.joints.empty()) return;
+  const auto extent = [&](std::size_t c) {
+    const auto begin = std::ranges::min(map.joints, {}, [c](const OpenedJoint& j) { return j.low[c]; });
+    const auto end = std::ranges::max(map.joints, {}, [c](const OpenedJoint& j) { return j.high[c]; });
+    return end.high[c] - begin.low[c];
+  };
+  const std::size_t along = extent(2) > extent(0) ? 2 : 0;
   std::string data;
   for (std::size_t k = 0; k < map.joints.size(); ++k) {
     const OpenedJoint& j = map.joints[k];
-    data += fmt::format("{:.8g} {:.8g} {:.4g}\n{:.8g} {:.8g} {:.4g}\n\n", j.x0, j.y0, map.probability[k], j.x1, j.y1,
-                        map.probability[k]);
+    data += fmt::format("{:.8g} {:.8g} {:.4g}\n{:.8g} {:.8g} {:.4g}\n\n", j.low[along], j.low[1], map.probability[k],
+                        j.high[along], j.high[1], map.probability[k]);
   }
-  if (data.empty()) return;
-  pictures.draw("crack_probability", data, "x, m", "y, m",
+  pictures.draw("crack_probability", data, along == 2 ? "z, m" : "x, m", "y, m",
                 "set size ratio -1\nset nokey\nset style fill solid 1 noborder\nset cbrange [0:1]\nset cblabel "
                 "'probability'\nset palette defined (0 "
                 "'#e8e8e8', 0.3 "
@@ -405,10 +426,11 @@ std::string text_of(const Bands& bands) {
 }
 
 std::string text_of(const CrackMap& cracks) {
-  std::string text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,probability\n";
+  std::string text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,probability,z0_m,z1_m\n";
   for (std::size_t k = 0; k < cracks.joints.size(); ++k) {
     const OpenedJoint& j = cracks.joints[k];
-    text += fmt::format("{},{},{},{},{},{},{}\n", j.block_a, j.block_b, j.x0, j.y0, j.x1, j.y1, cracks.probability[k]);
+    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", j.block_a, j.block_b, j.low[0], j.low[1], j.high[0], j.high[1],
+                        cracks.probability[k], j.low[2], j.high[2]);
   }
   return text;
 }
@@ -456,7 +478,7 @@ Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t sam
   if (pictures) {
     make_folder(folder.path() / "plots");
     Pictures drawn(folder.path(), study.title);
-    draw_bands(bands, drawn);
+    draw_bands(bands, r.vertical, drawn);
     draw_convergence(peaks, drawn);
     draw_fragility(limits, limits.empty() ? "" : study.limits[0].output, drawn);
     draw_influences(influences, drawn);

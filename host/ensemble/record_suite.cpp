@@ -205,12 +205,16 @@ SuiteMotion motion_of(const RecordSuite& suite, std::size_t record) {
 
 std::vector<std::string> overrides_for(const RecordSuite& suite, std::size_t record, const SuiteMotion& motion,
                                        double factor) {
-  const std::string stage = "stage." + suite.stage;
+  const std::string stage = "stage." + key_part(suite.stage);
   std::vector<std::string> lines{stage + ".ground_motion=" + suite.records.at(record).motion,
                                  fmt::format("{}.duration={:.17g}", stage, motion.end + suite.free_time)};
   const toml::table given = parse("m = " + suite.records[record].motion, suite.records[record].name);
   const double scale = given["m"]["scale"].value_or(1.0);
-  lines.push_back(fmt::format("{}.ground_motion.scale={:.17g}", stage, scale * factor));
+  // Only records without scale and pga have another factor than 1.
+  if (converts_from_g(factor))
+    lines.push_back(fmt::format("{}.ground_motion.pga={:.17g}", stage, factor * motion.intensity[0]));
+  else
+    lines.push_back(fmt::format("{}.ground_motion.scale={:.17g}", stage, scale * factor));
   return lines;
 }
 

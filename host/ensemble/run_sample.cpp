@@ -130,7 +130,7 @@ Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& r
     const bool after_peak = peak.row >= 0 && &row - rows.data() > peak.row;
     if (after_peak && std::isnan(lost) && std::abs(now.force) <= kLoss * peak.force) lost = std::abs(now.displacement);
   }
-  const double height = scene.wall ? scene.wall->courses * scene.wall->unit[1] : kNone;
+  const double height = scene.wall && !is_vertical(scene) ? scene.wall->courses * scene.wall->unit[1] : kNone;
   const auto multiplier = simulation.outcome().collapse_multiplier;
   const std::vector<double> values{peak.row < 0 ? kNone : peak.force,
                                    peak.row < 0 ? kNone : peak.displacement,
@@ -147,15 +147,15 @@ Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& r
   return outputs;
 }
 
-// Writes the largest opening of every joint, with the joint's ends in the plane of the wall.
+// Writes the largest opening of every joint, with the corners of the box around it.
 void write_joints(const Simulation& simulation, const fs::path& file) {
   std::map<std::pair<int, int>, OpenedJoint> joints;
   const auto add = [&](int block_a, int block_b, const Vec3& place, double opening) {
     const auto key = std::minmax(block_a, block_b);
-    const double x = place[0], y = place[1];
-    auto [found, is_new] = joints.try_emplace(key, OpenedJoint{key.first, key.second, x, y, x, y, 0.0});
+    auto [found, is_new] = joints.try_emplace(key, OpenedJoint{key.first, key.second, place, place, 0.0});
     OpenedJoint& j = found->second;
-    j.x0 = std::min(j.x0, x), j.y0 = std::min(j.y0, y), j.x1 = std::max(j.x1, x), j.y1 = std::max(j.y1, y);
+    for (std::size_t c = 0; c < 3; ++c)
+      j.low[c] = std::min(j.low[c], place[c]), j.high[c] = std::max(j.high[c], place[c]);
     j.opening = std::max(j.opening, opening);
   };
   for (const ContactPoint& p : contact_points(simulation)) add(p.block_a, p.block_b, p.position, p.jump[0]);
@@ -163,9 +163,10 @@ void write_joints(const Simulation& simulation, const fs::path& file) {
     const ContactPoint& last = p.joint.contact;
     add(last.block_a, last.block_b, last.position, p.joint.opening);
   }
-  std::string text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,opening_m\n";
+  std::string text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,opening_m,z0_m,z1_m\n";
   for (const auto& [key, j] : joints)
-    text += fmt::format("{},{},{},{},{},{},{}\n", j.block_a, j.block_b, j.x0, j.y0, j.x1, j.y1, j.opening);
+    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", j.block_a, j.block_b, j.low[0], j.low[1], j.high[0], j.high[1],
+                        j.opening, j.low[2], j.high[2]);
   write_file(file, text);
 }
 
@@ -291,8 +292,8 @@ std::vector<OpenedJoint> read_joints(const fs::path& folder) {
   std::getline(stream, line);
   while (std::getline(stream, line)) {
     OpenedJoint j{};
-    if (std::sscanf(line.c_str(), "%d,%d,%lf,%lf,%lf,%lf,%lf", &j.block_a, &j.block_b, &j.x0, &j.y0, &j.x1, &j.y1,
-                    &j.opening) == 7)
+    if (std::sscanf(line.c_str(), "%d,%d,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &j.block_a, &j.block_b, &j.low[0], &j.low[1],
+                    &j.high[0], &j.high[1], &j.opening, &j.low[2], &j.high[2]) == 9)
       joints.push_back(j);
   }
   return joints;

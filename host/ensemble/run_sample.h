@@ -44,8 +44,8 @@ bool is_finished(const std::filesystem::path& folder);
 // A joint with an opening, as in cracks.csv.
 struct OpenedJoint {
   int block_a, block_b;
-  double x0, y0, x1, y1;  // m, ends of the joint in the plane of the wall
-  double opening;         // m; largest of its points
+  Vec3 low, high;  // corners of the box around the joint, m
+  double opening;  // m; largest of its points
 };
 std::vector<OpenedJoint> read_joints(const std::filesystem::path& folder);  // empty: no file
 

@@ -71,7 +71,10 @@ ShakenRun read_run(const fs::path& file) {
 class CollapseWatch : public Observer {
  public:
   CollapseWatch(const fs::path& folder, Simulation* simulation, const RecordSuite& suite)
-      : history_(folder / "history.csv", *simulation), simulation_(simulation), suite_(suite) {
+      : history_(folder / "history.csv", *simulation),
+        simulation_(simulation),
+        suite_(suite),
+        begin_(simulation->time()) {
     for (int block = 0; block < simulation->block_count(); ++block) {
       Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
       for (const Vec3& x : block_mesh(*simulation, block).gridpoint) {
@@ -146,7 +149,7 @@ class CollapseWatch : public Observer {
   const RecordSuite& suite_;
   std::vector<Vec3> extent_;
   bool shaken_ = false;  // whether a stage with ground motion has begun
-  double begin_ = 0.0;   // s, when it began
+  double begin_;         // s, when it began
 };
 
 void write_run_summary(const fs::path& folder, const Simulation& simulation, CollapseWatch& watch,

@@ -21,7 +21,7 @@ namespace {
 // Adds each value in the tables below [set] as an override.
 void add_overrides(Context& context, const toml::table& table, const std::string& path, Study& study) {
   for (auto&& [key, node] : table) {
-    const std::string name = path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
+    const std::string name = (path.empty() ? "" : path + ".") + key_part(std::string(key.str()));
     const toml::table* below = node.as_table();
     if (below && !below->contains("distribution"))
       add_overrides(context, *below, name, study);
@@ -149,7 +149,7 @@ std::vector<std::string> columns_of(const Study& study, const Scene& scene) {
 
 // Whether records replace this key of the scene: motion and duration of the shaken stage, by its name or its number.
 bool is_of_record(const std::string& key, const Study& study, std::size_t shaken) {
-  for (const std::string& stage : {study.suite.stage, std::to_string(shaken + 1)}) {
+  for (const std::string& stage : {key_part(study.suite.stage), std::to_string(shaken + 1)}) {
     for (const char* replaced : {"ground_motion", "duration"}) {
       const std::string begin = fmt::format("stage.{}.{}", stage, replaced);
       if (key == begin || key.starts_with(begin + ".")) return true;
@@ -230,7 +230,7 @@ void check_study(const Study& study, const Scene& scene) {
 void add_scatter_of(const Scene& scene, Study& study) {
   for (const auto& [family, joint] : scene.joints) {
     for (const PropertySetting& p : joint.properties) {
-      const std::string key = fmt::format("joints.{}.{}", family, p.id);
+      const std::string key = fmt::format("joints.{}.{}", key_part(family), p.id);
       if (p.scatter && std::ranges::find(study.scattered, key, &StudyQuantity::key) == study.scattered.end())
         study.scattered.push_back({key, key, p.scatter->distribution});
     }

@@ -25,18 +25,6 @@ std::vector<double> derivative(const std::vector<double>& t, const std::vector<d
   return result;
 }
 
-// Second derivative of the parabola through a sample and its two neighbours; at the ends that of the neighbour.
-std::vector<double> second_derivative(const std::vector<double>& t, const std::vector<double>& y) {
-  const std::size_t n = y.size();
-  std::vector<double> result(n, 0.0);
-  for (std::size_t i = 1; i + 1 < n; ++i) {
-    const double before = t[i] - t[i - 1], after = t[i + 1] - t[i];
-    result[i] = 2.0 * ((y[i + 1] - y[i]) / after - (y[i] - y[i - 1]) / before) / (before + after);
-  }
-  if (n > 2) result[0] = result[1], result[n - 1] = result[n - 2];
-  return result;
-}
-
 double largest_magnitude(const std::vector<double>& values) {
   double largest = 0.0;
   for (const double value : values) largest = std::max(largest, std::abs(value));
@@ -74,6 +62,26 @@ MotionHistory integrate_acceleration(const TimeSeries& acceleration) {
   return motion;
 }
 
+TimeSeries accelerations_of_spline(const TimeSeries& displacement) {
+  const std::vector<double>&t = displacement.time, &u = displacement.value;
+  const std::size_t n = t.size();
+  // Continuity of the velocity at each sample: h a_before/6 + (h + h') a/3 + h' a_after/6 = change of slope.
+  std::vector<double> diagonal(n), above(n), right(n);
+  const auto step = [&](std::size_t i) { return t[i + 1] - t[i]; };
+  const auto slope = [&](std::size_t i) { return (u[i + 1] - u[i]) / step(i); };
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0) diagonal[i] += step(i - 1) / 3.0, right[i] -= slope(i - 1);
+    if (i + 1 < n) diagonal[i] += step(i) / 3.0, right[i] += slope(i), above[i] = step(i) / 6.0;
+    if (i == 0) continue;
+    const double factor = above[i - 1] / diagonal[i - 1];  // the matrix is symmetric
+    diagonal[i] -= factor * above[i - 1], right[i] -= factor * right[i - 1];
+  }
+  TimeSeries acceleration{t, std::vector<double>(n)};
+  for (std::size_t i = n; i-- > 0;)
+    acceleration.value[i] = (right[i] - (i + 1 < n ? above[i] * acceleration.value[i + 1] : 0.0)) / diagonal[i];
+  return acceleration;
+}
+
 TimeSeries acceleration_of(const GroundRecord& record, std::size_t component) {
   const std::vector<double>& value = record.components[component].value;
   switch (record.kind) {
@@ -82,7 +90,7 @@ TimeSeries acceleration_of(const GroundRecord& record, std::size_t component) {
     case MotionKind::velocity:
       return {record.time, derivative(record.time, value)};
     case MotionKind::displacement:
-      return {record.time, second_derivative(record.time, value)};
+      return accelerations_of_spline({record.time, value});
   }
   return {};
 }

@@ -39,9 +39,12 @@ struct MotionHistory {
 };
 MotionHistory integrate_acceleration(const TimeSeries& acceleration);
 
-// Acceleration (m/s2) of one component, linear between samples. From velocities and displacements it follows by
-// differences of second order, one-sided at the ends. Their errors inside are h^2/6 and h^2/12 times the derivative two
-// orders higher.
+// Accelerations of the spline through displacements that begins and ends at rest. They are linear between samples, so
+// that the displacement is exact at each sample.
+TimeSeries accelerations_of_spline(const TimeSeries& displacement);
+
+// Acceleration (m/s2) of one component, linear between samples: of displacements that of their spline. From velocities
+// it follows by differences of second order, one-sided at the ends, with errors of h^2/6 times the third derivative.
 TimeSeries acceleration_of(const GroundRecord& record, std::size_t component);
 
 // Intensity measures of one component.

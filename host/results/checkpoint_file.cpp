@@ -279,6 +279,8 @@ std::string masonry_hash(const Scene& scene) {
     for (const PropertySetting& p : f.properties)
       hash.add_text(
           fmt::format("{} {} {} {}", p.id, p.text, fmt::join(p.numbers, " "), p.scatter ? text_of(*p.scatter) : ""));
+    for (const PropertyCorrelation& c : f.correlation)
+      hash.add_text(fmt::format("{} {} {}", c.first, c.second, c.value));
     if (f.is_random()) hash.add_text(fmt::format("{} {}", scene.random.seed, scene.random.sample));
   }
   return hash.end();

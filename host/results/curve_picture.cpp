@@ -144,7 +144,8 @@ Curve curve_of(const std::vector<Row>& rows, const Scene& scene, const std::stri
   if (kind == "earthquake") return earthquake_curve(rows, scene);
   if (kind == "collapse") return collapse_curve(rows, scene);
   // Without a driven part, forces of walls are those that press them.
-  if (kind == "rest" && !is_vertical(scene) && (scene.blocks || watches_nothing(scene, stage_of_curve(scene))))
+  if (kind == "rest" && !is_vertical(scene.stages.back()) &&
+      (scene.blocks || watches_nothing(scene, stage_of_curve(scene))))
     return rest_curve(rows, scene);
   return push_curve(rows, scene, law);
 }

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include "base/upright_axis.h"
 #include "files/csv_text.h"
 #include "files/file.h"
+#include "results/plots.h"
 #include "scene/driven.h"
 #include "step/columns/columns.h"
 #include "step/findings.h"
@@ -58,10 +60,12 @@ void add_components(const GroundMotion& ground, std::vector<const Component*>& c
 }
 
 // Whether a component is horizontal, at least in part, and its largest acceleration: the order of strength.
-std::pair<bool, double> strength_of(const Component* component) {
+std::pair<bool, double> strength_of(const Component* component, int upright) {
   double largest = 0.0;
   for (const double a : component->acceleration.value) largest = std::max(largest, std::abs(a));
-  return {component->direction[0] != 0.0 || component->direction[2] != 0.0, largest};
+  Vec3 horizontal = component->direction;
+  horizontal[static_cast<std::size_t>(upright)] = 0.0;
+  return {horizontal != Vec3{}, largest};
 }
 
 bool watches_nothing(const std::string& monitor_of_scene, const Stage& stage) {
@@ -92,7 +96,9 @@ ResponseAxis response_axis(const Stage& stage) {
   if (stage.direction == 2) return {{0.0, 0.0, 1.0}, "z"};
   std::vector<const Component*> components;
   if (stage.ground) add_components(*stage.ground, components);
-  const auto strongest = std::ranges::max_element(components, {}, strength_of);
+  const int upright = upright_axis(stage.gravity);
+  const auto strongest =
+      std::ranges::max_element(components, {}, [upright](const Component* c) { return strength_of(c, upright); });
   if (strongest == components.end()) return {};
   const Vec3 d = (*strongest)->direction / norm_of((*strongest)->direction);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -159,11 +165,12 @@ const char* curve_kind(const Stage& stage) {
   return pushed ? "push" : "rest";
 }
 
-bool is_vertical(const Scene& scene) { return !scene.stages.empty() && is_vertical(scene.stages.back()); }
+bool is_vertical(const Scene& scene) { return !scene.stages.empty() && is_vertical(stage_of_curve(scene)); }
 
 Shown shown(const HistoryRow& row, const Scene& scene) {
-  if (is_vertical(scene)) return {row.monitor_displacement[1], resists(row, scene.stages.back(), 1)};
-  const Response r = response(row, scene.stages[static_cast<size_t>(row.stage)]);
+  const Stage& stage = scene.stages[static_cast<size_t>(row.stage)];
+  if (is_vertical(scene)) return {row.monitor_displacement[1], resists(row, stage, 1)};
+  const Response r = response(row, stage);
   return {r.displacement, r.horizontal_force};
 }
 

@@ -40,7 +40,7 @@ bool watches_nothing(const Scene& scene, const Stage& stage);
 const char* key_of_monitor(const Scene& scene);
 // Whether rows have the columns of blocks and of actions: of any shape, or some stage goes beyond the lattice.
 bool has_actions(const Scene& scene);
-// Whether a stage is measured along y, or drives bodies along y alone. A run is vertical if its last stage is.
+// Whether a stage is measured along y, or drives bodies along y alone. A run is vertical if the stage of its curve is.
 bool is_vertical(const Stage& stage);
 bool is_vertical(const Scene& scene);
 // Kind of curve of a stage: "push" (force against displacement of the driven part), "collapse" (multiplier),

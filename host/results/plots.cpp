@@ -39,7 +39,7 @@ std::string moved_part(const Scene& scene) {
 }  // namespace
 
 std::string moved_part(const Scene& scene, const Stage& stage) {
-  if (scene.building && !scene.blocks) return "roof";
+  if (!stage.roof.empty()) return "roof";
   std::string name = stage.monitor.empty() ? scene.output.monitor : stage.monitor;
   std::replace(name.begin(), name.end(), '_', ' ');
   return name.empty() ? "wall" : name;
@@ -53,8 +53,7 @@ const Stage& stage_of_curve(const Scene& scene) {
   for (const bool at_rest : {false, true}) {
     for (auto stage = scene.stages.rbegin(); stage != scene.stages.rend(); ++stage) {
       const bool rests = std::string_view(curve_kind(*stage)) == "rest";
-      if (rests == at_rest && is_vertical(*stage) == is_vertical(scene) && !watches_nothing(scene, *stage))
-        return *stage;
+      if (rests == at_rest && !watches_nothing(scene, *stage)) return *stage;
     }
   }
   return scene.stages.back();

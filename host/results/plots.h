@@ -25,7 +25,7 @@ std::vector<bool> stages_on_curve(const Scene& scene);
 // Whether stages of a run watch different parts, so that texts name the part.
 bool watches_several(const Scene& scene);
 
-// Highest resistance on the curve, as absolute values: along the wall, or vertical if the last stage is (history.h).
+// Highest resistance on the curve, as absolute values: along the wall, or vertical if the stage of the curve is.
 // row: -1: there is none.
 struct Peak {
   int row = -1;

@@ -35,6 +35,12 @@ std::string inline_toml(const toml::node& node) {
   return out.str();
 }
 
+std::string key_part(const std::string& name) {
+  if (name.find_first_of(".='\"") == std::string::npos) return name;
+  const char quote = name.find('"') == std::string::npos ? '"' : '\'';
+  return quote + name + quote;
+}
+
 std::string toml_lines(const toml::table& table) {
   std::string text;
   for (auto&& [key, value] : table) text += line(key, value) + "\n";

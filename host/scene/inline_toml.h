@@ -10,6 +10,8 @@ namespace quoin {
 
 // Text of a node for the right side of "key = ". Tables are inline.
 std::string inline_toml(const toml::node& node);
+// A name as part of a dotted key of --set: in quotes where it has a dot, an equals sign or a quote.
+std::string key_part(const std::string& name);
 // Text of a document: a line for each key.
 std::string toml_lines(const toml::table& table);
 

@@ -39,28 +39,6 @@ std::optional<GroundRecord> record_of(Table& t, const std::string& key, const st
   }
 }
 
-// Accelerations of the spline through displacements that begins and ends at rest. They are linear between samples, so
-// that the displacement is exact at each sample.
-TimeSeries accelerations_of_spline(const TimeSeries& displacement) {
-  const std::vector<double>&t = displacement.time, &u = displacement.value;
-  const std::size_t n = t.size();
-  // Continuity of the velocity at each sample: h a_before/6 + (h + h') a/3 + h' a_after/6 = change of slope.
-  std::vector<double> diagonal(n), above(n), right(n);
-  const auto step = [&](std::size_t i) { return t[i + 1] - t[i]; };
-  const auto slope = [&](std::size_t i) { return (u[i + 1] - u[i]) / step(i); };
-  for (std::size_t i = 0; i < n; ++i) {
-    if (i > 0) diagonal[i] += step(i - 1) / 3.0, right[i] -= slope(i - 1);
-    if (i + 1 < n) diagonal[i] += step(i) / 3.0, right[i] += slope(i), above[i] = step(i) / 6.0;
-    if (i == 0) continue;
-    const double factor = above[i - 1] / diagonal[i - 1];  // the matrix is symmetric
-    diagonal[i] -= factor * above[i - 1], right[i] -= factor * right[i - 1];
-  }
-  TimeSeries acceleration{t, std::vector<double>(n)};
-  for (std::size_t i = n; i-- > 0;)
-    acceleration.value[i] = (right[i] - (i + 1 < n ? above[i] * acceleration.value[i + 1] : 0.0)) / diagonal[i];
-  return acceleration;
-}
-
 TimeSeries read_pairs(Table& t) {
   TimeSeries s;
   const bool moved = t.has("displacement");
@@ -93,11 +71,7 @@ void add_component(Table& t, const std::string& key, const GroundRecord& record,
   if (index == names.size())
     return t.refuse(key, fmt::format("one component of {}: {}; name it by `column`, or along x, y and z", record.source,
                                      join(names)));
-  const bool moved = record.kind == MotionKind::displacement;
-  ground.components.push_back(
-      {direction,
-       moved ? accelerations_of_spline({record.time, record.components[index].value}) : acceleration_of(record, index),
-       {}});
+  ground.components.push_back({direction, acceleration_of(record, index), {}});
 }
 
 // Reads file = "...", with direction and perhaps column, or with columns along x, y, z.
@@ -216,8 +190,7 @@ void scale(Table& t, bool states_unit, GroundMotion& ground) {
   double factor = 1.0;
   t.number("scale", factor, kAny, "(on the record)");
   // Files with a unit are converted by it: a factor of g on top of that gives ten times the earthquake.
-  constexpr double kSame = 0.003;
-  if (states_unit && std::abs(factor / kStandardGravity - 1.0) < kSame)
+  if (states_unit && converts_from_g(factor))
     t.refuse("scale", fmt::format("another factor: the file states its unit and is read in m/s2, so that {:g} would "
                                   "convert it twice; remove scale (for such a factor on purpose give pga)",
                                   factor));
@@ -260,6 +233,13 @@ void come_to_rest(Table& t, GroundMotion& ground) {
   t.choice("after", rests, {{"goes_on", false}, {"rest", true}});
   if (t.number("rest_time", duration, kPositive, "s") && !rests) t.refuse("rest_time", "only with after = \"rest\"");
   if (!rests) return;
+  double latest = 1.0;
+  for (const GroundMotion::Component& c : ground.components) latest = std::max(latest, c.acceleration.time.back());
+  constexpr double kShortest =
+      1e-6;  // s at least, and of the end of the record: a shorter triangle is lost in rounding
+  if (t.has("rest_time") && duration > 0.0 && duration < kShortest * latest)
+    return t.refuse("rest_time",
+                    fmt::format("at least {:g} s, for a record that ends at {:g} s", kShortest * latest, latest));
   for (GroundMotion::Component& c : ground.components) {
     TimeSeries& s = c.acceleration;
     const double end = s.time.back(), last = s.value.back(), velocity = s.integral(end);
@@ -338,6 +318,11 @@ GroundMotion read_support(Table& t, const std::string& folder, double factor) {
 }
 
 }  // namespace
+
+bool converts_from_g(double scale) {
+  constexpr double kSame = 0.003;
+  return std::abs(scale / kStandardGravity - 1.0) < kSame;
+}
 
 GroundMotion read_ground(Table t, const std::string& folder) {
   GroundMotion ground{};

@@ -87,6 +87,17 @@ void read_line(Table& t, std::vector<Vec3>& points) {
          true);
 }
 
+// Reads the largest distance of nodes along a line.
+void read_spacing(Table& t, const std::vector<Vec3>& points, double& spacing) {
+  constexpr double kMostPieces = 10000;
+  t.number("spacing", spacing, kPositive, "m", true);
+  double length = 0.0;
+  for (std::size_t k = 0; k + 1 < points.size(); ++k)
+    length += norm(geometry::vector(points[k + 1]) - geometry::vector(points[k]));
+  if (spacing > 0.0 && length > kMostPieces * spacing)
+    t.refuse("spacing", fmt::format("at least {:.3g} m, the length over {:.0f}", length / kMostPieces, kMostPieces));
+}
+
 void read_strip(Table& t, const Scene& scene, StripSpec& strip) {
   if (t.choice("joint", strip.joint, names_of(scene.joints), true) && scene.joints.at(strip.joint).missing_mortar > 0.0)
     t.refuse("joint", fmt::format("a family without missing_mortar, which strips do not have: [joints.{}] has it; give "
@@ -97,7 +108,7 @@ void read_strip(Table& t, const Scene& scene, StripSpec& strip) {
   t.number("thickness", strip.thickness, kPositive, "m", true);
   t.number("young_modulus", strip.young_modulus, kPositive, "Pa", true);
   t.number("strength", strip.strength, kPositive, "Pa");
-  t.number("spacing", strip.spacing, kPositive, "m", true);
+  read_spacing(t, strip.points, strip.spacing);
   t.boolean("compression", strip.compression);
 }
 
@@ -139,7 +150,7 @@ void read_floor(Table& t, FloorSpec& floor) {
 
 void read_beam(Table& t, BeamSpec& beam) {
   read_line(t, beam.points);
-  t.number("spacing", beam.spacing, kPositive, "m", true);
+  read_spacing(t, beam.points, beam.spacing);
   read_direction(t, "up", beam.up, "across the line", false);
   for (std::size_t k = 0; k + 1 < beam.points.size(); ++k) {
     constexpr double kAcross = 0.05;  // sine of the angle between `up` and the line
@@ -236,7 +247,11 @@ std::shared_ptr<const MemberSpecs> read_members(Table& t, const Scene& scene) {
   read_kind(t, "strip", specs->strips, [&](Table& m, StripSpec& strip) { read_strip(m, scene, strip); });
   read_kind(t, "floor", specs->floors, read_floor);
   read_kind(t, "beam", specs->beams, read_beam);
-  read_kind(t, "dowel", specs->dowels, read_dowel);
+  read_kind(t, "dowel", specs->dowels, [&](Table& m, DowelSpec& dowel) {
+    read_dowel(m, dowel);
+    if (std::ranges::any_of(specs->dowels, [&](const DowelSpec& d) { return differ_by("_shear", d.name, dowel.name); }))
+      m.refuse("name", "not NAME_shear beside NAME: columns of both would have the same names");
+  });
   read_kind(t, "fill", specs->fills, read_fill);
   for (const char* kind : {"tie", "spring", "strip", "floor", "beam", "dowel", "fill"}) {
     const toml::array* given = t.toml()[kind].as_array();

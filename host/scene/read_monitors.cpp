@@ -22,6 +22,8 @@ std::vector<Monitor> read_monitors(Table& scene) {
     };
     if (t.has("name") && !is_plain_name(m.name)) t.refuse("name", "letters, digits, _ and -, for columns");
     if (called(m.name) || m.name == "ground") t.refuse("name", "a name that no other monitor has, and not \"ground\"");
+    if (std::ranges::any_of(monitors, [&](const Monitor& other) { return differ_by("_relative", m.name, other.name); }))
+      t.refuse("name", "not NAME_relative beside NAME: columns of both would have the same names");
     if (!m.below.empty() && !called(m.below)) t.refuse("below", "the name of a monitor that is given before this one");
     monitors.push_back(m);
   });

@@ -85,17 +85,16 @@ void Unknowns::number_lattice(int b) {
 void Unknowns::number_large_motion(int b) {
   OfBlock& u = blocks_.back();
   const blocks::ModelBlock& block = s_.large_motion->blocks[b];
+  const bool fixed = s_.large_motion->assembly.blocks[at(b)].fixed;
+  unsigned held = block.body >= 0 ? body_of(*s_.large_motion, b).held : fixed ? 7u : 0u;
+  for (const Drive& drive : s_.actions.drives)
+    held = drive.block == b ? drive.held : held;  // the block takes these with the next step
   if (block.body >= 0) {
     const blocks::Body& body = body_of(*s_.large_motion, b);
     u.rigid = true, u.centre = body.x;
-    unsigned held_body = body.held;
-    for (const Drive& drive : s_.actions.drives)
-      held_body = drive.block == b ? drive.held : held_body;  // the body takes these with the next step
-    for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((held_body | body.support) >> c & 1u) != 0);
+    for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((held | body.support) >> c & 1u) != 0);
     return close_group(b, u.centre);
   }
-  unsigned held = s_.large_motion->assembly.blocks[at(b)].fixed ? 7u : 0u;
-  for (const Drive& drive : s_.actions.drives) held |= drive.block == b ? drive.held : 0u;
   const bool halved = s_.large_motion->assembly.symmetry_plane_z0;
   for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
     auto& of_point = u.gridpoint.emplace_back();

@@ -109,6 +109,62 @@ ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }
   }
 }
 
+// A table of velocities replaces the fixity of a deformable block too. Held along all axes it is a fixed one; free
+// along x the pair moves along x without stiffness. For the undamaged scene the table did not count. For a state it
+// counted beside the fixity.
+TEST_F(Modes, DeformableBlocksAreHeldAsTheirTableSays) {
+  const auto found = [&](const std::string& of_base, const std::string& velocity, const std::string& state) {
+    const std::string path = (folder_ / "pair.toml").string();
+    std::ofstream(path) << fmt::format(R"([materials.stone]
+density = 2000
+young_modulus = 2e9
+poisson_ratio = 0.2
+[joints.bed]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+[[block]]
+name = "base"
+material = "stone"
+rigid = false
+divisions = [2, 2, 2]
+{}
+box = {{ lower = [0, -1, 0], size = [1, 1, 1] }}
+[[block]]
+material = "stone"
+rigid = false
+divisions = [2, 2, 2]
+box = {{ lower = [0, 0, 0], size = [1, 1, 1] }}
+[[stage]]
+name = "s"
+gravity = [0, -9.81, 0]
+duration = 1e-3
+{}
+)",
+                                       of_base, velocity);
+    EXPECT_EQ(quoin({"modes", path, "--out", out(), "--state", state}), 0) << error_;
+    return nlohmann::json::parse(read_all(fs::path(out()) / "modes.json"));
+  };
+  const auto table = [](const std::string& velocity) {
+    return "[[stage.velocity]]\nblock = \"base\"\nvelocity = " + velocity;
+  };
+  for (const std::string state : {"undamaged", "weight"}) {
+    const nlohmann::json fixed = found("fixed = true", "", state);
+    EXPECT_EQ(fixed["zero_modes"], 0);
+    for (const std::string of_base : {"", "fixed = true"}) {
+      const nlohmann::json held = found(of_base, table("[0, 0, 0]"), state);
+      EXPECT_EQ(held["supports"].dump(), R"(["base: x y z"])") << state;
+      for (std::size_t i = 0; i < 6; ++i) {
+        const double f = fixed["frequencies_Hz"][i];
+        EXPECT_NEAR(held["frequencies_Hz"][i], f, 1e-6 * f) << state << of_base;
+      }
+    }
+    const nlohmann::json slides = found("fixed = true", table("[\"free\", 0, 0]"), state);
+    EXPECT_EQ(slides["zero_modes"], 1) << state;
+    EXPECT_EQ(slides["supports"].dump(), R"(["base: y z"])") << state;
+  }
+}
+
 TEST_F(Modes, WhatIsWrongIsSaid) {
   const std::string arch = QUOIN_SCENES "/arch.toml";
   EXPECT_EQ(quoin({"modes", arch, "--stage", "nowhere"}), 3);

@@ -314,6 +314,9 @@ TEST_F(Monitors, SayWhatIsWrong) {
   EXPECT_THAT(fault("[[monitor]]\nname = \"a\"\nblock = \"lower\"\n"), HasSubstr("lower"));
   EXPECT_THAT(fault("[[monitor]]\nname = \"a\"\nblock = \"low\"\nbelow = \"b\"\n"), HasSubstr("given before this one"));
   EXPECT_THAT(fault("[[monitor]]\nname = \"ground\"\nblock = \"low\"\n"), HasSubstr("not \"ground\""));
+  EXPECT_THAT(
+      fault("[[monitor]]\nname = \"a\"\nblock = \"low\"\n[[monitor]]\nname = \"a_relative\"\nblock = \"low\"\n"),
+      HasSubstr("not NAME_relative beside NAME"));
 }
 
 }  // namespace

@@ -43,6 +43,20 @@ TEST_F(New, AGroundThatIsTooShortIsWarnedOf) {
   }
 }
 
+// Three blocks above each other along z, with gravity along -z: their feet along y are equal, and none hangs.
+TEST_F(New, TheLowestCourseIsThatAlongGravity) {
+  const std::string scene = file("upright.toml");
+  std::ofstream stream(scene);
+  stream << dry_stone(35.0);
+  for (const auto& [name, z] : {std::pair("base", 0.0), std::pair("low", 1.0), std::pair("high", 2.0)})
+    stream << "[[block]]\nname = \"" << name << "\"\nmaterial = \"stone\"\n"
+           << (z == 0.0 ? "fixed = true\n" : "") << "box = { lower = [0, 0, " << z << "], size = [1, 1, 1] }\n";
+  stream << "[[stage]]\ngravity = [0, 0, -9.81]\nduration = 0.1\n[solver]\nkernels = \"general\"\n";
+  stream.close();
+  ASSERT_EQ(quoin({"check", scene}), 0) << error_;
+  EXPECT_THAT(out_, ::testing::Not(HasSubstr("stand on no fixed block")));
+}
+
 TEST_F(New, ALawThatItWritesIsBuiltByTheCommandAtItsHead) {
   const std::string law = file("my_law.c"), library = file("my_law.so");
   ASSERT_EQ(quoin({"new", "law", law}), 0) << error_;

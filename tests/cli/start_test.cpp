@@ -207,6 +207,24 @@ TEST_F(Start, AnotherGroundOfTheFirstStagesIsRefused) {
   EXPECT_THAT(error_, HasSubstr("no ground held"));
 }
 
+// Another correlation draws other properties. It was taken.
+TEST_F(Start, AnotherCorrelationOfJointsIsRefused) {
+  const auto with = [](const std::string& value) {
+    std::vector<std::string> words;
+    for (const char* property : {"cohesion", "tensile_strength"})
+      words.insert(words.end(),
+                   {"--set", std::string("joints.mortar.") + property + "={distribution='normal',mean=0.3e6,cov=0.1}"});
+    words.insert(words.end(), {"--set", "joints.mortar.correlation=[['cohesion','tensile_strength'," + value + "]]"});
+    return words;
+  };
+  std::vector<std::string> first = with("0.8");
+  first.insert(first.end(), {"--set", "output.end_state=true"});
+  ASSERT_EQ(run(first_, "first", first), 0) << error_;
+  EXPECT_EQ(run(second_, "same", with("0.8")), 0) << error_;
+  EXPECT_EQ(run(second_, "other", with("-0.8")), 3);
+  EXPECT_THAT(error_, HasSubstr("set of materials, joints"));
+}
+
 TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   const auto refused = [&](const std::vector<std::string>& more, const std::string& reason) {
     EXPECT_EQ(run(second_, "other", more), 3) << reason;

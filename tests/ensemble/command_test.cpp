@@ -330,6 +330,117 @@ TEST_F(Ensemble, SensitivityHasWhatScattersInTheScene) {
   EXPECT_EQ(finished("s"), 3);
 }
 
+// A name with a dot is in quotes in keys of --set, below [set] and for what scatters in the scene.
+TEST_F(Ensemble, JointsMayHaveNamesWithADot) {
+  std::string scene = read_all(QUOIN_ENSEMBLE_TESTS "/../cli/small_wall.toml");
+  for (std::size_t at = scene.find("mortar"); at != std::string::npos; at = scene.find("mortar", at + 8)) {
+    const bool header = scene[at - 1] == '.';
+    scene.replace(at, 6, header ? "\"mortar.1\"" : "mortar.1");
+  }
+  const std::size_t at = scene.find("tensile_strength"), end = scene.find('\n', at);
+  scene.replace(at, end - at, "tensile_strength = { distribution = \"lognormal\", mean = 0.2e6, cov = 0.3 }");
+  std::ofstream(folder_ / "scene.toml") << scene;
+  std::ofstream(folder_ / "study.toml") << "title = \"s\"\nscene = \"scene.toml\"\nsamples = 2\n"
+                                           "[set.joints.\"mortar.1\"]\nfriction_angle = 31.0\n";
+  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "sensitivity", (folder_ / "study.toml").string(), "--out",
+                          (folder_ / "s").string(), "--no-pictures", "--set", "stage.shear.displacement=0.00005"})),
+            0)
+      << error_;
+  EXPECT_THAT(out_, HasSubstr("joints.\"mortar.1\".tensile_strength"));
+  EXPECT_EQ(finished("s"), 3);
+}
+
+// A cube on springs of kn A = 1 GN/m is pressed down: the force over its displacement is linear. Bands were those of
+// the horizontal displacement, which is 0, and so empty.
+TEST_F(Ensemble, BandsOfAVerticalTestAreVertical) {
+  std::ofstream(folder_ / "cube.toml") << dry_stone(30) << kCubeOnGround << R"([[stage]]
+gravity = [0, -9.81, 0]
+ramp_time = 0.05
+duration = 0.1
+[[stage]]
+displacement = 1e-4
+ramp_time = 0.01
+[[stage.velocity]]
+block = "cube"
+velocity = [0, -0.005, 0]
+[output]
+monitor = "cube"
+frames = 0
+plots = false
+)";
+  std::ofstream(folder_ / "study.toml") << R"(scene = "cube.toml"
+samples = 2
+[[quantity]]
+name = "rho"
+key = "materials.stone.density"
+distribution = "uniform"
+lower = 1900.0
+upper = 2100.0
+)";
+  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
+                          (folder_ / "a").string(), "--no-pictures", "--jobs", "1"})),
+            0)
+      << error_;
+  const auto bands = lines_of(read_all(folder_ / "a" / "curve_bands.csv"));
+  ASSERT_EQ(bands.size(), 202u);
+  double displacement = 0.0, force = 0.0;
+  ASSERT_EQ(std::sscanf(bands.back().c_str(), "%lf,%lf", &displacement, &force), 2);
+  EXPECT_GT(displacement, 1e-4);
+  EXPECT_NEAR(force, 1e9 * displacement, 0.02 * 1e9 * displacement);
+}
+
+// Joints of a wall along z have their places along z, and the picture is drawn along it.
+TEST_F(Ensemble, CracksOfAWallAlongZAreDrawnAlongIt) {
+  std::ofstream(folder_ / "wall.toml") << dry_stone(30) << R"([[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-1, -0.2, -1], size = [2, 0.2, 4] }
+[[dry_wall]]
+material = "stone"
+courses = 2
+units_per_course = 3
+unit = [0.4, 0.2, 0.2]
+direction = 90
+[[stage]]
+gravity = [0, -9.81, 0]
+duration = 0.02
+[output]
+frames = 0
+plots = false
+)";
+  std::ofstream(folder_ / "study.toml") << R"(scene = "wall.toml"
+samples = 1
+[[quantity]]
+key = "materials.stone.density"
+distribution = "uniform"
+lower = 1900.0
+upper = 2100.0
+)";
+  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
+                          (folder_ / "a").string(), "--jobs", "1"})),
+            0)
+      << error_;
+  const auto joints = lines_of(read_all(folder_ / "a" / "crack_probability.csv"));
+  EXPECT_EQ(joints.at(0), "block_a,block_b,x0_m,y0_m,x1_m,y1_m,probability,z0_m,z1_m");
+  double first = 1.0, last = 0.0;
+  for (std::size_t i = 1; i < joints.size(); ++i) {
+    double x0, y0, x1, y1, probability, z0, z1;
+    ASSERT_EQ(std::sscanf(joints[i].c_str(), "%*d,%*d,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &x0, &y0, &x1, &y1, &probability,
+                          &z0, &z1),
+              7);
+    first = std::min(first, z0), last = std::max(last, z1);
+  }
+  EXPECT_NEAR(first, 0.0, 1e-6);
+  EXPECT_NEAR(last, 1.2, 1e-6) << "3 units of 0.4 m";
+  double low = 1.0, high = 0.0;
+  for (const std::string& line : lines_of(read_all(folder_ / "a" / "plots" / "crack_probability.dat"))) {
+    double along = 0.0;
+    if (std::sscanf(line.c_str(), "%lf", &along) == 1) low = std::min(low, along), high = std::max(high, along);
+  }
+  EXPECT_NEAR(high - low, 1.2, 1e-6);
+}
+
 // One input at a time, with given results in place of runs. The pressure is uniform from 0.2 to 0.4 MPa, the strength
 // lognormal with mean 0.2 MPa and a coefficient of variation of 0.3.
 TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {

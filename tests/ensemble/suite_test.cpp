@@ -233,6 +233,45 @@ TEST_F(Suite, ABlockThatFallsHasLostItsSupport) {
   EXPECT_THAT(runs[1].at("reason"), HasSubstr("'block': has lost its support"));
 }
 
+// A stripe of 1 g of a file with PGA 1 m/s2 has a factor of 9.81. As a scale of the scene it is refused for files that
+// state their unit, and the run failed. The stage has a name with a dot, which --set needs in quotes.
+TEST_F(Suite, AStripeOfOneGIsNoUnitOfTheFile) {
+  std::string scene = read_all(folder_ / "scene.toml");
+  scene.replace(scene.find("\"shake\""), 7, "\"shake 1.0\"");
+  std::ofstream(folder_ / "scene.toml") << scene;
+  std::ofstream(folder_ / "record.csv") << "time_s,x_m_s2\n0,0\n0.1,1\n0.2,0\n";
+  std::string file = study("method = \"stripes\"\nlevels = [2.0, 9.81]\ncollapse_displacement = 100.0\n",
+                           "[[record]]\nname = \"r\"\ndirection = [1, 0, 0]\nfile = \"record.csv\"\n");
+  std::string text = read_all(file);
+  text.replace(text.find("\"shake\""), 7, "\"shake 1.0\"");
+  std::ofstream(file) << text;
+  ASSERT_EQ(ensemble(file, "a"), 0) << error_;
+  const auto runs = rows(folder_ / "a" / "runs.csv");
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[1].at("status"), "stands") << runs[1].at("reason");
+  EXPECT_EQ(runs[1].at("factor"), "9.81");
+  const auto run =
+      nlohmann::json::parse(read_all(folder_ / "a" / "samples" / "000001" / "runs" / "02" / "summary.json"));
+  EXPECT_NEAR(run["settings"]["stages"][1]["ground_motion"]["components"][0]["pga_m_per_s2"], 9.81, 1e-9);
+}
+
+// Times of a run count from the begin of the shake, after the end of another run too. The run before, of 0.2 s,
+// counted.
+TEST_F(Suite, TimesCountFromTheBeginOfTheShake) {
+  const std::string scene = read_all(folder_ / "scene.toml");
+  std::ofstream(folder_ / "weight.toml") << scene.substr(0, scene.rfind("[[stage]]"))
+                                         << "[output]\nframes = 0\nplots = false\nend_state = true\n";
+  ASSERT_EQ(quoin({"run", (folder_ / "weight.toml").string(), "--out", (folder_ / "w").string(), "--threads", "1"}), 0)
+      << error_;
+  std::ofstream(folder_ / "scene.toml") << "start = \"w\"\n" << scene;
+  const std::string stripes = "method = \"stripes\"\nlevels = [1.0]\nfree_time = 0.1\ncollapse_displacement = 1.0\n";
+  ASSERT_EQ(ensemble(study(stripes, pulses_.substr(0, pulses_.find("[[record]]", 1))), "a"), 0) << error_;
+  const auto runs = rows(folder_ / "a" / "runs.csv");
+  ASSERT_EQ(runs.size(), 1u);
+  EXPECT_EQ(runs[0].at("status"), "stands") << runs[0].at("reason");
+  EXPECT_NEAR(std::stod(runs[0].at("time_s")), 0.2 + 0.1, 0.01);
+}
+
 // A cloud analysis uses unscaled records, in combination with random walls.
 TEST_F(Suite, ACloudCrossesWallsAndRecords) {
   const std::string more =

@@ -252,10 +252,11 @@ TEST(Beams, GoOnFromACheckpointBitForBit) {
 }
 
 TEST(Beams, BadOnesAreRefusedWithTheirPlaces) {
-  const auto refusal = [](const std::string& more, const std::string& points = "[[0, 0.5, 0], [1, 0.5, 0]]") {
+  const auto refusal = [](const std::string& more, const std::string& points = "[[0, 0.5, 0], [1, 0.5, 0]]",
+                          double spacing = 0.1) {
     try {
       Simulation simulation(read_scene_text(head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]") +
-                                                beam(points, 0.1, more) + stage("[0, -9.81, 0]", 0.1, 1.0),
+                                                beam(points, spacing, more) + stage("[0, -9.81, 0]", 0.1, 1.0),
                                             "beam.toml"),
                             1);
     } catch (const Error& error) {
@@ -268,6 +269,8 @@ TEST(Beams, BadOnesAreRefusedWithTheirPlaces) {
   EXPECT_THAT(refusal(bending() + support("wall", "[0, 0.6, 0]")), HasSubstr("is not on the line of beam 'b'"));
   EXPECT_THAT(refusal("inertia = [1e-6, 0]\n"), HasSubstr("both more than 0, or both 0"));
   EXPECT_THAT(refusal(bending() + "up = [1, 0, 0]\n"), HasSubstr("runs along it from point 1"));
+  EXPECT_THAT(refusal(bending(), "[[0, 0.5, 0], [1, 0.5, 0]]", 1e-10),
+              HasSubstr("spacing = 1e-10: allowed: at least 0.0001 m"));
 }
 
 }  // namespace

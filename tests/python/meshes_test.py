@@ -167,6 +167,9 @@ class Obj(Folder):
         self.assertEqual([b.name for b in named], ["site/foundation", "site/post 1"])
         self.assertTrue(named[0].fixed)
         self.assertEqual(np.max(named[1].vertices), 2.0)
+        os.rename(self.write("{0}"), self.path("TWO.OBJ"))
+        capitals = quoin.read_blocks(self.path("TWO.OBJ"), material="stone", fixed=["foundation"])
+        self.assertEqual([b.name for b in capitals], ["foundation", "post 1"])
         with self.assertRaisesRegex(quoin.BadInput, "no block is called 'fundation'; did you mean 'foundation'"):
             quoin.read_blocks(self.write("{0}"), material="stone", fixed=["fundation"])
         with self.assertRaisesRegex(quoin.BadInput, "give zone_edge"):

@@ -68,6 +68,20 @@ class Scenes(Folder):
         self.assertEqual(again, loaded)
         self.assertEqual(quoin.Simulation(again).blocks, 1)
 
+    def test_records_of_supports_are_found_too(self):
+        os.mkdir(self.path("c"))
+        with open(self.path("rec.csv"), "w", encoding="utf-8") as file:
+            file.write("time_s,x_m_s2\n0,0\n1,1\n")
+        scene = block_scene()
+        scene.stage[0].ground_motion = dict(support=[dict(blocks=["base"], direction=[1, 0, 0], file="rec.csv")])
+        with open(self.path("scene.toml"), "w", encoding="utf-8") as file:
+            file.write(scene.text())
+        loaded = quoin.Scene.load(self.path("scene.toml"))
+        loaded.write(self.path("c/scene.toml"))
+        again = quoin.Scene.load(self.path("c/scene.toml"))
+        self.assertEqual(again.stage[0].ground_motion.support[0].file, "../rec.csv")
+        self.assertEqual(again, loaded)
+
     def test_faults_are_those_of_the_command_line(self):
         with open(SMALL_WALL, encoding="utf-8") as file:
             right = file.read()

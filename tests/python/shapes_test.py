@@ -118,6 +118,11 @@ class Shapes(Folder):
         self.assertEqual(sum(b.name.startswith("bridge/arch_") for b in blocks), 18)
         self.assert_stands(blocks, 1e-3)
 
+    def test_a_bridge_of_semicircles_has_no_skewbacks(self):
+        blocks = quoin.shapes.arch_bridge(2, 2.0, 1.0, 0.35, 1.0, 9, 0.9, 1.0, **MASONRY)
+        self.assertFalse([b.name for b in blocks if "skewback" in b.name])
+        self.assert_stands(blocks, 1e-3)
+
     def ground(self, lower, size):
         return [quoin.Block(name="ground", material="stone", fixed=True, box=dict(lower=lower, size=size))]
 

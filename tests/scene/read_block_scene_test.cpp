@@ -154,6 +154,18 @@ TEST_F(ReadBlockScene, RecordsThatStateTheirUnitAreConvertedOnce) {
   EXPECT_NEAR(read({keys("9.0")}).stages[0].ground->components.at(0).acceleration.value.at(1), 0.9 * 9.80665, 1e-12);
 }
 
+// A triangle of less than the rounding of times did not stop the ground, in silence.
+TEST_F(ReadBlockScene, GroundComesToRestInATimeThatCounts) {
+  const auto keys = [](const std::string& time) {
+    return "stage.1.ground_motion={direction=[1,0,0],time=[0,1,2],acceleration=[0,1,0],after='rest',rest_time=" + time +
+           "}";
+  };
+  for (const char* time : {"1e-310", "1e-17", "1e-6"})
+    EXPECT_THAT(fault(keys(time)), AllOf(HasSubstr("ground_motion.rest_time"), HasSubstr("at least 2e-06 s")));
+  const TimeSeries stops = read({keys("1e-5")}).stages[0].ground->components.at(0).acceleration;
+  EXPECT_NEAR(stops.integral(3.0), 0.0, 1e-9);
+}
+
 // Pulses and synthetic records in place of a file.
 TEST_F(ReadBlockScene, GroundMotionIsMadeWithoutAFile) {
   const auto of = [&](const std::string& keys) {

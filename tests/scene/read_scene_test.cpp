@@ -402,6 +402,14 @@ TEST_F(ReadScene, CutsOfTheBeamAreInsideTheWallAndGrow) {
     EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("whole half units that grow, 1 to 2, where")) << wrong;
 }
 
+TEST_F(ReadScene, KeysOfBeamsNeedABeam) {
+  for (const char* key : {"wall.beam_height=0.2", "wall.beam_density=7000"}) {
+    EXPECT_NO_THROW(read(kScene, {key, "wall.bottom_beam=false"}));
+    EXPECT_THAT(message(kScene, {key, "wall.bottom_beam=false", "wall.top_beam=false"}),
+                HasSubstr("only with bottom_beam or top_beam = true"));
+  }
+}
+
 // A wall of 2 courses of 1.5 units: 3 half units.
 TEST_F(ReadScene, ChangedUnitsAreInTheWall) {
   const auto changed = [](int course, int half_unit) {

@@ -136,7 +136,7 @@ OWN_KINDS = (".obj", ".off", ".stl", ".json")  # file types that a scene reads i
 
 def _is_own(path):
     """Whether a scene reads the file itself. Of COMPAS this is each .json file, which meshio does not read."""
-    return os.path.splitext(path)[1] in OWN_KINDS
+    return os.path.splitext(path)[1].lower() in OWN_KINDS
 
 
 def _fixed_names(fixed):

@@ -253,10 +253,12 @@ class Scene(Table):
             moved(block, "mesh")
         for stage in document.get("stage", []):
             ground = stage.get("ground_motion") if isinstance(stage, dict) else None
-            moved(ground, "file")
-            if isinstance(ground, dict) and "file" not in ground:
-                for axis in "xyz":
-                    moved(ground, axis)
+            supports = ground.get("support", []) if isinstance(ground, dict) else []
+            for motion in [ground, *(supports if isinstance(supports, list) else [])]:
+                moved(motion, "file")
+                if isinstance(motion, dict) and "file" not in motion:
+                    for axis in "xyz":
+                        moved(motion, axis)
         return document
 
     def __eq__(self, other):

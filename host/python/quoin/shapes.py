@@ -280,7 +280,7 @@ def dome(radius, thickness, courses, pieces, springing=0.0, oculus=80.0, name="d
 def arch_bridge(spans, span, rise, thickness, width, voussoirs, pier_width, pier_height, pier_courses=4, name="bridge",
                 **keys):
     """Segmental arches of equal clear span and rise on piers, between two fixed abutments; along x, width along z. The
-    skewbacks are separate blocks on the piers."""
+    skewbacks are separate blocks on the piers. Semicircular arches stand on the piers without."""
     spans, voussoirs = _count("spans", spans, 1), _count("voussoirs", voussoirs, 3)
     span, width, thickness = _length("span", span), _length("width", width), _length("thickness", thickness)
     rise, pier_width = _length("rise", rise, upper=span / 2), _length("pier_width", pier_width)
@@ -314,6 +314,8 @@ def arch_bridge(spans, span, rise, thickness, width, voussoirs, pier_width, pier
         for course in range(pier_courses):
             y = course * rise_of
             prism(f"pier_{p}/{course}", [(left, y), (right, y), (right, y + rise_of), (left, y + rise_of)], keys)
+        if outward[1] < 1e-6 * span:
+            continue
         prism(f"pier_{p}/skewback", [(left, pier_height), (right, pier_height), (right - outward[0], top),
                                      (left + outward[0], top)], keys)
     return blocks
