@@ -305,7 +305,7 @@ bool vanishes(double before, double last) {
 // with the points that do not show the order.
 void check_closure(Report& report, const quoin_law& law, const Material& material) {
   constexpr int kCoarsest = 60;
-  constexpr size_t kLeastLevels = 4, kMostLevels = 6;
+  constexpr size_t kLeastLevels = 4, kMostLevels = 7;
   std::vector<size_t> which(kEnergyPoints);
   std::iota(which.begin(), which.end(), size_t{0});
   std::vector<double> before;
