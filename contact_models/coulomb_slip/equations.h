@@ -27,7 +27,7 @@ struct Increment {
 struct State {
   M failed;
   V tau_s, tau_t;
-  V sigma;  // read only for energies
+  V sigma;  // for the energies of a slip
 };
 
 struct Result {
@@ -91,7 +91,8 @@ struct Equations {
       S = strength(r.sigma, r.open, failed);
       tau = select(r.slips, S, trial);
       r.slip = hn::IfThenElseZero(r.slips, hn::Div(hn::Sub(trial, S), p.ks));
-      const V keep = hn::Div(tau, trial);
+      // NaN where the old sigma is not finite: the energy of friction takes it.
+      const V keep = hn::MulAdd(old.sigma, zero(), hn::Div(tau, trial));
       r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);
       r.state.tau_t = select(r.slips, hn::Mul(trial_t, keep), trial_t);
     }

@@ -100,7 +100,7 @@ struct Lanes {
 struct State {
   V xi_t, xi_s, w, v;
   V tau_s, tau_t;
-  V sigma;  // read only for energies
+  V sigma;  // for the energies of a slip
 };
 
 struct Increment {
@@ -113,8 +113,8 @@ struct Result {
   V sigma;
   V slip;   // over the step, >= 0, m
   V e;      // effective opening, m
-  V trial;  // |tau*|
-  M open, opens, slips, crushes;
+  V trial;  // |tau*|; NaN where a slip meets an old sigma that is not finite, which its energies use
+  M open, slips, crushes;
 };
 
 // Tolerance of the yield conditions, relative to the largest stress in the comparison: LAW.md, statement 5.
@@ -188,7 +188,8 @@ struct Equations {
       V lowest = hn::Sub(zero(), crushing_strength(w_old));
       c.crushes = hn::And(where, hn::Gt(hn::Sub(lowest, c.sigma), tolerance));
       if (!none(c.crushes)) {
-        c.w = crushing_closure(c.crushes, d_n_less_v, w_old, tolerance);
+        // NaN where w_old is not finite: the closure that the pressure needs may be finite there.
+        c.w = hn::MulAdd(w_old, zero(), crushing_closure(c.crushes, d_n_less_v, w_old, tolerance));
         c.sigma = hn::Mul(p.kn, hn::Add(d_n_less_v, c.w));
         lowest = hn::Sub(zero(), crushing_strength(c.w));
       }
@@ -474,6 +475,7 @@ struct Equations {
     r.slips = hn::Gt(hn::Sub(trial, a.S), step.tolerance);
     const V S_before_slip = a.S;
     r.slip = zero();
+    r.trial = trial;
     r.state.tau_s = trial_s;
     r.state.tau_t = trial_t;
     V tau = trial;
@@ -488,6 +490,7 @@ struct Equations {
         a = after_slip<kTangent>(step, a, hn::MulAdd(r.slip, p.inv_su, xi_start));
       }
       tau = select(r.slips, a.S, trial);
+      r.trial = hn::MulAdd(hn::IfThenElseZero(r.slips, old.sigma), zero(), trial);
       // The direction first, so that the division does not wait for the strength.
       const V inv_trial = hn::Div(splat(1.0), trial);
       r.state.tau_s = select(r.slips, hn::Mul(hn::Mul(trial_s, inv_trial), a.S), trial_s);
@@ -495,8 +498,6 @@ struct Equations {
     }
 
     r.open = step.open;
-    r.opens = step.opens;
-    r.trial = trial;
     r.crushes = a.crushes;
     r.sigma = a.sigma;
     r.e = hn::Add(hn::Sub(in.d_n, a.v), a.w);

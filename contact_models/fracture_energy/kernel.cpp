@@ -121,10 +121,14 @@ class QuickColumns {
   Source source_[kPropertyColumnCount];
 };
 
+// True where an internal variable moves: xi_s and v move with slip, w with crushing. A joint without strength opens at
+// no change of xi_t.
+HWY_INLINE M moved(const Result& r, const State& old) {
+  return hn::Or(hn::Gt(r.state.xi_t, old.xi_t), hn::Or(r.slips, r.crushes));
+}
+
 HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
   const State& s = r.state;
-  const M moved = hn::Or(hn::Or(hn::Gt(s.xi_t, old.xi_t), hn::Gt(s.xi_s, old.xi_s)),
-                         hn::Or(hn::Gt(s.w, old.w), hn::Or(r.slips, hn::Gt(s.v, old.v))));
   V flags = flag_if(hn::Gt(r.e, zero()), QUOIN_FLAG_OPEN);
   flags = hn::Add(flags, flag_if(r.slips, QUOIN_FLAG_SLIPPING));
   flags = hn::Add(flags, flag_if(hn::Gt(s.xi_t, zero()), QUOIN_FLAG_TENSION_DAMAGED));
@@ -135,7 +139,7 @@ HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
   const M softens = hn::Gt(p.wu, zero());
   const M crushed_out = hn::And(softens, hn::Ge(hn::Mul(s.w, p.inv_wu), p.end));
   flags = hn::Add(flags, flag_if(crushed_out, QUOIN_FLAG_CRUSHING_COMPLETE));
-  return hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING));
+  return hn::Add(flags, flag_if(moved(r, old), QUOIN_FLAG_YIELDING));
 }
 
 // Returns D = 1 - f of a mode: the lost share of ft, c0 - cr or fc - fcr.
@@ -216,7 +220,7 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
     summary.failed += hn::CountTrue(D(), hn::AndNot(sound, hn::FirstN(D(), count - i)));
   }
 
-  if (!summary.yielding) summary.yielding = !none(hn::And(sound, hn::Or(hn::Or(r.opens, r.slips), r.crushes)));
+  if (!summary.yielding) summary.yielding = !none(hn::And(sound, moved(r, old)));
   at.put_slip(r.slip);
   if constexpr (kFull) {
     put_extras(

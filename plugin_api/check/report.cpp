@@ -65,7 +65,7 @@ const std::vector<Clause>& clauses() {
       {"C2.3", "length is the whole message's, whatever the capacity"},
       {"C2.4", "a quoin_text shorter than version 1.0's is treated as null"},
       {"C3.1", "every text and function is there; ids are well formed and unique"},
-      {"C3.2", "the sign convention is version 1's"},
+      {"C3.2", "the sign convention is version 1's, and opening and closing keep it"},
       {"C3.3", "properties: known kind, ordered bounds, default inside them, default_from a number of this law"},
       {"C3.4", "units are known"},
       {"C3.5", "states: known role and kind, pairs complete, ordered bounds"},

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "report.h"
 
@@ -307,6 +308,7 @@ Scales::Scales(const quoin_law& law, const Material& material) {
   }
   if (strengths.empty()) strengths.push_back(1e5);
   traction = *std::max_element(strengths.begin(), strengths.end());
+  if (!energies.empty()) short_slip = std::max(1e-6, *std::min_element(energies.begin(), energies.end()) / traction);
 }
 
 namespace {
@@ -341,9 +343,20 @@ Walk::Walk(const quoin_law& law, const Material& material, size_t count, uint64_
       reach_(reach),
       steps_per_leg_(steps_per_leg),
       random_(seed),
-      increment_(count) {}
+      drawn_(count),
+      numbers_(count),
+      increment_(count) {
+  std::iota(numbers_.begin(), numbers_.end(), size_t{0});
+}
 
-void Walk::new_leg(size_t i) {
+void Walk::keep(const std::vector<size_t>& which) {
+  points = points.take(which);
+  numbers_ = which;
+  normal_before.resize(which.size());
+  increment_.resize(which.size());
+}
+
+Walk::Leg Walk::draw_leg() {
   // Lengths of every magnitude up to this one.
   const auto up_to = [&](double most) { return most * std::pow(10.0, uniform(random_, -4, 0)); };
   const bool far = reach_ == Reach::far, opens = uniform(random_) < 0.5;
@@ -353,14 +366,22 @@ void Walk::new_leg(size_t i) {
   const double length = far ? up_to(kFarSlip) : scales_.sliding(random_);
   const double angle = uniform(random_, 0, 6.283185307179586);
   const double kind = uniform(random_);  // a fifth of the legs only open or close, a fifth only slide
-  increment_[i] = {kind < 0.2 ? 0.0 : target - points.normal_jump[i], kind > 0.8 ? 0.0 : length * std::cos(angle),
-                   kind > 0.8 ? 0.0 : length * std::sin(angle)};
-  for (double& component : increment_[i]) component /= steps_per_leg_;
+  return {kind < 0.2 ? std::numeric_limits<double>::quiet_NaN() : target,
+          {kind > 0.8 ? 0.0 : length * std::cos(angle), kind > 0.8 ? 0.0 : length * std::sin(angle)}};
+}
+
+void Walk::begin_legs() {
+  for (size_t number = 0, i = 0; number < drawn_; ++number) {
+    const Leg leg = draw_leg();
+    if (i == numbers_.size() || number != numbers_[i]) continue;
+    const double change = std::isnan(leg.target) ? 0.0 : leg.target - points.normal_jump[i];
+    increment_[i++] = {change / steps_per_leg_, leg.slip[0] / steps_per_leg_, leg.slip[1] / steps_per_leg_};
+  }
 }
 
 void Walk::aim() {
+  if (step_ % steps_per_leg_ == 0) begin_legs();
   for (size_t i = 0; i < points.size(); ++i) {
-    if (step_ % steps_per_leg_ == 0) new_leg(i);
     normal_before[i] = points.normal_jump[i];
     points.normal_jump[i] += increment_[i][0];
     points.slip[0][i] = increment_[i][1];

@@ -123,9 +123,10 @@ std::string difference(const quoin_law& law, const Result& a, const Result& b);
 struct Scales {
   Scales(const quoin_law& law, const Material& material);
   double normal_stiffness, shear_stiffness;
-  std::vector<double> strengths;  // Pa
-  std::vector<double> energies;   // J/m2
-  double traction;                // largest strength
+  std::vector<double> strengths;                                // Pa
+  std::vector<double> energies;                                 // J/m2
+  double traction;                                              // largest strength
+  double short_slip = std::numeric_limits<double>::infinity();  // longest slip of a step for which C8.5 holds, m
   double opening(std::mt19937_64& random) const;
   double closing(std::mt19937_64& random) const;
   double sliding(std::mt19937_64& random) const;
@@ -141,18 +142,26 @@ class Walk {
   enum class Reach { near, far };
   Walk(const quoin_law& law, const Material& material, size_t count, uint64_t seed, int steps_per_leg,
        const char* initial_state = nullptr, Reach reach = Reach::near);
-  void aim();                   // sets the inputs of the next step in points
-  void advance(const Result&);  // copies the outputs to the old traction and state in points
+  void keep(const std::vector<size_t>& which);  // before the first step: leaves only these points, on the same paths
+  void aim();                                   // sets the inputs of the next step in points
+  void advance(const Result&);                  // copies the outputs to the old traction and state in points
   Points points;
   std::vector<double> normal_before;  // d_n at the start of the step
 
  private:
-  void new_leg(size_t i);
+  struct Leg {
+    double target;  // d_n at its end, m; NaN: d_n does not change
+    double slip[2];
+  };
+  Leg draw_leg();
+  void begin_legs();
   Scales scales_;
   Reach reach_;
   int steps_per_leg_;
   int step_ = 0;
   std::mt19937_64 random_;
+  size_t drawn_;                 // points before keep: each draws its legs
+  std::vector<size_t> numbers_;  // of points, among those drawn; ascending
   std::vector<std::array<double, 3>> increment_;
 };
 

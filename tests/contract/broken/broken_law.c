@@ -25,7 +25,7 @@ static const quoin_state_info* const state_list[2] = {&state_table[0], &state_ta
  */
 
 #define HAS_COLUMNS (BROKEN == 55 || BROKEN == 56 || BROKEN == 57)
-#define HAS_STRENGTH (BROKEN == 55 || BROKEN == 58 || BROKEN == 59)
+#define HAS_STRENGTH (BROKEN == 55 || BROKEN == 58 || BROKEN == 59 || BROKEN == 71)
 
 #define HAS_DAMAGE (BROKEN >= 61 && BROKEN <= 64)
 
@@ -71,13 +71,17 @@ static quoin_status make_strong(const quoin_law* self, uint64_t count, const quo
   }
   status = create_material(self, n, kept, material, text);
   faults += !(strength >= 0 && strength < HUGE_VAL);
-#if BROKEN == 58
+#if BROKEN == 58 || BROKEN == 71
   faults += strength == 0; /* a mode that is switched off counts as a fault */
 #endif
   if (faults > 0) {
     if (material != NULL) destroy_material(*material);
     if (material != NULL) *material = NULL;
+#if BROKEN == 71
+    say(text, "normal_stiffness: not with tensile_strength = %g\n", strength);
+#else
     say(text, "tensile_strength = %g: one number from 0 on\n", strength);
+#endif
     return QUOIN_ERROR_PROPERTY;
   }
   if (status != QUOIN_OK || material == NULL) return status;
@@ -290,6 +294,9 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
   steps = malloc((size_t)(batch->count + 1) * sizeof *steps);
   bad = malloc((size_t)(batch->count + 1));
   inner = *batch;
+#if BROKEN == 70
+  inner.traction_old[0] = batch->normal_jump; /* finite */
+#endif
 #if HAS_DAMAGE
   memset(inner.damage, 0, sizeof inner.damage); /* the template has no damage */
 #endif
@@ -308,7 +315,7 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
     slid[i] = get(batch->state_old[0], i) + sqrt(dd_s * dd_s + dd_t * dd_t);
     steps[i] = batch->state_old[1].data != NULL ? get(batch->state_old[1], i) + (dd_s * dd_s + dd_t * dd_t > 0) : 0;
     bad[i] = !isfinite(slid[i]);
-    for (k = 0; k < 3; ++k) bad[i] = bad[i] || !isfinite(get(batch->traction_old[k], i));
+    for (k = BROKEN == 70 ? 1 : 0; k < 3; ++k) bad[i] = bad[i] || !isfinite(get(batch->traction_old[k], i));
     bad[i] = bad[i] || !isfinite(get(batch->normal_jump, i));
 #if HAS_COLUMNS
     bad[i] = bad[i] || refused(kn_column, i);
@@ -438,6 +445,13 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
       put(batch->energy_stored, i, sigma * sigma / (2 * material->kn)); /* without the shear part */
 #elif BROKEN == 28
       put(batch->dissipated[QUOIN_DISSIPATED_FRICTION], i, -1e-6 * (slid[i] - old) * fabs(sigma));
+#elif BROKEN == 69
+      put(batch->traction_new[0], i, -sigma); /* with the energy and the tangent of such a spring */
+      put(batch->energy_stored, i,
+          (tau_s * tau_s + tau_t * tau_t) / (2 * material->ks) - sigma * sigma / (2 * material->kn));
+      put(batch->tangent[0], i, -material->kn);
+#elif BROKEN == 70
+      put(batch->dissipated[QUOIN_DISSIPATED_FRICTION], i, (slid[i] - old) * fabs(get(batch->traction_old[0], i)));
 #elif BROKEN == 30
       put(batch->tangent[4], i, material->ks * 1.1);
 #elif BROKEN == 39

@@ -68,4 +68,7 @@ set(faults
   "65|C6.11|refuses a batch of version 1.0"
   "66|C5.2|is no number under a pressure far above its strength"
   "67|C5.3|heals after a long slip"
-  "68|C1.6|prints at a long slip")
+  "68|C1.6|prints at a long slip"
+  "69|C3.2|gives compression where it opens"
+  "70|C7.1|friction energy of an old sigma that is not finite"
+  "71|C4.9|takes a strength of zero for a fault of another property")
