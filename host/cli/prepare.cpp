@@ -70,11 +70,8 @@ std::string fault_of_scatter(const Scene& scene, const JointFamily& family, cons
           p.source.text, p.scatter->correlation_length);
   }
   for (const Stage& stage : scene.stages) {
-    if (family.scatters() && stage.law_swaps.contains(family.name))
-      return fmt::format(
-          "{}: stage '{}' replaces the law of joints.{}, whose properties scatter: a law takes over states "
-          "for one set of properties only; remove the distributions or the change of laws",
-          stage.source.text, stage.name, family.name);
+    if (!stage.law_swaps.contains(family.name)) continue;
+    if (std::string fault = fault_of_law_swap(family, stage); !fault.empty()) return fault;
   }
   return "";
 }

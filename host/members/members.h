@@ -145,6 +145,7 @@ class Members {
 
   // Sets the share of the pretension that jacks apply from the next step on.
   void jack(double share) { jack_ = share; }
+  double jacked() const { return jack_; }
   void pull(const Surroundings& step);  // adds forces to nodes, before a step
   // Upper bound of the squared frequency of members' own nodes, 1/s2, for fixed blocks and doubled connections. With
   // each_spring it bounds the frequency of the whole.

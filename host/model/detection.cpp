@@ -63,7 +63,7 @@ std::vector<Pair> close_pairs(World& w, bool everything) {
   for (size_t i = 0; i < w.blocks.size(); ++i) w.part.rough_place[i] = 0.5 * (boxes[i].lower + boxes[i].upper);
   pairs = overlapping_pairs(boxes);
   const auto held = [&](int i) {  // fixed blocks that stages drive are laid out on all ranks
-    return w.blocks[i].body >= 0 && w.assembly.blocks[i].fixed &&
+    return w.blocks[i].body >= 0 && w.assembly.blocks[i].fixed && !w.assembly.blocks[i].freed &&
            (!w.part.laid_out[size_t(i)] || w.bodies[w.blocks[i].body].held == 0x3f);
   };
   std::erase_if(pairs, [&](const Pair& p) { return held(p.a) && held(p.b); });

@@ -15,8 +15,6 @@ enum class When { always, with_stiffness_damping, with_maxwell, with_energies, a
 struct Field {
   Owner owner;
   const char* name;
-  int components;    // numbers per item; 0: a struct, see its members
-  const char* unit;  // unit of the components
   When when = When::always;
   std::size_t hashed = 0;     // leading bytes of an item that belong to the hash of the state
   Part gathered = Part::all;  // first part with which ranks gather it in steps; nothing: steps do not change it

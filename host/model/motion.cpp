@@ -164,6 +164,14 @@ void refuse_swap_of_strips(const Scene& scene, const std::string& family, const 
   }
 }
 
+std::string fault_of_law_swap(const JointFamily& family, const Stage& stage) {
+  if (!family.scatters()) return "";
+  return fmt::format(
+      "{}: the law of joints.{} is replaced in stage '{}', and its properties scatter: a law takes over states for one "
+      "set of properties only; remove the distributions or the change of laws",
+      stage.source.text, family.name, stage.name);
+}
+
 namespace {
 
 // Whether an edge that carries all of the load may crush. At corners alone, a quarter of the face each, it could not

@@ -26,6 +26,9 @@ void choose_rigid_points(const Scene& scene, std::vector<JointFamily>* families)
 // Throws Error(bad_input) where the law of a joint family cannot change, as it bonds strips. where: place in the scene.
 void refuse_swap_of_strips(const Scene& scene, const std::string& family, const std::string& where);
 
+// Fault of a stage that replaces the law of a joint family; empty: none.
+std::string fault_of_law_swap(const JointFamily& family, const Stage& stage);
+
 // Motion of all blocks of the scene, of the kind that it requests or fits. Throws Error(bad_input), with the reason,
 // where solver.kernels or a setting requests what the blocks cannot do.
 Motion choose_motion(Scene scene);

@@ -176,9 +176,7 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
   if (f.kn > kn || f.ks > ks) find_time_step(*this);
 }
 
-void World::set_gravity(const Vector& g, TimeSeries factor) {
-  actions.gravity = g, actions.gravity_factor = std::move(factor);
-}
+void World::set_gravity(const Vector& g) { actions.gravity = g; }
 
 namespace {
 

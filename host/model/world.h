@@ -56,7 +56,7 @@ struct World {
   World& operator=(const World&) = delete;
 
   // Actions from now on.
-  void set_gravity(const Vector& g, TimeSeries factor = {});                                         // m/s2
+  void set_gravity(const Vector& g);                                                                 // m/s2
   void prescribe(int block, const Vector& velocity, const Vector& omega = {}, uint8_t held = 0x3f);  // m/s, rad/s
   void set_velocity(int block, const Vector& velocity, const Vector& omega = {});  // initial velocity of a free block
   void add(Load load);

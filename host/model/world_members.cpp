@@ -74,9 +74,8 @@ void follow_members(World& w) {
     if (node.turns) node.turn = orientation_of(w, node.block);
   }
   if (w.held_by.exchange) w.held_by.exchange(w.held_by.members->nodes());
-  w.held_by.members->pull({w.stepping.dt, w.stepping.dt * w.actions.ground_then, braking_ground(w),
-                           w.actions.gravity_factor.at(w.stepping.time) * w.actions.gravity, w.actions.of_collapse,
-                           w.solver.mass_scaling, w.damping.alpha, w.damping.gamma});
+  w.held_by.members->pull({w.stepping.dt, w.stepping.dt * w.actions.ground_then, braking_ground(w), w.actions.gravity,
+                           w.actions.of_collapse, w.solver.mass_scaling, w.damping.alpha, w.damping.gamma});
 }
 
 // Adds springs of the same stiffness in all directions, an upper bound for members in any orientation.

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "base/error.h"
 #include "base/printable.h"
-#include "base/upright_axis.h"
 #include "geometry/drawn_shape.h"
 #include "geometry/mesh_file.h"
 #include "scene/from_bricks.h"
@@ -17,6 +17,7 @@
 #include "scene/masonry_place.h"
 #include "scene/read_scene.h"
 #include "scene/to_bricks.h"
+#include "scene/weight_axis.h"
 
 namespace quoin::blocks {
 
@@ -317,8 +318,7 @@ std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembl
   };
   std::optional<FamilyOfBricks> of_bricks;
   if (bricks) of_bricks.emplace(*bricks);
-  const auto weighed = std::ranges::find_if(scene.stages, [](const Stage& stage) { return stage.gravity != Vec3{}; });
-  const int upright = upright_axis(weighed != scene.stages.end() ? weighed->gravity : Vec3{});
+  const int upright = upright_axis(scene);
   return [=, brick_count = bricks ? int(bricks->bricks.size()) : 0,
           fallback = family.at(scene.blocks->default_joint)](const Meeting& m) {
     if (std::max(m.block_a, m.block_b) < brick_count) return (*of_bricks)(m.block_a, m.block_b);
@@ -400,7 +400,20 @@ Assembly assemble(const Scene& scene) {
   assembly.contact.small_displacement = c.small_displacement;
   if (bricks) assembly.contact.joint_motion = kJointMotion;
   unite_faces_of_blocks(assembly);
+  mark_freed_blocks(scene, &assembly);
   return assembly;
+}
+
+void mark_freed_blocks(const Scene& scene, Assembly* assembly) {
+  std::set<std::string> freed;
+  for (const Stage& stage : scene.stages) {
+    for (const BodyControl& control : stage.controls) {
+      if (control.may_turn || std::ranges::find(control.kind, DofKind::free) != control.kind.end())
+        freed.insert(control.body);
+    }
+  }
+  for (Block& block : assembly->blocks)
+    block.freed = block.fixed && (freed.contains(block.name) || freed.contains(block.name_in_stages()));
 }
 
 double joint_tolerance_of(const Assembly& assembly) {

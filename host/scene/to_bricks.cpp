@@ -120,7 +120,7 @@ class JointFinder {
 
   void compare(int i, int j) {
     const Block &first = assembly_.blocks[size_t(i)], &second = assembly_.blocks[size_t(j)];
-    if (first.fixed && second.fixed) return;
+    if (first.fixed && second.fixed && !first.freed && !second.freed) return;
     const Overlap o = overlap_of(bricks_[size_t(i)], bricks_[size_t(j)]);
     const double tolerance = kTouching * std::min(least_size(bricks_[size_t(i)]), least_size(bricks_[size_t(j)]));
     size_t normal = 0;

@@ -89,8 +89,8 @@ void control_body(Simulation::Impl& s, std::size_t b, const Stage& settings, con
     const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = ground || (controlled && !control->may_turn);
     // Driven bodies are not part of the kinetic energy. A body that is released adds its own; one that is caught gives
     // it to the support.
-    const double linear = 0.5 * s.model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
-    const double angular = 0.5 * s.model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];
+    const double linear = 0.5 * s.inertia.in_use.body_mass[b] * body.velocity[c][lane] * body.velocity[c][lane];
+    const double angular = 0.5 * s.inertia.in_use.body_inertia[b][c] * body.spin[c][lane] * body.spin[c][lane];
     s.energy.external += (was_prescribed - prescribed) * linear + (was_held - held) * angular;
     body.prescribed_velocity[c][lane] = s.controls.ramps[b].velocity_from[c];
     body.applied_force[c][lane] = s.controls.ramps[b].force_from[c];

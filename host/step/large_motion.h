@@ -77,6 +77,7 @@ struct Model : World {
   double measured_kinetic = 0.0;  // kinetic energy at the time of the forces of the last measured step, J
 };
 
+Vector load_on(const Model& m, int block);  // sum of the loads of stages in the last step, without weight, N
 bool has_deformed_too_much(const Model& m, int block);  // for its frame, in the last step
 
 }  // namespace quoin::blocks

@@ -60,10 +60,10 @@ Wrench loads_on_body(const Model& m, int block) {
   };
   if (!m.actions.applied.empty()) add(m.actions.applied[size_t(block)], m.blocks[size_t(block)].load_arm);
   for (const Load& l : m.actions.loads) {
-    if (l.block == block) add(l.scale * l.factor.at(m.stepping.time) * l.force, l.arm);
+    if (l.block == block) add(l.scale * l.force, l.arm);
   }
   for (const Pressure& p : m.actions.pressures) {
-    if (p.block == block) add(p.scale * p.value * p.factor.at(m.stepping.time) * (r * p.push), p.arm);
+    if (p.block == block) add(p.scale * p.value * (r * p.push), p.arm);
   }
   return sum;
 }
@@ -94,7 +94,7 @@ void forces_on_body(Model& m, int block) {
     body.torque += cross(node.x - body.x, node.force);
   });
   m.step_sums.contact_force[size_t(block)] = body.force;
-  body.force += body.weight_mass * (m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity);
+  body.force += body.weight_mass * m.actions.gravity;
   if (!m.actions.loaded[size_t(block)]) return;
   const Wrench loads = loads_on_body(m, block);
   body.force += loads.force, body.torque += loads.torque;
@@ -123,7 +123,7 @@ bool advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
     return false;
   }
   // The motion of a rigid block is all rigid motion: damping of rigid motion is eq. 1.
-  const Vector g = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
+  const Vector g = m.actions.gravity;
   const BodyStep step{m.stepping.dt, m.damping.gamma, m.damping.alpha, braking_ground(m), g, m.measured};
   advance_rigid(m.bodies.data(), m.checks.assumed.empty() ? nullptr : m.checks.assumed.data(), index,
                 int(blocks.size()), step, sums);
@@ -156,12 +156,12 @@ template <class Visit>
 void each_load_on_gridpoints(const Model& m, int block, double since, const Visit& visit) {
   for (const Load& l : m.actions.loads) {
     if (l.block != block) continue;
-    const Vector f = l.scale * l.factor.at(m.stepping.time) * l.force;
+    const Vector f = l.scale * l.force;
     for (const auto& [node, weight] : l.share) visit(node, weight * f);
   }
   for (const Pressure& p : m.actions.pressures) {
     if (p.block != block) continue;
-    const double value = p.scale * p.value * p.factor.at(m.stepping.time);
+    const double value = p.scale * p.value;
     for (const auto& t : p.triangles) {
       const auto edge = [&](size_t k) {
         return m.nodes.x[t[k]] - m.nodes.x[t[0]] - since * (m.nodes.v[t[k]] - m.nodes.v[t[0]]);
@@ -171,6 +171,17 @@ void each_load_on_gridpoints(const Model& m, int block, double since, const Visi
     }
   }
 }
+
+}  // namespace
+
+Vector load_on(const Model& m, int block) {
+  if (m.blocks[size_t(block)].body >= 0) return loads_on_body(m, block).force;
+  Vector sum;
+  each_load_on_gridpoints(m, block, 0.0, [&](int32_t, const Vector& force) { sum += force; });
+  return sum;
+}
+
+namespace {
 
 double power_on_gridpoints(const Model& m, int block, double since) {
   double power = m.actions.applied.empty() ? 0.0 : dot(m.actions.applied[size_t(block)], velocity_of(m, block));
@@ -254,7 +265,7 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   columns.viscous = m.books_energy && zone_damping(m) > 0;
   const bool has_rows = has_other_forces(m, piece);
   const bool follows = piece.in_frame() && !(piece.fixed && m.is_small);
-  const Vector weight = m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity;
+  const Vector weight = m.actions.gravity;
   size_t size = 0;
   for (const int32_t block : blocks) size += kRow * size_t(m.blocks[size_t(block)].node_count);
   group.rows.resize(std::max(group.rows.size(), 2 * size));
@@ -378,7 +389,7 @@ bool advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
                            braking_ground(m),
                            splits_motion(m) ? m.solver.deformation_inertia : 1.0,
                            1.0 / m.solver.mass_scaling,
-                           m.actions.gravity_factor.at(m.stepping.time) * m.actions.gravity,
+                           m.actions.gravity,
                            m.books_energy,
                            m.measured,
                            m.copies_velocities || piece.kind != Piece::Kind::congruent};

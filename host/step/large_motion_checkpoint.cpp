@@ -14,12 +14,6 @@ namespace {
 
 constexpr const char* kOther = "checkpoint: of another model";
 
-template <class Archive, class Series>
-void transfer(Archive& archive, Series& series) {
-  archive.array(series.time);
-  archive.array(series.value);
-}
-
 template <class Archive, class Self>
 void transfer_state(Archive& archive, Self& m) {
   archive.array(m.contacts.list);
@@ -31,7 +25,6 @@ void transfer_state(Archive& archive, Self& m) {
     a.value(load.block);
     a.value(load.point);
     a.value(load.force);
-    transfer(a, load.factor);
     a.list(load.share, [](auto& inner, auto& share) {
       inner.value(share.first);
       inner.value(share.second);
@@ -43,7 +36,6 @@ void transfer_state(Archive& archive, Self& m) {
     a.value(pressure.block);
     a.value(pressure.face);
     a.value(pressure.value);
-    transfer(a, pressure.factor);
     a.array(pressure.triangles);
     a.value(pressure.arm);
     a.value(pressure.push);
@@ -52,7 +44,7 @@ void transfer_state(Archive& archive, Self& m) {
   archive.array(m.actions.loaded);
   archive.array(m.actions.applied);
   archive.value(m.actions.gravity);
-  transfer(archive, m.actions.gravity_factor);
+  archive.value(m.actions.of_collapse);
 
   archive.value(m.is_small);
   archive.value(m.is_settling);

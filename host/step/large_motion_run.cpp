@@ -9,6 +9,7 @@
 #include "model/world_parts.h"
 #include "model/world_results.h"
 #include "scene/generate_blocks.h"
+#include "scene/weight_axis.h"
 #include "step/actions/actions.h"
 #include "step/actions/collapse.h"
 #include "step/actions/ground.h"
@@ -46,14 +47,13 @@ const std::string& watched_block(const Simulation::Impl& s, const Stage& setting
 // Whether contact points lie above these blocks, as over a bottom beam.
 bool stands_below(const Simulation::Impl& s, const std::vector<int>& blocks) {
   MonitorSide side;
+  const int upright = upright_axis(s.scene);
   for (const blocks::Contact& c : s.large_motion->contacts.list) {
     for (const int block : blocks) {
       if (c.pair.a != block && c.pair.b != block) continue;
+      const blocks::Family& f = s.large_motion->contacts.families[at(c.family)];
       for (std::size_t i = c.first; i < c.first + c.count; ++i)
-        side.add(
-            place_of(*s.large_motion, s.large_motion->contacts.families[static_cast<std::size_t>(c.family)].point[i])
-                .y -
-            position_of(*s.large_motion, block).y);
+        side.add((place_of(*s.large_motion, f.point[i]) - position_of(*s.large_motion, block))[upright]);
     }
   }
   return side.joints_are_above();
@@ -150,16 +150,26 @@ void watch_blocks(Simulation::Impl& s, const Stage& settings) {
   s.monitor.stands_below = stands_below(s, s.monitor.blocks);
 }
 
-// Fixed blocks that a stage frees have a frequency, which the time step so far leaves out.
+// Whether a stage frees components of a block that were held before it.
+bool is_freed(const blocks::Model& m, const Drive& drive) {
+  if (!m.part.laid_out[at(drive.block)]) return false;
+  const blocks::ModelBlock& b = m.blocks[at(drive.block)];
+  if (b.body >= 0) return (m.bodies[at(b.body)].held & ~(drive.held | m.bodies[at(b.body)].support)) != 0;
+  for (std::int32_t i = b.first_node; i < b.first_node + b.node_count; ++i)
+    if ((m.nodes.held[at(i)] & ~(drive.held | m.nodes.support[at(i)])) != 0) return true;
+  return false;
+}
+
+// Blocks that a stage frees have a frequency, which the time step may leave out while they are held.
 void follow_freed_blocks(Simulation::Impl& s) {
   blocks::Model& m = *s.large_motion;
   bool freed = false;
   for (const Drive& drive : s.actions.drives) {
-    if (!m.assembly.blocks[at(drive.block)].fixed || (drive.held & 0x3f) == 0x3f) continue;
+    if (!is_freed(m, drive)) continue;
     m.prescribe(drive.block, drive.velocity_from, drive.omega_from, drive.held);
     freed = true;
   }
-  if (freed) find_time_step(m);
+  if (m.part.any(freed)) find_time_step(m);
 }
 
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous) {

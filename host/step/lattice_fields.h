@@ -11,21 +11,17 @@ namespace quoin {
 template <class State, class Visit>  // State: LatticeState, const or not
 void each_lattice_field(State& lattice, const Visit& visit) {
   constexpr std::size_t kWhole = sizeof(double);
-  visit(Field{Owner::body, "rigid_body", 0, "SI"}.in_hash(sizeof(BodyLanes)).in(Part::row).on_all_ranks(),
-        lattice.bodies, -1);
-  visit(Field{Owner::gridpoint, "displacement", 3, "m"}.in_hash(kWhole), lattice.displacement, -1);
-  visit(Field{Owner::gridpoint, "velocity", 3, "m/s"}.in_hash(kWhole), lattice.velocity, -1);
-  for (auto& column : lattice.traction)
-    visit(Field{Owner::contact_point, "traction", 1, "Pa"}.in_hash(kWhole), column, -1);
+  visit(Field{Owner::body, "rigid_body"}.in_hash(sizeof(BodyLanes)).in(Part::row).on_all_ranks(), lattice.bodies, -1);
+  visit(Field{Owner::gridpoint, "displacement"}.in_hash(kWhole), lattice.displacement, -1);
+  visit(Field{Owner::gridpoint, "velocity"}.in_hash(kWhole), lattice.velocity, -1);
+  for (auto& column : lattice.traction) visit(Field{Owner::contact_point, "traction"}.in_hash(kWhole), column, -1);
   for (std::size_t f = 0; f < lattice.law_state.size(); ++f)
-    visit(Field{Owner::contact_point, "state", 1, "of the law"}.in_hash(kWhole), lattice.law_state[f],
-          static_cast<int>(f));
-  visit(Field{Owner::contact_point, "normal_shift", 1, "m"}.only(When::after_law_swaps), lattice.normal_shift, -1);
+    visit(Field{Owner::contact_point, "state"}.in_hash(kWhole), lattice.law_state[f], static_cast<int>(f));
+  visit(Field{Owner::contact_point, "normal_shift"}.only(When::after_law_swaps), lattice.normal_shift, -1);
   constexpr When kDamped = When::with_stiffness_damping;
-  for (auto& column : lattice.viscous)
-    visit(Field{Owner::contact_point, "viscous_traction", 1, "Pa"}.only(kDamped), column, -1);
-  visit(Field{Owner::contact_point, "jump_before", 1, "m"}.only(kDamped), lattice.old_jump, -1);
-  visit(Field{Owner::contact_point, "flags", 1, "-"}.not_saved(), lattice.flags, -1);
+  for (auto& column : lattice.viscous) visit(Field{Owner::contact_point, "viscous_traction"}.only(kDamped), column, -1);
+  visit(Field{Owner::contact_point, "jump_before"}.only(kDamped), lattice.old_jump, -1);
+  visit(Field{Owner::contact_point, "flags"}.not_saved(), lattice.flags, -1);
 }
 
 }  // namespace quoin

@@ -1,11 +1,13 @@
 #include "step/lattice_swap.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 
 #include "step/lattice_motion.h"
 #include "step/law_swap.h"
+#include "step/promotion.h"
 #include "step/rank_agreement.h"
 #include "step/set_up.h"
 #include "step/state.h"
@@ -36,6 +38,15 @@ std::vector<SwapSums> of_all_chunks(const std::vector<SwapSums>& here, const Ran
 }
 
 }  // namespace
+
+bool take_stiffness(Simulation::Impl& s, std::size_t f, const Material& material) {
+  ContactFamily& family = s.model.families[f];
+  const quoin_stiffness_bounds bounds = stiffness_bounds_of(s.model.assembly.families[f], material, family.columns);
+  const bool is_stiffer = bounds.normal > family.normal_stiffness || bounds.shear > family.shear_stiffness;
+  family.normal_stiffness = std::max(family.normal_stiffness, bounds.normal);
+  family.shear_stiffness = std::max(family.shear_stiffness, bounds.shear);
+  return is_stiffer;
+}
 
 void swap_lattice_law(Simulation::Impl& s, std::size_t f, std::shared_ptr<const Material> material) {
   ContactFamily& family = s.model.families[f];
@@ -95,7 +106,12 @@ void swap_lattice_law(Simulation::Impl& s, std::size_t f, std::shared_ptr<const 
   s.lattice.normal_shift = std::move(shift);
   s.lattice.law_state[f] = std::move(state);
   family.material = std::move(material);
-  bind_columns(s);
+  if (!take_stiffness(s, f, *family.material)) return bind_columns(s);
+  const double added = s.energy.wanted ? added_kinetic_energy(s) : 0.0, old_step = s.data.time_step;
+  follow_solver(s);
+  if (s.energy.wanted) s.energy.lost_at_changes += added - added_kinetic_energy(s);
+  for (long* const steps : {&s.progress.stage_step, &s.progress.next_row})  // of the time that the stage has run
+    *steps = std::lround(static_cast<double>(*steps) * old_step / s.data.time_step);
 }
 
 }  // namespace quoin

@@ -10,6 +10,7 @@
 #include "base/larger.h"
 #include "members/members.h"
 #include "model/world_results.h"
+#include "scene/weight_axis.h"
 #include "step/actions/ground.h"
 #include "step/columns/columns.h"
 #include "step/gather.h"
@@ -51,32 +52,35 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   for (const int block : s.monitor.blocks)
     row.joint_force += geometry::array(s.large_motion->step_sums.contact_force[block]);
   show_response(s, direction, row);
-  row.vertical_force = s.monitor.stands_below ? -row.joint_force[1] : row.joint_force[1];  // compression positive
+  const double upright = row.joint_force[at(upright_axis(s.scene))];
+  row.vertical_force = s.monitor.stands_below ? -upright : upright;  // compression positive
 }
 
 // Numbers of the monitor on the lattice.
 void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
   MonitorSide side;
   bool deformable = false;
+  const auto upright = at(upright_axis(s.scene));
   for (const int block : s.monitor.blocks) {
     const Brick& brick = s.model.assembly.bricks[at(block)];
     const int b = s.model.place[at(block)].body;
     if (b < 0) {
       deformable = true;
       for (const StageMonitor::Point& of_joint : s.monitor.points)
-        side.add(s.model.point_position[at(of_joint.point)][1] - brick.origin[1] - 0.5 * brick.size[1]);
+        side.add(s.model.point_position[at(of_joint.point)][upright] - brick.origin[upright] -
+                 0.5 * brick.size[upright]);
       continue;
     }
     row.joint_force += joint_wrench(s, b).force;
     const RigidBody& body = s.model.bodies[at(b)];
-    const double middle = brick.origin[1] + 0.5 * brick.size[1];
-    for (const Vec3& arm : body.arm) side.add(body.centre[1] + arm[1] - middle);
+    const double middle = brick.origin[upright] + 0.5 * brick.size[upright];
+    for (const Vec3& arm : body.arm) side.add(body.centre[upright] + arm[upright] - middle);
   }
   const auto direction = static_cast<std::size_t>(current_stage(s).direction);
   for (std::size_t chunk = 0; deformable && chunk < s.contacts.calls.size(); ++chunk)
     row.joint_force += has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.sums[chunk].on_monitor;
   show_response(s, direction, row);
-  row.vertical_force = side.joints_are_above() ? -row.joint_force[1] : row.joint_force[1];  // compression positive
+  row.vertical_force = side.joints_are_above() ? -row.joint_force[upright] : row.joint_force[upright];
 }
 
 // Resultant of all forces on the wall along the stage's direction, N. It is its inertia force.
@@ -103,8 +107,9 @@ double largest_displacement(const Simulation::Impl& s) {
   const auto look = [&](double moved) { largest = larger(largest, moved); };
   for (std::size_t i = 0; !s.large_motion && i < s.model.assembly.bricks.size(); ++i)
     look(norm(geometry::vector((has_all(s) ? whole_motion_of(s, i) : s.small_motion.whole_motions[i]).translation)));
+  const std::vector<std::uint8_t> held = held_now(s);
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i) {
-    if (s.large_motion->assembly.blocks[static_cast<std::size_t>(i)].fixed) continue;
+    if (s.large_motion->assembly.blocks[at(i)].fixed && held[at(i)] == 0x3f) continue;
     look(norm(moved(*s.large_motion, i)));
   }
   return largest;

@@ -152,7 +152,8 @@ std::vector<Drive> drives_of(const Simulation::Impl& s) {
     for (std::size_t c = 0; c < 3; ++c)
       drive.force_now[static_cast<int>(c)] = s.lattice.bodies[at(lanes)].applied_force[c][lane];
     const Vec3 none{};
-    if (drive.held != 0 || ramp.force_from != none || ramp.force_to != none) drives.push_back(drive);
+    const bool is_pulled = dot(drive.force_now, drive.force_now) > 0.0;  // by a jack, whose force is in no ramp
+    if (drive.held != 0 || ramp.force_from != none || ramp.force_to != none || is_pulled) drives.push_back(drive);
   }
   for (std::size_t i = 0; i < s.controls.loaded_blocks.size(); ++i) {
     Drive drive;
@@ -289,6 +290,7 @@ void leave_lattice(Simulation::Impl& s) {
     blocks::Assembly given = blocks::assemble(s.scene);
     shapes.family_of = std::move(given.family_of);
     for (std::size_t i = 0; i < shapes.blocks.size(); ++i) shapes.blocks[i].fixed = given.blocks[i].fixed;
+    mark_freed_blocks(s.scene, &shapes);
   }
   build_large_motion(s, shapes, materials);
   find_restraints(s);
@@ -300,6 +302,7 @@ void return_to_lattice(Simulation::Impl& s) {
   for (const ContactFamily& family : s.model.families) materials.push_back(family.material);
   s.large_motion.reset(), s.reactions.restrained_blocks.clear();
   s.actions.drives.clear(), s.monitor.blocks = {};
+  s.outcome.collapse_multiplier.reset(), s.outcome.base_slip_at_uplift.reset();
   take_bricks(s, std::move(*s.left), materials);
   s.left.reset();
   find_restraints(s);

@@ -15,9 +15,6 @@ namespace quoin {
 
 using geometry::Vector;
 
-namespace {
-
-// Currently held components of a body or block. Bits 0..2: x, y, z; 3..5: rotation about these axes.
 std::vector<std::uint8_t> held_now(const Simulation::Impl& s) {
   std::vector<std::uint8_t> held;
   for (std::size_t b = 0; !s.large_motion && b < s.model.bodies.size(); ++b) {
@@ -31,6 +28,8 @@ std::vector<std::uint8_t> held_now(const Simulation::Impl& s) {
   for (const Drive& drive : s.actions.drives) held[at(drive.block)] = drive.held;
   return held;
 }
+
+namespace {
 
 bool holds(const BodyControl& control) {
   return !control.body.empty() &&

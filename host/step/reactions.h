@@ -1,12 +1,16 @@
 // Reactions of supports and of prescribed motions.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "step/state.h"
 
 namespace quoin {
 
+// Currently held components of each body on the lattice, or of each block in large motion. Bits 0..2: x, y, z; 3..5:
+// rotation about these axes.
+std::vector<std::uint8_t> held_now(const Simulation::Impl& s);
 // Finds the bodies or blocks of each restraint. Restraints themselves are found once, as they are columns of the
 // history.
 void find_restraints(Simulation::Impl& s);

@@ -141,7 +141,7 @@ class Search {
     }
     for (const blocks::Load& load : m.actions.loads) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(load.block)];
-      const Vector force = load.scale * load.factor.at(m.stepping.time) * load.force;
+      const Vector force = load.scale * load.force;
       if (u.rigid) add_wrench(sum, load.block, u.centre + body_of(m, load.block).r * load.arm, force);
       for (const auto& [node, weight] : load.share)
         add_to(sum, u.gridpoint[at(node - m.blocks[load.block].first_node)], weight * force);
@@ -151,7 +151,7 @@ class Search {
 
   void add_pressure(const blocks::Pressure& p, VectorXd* sum) const {
     blocks::Model& m = *s_.large_motion;
-    const double pressure = p.scale * p.value * p.factor.at(m.stepping.time);
+    const double pressure = p.scale * p.value;
     const Unknowns::OfBlock& u = unknowns_->blocks()[at(p.block)];
     if (u.rigid) {
       const geometry::Matrix& r = body_of(m, p.block).r;

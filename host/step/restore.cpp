@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -11,6 +12,7 @@
 #include "step/actions/whiffletree.h"
 #include "step/controls.h"
 #include "step/large_motion_run.h"
+#include "step/lattice_swap.h"
 #include "step/law_swap.h"
 #include "step/promotion.h"
 #include "step/rank_part.h"
@@ -134,10 +136,21 @@ void take_kind_of_motion(Simulation::Impl& s, ArchiveReader& reader) {
   } else if (s.outcome.promotion) {
     return_to_lattice(s);
     s.outcome.promotion.reset();
-  } else if (!s.large_motion && std::any_of(s.scene.stages.begin(), s.scene.stages.end(),
-                                            [](const Stage& stage) { return stage.solver.has_value(); })) {
-    follow_solver(s);
   }
+}
+
+// Chooses the time step of the lattice again where stages have settings of their own, or laws of other stiffness.
+void take_time_step(Simulation::Impl& s) {
+  if (s.large_motion) return;
+  bool changes = std::ranges::any_of(s.scene.stages, [](const Stage& stage) { return stage.solver.has_value(); });
+  for (std::size_t f = 0; f < s.model.families.size(); ++f) {
+    ContactFamily& family = s.model.families[f];
+    const std::array before{family.normal_stiffness, family.shear_stiffness};
+    family.normal_stiffness = family.shear_stiffness = 0.0;
+    for (int stage = -1; stage <= s.progress.stage; ++stage) take_stiffness(s, f, *material_in_stage(s, f, stage));
+    changes |= before != std::array{family.normal_stiffness, family.shear_stiffness};
+  }
+  if (changes) follow_solver(s);
 }
 
 void require_same_time_step(const Simulation::Impl& s, ArchiveReader& reader) {
@@ -221,6 +234,7 @@ void restore_state(Simulation::Impl& s, ByteSource& source) {
   read_law_swaps(reader, s.scene.stages);
   take_kind_of_motion(s, reader);
   for (std::size_t f = 0; f < s.model.families.size(); ++f) take_law_of(f, s, reader);
+  take_time_step(s);
   take_state(s, reader);
   if (s.large_motion) take_large_motion(s, reader);
   if (reader.left() != 0 || !counts_are_sound(s)) throw of_another_model();

@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '1'};
+inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '2'};
 
 template <class Archive, class Impl>
 void transfer_state(Archive& archive, Impl& s) {

@@ -118,8 +118,8 @@ void begin_stage(Simulation::Impl& s, int index) {
   s.progress.force_loss = {};
   s.watch.pending = false;  // sudden changes by a stage are no part of the energy balance of two steps
   s.laws.swaps.clear();
-  s.progress.row_interval = chosen_record_interval(s);
   for (const auto& [family, law] : settings.law_swaps) swap_law(s, family, law);
+  s.progress.row_interval = chosen_record_interval(s);
   if (s.ranks) partition_work(s);  // monitored blocks have changed
 }
 
@@ -195,6 +195,8 @@ void swap_law(Simulation::Impl& s, const std::string& name, const std::string& l
                                              current_stage(s).name, name));
   }
   refuse_swap_of_strips(s.scene, name, current_stage(s).source.text);
+  if (const std::string fault = fault_of_law_swap(*found, current_stage(s)); !fault.empty())
+    throw Error(Exit::bad_input, fault);
   const auto f = static_cast<std::size_t>(found - families.begin());
   auto material = successor(*found, law);
   if (s.large_motion)

@@ -24,8 +24,7 @@ void collapse(int courses, int width, double rest) {
   }
   auto m = scene.model(viscous(0.3, 4e-5, 0.5));
   m->track_energy(true);
-  m->set_gravity({0, -gravity, 0}, {{0, 0.1}, {0, 1}});
-  m->run(0.2);
+  apply_weight(*m, 0.1, 0.2);
   const auto started = std::chrono::steady_clock::now();
   // horizontal gravity out of plane and in plane for some time, then only vertical gravity
   m->set_gravity({0.35 * gravity, -gravity, 0.6 * gravity});

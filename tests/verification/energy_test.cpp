@@ -126,8 +126,7 @@ void wall(const std::string& what, const JointFamily& family, int courses, int w
   }
   auto m = scene.model(viscous(0.3, 4e-5));
   m->track_energy(true);
-  m->set_gravity({0, -gravity, 0}, {{0, 0.1}, {0, 1}});
-  m->run(0.15);
+  apply_weight(*m, 0.1, 0.15);
   m->set_gravity(push + Vector{0, -gravity, 0});
   m->run(end);
   const double weight = 1800 * length * width * depth * height * courses * gravity;

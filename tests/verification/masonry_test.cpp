@@ -153,10 +153,10 @@ Pier pier(bool fixed_fixed, double kn) {
   scene.assembly.contact.point_spacing = 0.025;
   auto m = scene.model(viscous(30.0, 2e-5, 0.6));
   Load l{};
-  l.block = cap, l.point = {width / 2, height + 0.05, depth / 2}, l.force = {0, -load, 0},
-  l.factor = {{0, 0.02}, {0, 1}};
+  l.block = cap, l.point = {width / 2, height + 0.05, depth / 2}, l.force = {0, -load, 0};
   m->add(l);
-  m->run(0.04);
+  for (double end = 0.04; m->stepping.time < end - 0.5 * m->stepping.dt; m->step())
+    m->actions.loads[0].scale = std::min(1.0, m->stepping.time / 0.02);
   // velocity prescribed along x, free along y; no rotation with a fixed head. The cap's centre is 0.05 m above the
   // pier.
   const double v = 0.01, x0 = position_of(*m, cap).x;

@@ -12,11 +12,13 @@
 #include "members/members.h"
 #include "model/world_results.h"
 #include "scene/collapse_load.h"
+#include "scene/weight_axis.h"
 #include "step/actions/action.h"
 #include "step/actions/ground.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/rank_agreement.h"
+#include "step/reactions.h"
 #include "step/small_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
@@ -66,10 +68,10 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
   return multiplier;
 }
 
-// Position of the ground, which may move on after a record: of a block that moves with it, or of what lies below
+// Displacement of the ground, which may move on after a record: of a block that moves with it, or of what lies below
 // springs, m.
-Vector position_of_ground(const Simulation::Impl& s) {
-  if (const int ground = ground_block(s); ground >= 0) return position_of(*s.large_motion, ground);
+Vector ground_displacement(const Simulation::Impl& s) {
+  if (const int ground = ground_block(s); ground >= 0) return moved_by_now(*s.large_motion, ground);
   const members::Members* const members = s.large_motion->held_by.members.get();
   return members && !members->beds().empty() ? members->ground() : Vector{};
 }
@@ -82,35 +84,52 @@ Vector displacement_in_stage(const Simulation::Impl& s, const Vector& ground, in
 // Largest displacement of a block against the ground since the stage began, m.
 double moved_in_stage(const Simulation::Impl& s) {
   const std::vector<int> rank = s.ranks ? rank_by_block(s) : std::vector<int>();
-  const Vector ground = position_of_ground(s);
+  const Vector ground = ground_displacement(s);
+  const std::vector<std::uint8_t> held = held_now(s);
   double largest = 0.0;
   for (std::size_t i = 0; i < s.actions.collapse_from.size(); ++i) {
-    if (s.large_motion->assembly.blocks[i].fixed || (s.ranks && rank[i] != s.ranks->rank())) continue;
+    const bool is_ground = s.large_motion->assembly.blocks[i].fixed && held[i] == 0x3f;
+    if (is_ground || (s.ranks && rank[i] != s.ranks->rank())) continue;
     largest = larger(largest, norm(displacement_in_stage(s, ground, static_cast<int>(i))));
   }
   return s.ranks ? largest_of_ranks(s, largest) : largest;
 }
 
+// Whether a contact of this rank has points, and lies in a bed.
+bool is_bed(const Simulation::Impl& s, std::size_t contact) {
+  const blocks::Contact& c = s.large_motion->contacts.list[contact];
+  return c.count > 0 && s.large_motion->part.owns(c.pair) &&
+         std::abs(s.large_motion->contacts.place[contact].separation.normal[upright_axis(s.scene)]) >= kBed;
+}
+
+// Visits bed joints of the start with their largest openings, m.
+template <class Visit>
+void each_opening(const Simulation::Impl& s, const Visit& visit) {
+  const auto& contacts = s.large_motion->contacts;
+  for (std::size_t k = 0; k < contacts.list.size(); ++k) {
+    const blocks::Contact& c = contacts.list[k];
+    if (!c.initial || !is_bed(s, k)) continue;
+    const auto& jump = contacts.families[at(c.family)].normal_jump;
+    visit(k, *std::max_element(jump.begin() + c.first, jump.begin() + c.first + c.count));
+  }
+}
+
 void watch_uplift(Simulation::Impl& s) {
   if (s.outcome.base_slip_at_uplift) return;
   double opened = 0.0;
-  const auto& contacts = s.large_motion->contacts.list;
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const blocks::Contact& c = contacts[k];
-    if (c.count == 0 || !s.large_motion->part.owns(c.pair) ||
-        std::abs(s.large_motion->contacts.place[k].separation.normal.y) < kBed)
-      continue;
-    const auto& family = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
-    for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
-  }
+  each_opening(s, [&](std::size_t contact, double opening) {
+    if (!std::ranges::binary_search(s.actions.open_beds, s.large_motion->contacts.list[contact].pair))
+      opened = std::max(opened, opening);
+  });
   if (s.parts.divided) opened = largest_of_ranks(s, opened);
   if (opened < kUplift) return;
-  const Vector ground = position_of_ground(s);
+  const Vector ground = ground_displacement(s);
+  const int upright = upright_axis(s.scene);
   double slip = 0.0;  // since the stage began, m
   for (int b = 0; b < s.large_motion->block_count(); ++b) {
     if (!s.reactions.on_base[static_cast<std::size_t>(b)] || !s.large_motion->part.owns(b)) continue;
     const Vector moved = displacement_in_stage(s, ground, b);
-    slip = std::max(slip, std::hypot(moved.x, moved.z));
+    slip = std::max(slip, std::hypot(moved[(upright + 1) % 3], moved[(upright + 2) % 3]));
   }
   s.outcome.base_slip_at_uplift = s.parts.divided ? largest_of_ranks(s, slip) : slip;
 }
@@ -118,25 +137,43 @@ void watch_uplift(Simulation::Impl& s) {
 void bind_collapse(Simulation::Impl& s, const Stage& settings, const Stage*) {
   s.actions.multiplier = 0.0;
   s.actions.first_load = {};
-  std::vector<Vector>& from = s.actions.collapse_from;
-  from.clear();
+  s.actions.collapse_from.clear();
   if (!settings.collapse) return;
   if (!settings.collapse->start || !settings.collapse->limit)
     throw Error(Exit::bad_input,
                 fmt::format("{}: collapse.start = \"limit\" is not found yet; give start as a number, times the weight",
                             settings.source.text));
+}
+
+// Beds that are open already, in the order of the pairs. All ranks have the list of contacts.
+std::vector<geometry::Pair> open_beds(const Simulation::Impl& s) {
+  const auto& contacts = s.large_motion->contacts.list;
+  std::vector<char> is_open(contacts.size(), 0);
+  each_opening(s, [&](std::size_t contact, double opening) { is_open[contact] = opening >= kUplift; });
+  if (s.parts.divided)
+    all_gather(s.ranks, std::span(is_open),
+               [&](std::size_t contact) { return s.large_motion->part.rank_of(contacts[contact].pair); });
+  std::vector<geometry::Pair> open;
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    if (is_open[k]) open.push_back(contacts[k].pair);
+  return open;
+}
+
+// Sets collapse_from and open_beds. The ground is known when the stage has begun: a stage before may have moved it.
+void note_start_of_collapse(Simulation::Impl& s) {
+  s.actions.open_beds = open_beds(s);
+  const Vector ground = ground_displacement(s);
+  std::vector<Vector>& from = s.actions.collapse_from;
   for (int block = 0; block < s.large_motion->block_count(); ++block)
-    from.push_back(position_of(*s.large_motion, block));
+    from.push_back(position_of(*s.large_motion, block) - ground);
   if (s.ranks)
     all_gather(s.ranks, std::span(from), [rank = rank_by_block(s)](std::size_t block) { return rank[block]; });
-  const int block = ground_block(s);
-  const Vector ground = block < 0 ? position_of_ground(s) : from[static_cast<std::size_t>(block)];
-  for (Vector& of_block : from) of_block -= ground;
 }
 
 // Adds the body force to the weight.
 void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
   if (!settings.collapse) return;
+  if (s.actions.collapse_from.empty()) note_start_of_collapse(s);
   if (!waits(*settings.collapse))
     s.actions.multiplier = *settings.collapse->start * ramp +
                            *settings.collapse->rate * std::max(0.0, s.large_motion->stepping.time -
@@ -158,8 +195,8 @@ void find_blocks_on_base(Simulation::Impl& s) {
   const auto& contacts = s.large_motion->contacts.list;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const blocks::Contact& c = contacts[i];
-    if (c.count == 0 || !s.large_motion->part.owns(c.pair) ||
-        std::abs(s.large_motion->contacts.place[i].separation.normal.y) < kBed)
+    if (!is_bed(s, i) ||
+        s.large_motion->contacts.place[i].separation.distance > s.large_motion->detection.joint_tolerance)
       continue;
     const blocks::Family& family = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
     for (std::size_t p = c.first; p < c.first + c.count; ++p) {
@@ -173,7 +210,7 @@ void find_blocks_on_base(Simulation::Impl& s) {
   }
   if (const members::Members* const members = s.large_motion->held_by.members.get()) {
     for (const members::SpringPoint& p : members->spring_points()) {
-      if (std::abs(p.out.y) < kBed) continue;
+      if (std::abs(p.out[upright_axis(s.scene)]) < kBed) continue;
       area += p.area;
       s.reactions.base_centre += p.area * members->nodes()[static_cast<std::size_t>(p.node)].start;
     }
@@ -229,8 +266,9 @@ void FirstLoad::look(double time, double moved, double allowed, double needed) {
   carried = carried || time - since >= needed;
 }
 
-extern const Action kCollapse{.bind = bind_collapse,
-                              .apply = apply_collapse,
-                              .saved = kSaved<&Actions::multiplier, &Actions::first_load, &Actions::collapse_from>};
+extern const Action kCollapse{
+    .bind = bind_collapse,
+    .apply = apply_collapse,
+    .saved = kSaved<&Actions::multiplier, &Actions::first_load, &Actions::collapse_from, &Actions::open_beds>};
 
 }  // namespace quoin

@@ -36,7 +36,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
       if (std::abs(drive.velocity_from[c]) <= kGroundAtRest && old->of_ground) drive.velocity_from[c] = 0.0;
     }
     const Vector carried =
-        -1.0 * m.step_sums.contact_force[block] - m.blocks[block].mass * geometry::vector(s.data.gravity);
+        -1.0 * (m.step_sums.contact_force[block] + m.blocks[block].mass * m.actions.gravity + load_on(m, block));
     for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_now[c];
     return drive;
   };

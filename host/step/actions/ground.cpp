@@ -8,11 +8,13 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/index.h"
 #include "base/smooth_step.h"
 #include "members/members.h"
 #include "model/world_results.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
+#include "scene/weight_axis.h"
 #include "step/actions/action.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
@@ -41,9 +43,9 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
   row.ground_displacement = geometry::array(ground_of_lattice_at_forces(s));
   Vector moment;
   bool any = false;
+  const std::vector<std::uint8_t> held = held_now(s);
   for (int b = 0; b < static_cast<int>(s.model.bodies.size()); ++b) {
-    if (!s.model.assembly.bricks[static_cast<std::size_t>(s.model.bodies[static_cast<std::size_t>(b)].block)].fixed)
-      continue;
+    if (!s.model.assembly.bricks[at(s.model.bodies[at(b)].block)].fixed || held[at(b)] == 0) continue;
     const JointWrench joints = joint_wrench(s, b);
     any = true;
     row.base_force += joints.force;
@@ -247,7 +249,8 @@ void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
             warnings);
 }
 
-// Measures force and moment of the structure on the ground: on fixed blocks, and on what lies below springs.
+// Measures force and moment of the structure on the ground: on fixed blocks that no stage has freed, and on what lies
+// below springs.
 void measure_base(const Simulation::Impl& s, HistoryRow& row) {
   if (!s.large_motion) return measure_base_on_lattice(s, row);
   const blocks::Model& m = *s.large_motion;
@@ -260,7 +263,8 @@ void measure_base(const Simulation::Impl& s, HistoryRow& row) {
     moved = row.ground_displacement = geometry::array(members->ground());
   }
   const Vector centre = s.reactions.base_centre + geometry::vector(moved);
-  const auto is_fixed = [&](int block) { return m.assembly.blocks[static_cast<std::size_t>(block)].fixed; };
+  const std::vector<std::uint8_t> held = held_now(s);
+  const auto is_fixed = [&](int block) { return m.assembly.blocks[at(block)].fixed && held[at(block)] != 0; };
   Vector force, moment;
   for (int block = 0; block < m.block_count(); ++block) {
     if (!is_fixed(block)) continue;
@@ -289,17 +293,17 @@ void measure_base(const Simulation::Impl& s, HistoryRow& row) {
 
 // Centre of the beds between fixed bricks and others, at the start.
 void find_base_of_lattice(Simulation::Impl& s) {
-  const auto is_fixed = [&](int brick) { return s.model.assembly.bricks[static_cast<std::size_t>(brick)].fixed; };
+  const auto is_fixed = [&](int brick) { return s.model.assembly.bricks[at(brick)].fixed; };
+  const int upright = upright_axis(s.scene);
   s.reactions.base_centre = {};
   double area = 0.0;
   const auto& bricks = s.model.assembly.bricks;
   for (std::size_t j = 0; j < s.model.assembly.joints.size(); ++j) {
     const Joint& joint = s.model.assembly.joints[j];
-    if (joint.face_a / 2 != 1 || is_fixed(joint.block_a) == is_fixed(joint.block_b)) continue;
-    const Brick &a = bricks[static_cast<std::size_t>(joint.block_a)],
-                &b = bricks[static_cast<std::size_t>(joint.block_b)];
+    if (joint.face_a / 2 != upright || is_fixed(joint.block_a) == is_fixed(joint.block_b)) continue;
+    const Brick &a = bricks[at(joint.block_a)], &b = bricks[at(joint.block_b)];
     double of_joint = 1.0;
-    for (const std::size_t c : {std::size_t{0}, std::size_t{2}})
+    for (const std::size_t c : {at((upright + 1) % 3), at((upright + 2) % 3)})
       of_joint *= std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]) - std::max(a.origin[c], b.origin[c]);
     area += of_joint;
     s.reactions.base_centre += of_joint * geometry::vector(s.small_motion.joint_sliding.centre(static_cast<int>(j)));

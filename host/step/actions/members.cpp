@@ -38,8 +38,17 @@ void build_members(Simulation::Impl& s) {
                                   std::move(exchange));
 }
 
-extern const Action kMembers{.apply = [](Simulation::Impl& s, const Stage&, double ramp) {
-  if (members::Members* held = s.large_motion->held_by.members.get()) held->jack(s.progress.stage == 0 ? ramp : 1.0);
-}};
+// Jacks pull over the ramp of the first stage. Where that stage ends inside its ramp, they go on in the next.
+extern const Action kMembers{.bind =
+                                 [](Simulation::Impl& s, const Stage&, const Stage*) {
+                                   if (const auto& held = s.large_motion->held_by.members)
+                                     s.actions.jacked_from = held->jacked();
+                                 },
+                             .apply =
+                                 [](Simulation::Impl& s, const Stage&, double ramp) {
+                                   if (const auto& held = s.large_motion->held_by.members)
+                                     held->jack(s.actions.jacked_from + ramp * (1.0 - s.actions.jacked_from));
+                                 },
+                             .saved = kSaved<&Actions::jacked_from>};
 
 }  // namespace quoin

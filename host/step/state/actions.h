@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/broad_phase.h"
 #include "geometry/vector.h"
 #include "scene/scene.h"
 
@@ -51,9 +52,11 @@ struct FirstLoad {
 struct Actions {
   std::vector<Drive> drives;
   std::size_t fading_loads = 0, fading_pressures = 0;  // number of loads of earlier stages, which fade
+  double jacked_from = 0.0;                            // share of the pretension when the stage began
   double multiplier = 0.0;                             // multiplier of the body force in a collapse stage
   FirstLoad first_load;                                // for collapse stages
   std::vector<geometry::Vector> collapse_from;         // of blocks against the ground when a collapse stage began, m
+  std::vector<geometry::Pair> open_beds;               // beds that were open when a collapse stage began, in order
   geometry::Vector collapse_left;  // body force by mass at the end of a collapse stage, which fades in the next, m/s2
   geometry::Vector ground_left;    // velocity that records have left to ground below springs that no block follows, m/s
 
