@@ -258,7 +258,7 @@ TEST_F(Suite, AStripeOfOneGIsNoUnitOfTheFile) {
 // Times of a run count from the begin of the shake, after the end of another run too. The run before, of 0.2 s,
 // counted.
 TEST_F(Suite, TimesCountFromTheBeginOfTheShake) {
-  const std::string scene = read_all(folder_ / "scene.toml");
+  const std::string scene = "[solver]\nkernels = \"general\"\n" + read_all(folder_ / "scene.toml");
   std::ofstream(folder_ / "weight.toml") << scene.substr(0, scene.rfind("[[stage]]"))
                                          << "[output]\nframes = 0\nplots = false\nend_state = true\n";
   ASSERT_EQ(quoin({"run", (folder_ / "weight.toml").string(), "--out", (folder_ / "w").string(), "--threads", "1"}), 0)
