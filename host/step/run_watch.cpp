@@ -89,8 +89,8 @@ void check_stiffness(Simulation::Impl& s) {
 }
 
 // Warning of a block that falls, slides or topples under damping or with scaled inertia; empty: none. Such a block has
-// moved by kMoved of its least extent, is as fast as after a fall of kFall of it, and its forces are not balanced, in
-// two passes one after the other.
+// moved by kMoved of its least extent, and is as fast as after a fall of kFall of it. Its forces are not balanced. All
+// this holds in two passes one after the other.
 std::string damped_motion(Simulation::Impl& s) {
   constexpr double kMoved = 0.02, kFall = 0.01, kUnbalanced = 0.05;  // shares of the least extent and of the weight
   const auto now_in = static_cast<std::size_t>(s.progress.stage);

@@ -289,8 +289,8 @@ ZeroCase with_zeros(Settings settings, const std::vector<std::string>& zero) {
   return {settings, zero};
 }
 
-// Whether the law refuses the combination (C4.1), not the zero: the text names a property that is not zero, and the law
-// accepts the zeros where the other properties have their defaults.
+// Whether the law refuses the combination (C4.1), not the zero. Then the text names a property that is not zero, and
+// the law accepts the zeros beside the defaults of the other properties.
 bool refuses_the_combination(const quoin_law& law, const Material& refused, const ZeroCase& tried,
                              const Settings& alone) {
   const bool names_another = std::ranges::any_of(properties_of(law), [&](const quoin_property_info* property) {

@@ -1,5 +1,5 @@
-// What a stage takes over from the one before: supports and loads that it releases, the laws that it replaces, the time
-// step, and the ground from which a collapse counts. On the lattice and for blocks of any shape.
+// State of a stage that comes from the one before: supports and loads that it releases, laws that it replaces, the time
+// step. And the ground from which a collapse counts. On the lattice and for blocks of any shape.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -243,7 +243,8 @@ TEST(ReleasedSupport, ReactionHasTheBodyForceOfACollapse) {
   EXPECT_LT(largest, 1e-5);
 }
 
-// A force of 500 N fades while a stage holds its block; the next stage releases it. Both kernels move it alike.
+// A force of 500 N fades while a stage holds its block; the next stage releases it. Both kernels give it the same
+// motion.
 TEST(ReleasedSupport, ReactionHasLoadsThatStillFade) {
   const std::string text = with(dry_stone(30.0), "shear_stiffness = 1e9", "shear_stiffness = 5e8") +
                            "[solver]\ntime_step_fraction = 0.4\ndamping = \"viscous\"\nmass_damping = 20.0\n"
