@@ -52,10 +52,10 @@ Curve reference(const std::string& name, double from, double to, const std::func
 void write_figure(const std::string& name, const std::string& x, const std::string& y,
                   const std::vector<Curve>& curves);
 
-// Runs until a time, s. The weight grows linearly from 0 over `ramp`, s.
-inline void apply_weight(Model& m, double ramp, double until) {
+// Runs until a time, s. The weight grows linearly from 0 over `ramp`, s. down: unit vector.
+inline void apply_weight(Model& m, double ramp, double until, const geometry::Vector& down = {0, -1, 0}) {
   for (; m.stepping.time < until - 0.5 * m.stepping.dt; m.step())
-    m.set_gravity({0, -gravity * std::min(1.0, m.stepping.time / ramp), 0});
+    m.set_gravity(gravity * std::min(1.0, m.stepping.time / ramp) * down);
 }
 inline void run_steps(Model& m, long steps) {
   for (long i = 0; i < steps; ++i) m.step();
