@@ -51,9 +51,6 @@ WallSpec read_wall(Table& t, const Scene& scene) {
     if (!w.bottom_beam) t.refuse("bottom_beam_cuts", "only with bottom_beam = true");
   }
   const bool beams = w.bottom_beam || w.top_beam;
-  for (const char* key : {"beam_height", "beam_density"}) {
-    if (!beams) t.refuse_if_given(key, "only with bottom_beam or top_beam = true; remove it");
-  }
   t.name_of("unit_material", w.unit_material, scene.materials, "materials", true);
   t.name_of("bed_joint", w.bed_joint, scene.joints, "joints", true);
   t.name_of("head_joint", w.head_joint, scene.joints, "joints", true);

@@ -89,6 +89,12 @@ std::vector<std::string> unused_settings(const Scene& scene) {
   add_if(!settles && settling && *settling != usual.settling_damping.value_or(-1.0), "solver.settling_damping",
          "no stage ends by equilibrium_ratio");
 
+  if (const WallSpec usual_wall; scene.wall && !scene.wall->bottom_beam && !scene.wall->top_beam) {
+    const char* const no_beam = "the wall has no beam";
+    add_if(scene.wall->beam_height != usual_wall.beam_height, "wall.beam_height", no_beam);
+    add_if(scene.wall->beam_density != usual_wall.beam_density, "wall.beam_density", no_beam);
+  }
+
   const RandomSample first;
   const bool is_random = std::ranges::any_of(scene.joints, [](const auto& joint) { return joint.second.is_random(); });
   const bool at_means = scene.random.sample == 0;  // as an ensemble has its first wall

@@ -86,7 +86,10 @@ TEST(Dowels, BadOnesAreRefusedWithPlaces) {
   EXPECT_THAT(refusal(dowel("[1, 3, 1]", 1e4, 1e4)), AllOf(HasSubstr("in the air"), HasSubstr("2 m off")));
   EXPECT_THAT(refusal(dowel("[1, 1, 1]", 1e4, 1e4)), HasSubstr("one side is in the air"));
   EXPECT_THAT(refusal(dowel("[1, 0, 1]", 0.0, 1e4)), HasSubstr("dowel.1.yield_force = 0"));
-  const auto named = [](const char* name) { return dowel("[1, 0, 1]", 1e4, 1e4) + "name = \"" + name + "\"\n"; };
+  const auto named = [](const std::string& name) {
+    std::string text = dowel("[1, 0, 1]", 1e4, 1e4);
+    return text.replace(text.find("\"d\""), 3, '"' + name + '"');
+  };
   EXPECT_THAT(refusal(named("a_shear") + named("a")), HasSubstr("not NAME_shear beside NAME"));
 }
 

@@ -14,11 +14,13 @@
 
 #include "base/error.h"
 #include "scene/quality.h"
+#include "scene/unused_settings.h"
 
 namespace quoin {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -402,11 +404,13 @@ TEST_F(ReadScene, CutsOfTheBeamAreInsideTheWallAndGrow) {
     EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("whole half units that grow, 1 to 2, where")) << wrong;
 }
 
-TEST_F(ReadScene, KeysOfBeamsNeedABeam) {
+TEST_F(ReadScene, KeysOfBeamsWithoutABeamAreNamed) {
+  const auto names = Contains(HasSubstr("the wall has no beam"));
   for (const char* key : {"wall.beam_height=0.2", "wall.beam_density=7000"}) {
-    EXPECT_NO_THROW(read(kScene, {key, "wall.bottom_beam=false"}));
-    EXPECT_THAT(message(kScene, {key, "wall.bottom_beam=false", "wall.top_beam=false"}),
-                HasSubstr("only with bottom_beam or top_beam = true"));
+    Scene scene = read(kScene, {key, "wall.bottom_beam=false"});
+    EXPECT_THAT(unused_settings(scene), Not(names));
+    scene.wall->top_beam = false;
+    EXPECT_THAT(unused_settings(scene), names);
   }
 }
 

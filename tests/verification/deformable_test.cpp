@@ -371,9 +371,9 @@ void patch(bool turned, bool with_rigid) {
   };
   auto m = scene.model(local(0.8, 0.7));
   // faces of geometry::box: -x +x -y +y
-  m->add(Pressure{low, 2, p, {}, {}, {}, {}});
-  m->add(Pressure{left, 3, p, {}, {}, {}, {}});
-  m->add(Pressure{right, 3, p, {}, {}, {}, {}});
+  m->add(Pressure{low, 2, p, {}, {}, {}});
+  m->add(Pressure{left, 3, p, {}, {}, {}});
+  m->add(Pressure{right, 3, p, {}, {}, {}});
   settle(*m, 1e-22, 60000);
   const Matrix r = matrix(q);
   double worst = 0.0;

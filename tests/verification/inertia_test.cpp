@@ -425,8 +425,8 @@ TEST(ScaledInertia, AChangeOfDampingIsNoJolt) {
   Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
   scene.soft({0, 0, 0}, {0.2, 0.1, 0.1}, {2, 1, 1});
   auto m = scene.model(local(0.8, 0.5));
-  m->add(Pressure{0, 0, 1e6, {}, {}, {}, {}});
-  m->add(Pressure{0, 1, 1e6, {}, {}, {}, {}});
+  m->add(Pressure{0, 0, 1e6, {}, {}, {}});
+  m->add(Pressure{0, 1, 1e6, {}, {}, {}});
   settle(*m, 1e-20);
   EXPECT_GT(strain_energy(*m), 0.5);
   m->set_solver(viscous(0.0, 1e-6));

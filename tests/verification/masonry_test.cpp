@@ -219,7 +219,7 @@ double triplet(double confinement, double c, double angle, double& residual) {
   (void)low;
   auto m = scene.model(local(0.8, 0.5));
   const double area = size.x * size.z;
-  m->add(Pressure{top, 3, confinement, {}, {}, {}, {}});
+  m->add(Pressure{top, 3, confinement, {}, {}, {}});
   m->prescribe(top, {}, {}, 0x3d);  // free along y only
   m->prescribe(middle, {}, {}, 0x3d);
   m->run(0.02);

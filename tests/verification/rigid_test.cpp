@@ -64,7 +64,7 @@ TEST(FreeMotion, PressureMovesAndTurnsAPrism) {
   const auto side = std::find_if(normals.begin(), normals.end(), [](const Vector& n) { return n.x < -0.99; });
   auto m = scene.model(undamped());
   m->track_energy(true);
-  m->add(Pressure{0, int(side - normals.begin()), p, {}, {}, {}, {}});
+  m->add(Pressure{0, int(side - normals.begin()), p, {}, {}, {}});
   m->step();
   const Vector v = body_of(*m, 0).v, momentum = body_of(*m, 0).momentum;
   const double start = m->stepping.time, lead = m->step_sums.energies.balance_error(), mass = 2000 * b * h / 2 * depth,
@@ -86,7 +86,7 @@ TEST(FreeMotion, WorkOfLoadsOnGridpointsIsItsEnergy) {
   scene.soft({0, 0, 0}, {0.2, 0.1, 0.1}, {2, 1, 1});
   auto m = scene.model(undamped());
   m->track_energy(true);
-  m->add(Pressure{0, 0, 1e3, {}, {}, {}, {}});  // on -x
+  m->add(Pressure{0, 0, 1e3, {}, {}, {}});  // on -x
   m->add(Load{0, {0.2, 0.1, 0.0}, {0, 30, 0}, {}, {}, {}});
   m->step();
   const double lead = m->step_sums.energies.balance_error();
