@@ -30,3 +30,16 @@ name = "cube"
 material = "stone"
 box = { lower = [0, 0, 0], size = [1, 1, 1] }
 )";
+
+// Stages of that cube: its weight, and 0.1 mm downwards.
+inline constexpr const char* kPressedCube = R"([[stage]]
+gravity = [0, -9.81, 0]
+ramp_time = 0.05
+duration = 0.1
+[[stage]]
+displacement = 1e-4
+ramp_time = 0.01
+[[stage.velocity]]
+block = "cube"
+velocity = [0, -0.005, 0]
+)";

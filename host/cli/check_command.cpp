@@ -11,7 +11,6 @@
 
 #include "base/clock.h"
 #include "base/duration_text.h"
-#include "base/upright_axis.h"
 #include "cli/prepare.h"
 #include "cli/run_command.h"
 #include "files/memory.h"
@@ -29,6 +28,7 @@
 #include "scene/scatter_text.h"
 #include "scene/size.h"
 #include "scene/stage_warnings.h"
+#include "scene/weight_axis.h"
 #include "step/findings.h"
 #include "step/large_motion.h"
 #include "step/results.h"
@@ -144,9 +144,7 @@ void print_supports(const Simulation& simulation) {
 void print_overhang(const Simulation& simulation) {
   constexpr std::size_t kNamed = 5;
   const int count = static_cast<int>(simulation.block_count());
-  const auto weighed =
-      std::ranges::find_if(simulation.scene().stages, [](const Stage& stage) { return stage.gravity != Vec3{}; });
-  const Vec3 gravity = weighed != simulation.scene().stages.end() ? weighed->gravity : Vec3{};
+  const Vec3 gravity = first_gravity(simulation.scene());
   const auto upright = static_cast<std::size_t>(upright_axis(gravity));
   const double sign = gravity[upright] > 0.0 ? -1.0 : 1.0;
   std::vector<double> foot(static_cast<std::size_t>(count), HUGE_VAL);

@@ -46,7 +46,7 @@ struct Results {
   std::map<std::string, std::vector<double>> column;  // inputs and outputs of all samples without failure
   std::vector<Curve> curves;
   Curve curve_of_means;
-  bool vertical = false;  // whether curves are those of a vertical test
+  std::optional<bool> vertical;  // whether curves are those of a vertical test, by the first run that has a peak
 };
 
 double value_of(const Values& values, const std::string& name) {
@@ -65,12 +65,14 @@ std::string_view cell(std::string_view row, std::size_t at, std::size_t n) {
   return row.substr(at, row.find(',', at) - at);
 }
 
-// Whether the peak of a run is that of a vertical test.
-bool is_vertical(const fs::path& sample) {
+// Whether the peak of a run is that of a vertical test; no value: it has no peak.
+std::optional<bool> has_vertical_peak(const fs::path& sample) {
   const fs::path file = sample / "summary.json";
-  if (!fs::exists(file)) return false;
+  if (!fs::exists(file)) return std::nullopt;
   const Json json = Json::parse(read_input_file(file.string()), nullptr, false);
-  return json.is_object() && json.value("peak_vertical_force_N", Json()).is_number();
+  const auto has = [&](const char* key) { return json.is_object() && json.value(key, Json()).is_number(); };
+  if (has("peak_vertical_force_N")) return true;
+  return has("peak_horizontal_force_N") ? std::optional(false) : std::nullopt;
 }
 
 // Curve of the last stage: largest displacement so far, and the force at it, of vertical tests its magnitude.
@@ -102,8 +104,8 @@ Results read_results(const StudyFolder& folder, std::uint64_t samples) {
   Results r;
   if (is_finished(folder.sample(0))) {
     r.of_means = read_sample(folder.sample(0));
-    r.vertical = is_vertical(folder.sample(0));
-    r.curve_of_means = read_curve(folder.sample(0), r.vertical);
+    r.vertical = has_vertical_peak(folder.sample(0));
+    r.curve_of_means = read_curve(folder.sample(0), r.vertical.value_or(false));
   }
   for (std::uint64_t i = 1; i <= samples; ++i) {
     if (is_finished(folder.sample(i))) r.samples.emplace_back(i, read_sample(folder.sample(i)));
@@ -117,8 +119,8 @@ Results read_results(const StudyFolder& folder, std::uint64_t samples) {
     if (sample.status != "done") continue;
     for (const std::string& name : r.inputs) r.column[name].push_back(value_of(sample.inputs, name));
     for (const std::string& name : output_names()) r.column[name].push_back(value_of(sample.outputs, name));
-    r.vertical = r.vertical || is_vertical(folder.sample(i));
-    r.curves.push_back(read_curve(folder.sample(i), r.vertical));
+    if (!r.vertical) r.vertical = has_vertical_peak(folder.sample(i));
+    r.curves.push_back(read_curve(folder.sample(i), r.vertical.value_or(false)));
   }
   return r;
 }
@@ -478,7 +480,7 @@ Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t sam
   if (pictures) {
     make_folder(folder.path() / "plots");
     Pictures drawn(folder.path(), study.title);
-    draw_bands(bands, r.vertical, drawn);
+    draw_bands(bands, r.vertical.value_or(false), drawn);
     draw_convergence(peaks, drawn);
     draw_fragility(limits, limits.empty() ? "" : study.limits[0].output, drawn);
     draw_influences(influences, drawn);

@@ -131,13 +131,13 @@ void follow(World& w, const MovedPoint& moved) {
 void leave_fixed_frames(World& w) {
   if (w.stepping.count < w.checks.next || w.checks.block.empty()) return;
   if (std::ranges::none_of(w.frames.fixed, [](uint8_t is_fixed) { return is_fixed != 0; })) return;
-  std::vector<double> leaves(w.blocks.size(), 0.0);  // by block; not 0: it leaves its fixed frame
   bool some = false;
-  for (int i = 0; i < w.block_count(); ++i) {
+  for (int i = 0; i < w.block_count() && !some; ++i) {
     const bool is_due = w.frames.fixed[size_t(i)] && w.part.owns(i) && w.checks.block[size_t(i)] <= w.stepping.count;
-    if (is_due && !keeps_fixed_frame(w, i)) leaves[size_t(i)] = 1.0, some = true;
+    some = is_due && !keeps_fixed_frame(w, i);
   }
   if (!w.part.any(some)) return;
+  std::vector<double> leaves(w.blocks.size(), 0.0);  // by block; not 0: it leaves its fixed frame
   for (int i = 0; i < w.block_count(); ++i) {
     if (w.frames.fixed[size_t(i)] && w.part.owns(i) && !keeps_fixed_frame(w, i, kLeavesTogether))
       leaves[size_t(i)] = 1.0;

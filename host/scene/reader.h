@@ -430,12 +430,12 @@ SolverSettings read_solver(Table t, const Quality* quality);
 SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground);
 // Reads the solver table of a stage, after its actions. Without one, a stage with ground motion has other defaults.
 void read_stage_solver(Table& t, Stage& stage, const Scene& scene);
-// Whether a name can be part of names of columns and files: letters, digits, '_' and '-'.
 // Whether one name is the other with a suffix that columns add, so that both would have a column of one name.
 inline bool differ_by(const std::string& suffix, const std::string& a, const std::string& b) {
   return a == b + suffix || b == a + suffix;
 }
 
+// Whether a name can be part of names of columns and files: letters, digits, '_' and '-'.
 inline bool is_plain_name(const std::string& name) {
   return !name.empty() &&
          std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });

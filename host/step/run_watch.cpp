@@ -109,8 +109,7 @@ std::string damped_motion(Simulation::Impl& s) {
     const Vector v = velocity_of(*s.large_motion, i);
     const double extent = s.large_motion->blocks[i].least_extent;
     const double fall = scaling * dot(v, v) / (2.0 * g * kFall * extent);
-    const Vector moved = position_of(*s.large_motion, i) - start_position_of(*s.large_motion, i);
-    if (fall > most && norm(moved) > kMoved * extent) most = fall, block = i;
+    if (fall > most && norm(moved_by_now(*s.large_motion, i)) > kMoved * extent) most = fall, block = i;
   }
   if (s.parts.divided) block = largest_of_ranks(s, most == largest_of_ranks(s, most) ? block : -1.0);
   const int number = static_cast<int>(block);

@@ -29,6 +29,9 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+constexpr const char* kVariedDensity =
+    "[[quantity]]\nkey = \"materials.stone.density\"\ndistribution = \"uniform\"\nlower = 1900.0\nupper = 2100.0\n";
+
 class Ensemble : public Cli {
  protected:
   std::vector<std::string> words(const std::string& out, std::vector<std::string> more = {}) const {
@@ -37,6 +40,12 @@ class Ensemble : public Cli {
   }
   int ensemble(const std::string& out, const std::vector<std::string>& more = {}) {
     return finish(start(words(out, more)));
+  }
+  // Runs the study that the test has written, study.toml.
+  int written_study(const std::string& out, std::vector<std::string> more = {}) {
+    more.insert(more.begin(),
+                {QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out", (folder_ / out).string()});
+    return finish(start(more));
   }
   std::string table(const std::string& out) const { return read_all(folder_ / out / "samples.csv"); }
   int finished(const std::string& out) const {
@@ -90,9 +99,7 @@ upper = 30.0
 name = "collapse"
 output = "collapse_multiplier"
 )";
-  const int code = finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
-                                 (folder_ / "a").string(), "--no-pictures", "--jobs", "1"}));
-  ASSERT_EQ(code, 0) << error_;
+  ASSERT_EQ(written_study("a", {"--no-pictures", "--jobs", "1"}), 0) << error_;
   int failed = 0, done = 0;
   for (const std::string& line : lines_of(table("a"))) {
     failed += line.find("the collapse multiplier is not known") != std::string::npos ? 1 : 0;
@@ -353,34 +360,13 @@ TEST_F(Ensemble, JointsMayHaveNamesWithADot) {
 // A cube on springs of kn A = 1 GN/m is pressed down: the force over its displacement is linear. Bands were those of
 // the horizontal displacement, which is 0, and so empty.
 TEST_F(Ensemble, BandsOfAVerticalTestAreVertical) {
-  std::ofstream(folder_ / "cube.toml") << dry_stone(30) << kCubeOnGround << R"([[stage]]
-gravity = [0, -9.81, 0]
-ramp_time = 0.05
-duration = 0.1
-[[stage]]
-displacement = 1e-4
-ramp_time = 0.01
-[[stage.velocity]]
-block = "cube"
-velocity = [0, -0.005, 0]
-[output]
+  std::ofstream(folder_ / "cube.toml") << dry_stone(30) << kCubeOnGround << kPressedCube << R"([output]
 monitor = "cube"
 frames = 0
 plots = false
 )";
-  std::ofstream(folder_ / "study.toml") << R"(scene = "cube.toml"
-samples = 2
-[[quantity]]
-name = "rho"
-key = "materials.stone.density"
-distribution = "uniform"
-lower = 1900.0
-upper = 2100.0
-)";
-  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
-                          (folder_ / "a").string(), "--no-pictures", "--jobs", "1"})),
-            0)
-      << error_;
+  std::ofstream(folder_ / "study.toml") << "scene = \"cube.toml\"\nsamples = 2\n" << kVariedDensity;
+  ASSERT_EQ(written_study("a", {"--no-pictures", "--jobs", "1"}), 0) << error_;
   const auto bands = lines_of(read_all(folder_ / "a" / "curve_bands.csv"));
   ASSERT_EQ(bands.size(), 202u);
   double displacement = 0.0, force = 0.0;
@@ -409,18 +395,8 @@ duration = 0.02
 frames = 0
 plots = false
 )";
-  std::ofstream(folder_ / "study.toml") << R"(scene = "wall.toml"
-samples = 1
-[[quantity]]
-key = "materials.stone.density"
-distribution = "uniform"
-lower = 1900.0
-upper = 2100.0
-)";
-  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
-                          (folder_ / "a").string(), "--jobs", "1"})),
-            0)
-      << error_;
+  std::ofstream(folder_ / "study.toml") << "scene = \"wall.toml\"\nsamples = 1\n" << kVariedDensity;
+  ASSERT_EQ(written_study("a", {"--jobs", "1"}), 0) << error_;
   const auto joints = lines_of(read_all(folder_ / "a" / "crack_probability.csv"));
   EXPECT_EQ(joints.at(0), "block_a,block_b,x0_m,y0_m,x1_m,y1_m,probability,z0_m,z1_m");
   double first = 1.0, last = 0.0;
@@ -507,10 +483,7 @@ TEST_F(Ensemble, RecordsSamplesThatFailAndGoesOn) {
       << "scene = \"" << small_ << "\"\nsamples = 8\n"
       << "[set.stage.shear]\nvelocity = 0.2\ndisplacement = 0.0001\n"
       << "[[quantity]]\nkey = \"stage.precompression.pressure\"\ndistribution = \"normal\"\nmean = 0.1e6\nsd = 0.2e6\n";
-  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
-                          (folder_ / "f").string(), "--no-pictures"})),
-            0)
-      << error_;
+  ASSERT_EQ(written_study("f", {"--no-pictures"}), 0) << error_;
   const auto lines = lines_of(table("f"));
   ASSERT_EQ(lines.size(), 9u);
   int failed = 0;
@@ -709,10 +682,7 @@ TEST_F(Ensemble, FragilitiesOfNoColumnAreRefusedBeforeTheWork) {
     text.replace(text.find(scene), scene.size(), small_);
     std::ofstream(folder_ / "study.toml") << text << "\n[[fragility]]\noutput = \"" << output << "\"\n";
   };
-  const auto run = [&] {
-    return finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
-                         (folder_ / "a").string(), "--no-pictures", "--samples", "3"}));
-  };
+  const auto run = [&] { return written_study("a", {"--no-pictures", "--samples", "3"}); };
   write("peak_force_kN");
   EXPECT_EQ(run(), 3);
   EXPECT_THAT(error_, AllOf(HasSubstr("study.toml:"),
@@ -799,11 +769,9 @@ TEST_F(Ensemble, NothingOfAStudyIsLeftOutInSilence) {
     const std::string scene = "../cli/small_wall.toml";
     text.replace(text.find(scene), scene.size(), small_);
     std::ofstream(folder_ / "study.toml") << text << quantity;
-    std::vector<std::string> all{
-        QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out", (folder_ / "a").string(),
-        "--samples",   "1"};
+    std::vector<std::string> all{"--samples", "1"};
     all.insert(all.end(), more.begin(), more.end());
-    return finish(start(all));
+    return written_study("a", all);
   };
   const auto quantity = [](const std::string& name, const std::string& key) {
     return "[[quantity]]\nname = \"" + name + "\"\nkey = \"" + key +
@@ -828,9 +796,7 @@ TEST_F(Ensemble, NothingOfAStudyIsLeftOutInSilence) {
 TEST_F(Ensemble, NamesTheFaultsOfAStudy) {
   std::ofstream(folder_ / "study.toml")
       << "scene = \"none.toml\"\nsample = 3\nmethod = \"sobol\"\n[[quantity]]\nkey = \"a\"\n";
-  EXPECT_EQ(
-      finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out", (folder_ / "a").string()})),
-      3);
+  EXPECT_EQ(written_study("a"), 3);
   EXPECT_THAT(error_, HasSubstr("study.toml:2: sample = 3: unknown key, did you mean 'samples'?"));
   EXPECT_THAT(error_, HasSubstr("quantity.1.distribution: missing"));
 }

@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include "../scene_of_text.h"
 #include "base/error.h"
+#include "base/input_file.h"
 #include "geometry/zoning.h"
 #include "model/brick_template.h"
 #include "model/motion.h"
@@ -28,13 +27,6 @@ namespace quoin {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string text_of(const std::string& file) {
-  std::ifstream stream(file);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 std::string list(const auto& values) { return fmt::format("[{}, {}, {}]", values[0], values[1], values[2]); }
 
@@ -59,7 +51,7 @@ constexpr const char* kSteel = "[materials.beam]\nyoung_modulus = 2e11\npoisson_
 
 // Returns solid_wall_030.toml with its [wall] as a list of blocks and its stages with keys of blocks.
 std::string solid_wall_as_blocks() {
-  const std::string file = QUOIN_SCENES "/solid_wall_030.toml", text = text_of(file);
+  const std::string file = QUOIN_SCENES "/solid_wall_030.toml", text = read_input_file(file);
   const Scene wall = read_scene(file);
   const Assembly assembly = assemble(wall);
   std::vector<std::string> names;
@@ -104,7 +96,7 @@ energy = false
 
 // Returns cube_wall_10.toml as a list of blocks, in which each cube of the outer courses has its own name.
 std::string cube_wall_as_blocks() {
-  const std::string file = QUOIN_SCENES "/cube_wall_10.toml", text = text_of(file);
+  const std::string file = QUOIN_SCENES "/cube_wall_10.toml", text = read_input_file(file);
   const Assembly assembly = assemble(read_scene(file));
   std::vector<std::string> names;
   std::string drives;

@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "base/input_file.h"
 #include "geometry/vector.h"
 #include "model/impact_damping.h"
 #include "scene/read_scene.h"
@@ -28,11 +27,6 @@ Scene scene(const Overrides& overrides = {}) { return read_scene(QUOIN_HOST_TEST
 Overrides with(Overrides overrides, const Overrides& more) {
   overrides.insert(overrides.end(), more.begin(), more.end());
   return overrides;
-}
-
-std::string read_all(const std::string& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 struct Rows : Observer {
@@ -153,7 +147,7 @@ TEST(LatticeOnGround, IsTheGeneralKernelsWhenItCracks) {
 // Two walls with a floor on deformable half units, with ground motion along x, y and z. The monitor is one of these
 // half units.
 Scene shaken_building(const Overrides& more) {
-  std::string text = read_all(QUOIN_HOST_TESTS "/small_building.toml");
+  std::string text = read_input_file(QUOIN_HOST_TESTS "/small_building.toml");
   text = text.substr(0, text.find("[[stage]]\nname = \"push\"")) + R"([[stage]]
 name = "shake"
 duration = 0.03

@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "../dry_stone.h"
 #include "base/error.h"
+#include "base/input_file.h"
 #include "members/members.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
@@ -21,13 +20,6 @@ namespace quoin {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string text_of(const std::string& file) {
-  std::ifstream stream(file);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 std::string with(std::string text, const std::string& was, const std::string& is) {
   const std::size_t place = text.find(was);
@@ -79,8 +71,7 @@ TEST(FreedBlock, HasAJointWithTheFixedBlockBelow) {
     for (const double gravity : {-9.81, 9.81}) {
       std::string text = freed_block(gravity, kFree);
       if (gravity > 0.0)
-        text = with(with(text, "\"dry\"\nnormal", "\"bonded\"\ntensile_strength = 1e6\ncohesion = 1e6\nnormal"),
-                    "law = \"coulomb_slip\"", "law = \"coulomb_slip\"");
+        text = with(text, "\"dry\"\nnormal", "\"bonded\"\ntensile_strength = 1e6\ncohesion = 1e6\nnormal");
       Simulation simulation(read_scene_text(text, "freed.toml", {std::string("solver.kernels=") + kernels}));
       run_stages(simulation, 2);
       EXPECT_NEAR(moved(simulation, 1)[1], gravity / 9.81 * 9.81e-6, 0.02 * 9.81e-6) << kernels;
@@ -308,7 +299,7 @@ rotation_held = true
 
 // The jack of a push keeps its force where the run goes over to large motion, and it fades there as from the start.
 TEST(ReleasedSupport, ForceOfAJackFadesAfterTheRunGoesOver) {
-  std::string text = with(text_of(QUOIN_HOST_TESTS "/small_building.toml"), "load = 20e3", "load = 0.0");
+  std::string text = with(read_input_file(QUOIN_HOST_TESTS "/small_building.toml"), "load = 20e3", "load = 0.0");
   text = with(text, "displacement = 0.03", "displacement = 1e-4");
   text = text.substr(0, text.find("[output]")) + R"([[stage]]
 name = "after"
@@ -334,7 +325,7 @@ frames = 0
 
 // A support that is released adds the kinetic energy of its block, with the scaled mass.
 TEST(ReleasedSupport, EnergiesBalanceWithScaledMass) {
-  const std::string text = text_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml");
+  const std::string text = read_input_file(QUOIN_HOST_TESTS "/../cli/small_wall.toml");
   const std::string stages = R"([[stage]]
 name = "after"
 kind = "custom"
@@ -393,7 +384,7 @@ duration = 0.1
 // ---- Laws and checkpoints ------------------------------------------------------------------------------------------
 
 std::string wall_with(const std::string& properties, const std::string& stages = "") {
-  const std::string text = with(text_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml"), "friction_angle = 35.0",
+  const std::string text = with(read_input_file(QUOIN_HOST_TESTS "/../cli/small_wall.toml"), "friction_angle = 35.0",
                                 "friction_angle = 35.0\n" + properties);
   return text.substr(0, text.find("[output]")) + stages + text.substr(text.find("[output]"));
 }
@@ -457,7 +448,7 @@ TEST(LawSwap, AStifferLawHasItsOwnTimeStepOnTheLattice) {
 
 // The body force that the next stage lets fade does not pull at the load of a floor.
 TEST(Checkpoint, AfterACollapseGoesOnWithALoadedFloor) {
-  std::string text = text_of(QUOIN_SCENES "/floor_facade.toml");
+  std::string text = read_input_file(QUOIN_SCENES "/floor_facade.toml");
   text = with(text, "mass = 40.0", "mass = 40.0\nload = 3000.0");
   const std::string after = "[[stage]]\nname = \"after\"\nramp_time = 0.5\nduration = 0.5\n";
   text = text.substr(0, text.find("[output]")) + after + text.substr(text.find("[output]"));
