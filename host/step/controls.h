@@ -10,9 +10,9 @@ void apply_controls(Simulation::Impl& s);
 // displacements add up to the closed form of the cycles.
 double velocity_in_cycles(const Simulation::Impl& s, double initial_velocity);
 void find_monitor(Simulation::Impl& s, const Stage& settings);
-// Sets controls of bodies, loads and the monitor when a stage begins. previous: the stage before; null: there is none.
-void control_bodies(Simulation::Impl& s, const Stage& settings, const Stage* previous);
-void bind_controls(Simulation::Impl& s);  // lists that follow from ramps and prescribed components
+// Binds actions and the monitor when a stage begins on the lattice. previous: the stage before; null: there is none.
+void control_bricks(Simulation::Impl& s, const Stage& settings, const Stage* previous);
+void bind_controls(Simulation::Impl& s);  // what follows from the actions
 void find_bodies_at_rest(Simulation::Impl& s);
 
 }  // namespace quoin

@@ -14,6 +14,7 @@
 #include "step/actions/collapse.h"
 #include "step/actions/ground.h"
 #include "step/actions/members.h"
+#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/law_swap.h"
 #include "step/monitor_side.h"
@@ -141,7 +142,7 @@ void exchange_blocks_of_stage(Simulation::Impl& s, const Stage& settings, const 
 }
 
 std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where) {
-  return blocks::find_blocks(s.large_motion->assembly, name, where);
+  return s.large_motion ? blocks::find_blocks(s.large_motion->assembly, name, where) : blocks_on_lattice(s, name);
 }
 
 void watch_blocks(Simulation::Impl& s, const Stage& settings) {
@@ -174,8 +175,7 @@ void follow_freed_blocks(Simulation::Impl& s) {
 
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   blocks::Model& m = *s.large_motion;
-  m.actions.applied.clear();
-  m.actions.loaded.assign(m.blocks.size(), 0);
+  remove_forces(s);
   bind_actions(s, settings, previous);
   s.progress.stage_start = m.stepping.time;
   if (settings.solver) m.set_solver(*settings.solver);

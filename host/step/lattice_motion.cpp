@@ -98,9 +98,10 @@ JointWrench joint_wrench(const Simulation::Impl& s, int body) {
 WholeMotion whole_motion_of(const Simulation::Impl& s, std::size_t brick) {
   const Model::BlockPlace& where = s.model.place[brick];
   const double radius = 0.5 * norm_of(s.model.assembly.bricks[brick].size);
-  const int ground = s.controls.ground_body();
+  const Drive* const ground = s.actions.ground_drive();
   // Prescribed velocities are equal on all ranks.
-  const Vec3 of_ground = ground >= 0 ? s.lattice.of_body(ground, &BodyLanes::prescribed_velocity) : Vec3{};
+  const Vec3 of_ground =
+      ground ? s.lattice.of_body(s.model.place[at(ground->block)].body, &BodyLanes::prescribed_velocity) : Vec3{};
   const auto speed = [&](const Vec3& linear, const Vec3& spin) {
     return norm_of(linear - of_ground) + radius * norm_of(spin);
   };

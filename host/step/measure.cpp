@@ -96,7 +96,8 @@ double dynamic_force_of_lattice(const Simulation::Impl& s) {
                           ? -joint_wrench(s, static_cast<int>(b)).force[direction] - weight
                           : lanes.applied_force[direction][lane]);
   }
-  for (const LoadRamp& ramp : s.controls.load_ramps) force += whole * ramp.now[direction];
+  for (const Drive& drive : s.actions.drives)
+    if (s.model.place[at(drive.block)].body < 0) force += whole * drive.force_now[static_cast<int>(direction)];
   return force;
 }
 
@@ -109,7 +110,7 @@ double largest_displacement(const Simulation::Impl& s) {
     look(norm(geometry::vector((has_all(s) ? whole_motion_of(s, i) : s.small_motion.whole_motions[i]).translation)));
   const std::vector<std::uint8_t> held = held_now(s);
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i) {
-    if (s.large_motion->assembly.blocks[at(i)].fixed && held[at(i)] == 0x3f) continue;
+    if (s.large_motion->assembly.blocks[at(i)].fixed && held[at(i)] == kAllHeld) continue;
     look(norm(moved(*s.large_motion, i)));
   }
   return largest;

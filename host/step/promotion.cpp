@@ -132,40 +132,6 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
   return histories;
 }
 
-// Drives of blocks in large motion, from supports, controls and loads of the lattice. Blocks keep their indices.
-std::vector<Drive> drives_of(const Simulation::Impl& s) {
-  std::vector<Drive> drives;
-  for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
-    const auto [lanes, lane] = s.lattice.place[b];
-    const auto& ramp = s.controls.ramps[b];
-    Drive drive;
-    drive.block = s.model.bodies[b].block;
-    for (std::size_t c = 0; c < 6; ++c)
-      if (s.lattice.bodies[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
-    for (std::size_t c = 0; c < 3; ++c)
-      if (ramp.in_cycles[c] != 0.0) drive.in_cycles |= static_cast<std::uint8_t>(1u << c);
-    drive.of_ground = static_cast<std::uint8_t>(ramp.of_ground);
-    drive.motion = static_cast<std::int32_t>(ramp.motion);
-    drive.velocity_from = geometry::vector(ramp.velocity_from);
-    drive.velocity_to = geometry::vector(ramp.velocity_to);
-    drive.force_from = geometry::vector(ramp.force_from), drive.force_to = geometry::vector(ramp.force_to);
-    for (std::size_t c = 0; c < 3; ++c)
-      drive.force_now[static_cast<int>(c)] = s.lattice.bodies[at(lanes)].applied_force[c][lane];
-    const Vec3 none{};
-    const bool is_pulled = dot(drive.force_now, drive.force_now) > 0.0;  // by a jack, whose force is in no ramp
-    if (drive.held != 0 || ramp.force_from != none || ramp.force_to != none || is_pulled) drives.push_back(drive);
-  }
-  for (std::size_t i = 0; i < s.controls.loaded_blocks.size(); ++i) {
-    Drive drive;
-    drive.block = s.controls.loaded_blocks[i].block;
-    drive.force_from = geometry::vector(s.controls.load_ramps[i].from),
-    drive.force_to = geometry::vector(s.controls.load_ramps[i].to);
-    drive.force_now = geometry::vector(s.controls.load_ramps[i].now);
-    drives.push_back(drive);
-  }
-  return drives;
-}
-
 }  // namespace
 
 // v M' v/2 less v M v/2 (model/rigid_motion.h). All ranks call it together.
@@ -227,7 +193,7 @@ void promote(Simulation::Impl& s, const std::string& why, int stage) {
                    s.lattice.of_body(body, &BodyLanes::spin)};
     }
   }
-  std::vector<Drive> continued = drives_of(s);
+  std::vector<Drive> continued = std::move(s.actions.drives);  // blocks keep their indices
 
   // The same blocks in large motion: built at rest, then moved to their current positions.
   leave_lattice(s);

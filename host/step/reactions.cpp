@@ -6,6 +6,7 @@
 #include "members/members.h"
 #include "model/world_results.h"
 #include "step/actions/ground.h"
+#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -17,14 +18,7 @@ using geometry::Vector;
 
 std::vector<std::uint8_t> held_now(const Simulation::Impl& s) {
   std::vector<std::uint8_t> held;
-  for (std::size_t b = 0; !s.large_motion && b < s.model.bodies.size(); ++b) {
-    const auto [index, lane] = s.lattice.place[b];
-    unsigned bits = 0;
-    for (unsigned c = 0; c < 6; ++c) bits |= s.lattice.bodies[at(index)].prescribed[c][lane] != 0.0 ? 1u << c : 0u;
-    held.push_back(static_cast<std::uint8_t>(bits));
-  }
-  if (!s.large_motion) return held;
-  for (const blocks::Block& block : s.large_motion->assembly.blocks) held.push_back(block.fixed ? 0x3f : 0);
+  for (int block = 0; block < block_count(s); ++block) held.push_back(is_fixed(s, block) ? kAllHeld : std::uint8_t{0});
   for (const Drive& drive : s.actions.drives) held[at(drive.block)] = drive.held;
   return held;
 }
@@ -155,8 +149,8 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
   } else {
     members.clear();
     const Vec3 ground = geometry::array(ground_of_lattice_at_forces(s));
-    for (int b = 0; b < static_cast<int>(held.size()); ++b) {
-      if (held[at(b)] == 0 && s.reactions.restraint_of[at(b)] < 0) continue;
+    for (int b = 0; b < static_cast<int>(s.model.bodies.size()); ++b) {
+      if (held[at(s.model.bodies[at(b)].block)] == 0 && s.reactions.restraint_of[at(b)] < 0) continue;
       members.push_back(b);
       wrenches.push_back(joint_wrench(s, b));
       // Joints lie where the ground has carried them, against the centre at the start.
@@ -175,7 +169,7 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
   };
   for (std::size_t i = 0; i < members.size(); ++i) {
     const JointWrench& of = wrenches[i];
-    const unsigned bits = held[at(members[i])];
+    const unsigned bits = held[at(s.large_motion ? members[i] : s.model.bodies[at(members[i])].block)];
     Vector given, moment;
     for (std::size_t c = 0; c < 3; ++c) {
       const int k = static_cast<int>(c);

@@ -15,6 +15,7 @@
 #include "model/world_results.h"
 #include "sparse/sparse_cholesky.h"
 #include "step/controls.h"
+#include "step/driven_block.h"
 #include "step/findings.h"
 #include "step/lattice_step.h"
 #include "step/measure.h"
@@ -372,22 +373,11 @@ class Search {
  private:
   // Whether all fixed blocks move with the ground: others, as supports that a stage holds, carry blocks that rest.
   bool all_fixed_follow() const {
-    const auto follows = [](std::uint64_t of_ground, std::int64_t motion) {
-      return ground_rank(of_ground, motion) == 2;
-    };
-    if (s_.large_motion) {
-      const auto& blocks = s_.large_motion->assembly.blocks;
-      const auto fixed = std::ranges::count_if(blocks, [](const blocks::Block& b) { return b.fixed; });
-      return fixed == std::ranges::count_if(s_.actions.drives, [&](const Drive& d) {
-               return blocks[at(d.block)].fixed && follows(d.of_ground, d.motion);
-             });
-    }
-    for (std::size_t i = 0; i < s_.model.bodies.size(); ++i) {
-      const BodyRamp& ramp = s_.controls.ramps[i];
-      if (s_.model.assembly.bricks[at(s_.model.bodies[i].block)].fixed && !follows(ramp.of_ground, ramp.motion))
-        return false;
-    }
-    return true;
+    int fixed = 0;
+    for (int b = 0; b < block_count(s_); ++b) fixed += is_fixed(s_, b);
+    return fixed == std::ranges::count_if(s_.actions.drives, [&](const Drive& d) {
+             return is_fixed(s_, d.block) && ground_rank(d.of_ground, d.motion) == 2;
+           });
   }
 
   void follow_ground_in_large_motion(int b, const Vector& ground) {

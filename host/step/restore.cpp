@@ -113,15 +113,13 @@ bool counts_are_sound(const Simulation::Impl& s) {
 }
 
 void require_sound_controls(const Simulation::Impl& s) {
-  const std::vector<BodyRamp>& ramps = s.controls.ramps;
-  const bool in_cycles =
-      std::any_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.in_cycles != Vec3{}; }) ||
-      std::any_of(s.actions.drives.begin(), s.actions.drives.end(),
-                  [](const Drive& drive) { return drive.in_cycles != 0; });
-  const bool on_ground = std::all_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) {
-    return ramp.of_ground <= kOfGround && ramp.motion >= 0 && ramp.motion <= std::numeric_limits<std::int32_t>::max();
-  });
-  if (!on_ground || (in_cycles && (s.progress.stage < 0 || !current_stage(s).cycles))) throw of_another_model();
+  const bool has_cycles = s.progress.stage >= 0 && current_stage(s).cycles;
+  for (const Drive& drive : s.actions.drives) {
+    if (drive.block < 0 || drive.block >= block_count(s) || drive.of_ground > kOfGround || drive.motion < 0 ||
+        (drive.in_cycles != 0 && !has_cycles) ||
+        (!s.large_motion && s.model.place[at(drive.block)].body < 0 && !s.controls.loaded(drive.block)))
+      throw of_another_model();
+  }
 }
 
 // Changes to the kind of motion of the saved run: lattice or large motion.
@@ -165,7 +163,7 @@ void require_same_time_step(const Simulation::Impl& s, ArchiveReader& reader) {
 
 // Sizes that depend on the model alone.
 std::vector<std::size_t> sizes_of(const Simulation::Impl& s) {
-  std::vector<std::size_t> sizes{s.controls.ramps.size(), s.controls.load_ramps.size()};
+  std::vector<std::size_t> sizes;
   each_lattice_field(s.lattice, [&](const Field& field, const auto& array, int) {
     if (field.saved && field.when == When::always) sizes.push_back(array.size());
   });
@@ -197,9 +195,6 @@ void take_large_motion(Simulation::Impl& s, ArchiveReader& reader) {
   const double springs = s.large_motion->stepping.springs;
   s.large_motion->restore(reader);
   if (!std::ranges::all_of(s.monitor.blocks, is_block)) throw of_another_model();
-  for (const Drive& drive : s.actions.drives) {
-    if (!is_block(drive.block)) throw of_another_model();
-  }
   s.large_motion->hold_by_springs(springs);  // another scene may go on from the state with a whiffletree of its own
   follow_time_step(s);
   partition_work(s);

@@ -17,6 +17,7 @@
 #include "scene/stage_warnings.h"
 #include "step/borders.h"
 #include "step/corner_bending.h"
+#include "step/driven_block.h"
 #include "step/findings.h"
 #include "step/gather.h"
 #include "step/points_at_rest.h"
@@ -172,20 +173,14 @@ std::string motion_left_to_ground(const Simulation::Impl& s) {
            std::ranges::find(stages.back().controls, name, &BodyControl::body) == stages.back().controls.end();
   };
   double goes_on = norm(s.actions.ground_left), held = 0.0;  // m/s
-  const auto look = [&](bool of_ground, bool was_ground, const Vector& from, const Vector& to) {
-    if (of_ground) goes_on = std::max(goes_on, norm(fades ? from : to));
-    if (!of_ground && was_ground) held = std::max(held, norm(from) - norm(to));
-  };
   for (const Drive& drive : s.actions.drives) {
-    const blocks::Block& block = s.large_motion->assembly.blocks[static_cast<std::size_t>(drive.block)];
-    look(drive.of_ground, was_of_ground(block.fixed, block.name_in_stages()), drive.velocity_from, drive.velocity_to);
-  }
-  for (std::size_t i = 0; !s.large_motion && i < s.controls.ramps.size(); ++i) {
-    const BodyRamp& ramp = s.controls.ramps[i];
-    const RigidBody& body = s.model.bodies[i];
-    look(ramp.of_ground != 0,
-         was_of_ground(s.model.assembly.bricks[static_cast<std::size_t>(body.block)].fixed, body.name),
-         geometry::vector(ramp.velocity_from), geometry::vector(ramp.velocity_to));
+    const std::string& name =
+        s.large_motion ? s.large_motion->assembly.blocks[static_cast<std::size_t>(drive.block)].name_in_stages()
+                       : s.model.assembly.bricks[static_cast<std::size_t>(drive.block)].body;
+    if (drive.of_ground)
+      goes_on = std::max(goes_on, norm(fades ? drive.velocity_from : drive.velocity_to));
+    else if (was_of_ground(is_fixed(s, drive.block), name))
+      held = std::max(held, norm(drive.velocity_from) - norm(drive.velocity_to));
   }
   if (settings.kind == "rest") held = 0.0;  // all comes to rest together
   if (std::max(goes_on, held) <= kSlow) return "";

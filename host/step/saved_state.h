@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '2'};
+inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '3'};
 
 template <class Archive, class Impl>
 void transfer_state(Archive& archive, Impl& s) {
@@ -20,8 +20,6 @@ void transfer_state(Archive& archive, Impl& s) {
     else
       archive.array(array);
   });
-  archive.array(s.controls.ramps);
-  archive.array(s.controls.load_ramps);
   archive.value(s.controls.gravity_from);
   archive.value(s.controls.gravity_to);
   archive.value(s.controls.jack);
@@ -55,11 +53,11 @@ void transfer_state(Archive& archive, Impl& s) {
   });
   archive.value(s.progress.force_loss);
   archive.array(s.outcome.force_losses);
-  if (!s.large_motion) return;
   if constexpr (std::is_base_of_v<ArchiveWriter, Archive>)
     save_actions(archive, s);
   else
     restore_actions(archive, s);
+  if (!s.large_motion) return;
   archive.array(s.monitor.blocks);
   archive.value(s.monitor.stands_below);
   archive.optional(s.outcome.collapse_multiplier);

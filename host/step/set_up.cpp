@@ -8,6 +8,7 @@
 #include "model/shared_model.h"
 #include "model/time_step.h"
 #include "step/actions/ground.h"
+#include "step/driven_block.h"
 #include "step/large_motion_run.h"
 #include "step/rank_agreement.h"
 #include "step/rank_part.h"
@@ -113,11 +114,11 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   if (!s.model.assembly.bricks.empty()) s.small_motion.extent = diagonal_of(s.model.assembly.bricks);
   s.small_motion.meeting_family = {};
   s.lattice.normal_shift.clear();
-  s.lattice.bodies.clear(), s.lattice.place.clear(), s.controls.ramps.clear();
+  s.lattice.bodies.clear(), s.lattice.place.clear(), s.actions.drives.clear();
   s.inertia.shared_dt_over_mass.clear(), s.inertia.tables.clear();
   s.lattice.law_state.clear(), s.contacts.calls.clear();
   s.monitor.blocks = {};
-  s.monitor.points.clear(), s.controls.ramped_bodies.clear(), s.small_motion.whole_motions.clear();
+  s.monitor.points.clear(), s.small_motion.whole_motions.clear();
   s.controls.find_loaded_blocks(s.model);
   s.division.measured.resize(s.model.unit_groups.size() + s.model.body_groups.size() + s.model.lone_bodies.size());
   s.lattice.bodies.resize(s.model.body_groups.size() + s.model.lone_bodies.size());
@@ -152,9 +153,10 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   for (auto& column : s.contacts.force) column.assign(points + kLanes, 0.0);
   s.lattice.flags.assign(points, 0);
   for (auto& column : s.contacts.energy_columns) column.assign(s.energy.wanted ? points : 0, 0.0);
-  s.controls.ramps.resize(s.model.bodies.size());
   s.inertia.bind_body_groups(s.model, s.time_step.time_step);
   s.inertia.share(s.model, s.time_step.time_step);
+  for (int block = 0; block < block_count(s); ++block)
+    if (is_fixed(s, block)) prescribe(s, block, {}, {}, kAllHeld);
   begin_states(s);
   begin_damping(s);
 }

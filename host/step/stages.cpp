@@ -87,7 +87,7 @@ void begin_stage(Simulation::Impl& s, int index) {
   if (s.large_motion)
     begin_large_motion_stage(s, settings, previous);
   else
-    control_bodies(s, settings, previous);
+    control_bricks(s, settings, previous);
   if (!s.large_motion) s.progress.stage_start = time_now(s);
   // With the body force of a collapse, which fades over the ramp.
   s.controls.gravity_from =

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "step/controls.h"
+#include "step/driven_block.h"
 #include "step/large_motion_run.h"
 #include "step/stages.h"
 #include "step/state.h"
@@ -39,38 +40,6 @@ void require_kind(const char* what, const std::string& body, const Vec3& value, 
   }
 }
 
-// Sets velocities, or forces, of these bodies; NaN components keep theirs.
-void steer_bodies(Simulation::Impl& s, const char* what, const std::string& name, const std::vector<int>& bodies,
-                  const Vec3& value, bool velocities) {
-  for (const int body : bodies) {
-    const auto [place, lane] = s.lattice.place[at(body)];
-    std::array<bool, 3> prescribed{};
-    for (std::size_t c = 0; c < 3; ++c) prescribed[c] = s.lattice.bodies[at(place)].prescribed[c][lane] != 0.0;
-    require_kind(what, name, value, velocities, prescribed);
-  }
-  // As in large motion, nothing is ground that moves before the first stage that shakes.
-  const bool has_shaken = std::any_of(s.scene.stages.begin(), s.scene.stages.begin() + s.progress.stage + 1,
-                                      [](const Stage& stage) { return stage.ground.has_value(); });
-  for (const int body : bodies) {
-    const auto [place, lane] = s.lattice.place[at(body)];
-    BodyLanes& lanes = s.lattice.bodies[at(place)];
-    BodyRamp& ramp = s.controls.ramps[at(body)];
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (std::isnan(value[c])) continue;
-      if (velocities) {
-        ramp.velocity_from[c] = ramp.velocity_to[c] = lanes.prescribed_velocity[c][lane] = value[c];
-        ramp.in_cycles[c] = 0.0;
-        ramp.of_ground = has_shaken ? ramp.of_ground & ~(std::uint64_t{1} << c) : 0;
-      } else {
-        ramp.force_from[c] = ramp.force_to[c] = lanes.applied_force[c][lane] = value[c];
-      }
-    }
-  }
-  s.controls.rest_known = false;
-  find_bodies_at_rest(s);
-  s.small_motion.next_check = s.progress.step;
-}
-
 // Adds the pressures on a block that a force of these components replaces. One on a face that is inclined to these and
 // to others cannot go in part.
 void add_replaced(Simulation::Impl& s, const std::string& name, int block, const Vec3& force,
@@ -92,8 +61,24 @@ void add_replaced(Simulation::Impl& s, const std::string& name, int block, const
   }
 }
 
+Error no_such_body(const std::string& body, const std::vector<std::string>& names) {
+  return {Exit::bad_input, fmt::format("body: nothing is called '{}' that can be moved or loaded; there are {}", body,
+                                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")))};
+}
+
+std::vector<std::string> names_of(const Model& model) {
+  std::vector<std::string> names;
+  for (const Brick& brick : model.assembly.bricks) {
+    if (!brick.body.empty() && std::find(names.begin(), names.end(), brick.body) == names.end())
+      names.push_back(brick.body);
+  }
+  return names;
+}
+
+// Sets velocities, or forces, of the blocks of this name; NaN components keep theirs.
 void steer_drives(Simulation::Impl& s, const char* what, const std::string& name, const Vec3& value, bool velocities) {
   const std::vector<int> steered = blocks_named(s, name, "body");
+  if (steered.empty()) throw no_such_body(name, names_of(s.model));
   std::vector<blocks::Pressure*> replaced;
   const auto drive_of = [&](int block) {
     return std::find_if(s.actions.drives.begin(), s.actions.drives.end(),
@@ -101,19 +86,19 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
   };
   for (const int block : steered) {
     const auto drive = drive_of(block);
-    const bool fixed = drive == s.actions.drives.end() && s.large_motion->assembly.blocks[at(block)].fixed;
+    const bool fixed = drive == s.actions.drives.end() && is_fixed(s, block);
     std::array<bool, 3> prescribed{};
     for (std::size_t c = 0; c < 3; ++c)
       prescribed[c] = drive == s.actions.drives.end() ? fixed : (drive->held >> c & 1) != 0;
     require_kind(what, name, value, velocities, prescribed);
-    if (!velocities) add_replaced(s, name, block, value, &replaced);
+    if (!velocities && s.large_motion) add_replaced(s, name, block, value, &replaced);
   }
   for (const int block : steered) {
     auto drive = drive_of(block);
     if (drive == s.actions.drives.end()) {
       Drive added;
       added.block = block;
-      if (s.large_motion->assembly.blocks[at(block)].fixed) added.held = 0x3f;
+      if (is_fixed(s, block)) added.held = kAllHeld;
       drive = s.actions.drives.insert(drive, added);
     }
     for (std::size_t k = 0; k < 3; ++k) {
@@ -128,15 +113,19 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
       }
     }
     if (velocities) continue;
-    for (blocks::Load& load : s.large_motion->actions.loads) {
+    for (std::size_t i = 0; s.large_motion && i < s.large_motion->actions.loads.size(); ++i) {
+      blocks::Load& load = s.large_motion->actions.loads[i];
       for (std::size_t c = 0; c < 3; ++c) {
         if (load.block == block && !std::isnan(value[c])) load.force[static_cast<int>(c)] = 0.0;
       }
     }
-    s.large_motion->apply_force(block, drive->force_to);
+    apply_force(s, block, drive->force_to);
   }
   for (blocks::Pressure* pressure : replaced) pressure->value = 0.0;
   s.controls.settled = false;  // the next step applies the drives
+  find_bodies_at_rest(s);
+  s.controls.rest_known = false;
+  s.small_motion.next_check = s.progress.step;
 }
 
 // The next stage begins with its own drives and loads, which would replace those set after the end of a stage.
@@ -152,20 +141,6 @@ void require_stage(Simulation::Impl& s, const char* what) {
                                              s.scene.stages[stage + 1].name)));
 }
 
-Error no_such_body(const std::string& body, const std::vector<std::string>& names) {
-  return {Exit::bad_input, fmt::format("body: nothing is called '{}' that can be moved or loaded; there are {}", body,
-                                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")))};
-}
-
-std::vector<std::string> names_of(const Model& model) {
-  std::vector<std::string> names;
-  for (const Brick& brick : model.assembly.bricks) {
-    if (!brick.body.empty() && std::find(names.begin(), names.end(), brick.body) == names.end())
-      names.push_back(brick.body);
-  }
-  return names;
-}
-
 // Three consecutive doubles a row, as in vectors of blocks in large motion.
 ArrayView view_of(Vector* first, std::size_t rows) { return {&first->x, rows, 3, 3, 1}; }
 
@@ -173,26 +148,12 @@ ArrayView view_of(Vector* first, std::size_t rows) { return {&first->x, rows, 3,
 
 void set_velocity(Simulation::Impl& s, const std::string& body, const Vec3& velocity) {
   require_stage(s, "velocity");
-  if (s.large_motion) return steer_drives(s, "velocity", body, velocity, true);
-  const std::vector<int> bodies = s.model.bodies_named(body);
-  if (bodies.empty()) throw no_such_body(body, names_of(s.model));
-  steer_bodies(s, "velocity", body, bodies, velocity, true);
+  steer_drives(s, "velocity", body, velocity, true);
 }
 
 void set_force(Simulation::Impl& s, const std::string& body, const Vec3& force) {
   require_stage(s, "force");
-  if (s.large_motion) return steer_drives(s, "force", body, force, false);
-  const std::vector<int> bodies = s.model.bodies_named(body);
-  if (bodies.empty() && s.model.deformable_blocks_named(body).empty()) throw no_such_body(body, names_of(s.model));
-  steer_bodies(s, "force", body, bodies, force, false);
-  for (std::size_t i = 0; i < s.controls.loaded_blocks.size(); ++i) {
-    if (s.model.assembly.bricks[at(s.controls.loaded_blocks[i].block)].body != body) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (!std::isnan(force[c]))
-        s.controls.load_ramps[i].from[c] = s.controls.load_ramps[i].to[c] = s.controls.load_ramps[i].now[c] = force[c];
-    }
-    s.controls.apply_load(s.model, i);
-  }
+  steer_drives(s, "force", body, force, false);
 }
 
 LawSwap exchange_law(Simulation::Impl& s, const std::string& family, const std::string& law) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "model/world_results.h"
+#include "step/reactions.h"
 #include "step/results.h"
 
 namespace quoin {
@@ -53,9 +54,10 @@ void each_stressed_zone(const Simulation::Impl& s, int block, const std::functio
 
 Unknowns::Unknowns(const Simulation::Impl& s) : s_(s) {
   groups_.begin = {0};
+  const std::vector<std::uint8_t> held = held_now(s);  // blocks take these with the next step
   for (int b = 0; b < block_count(s); ++b) {
     blocks_.emplace_back();
-    s_.large_motion ? number_large_motion(b) : number_lattice(b);
+    s_.large_motion ? number_large_motion(b, held[at(b)]) : number_lattice(b, held[at(b)]);
   }
 }
 void Unknowns::close_group(int block, const Vector& place) {
@@ -64,15 +66,13 @@ void Unknowns::close_group(int block, const Vector& place) {
   block_of_group_.push_back(block);
 }
 
-void Unknowns::number_lattice(int b) {
+void Unknowns::number_lattice(int b, unsigned held) {
   OfBlock& u = blocks_.back();
   const int body = s_.model.place[at(b)].body;
   if (body >= 0) {
     const RigidBody& rigid = s_.model.bodies[at(body)];
-    const auto [index, lane] = s_.lattice.place[at(body)];
     u.rigid = true, u.centre = geometry::vector(rigid.centre);
-    for (std::size_t c = 0; c < 6; ++c)
-      u.body[c] = next(rigid.held[c] || s_.lattice.bodies[at(index)].prescribed[c][lane] != 0.0);
+    for (std::size_t c = 0; c < 6; ++c) u.body[c] = next(rigid.held[c] || (held >> c & 1u) != 0);
     return close_group(b, u.centre);
   }
   s_.model.for_each_gridpoint(b, [&](std::size_t offset, double) {
@@ -82,13 +82,9 @@ void Unknowns::number_lattice(int b) {
   });
 }
 
-void Unknowns::number_large_motion(int b) {
+void Unknowns::number_large_motion(int b, unsigned held) {
   OfBlock& u = blocks_.back();
   const blocks::ModelBlock& block = s_.large_motion->blocks[b];
-  const bool fixed = s_.large_motion->assembly.blocks[at(b)].fixed;
-  unsigned held = block.body >= 0 ? body_of(*s_.large_motion, b).held : fixed ? 7u : 0u;
-  for (const Drive& drive : s_.actions.drives)
-    held = drive.block == b ? drive.held : held;  // the block takes these with the next step
   if (block.body >= 0) {
     const blocks::Body& body = body_of(*s_.large_motion, b);
     u.rigid = true, u.centre = body.x;

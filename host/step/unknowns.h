@@ -54,8 +54,8 @@ class Unknowns {
   void add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const;
 
  private:
-  void number_lattice(int block);
-  void number_large_motion(int block);
+  void number_lattice(int block, unsigned held);
+  void number_large_motion(int block, unsigned held);
   int next(bool held) { return held ? -1 : count_++; }
   void close_group(int block, const geometry::Vector& place);
   void add_side(const ContactPoint& point, int block, double sign, std::vector<UnknownShare>* shares) const;

@@ -15,7 +15,7 @@ Vec3 mean_on_lattice(const Simulation::Impl& s, const std::vector<int>& blocks,
                      BodyLanes::Quantity BodyLanes::*of_bodies, const LaneVector<double>& of_gridpoints) {
   const auto of_block = [&](int block) {
     if (const int body = s.model.place[at(block)].body; body >= 0) return s.lattice.of_body(body, of_bodies);
-    const double whole = s.controls.loaded_blocks[s.controls.loaded(block)].mass;
+    const double whole = s.controls.loaded(block)->mass;
     Vec3 sum{};
     s.model.for_each_gridpoint(block, [&](std::size_t offset, double mass) {
       for (std::size_t c = 0; c < 3; ++c) sum[c] += mass / whole * of_gridpoints[offset + c * kLanes];

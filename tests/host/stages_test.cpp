@@ -80,6 +80,23 @@ TEST(FreedBlock, HasAJointWithTheFixedBlockBelow) {
   }
 }
 
+// Its weight grows over the ramp of 0.05 s, 8 of its periods. Let go at once it would sink twice as far.
+TEST(FreedBlock, ForceOfItsSupportFades) {
+  const std::string text =
+      with(freed_block(-9.81, kFree), "\"viscous\"\nmass_damping = 50.0\nstiffness_damping = 1e-4", "\"none\"");
+  for (const char* kernels : {"automatic", "general"}) {
+    Simulation simulation(read_scene_text(text, "freed.toml", {std::string("solver.kernels=") + kernels}));
+    run_stages(simulation, 1);
+    Observer nobody;
+    double lowest = 0.0;
+    for (bool goes_on = true; goes_on && simulation.stages_ended() < 2;) {
+      goes_on = simulation.run_stage(nobody, 1);
+      lowest = std::min(lowest, moved(simulation, 1)[1]);
+    }
+    EXPECT_NEAR(lowest, -9.81e-6, 0.05 * 9.81e-6) << kernels;
+  }
+}
+
 // The slab touches both blocks; without a stage that frees block a, the slab and it are one ground.
 TEST(FreedBlock, OnlyItsFixedNeighboursGetAJoint) {
   for (const bool freed : {false, true}) {

@@ -32,7 +32,7 @@ inline constexpr SavedState kSaved{
 
 using VisitName = std::function<void(const std::string& block)>;
 
-// An action on blocks in large motion. A function that the action does not need is null.
+// An action on blocks. A function that the action does not need is null.
 struct Action {
   // Visits the names of blocks in a stage. They are checked before the run, and all ranks receive their motion when the
   // stage begins.
@@ -42,6 +42,7 @@ struct Action {
   // Applies the action before a step. ramp: share of the stage's ramp that is done, 0 to 1.
   void (*apply)(Simulation::Impl& s, const Stage& stage, double ramp) = nullptr;
   SavedState saved{};
+  bool on_lattice = false;  // whether bricks on the lattice have it; it promotes other runs (scene/leaves_lattice.h)
 };
 
 }  // namespace quoin

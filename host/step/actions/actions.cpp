@@ -34,7 +34,7 @@ std::vector<int> blocks_named_in(const Simulation::Impl& s, const Stage& setting
 
 void bind_actions(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   for (const Action& action : kActions) {
-    if (action.bind) action.bind(s, settings, previous);
+    if (action.bind && (s.large_motion || action.on_lattice)) action.bind(s, settings, previous);
   }
 }
 
@@ -53,7 +53,7 @@ void restore_actions(ArchiveReader& from, Simulation::Impl& s) {
 void apply_actions(Simulation::Impl& s, double ramp) {
   const Stage& settings = current_stage(s);
   for (const Action& action : kActions) {
-    if (action.apply) action.apply(s, settings, ramp);
+    if (action.apply && (s.large_motion || action.on_lattice)) action.apply(s, settings, ramp);
   }
 }
 

@@ -1,4 +1,4 @@
-// The actions of a stage on blocks in large motion, and loops over all of them.
+// The actions of a stage, and loops over all of them. On the lattice some act (Action::on_lattice).
 #pragma once
 
 #include <vector>

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/world_results.h"
 #include "step/actions/action.h"
 #include "step/actions/ground.h"
 #include "step/controls.h"
+#include "step/driven_block.h"
 #include "step/large_motion_run.h"
+#include "step/stages.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -20,24 +21,24 @@ namespace {
 // ones, forces of released components from the reactions of their supports. previous: the stage before; null: there is
 // none.
 void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
-  blocks::Model& m = *s.large_motion;
   std::vector<Drive> before = std::move(s.actions.drives);
   s.actions.drives.clear();
   const auto start = [&](int block) {
     Drive drive;
     drive.block = block;
-    drive.velocity_from = velocity_of(m, block);
-    drive.omega_from = spin_of(m, block);
-    const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
-    if (old == before.end()) return drive;
-    const Vector record = record_since_half_step(s, previous, old->motion);
+    drive.velocity_from = velocity_of(s, block);
+    drive.omega_from = spin_of(s, block);
+    const auto found = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
+    Drive old;
+    if (is_fixed(s, block)) old.held = kAllHeld;
+    if (found != before.end()) old = *found;
+    const Vector record = record_since_half_step(s, previous, old.motion);
     for (int c = 0; c < 3; ++c) {
-      if (old->of_ground >> c & 1) drive.velocity_from[c] += record[c];
-      if (std::abs(drive.velocity_from[c]) <= kGroundAtRest && old->of_ground) drive.velocity_from[c] = 0.0;
+      if (old.of_ground >> c & 1) drive.velocity_from[c] += record[c];
+      if (std::abs(drive.velocity_from[c]) <= kGroundAtRest && old.of_ground) drive.velocity_from[c] = 0.0;
     }
-    const Vector carried =
-        -1.0 * (m.step_sums.contact_force[block] + m.blocks[block].mass * m.actions.gravity + load_on(m, block));
-    for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_now[c];
+    const Vector carried = (old.held & 7) != 0 ? support_force(s, block) : Vector{};
+    for (int c = 0; c < 3; ++c) drive.force_from[c] = old.held >> c & 1 ? carried[c] : old.force_now[c];
     return drive;
   };
   for (const BodyControl& control : settings.controls) {
@@ -64,8 +65,8 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
                     [&](const Drive& d) { return d.block == old.block; }))
       continue;
     Drive released = start(old.block);
-    if (m.assembly.blocks[static_cast<std::size_t>(old.block)].fixed) {
-      released.held = 0x3f;
+    if (is_fixed(s, old.block)) {
+      released.held = kAllHeld;
       released.force_from = {};
       released.of_ground = old.of_ground, released.motion = old.motion;
     }
@@ -74,23 +75,25 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
 }
 
 void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
-  blocks::Model& m = *s.large_motion;
+  const double dt = s.large_motion ? s.large_motion->stepping.dt : s.data.time_step;
+  const auto between = [ramp](const Vector& from, const Vector& to) {
+    return ramp >= 1.0 ? to : from + ramp * (to - from);
+  };
   std::vector<Vector> records;  // by motion
   for (std::size_t i = 0; settings.ground && i <= settings.ground->supports.size(); ++i)
-    records.push_back(
-        record_velocity(s, settings, m.stepping.time + 0.5 * m.stepping.dt, static_cast<std::int32_t>(i)));
+    records.push_back(record_velocity(s, settings, time_now(s) + 0.5 * dt, static_cast<std::int32_t>(i)));
   for (Drive& d : s.actions.drives) {
     const auto motion = static_cast<std::size_t>(d.motion);
     const Vector record = motion < records.size() ? records[motion] : Vector{};
-    Vector driven = d.velocity_from + ramp * (d.velocity_to - d.velocity_from);
+    Vector driven = between(d.velocity_from, d.velocity_to);
     for (int c = 0; c < 3; ++c) {
       if (d.in_cycles >> c & 1) driven[c] = velocity_in_cycles(s, d.velocity_from[c]);
       if (d.of_ground >> c & 1) driven[c] += record[c];
     }
-    m.prescribe(d.block, driven, d.omega_from + ramp * (d.omega_to - d.omega_from), d.held);
-    d.force_now = ramp >= 1.0 ? d.force_to : d.force_from + ramp * (d.force_to - d.force_from);
+    prescribe(s, d.block, driven, between(d.omega_from, d.omega_to), d.held);
+    d.force_now = between(d.force_from, d.force_to);
     if (dot(d.force_now, d.force_now) > 0.0 || dot(d.force_from, d.force_from) > 0.0)
-      m.apply_force(d.block, d.force_now);
+      apply_force(s, d.block, d.force_now);
   }
 }
 
@@ -105,7 +108,7 @@ void pull_block(Simulation::Impl& s, int block, double pull) {
     drive = s.actions.drives.insert(drive, free);
   }
   drive->force_now.x = pull;
-  s.large_motion->apply_force(block, drive->force_now);
+  apply_force(s, block, drive->force_now);
 }
 
 extern const Action kDrive{.names =
@@ -114,6 +117,7 @@ extern const Action kDrive{.names =
                                },
                            .bind = bind_drives,
                            .apply = drive_blocks,
-                           .saved = kSaved<&Actions::drives>};
+                           .saved = kSaved<&Actions::drives>,
+                           .on_lattice = true};
 
 }  // namespace quoin

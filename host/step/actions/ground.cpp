@@ -16,6 +16,7 @@
 #include "scene/generate_blocks.h"
 #include "scene/weight_axis.h"
 #include "step/actions/action.h"
+#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -45,7 +46,8 @@ void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
   bool any = false;
   const std::vector<std::uint8_t> held = held_now(s);
   for (int b = 0; b < static_cast<int>(s.model.bodies.size()); ++b) {
-    if (!s.model.assembly.bricks[at(s.model.bodies[at(b)].block)].fixed || held[at(b)] == 0) continue;
+    const int block = s.model.bodies[at(b)].block;
+    if (!is_fixed(s, block) || held[at(block)] == 0) continue;
     const JointWrench joints = joint_wrench(s, b);
     any = true;
     row.base_force += joints.force;
@@ -81,16 +83,6 @@ Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, 
   if (!of_stage) return {};
   const double half = 0.5 * (s.large_motion ? s.large_motion->stepping.dt : s.data.time_step);
   return record_velocity(s, *of_stage, time_now(s), motion) - record_velocity(s, *of_stage, time_now(s) - half, motion);
-}
-
-Vec3 left_over_velocity(const Simulation::Impl& s, const Stage* previous, int body) {
-  const BodyRamp& ramp = s.controls.ramps[static_cast<std::size_t>(body)];
-  const Vector record = record_since_half_step(s, previous, static_cast<std::int32_t>(ramp.motion));
-  Vector after = geometry::vector(s.lattice.of_body(body, &BodyLanes::velocity)) + record;
-  for (int c = 0; c < 3; ++c) {
-    if (std::abs(after[c]) <= kGroundAtRest) after[c] = 0.0;
-  }
-  return geometry::array(followed(ramp.of_ground, after));
 }
 
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings) {
@@ -134,16 +126,13 @@ const Drive* Actions::ground_drive() const {
 }
 
 int ground_block(const Simulation::Impl& s) {
-  if (const Drive* const drive = s.large_motion ? s.actions.ground_drive() : nullptr) return drive->block;
-  if (const int body = s.large_motion ? -1 : s.controls.ground_body(); body >= 0)
-    return s.model.bodies[static_cast<std::size_t>(body)].block;
+  if (const Drive* const drive = s.actions.ground_drive()) return drive->block;
   for (int earlier = s.progress.stage - 1; earlier >= 0; --earlier) {
     const Stage& settings = s.scene.stages[static_cast<std::size_t>(earlier)];
     if (!settings.ground) continue;
     const std::vector<std::int32_t> group = support_groups(s, settings);
     for (std::size_t i = 0; i < group.size(); ++i) {
-      const bool fixed = s.large_motion ? s.large_motion->assembly.blocks[i].fixed : s.model.assembly.bricks[i].fixed;
-      if (fixed && group[i] == 0) return static_cast<int>(i);
+      if (group[i] == 0 && is_fixed(s, static_cast<int>(i))) return static_cast<int>(i);
     }
   }
   return -1;
@@ -152,7 +141,7 @@ int ground_block(const Simulation::Impl& s) {
 namespace {
 
 bool is_on_springs(const Simulation::Impl& s) {
-  const members::Members* const members = s.large_motion->held_by.members.get();
+  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
   return members && !members->beds().empty();
 }
 
@@ -183,22 +172,22 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
   const Drive* const old = s.actions.ground_drive();
   const Vector left_over = old ? followed(old->of_ground, old->velocity_from) : s.actions.ground_left;
   const std::vector<std::int32_t> groups = support_groups(s, settings);
-  std::vector<std::int32_t> drive_of(static_cast<std::size_t>(s.large_motion->block_count()), -1);
+  std::vector<std::int32_t> drive_of(groups.size(), -1);
   for (std::size_t d = 0; d < s.actions.drives.size(); ++d)
     drive_of[static_cast<std::size_t>(s.actions.drives[d].block)] = static_cast<std::int32_t>(d);
   std::set<int> controlled;
   for (const BodyControl& control : settings.controls) {
     for (const int block : blocks_named(s, control.body, settings.source.text)) controlled.insert(block);
   }
-  for (int block = 0; block < s.large_motion->block_count(); ++block) {
-    if (!s.large_motion->assembly.blocks[static_cast<std::size_t>(block)].fixed || controlled.contains(block)) continue;
+  for (int block = 0; block < block_count(s); ++block) {
+    if (!is_fixed(s, block) || controlled.contains(block)) continue;
     std::int32_t& index = drive_of[static_cast<std::size_t>(block)];
     if (index < 0 && !settings.ground) continue;
     if (index < 0) {
       Drive drive;
       drive.block = block;
-      drive.held = 0x3f;
-      drive.velocity_from = velocity_of(*s.large_motion, block);
+      drive.held = kAllHeld;
+      drive.velocity_from = velocity_of(s, block);
       index = static_cast<std::int32_t>(s.actions.drives.size());
       s.actions.drives.push_back(drive);
     }
@@ -216,28 +205,17 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
 // Sets the velocity of the ground, from which damping takes velocities: that of its first block.
 void follow_ground(Simulation::Impl& s, const Stage& settings, double) {
   const Drive* const ground = s.actions.ground_drive();
-  if (!ground && !is_on_springs(s)) return s.large_motion->move_ground({}, {});
   const auto velocity = [&](double time) {
-    if (!ground) return velocity_below_springs(s, settings, time);
+    if (!ground) return is_on_springs(s) ? velocity_below_springs(s, settings, time) : Vector{};
     return left_over_at(s, ground->velocity_from, ground->velocity_to, time) +
            followed(ground->of_ground, record_velocity(s, settings, time, ground->motion));
   };
-  const double now = s.large_motion->stepping.time;
-  s.large_motion->move_ground(velocity(now - 0.5 * s.large_motion->stepping.dt), velocity(now));
+  const double now = time_now(s), dt = s.large_motion ? s.large_motion->stepping.dt : s.data.time_step;
+  if (s.large_motion) return s.large_motion->move_ground(velocity(now - 0.5 * dt), velocity(now));
+  s.data.ground_velocity = geometry::array(velocity(s.data.mass_damping > 0.0 ? now : now - 0.5 * dt));
 }
 
 }  // namespace
-
-void follow_ground_of_lattice(Simulation::Impl& s) {
-  const int body = s.controls.ground_body();
-  s.data.ground_velocity = {};
-  if (body < 0 || s.progress.stage < 0) return;
-  const BodyRamp& ground = s.controls.ramps[static_cast<std::size_t>(body)];
-  const double time = time_now(s) - (s.data.mass_damping > 0.0 ? 0.0 : 0.5 * s.data.time_step);
-  s.data.ground_velocity = geometry::array(
-      left_over_at(s, geometry::vector(ground.velocity_from), geometry::vector(ground.velocity_to), time) +
-      followed(ground.of_ground, record_velocity(s, current_stage(s), time, static_cast<std::int32_t>(ground.motion))));
-}
 
 void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
   if (!current_stage(s).ground || !shown_blocks(s).empty()) return;
@@ -319,6 +297,7 @@ extern const Action kGround{.names =
                                 },
                             .bind = bind_ground,
                             .apply = follow_ground,
-                            .saved = kSaved<&Actions::ground_left>};
+                            .saved = kSaved<&Actions::ground_left>,
+                            .on_lattice = true};
 
 }  // namespace quoin

@@ -12,9 +12,6 @@ geometry::Vector record_velocity(const Simulation::Impl& s, const Stage& of_stag
                                  std::int32_t motion = 0);
 // Change of that velocity over the last half step, m/s. of_stage: null: no ground motion.
 geometry::Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, std::int32_t motion);
-// Velocity of a body that moves with the ground, at the end of the previous stage, m/s; 0 along components that a
-// controller has set. Lattice.
-Vec3 left_over_velocity(const Simulation::Impl& s, const Stage* previous, int body);
 // Index of the group of supports by block, as in Drive::motion; 0: none. Throws Error(bad_input): a block of a group is
 // not fixed, or is in two groups.
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings);
@@ -24,7 +21,6 @@ geometry::Vector ground_of_lattice_at_forces(const Simulation::Impl& s);
 int ground_block(const Simulation::Impl& s);
 // Warns of a stage that moves the ground below a model without a monitor: its rows show no response.
 void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings);
-void follow_ground_of_lattice(Simulation::Impl& s);
 void measure_base(const Simulation::Impl& s, HistoryRow& row);
 void find_base_of_lattice(Simulation::Impl& s);
 

@@ -15,21 +15,6 @@
 
 namespace quoin {
 
-namespace {
-
-void pull_on_lattice(Simulation::Impl& s, int block, double force) {
-  if (const int body = s.model.place[at(block)].body; body >= 0) {
-    const auto [lanes, lane] = s.lattice.place[at(body)];
-    s.lattice.bodies[at(lanes)].applied_force[0][lane] = force;
-    return;
-  }
-  const std::size_t loaded = s.controls.loaded(block);
-  s.controls.load_ramps[loaded].now[0] = force;
-  s.controls.apply_load(s.model, loaded);
-}
-
-}  // namespace
-
 void bind_floors(Simulation::Impl& s) {
   s.controls.floors.clear();
   if (s.progress.stage < 0) return;
@@ -42,8 +27,7 @@ void bind_floors(Simulation::Impl& s) {
   for (const auto& floor : floors) {
     std::vector<int>& blocks = s.controls.floors.emplace_back();
     for (const std::string& name : floor) {
-      const std::vector<int> named =
-          s.large_motion ? blocks_named(s, name, settings.source.text) : blocks_on_lattice(s, name);
+      const std::vector<int> named = blocks_named(s, name, settings.source.text);
       if (named.empty()) {
         throw Error(Exit::bad_input, fmt::format("{}: stage '{}' has the floor '{}', but the assembly has no block of "
                                                  "that name",
@@ -76,10 +60,7 @@ void pull_whiffletree(Simulation::Impl& s) {
     mean += displacement_now(s, floor)[0] / static_cast<double>(s.controls.floors.size());
   jack.force = tree.stiffness * (jack.from + moved - mean);
   for (const std::vector<int>& floor : s.controls.floors) {
-    for (const int block : floor) {
-      const double force = jack.force / static_cast<double>(floor.size());
-      s.large_motion ? pull_block(s, block, force) : pull_on_lattice(s, block, force);
-    }
+    for (const int block : floor) pull_block(s, block, jack.force / static_cast<double>(floor.size()));
   }
 }
 

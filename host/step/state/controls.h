@@ -1,6 +1,5 @@
-// Controls of bodies and blocks in a stage: velocities and forces that change over its ramp. A stage sets them when it
-// begins, a controller between steps. Ramps, gravity and the jack are saved; the rest follows from them and from the
-// stage.
+// Controls of a stage beside its actions: gravity over its ramp, the jack, and loads on bricks of the lattice. Gravity
+// and the jack are saved; the rest follows from them, from the actions and from the stage.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +11,10 @@
 
 namespace quoin {
 
-// Control of a body through a stage: from the velocity and force before the stage to those of the stage.
-struct BodyRamp {
-  Vec3 velocity_from{}, velocity_to{};  // m/s
-  Vec3 force_from{}, force_to{};        // N
-  Vec3 in_cycles{};                     // 1: this component follows the cycles of the stage; else 0
-  std::uint64_t of_ground = 0;          // as in Drive (state/actions.h)
-  std::int64_t motion = 0;              // as in Drive
-};
-
 // A named deformable block on the lattice: controls can load it.
 struct LoadedBlock {
   int block = -1;
   double mass = 0.0;  // mass without scaling, kg
-};
-
-// Force on a loaded block through a stage: before the stage, at the end of the ramp, in this step.
-struct LoadRamp {
-  Vec3 from{}, to{}, now{};  // N
 };
 
 // Head of the jack that pulls the whiffletree, along x.
@@ -40,11 +25,8 @@ struct JackHead {
 };
 
 struct Controls {
-  std::vector<BodyRamp> ramps;        // by body
-  std::vector<LoadRamp> load_ramps;   // by loaded block
   Vec3 gravity_from{}, gravity_to{};  // m/s2
 
-  std::vector<int> ramped_bodies;            // bodies whose control changes over the ramp
   std::vector<LoadedBlock> loaded_blocks;    // deformable blocks that have a name
   LaneVector<double> load;                   // acceleration of groups with loaded blocks: [component][lane], m/s2
   std::vector<const double*> load_of_group;  // by block group, into load; null: none
@@ -56,9 +38,8 @@ struct Controls {
   bool rest_known = true;              // BodyLanes::at_rest is up to date
 
   void find_loaded_blocks(const Model& model);
-  std::size_t loaded(int block) const;                      // index into loaded_blocks and load_ramps
-  void apply_load(const Model& model, std::size_t loaded);  // writes the current value of load_ramps into `load`
-  int ground_body() const;                                  // a body that moves as the ground does; -1: none
+  const LoadedBlock* loaded(int block) const;                         // null: it has no name
+  void load_brick(const Model& model, int block, const Vec3& force);  // writes a force, N, into `load`
 };
 
 }  // namespace quoin

@@ -1,0 +1,91 @@
+#include "step/driven_block.h"
+
+#include <algorithm>
+
+#include "model/world_results.h"
+#include "step/lattice_motion.h"
+
+namespace quoin {
+
+using geometry::Vector;
+
+namespace {
+
+// A rigid body of the lattice in its lanes.
+struct BodyLane {
+  BodyLanes& lanes;
+  int lane;
+};
+
+BodyLane lane_of(Simulation::Impl& s, int body) {
+  const auto [index, lane] = s.lattice.place[at(body)];
+  return {s.lattice.bodies[at(index)], lane};
+}
+
+// Rigid body of a brick; -1: it is deformable.
+int body_of_brick(const Simulation::Impl& s, int block) { return s.model.place[at(block)].body; }
+
+Vector of_lattice(const Simulation::Impl& s, int block, BodyLanes::Quantity BodyLanes::*quantity) {
+  const int body = body_of_brick(s, block);
+  return body < 0 ? Vector{} : geometry::vector(s.lattice.of_body(body, quantity));
+}
+
+}  // namespace
+
+bool is_fixed(const Simulation::Impl& s, int block) {
+  if (s.large_motion) return s.large_motion->assembly.blocks[at(block)].fixed;
+  return s.model.assembly.bricks[at(block)].fixed && body_of_brick(s, block) >= 0;
+}
+
+Vector velocity_of(const Simulation::Impl& s, int block) {
+  return s.large_motion ? velocity_of(*s.large_motion, block) : of_lattice(s, block, &BodyLanes::velocity);
+}
+
+Vector spin_of(const Simulation::Impl& s, int block) {
+  return s.large_motion ? spin_of(*s.large_motion, block) : of_lattice(s, block, &BodyLanes::spin);
+}
+
+Vector support_force(const Simulation::Impl& s, int block) {
+  if (const auto& m = s.large_motion)
+    return -1.0 * (m->step_sums.contact_force[block] + m->blocks[block].mass * m->actions.gravity + load_on(*m, block));
+  const int body = body_of_brick(s, block);
+  const Vector weight = s.model.bodies[at(body)].mass * geometry::vector(s.data.gravity);
+  return -1.0 * geometry::vector(joint_wrench(s, body).force) - weight;
+}
+
+void prescribe(Simulation::Impl& s, int block, const Vector& velocity, const Vector& omega, std::uint8_t held) {
+  if (s.large_motion) return s.large_motion->prescribe(block, velocity, omega, held);
+  const int body = body_of_brick(s, block);
+  if (body < 0) return;
+  const auto [lanes, lane] = lane_of(s, body);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double holds = held >> c & 1, holds_turn = held >> (c + 3) & 1;
+    const double linear =
+        0.5 * s.inertia.in_use.body_mass[at(body)] * lanes.velocity[c][lane] * lanes.velocity[c][lane];
+    const double angular = 0.5 * s.inertia.in_use.body_inertia[at(body)][c] * lanes.spin[c][lane] * lanes.spin[c][lane];
+    s.energy.external +=
+        (lanes.prescribed[c][lane] - holds) * linear + (lanes.prescribed[c + 3][lane] - holds_turn) * angular;
+    lanes.prescribed[c][lane] = holds, lanes.prescribed[c + 3][lane] = holds_turn;
+    lanes.prescribed_velocity[c][lane] = velocity[static_cast<int>(c)];
+  }
+  lanes.any_prescribed |= held != 0;
+}
+
+void apply_force(Simulation::Impl& s, int block, const Vector& force) {
+  if (s.large_motion) return s.large_motion->apply_force(block, force);
+  const int body = body_of_brick(s, block);
+  if (body < 0) return s.controls.load_brick(s.model, block, geometry::array(force));
+  const auto [lanes, lane] = lane_of(s, body);
+  for (std::size_t c = 0; c < 3; ++c) lanes.applied_force[c][lane] = force[static_cast<int>(c)];
+}
+
+void remove_forces(Simulation::Impl& s) {
+  if (s.large_motion) {
+    s.large_motion->actions.applied.clear();
+    s.large_motion->actions.loaded.assign(s.large_motion->blocks.size(), 0);
+  }
+  for (BodyLanes& lanes : s.lattice.bodies) std::fill_n(&lanes.applied_force[0][0], 3 * kLanes, 0.0);
+  std::fill(s.controls.load.begin(), s.controls.load.end(), 0.0);
+}
+
+}  // namespace quoin

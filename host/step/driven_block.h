@@ -1,0 +1,25 @@
+// A block that a stage holds, drives or loads, on the lattice and in large motion. There stages load deformable bricks
+// and no more.
+#pragma once
+
+#include <cstdint>
+
+#include "step/state.h"
+
+namespace quoin {
+
+bool is_fixed(const Simulation::Impl& s, int block);  // by the scene; of bricks rigid ones
+// Velocity of the centre of mass and spin, half a step before, m/s and rad/s. 0: deformable bricks of the lattice.
+geometry::Vector velocity_of(const Simulation::Impl& s, int block);
+geometry::Vector spin_of(const Simulation::Impl& s, int block);
+// Force by which supports hold the block, N: against its joints, weight and loads.
+geometry::Vector support_force(const Simulation::Impl& s, int block);
+// Prescribes velocities, m/s and rad/s, along the held components (bits of Drive::held). Kinetic energy of what it
+// catches or releases is booked as work.
+void prescribe(Simulation::Impl& s, int block, const geometry::Vector& velocity, const geometry::Vector& omega,
+               std::uint8_t held);
+// Sets the force at the centre of mass that acts until it is set again or the stage ends, N.
+void apply_force(Simulation::Impl& s, int block, const geometry::Vector& force);
+void remove_forces(Simulation::Impl& s);  // of all blocks
+
+}  // namespace quoin
