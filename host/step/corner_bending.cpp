@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/world_results.h"
+#include "step/driven_block.h"
 #include "step/rank_agreement.h"
 #include "step/results.h"
 #include "step/run_watch.h"
@@ -35,11 +36,6 @@ Rotation rotation_of(std::span<const ContactPoint> points, double apart) {
     }
   }
   return most;
-}
-
-bool is_rigid(const Simulation::Impl& s, int block) {
-  const auto b = static_cast<std::size_t>(block);
-  return s.large_motion ? s.large_motion->blocks[b].body >= 0 : s.model.assembly.bricks[b].rigid;
 }
 
 Vector centre(const Simulation::Impl& s, int block) {

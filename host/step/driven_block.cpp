@@ -32,9 +32,18 @@ Vector of_lattice(const Simulation::Impl& s, int block, BodyLanes::Quantity Body
 
 }  // namespace
 
+const std::string& name_in_stages(const Simulation::Impl& s, int block) {
+  return s.large_motion ? s.large_motion->assembly.blocks[at(block)].name_in_stages()
+                        : s.model.assembly.bricks[at(block)].body;
+}
+
+bool is_rigid(const Simulation::Impl& s, int block) {
+  return s.large_motion ? s.large_motion->blocks[block].body >= 0 : s.model.assembly.bricks[at(block)].rigid;
+}
+
 bool is_fixed(const Simulation::Impl& s, int block) {
   if (s.large_motion) return s.large_motion->assembly.blocks[at(block)].fixed;
-  return s.model.assembly.bricks[at(block)].fixed && body_of_brick(s, block) >= 0;
+  return s.model.assembly.bricks[at(block)].fixed && is_rigid(s, block);
 }
 
 Vector velocity_of(const Simulation::Impl& s, int block) {

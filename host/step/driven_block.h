@@ -1,13 +1,16 @@
-// A block that a stage holds, drives or loads, on the lattice and in large motion. There stages load deformable bricks
-// and no more.
+// A block that a stage holds, drives or loads: a brick on the lattice, or a block in large motion. Stages hold and
+// drive rigid bricks alone; deformable ones they load.
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "step/state.h"
 
 namespace quoin {
 
+const std::string& name_in_stages(const Simulation::Impl& s, int block);  // empty: none
+bool is_rigid(const Simulation::Impl& s, int block);
 bool is_fixed(const Simulation::Impl& s, int block);  // by the scene; of bricks rigid ones
 // Velocity of the centre of mass and spin, half a step before, m/s and rad/s. 0: deformable bricks of the lattice.
 geometry::Vector velocity_of(const Simulation::Impl& s, int block);

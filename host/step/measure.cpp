@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "base/error.h"
 #include "base/larger.h"
@@ -39,7 +40,7 @@ void show_response(const Simulation::Impl& s, std::size_t direction, HistoryRow&
   row.resistance = s.controls.floors.empty() ? -row.joint_force[direction] : row.joint_force[direction];
 }
 
-void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
+void measure_large_motion(const Simulation::Impl& s, std::span<const JointWrench> supports, HistoryRow& row) {
   const auto direction = static_cast<std::size_t>(s.scene.stages[static_cast<std::size_t>(row.stage)].direction);
   row.multiplier = s.actions.multiplier;
   row.largest_displacement = largest_displacement(s);
@@ -47,7 +48,7 @@ void measure_large_motion(const Simulation::Impl& s, HistoryRow& row) {
   row.dynamic_force = whole * s.large_motion->step_sums.net[static_cast<int>(direction)];
   if (const auto& members = s.large_motion->held_by.members)
     row.dynamic_force += std::copysign(members->unbalanced_strips(), row.dynamic_force);
-  measure_base(s, row);
+  measure_base(s, supports, row);
   if (s.monitor.blocks.empty()) return;
   for (const int block : s.monitor.blocks)
     row.joint_force += geometry::array(s.large_motion->step_sums.contact_force[block]);
@@ -162,16 +163,17 @@ HistoryRow measure_row(const Simulation::Impl& s) {
   row.unbalanced_ratio = s.progress.unbalanced_ratio;
   row.kinetic_energy = s.energy.kinetic;
   row.energies = s.energy.now;
-  measure_reactions(s, row);
+  const std::vector<JointWrench> supports = wrenches_of_supports(s);
+  measure_reactions(s, supports, row);
   row.added = added_values(s);
   if (s.large_motion) {
-    measure_large_motion(s, row);
+    measure_large_motion(s, supports, row);
     return row;
   }
   const bool acts = std::any_of(s.scene.stages.begin(), s.scene.stages.end(),
                                 [](const Stage& stage) { return !beyond_lattice(stage).empty(); });
   if (s.scene.blocks || acts) row.largest_displacement = largest_displacement(s);
-  if (acts) measure_base(s, row);
+  if (acts) measure_base(s, supports, row);
   if (!s.monitor.blocks.empty()) measure_monitor(s, row);
   if (s.progress.stage >= 0) row.dynamic_force = dynamic_force_of_lattice(s);
   return row;

@@ -266,7 +266,7 @@ void leave_lattice(Simulation::Impl& s) {
 void return_to_lattice(Simulation::Impl& s) {
   std::vector<std::shared_ptr<const Material>> materials;
   for (const ContactFamily& family : s.model.families) materials.push_back(family.material);
-  s.large_motion.reset(), s.reactions.restrained_blocks.clear();
+  s.large_motion.reset();
   s.actions.drives.clear(), s.monitor.blocks = {};
   s.outcome.collapse_multiplier.reset(), s.outcome.base_slip_at_uplift.reset();
   take_bricks(s, std::move(*s.left), materials);

@@ -42,12 +42,10 @@ bool moves(const BodyControl& control) {
 }  // namespace
 
 void find_restraints(Simulation::Impl& s) {
+  if (!s.large_motion) find_restrained_blocks(s);
   std::vector<std::string> names;
-  if (s.large_motion) {
-    for (const blocks::Block& block : s.large_motion->assembly.blocks) names.push_back(block.name_in_stages());
-  } else {
-    for (const RigidBody& body : s.model.bodies) names.push_back(body.name);
-  }
+  for (int b = 0; b < block_count(s); ++b)
+    names.push_back(s.large_motion || is_rigid(s, b) ? name_in_stages(s, b) : std::string());
   if (!s.reactions.restraints_found) {
     const auto add = [&](const std::string& name, bool driven) {
       const auto found = std::find_if(s.reactions.restraints.begin(), s.reactions.restraints.end(),
@@ -61,10 +59,8 @@ void find_restraints(Simulation::Impl& s) {
       for (const BodyControl& control : of.controls)
         if (holds(control)) add(control.body, moves(control));
     }
-    for (std::size_t b = 0; s.large_motion && b < names.size() && s.reactions.restraints.size() <= kMostRestraints; ++b)
-      if (s.large_motion->assembly.blocks[b].fixed && !names[b].empty()) add(names[b], false);
-    for (std::size_t b = 0; !s.large_motion && b < names.size(); ++b)
-      if (s.model.assembly.bricks[at(s.model.bodies[b].block)].fixed && !names[b].empty()) add(names[b], false);
+    for (std::size_t b = 0; b < names.size() && s.reactions.restraints.size() <= kMostRestraints; ++b)
+      if (is_fixed(s, static_cast<int>(b)) && !names[b].empty()) add(names[b], false);
     if (s.reactions.restraints.size() > kMostRestraints) s.reactions.restraints.clear();
     s.reactions.restraints_found = true;
   }
@@ -76,21 +72,20 @@ void find_restraints(Simulation::Impl& s) {
 }
 
 void find_restrained_blocks(Simulation::Impl& s) {
-  const auto& blocks = s.large_motion->assembly.blocks;
   std::set<int> found;
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    if (blocks[b].fixed) found.insert(static_cast<int>(b));
+  for (int b = 0; b < block_count(s); ++b)
+    if (is_fixed(s, b)) found.insert(b);
   for (const Stage& of : s.scene.stages) {
     for (const BodyControl& control : of.controls) {
       if (control.body.empty() || (!holds(control) && control.may_turn)) continue;
       for (const int b : blocks_named(s, control.body, of.source.text)) {
         // Where rotation alone is held, its moment is a reaction, too.
-        if (holds(control) || s.large_motion->blocks[at(b)].body >= 0) found.insert(b);
+        if (is_rigid(s, b) || (s.large_motion && holds(control))) found.insert(b);
       }
     }
   }
   s.reactions.restrained_blocks.assign(found.begin(), found.end());
-  s.reactions.block_wrench.assign(s.parts.divided ? blocks.size() : 0, {});
+  s.reactions.block_wrench.assign(s.parts.divided ? at(block_count(s)) : 0, {});
 }
 
 std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, const std::vector<int>& blocks) {
@@ -138,38 +133,35 @@ Vec3 moment_on_whole(const Simulation::Impl& s, const Vec3& of_half) {
   return {0.0, 0.0, whole * of_half[2]};
 }
 
-void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
-  const std::vector<std::uint8_t> held = held_now(s);
-  std::vector<int> members = s.reactions.restrained_blocks;
+std::vector<JointWrench> wrenches_of_supports(const Simulation::Impl& s) {
+  const std::vector<int>& blocks = s.reactions.restrained_blocks;
+  if (s.large_motion && (!s.parts.divided || has_all(s))) return sum_large_motion_wrenches(s, blocks);
   std::vector<JointWrench> wrenches;
-  if (s.large_motion && (!s.parts.divided || has_all(s))) {
-    wrenches = sum_large_motion_wrenches(s, members);
-  } else if (s.large_motion) {
-    for (const int b : members) wrenches.push_back(s.reactions.block_wrench[at(b)]);
-  } else {
-    members.clear();
-    const Vec3 ground = geometry::array(ground_of_lattice_at_forces(s));
-    for (int b = 0; b < static_cast<int>(s.model.bodies.size()); ++b) {
-      if (held[at(s.model.bodies[at(b)].block)] == 0 && s.reactions.restraint_of[at(b)] < 0) continue;
-      members.push_back(b);
-      wrenches.push_back(joint_wrench(s, b));
-      // Joints lie where the ground has carried them, against the centre at the start.
-      wrenches.back().moment += cross(ground, wrenches.back().force);
-    }
-  }
+  for (const int b : blocks)
+    wrenches.push_back(s.large_motion ? s.reactions.block_wrench[at(b)] : joint_wrench(s, s.model.place[at(b)].body));
+  if (s.large_motion) return wrenches;
+  // Joints lie where the ground has carried them, against the centre at the start.
+  const Vec3 ground = geometry::array(ground_of_lattice_at_forces(s));
+  for (JointWrench& of : wrenches) of.moment += cross(ground, of.force);
+  return wrenches;
+}
+
+void measure_reactions(const Simulation::Impl& s, std::span<const JointWrench> wrenches, HistoryRow& row) {
+  const std::vector<std::uint8_t> held = held_now(s);
+  const std::vector<int>& restrained = s.reactions.restrained_blocks;
   std::vector<Vector> centre(s.reactions.restraints.size());
   std::vector<double> count(s.reactions.restraints.size(), 0.0);
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    const int r = s.reactions.restraint_of[at(members[i])];
+  for (std::size_t i = 0; i < restrained.size(); ++i) {
+    const int r = s.reactions.restraint_of[at(restrained[i])];
     if (r >= 0) centre[at(r)] += geometry::vector(wrenches[i].centre), count[at(r)] += 1.0;
   }
   const auto add = [&](Reaction& sum, const Vector& given, const Vector& moment) {
     sum.force += force_on_whole(s, geometry::array(given));
     sum.moment += moment_on_whole(s, geometry::array(moment));
   };
-  for (std::size_t i = 0; i < members.size(); ++i) {
+  for (std::size_t i = 0; i < restrained.size(); ++i) {
     const JointWrench& of = wrenches[i];
-    const unsigned bits = held[at(s.large_motion ? members[i] : s.model.bodies[at(members[i])].block)];
+    const unsigned bits = held[at(restrained[i])];
     Vector given, moment;
     for (std::size_t c = 0; c < 3; ++c) {
       const int k = static_cast<int>(c);
@@ -177,7 +169,7 @@ void measure_reactions(const Simulation::Impl& s, HistoryRow& row) {
       if (bits >> (c + 3) & 1u) moment[k] = -of.moment[c];
     }
     add(row.reaction_sum, given, moment + cross(geometry::vector(of.centre), given));
-    const int r = s.reactions.restraint_of[at(members[i])];
+    const int r = s.reactions.restraint_of[at(restrained[i])];
     if (r < 0) continue;
     Reaction& reaction = row.reactions[at(r)];
     add(reaction, given, moment + cross(geometry::vector(of.centre) - centre[at(r)] / count[at(r)], given));

@@ -2,16 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "step/state.h"
 
 namespace quoin {
 
-// Currently held components of each body on the lattice, or of each block in large motion. Bits 0..2: x, y, z; 3..5:
-// rotation about these axes.
+// Currently held components of each block. Bits 0..2: x, y, z; 3..5: rotation about these axes.
 std::vector<std::uint8_t> held_now(const Simulation::Impl& s);
-// Finds the bodies or blocks of each restraint. Restraints themselves are found once, as they are columns of the
+// Finds the blocks of each restraint. Restraints themselves are found once, as they are columns of the
 // history.
 void find_restraints(Simulation::Impl& s);
 void find_restrained_blocks(Simulation::Impl& s);
@@ -21,6 +21,8 @@ std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, co
 // point of the plane of symmetry. Forces across that plane cancel, and moments about axes in it.
 Vec3 force_on_whole(const Simulation::Impl& s, const Vec3& of_half);
 Vec3 moment_on_whole(const Simulation::Impl& s, const Vec3& of_half);
-void measure_reactions(const Simulation::Impl& s, HistoryRow& row);
+// Forces and moments of the joints on Reactions::restrained_blocks.
+std::vector<JointWrench> wrenches_of_supports(const Simulation::Impl& s);
+void measure_reactions(const Simulation::Impl& s, std::span<const JointWrench> wrenches, HistoryRow& row);
 
 }  // namespace quoin

@@ -168,18 +168,16 @@ std::string motion_left_to_ground(const Simulation::Impl& s) {
   const bool fades = settings.ramp_time > 0.0;
   const auto stages = std::span(s.scene.stages).first(s.progress.at_stage());
   const bool was_shaken = std::ranges::any_of(stages, [](const Stage& stage) { return stage.ground.has_value(); });
-  const auto was_of_ground = [&](bool fixed, const std::string& name) {
-    return was_shaken && fixed &&
-           std::ranges::find(stages.back().controls, name, &BodyControl::body) == stages.back().controls.end();
+  const auto was_of_ground = [&](int block) {
+    const auto& controls = stages.back().controls;
+    return was_shaken && is_fixed(s, block) &&
+           std::ranges::find(controls, name_in_stages(s, block), &BodyControl::body) == controls.end();
   };
   double goes_on = norm(s.actions.ground_left), held = 0.0;  // m/s
   for (const Drive& drive : s.actions.drives) {
-    const std::string& name =
-        s.large_motion ? s.large_motion->assembly.blocks[static_cast<std::size_t>(drive.block)].name_in_stages()
-                       : s.model.assembly.bricks[static_cast<std::size_t>(drive.block)].body;
     if (drive.of_ground)
       goes_on = std::max(goes_on, norm(fades ? drive.velocity_from : drive.velocity_to));
-    else if (was_of_ground(is_fixed(s, drive.block), name))
+    else if (was_of_ground(drive.block))
       held = std::max(held, norm(drive.velocity_from) - norm(drive.velocity_to));
   }
   if (settings.kind == "rest") held = 0.0;  // all comes to rest together

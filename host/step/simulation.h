@@ -62,8 +62,8 @@ struct HistoryNumbers {
   Vec3 ground_displacement{};  // displacement of the ground since the start, m
   Vec3 monitor_relative{};     // displacement of monitor or roof less that of the ground, m
   Vec3 base_force{};           // force of the structure on fixed blocks and on springs to the ground, N
-  // Moment of contact forces on fixed blocks about the centre of the base, which moves with the ground, N m. NaN in
-  // large motion where ranks hold parts of the model.
+  // Moment of contact forces on fixed blocks about the centre of the base, which moves with the ground, N m. NaN: there
+  // is no base.
   Vec3 overturning_moment{NAN, NAN, NAN};
   // largest displacement of a block since the start, m; in large motion of free ones
   double largest_displacement = 0.0;

@@ -12,6 +12,7 @@
 #include "model/world_results.h"
 #include "scene/driven.h"
 #include "step/actions/ground.h"
+#include "step/driven_block.h"
 #include "step/findings.h"
 #include "step/large_motion_run.h"
 #include "step/small_motion.h"
@@ -27,18 +28,7 @@ std::uint8_t imposed_by(const BodyControl& control) { return static_cast<std::ui
 // Held components by block; bits 0..2: x, y, z.
 std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settings) {
   std::vector<std::uint8_t> held;
-  if (!s.large_motion) {
-    for (const Brick& brick : s.model.assembly.bricks) {
-      const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
-        return brick.rigid && !c.body.empty() && c.body == brick.body;
-      });
-      held.push_back(control != settings.controls.end() ? imposed_by(*control)
-                     : brick.fixed                      ? std::uint8_t{7}
-                                                        : std::uint8_t{0});
-    }
-    return held;
-  }
-  for (const blocks::Block& block : s.large_motion->assembly.blocks) held.push_back(block.fixed ? 7 : 0);
+  for (int block = 0; block < block_count(s); ++block) held.push_back(is_fixed(s, block) ? 7 : 0);
   for (const BodyControl& control : settings.controls) {
     for (const int block : blocks_named(s, control.body, settings.source.text)) held[at(block)] = imposed_by(control);
   }
@@ -47,7 +37,7 @@ std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settin
 
 // First block of the group of joined blocks, by block.
 std::vector<int> groups_of_joined_blocks(const Simulation::Impl& s) {
-  std::vector<int> first(s.large_motion ? at(s.large_motion->block_count()) : s.model.assembly.bricks.size());
+  std::vector<int> first(at(block_count(s)));
   std::iota(first.begin(), first.end(), 0);
   const auto find = [&](int i) {
     while (first[at(i)] != i) i = first[at(i)] = first[at(first[at(i)])];
@@ -97,11 +87,8 @@ constexpr std::size_t kNamed = 5;  // most blocks that a message names
 void require_moving_ground(const Simulation::Impl& s) {
   if (s.large_motion && s.large_motion->held_by.members && !s.large_motion->held_by.members->beds().empty()) return;
   std::vector<std::size_t> fixed;
-  const auto note_fixed = [&](const auto& blocks) {
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-      if (blocks[i].fixed) fixed.push_back(i);
-  };
-  s.large_motion ? note_fixed(s.large_motion->assembly.blocks) : note_fixed(s.model.assembly.bricks);
+  for (int block = 0; block < block_count(s); ++block)
+    if (is_fixed(s, block)) fixed.push_back(at(block));
   for (const Stage& each : s.scene.stages) {
     if (!each.ground) continue;
     const auto refuse = [&](const char* why) {
@@ -188,8 +175,7 @@ Supports supports_in(const Simulation::Impl& s, int stage) {
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (held[i] == 0) continue;
     std::vector<std::string>& with_axes = names[held[i]];
-    std::string name =
-        s.large_motion ? s.large_motion->assembly.blocks[i].name_in_stages() : s.model.assembly.bricks[i].body;
+    std::string name = name_in_stages(s, static_cast<int>(i));
     if (name.empty()) name = block_label(s, static_cast<int>(i));
     if (with_axes.empty() || with_axes.back() != name) with_axes.push_back(std::move(name));
   }

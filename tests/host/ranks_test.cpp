@@ -56,6 +56,8 @@ struct Rows : Observer {
           row.kinetic_energy, row.multiplier, row.largest_displacement, row.monitor_displacement[0], row.joint_force[0],
           row.joint_force[1], row.ground_displacement[0], row.ground_displacement[2], row.monitor_relative[0]})
       bits.push_back(std::bit_cast<std::uint64_t>(x));
+    for (const Vec3& all : {row.base_force, row.overturning_moment, row.reaction_sum.force, row.reaction_sum.moment})
+      for (const double x : all) bits.push_back(std::bit_cast<std::uint64_t>(x));
     for (const double x : row.added) bits.push_back(std::bit_cast<std::uint64_t>(x));
     if (!row.energies) return;
     const Energies& e = *row.energies;

@@ -186,39 +186,43 @@ void apply_collapse(Simulation::Impl& s, const Stage& settings, double ramp) {
 
 }  // namespace
 
-// Each rank uses the pairs of blocks that it owns; on_base is gathered, base_centre is not.
 void find_blocks_on_base(Simulation::Impl& s) {
+  struct Bed {
+    double area = 0.0;  // m2
+    Vector moment;      // sum of area times position, m3
+  };
   const auto& blocks = s.large_motion->assembly.blocks;
-  s.reactions.on_base.assign(blocks.size(), 0);
-  double area = 0.0;
-  s.reactions.base_centre = {};
   const auto& contacts = s.large_motion->contacts.list;
+  s.reactions.on_base.assign(blocks.size(), 0);
+  std::vector<Bed> beds(contacts.size());  // by contact, of those with fixed blocks
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const blocks::Contact& c = contacts[i];
     if (!is_bed(s, i) ||
         s.large_motion->contacts.place[i].separation.distance > s.large_motion->detection.joint_tolerance)
       continue;
-    const blocks::Family& family = s.large_motion->contacts.families[static_cast<std::size_t>(c.family)];
-    for (std::size_t p = c.first; p < c.first + c.count; ++p) {
-      if (blocks[static_cast<std::size_t>(c.pair.a)].fixed == blocks[static_cast<std::size_t>(c.pair.b)].fixed) break;
-      area += family.point[p].area;
-      s.reactions.base_centre += family.point[p].area * place_of(*s.large_motion, family.point[p]);
+    const blocks::Family& family = s.large_motion->contacts.families[at(c.family)];
+    const bool a_is_fixed = blocks[at(c.pair.a)].fixed, b_is_fixed = blocks[at(c.pair.b)].fixed;
+    for (std::size_t p = c.first; a_is_fixed != b_is_fixed && p < c.first + c.count; ++p) {
+      beds[i].area += family.point[p].area;
+      beds[i].moment += family.point[p].area * place_of(*s.large_motion, family.point[p]);
     }
-    const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
-    if (blocks[a].fixed) s.reactions.on_base[b] = 1;
-    if (blocks[b].fixed) s.reactions.on_base[a] = 1;
+    if (a_is_fixed) s.reactions.on_base[at(c.pair.b)] = 1;
+    if (b_is_fixed) s.reactions.on_base[at(c.pair.a)] = 1;
+  }
+  if (s.parts.divided) {
+    const std::vector<int> rank = rank_by_block(s);
+    all_gather(s.ranks, std::span(s.reactions.on_base), [&](std::size_t block) { return rank[block]; });
+    all_gather(s.ranks, std::span(beds), [&](std::size_t i) { return rank[at(contacts[i].pair.a)]; });
   }
   if (const members::Members* const members = s.large_motion->held_by.members.get()) {
     for (const members::SpringPoint& p : members->spring_points()) {
-      if (std::abs(p.out[upright_axis(s.scene)]) < kBed) continue;
-      area += p.area;
-      s.reactions.base_centre += p.area * members->nodes()[static_cast<std::size_t>(p.node)].start;
+      if (std::abs(p.out[upright_axis(s.scene)]) >= kBed)
+        beds.push_back({p.area, p.area * members->nodes()[at(p.node)].start});
     }
   }
-  if (area > 0.0) s.reactions.base_centre = s.reactions.base_centre / area;
-  if (s.parts.divided)
-    all_gather(s.ranks, std::span(s.reactions.on_base),
-               [rank = rank_by_block(s)](std::size_t block) { return rank[block]; });
+  Bed all;
+  for (const Bed& bed : beds) all.area += bed.area, all.moment += bed.moment;
+  s.reactions.base_centre = all.area > 0.0 ? all.moment / all.area : Vector{};
 }
 
 bool collapse_ended(Simulation::Impl& s, std::vector<Warning>* warnings) {

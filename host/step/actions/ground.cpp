@@ -40,24 +40,6 @@ Vector followed(std::uint64_t of_ground, Vector velocity) {
   return velocity;
 }
 
-void measure_base_on_lattice(const Simulation::Impl& s, HistoryRow& row) {
-  row.ground_displacement = geometry::array(ground_of_lattice_at_forces(s));
-  Vector moment;
-  bool any = false;
-  const std::vector<std::uint8_t> held = held_now(s);
-  for (int b = 0; b < static_cast<int>(s.model.bodies.size()); ++b) {
-    const int block = s.model.bodies[at(b)].block;
-    if (!is_fixed(s, block) || held[at(block)] == 0) continue;
-    const JointWrench joints = joint_wrench(s, b);
-    any = true;
-    row.base_force += joints.force;
-    moment += geometry::vector(joints.moment) +
-              cross(geometry::vector(joints.centre) - s.reactions.base_centre, geometry::vector(joints.force));
-  }
-  row.base_force = force_on_whole(s, row.base_force);
-  if (any) row.overturning_moment = moment_on_whole(s, geometry::array(moment));
-}
-
 }  // namespace
 
 Vector ground_of_lattice_at_forces(const Simulation::Impl& s) {
@@ -227,46 +209,33 @@ void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
             warnings);
 }
 
-// Measures force and moment of the structure on the ground: on fixed blocks that no stage has freed, and on what lies
-// below springs.
-void measure_base(const Simulation::Impl& s, HistoryRow& row) {
-  if (!s.large_motion) return measure_base_on_lattice(s, row);
-  const blocks::Model& m = *s.large_motion;
-  const members::Members* const members = m.held_by.members.get();
-  Vec3 moved{};  // current displacement, as positions of contact points are
+void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, HistoryRow& row) {
+  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  Vec3 moved{};  // displacement of the ground when the contact points of the wrenches were where they count
   if (const int ground = ground_block(s); ground >= 0) {
-    moved = block_translation(s, ground);
-    row.ground_displacement = block_translation_at_forces(s, {ground});
+    row.ground_displacement = displacement_at_forces(s, {ground});
+    moved = s.large_motion ? displacement_now(s, {ground}) : row.ground_displacement;
   } else if (members && !members->beds().empty()) {
     moved = row.ground_displacement = geometry::array(members->ground());
   }
   const Vector centre = s.reactions.base_centre + geometry::vector(moved);
   const std::vector<std::uint8_t> held = held_now(s);
-  const auto is_fixed = [&](int block) { return m.assembly.blocks[at(block)].fixed && held[at(block)] != 0; };
   Vector force, moment;
-  for (int block = 0; block < m.block_count(); ++block) {
-    if (!is_fixed(block)) continue;
-    force += m.step_sums.contact_force[block];
-    for (const int i : members ? members->nodes_of(block) : std::span<const int>()) {
-      const members::Node& node = members->nodes()[static_cast<std::size_t>(i)];
-      moment += cross(node.x - centre, node.force);
-    }
+  bool is_held = s.large_motion != nullptr;
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    const int block = s.reactions.restrained_blocks[i];
+    if (!is_fixed(s, block) || held[at(block)] == 0) continue;
+    const Vector on_block = geometry::vector(supports[i].force);
+    is_held = true;
+    force += on_block;
+    moment += geometry::vector(supports[i].moment) + cross(geometry::vector(supports[i].centre) - centre, on_block);
   }
   for (const members::SpringPoint& p : members ? members->spring_points() : std::vector<members::SpringPoint>()) {
     force -= p.state.force;
-    moment -= cross(members->nodes()[static_cast<std::size_t>(p.node)].x - centre, p.state.force);
+    moment -= cross(members->nodes()[at(p.node)].x - centre, p.state.force);
   }
   row.base_force = force_on_whole(s, geometry::array(force));
-  if (s.parts.divided) return;  // no rank has all contact points
-  for (const blocks::Contact& c : m.contacts.list) {
-    if (is_fixed(c.pair.a) == is_fixed(c.pair.b)) continue;
-    const blocks::Family& f = m.contacts.families[static_cast<std::size_t>(c.family)];
-    for (std::size_t i = c.first; i < c.first + c.count; ++i) {
-      const double sign = is_fixed(f.point[i].a) ? 1.0 : -1.0;  // block b of the pair may be a here
-      moment += sign * cross(place_of(m, f.point[i]) - centre, force_on_a(m, f, i));
-    }
-  }
-  row.overturning_moment = moment_on_whole(s, geometry::array(moment));
+  if (is_held) row.overturning_moment = moment_on_whole(s, geometry::array(moment));
 }
 
 // Centre of the beds between fixed bricks and others, at the start.

@@ -1,6 +1,8 @@
 // Ground motion of all fixed blocks that no table of a stage controls, and the forces of the structure on them.
 #pragma once
 
+#include <span>
+
 #include "step/state.h"
 
 namespace quoin {
@@ -21,7 +23,9 @@ geometry::Vector ground_of_lattice_at_forces(const Simulation::Impl& s);
 int ground_block(const Simulation::Impl& s);
 // Warns of a stage that moves the ground below a model without a monitor: its rows show no response.
 void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings);
-void measure_base(const Simulation::Impl& s, HistoryRow& row);
+// Measures force and moment of the structure on the ground: on fixed blocks that no stage has freed, and on what lies
+// below springs. supports: of Reactions::restrained_blocks.
+void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, HistoryRow& row);
 void find_base_of_lattice(Simulation::Impl& s);
 
 }  // namespace quoin

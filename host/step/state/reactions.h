@@ -21,8 +21,8 @@ struct JointWrench {
 struct Reactions {
   std::vector<Restraint> restraints;
   bool restraints_found = false;
-  std::vector<int> restraint_of;                     // by body, or by block: index into restraints; -1: none
-  std::vector<int> restrained_blocks;                // blocks in large motion that are fixed, or held in some stage
+  std::vector<int> restraint_of;                     // by block: index into restraints; -1: none
+  std::vector<int> restrained_blocks;                // blocks that are fixed, or held in some stage
   std::vector<std::vector<int>> restrained_of_item;  // restrained blocks by item, with ranks
   std::vector<JointWrench> body_wrench;              // by body, in the last row; with ranks
   std::vector<JointWrench> block_wrench;             // by block, of restrained_blocks in the last row; with ranks
