@@ -1,5 +1,7 @@
 #include "analysis/without_dilation.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -180,12 +182,12 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
   std::vector<double> multipliers;
   int steady = 0;
   double factor = 1.0;
-  while (now.problems < kMostProblems) {
+  while (now.problems < kMostProblems && !settings.is_late()) {
     if (cones) settings.near = normal;
-    const LimitResult result = limit_multiplier(
-        of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones), settings);
     ++now.problems;
-    if (settings.progress) settings.progress(from, now.problems);
+    const LimitResult result =
+        limit_multiplier(of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones),
+                         in_phase(settings, fmt::format("from {}, problem {}", from, now.problems)));
     // The change was too large: go halfway back. A nearly settled state may jump to another when points lose their
     // load.
     const bool jumps =
@@ -231,7 +233,7 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
   result.start.push_back(with_cones(of_weight, "weight"));
   if (associated.status == LimitStatus::solved) result.start.push_back(other.get());
   for (SettledLimit& start : result.start) {
-    if (start.settled || problem.points.size() >= kFewPoints) continue;
+    if (start.settled || problem.points.size() >= kFewPoints || settings.is_late()) continue;
     start = settle(problem, settings, sought, start.from == "weight" ? of_weight : of_associated, start.from, false);
   }
   for (const SettledLimit& start : result.start) {
@@ -246,6 +248,7 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
     const bool worse = sought == Sought::friction ? beside > 1.0 + kDoubt : beside < 1.0 - kDoubt;
     if (!start.settled && worse) result.settled = false;
   }
+  result.late = !result.settled && settings.is_late();
   return result;
 }
 
