@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <tuple>
 
 namespace quoin {
 namespace {
@@ -144,9 +143,9 @@ struct Element {
 
 class ConeProgramme {
  public:
-  ConeProgramme(const LimitProblem& problem, const LimitSettings& settings) : problem_(problem), settings_(settings) {
+  ConeProgramme(const LimitProblem& problem, const LimitSettings& settings)
+      : problem_(problem), settings_(settings), units_(units_of(problem)) {
     const std::vector<double>& near = settings.near;
-    std::tie(force_, length_) = scales_of(problem);
     number_blocks();
     for (const LimitPoint& p : problem.points) add_point(p);
     for (std::size_t i = 0; i < near.size(); ++i) {
@@ -154,7 +153,7 @@ class ConeProgramme {
       elements_[i].towards = -near[i] / force_;
     }
     for (const LimitForce& force : problem.forces) add_force(force);
-    if (std::isfinite(settings.most)) multiplier_bounds_.push_back({1.0, settings.most});
+    if (std::isfinite(settings.most)) multiplier_bounds_.push_back({1.0, settings.most / units_.multiplier});
     pattern();
   }
 
@@ -193,9 +192,9 @@ class ConeProgramme {
       if (rows_[k] < 0) continue;
       const LimitBlock& b = problem_.blocks[k];
       for (int c = 0; c < 3; ++c) {
-        live_[rows_[k] + c] = b.live.force[c] / force_, dead_[rows_[k] + c] = b.dead.force[c] / force_;
-        live_[rows_[k] + 3 + c] = b.live.moment[c] / (force_ * length_);
-        dead_[rows_[k] + 3 + c] = b.dead.moment[c] / (force_ * length_);
+        live_[rows_[k] + c] = units_.multiplier * b.live.force[c] / force_;
+        live_[rows_[k] + 3 + c] = units_.multiplier * b.live.moment[c] / (force_ * length_);
+        dead_[rows_[k] + c] = b.dead.force[c] / force_, dead_[rows_[k] + 3 + c] = b.dead.moment[c] / (force_ * length_);
       }
     }
   }
@@ -220,7 +219,7 @@ class ConeProgramme {
       const Vector& axis = c == 0 ? p.n : c == 1 ? p.s : p.t;
       act_on(p.a, p.position, axis, {}, c, e), act_on(p.b, p.position, -axis, {}, c, e);
     }
-    e.friction = p.friction, e.strength = p.cohesion / force_, e.live = p.live_cohesion / force_;
+    e.friction = p.friction, e.strength = p.cohesion / force_, e.live = units_.multiplier * p.live_cohesion / force_;
     e.has_cone = e.friction > 0.0 || e.strength > 0.0 || e.live != 0.0;
     // Whether the apex of the cone bounds the tensile force.
     const bool tip = e.friction > 0.0 && e.live == 0.0 && p.tension >= p.cohesion / p.friction;
@@ -561,7 +560,7 @@ class ConeProgramme {
 
   void fill(LimitResult& r) const {
     r.status = LimitStatus::solved;
-    r.multiplier = m_, r.gap = std::abs(upper_ - m_) / std::max(1.0, std::abs(m_));
+    r.multiplier = units_.multiplier * m_, r.gap = std::abs(upper_ - m_) / std::max(1.0, std::abs(m_));
     const std::size_t points = problem_.points.size();
     for (std::size_t i = 0; i < elements_.size(); ++i) {
       const Vector3d f = force_ * elements_[i].x;
@@ -581,7 +580,8 @@ class ConeProgramme {
 
   const LimitProblem& problem_;
   const LimitSettings& settings_;
-  double force_ = 1.0, length_ = 1.0;
+  LimitUnits units_;
+  const double force_ = units_.force, length_ = units_.length;
   std::vector<int> rows_;  // first of each block; -1: fixed
   int rows_count_ = 0;
   std::vector<Element> elements_;  // points, then forces of members

@@ -9,7 +9,6 @@
 #include <mutex>
 #include <numbers>
 #include <thread>
-#include <tuple>
 
 #include "analysis/cone_limit.h"
 #include "analysis/linear_program.h"
@@ -83,7 +82,8 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
 class Programme {
  public:
   Programme(const LimitProblem& problem, const LimitSettings& settings) : problem_(problem), settings_(settings) {
-    std::tie(force_, length_) = scales_of(problem);
+    const LimitUnits units = units_of(problem);
+    force_ = units.force, length_ = units.length;
     add_equilibrium();
     for (std::size_t i = 0; i < problem.points.size(); ++i) add_rows(problem.points[i]);
     add_multiplier();
@@ -380,17 +380,25 @@ LimitSettings in_phase(LimitSettings settings, const std::string& phase) {
   return settings;
 }
 
-std::pair<double, double> scales_of(const LimitProblem& problem) {
-  double load = 0.0, arm = 0.0;
+LimitUnits units_of(const LimitProblem& problem) {
+  constexpr double kFarBelow = 1e-4;
+  double load = 0.0, live = 0.0, arm = 0.0, strength = problem.points.empty() ? 0.0 : kNoBound;
   // Fixed blocks may be far heavier than all others, whose residuals would then count for nothing.
   std::size_t free = 0;
   for (const LimitBlock& b : problem.blocks) {
-    if (!b.fixed) load += norm(b.dead.force) + norm(b.live.force), ++free;
+    if (!b.fixed) load += norm(b.dead.force) + norm(b.live.force), live += norm(b.live.force), ++free;
   }
-  for (const LimitPoint& p : problem.points)
+  for (const LimitPoint& p : problem.points) {
+    strength = std::min(strength, p.tension + p.cohesion);
     arm += norm(p.position - problem.blocks[static_cast<std::size_t>(p.a)].centre);
-  return {load > 0.0 ? load / static_cast<double>(free) : 1.0,
-          arm > 0.0 ? arm / static_cast<double>(problem.points.size()) : 1.0};
+  }
+  load /= std::max(1.0, static_cast<double>(free)), live /= std::max(1.0, static_cast<double>(free));
+  LimitUnits units;
+  if (load > 0.0) units.force = load;
+  if (load < kFarBelow * strength) units.force = strength;
+  if (arm > 0.0) units.length = arm / static_cast<double>(problem.points.size());
+  if (live > 0.0 && live < kFarBelow * units.force) units.multiplier = units.force / live;
+  return units;
 }
 
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& given) {

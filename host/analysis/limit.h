@@ -121,8 +121,13 @@ LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& s
 // Throws Error(numerical) where the solver ended without an answer: with residuals, or at the deadline.
 void require_answer(const LimitResult& result);
 
-// Units of force and length in programmes: the mean load of a free block, N, and the mean arm of a contact point, m.
-std::pair<double, double> scales_of(const LimitProblem& problem);
+// Units in programmes.
+struct LimitUnits {
+  double force = 1.0;       // N: the mean load of a free block, or the least strength of a point where that is far more
+  double length = 1.0;      // m: the mean arm of a contact point
+  double multiplier = 1.0;  // 1, or where live loads are far below that force, the multiplier that makes them equal
+};
+LimitUnits units_of(const LimitProblem& problem);
 
 // Blocks that no chain of contact points and members connects to a fixed one; indices, ascending.
 std::vector<int> unconnected_blocks(const LimitProblem& problem);

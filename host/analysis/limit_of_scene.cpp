@@ -51,9 +51,21 @@ const char* name_of(Multiplied multiplied) {
     case Multiplied::pressures:
       return "pressures";
     case Multiplied::loads:
+      return "loads";
+    case Multiplied::motion:
       break;
   }
-  return "loads";
+  return "motion";
+}
+
+// Velocity at which a stage moves a body; 0 where it does not.
+Vector motion_of(const BodyControl& control) {
+  Vector motion;
+  for (int c = 0; c < 3; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    if (control.kind[i] == DofKind::velocity) motion[c] = control.in_cycles == c ? 1.0 : control.velocity[i];
+  }
+  return motion;
 }
 
 // Force on a body along its free components.
@@ -73,8 +85,11 @@ bool multiplies_pressures(Multiplied multiplied) {
 
 bool has_multiplied(const Stage& stage, Multiplied multiplied) {
   const bool pushes = std::ranges::any_of(stage.controls, [](const BodyControl& c) { return norm(force_of(c)) > 0.0; });
+  const bool moves = std::ranges::any_of(stage.controls, [](const BodyControl& c) { return norm(motion_of(c)) > 0.0; });
   return (multiplies_forces(multiplied) && !stage.forces.empty()) ||
-         (multiplies_pressures(multiplied) && !stage.pressures.empty()) || (multiplied == Multiplied::loads && pushes);
+         (multiplies_pressures(multiplied) && !stage.pressures.empty()) ||
+         (multiplied == Multiplied::loads && pushes) ||
+         (multiplied == Multiplied::motion && (moves || stage.whiffletree));
 }
 
 const Stage& moving_stage(const Scene& scene, const LimitOptions& options) {
@@ -93,10 +108,11 @@ const Stage& stage_with_loads(const Scene& scene, const LimitOptions& options) {
   if (options.stage && has(*options.stage)) return *options.stage;
   const auto found = std::ranges::find_if(scene.stages, has);
   if (options.stage || found == scene.stages.end())
-    throw Error(Exit::bad_input, fmt::format("{} {} to multiply; give it [[stage.force]] or [[stage.pressure]]",
-                                             options.stage ? options.stage->source.text + ": the stage has no"
-                                                           : scene.file + ": no stage has",
-                                             name_of(options.multiplied)));
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{} {} to multiply; give it [[stage.force]], [[stage.pressure]] or [[stage.velocity]]",
+                    options.stage ? options.stage->source.text + ": the stage has no" : scene.file + ": no stage has",
+                    name_of(options.multiplied)));
   return *found;
 }
 
@@ -301,18 +317,74 @@ void keep_on_plane(SceneLimit* limit) {
   }
 }
 
-// Reactions of what holds bodies in a stage. They have no bound, whether it moves the bodies or not.
-void hold_bodies(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
+// Directions of the held axes 0..2, but for that of the motion.
+std::vector<Vector> held_ways(unsigned held, const Vector& motion) {
+  constexpr double kAnother = 1e-6;  // length of what is left of an axis that counts as a direction of its own
+  std::vector<Vector> ways;
+  const bool moves = norm(motion) > 0.0;
+  if (moves) ways.push_back(normalized(motion));
+  for (int c = 0; c < 3; ++c) {
+    Vector way;
+    way[c] = 1.0;
+    for (const Vector& other : ways) way = way - dot(way, other) * other;
+    if ((held >> c & 1u) && norm(way) > kAnother) ways.push_back(normalized(way));
+  }
+  if (moves) ways.erase(ways.begin());
+  return ways;
+}
+
+// Reactions of what holds bodies in a stage. They have no bound, whether it moves the bodies or not. Where the motion
+// is multiplied, bodies are free along it.
+void hold_bodies(const Stage& stage, Multiplied multiplied, const blocks::Assembly& assembly, SceneLimit* limit) {
   for (const BodyControl& control : stage.controls) {
     const unsigned held = prescribed_by(control);
+    const Vector motion = multiplied == Multiplied::motion ? motion_of(control) : Vector{};
     for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text)) {
-      const LimitBlock& body = limit->problem.blocks[static_cast<std::size_t>(block)];
-      for (int c = 0; c < 3 && !body.fixed; ++c) {
-        Vector axis;
-        axis[c] = 1.0;
-        if (held >> c & 1u) hold(block, body.centre, axis, {}, limit);
-        if (held >> (c + 3) & 1u) hold(block, body.centre, {}, axis, limit);
-      }
+      LimitBlock& body = limit->problem.blocks[static_cast<std::size_t>(block)];
+      if (norm(motion) > 0.0) body.fixed = false;
+      if (body.fixed) continue;
+      for (const Vector& way : held_ways(held, motion)) hold(block, body.centre, way, {}, limit);
+      for (const Vector& axis : held_ways(held >> 3, {})) hold(block, body.centre, {}, axis, limit);
+    }
+  }
+}
+
+// A force along the motion of bodies, whose power is 1 W where the fastest moves at 1 m/s. It acts on the first of
+// them. Forces without power between the first and each other body keep the ratios of their velocities.
+void drive_bodies(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
+  std::vector<LimitForce::Place> moved;
+  double fastest = 0.0;
+  for (const BodyControl& control : stage.controls) {
+    const Vector motion = motion_of(control);
+    if (norm(motion) == 0.0) continue;
+    if (control.omega != Vec3{})
+      throw Error(Exit::bad_input, fmt::format("{}: limit: the stage turns '{}' as it moves it; motions with omega "
+                                               "cannot be multiplied",
+                                               stage.source.text, control.body));
+    fastest = std::max(fastest, norm(motion));
+    for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text))
+      moved.push_back({block, limit->problem.blocks[static_cast<std::size_t>(block)].centre, motion, {}});
+  }
+  if (moved.empty()) return;
+  for (LimitForce::Place& place : moved) place.way = (fastest / dot(place.way, place.way)) * place.way;
+  limit->loads.push_back({moved[0].block, moved[0].at, moved[0].way, true});
+  limit->reaction = LimitForce{{moved[0]}};
+  for (std::size_t k = 1; k < moved.size(); ++k) {
+    LimitForce::Place back = moved[0];
+    back.way = -back.way;
+    limit->problem.forces.push_back({{back, moved[k]}});
+  }
+}
+
+// Equal forces along x on the floors of a whiffletree, 1 N in sum.
+void push_floors(const Whiffletree& whiffletree, const Stage& stage, const blocks::Assembly& assembly,
+                 SceneLimit* limit) {
+  for (const std::vector<std::string>& floor : whiffletree.floors) {
+    for (const std::string& body : floor) {
+      const std::vector<int> blocks = blocks::find_blocks(assembly, body, stage.source.text);
+      const double share = 1.0 / static_cast<double>(whiffletree.floors.size() * floor.size() * blocks.size());
+      for (const int block : blocks)
+        limit->loads.push_back({block, limit->load_places[static_cast<std::size_t>(block)], {share, 0.0, 0.0}, true});
     }
   }
 }
@@ -534,8 +606,13 @@ void assemble(const Simulation& simulation, const LimitOptions& options, const S
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
   for (const JointFamily& family : assembly.families) limit->families.push_back(family.name);
-  if (loaded.collapse || options.multiplied != Multiplied::weight) hold_bodies(loaded, assembly, limit);
+  if (loaded.collapse || options.multiplied != Multiplied::weight)
+    hold_bodies(loaded, options.multiplied, assembly, limit);
   add_loads(loaded, options.multiplied, assembly, limit);
+  if (options.multiplied == Multiplied::motion) {
+    drive_bodies(loaded, assembly, limit);
+    if (loaded.whiffletree) push_floors(*loaded.whiffletree, loaded, assembly, limit);
+  }
   sum_loads(options.given, limit);
 }
 
@@ -706,6 +783,9 @@ void refuse(const Scene& scene, const LimitOptions& options) {
     throw Error(Exit::bad_input, fmt::format("{}: with a moving load that alone is multiplied; leave --direction, "
                                              "--multiply and --given out",
                                              scene.file));
+  if (options.multiplied == Multiplied::motion && options.given != 0.0)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: a motion has no load to be given beforehand; leave --given out", scene.file));
   if (of_stage && !options.direction.empty())
     throw Error(Exit::bad_input, fmt::format("{}: --direction is that of the weight, and --multiply {} multiplies "
                                              "loads that have one; leave one of them out",
@@ -727,14 +807,16 @@ void find_multiplier(const Simulation& simulation, const LimitOptions& options, 
 }  // namespace
 
 Multiplied multiplied_named(const std::string& name) {
-  for (const Multiplied multiplied : {Multiplied::weight, Multiplied::forces, Multiplied::pressures, Multiplied::loads})
+  for (const Multiplied multiplied :
+       {Multiplied::weight, Multiplied::forces, Multiplied::pressures, Multiplied::loads, Multiplied::motion})
     if (name == name_of(multiplied)) return multiplied;
-  throw Error(Exit::bad_input,
-              fmt::format("limit: '{}' cannot be multiplied; allowed: weight, forces, pressures, loads. A displacement "
-                          "of a support has no multiplier, as forces between rigid blocks do not grow with it. "
-                          "Give the support a [[stage.velocity]] that is \"free\" along its motion, and a "
-                          "[[stage.force]] there: its multipliers are the reactions at which the support moves",
-                          name));
+  throw Error(
+      Exit::bad_input,
+      fmt::format(
+          "limit: '{}' cannot be multiplied; allowed: weight, forces, pressures, loads, motion. A displacement has "
+          "no multiplier, as forces between rigid blocks do not grow with it; motion gives the force, in N, "
+          "at which what a stage moves goes on moving",
+          name));
 }
 
 std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks) {
@@ -778,7 +860,9 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
     return settings;
   };
   options.settings = in_time(options.settings);
-  limit.stands = stands(limit.problem, in_phase(options.settings, "stability"), options.friction);
+  LimitProblem still = limit.problem;
+  if (limit.reaction) still.forces.push_back(*limit.reaction);
+  limit.stands = stands(still, in_phase(options.settings, "stability"), options.friction);
   if (limit.stands.stands) find_multiplier(simulation, options, &limit);
   if (options.associated) return limit;
   if (limit.limit) {
@@ -791,7 +875,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
   // If normal forces alone carry all loads, they do so without dilation too.
   limit.friction =
       *limit.stands.friction > 0.0
-          ? friction_without_dilation(limit.problem, in_phase(in_time(options.settings), "friction without dilation"))
+          ? friction_without_dilation(still, in_phase(in_time(options.settings), "friction without dilation"))
           : LimitWithoutDilation{{}, true, 0.0};
   return limit;
 }

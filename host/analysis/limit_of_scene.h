@@ -23,8 +23,9 @@ inline LimitSettings whole_cones() {
 }
 
 // The load that is multiplied: the weight along a direction, or loads of a stage. loads: forces, pressures, and forces
-// on bodies.
-enum class Multiplied { weight, forces, pressures, loads };
+// on bodies. motion: a force of 1 N along the motion that the stage prescribes, or equal ones on the floors that it
+// pushes.
+enum class Multiplied { weight, forces, pressures, loads, motion };
 
 // Throws Error(bad_input) for other names.
 Multiplied multiplied_named(const std::string& name);
@@ -90,9 +91,11 @@ struct SceneLimit {
   // Blocks of the scene, then nodes of floors and beams. dead: weight and constant loads; live: what is multiplied.
   LimitProblem problem;
   std::size_t block_count = 0, point_count = 0;  // sizes of the scene
-  std::size_t edge_count = 0;                    // pairs of blocks that meet along edges, whose points are left out
-  std::vector<std::string> names, labels;        // names of blocks in the scene, and in messages
-  std::vector<std::string> families;             // names of joint families
+  // Reaction along the prescribed motion, where that is multiplied: it holds what moves while stability is found.
+  std::optional<LimitForce> reaction;
+  std::size_t edge_count = 0;              // pairs of blocks that meet along edges, whose points are left out
+  std::vector<std::string> names, labels;  // names of blocks in the scene, and in messages
+  std::vector<std::string> families;       // names of joint families
   std::vector<LimitMass> masses;
   std::vector<LimitLoad> loads;
   std::vector<geometry::Vector> load_places;  // of the scene's blocks, where loads on a body act, m

@@ -174,6 +174,9 @@ void print_multiplier(const SceneLimit& limit, const Options& options) {
         limit.limit->multiplier, limit.moving_force.x, limit.moving_force.y, limit.moving_force.z, worst.at.x,
         worst.at.y, worst.at.z, limit.labels[static_cast<std::size_t>(worst.block)], limit.worst + 1,
         limit.moving.size(), cones, limit.limit->gap);
+  } else if (options.multiply == "motion") {
+    fmt::print("force {:.6g} N along the motion of stage '{}', associated flow, {}; gap {:.1e}\n",
+               limit.limit->multiplier, limit.stage, cones, limit.limit->gap);
   } else if (!limit.direction) {
     const Vector& sum = limit.live_force;
     fmt::print(
@@ -256,8 +259,10 @@ void add_limit_command(CLI::App& app) {
   command->add_option("--given", options->limit.given, "Multiple of that load which acts beside the weight")
       ->capture_default_str();
   command
-      ->add_option("--multiply", options->multiply,
-                   "What is multiplied: weight; forces, pressures or loads (both, and forces on bodies) of a stage")
+      ->add_option(
+          "--multiply", options->multiply,
+          "What is multiplied: weight; forces, pressures or loads (both, and forces on bodies) of a stage; motion: "
+          "a force of 1 N along its motion")
       ->capture_default_str();
   command
       ->add_option("--stage", options->stage,

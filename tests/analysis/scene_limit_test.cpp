@@ -297,8 +297,110 @@ TEST(LimitOfScene, ASupportYieldsAtTheThrustOfTheArch) {
   ASSERT_EQ(joints.size(), 3u);
   for (const JointMotion& joint : joints) EXPECT_TRUE(joint.hinges);
   EXPECT_FALSE(limit_of_loads(arch, Multiplied::forces).stands.stands) << "nothing holds the arch";
-  EXPECT_THAT([] { multiplied_named("settlements"); },
-              testing::ThrowsMessage<Error>(testing::HasSubstr("A displacement of a support has no multiplier")));
+}
+
+// The same where the stage moves the end outwards: the thrust that is left acts against the motion.
+TEST(LimitOfScene, AMotionHasTheForceAlongIt) {
+  const double a = 1.0, h = 0.4, weight = 2000.0 * 9.81 * a * h;
+  const std::string arch = head(45.0) + block("left", "box = { lower = [-1, 0, 0], size = [1, 0.4, 1] }", true) +
+                           block("a", "box = { lower = [0, 0, 0], size = [1, 0.4, 1] }") +
+                           block("b", "box = { lower = [1, 0, 0], size = [1, 0.4, 1] }");
+  const std::string velocity = "[[stage.velocity]]\nblock = \"right\"\nvelocity = [0.01, 0, 0]\n";
+  for (const bool fixed : {false, true}) {
+    const SceneLimit limit = limit_of_loads(
+        arch + block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }", fixed) + kPushed + velocity,
+        Multiplied::motion);
+    EXPECT_TRUE(limit.stands.stands) << "the end is held until it moves";
+    ASSERT_TRUE(limit.limit) << fixed;
+    EXPECT_NEAR(limit.limit->multiplier, -weight * a / (2.0 * h), 1e-4 * weight) << fixed;
+    EXPECT_EQ(joint_motions(limit).size(), 3u);
+  }
+  EXPECT_THAT([] { multiplied_named("settlement"); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("A displacement has no multiplier")));
+}
+
+// A slab of length L rests on piers of width c, one of which settles. The slab turns about the inner edge of the other
+// and rests with its end on this one: R = W (L/2 - c)/(L - c). R and the pier's weight act along the motion.
+TEST(LimitOfScene, ASupportThatSettlesKeepsItsLeastReaction) {
+  const double length = 4.0, c = 0.5, slab = 2000.0 * 9.81 * length * 0.4, pier = 2000.0 * 9.81 * c;
+  const SceneLimit limit =
+      limit_of_loads(head(30.0) + block("left", "box = { lower = [0, -1, 0], size = [0.5, 1, 1] }", true) +
+                         block("right", "box = { lower = [3.5, -1, 0], size = [0.5, 1, 1] }", true) +
+                         block("slab", "box = { lower = [0, 0, 0], size = [4, 0.4, 1] }") + kPushed +
+                         "[[stage.velocity]]\nblock = \"right\"\nvelocity = [0, -0.001, 0]\n",
+                     Multiplied::motion);
+  ASSERT_TRUE(limit.limit);
+  const double reaction = slab * (length / 2.0 - c) / (length - c);
+  EXPECT_NEAR(limit.limit->multiplier, -(reaction + pier), 1e-4 * slab);
+}
+
+// A block of weight W moves at half of the speed of one of 2 W. The force at the speed of the faster has the power of
+// both: mu (2 W + W/2). One alone that may turn topples at W b/(2h), where h is the height of its centre.
+TEST(LimitOfScene, BodiesThatMoveTogetherShareTheForce) {
+  const double weight = 2000.0 * 9.81, friction = std::tan(20.0 * kDegree);
+  const auto velocity = [](const std::string& name, double speed, const char* more = "") {
+    return fmt::format("[[stage.velocity]]\nblock = \"{}\"\nvelocity = [{}, \"free\", \"free\"]\n{}", name, speed,
+                       more);
+  };
+  const SceneLimit slides =
+      limit_of_loads(head(20.0) + kBase + block("a", "box = { lower = [0, 0, 0], size = [1, 1, 1] }") +
+                         block("b", "box = { lower = [3, 0, 0], size = [1, 2, 1] }") + kPushed + velocity("a", 0.01) +
+                         velocity("b", 0.02),
+                     Multiplied::motion);
+  ASSERT_TRUE(slides.limit);
+  EXPECT_NEAR(slides.limit->multiplier, 2.5 * weight * friction, 1e-4 * weight);
+  const SceneLimit topples =
+      limit_of_loads(head(60.0) + kBase + block("b", "box = { lower = [0, 0, 0], size = [1, 2, 1] }") + kPushed +
+                         velocity("b", 0.01, "rotation_held = false\n"),
+                     Multiplied::motion);
+  ASSERT_TRUE(topples.limit);
+  EXPECT_NEAR(topples.limit->multiplier, 2.0 * weight * 0.5 / 1.0, 1e-4 * weight);
+}
+
+// A pier of five blocks, 0.4 m wide, under equal forces F/2 at the middle of its third and fifth course. They carry 1
+// kN and 3 kN in the middle. It turns about its foot: F (0.5 + 0.9)/2 = (W + 4 kN) 0.2.
+TEST(LimitOfScene, AWhiffletreePushesFloorsEqually) {
+  const auto floor = [](const std::string& name, int course, double load) {
+    return fmt::format(
+        "[[building.floor]]\nname = \"{}\"\nwall = \"D\"\ncourse = {}\nhalf_units = [0]\n"
+        "rigid_beams = false\nload = {}\n",
+        name, course, load);
+  };
+  const SceneLimit limit =
+      limit_of_loads(R"([materials.stone]
+density = 2000
+young_modulus = 2e9
+poisson_ratio = 0.2
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e10
+shear_stiffness = 4e9
+friction_angle = 60
+[building]
+courses = 5
+course_height = 0.2
+thickness = 0.5
+zones = [2, 2, 2]
+unit_material = "stone"
+bed_joint = "dry"
+head_joint = "dry"
+unit_joint = "dry"
+beam_joint = "dry"
+[[building.wall]]
+name = "D"
+axis = "x"
+start = [0.0, 0.0]
+half_units = 1
+half_unit = 0.4
+)" + floor("middle", 2, 1000.0) +
+                         floor("roof", 4, 3000.0) +
+                         "[[stage]]\nkind = \"weight\"\nduration = 0.2\n[[stage]]\nkind = \"push\"\n"
+                         "velocity = 0.02\nstiffness = 1e8\ndisplacement = 0.025\n",
+                     Multiplied::motion);
+  ASSERT_TRUE(limit.limit);
+  const double weight = 2000.0 * 9.81 * 0.4 * 0.5 * 1.0;
+  EXPECT_NEAR(limit.limit->multiplier, (weight + 4000.0) * 0.2 / 0.7, 1e-4 * weight);
 }
 
 // Loads of the named stage count, else of the first that has some.
