@@ -232,10 +232,10 @@ collapse = { direction = [1, 0, 0], start = 0.1, rate = 0.1 }
 }
 
 // Stages of the given text; `multiplied` of their loads.
-SceneLimit limit_of_loads(const std::string& text, Multiplied multiplied, double given = 0.0) {
+SceneLimit limit_of_loads(const std::string& text, Multiplied multiplied, double given = 0.0, bool associated = true) {
   const Simulation simulation(for_limit(scene_of_text(text), multiplied), 1);
   LimitOptions options;
-  options.multiplied = multiplied, options.given = given, options.associated = true;
+  options.multiplied = multiplied, options.given = given, options.associated = associated;
   return limit_of(simulation, options);
 }
 
@@ -309,11 +309,13 @@ TEST(LimitOfScene, AMotionHasTheForceAlongIt) {
   for (const bool fixed : {false, true}) {
     const SceneLimit limit = limit_of_loads(
         arch + block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }", fixed) + kPushed + velocity,
-        Multiplied::motion);
+        Multiplied::motion, 0.0, false);
     EXPECT_TRUE(limit.stands.stands) << "the end is held until it moves";
     ASSERT_TRUE(limit.limit) << fixed;
     EXPECT_NEAR(limit.limit->multiplier, -weight * a / (2.0 * h), 1e-4 * weight) << fixed;
     EXPECT_EQ(joint_motions(limit).size(), 3u);
+    ASSERT_TRUE(limit.without_dilation && limit.without_dilation->settled) << "multipliers below 0 rose as if by jumps";
+    EXPECT_NEAR(limit.without_dilation->multiplier, limit.limit->multiplier, 2e-3 * weight) << "hinges alone";
   }
   EXPECT_THAT([] { multiplied_named("settlement"); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("A displacement has no multiplier")));
