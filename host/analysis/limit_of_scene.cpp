@@ -134,8 +134,10 @@ const Stage& stage_that_counts(const Scene& scene, const LimitOptions& options) 
     if (stage.collapse) break;
   }
   if (loaded) return *loaded;
-  throw Error(Exit::bad_input,
-              fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0]", scene.file));
+  throw Error(Exit::bad_input, fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0], or "
+                                           "multiply other loads (--multiply motion, "
+                                           "forces, pressures)",
+                                           scene.file));
 }
 
 // Direction in which the weight is multiplied, if any.
