@@ -27,6 +27,7 @@ inline LimitSettings whole_cones() {
 // pushes.
 enum class Multiplied { weight, forces, pressures, loads, motion };
 
+const char* name_of(Multiplied multiplied);
 // Throws Error(bad_input) for other names.
 Multiplied multiplied_named(const std::string& name);
 
