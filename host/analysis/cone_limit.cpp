@@ -1,12 +1,13 @@
 #include "analysis/cone_limit.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <tuple>
 
 namespace quoin {
 namespace {
@@ -21,8 +22,10 @@ constexpr double kToBorder = 0.99;    // length of a step over the distance to t
 constexpr double kShort = 0.1;        // shorter steps are replaced by one to the centre of the cones
 constexpr double kCentre = 0.9;       // share of the gap that such a step keeps
 constexpr double kWanted = 5e-7;      // gap and residuals at which the iteration ends
-constexpr double kGood = 1e-5;        // gap and residuals that are accepted when steps make no progress
-constexpr double kGoodNear = 1e-3;    // the same with given forces `near`: change of a settled multiplier
+constexpr double kGood = 1e-5;        // residuals that are accepted when steps make no progress
+constexpr double kGoodGap = 1e-4;     // the same of the gap, which the result has
+constexpr double kGoodNear = 1e-3;    // the same of both with given forces `near`: change of a settled multiplier
+constexpr int kNoBetter = 10;         // steps without progress after which the best one counts
 constexpr double kRegular = 1e-13;    // added to the diagonal, over its largest entry, for blocks without resistance
 constexpr double kNear = 1e-6;        // weight of the distance to given forces, within what the gap leaves open
 constexpr double kLeastBound = 1e-8;  // least z/s in the matrix, for forces without bounds; residuals have 0
@@ -140,8 +143,9 @@ struct Element {
 
 class ConeProgramme {
  public:
-  ConeProgramme(const LimitProblem& problem, double most, const std::vector<double>& near) : problem_(problem) {
-    std::tie(force_, length_) = scales_of(problem);
+  ConeProgramme(const LimitProblem& problem, const LimitSettings& settings)
+      : problem_(problem), settings_(settings), units_(units_of(problem)) {
+    const std::vector<double>& near = settings.near;
     number_blocks();
     for (const LimitPoint& p : problem.points) add_point(p);
     for (std::size_t i = 0; i < near.size(); ++i) {
@@ -149,19 +153,24 @@ class ConeProgramme {
       elements_[i].towards = -near[i] / force_;
     }
     for (const LimitForce& force : problem.forces) add_force(force);
-    if (std::isfinite(most)) multiplier_bounds_.push_back({1.0, most});
+    if (std::isfinite(settings.most)) multiplier_bounds_.push_back({1.0, settings.most / units_.multiplier});
     pattern();
   }
 
   LimitResult solve() {
     LimitResult result;
     if (elements_.empty() || !begin()) return result;
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0, best = 0; step < kMostSteps; ++step) {
       residuals();
-      keep_best();
-      if (error_ < kWanted || !advance()) break;
+      if (keep_best()) best = step;
+      settings_.report(fmt::format("step {}, gap {:.1e}", step + 1, error_));
+      if (settings_.is_late()) {
+        result.status = LimitStatus::late;
+        return result;
+      }
+      if (error_ < kWanted || (is_good() && step > best + kNoBetter) || !advance()) break;
     }
-    if (best_error_ > (is_near() ? kGoodNear : kGood)) return result;
+    if (!is_good()) return result;
     restore_best();
     fill(result);
     return result;
@@ -169,6 +178,9 @@ class ConeProgramme {
 
  private:
   bool is_near() const { return !elements_.empty() && elements_.front().pull > 0.0; }
+  bool is_good() const {
+    return best_error_ < (is_near() ? kGoodNear : kGoodGap) && best_residual_ < (is_near() ? kGoodNear : kGood);
+  }
 
   void number_blocks() {
     for (const LimitBlock& b : problem_.blocks) {
@@ -180,9 +192,9 @@ class ConeProgramme {
       if (rows_[k] < 0) continue;
       const LimitBlock& b = problem_.blocks[k];
       for (int c = 0; c < 3; ++c) {
-        live_[rows_[k] + c] = b.live.force[c] / force_, dead_[rows_[k] + c] = b.dead.force[c] / force_;
-        live_[rows_[k] + 3 + c] = b.live.moment[c] / (force_ * length_);
-        dead_[rows_[k] + 3 + c] = b.dead.moment[c] / (force_ * length_);
+        live_[rows_[k] + c] = units_.multiplier * b.live.force[c] / force_;
+        live_[rows_[k] + 3 + c] = units_.multiplier * b.live.moment[c] / (force_ * length_);
+        dead_[rows_[k] + c] = b.dead.force[c] / force_, dead_[rows_[k] + 3 + c] = b.dead.moment[c] / (force_ * length_);
       }
     }
   }
@@ -207,7 +219,7 @@ class ConeProgramme {
       const Vector& axis = c == 0 ? p.n : c == 1 ? p.s : p.t;
       act_on(p.a, p.position, axis, {}, c, e), act_on(p.b, p.position, -axis, {}, c, e);
     }
-    e.friction = p.friction, e.strength = p.cohesion / force_, e.live = p.live_cohesion / force_;
+    e.friction = p.friction, e.strength = p.cohesion / force_, e.live = units_.multiplier * p.live_cohesion / force_;
     e.has_cone = e.friction > 0.0 || e.strength > 0.0 || e.live != 0.0;
     // Whether the apex of the cone bounds the tensile force.
     const bool tip = e.friction > 0.0 && e.live == 0.0 && p.tension >= p.cohesion / p.friction;
@@ -427,8 +439,8 @@ class ConeProgramme {
     }
     upper_ = -dual;
     const double scale = std::max(1.0, std::abs(m_));
-    error_ = std::max({gap_ / scale, is_near() ? 0.0 : std::abs(upper_ - m_) / scale,
-                       of_rows_.lpNorm<Eigen::Infinity>(), of_forces, std::abs(of_multiplier_), of_slacks});
+    residual_ = std::max({of_rows_.lpNorm<Eigen::Infinity>(), of_forces, std::abs(of_multiplier_), of_slacks});
+    error_ = std::max({gap_ / scale, is_near() ? 0.0 : std::abs(upper_ - m_) / scale, residual_});
   }
 
   Vector3d slack_error(const Element& e) const { return e.slope(e.x, m_) + e.cone.s - Vector3d(e.strength, 0.0, 0.0); }
@@ -533,11 +545,13 @@ class ConeProgramme {
     return true;
   }
 
-  void keep_best() {
-    if (!(error_ < best_error_)) return;
-    best_error_ = error_, best_m_ = m_, best_upper_ = upper_, best_y_ = y_;
+  // Returns whether this step is the best one so far.
+  bool keep_best() {
+    if (!(error_ < best_error_)) return false;
+    best_error_ = error_, best_residual_ = residual_, best_m_ = m_, best_upper_ = upper_, best_y_ = y_;
     best_x_.resize(elements_.size());
     for (std::size_t i = 0; i < elements_.size(); ++i) best_x_[i] = elements_[i].x;
+    return true;
   }
   void restore_best() {
     m_ = best_m_, upper_ = best_upper_, y_ = best_y_;
@@ -546,7 +560,7 @@ class ConeProgramme {
 
   void fill(LimitResult& r) const {
     r.status = LimitStatus::solved;
-    r.multiplier = m_, r.gap = std::abs(upper_ - m_) / std::max(1.0, std::abs(m_));
+    r.multiplier = units_.multiplier * m_, r.gap = std::abs(upper_ - m_) / std::max(1.0, std::abs(m_));
     const std::size_t points = problem_.points.size();
     for (std::size_t i = 0; i < elements_.size(); ++i) {
       const Vector3d f = force_ * elements_[i].x;
@@ -565,7 +579,9 @@ class ConeProgramme {
   }
 
   const LimitProblem& problem_;
-  double force_ = 1.0, length_ = 1.0;
+  const LimitSettings& settings_;
+  LimitUnits units_;
+  const double force_ = units_.force, length_ = units_.length;
   std::vector<int> rows_;  // first of each block; -1: fixed
   int rows_count_ = 0;
   std::vector<Element> elements_;  // points, then forces of members
@@ -577,16 +593,17 @@ class ConeProgramme {
   VectorXd pull_, answer_to_pull_;      // coefficients of the multiplier in rows of blocks, after elimination of forces
   double own_ = 0.0, whole_own_ = 0.0;  // diagonal entry of the multiplier, after elimination of forces and before
   VectorXd of_rows_;
-  double of_multiplier_ = 0.0, gap_ = 0.0, upper_ = 0.0, error_ = 0.0, degree_ = 0.0;
-  double best_error_ = std::numeric_limits<double>::infinity(), best_m_ = 0.0, best_upper_ = 0.0;
+  double of_multiplier_ = 0.0, gap_ = 0.0, upper_ = 0.0, degree_ = 0.0;
+  double residual_ = 0.0, error_ = 0.0;  // largest residual; the larger of it and the gap
+  double best_error_ = std::numeric_limits<double>::infinity(), best_residual_ = 0.0, best_m_ = 0.0, best_upper_ = 0.0;
   VectorXd best_y_;
   std::vector<Vector3d> best_x_;
 };
 
 }  // namespace
 
-LimitResult limit_with_cones(const LimitProblem& problem, double most, const std::vector<double>& near) {
-  return ConeProgramme(problem, most, near).solve();
+LimitResult limit_with_cones(const LimitProblem& problem, const LimitSettings& settings) {
+  return ConeProgramme(problem, settings).solve();
 }
 
 }  // namespace quoin

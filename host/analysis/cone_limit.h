@@ -9,10 +9,8 @@
 
 namespace quoin {
 
-// Forces and mechanism are the analytic centre of all solutions, for a multiplier of at most `most`. Friction may be
-// negative. Status is solved or not_converged; problems without equilibrium or without a bound are not_converged.
-// problem: as in limit_multiplier(). near: as in LimitSettings.
-LimitResult limit_with_cones(const LimitProblem& problem, double most = std::numeric_limits<double>::infinity(),
-                             const std::vector<double>& near = {});
+// Forces and mechanism are the analytic centre of all solutions. Friction may be negative. Problems without equilibrium
+// or without a bound are not_converged. Of the settings near, most, progress and deadline count.
+LimitResult limit_with_cones(const LimitProblem& problem, const LimitSettings& settings);
 
 }  // namespace quoin

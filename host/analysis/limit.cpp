@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <condition_variable>
 #include <map>
+#include <mutex>
 #include <numbers>
-#include <tuple>
+#include <thread>
 
 #include "analysis/cone_limit.h"
 #include "analysis/linear_program.h"
@@ -80,7 +82,8 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
 class Programme {
  public:
   Programme(const LimitProblem& problem, const LimitSettings& settings) : problem_(problem), settings_(settings) {
-    std::tie(force_, length_) = scales_of(problem);
+    const LimitUnits units = units_of(problem);
+    force_ = units.force, length_ = units.length;
     add_equilibrium();
     for (std::size_t i = 0; i < problem.points.size(); ++i) add_rows(problem.points[i]);
     add_multiplier();
@@ -293,7 +296,7 @@ std::vector<int> unheld_blocks(const LimitProblem& problem, const LimitSettings&
       linear.add(r, sign);
     }
   }
-  const LinearSolution solution = solve(linear);
+  const LinearSolution solution = solve(linear, false, settings.deadline);
   std::vector<int> unheld;
   for (std::size_t r = 0; r < block_of_row.size(); ++r) {
     const auto column = static_cast<std::size_t>(first) + 2 * r;
@@ -329,56 +332,111 @@ LimitStatus status_of(const LinearSolution& solution, bool interior) {
   return LimitStatus::not_converged;
 }
 
-}  // namespace
+// Reports every second that a solver is at work which reports nothing itself.
+class ReportsMeanwhile {
+ public:
+  explicit ReportsMeanwhile(const LimitSettings& settings)
+      : thread_([&settings, this](const std::stop_token& end) {
+          std::unique_lock lock(mutex_);
+          for (int seconds = 1;; ++seconds) {
+            ends_.wait_for(lock, end, std::chrono::seconds(1), [] { return false; });
+            if (end.stop_requested()) return;
+            report(settings, seconds);
+          }
+        }) {}
 
-namespace {
+ private:
+  // What it throws, the next report from the thread of the analysis throws too.
+  static void report(const LimitSettings& settings, int seconds) noexcept {
+    try {
+      settings.report(fmt::format("{} s", seconds));
+    } catch (...) {
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable_any ends_;
+  std::jthread thread_;
+};
+
+std::string of_facets(const LimitSettings& settings) { return fmt::format("pyramids of {} facets", settings.facets); }
 
 LinearSolution solution_of(const LinearProgram& linear, const LimitProblem& problem, const LimitSettings& settings) {
+  const ReportsMeanwhile reports(settings);
   if (settings.interior || problem.points.size() >= kManyPoints) {
-    LinearSolution middle = solve(linear, true);
+    LinearSolution middle = solve(linear, true, settings.deadline);
     const bool exact = std::max(middle.primal_residual, middle.dual_residual) < kResidual &&
                        std::abs(middle.dual_objective - middle.objective) < kGap * std::max(1.0, middle.objective);
     if (settings.interior || (middle.status == LinearStatus::solved && exact)) return middle;
   }
-  return solve(linear);
+  return solve(linear, false, settings.deadline);
 }
 
 }  // namespace
 
-std::pair<double, double> scales_of(const LimitProblem& problem) {
-  double load = 0.0, arm = 0.0;
+LimitSettings in_phase(LimitSettings settings, const std::string& phase) {
+  if (settings.progress)
+    settings.progress = [before = settings.progress, phase](const std::string& step) { before(phase + ": " + step); };
+  return settings;
+}
+
+LimitUnits units_of(const LimitProblem& problem) {
+  constexpr double kFarBelow = 1e-4;
+  double load = 0.0, live = 0.0, arm = 0.0, strength = problem.points.empty() ? 0.0 : kNoBound;
   // Fixed blocks may be far heavier than all others, whose residuals would then count for nothing.
   std::size_t free = 0;
   for (const LimitBlock& b : problem.blocks) {
-    if (!b.fixed) load += norm(b.dead.force) + norm(b.live.force), ++free;
+    if (!b.fixed) load += norm(b.dead.force) + norm(b.live.force), live += norm(b.live.force), ++free;
   }
-  for (const LimitPoint& p : problem.points)
+  for (const LimitPoint& p : problem.points) {
+    strength = std::min(strength, p.tension + p.cohesion);
     arm += norm(p.position - problem.blocks[static_cast<std::size_t>(p.a)].centre);
-  return {load > 0.0 ? load / static_cast<double>(free) : 1.0,
-          arm > 0.0 ? arm / static_cast<double>(problem.points.size()) : 1.0};
+  }
+  load /= std::max(1.0, static_cast<double>(free)), live /= std::max(1.0, static_cast<double>(free));
+  LimitUnits units;
+  if (load > 0.0) units.force = load;
+  if (load < kFarBelow * strength) units.force = strength;
+  if (arm > 0.0) units.length = arm / static_cast<double>(problem.points.size());
+  if (live > 0.0 && live < kFarBelow * units.force) units.multiplier = units.force / live;
+  return units;
 }
 
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& given) {
   require(problem, given);
   if (!given.near.empty() || (given.facets == 0 && !given.interior)) {
-    LimitResult whole = limit_with_cones(problem, given.most, given.near);
+    LimitResult whole = limit_with_cones(problem, given);
     scale_mechanism(problem, &whole);
-    if (whole.status == LimitStatus::solved || !given.near.empty()) return whole;
+    if (whole.status != LimitStatus::not_converged || !given.near.empty()) return whole;
   }
   // Pyramids show that a problem has no solution, and solve those without room inside the cones.
   LimitSettings settings = given;
   if (settings.facets == 0) settings.facets = kFacets;
   const Programme programme(problem, settings);
-  const LinearSolution solution = solution_of(programme.linear(), problem, settings);
+  const LinearSolution solution = solution_of(programme.linear(), problem, in_phase(settings, of_facets(settings)));
   LimitResult result;
   if (solution.status == LinearStatus::solved) result = programme.result(solution);
   result.status = status_of(solution, settings.interior);
-  if (programme.reaches(solution.objective)) result.status = LimitStatus::unbounded;
+  if (result.status == LimitStatus::not_converged && settings.is_late()) result.status = LimitStatus::late;
+  if (result.status != LimitStatus::late && programme.reaches(solution.objective))
+    result.status = LimitStatus::unbounded;
   result.facets = settings.facets;
   scale_mechanism(problem, &result);
   if (result.status == LimitStatus::no_equilibrium) result.blocks_concerned = unheld_blocks(problem, settings);
   if (result.status == LimitStatus::unbounded) result.blocks_concerned = loaded_blocks(problem);
   return result;
+}
+
+void require_answer(const LimitResult& result) {
+  if (result.status == LimitStatus::late)
+    throw Error(
+        Exit::numerical,
+        "limit analysis: no answer within its time; give more (--seconds), or blocks with fewer zones, which have "
+        "fewer contact points");
+  if (result.status == LimitStatus::not_converged)
+    throw Error(
+        Exit::numerical,
+        "limit analysis: the solvers ended without a solution, as residuals are left; try pyramids (--facets 8), "
+        "other zones of blocks, or run the scene with a stage of collapse");
 }
 
 std::vector<int> unconnected_blocks(const LimitProblem& problem) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <functional>
 #include <limits>
 #include <string>
@@ -39,6 +40,7 @@ struct LimitPoint {
   double crushing = std::numeric_limits<double>::infinity();  // largest compressive force, N, > 0
   double area = 1.0;                                          // m2, > 0; stiffness is proportional to it
   double live_cohesion = 0.0;                                 // cohesion added by a multiplier of 1, N
+  int family = -1;                                            // joint family of a scene; -1: none
 };
 
 // Force of a member: one number within bounds, which acts on all of its places at once.
@@ -75,16 +77,26 @@ struct LimitSettings {
   std::vector<double> near{};
   double most =
       std::numeric_limits<double>::infinity();  // bound of the multiplier; a multiplier at the bound has no mechanism
-  // Called after each problem of a sequence without dilation, with its start; copies of it from two threads. Empty:
-  // not.
-  std::function<void(const std::string& from, int problems)> progress{};
+  // Called after each step of an interior point method, from several threads at once. What it throws ends the analysis.
+  // Empty: not.
+  std::function<void(const std::string& step)> progress{};
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+
+  void report(const std::string& step) const {
+    if (progress) progress(step);
+  }
+  bool is_late() const { return std::chrono::steady_clock::now() > deadline; }
 };
+
+// The same settings, whose reports begin with the phase.
+LimitSettings in_phase(LimitSettings settings, const std::string& phase);
 
 enum class LimitStatus {
   solved,
   no_equilibrium,  // no forces carry the dead loads
   unbounded,       // no multiple of the live loads makes a mechanism
-  not_converged    // the solver stopped, or its solution has residuals
+  not_converged,   // the solver stopped, or its solution has residuals
+  late             // the deadline was reached
 };
 
 struct LimitResult {
@@ -106,8 +118,16 @@ struct LimitResult {
 // than 4 facets.
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings = {});
 
-// Units of force and length in programmes: the mean load of a free block, N, and the mean arm of a contact point, m.
-std::pair<double, double> scales_of(const LimitProblem& problem);
+// Throws Error(numerical) where the solver ended without an answer: with residuals, or at the deadline.
+void require_answer(const LimitResult& result);
+
+// Units in programmes.
+struct LimitUnits {
+  double force = 1.0;       // N: the mean load of a free block, or the least strength of a point where that is far more
+  double length = 1.0;      // m: the mean arm of a contact point
+  double multiplier = 1.0;  // 1, or where live loads are far below that force, the multiplier that makes them equal
+};
+LimitUnits units_of(const LimitProblem& problem);
 
 // Blocks that no chain of contact points and members connects to a fixed one; indices, ascending.
 std::vector<int> unconnected_blocks(const LimitProblem& problem);

@@ -7,12 +7,14 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <mutex>
 #include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/upright_axis.h"
 #include "files/notice.h"
@@ -39,7 +41,42 @@ namespace {
 
 using geometry::Vector;
 
-const Stage& moving_stage(const Scene& scene) {
+// Velocity at which a stage moves a body; 0 where it does not.
+Vector motion_of(const BodyControl& control) {
+  Vector motion;
+  for (int c = 0; c < 3; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    if (control.kind[i] == DofKind::velocity) motion[c] = control.in_cycles == c ? 1.0 : control.velocity[i];
+  }
+  return motion;
+}
+
+// Force on a body along its free components.
+Vector force_of(const BodyControl& control) {
+  Vector force;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (control.kind[c] != DofKind::velocity) force[static_cast<int>(c)] = control.force[c];
+  return force;
+}
+
+bool multiplies_forces(Multiplied multiplied) {
+  return multiplied == Multiplied::forces || multiplied == Multiplied::loads;
+}
+bool multiplies_pressures(Multiplied multiplied) {
+  return multiplied == Multiplied::pressures || multiplied == Multiplied::loads;
+}
+
+bool has_multiplied(const Stage& stage, Multiplied multiplied) {
+  const bool pushes = std::ranges::any_of(stage.controls, [](const BodyControl& c) { return norm(force_of(c)) > 0.0; });
+  const bool moves = std::ranges::any_of(stage.controls, [](const BodyControl& c) { return norm(motion_of(c)) > 0.0; });
+  return (multiplies_forces(multiplied) && !stage.forces.empty()) ||
+         (multiplies_pressures(multiplied) && !stage.pressures.empty()) ||
+         (multiplied == Multiplied::loads && pushes) ||
+         (multiplied == Multiplied::motion && (moves || stage.whiffletree));
+}
+
+const Stage& moving_stage(const Scene& scene, const LimitOptions& options) {
+  if (options.stage && options.stage->moving_load) return *options.stage;
   for (const Stage& stage : scene.stages)
     if (stage.moving_load) return stage;
   throw Error(Exit::bad_input,
@@ -48,26 +85,59 @@ const Stage& moving_stage(const Scene& scene) {
                           scene.file));
 }
 
-// Gravity and direction of the first collapse stage, or gravity of the stage with the moving load. Else gravity of the
-// first stage that has some. Returns the stage with this gravity, whose loads are constant.
-const Stage& find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
-  limit->halved = scene.wall && scene.wall->half_thickness;
+// The stage with the loads that are multiplied.
+const Stage& stage_with_loads(const Scene& scene, const LimitOptions& options) {
+  const auto has = [&](const Stage& stage) { return has_multiplied(stage, options.multiplied); };
+  if (options.stage && has(*options.stage)) return *options.stage;
+  const auto found = std::ranges::find_if(scene.stages, has);
+  if (options.stage || found == scene.stages.end())
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{} {} to multiply; give it [[stage.force]], [[stage.pressure]] or [[stage.velocity]]",
+                    options.stage ? options.stage->source.text + ": the stage has no" : scene.file + ": no stage has",
+                    name_of(options.multiplied)));
+  return *found;
+}
+
+// The stage whose gravity and loads count. For the weight it is the first collapse stage, or else the first with
+// gravity.
+const Stage& stage_that_counts(const Scene& scene, const LimitOptions& options) {
+  if (options.multiplied != Multiplied::weight) return stage_with_loads(scene, options);
+  if (options.stage) {
+    if (options.stage->gravity != Vec3{}) return *options.stage;
+    throw Error(Exit::bad_input,
+                fmt::format("{}: the stage has no gravity, whose weight would be multiplied; give it gravity = [0, "
+                            "-9.81, 0]",
+                            options.stage->source.text));
+  }
+  if (options.moving && moving_stage(scene, options).gravity != Vec3{}) return moving_stage(scene, options);
   const Stage* loaded = nullptr;
   for (const Stage& stage : scene.stages) {
-    const bool weighs = stage.gravity != Vec3{};
-    if (weighs && (stage.collapse || !loaded)) loaded = &stage;
-    if (!stage.collapse) continue;
-    limit->direction = geometry::vector(stage.collapse->direction);
-    break;
+    if (stage.gravity != Vec3{} && (stage.collapse || !loaded)) loaded = &stage;
+    if (stage.collapse) break;
   }
-  if (options.moving && moving_stage(scene).gravity != Vec3{}) loaded = &moving_stage(scene);
-  if (options.stage) loaded = options.stage;
-  if (!loaded)
-    throw Error(Exit::bad_input,
-                fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0]", scene.file));
-  limit->gravity = geometry::vector(loaded->gravity);
-  if (!options.direction.empty())
-    limit->direction = Vector{options.direction[0], options.direction[1], options.direction[2]};
+  if (loaded) return *loaded;
+  throw Error(Exit::bad_input, fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0], or "
+                                           "multiply other loads (--multiply motion, "
+                                           "forces, pressures)",
+                                           scene.file));
+}
+
+// Direction in which the weight is multiplied, if any.
+std::optional<Vector> direction_of(const Scene& scene, const LimitOptions& options) {
+  if (options.multiplied != Multiplied::weight) return std::nullopt;
+  if (!options.direction.empty()) return Vector{options.direction[0], options.direction[1], options.direction[2]};
+  if (options.stage && options.stage->collapse) return geometry::vector(options.stage->collapse->direction);
+  const auto found = std::ranges::find_if(scene.stages, [](const Stage& s) { return s.collapse.has_value(); });
+  return found == scene.stages.end() ? std::nullopt : std::optional(geometry::vector(found->collapse->direction));
+}
+
+// Returns the stage with this gravity, whose loads count.
+const Stage& find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
+  limit->halved = scene.wall && scene.wall->half_thickness;
+  const Stage& loaded = stage_that_counts(scene, options);
+  limit->stage = loaded.name, limit->gravity = geometry::vector(loaded.gravity);
+  limit->direction = direction_of(scene, options);
   if (limit->direction && !(norm(*limit->direction) > 0.0 && std::isfinite(norm(*limit->direction))))
     throw Error(Exit::bad_input,
                 fmt::format("{}: the direction of the load is no direction: --direction X Y Z, not all 0", scene.file));
@@ -78,40 +148,38 @@ const Stage& find_loads(const Scene& scene, const LimitOptions& options, SceneLi
                             scene.file));
   if (limit->direction) limit->direction = normalized(*limit->direction);
   if (!std::isfinite(options.given)) throw Error(Exit::bad_input, "limit: the given multiplier is not a finite number");
-  if (options.given != 0.0 && !limit->direction)
+  if (options.given != 0.0 && !limit->direction && options.multiplied == Multiplied::weight)
     throw Error(Exit::bad_input,
                 fmt::format("{}: a multiplier is given and no direction: no collapse stage says in which direction the "
                             "load acts; give --direction X Y Z",
                             scene.file));
-  return *loaded;
+  return loaded;
 }
 
-// Forces, pressures and loads of bodies of a stage, which are constant.
-void add_constant_loads(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
+// Forces, pressures and loads of bodies of a stage.
+void add_loads(const Stage& stage, Multiplied multiplied, const blocks::Assembly& assembly, SceneLimit* limit) {
   for (const PointForce& force : stage.forces) {
     const Vector at = geometry::vector(force.point);
-    limit->loads.push_back(
-        {blocks::block_at(assembly, force.block, at, stage.source.text), at, geometry::vector(force.force)});
+    limit->loads.push_back({blocks::block_at(assembly, force.block, at, stage.source.text), at,
+                            geometry::vector(force.force), multiplies_forces(multiplied)});
   }
   for (const FacePressure& pressure : stage.pressures) {
     for (const blocks::BlockFace& pressed :
          blocks::outer_faces(assembly, pressure.block, geometry::vector(pressure.normal), stage.source.text)) {
-      members::each_triangle(
-          assembly, pressed.block, static_cast<std::size_t>(pressed.face), [&](const std::array<Vector, 3>& corner) {
-            const Vector area = 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]);
-            limit->loads.push_back(
-                {pressed.block, (corner[0] + corner[1] + corner[2]) / 3.0, -pressure.pressure * area});
-          });
+      members::each_triangle(assembly, pressed.block, static_cast<std::size_t>(pressed.face),
+                             [&](const std::array<Vector, 3>& corner) {
+                               const Vector area = 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]);
+                               limit->loads.push_back({pressed.block, (corner[0] + corner[1] + corner[2]) / 3.0,
+                                                       -pressure.pressure * area, multiplies_pressures(multiplied)});
+                             });
     }
   }
   for (const BodyControl& control : stage.controls) {
-    Vector force;
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (control.kind[c] != DofKind::velocity) force[static_cast<int>(c)] = control.force[c];
-    }
+    const Vector force = force_of(control);
     if (norm(force) == 0.0) continue;
     for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text))
-      limit->loads.push_back({block, limit->load_places[static_cast<std::size_t>(block)], force});
+      limit->loads.push_back(
+          {block, limit->load_places[static_cast<std::size_t>(block)], force, multiplied == Multiplied::loads});
   }
 }
 
@@ -234,19 +302,74 @@ void keep_on_plane(SceneLimit* limit) {
   }
 }
 
-// Reactions of what holds bodies in a stage of collapse. They have no bound, whether it moves the bodies or not.
-void hold_bodies(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
-  if (!stage.collapse) return;
+// Directions of the held axes 0..2, but for that of the motion.
+std::vector<Vector> held_ways(unsigned held, const Vector& motion) {
+  constexpr double kAnother = 1e-6;  // length of what is left of an axis that counts as a direction of its own
+  std::vector<Vector> ways;
+  const bool moves = norm(motion) > 0.0;
+  if (moves) ways.push_back(normalized(motion));
+  for (int c = 0; c < 3; ++c) {
+    Vector way;
+    way[c] = 1.0;
+    for (const Vector& other : ways) way = way - dot(way, other) * other;
+    if ((held >> c & 1u) && norm(way) > kAnother) ways.push_back(normalized(way));
+  }
+  if (moves) ways.erase(ways.begin());
+  return ways;
+}
+
+// Reactions of what holds bodies in a stage. They have no bound, whether it moves the bodies or not. Where the motion
+// is multiplied, bodies are free along it.
+void hold_bodies(const Stage& stage, Multiplied multiplied, const blocks::Assembly& assembly, SceneLimit* limit) {
   for (const BodyControl& control : stage.controls) {
     const unsigned held = prescribed_by(control);
+    const Vector motion = multiplied == Multiplied::motion ? motion_of(control) : Vector{};
     for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text)) {
-      const LimitBlock& body = limit->problem.blocks[static_cast<std::size_t>(block)];
-      for (int c = 0; c < 3 && !body.fixed; ++c) {
-        Vector axis;
-        axis[c] = 1.0;
-        if (held >> c & 1u) hold(block, body.centre, axis, {}, limit);
-        if (held >> (c + 3) & 1u) hold(block, body.centre, {}, axis, limit);
-      }
+      LimitBlock& body = limit->problem.blocks[static_cast<std::size_t>(block)];
+      if (norm(motion) > 0.0) body.fixed = false;
+      if (body.fixed) continue;
+      for (const Vector& way : held_ways(held, motion)) hold(block, body.centre, way, {}, limit);
+      for (const Vector& axis : held_ways(held >> 3, {})) hold(block, body.centre, {}, axis, limit);
+    }
+  }
+}
+
+// A force along the motion of bodies, whose power is 1 W where the fastest moves at 1 m/s. It acts on the first of
+// them. Forces without power between the first and each other body keep the ratios of their velocities.
+void drive_bodies(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
+  std::vector<LimitForce::Place> moved;
+  double fastest = 0.0;
+  for (const BodyControl& control : stage.controls) {
+    const Vector motion = motion_of(control);
+    if (norm(motion) == 0.0) continue;
+    if (control.omega != Vec3{})
+      throw Error(Exit::bad_input, fmt::format("{}: limit: the stage turns '{}' as it moves it; motions with omega "
+                                               "cannot be multiplied",
+                                               stage.source.text, control.body));
+    fastest = std::max(fastest, norm(motion));
+    for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text))
+      moved.push_back({block, limit->problem.blocks[static_cast<std::size_t>(block)].centre, motion, {}});
+  }
+  if (moved.empty()) return;
+  for (LimitForce::Place& place : moved) place.way = (fastest / dot(place.way, place.way)) * place.way;
+  limit->loads.push_back({moved[0].block, moved[0].at, moved[0].way, true});
+  limit->reaction = LimitForce{{moved[0]}};
+  for (std::size_t k = 1; k < moved.size(); ++k) {
+    LimitForce::Place back = moved[0];
+    back.way = -back.way;
+    limit->problem.forces.push_back({{back, moved[k]}});
+  }
+}
+
+// Equal forces along x on the floors of a whiffletree, 1 N in sum.
+void push_floors(const Whiffletree& whiffletree, const Stage& stage, const blocks::Assembly& assembly,
+                 SceneLimit* limit) {
+  for (const std::vector<std::string>& floor : whiffletree.floors) {
+    for (const std::string& body : floor) {
+      const std::vector<int> blocks = blocks::find_blocks(assembly, body, stage.source.text);
+      const double share = 1.0 / static_cast<double>(whiffletree.floors.size() * floor.size() * blocks.size());
+      for (const int block : blocks)
+        limit->loads.push_back({block, limit->load_places[static_cast<std::size_t>(block)], {share, 0.0, 0.0}, true});
     }
   }
 }
@@ -404,9 +527,26 @@ std::size_t leave_rims_out(const blocks::World& world, std::vector<LimitPoint>* 
   return pairs;
 }
 
+// Wrenches on blocks from weights and loads. given: multiple of the live ones that counts as dead.
+void sum_loads(double given, SceneLimit* limit) {
+  const std::vector<Wrench> dead = pull_of(*limit, limit->gravity);
+  const std::vector<Wrench> live =
+      pull_of(*limit, limit->direction ? norm(limit->gravity) * *limit->direction : Vector{});
+  for (std::size_t k = 0; k < dead.size(); ++k)
+    limit->problem.blocks[k].dead = dead[k], limit->problem.blocks[k].live = live[k];
+  for (const LimitLoad& load : limit->loads) {
+    LimitBlock& block = limit->problem.blocks[static_cast<std::size_t>(load.block)];
+    Wrench& sum = load.live ? block.live : block.dead;
+    sum.force += load.force, sum.moment += cross(load.at - block.centre, load.force);
+    if (load.live) limit->live_force += load.force;
+  }
+  for (LimitBlock& block : limit->problem.blocks)
+    block.dead.force += given * block.live.force, block.dead.moment += given * block.live.moment;
+}
+
 // Assembles the problem: rigid blocks, and a force at each contact point that is closed. Weights follow from the
 // outlines of the blocks.
-void assemble(const Simulation& simulation, double given, const Stage& loaded, SceneLimit* limit) {
+void assemble(const Simulation& simulation, const LimitOptions& options, const Stage& loaded, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
   const blocks::Assembly assembly = assembly_of(simulation);
   for (int i = 0; i < static_cast<int>(simulation.block_count()); ++i) {
@@ -444,26 +584,21 @@ void assemble(const Simulation& simulation, double given, const Stage& loaded, S
     const Strength s = of_family.of(index);
     limit->problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
-                                     s.cohesion * p.area, s.crushing * p.area, p.area});
+                                     s.cohesion * p.area, s.crushing * p.area, p.area, 0.0, p.family});
   }
   if (shapes) limit->edge_count = leave_rims_out(*shapes, &limit->problem.points);
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
-  hold_bodies(loaded, assembly, limit);
-  add_constant_loads(loaded, assembly, limit);
-  const std::vector<Wrench> dead = pull_of(*limit, limit->gravity);
-  const std::vector<Wrench> live =
-      pull_of(*limit, limit->direction ? norm(limit->gravity) * *limit->direction : Vector{});
-  for (std::size_t k = 0; k < dead.size(); ++k) {
-    LimitBlock& block = limit->problem.blocks[k];
-    block.live = live[k];
-    block.dead = {dead[k].force + given * live[k].force, dead[k].moment + given * live[k].moment};
+  for (const JointFamily& family : assembly.families) limit->families.push_back(family.name);
+  if (loaded.collapse || options.multiplied != Multiplied::weight)
+    hold_bodies(loaded, options.multiplied, assembly, limit);
+  add_loads(loaded, options.multiplied, assembly, limit);
+  if (options.multiplied == Multiplied::motion) {
+    drive_bodies(loaded, assembly, limit);
+    if (loaded.whiffletree) push_floors(*loaded.whiffletree, loaded, assembly, limit);
   }
-  for (const LimitLoad& load : limit->loads) {
-    LimitBlock& block = limit->problem.blocks[static_cast<std::size_t>(load.block)];
-    block.dead.force += load.force, block.dead.moment += cross(load.at - block.centre, load.force);
-  }
+  sum_loads(options.given, limit);
 }
 
 void require_supports(const Scene& scene, const SceneLimit& limit) {
@@ -484,10 +619,7 @@ void require_supports(const Scene& scene, const SceneLimit& limit) {
                     scene.file, loose.size(), blocks_text(limit, loose)));
 }
 
-LimitResult solved(const std::string& file, const SceneLimit& limit, const LimitProblem& problem,
-                   const LimitSettings& settings) {
-  LimitResult result = limit_multiplier(problem, settings);
-  if (result.status == LimitStatus::solved) return result;
+void require_solved(const std::string& file, const SceneLimit& limit, const LimitResult& result) {
   if (result.status == LimitStatus::no_equilibrium)
     throw Error(Exit::numerical, fmt::format("{}: the given loads alone cannot be carried; out of balance:{}", file,
                                              blocks_text(limit, result.blocks_concerned)));
@@ -497,7 +629,7 @@ LimitResult solved(const std::string& file, const SceneLimit& limit, const Limit
                             "to move? With associated flow, which lifts what slides, blocks may also lock; a run has "
                             "none. The load acts on:{}",
                             file, blocks_text(limit, result.blocks_concerned)));
-  throw Error(Exit::numerical, fmt::format("{}: the linear programme was not solved: residuals are left", file));
+  require_answer(result);
 }
 
 // Both ways along the two axes that are farthest from gravity: those along x and z where it is closest to y.
@@ -523,62 +655,16 @@ void find_least_margin(const std::string& file, const LimitSettings& settings, S
     for (std::size_t k = 0; k < live.size(); ++k) pushed.blocks[k].live = live[k];
     const LimitResult result = limit_multiplier(pushed, settings);
     if (result.status == LimitStatus::unbounded) continue;
-    if (result.status != LimitStatus::solved) solved(file, *limit, pushed, settings);
+    require_solved(file, *limit, result);
     if (limit->margin && *limit->margin <= result.multiplier) continue;
     limit->margin = result.multiplier, limit->margin_direction = way;
   }
 }
 
-// Prints how far a sequence of problems has come, once it takes long.
-std::function<void(const std::string&, int)> notices_of_progress(const std::string& file) {
-  constexpr double kPeriod = 2.0;  // s
-  using Clock = std::chrono::steady_clock;
-  return [file, last = Clock::now()](const std::string& from, int problems) mutable {
-    if (std::chrono::duration<double>(Clock::now() - last).count() < kPeriod) return;
-    last = Clock::now();
-    notice(fmt::format("quoin: {}: limit analysis without dilation, from {}: problem {}", file, from, problems));
-  };
-}
-
-nlohmann::ordered_json json_of(const LimitWithoutDilation& without, const char* what) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const SettledLimit& start : without.start)
-    json.push_back({{"from", start.from},
-                    {"settled", start.settled},
-                    {what, start.multiplier},
-                    {"beyond_friction", start.beyond},
-                    // Where little slides, the excess is no share of its friction.
-                    {"share_beyond_friction", start.share_beyond < 1.0 ? nlohmann::ordered_json(start.share_beyond)
-                                                                       : nlohmann::ordered_json(nullptr)},
-                    {"spread", start.spread},
-                    {"problems", start.problems}});
-  return json;
-}
-
-nlohmann::ordered_json json_of_moving(const SceneLimit& limit) {
-  nlohmann::ordered_json json{{"force_N", geometry::array(limit.moving_force)}, {"worst", limit.worst}};
-  for (const MovingLimit& here : limit.moving)
-    json["positions"].push_back(
-        {{"position_m", geometry::array(here.position)},
-         {"at_m", geometry::array(here.at)},
-         {"block", limit.labels[static_cast<std::size_t>(here.block)]},
-         {"multiplier", here.multiplier ? nlohmann::ordered_json(*here.multiplier) : nlohmann::ordered_json(nullptr)}});
-  return json;
-}
-
-nlohmann::ordered_json number_or_null(const std::optional<double>& number) {
-  return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json(nullptr);
-}
-
-std::optional<double> settled(const std::optional<LimitWithoutDilation>& without) {
-  if (!without || !without->settled) return std::nullopt;
-  return without->multiplier;
-}
-
 // Computes each position by itself, beside the weight. The worst position has the smallest multiplier.
 void find_moving(const Simulation& simulation, const LimitOptions& options, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
-  const Stage& stage = moving_stage(scene);
+  const Stage& stage = moving_stage(scene, options);
   limit->moving_force = geometry::vector(stage.moving_load->force);
   const std::vector<blocks::LoadPlace> places =
       blocks::places_of(*stage.moving_load, assembly_of(simulation), stage.source.text);
@@ -590,10 +676,10 @@ void find_moving(const Simulation& simulation, const LimitOptions& options, Scen
     MovingLimit& here = limit->moving.emplace_back(MovingLimit{place.block, place.position, place.at, std::nullopt});
     if (block.fixed) continue;
     block.live = {limit->moving_force, cross(place.at - block.centre, limit->moving_force)};
-    const LimitResult result = limit_multiplier(problem, options.settings);
-    if (result.status == LimitStatus::not_converged || result.status == LimitStatus::no_equilibrium)
-      solved(scene.file, *limit, problem, options.settings);
-    if (result.status == LimitStatus::solved) {
+    const LimitResult result = limit_multiplier(
+        problem, in_phase(options.settings, fmt::format("position {} of {}", limit->moving.size(), places.size())));
+    if (result.status != LimitStatus::unbounded) {
+      require_solved(scene.file, *limit, result);
       here.multiplier = result.multiplier;
       if (!limit->limit || result.multiplier < limit->limit->multiplier)
         limit->limit = result, limit->worst = limit->moving.size() - 1, worst = block.live;
@@ -606,10 +692,59 @@ void find_moving(const Simulation& simulation, const LimitOptions& options, Scen
                                              stage.source.text, places.size()));
   problem.blocks[static_cast<std::size_t>(limit->moving[limit->worst].block)].live = worst;
   limit->margin = limit->limit->multiplier;
-  if (!options.associated) limit->without_dilation = limit_without_dilation(problem, options.settings);
+}
+
+// Refuses what has no meaning here or together.
+void refuse(const Scene& scene, const LimitOptions& options) {
+  const bool of_stage = options.multiplied != Multiplied::weight;
+  if (!scene.damage.empty())
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: [[damage]]: limit analysis has the strengths of undamaged joints; give damaged joints a "
+                    "family of their own with the strengths that are left (a dry one: initial_state = \"dry\"), "
+                    "or leave the damage out",
+                    scene.file));
+  if (!(options.seconds > 0.0))
+    throw Error(Exit::bad_input, fmt::format("limit: {} s of time; allowed: more than 0", options.seconds));
+  if (options.moving && (options.given != 0.0 || !options.direction.empty() || of_stage))
+    throw Error(Exit::bad_input, fmt::format("{}: with a moving load that alone is multiplied; leave --direction, "
+                                             "--multiply and --given out",
+                                             scene.file));
+  if (options.multiplied == Multiplied::motion && options.given != 0.0)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: a motion has no load to be given beforehand; leave --given out", scene.file));
+  if (of_stage && !options.direction.empty())
+    throw Error(Exit::bad_input, fmt::format("{}: --direction is that of the weight, and --multiply {} multiplies "
+                                             "loads that have one; leave one of them out",
+                                             scene.file, name_of(options.multiplied)));
+}
+
+// The associated multiplier, or without a direction the least margin.
+void find_multiplier(const Simulation& simulation, const LimitOptions& options, SceneLimit* limit) {
+  if (options.moving) return find_moving(simulation, options, limit);
+  const std::string& file = simulation.scene().file;
+  const LimitSettings settings = in_phase(options.settings, "multiplier");
+  if (!limit->direction && options.multiplied == Multiplied::weight) return find_least_margin(file, settings, limit);
+  limit->limit = limit_multiplier(limit->problem, settings);
+  require_solved(file, *limit, *limit->limit);
+  limit->margin = limit->limit->multiplier, limit->margin_direction = limit->direction.value_or(Vector{});
+  limit->limit->multiplier += options.given;
 }
 
 }  // namespace
+
+Multiplied multiplied_named(const std::string& name) {
+  for (const Multiplied multiplied :
+       {Multiplied::weight, Multiplied::forces, Multiplied::pressures, Multiplied::loads, Multiplied::motion})
+    if (name == name_of(multiplied)) return multiplied;
+  throw Error(
+      Exit::bad_input,
+      fmt::format(
+          "limit: '{}' cannot be multiplied; allowed: weight, forces, pressures, loads, motion. A displacement has "
+          "no multiplier, as forces between rigid blocks do not grow with it; motion gives the force, in N, "
+          "at which what a stage moves goes on moving",
+          name));
+}
 
 std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks) {
   constexpr std::size_t kNamed = 5;
@@ -620,21 +755,16 @@ std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks)
   return text;
 }
 
+Scene for_limit(Scene scene, Multiplied multiplied) {
+  if (multiplied != Multiplied::weight && scene.blocks) scene.solver.kernels = Kernels::general;
+  return scene;
+}
+
 SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
   const std::string& file = simulation.scene().file;
-  if (!simulation.scene().damage.empty())
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{}: [[damage]]: limit analysis has the strengths of undamaged joints; give damaged joints a "
-                    "family of their own with the strengths that are left (a dry one: initial_state = \"dry\"), "
-                    "or leave the damage out",
-                    file));
   LimitOptions options = given;
   if (!options.settings.progress) options.settings.progress = notices_of_progress(file);
-  if (options.moving && (options.given != 0.0 || !options.direction.empty()))
-    throw Error(Exit::bad_input, fmt::format("{}: with a moving load that alone is multiplied; leave --direction and "
-                                             "--given out",
-                                             file));
+  refuse(simulation.scene(), options);
   SceneLimit limit;
   const Stage& loaded = find_loads(simulation.scene(), options, &limit);
   if (!simulation.scene().start.empty())
@@ -645,104 +775,50 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
         fmt::format("quoin: {}: law: without effect here, as limit analysis has the laws of [joints]; --law replaces "
                     "them",
                     loaded.source.text));
-  assemble(simulation, options.given, loaded, &limit);
+  assemble(simulation, options, loaded, &limit);
+  if (limit.halved && limit.live_force.z != 0.0)
+    throw Error(Exit::bad_input, fmt::format("{}: limit: the multiplied {} act along z, across the plane of symmetry "
+                                             "of a wall with half_thickness = true; make wall.half_thickness false",
+                                             loaded.source.text, name_of(options.multiplied)));
   require_supports(simulation.scene(), limit);
-  limit.stands = stands(limit.problem, options.settings, options.friction);
-  // If normal forces alone carry all loads, they do so without dilation too.
-  const bool needs_friction = limit.stands.friction && *limit.stands.friction > 0.0;
-  if (!options.associated && options.friction && needs_friction)
-    limit.friction = friction_without_dilation(limit.problem, options.settings);
-  else if (!options.associated && limit.stands.friction)
-    limit.friction = LimitWithoutDilation{{}, true, 0.0};
-  if (!limit.stands.stands) return limit;
-  if (options.moving) {
-    find_moving(simulation, options, &limit);
-    return limit;
-  }
-  if (!limit.direction) {
-    find_least_margin(file, options.settings, &limit);
-    return limit;
-  }
-  limit.limit = solved(file, limit, limit.problem, options.settings);
-  limit.margin = limit.limit->multiplier, limit.margin_direction = *limit.direction;
-  limit.limit->multiplier += options.given;
-  if (!options.associated) limit.without_dilation = limit_without_dilation(limit.problem, options.settings);
-  if (limit.without_dilation) {
+  const auto in_time = [&](LimitSettings settings) {
+    settings.deadline =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.seconds));
+    return settings;
+  };
+  options.settings = in_time(options.settings);
+  LimitProblem still = limit.problem;
+  if (limit.reaction) still.forces.push_back(*limit.reaction);
+  limit.stands = stands(still, in_phase(options.settings, "stability"), options.friction);
+  if (limit.stands.stands) find_multiplier(simulation, options, &limit);
+  if (options.associated) return limit;
+  if (limit.limit) {
+    limit.without_dilation =
+        limit_without_dilation(limit.problem, in_phase(in_time(options.settings), "without dilation"));
     limit.without_dilation->multiplier += options.given;
     for (SettledLimit& start : limit.without_dilation->start) start.multiplier += options.given;
   }
+  if (!limit.stands.friction) return limit;
+  // If normal forces alone carry all loads, they do so without dilation too.
+  limit.friction =
+      *limit.stands.friction > 0.0
+          ? friction_without_dilation(still, in_phase(in_time(options.settings), "friction without dilation"))
+          : LimitWithoutDilation{{}, true, 0.0};
   return limit;
 }
 
-std::vector<int> moving_without_load(const SceneLimit& limit) {
-  constexpr double kNone = 1e-6, kMoves = 1e-4;  // shares of the weight, and of the largest velocity
-  std::vector<int> blocks;
-  if (!limit.margin || *limit.margin > kNone || !limit.limit) return blocks;
-  for (std::size_t b = 0; b < limit.limit->velocity.size(); ++b) {
-    const auto& [v, w] = limit.limit->velocity[b];
-    if (norm(v) > kMoves || norm(w) > kMoves) blocks.push_back(static_cast<int>(b));
-  }
-  return blocks;
-}
-
-MemberForce largest_force(const LimitMember& member, const LimitResult& result) {
-  constexpr double kAll = 1.0 - 1e-6;  // share of a strength that counts as reaching it
-  MemberForce found;
-  for (std::size_t k = 0; k < member.of.size(); ++k) {
-    double force = result.member_force[member.of[k]] / member.over[k];
-    if (member.what == "anchor_N_per_m") force = std::max(0.0, force);  // bearing has no limit
-    if (std::abs(force) >= found.largest) found.largest = std::abs(force), found.strength = member.strength[k];
-    if (std::abs(force) >= kAll * member.strength[k] && member.strength[k] > 0.0) ++found.at_strength;
-  }
-  return found;
-}
-
-nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options) {
-  nlohmann::ordered_json json;
-  json["scene"] = scene;
-  json["multiplier"] = limit.limit ? nlohmann::ordered_json(limit.limit->multiplier) : nlohmann::ordered_json(nullptr);
-  json["multiplier_without_dilation"] = number_or_null(settled(limit.without_dilation));
-  json["gap"] = limit.limit ? nlohmann::ordered_json(limit.limit->gap) : nlohmann::ordered_json(nullptr);
-  if (limit.without_dilation) json["without_dilation"] = json_of(*limit.without_dilation, "multiplier");
-  const Stands& stands = limit.stands;
-  json["stands"] = stands.stands;
-  json["carried"] = stands.carried;
-  json["margin"] = number_or_null(limit.margin);
-  if (limit.margin && limit.moving.empty()) json["margin_direction"] = geometry::array(limit.margin_direction);
-  json["smallest_friction_scale"] = number_or_null(stands.friction);
-  json["smallest_friction_scale_without_dilation"] = number_or_null(settled(limit.friction));
-  if (limit.friction) json["friction_without_dilation"] = json_of(*limit.friction, "friction_scale");
-  json["out_of_balance"] = nlohmann::ordered_json::array();
-  for (const int b : stands.out_of_balance) json["out_of_balance"].push_back(limit.labels[static_cast<std::size_t>(b)]);
-  json["moves_without_load"] = nlohmann::ordered_json::array();
-  for (const int b : moving_without_load(limit))
-    json["moves_without_load"].push_back(limit.labels[static_cast<std::size_t>(b)]);
-  if (!limit.moving.empty()) json["moving"] = json_of_moving(limit);
-  if (limit.direction && limit.moving.empty())
-    json["direction"] = geometry::array(*limit.direction);
-  else
-    json["direction"] = nullptr;
-  json["given_multiplier"] = options.given;
-  json["gravity_m_s2"] = geometry::array(limit.gravity);
-  json["symmetric_mechanisms_only"] = limit.halved;
-  json["blocks"] = limit.block_count, json["contact_points"] = limit.point_count;
-  json["facets"] = limit.limit ? limit.limit->facets : options.settings.facets;
-  if (limit.limit && !limit.tie_names.empty())
-    json["tie_force_N"] =
-        std::vector<double>(limit.limit->member_force.begin(),
-                            limit.limit->member_force.begin() + static_cast<std::ptrdiff_t>(limit.tie_names.size()));
-  if (!limit.limit || limit.members.empty()) return json;
-  for (const LimitMember& member : limit.members) {
-    const MemberForce force = largest_force(member, *limit.limit);
-    json["member_forces"].push_back({{"member", member.label},
-                                     {"what", member.what},
-                                     {"largest", force.largest},
-                                     {"strength", std::isfinite(force.strength) ? nlohmann::ordered_json(force.strength)
-                                                                                : nlohmann::ordered_json(nullptr)},
-                                     {"at_strength", force.at_strength},
-                                     {"of", member.of.size()}});
-  }
-  return json;
+std::function<void(const std::string&)> notices_of_progress(const std::string& file) {
+  struct Last {
+    std::mutex mutex;
+    Clock::time_point time = Clock::now();
+  };
+  return [file, last = std::make_shared<Last>()](const std::string& step) {
+    constexpr double kPeriod = 2.0;  // s
+    const std::lock_guard lock(last->mutex);
+    if (seconds_since(last->time) < kPeriod) return;
+    last->time = Clock::now();
+    notice(fmt::format("quoin: {}: limit analysis: {}", file, step));
+  };
 }
 
 }  // namespace quoin

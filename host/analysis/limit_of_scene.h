@@ -1,6 +1,7 @@
 // Limit analysis of a scene: rigid blocks, contact points as in a run, strengths from its laws.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -21,15 +22,30 @@ inline LimitSettings whole_cones() {
   return settings;
 }
 
+// The load that is multiplied: the weight along a direction, or loads of a stage. loads: forces, pressures, and forces
+// on bodies. motion: a force of 1 N along the motion that the stage prescribes, or equal ones on the floors that it
+// pushes.
+enum class Multiplied { weight, forces, pressures, loads, motion };
+
+const char* name_of(Multiplied multiplied);
+// Throws Error(bad_input) for other names.
+Multiplied multiplied_named(const std::string& name);
+
 struct LimitOptions {
-  std::vector<double> direction;  // direction of the multiplied load; empty: that of the first collapse stage
-  double given = 0.0;             // multiple of the weight along it that acts as a constant load
+  std::vector<double> direction;  // direction of the multiplied weight; empty: that of the first collapse stage
+  double given = 0.0;             // multiple of the multiplied load that acts as a constant load
   LimitSettings settings = whole_cones();
   bool associated = false;       // whether to skip the analysis without dilation
   bool friction = true;          // whether to compute the smallest factor on friction too
   bool moving = false;           // whether to multiply the first stage's moving load, at each of its positions
-  const Stage* stage = nullptr;  // stage of the scene whose gravity and loads are constant; null: found by collapse
+  const Stage* stage = nullptr;  // stage whose gravity and loads count; null: the first that fits what is multiplied
+  Multiplied multiplied = Multiplied::weight;
+  // Time for each of three parts, s: stability and the associated multiplier; the two sequences without dilation.
+  double seconds = 300.0;
 };
+
+// Prints what is being solved, every two seconds. From several threads.
+std::function<void(const std::string&)> notices_of_progress(const std::string& file);
 
 // A mass that acts along given directions only, or along all.
 struct LimitMass {
@@ -39,10 +55,11 @@ struct LimitMass {
   std::vector<geometry::Vector> ways;  // unit, perpendicular to each other; empty: all directions
 };
 
-// A constant force without mass.
+// A force without mass.
 struct LimitLoad {
   int block = 0;
   geometry::Vector at, force;  // m, N
+  bool live = false;           // whether it is multiplied; else constant
 };
 
 // Forces of a member with one strength.
@@ -68,14 +85,18 @@ struct MovingLimit {
 
 struct SceneLimit {
   geometry::Vector gravity;                   // m/s2
-  std::optional<geometry::Vector> direction;  // none: no collapse stage, and no direction given
+  std::optional<geometry::Vector> direction;  // of the multiplied weight; none: no collapse stage, and none given
+  std::string stage;                          // whose gravity and loads count
+  geometry::Vector live_force{};              // sum of the multiplied forces and pressures, N
   bool halved = false;                        // half of the thickness is modelled: nothing leaves its plane of symmetry
-  // Blocks of the scene, then nodes of floors and beams. dead: weight and constant loads; live: the weight along the
-  // direction.
+  // Blocks of the scene, then nodes of floors and beams. dead: weight and constant loads; live: what is multiplied.
   LimitProblem problem;
   std::size_t block_count = 0, point_count = 0;  // sizes of the scene
-  std::size_t edge_count = 0;                    // pairs of blocks that meet along edges, whose points are left out
-  std::vector<std::string> names, labels;        // names of blocks in the scene, and in messages
+  // Reaction along the prescribed motion, where that is multiplied: it holds what moves while stability is found.
+  std::optional<LimitForce> reaction;
+  std::size_t edge_count = 0;              // pairs of blocks that meet along edges, whose points are left out
+  std::vector<std::string> names, labels;  // names of blocks in the scene, and in messages
+  std::vector<std::string> families;       // names of joint families
   std::vector<LimitMass> masses;
   std::vector<LimitLoad> loads;
   std::vector<geometry::Vector> load_places;  // of the scene's blocks, where loads on a body act, m
@@ -95,6 +116,21 @@ struct SceneLimit {
   std::size_t worst = 0;            // index of the position with the smallest multiplier
   geometry::Vector moving_force{};  // N
 };
+
+// Relative motion of two blocks at their joint, in a mechanism.
+struct JointMotion {
+  int a = 0, b = 0, family = 0;
+  // Largest rates of its points, over the largest of all joints. opening: beyond the dilation of sliding.
+  double opening = 0.0, sliding = 0.0, crushing = 0.0;
+  bool hinges = false;  // whether it opens at some points and stays closed at others
+};
+
+// Joints that move in the mechanism, the fastest first.
+std::vector<JointMotion> joint_motions(const SceneLimit& limit);
+
+// The scene for a simulation that limit_of() is to have. The lattice replaces forces and pressures by forces on bodies;
+// so what multiplies them has blocks of any shape.
+Scene for_limit(Scene scene, Multiplied multiplied);
 
 // Throws Error(bad_input) where the scene has no gravity or no support. So it does where blocks touch nothing that is
 // held, or laws have no limit. Throws Error(numerical) where no multiple of the load makes a mechanism, or the

@@ -45,9 +45,12 @@ void hold_against_programme(const LinearProgram& p, LinearSolution* solution) {
 
 }  // namespace
 
-LinearSolution solve(const LinearProgram& p, bool interior) {
+LinearSolution solve(const LinearProgram& p, bool interior, std::chrono::steady_clock::time_point deadline) {
   ClpSimplex clp;
   clp.setLogLevel(0);
+  using Clock = std::chrono::steady_clock;
+  if (deadline != Clock::time_point::max())
+    clp.setMaximumSeconds(std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()));
   clp.scaling(0);  // Clp's scaling may report solutions that are infeasible in the unscaled programme
   clp.loadProblem(p.columns(), p.rows(), p.begin.data(), p.row.data(), p.value.data(), p.low.data(), p.high.data(),
                   p.cost.data(), p.row_low.data(), p.row_high.data());

@@ -1,6 +1,7 @@
 // Linear programmes, solved by the library Clp; other code includes only this header.
 #pragma once
 
+#include <chrono>
 #include <limits>
 #include <vector>
 
@@ -45,7 +46,9 @@ struct LinearSolution {
   double dual_residual = 0.0;    // largest price of a row or column whose bound on that side is infinite
 };
 
-// Solution at a vertex; interior: centre of all solutions, by an interior point method alone. Uses one thread.
-LinearSolution solve(const LinearProgram& program, bool interior = false);
+// Solution at a vertex; interior: centre of all solutions, by an interior point method alone. Uses one thread. At the
+// deadline it stops after the step that it is in.
+LinearSolution solve(const LinearProgram& program, bool interior = false,
+                     std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max());
 
 }  // namespace quoin

@@ -1,5 +1,7 @@
 #include "analysis/stands.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace quoin {
@@ -15,7 +17,8 @@ constexpr double kExact = 1e-3, kMostFriction = 64.0;
 
 bool carried_with(LimitProblem problem, const LimitSettings& settings, double factor) {
   for (LimitPoint& p : problem.points) p.friction *= factor;
-  const LimitResult result = carried_share(problem, settings);
+  const LimitResult result = carried_share(problem, in_phase(settings, fmt::format("friction times {:.4g}", factor)));
+  if (result.status == LimitStatus::late) require_answer(result);
   return result.status == LimitStatus::solved && result.multiplier >= kAll;
 }
 
@@ -59,6 +62,7 @@ Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool f
       std::any_of(problem.points.begin(), problem.points.end(), [](const LimitPoint& p) { return p.cohesion > 0.0; });
   if (!cohesive && carried_with(problem, settings, 0.0)) return {true, 1.0, 0.0, {}};
   const LimitResult result = carried_share(problem, settings);
+  require_answer(result);
   Stands answer;
   answer.carried = result.status == LimitStatus::solved ? std::max(result.multiplier, 0.0) : 0.0;
   answer.stands = answer.carried >= kAll;

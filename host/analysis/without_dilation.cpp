@@ -1,5 +1,7 @@
 #include "analysis/without_dilation.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -29,7 +31,7 @@ constexpr double kMeanFrom = 10.0;
 // remaining change shrinks by 1 - kFollow a problem, so 0.1 % of the multiplier is still to come.
 constexpr double kSteady = 1e-3, kBeyond = 0.05, kShareBeyond = 0.02;
 constexpr double kSliding = 0.99;  // share of its strength from which on a point counts as sliding
-constexpr double kJump = 1.2;      // factor on the multiplier that counts as a jump, from a state within friction
+constexpr double kJump = 0.2;      // relative rise of the multiplier that is a jump, from a state within friction
 constexpr int kSteadyFor = 3, kMostProblems = 60;
 // Large assemblies converge no further. If the multiplier stays in this range over so many problems, with shear beyond
 // friction below this bound, then the mean is the result. Half of the range is reported.
@@ -160,8 +162,8 @@ bool wanders(const std::vector<double>& multipliers, SettledLimit* now) {
   const auto first = multipliers.end() - kWanderFor;
   const auto [low, high] = std::minmax_element(first, multipliers.end());
   const double mean = std::accumulate(first, multipliers.end(), 0.0) / kWanderFor;
-  if (!(*high - *low <= kWander * mean)) return false;
-  now->settled = true, now->multiplier = mean, now->spread = 0.5 * (*high - *low) / mean;
+  if (!(*high - *low <= kWander * std::abs(mean))) return false;
+  now->settled = true, now->multiplier = mean, now->spread = 0.5 * (*high - *low) / std::abs(mean);
   return true;
 }
 
@@ -180,16 +182,16 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
   std::vector<double> multipliers;
   int steady = 0;
   double factor = 1.0;
-  while (now.problems < kMostProblems) {
+  while (now.problems < kMostProblems && !settings.is_late()) {
     if (cones) settings.near = normal;
-    const LimitResult result = limit_multiplier(
-        of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones), settings);
     ++now.problems;
-    if (settings.progress) settings.progress(from, now.problems);
+    const LimitResult result =
+        limit_multiplier(of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones),
+                         in_phase(settings, fmt::format("from {}, problem {}", from, now.problems)));
     // The change was too large: go halfway back. A nearly settled state may jump to another when points lose their
     // load.
-    const bool jumps =
-        !of_friction && now.problems > 1 && now.beyond <= kBeyond && result.multiplier > kJump * now.multiplier;
+    const bool jumps = !of_friction && now.problems > 1 && now.beyond <= kBeyond &&
+                       result.multiplier - now.multiplier > kJump * std::abs(now.multiplier);
     if (result.status != LimitStatus::solved || jumps) {
       if (solved.empty()) return now;
       for (std::size_t i = 0; i < normal.size(); ++i) normal[i] = 0.5 * (normal[i] + solved[i]);
@@ -231,7 +233,7 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
   result.start.push_back(with_cones(of_weight, "weight"));
   if (associated.status == LimitStatus::solved) result.start.push_back(other.get());
   for (SettledLimit& start : result.start) {
-    if (start.settled || problem.points.size() >= kFewPoints) continue;
+    if (start.settled || problem.points.size() >= kFewPoints || settings.is_late()) continue;
     start = settle(problem, settings, sought, start.from == "weight" ? of_weight : of_associated, start.from, false);
   }
   for (const SettledLimit& start : result.start) {
@@ -242,10 +244,11 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
     result.settled = true, result.multiplier = start.multiplier;
   }
   for (const SettledLimit& start : result.start) {
-    const double beside = result.multiplier > 0.0 ? start.multiplier / result.multiplier : 1.0;
-    const bool worse = sought == Sought::friction ? beside > 1.0 + kDoubt : beside < 1.0 - kDoubt;
+    const double above = start.multiplier - result.multiplier, doubt = kDoubt * std::abs(result.multiplier);
+    const bool worse = sought == Sought::friction ? above > doubt : above < -doubt;
     if (!start.settled && worse) result.settled = false;
   }
+  result.late = !result.settled && settings.is_late();
   return result;
 }
 

@@ -29,6 +29,7 @@ struct LimitWithoutDilation {
   std::vector<SettledLimit> start;
   bool settled = false;     // from at least one start, where the other is not worse by more than 5 %
   double multiplier = 0.0;  // lowest of the settled ones
+  bool late = false;        // whether the deadline ended it before it settled
 };
 
 // The problem must have a multiplier by limit_multiplier().

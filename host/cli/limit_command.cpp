@@ -22,6 +22,7 @@
 #include "results/json_file.h"
 #include "results/report.h"
 #include "results/virtual_motion.h"
+#include "scene/stage_named.h"
 #include "step/results.h"
 #include "step/simulation.h"
 
@@ -33,6 +34,7 @@ using geometry::Vector;
 struct Options {
   SceneOptions scene;
   LimitOptions limit;
+  std::string multiply = "weight", stage;
   std::string out;
 };
 
@@ -102,6 +104,10 @@ void write_page(const std::filesystem::path& mechanism, const Scene& scene, doub
   }
 }
 
+const char* in_time(const LimitWithoutDilation& without) {
+  return without.late ? " within their time (--seconds)" : "";
+}
+
 void print(const LimitWithoutDilation& without) {
   for (const SettledLimit& start : without.start)
     fmt::print(
@@ -124,7 +130,7 @@ void print_stands(const SceneLimit& limit) {
     fmt::print("half of the thickness is modelled: nothing moves along z, and no load along z is tried\n");
   if (!s.stands)
     fmt::print("does not stand: {:.4f} of the given loads can be carried\n", s.carried);
-  else if (!limit.moving.empty())
+  else if (!limit.moving.empty() || (limit.limit && !limit.direction))
     fmt::print("stands\n");
   else if (limit.margin)
     fmt::print("stands, with {:.5f} of the weight to go along {}, associated\n", *limit.margin,
@@ -139,11 +145,22 @@ void print_stands(const SceneLimit& limit) {
   if (limit.friction->settled)
     fmt::print("smallest scale of friction without dilation: {:.4f}\n", limit.friction->multiplier);
   else
-    fmt::print("no smallest scale of friction without dilation: iterations have not settled\n");
+    fmt::print("no smallest scale of friction without dilation: iterations have not settled{}\n",
+               in_time(*limit.friction));
   print(*limit.friction);
 }
 
-void print_multiplier(const SceneLimit& limit) {
+void print_joints(const SceneLimit& limit) {
+  const std::vector<JointMotion> joints = joint_motions(limit);
+  const auto count = [&](auto does) { return std::ranges::count_if(joints, does); };
+  fmt::print(
+      "mechanism: {} joints move; {} open, {} of them as hinges, {} slide, {} crush (moving_joints of limit.json)\n",
+      joints.size(), count([](const JointMotion& j) { return j.opening > 0.0; }),
+      count([](const JointMotion& j) { return j.hinges; }), count([](const JointMotion& j) { return j.sliding > 0.0; }),
+      count([](const JointMotion& j) { return j.crushing > 0.0; }));
+}
+
+void print_multiplier(const SceneLimit& limit, const Options& options) {
   const int facets = limit.limit->facets;
   const std::string cones =
       facets > 0 ? fmt::format("friction cones as pyramids of {} facets, with up to {:.2g} % less friction", facets,
@@ -157,11 +174,20 @@ void print_multiplier(const SceneLimit& limit) {
         limit.limit->multiplier, limit.moving_force.x, limit.moving_force.y, limit.moving_force.z, worst.at.x,
         worst.at.y, worst.at.z, limit.labels[static_cast<std::size_t>(worst.block)], limit.worst + 1,
         limit.moving.size(), cones, limit.limit->gap);
+  } else if (options.multiply == "motion") {
+    fmt::print("force {:.6g} N along the motion of stage '{}', associated flow, {}; gap {:.1e}\n",
+               limit.limit->multiplier, limit.stage, cones, limit.limit->gap);
+  } else if (!limit.direction) {
+    const Vector& sum = limit.live_force;
+    fmt::print(
+        "multiplier {:.5f} of the {} of stage '{}', ({:g}, {:g}, {:g}) N in sum, associated flow, {}; gap {:.1e}\n",
+        limit.limit->multiplier, options.multiply, limit.stage, sum.x, sum.y, sum.z, cones, limit.limit->gap);
   } else {
     fmt::print("multiplier {:.5f} of the weight along {}, associated flow, {}; gap {:.1e}\n", limit.limit->multiplier,
                direction_text(*limit.direction), cones, limit.limit->gap);
   }
   fmt::print("Sliding lifts by the friction angle here: an upper bound of what a run without dilation gives\n");
+  print_joints(limit);
   for (std::size_t i = 0; i < limit.tie_names.size(); ++i)
     fmt::print("tie {:<12} {:.4g} N of {:.4g} N\n", limit.tie_names[i], limit.limit->member_force[i],
                limit.problem.forces[i].high);
@@ -175,7 +201,7 @@ void print_multiplier(const SceneLimit& limit) {
   if (limit.without_dilation->settled)
     fmt::print("multiplier {:.5f} without dilation\n", limit.without_dilation->multiplier);
   else
-    fmt::print("no multiplier without dilation: iterations have not settled\n");
+    fmt::print("no multiplier without dilation: iterations have not settled{}\n", in_time(*limit.without_dilation));
   print(*limit.without_dilation);
 }
 
@@ -190,24 +216,27 @@ void remove_results(const std::filesystem::path& folder) {
 
 void run(const Options& options) {
   if (!options.out.empty()) remove_results(options.out);
-  const Scene scene = prepare_scene(options.scene);
+  LimitOptions asked = options.limit;
+  asked.multiplied = multiplied_named(options.multiply);
+  const Scene scene = for_limit(prepare_scene(options.scene), asked.multiplied);
   const Simulation simulation(scene, 1);
+  if (!options.stage.empty()) asked.stage = &scene.stages[static_cast<std::size_t>(stage_named(scene, options.stage))];
   const auto begin = Clock::now();
-  const SceneLimit limit = limit_of(simulation, options.limit);
+  const SceneLimit limit = limit_of(simulation, asked);
   const double seconds = seconds_since(begin);
   fmt::print("{}: {} blocks, {} contact points; {:.2g} s\n", scene.file, limit.block_count, limit.point_count, seconds);
   if (limit.edge_count > 0)
     fmt::print("{} pairs of blocks meet along edges alone, and carry nothing there (analysis/README.md)\n",
                limit.edge_count);
   print_stands(limit);
-  if (limit.limit) print_multiplier(limit);
+  if (limit.limit) print_multiplier(limit, options);
   if (const std::vector<int> blocks = moving_without_load(limit); !blocks.empty())
     notice(fmt::format("quoin: {}: a mechanism that needs no load: nothing resists the motion of {} block(s):{}",
                        scene.file, blocks.size(), blocks_text(limit, blocks)));
   if (!options.out.empty()) {
     const std::filesystem::path folder = options.out;
     make_folder(folder);
-    write_json(folder / "limit.json", json_of(scene.file, limit, options.limit));
+    write_json(folder / "limit.json", json_of(scene.file, limit, asked));
     if (limit.limit) write_mechanism(folder, simulation, limit), write_forces(folder / "forces.csv", limit);
     if (!limit.moving.empty()) write_moving(folder / "moving.csv", limit);
     fmt::print("{}\n", (folder / "limit.json").string());
@@ -230,11 +259,25 @@ void add_limit_command(CLI::App& app) {
   command->add_option("--given", options->limit.given, "Multiple of that load which acts beside the weight")
       ->capture_default_str();
   command
+      ->add_option(
+          "--multiply", options->multiply,
+          "What is multiplied: weight; forces, pressures or loads (both, and forces on bodies) of a stage; motion: "
+          "a force of 1 N along its motion")
+      ->capture_default_str();
+  command
+      ->add_option("--stage", options->stage,
+                   "Whose gravity and loads count; else the first that collapses or has what is multiplied")
+      ->type_name("NAME");
+  command
       ->add_option("--facets", options->limit.settings.facets, "Of pyramids within the friction cones; 0: whole cones")
       ->capture_default_str();
   command->add_flag("--moving", options->limit.moving,
                     "Multiply the moving load of the first stage that has one, at each of its positions");
   command->add_flag("--associated", options->limit.associated, "No search for answers without dilation");
+  command
+      ->add_option("--seconds", options->limit.seconds,
+                   "Time for the associated answers, and for each search without dilation")
+      ->capture_default_str();
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
   command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated");
   command
@@ -251,7 +294,8 @@ void add_limit_command(CLI::App& app) {
       "with what margin (without a direction: the least of four horizontal ones) and with how much of the friction.\n"
       "Examples:\n"
       "  quoin limit host/scenes/ferris_tin_loi_2.toml --out out/limit\n"
-      "  quoin limit host/scenes/arch.toml --direction -1 0 0");
+      "  quoin limit host/scenes/arch.toml --direction -1 0 0\n"
+      "  quoin limit my_scene.toml --multiply forces --stage push");
   command->callback([options] { run(*options); });
 }
 

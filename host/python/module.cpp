@@ -5,8 +5,10 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 #include <variant>
 
@@ -149,10 +151,23 @@ std::array<std::vector<double>, 4> spectrum_of(const std::vector<double>& time, 
 #ifdef QUOIN_LIMIT
 // Text of limit.json; velocity and spin of each block; blocks, place, and force along n, s, t of each point.
 py::tuple limit(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
-                const std::vector<double>& direction, double given, int facets, bool associated, bool moving) {
-  const quoin::Scene scene = scene_of(source, path, files);
+                const std::vector<double>& direction, double given, int facets, bool associated, bool moving,
+                const std::string& multiply, const std::string& stage, double seconds) {
   quoin::LimitOptions options{direction, given, {}, associated};
-  options.settings.facets = facets, options.moving = moving;
+  options.settings.facets = facets, options.moving = moving, options.seconds = seconds;
+  options.multiplied = quoin::multiplied_named(multiply);
+  const quoin::Scene scene = quoin::for_limit(scene_of(source, path, files), options.multiplied);
+  if (!stage.empty()) options.stage = &scene.stages[static_cast<std::size_t>(quoin::stage_named(scene, stage))];
+  // Ctrl-C ends the analysis. Only the main thread sees it, so the flag ends the others.
+  const auto stopped = std::make_shared<std::atomic<bool>>(false);
+  options.settings.progress = [stopped, notices = quoin::notices_of_progress(scene.file)](const std::string& step) {
+    if (*stopped) throw quoin::Error(quoin::Exit::interrupted, "interrupted");
+    notices(step);
+    const py::gil_scoped_acquire lock;
+    if (PyErr_CheckSignals() == 0) return;
+    *stopped = true;
+    throw py::error_already_set();
+  };
   quoin::SceneLimit found;
   std::string text;
   {

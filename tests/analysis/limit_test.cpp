@@ -5,11 +5,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <mutex>
 #include <numbers>
+#include <stdexcept>
 
 #include "analysis/stands.h"
 #include "analysis/without_dilation.h"
+#include "base/error.h"
 
 namespace quoin {
 namespace {
@@ -566,6 +570,44 @@ TEST(Limit, LoadsThatNothingMovesUnderAreNamed) {
       EXPECT_NEAR(result.multiplier, 1.6 / (x - 1.5), 1e-5 * result.multiplier) << x;  // of whole cones: kGap
     }
   }
+}
+
+// Past the deadline both solvers end without an answer, which is said; sequences have not settled.
+TEST(Limit, EndsAtItsDeadline) {
+  const LimitProblem wall = arch(16, 0.2, 0.7, 0.0, pi);
+  for (LimitSettings settings : {LimitSettings{}, whole_cones()}) {
+    settings.deadline = std::chrono::steady_clock::now();
+    const LimitResult result = limit_multiplier(wall, settings);
+    EXPECT_EQ(result.status, LimitStatus::late);
+    EXPECT_THAT([&] { require_answer(result); }, testing::ThrowsMessage<Error>(testing::HasSubstr("--seconds")));
+    EXPECT_THROW(stands(wall, settings), Error);
+    const LimitWithoutDilation without = limit_without_dilation(wall, settings);
+    EXPECT_FALSE(without.settled);
+    EXPECT_TRUE(without.late);
+  }
+}
+
+// Steps are reported with the phase that they belong to. What a report throws ends the analysis, from two threads too.
+TEST(Limit, ReportsItsStepsAndCanBeStopped) {
+  const LimitProblem ring = arch(16, 0.2, 0.7, 0.0, pi);
+  LimitSettings settings = whole_cones();
+  std::mutex mutex;
+  std::vector<std::string> steps;
+  settings.progress = [&](const std::string& step) {
+    const std::lock_guard lock(mutex);
+    steps.push_back(step);
+  };
+  limit_multiplier(ring, in_phase(settings, "arch"));
+  EXPECT_GT(steps.size(), 3u);
+  EXPECT_THAT(steps, testing::Each(testing::StartsWith("arch: step ")));
+  steps.clear();
+  limit_without_dilation(ring, settings);
+  EXPECT_THAT(steps, testing::Contains(testing::StartsWith("from weight, problem 2: step ")));
+  EXPECT_THAT(steps, testing::Contains(testing::StartsWith("from associated, problem 1: step ")));
+  settings.progress = [](const std::string& step) {
+    if (step.starts_with("from")) throw std::runtime_error("stop");
+  };
+  EXPECT_THROW(limit_without_dilation(ring, settings), std::runtime_error);
 }
 
 // Returns a block of 0.5 x 0.4 m on a plane tilted by atan(0.3), with friction 0.7. It slides below a friction of 0.3

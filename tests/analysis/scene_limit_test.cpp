@@ -231,6 +231,202 @@ collapse = { direction = [1, 0, 0], start = 0.1, rate = 0.1 }
   EXPECT_NEAR(multiplier("[[stage.velocity]]\nblock = \"slab\"\nvelocity = [0, \"free\", 0]\n"), 3.0 * friction, 3e-4);
 }
 
+// Stages of the given text; `multiplied` of their loads.
+SceneLimit limit_of_loads(const std::string& text, Multiplied multiplied, double given = 0.0, bool associated = true) {
+  const Simulation simulation(for_limit(scene_of_text(text), multiplied), 1);
+  LimitOptions options;
+  options.multiplied = multiplied, options.given = given, options.associated = associated;
+  return limit_of(simulation, options);
+}
+
+const std::string kBase = block("base", "box = { lower = [-5, -0.2, -5], size = [12, 0.2, 12] }", true);
+const std::string kPushed = "[[stage]]\nname = \"push\"\ngravity = [0, -9.81, 0]\nduration = 0.1\n";
+
+// A block of 1 x 2 x 1 m is pushed by a force F at height h. It slides at F = mu W, or topples at F = W b/(2h).
+TEST(LimitOfScene, AForceMovesABlockAtTheLesserOfSlidingAndToppling) {
+  const double weight = 2000.0 * 2.0 * 9.81, force = 1000.0, friction = std::tan(30.0 * kDegree);
+  for (const double h : {0.4, 0.8, 0.9, 1.3, 2.0}) {
+    const SceneLimit limit = limit_of_loads(
+        head(30.0) + kBase + block("b", "box = { lower = [0, 0, 0], size = [1, 2, 1] }") + kPushed +
+            fmt::format("[[stage.force]]\nblock = \"b\"\npoint = [0, {}, 0.5]\nforce = [{}, 0, 0]\n", h, force),
+        Multiplied::forces);
+    ASSERT_TRUE(limit.limit) << h;
+    const bool slides = friction < 0.5 / h;
+    EXPECT_NEAR(limit.limit->multiplier, weight * std::min(friction, 0.5 / h) / force, 1e-4 * weight / force) << h;
+    const std::vector<JointMotion> joints = joint_motions(limit);
+    ASSERT_EQ(joints.size(), 1u);
+    EXPECT_EQ(limit.families[size_t(joints[0].family)], "dry");
+    EXPECT_EQ(joints[0].hinges, !slides) << h;
+    EXPECT_NEAR(slides ? joints[0].sliding : joints[0].opening, 1.0, 1e-6) << h;
+    EXPECT_EQ(slides ? joints[0].opening : joints[0].sliding, 0.0) << h << ": below 1e-3";
+  }
+}
+
+// A wall of height H and thickness b has a constant force P on top. A lateral pressure p turns it over: p H^2/2 =
+// W b/2 + P b/2. Where P grows with p from P0 and p0: p (H^2/2 - P0/p0 b/2) = W b/2.
+TEST(LimitOfScene, APressureTurnsAWallOver) {
+  const double height = 2.0, b = 0.5, weight = 2000.0 * 9.81 * height * b, top = 3000.0, pressure = 500.0;
+  const std::string text = head(60.0) + kBase + block("wall", "box = { lower = [0, 0, 0], size = [0.5, 2, 1] }") +
+                           kPushed +
+                           "[[stage.pressure]]\nblock = \"wall\"\nnormal = [-1, 0, 0]\npressure = 500\n"
+                           "[[stage.force]]\nblock = \"wall\"\npoint = [0.25, 2, 0.5]\nforce = [0, -3000, 0]\n";
+  const double overturns = pressure * height * height / 2.0;
+  EXPECT_NEAR(limit_of_loads(text, Multiplied::pressures).limit->multiplier, (weight + top) * b / 2.0 / overturns,
+              1e-3);
+  EXPECT_NEAR(limit_of_loads(text, Multiplied::loads).limit->multiplier, weight * b / 2.0 / (overturns - top * b / 2.0),
+              2e-2);
+  const SceneLimit given = limit_of_loads(text, Multiplied::pressures, 2.0);
+  EXPECT_NEAR(given.limit->multiplier, (weight + top) * b / 2.0 / overturns, 1e-3);
+  EXPECT_NEAR(*given.margin, given.limit->multiplier - 2.0, 1e-9);
+}
+
+// One end of a flat arch of two blocks, of length a and height h, yields. Thrust H rises from the lower edge at the
+// ends to the upper edge in the middle: w a/2 = H h. Friction at the ends carries w with less thrust.
+TEST(LimitOfScene, ASupportYieldsAtTheThrustOfTheArch) {
+  const double a = 1.0, h = 0.4, weight = 2000.0 * 9.81 * a * h, friction = 45.0;
+  const std::string arch = head(friction) + block("left", "box = { lower = [-1, 0, 0], size = [1, 0.4, 1] }", true) +
+                           block("a", "box = { lower = [0, 0, 0], size = [1, 0.4, 1] }") +
+                           block("b", "box = { lower = [1, 0, 0], size = [1, 0.4, 1] }") +
+                           block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }") + kPushed +
+                           "[[stage.velocity]]\nblock = \"right\"\nvelocity = [\"free\", 0, 0]\n"
+                           "[[stage.force]]\nblock = \"right\"\npoint = [3, 0.2, 0.5]\nforce = [1000, 0, 0]\n";
+  const SceneLimit limit = limit_of_loads(arch, Multiplied::forces, -30.0);  // held by 30 kN
+  ASSERT_TRUE(limit.limit);
+  EXPECT_NEAR(limit.limit->multiplier, -weight * a / (2.0 * h) / 1000.0, 1e-3);
+  const std::vector<JointMotion> joints = joint_motions(limit);
+  ASSERT_EQ(joints.size(), 3u);
+  for (const JointMotion& joint : joints) EXPECT_TRUE(joint.hinges);
+  EXPECT_FALSE(limit_of_loads(arch, Multiplied::forces).stands.stands) << "nothing holds the arch";
+}
+
+// The same where the stage moves the end outwards: the thrust that is left acts against the motion.
+TEST(LimitOfScene, AMotionHasTheForceAlongIt) {
+  const double a = 1.0, h = 0.4, weight = 2000.0 * 9.81 * a * h;
+  const std::string arch = head(45.0) + block("left", "box = { lower = [-1, 0, 0], size = [1, 0.4, 1] }", true) +
+                           block("a", "box = { lower = [0, 0, 0], size = [1, 0.4, 1] }") +
+                           block("b", "box = { lower = [1, 0, 0], size = [1, 0.4, 1] }");
+  const std::string velocity = "[[stage.velocity]]\nblock = \"right\"\nvelocity = [0.01, 0, 0]\n";
+  for (const bool fixed : {false, true}) {
+    const SceneLimit limit = limit_of_loads(
+        arch + block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }", fixed) + kPushed + velocity,
+        Multiplied::motion, 0.0, false);
+    EXPECT_TRUE(limit.stands.stands) << "the end is held until it moves";
+    ASSERT_TRUE(limit.limit) << fixed;
+    EXPECT_NEAR(limit.limit->multiplier, -weight * a / (2.0 * h), 1e-4 * weight) << fixed;
+    EXPECT_EQ(joint_motions(limit).size(), 3u);
+    ASSERT_TRUE(limit.without_dilation && limit.without_dilation->settled) << "multipliers below 0 rose as if by jumps";
+    EXPECT_NEAR(limit.without_dilation->multiplier, limit.limit->multiplier, 2e-3 * weight) << "hinges alone";
+  }
+  EXPECT_THAT([] { multiplied_named("settlement"); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("A displacement has no multiplier")));
+}
+
+// A slab of length L rests on piers of width c, one of which settles. The slab turns about the inner edge of the other
+// and rests with its end on this one: R = W (L/2 - c)/(L - c). R and the pier's weight act along the motion.
+TEST(LimitOfScene, ASupportThatSettlesKeepsItsLeastReaction) {
+  const double length = 4.0, c = 0.5, slab = 2000.0 * 9.81 * length * 0.4, pier = 2000.0 * 9.81 * c;
+  const SceneLimit limit =
+      limit_of_loads(head(30.0) + block("left", "box = { lower = [0, -1, 0], size = [0.5, 1, 1] }", true) +
+                         block("right", "box = { lower = [3.5, -1, 0], size = [0.5, 1, 1] }", true) +
+                         block("slab", "box = { lower = [0, 0, 0], size = [4, 0.4, 1] }") + kPushed +
+                         "[[stage.velocity]]\nblock = \"right\"\nvelocity = [0, -0.001, 0]\n",
+                     Multiplied::motion);
+  ASSERT_TRUE(limit.limit);
+  const double reaction = slab * (length / 2.0 - c) / (length - c);
+  EXPECT_NEAR(limit.limit->multiplier, -(reaction + pier), 1e-4 * slab);
+}
+
+// A block of weight W moves at half of the speed of one of 2 W. The force at the speed of the faster has the power of
+// both: mu (2 W + W/2). One alone that may turn topples at W b/(2h), where h is the height of its centre.
+TEST(LimitOfScene, BodiesThatMoveTogetherShareTheForce) {
+  const double weight = 2000.0 * 9.81, friction = std::tan(20.0 * kDegree);
+  const auto velocity = [](const std::string& name, double speed, const char* more = "") {
+    return fmt::format("[[stage.velocity]]\nblock = \"{}\"\nvelocity = [{}, \"free\", \"free\"]\n{}", name, speed,
+                       more);
+  };
+  const SceneLimit slides =
+      limit_of_loads(head(20.0) + kBase + block("a", "box = { lower = [0, 0, 0], size = [1, 1, 1] }") +
+                         block("b", "box = { lower = [3, 0, 0], size = [1, 2, 1] }") + kPushed + velocity("a", 0.01) +
+                         velocity("b", 0.02),
+                     Multiplied::motion);
+  ASSERT_TRUE(slides.limit);
+  EXPECT_NEAR(slides.limit->multiplier, 2.5 * weight * friction, 1e-4 * weight);
+  const SceneLimit topples =
+      limit_of_loads(head(60.0) + kBase + block("b", "box = { lower = [0, 0, 0], size = [1, 2, 1] }") + kPushed +
+                         velocity("b", 0.01, "rotation_held = false\n"),
+                     Multiplied::motion);
+  ASSERT_TRUE(topples.limit);
+  EXPECT_NEAR(topples.limit->multiplier, 2.0 * weight * 0.5 / 1.0, 1e-4 * weight);
+}
+
+// A pier of five blocks, 0.4 m wide, under equal forces F/2 at the middle of its third and fifth course. They carry 1
+// kN and 3 kN in the middle. It turns about its foot: F (0.5 + 0.9)/2 = (W + 4 kN) 0.2.
+TEST(LimitOfScene, AWhiffletreePushesFloorsEqually) {
+  const auto floor = [](const std::string& name, int course, double load) {
+    return fmt::format(
+        "[[building.floor]]\nname = \"{}\"\nwall = \"D\"\ncourse = {}\nhalf_units = [0]\n"
+        "rigid_beams = false\nload = {}\n",
+        name, course, load);
+  };
+  const SceneLimit limit =
+      limit_of_loads(R"([materials.stone]
+density = 2000
+young_modulus = 2e9
+poisson_ratio = 0.2
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e10
+shear_stiffness = 4e9
+friction_angle = 60
+[building]
+courses = 5
+course_height = 0.2
+thickness = 0.5
+zones = [2, 2, 2]
+unit_material = "stone"
+bed_joint = "dry"
+head_joint = "dry"
+unit_joint = "dry"
+beam_joint = "dry"
+[[building.wall]]
+name = "D"
+axis = "x"
+start = [0.0, 0.0]
+half_units = 1
+half_unit = 0.4
+)" + floor("middle", 2, 1000.0) +
+                         floor("roof", 4, 3000.0) +
+                         "[[stage]]\nkind = \"weight\"\nduration = 0.2\n[[stage]]\nkind = \"push\"\n"
+                         "velocity = 0.02\nstiffness = 1e8\ndisplacement = 0.025\n",
+                     Multiplied::motion);
+  ASSERT_TRUE(limit.limit);
+  const double weight = 2000.0 * 9.81 * 0.4 * 0.5 * 1.0;
+  EXPECT_NEAR(limit.limit->multiplier, (weight + 4000.0) * 0.2 / 0.7, 1e-4 * weight);
+}
+
+// Loads of the named stage count, else of the first that has some.
+TEST(LimitOfScene, TheStageOfTheLoadsIsGiven) {
+  const auto stage = [](const std::string& name, double force) {
+    return fmt::format(
+        "[[stage]]\nname = \"{}\"\ngravity = [0, -9.81, 0]\nduration = 0.1\n[[stage.force]]\n"
+        "block = \"b\"\npoint = [0, 0.1, 0.5]\nforce = [{}, 0, 0]\n",
+        name, force);
+  };
+  const Simulation simulation(
+      scene_of_text(head(30.0) + kBase + block("b", "box = { lower = [0, 0, 0], size = [1, 1, 1] }") +
+                    stage("one", 1000.0) + stage("two", 4000.0)),
+      1);
+  LimitOptions options;
+  options.multiplied = Multiplied::forces, options.associated = true;
+  const double first = limit_of(simulation, options).limit->multiplier;
+  options.stage = &simulation.scene().stages[1];
+  EXPECT_NEAR(limit_of(simulation, options).limit->multiplier, first / 4.0, 1e-4);
+  options.multiplied = Multiplied::pressures;
+  EXPECT_THAT([&] { limit_of(simulation, options); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("the stage has no pressures to multiply")));
+}
+
 // Stones on which the interior point method stalled in units of the supports' weight. Pyramids of 32 facets give
 // 0.77915 to 0.790 by their orientation, an independent linear programme with 1024 facets 0.7900 (four digits).
 TEST(LimitOfScene, WholeConesSolveRubble) {

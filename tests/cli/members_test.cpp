@@ -86,7 +86,7 @@ moving_load = { from = [-6.0, 14.0, 0.5], to = [6.0, 14.0, 0.5], force = [0.0, -
   EXPECT_EQ(limit["multiplier"].get<double>(), least);
   EXPECT_THAT(read_all(fs::path(out()) / "moving.csv"), HasSubstr("position,x_m,y_m,z_m,block"));
   EXPECT_EQ(quoin({"limit", scene.string(), "--moving", "--given", "0.1"}), 3);
-  EXPECT_THAT(error_, HasSubstr("leave --direction and --given out"));
+  EXPECT_THAT(error_, HasSubstr("leave --direction, --multiply and --given out"));
   EXPECT_EQ(quoin({"limit", QUOIN_SCENES "/arch.toml", "--moving"}), 3);
   EXPECT_THAT(error_, HasSubstr("no stage has a moving load"));
   EXPECT_EQ(quoin({"check", scene.string(), "--set", "stage.crossing.moving_load.to=[6.0, 13.0, 0.5]"}), 0) << error_;

@@ -2,6 +2,8 @@
 import json
 import math
 import os
+import signal
+import threading
 import unittest
 
 import numpy as np
@@ -22,6 +24,24 @@ class Limit(Folder):
         self.assertEqual(found.velocity.shape, (expected["blocks"], 6))
         # The fixed blocks carry the weight vertically and the multiplier times the weight horizontally.
         self.assertEqual(found.force.shape, (expected["contact_points"], 3))
+
+    def test_forces_are_multiplied(self):
+        scene = block_scene()
+        scene.block[1].box.lower = [0, 1, 0]
+        scene.stage[0].gravity = [0, -10, 0]
+        scene.stage[0].force = [{"block": "cube", "point": [0, 2.0, 0.5], "force": [100, 0, 0]}]
+        found = quoin.limit(scene, multiply="forces", associated=True)
+        self.assertAlmostEqual(found.multiplier, 10000.0 * 0.5 / 100.0, delta=0.005)  # turns over: F h = W b/2
+        self.assertEqual([joint["motion"] for joint in found.summary["moving_joints"]], ["hinges"])
+        with self.assertRaisesRegex(quoin.BadInput, "A displacement has no"):
+            quoin.limit(scene, multiply="settlement")
+
+    def test_an_interrupt_ends_it(self):
+        timer = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT))
+        timer.start()
+        with self.assertRaises(KeyboardInterrupt):
+            quoin.limit(os.path.join(SCENES, "floor_box.toml"), direction=(0, 0, 1))  # takes minutes
+        timer.join()
 
     def test_what_does_not_stand_is_an_answer(self):
         scene = block_scene()

@@ -47,19 +47,24 @@ class Limit:
         return f"<limit: {answer}, multiplier {self.multiplier}>"
 
 
-def limit(scene, *, direction=None, given=0.0, facets=0, associated=False, moving=False):
+def limit(scene, *, direction=None, given=0.0, facets=0, associated=False, moving=False, multiply="weight", stage="",
+          seconds=300.0):
     """Limit analysis of a scene, or of a scene file, as by `quoin limit`. direction: x, y, z of the variable load, a
     share of the weight; default: that of the first collapse stage. given: multiple of this load that acts with the
-    weight. facets: number of facets of pyramids within the friction cones; 0: exact cones. associated: no search for
-    solutions without dilation. moving: the variable load is the moving load of the first stage with one, at each of its
-    positions; summary["moving"] has the results. A scene that does not stand is a result, not an error."""
+    weight. multiply: "weight", or "forces", "pressures" or "loads" (both, and forces on bodies) of a stage, or
+    "motion", a force of 1 N along its motion. stage: the stage whose gravity and loads count; default: the first that
+    collapses or has what is multiplied. facets: number of facets of pyramids within the friction cones; 0: exact cones.
+    associated: no search for solutions without dilation. moving: the variable load is the moving load of the first
+    stage with one, at each of its positions; summary["moving"] has the results. seconds: time of the associated
+    analysis, and of each search without dilation. summary["moving_joints"] has the joints of the mechanism. A scene
+    that does not stand is a result, not an error."""
     if not hasattr(_quoin, "limit"):
         raise BadInput("limit: this installation has no limit analysis; build it with coinor-libclp-dev")
     way = [] if direction is None else [float(v) for v in direction]
     if len(way) not in (0, 3):
         raise ValueError(f"direction: three numbers are needed, not {len(way)}")
     return Limit(*_quoin.limit(*scene_of(scene)._source(), way, float(given), whole("facets", facets, 0, 1000),
-                               bool(associated), bool(moving)))
+                               bool(associated), bool(moving), str(multiply), str(stage), float(seconds)))
 
 
 class Modes:
