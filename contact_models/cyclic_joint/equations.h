@@ -211,7 +211,7 @@ struct Equations {
     return c;
   }
   HWY_NOINLINE Crushed crushed_before(V l) const {
-    const V strength = F(l);
+    const V strength = select(l > zero(), F(l), p.yield);  // the same bits beside crushed and uncrushed points
     const V softer = hn::MulAdd(p.kn * p.compliance_by_crushing, l, splat(1.0));
     return {p.kn / softer, strength, bond(l, strength)};
   }
@@ -934,6 +934,8 @@ struct Equations {
     t.entry[6] = shear_n * s.n_t;
     t.entry[7] = p.ks * (s.n_t * hn::MulAdd(spread, s.n_s, twist * e_s));
     t.entry[8] = p.ks * (across + s.n_t * hn::MulAdd(spread, s.n_t, twist * e_t));
+    const M crushed_out = hn::AndNot(open, s.crushed.F == zero());  // no pressure beyond a rounding, on either side
+    for (V& entry : t.entry) entry = hn::IfThenZeroElse(crushed_out, entry);
     return t;
   }
 };
