@@ -161,7 +161,7 @@ std::string turned_difference(const Step& step, const Result& turned, const Poin
 }
 
 // The step again with (s, t) of each point turned by its angle, rad. Turning rounds. At a jump of the law, as where a
-// joint opens, a rounding of d_n decides on the side, and the turned step may be the one of the other side.
+// joint opens, a rounding of d_n decides on the side. Then the turned step may be that of the other side.
 void check_rotation(Report& report, const Step& step, const std::vector<double>& angle) {
   report.clause("C8.2");
   const quoin_law& law = step.law;
@@ -589,12 +589,15 @@ void check_tangent(Report& report, const Material& material, const Difference& s
   const auto tangent = [&](const Entry& e) { return step.base.tangent[3 * e.row + step.direction][e.point]; };
   const Result left = evaluate(step.law, material, step.minus, 0);
   for (size_t i = 0; i < points.size(); ++i) {
-    // Near the apex of the friction cone the direction of slip changes within the difference quotient, so there is no
-    // derivative.
+    // Near the apex of the friction cone the direction of slip, or contact, changes within the difference quotient, so
+    // there is no derivative.
     const double trial = std::hypot(points.traction[1][i], points.traction[2][i]) +
                          step.bounds.shear * std::hypot(points.slip[0][i], points.slip[1][i]);
-    if (step.direction > 0 && trial < 100 * step.bounds.shear * step.delta[i]) continue;
+    const double stress = step.direction > 0 ? trial : std::max(trial, std::abs(step.base.traction[0][i]));
+    const double stiffness = step.direction > 0 ? step.bounds.shear : step.bounds.normal;
+    const bool at_apex = stress < 100 * stiffness * step.delta[i];
     for (size_t row = 0; row < 3; ++row) {
+      if (at_apex && (step.direction > 0 || row > 0)) continue;
       const Quotient quotient = quotient_of(step, right, left, i, row);
       ++(quotient.is_smooth() ? seen->compared : seen->kinks);
       const Entry entry = {i, row, quotient.mean()};

@@ -311,6 +311,11 @@ Scales::Scales(const quoin_law& law, const Material& material) {
   if (strengths.empty()) strengths.push_back(1e5);
   traction = *std::max_element(strengths.begin(), strengths.end());
   if (!energies.empty()) short_slip = std::max(1e-6, *std::min_element(energies.begin(), energies.end()) / traction);
+  // A smaller energy than any strength stores is that of a mode without strength. Its legs would be as short as
+  // rounding.
+  const double least_strength = *std::min_element(strengths.begin(), strengths.end());
+  const double least_stored = least_strength * least_strength / (2 * std::max(normal_stiffness, shear_stiffness));
+  std::erase_if(energies, [&](double energy) { return energy < least_stored; });
 }
 
 namespace {
