@@ -215,7 +215,10 @@ struct Equations {
     const V softer = hn::MulAdd(p.kn * p.compliance_by_crushing, l, splat(1.0));
     return {p.kn / softer, strength, bond(l, strength)};
   }
-  HWY_INLINE V bond(V l, V strength) const { return select(l > p.wp, strength * p.inv_fc, splat(1.0)); }
+  HWY_INLINE V bond(V l, V strength) const {
+    const M softens = hn::And(l > p.wp, p.fc_drop > zero());  // fc (1/fc) may not be 1
+    return select(softens, strength * p.inv_fc, splat(1.0));
+  }
 
   // ---- Seat of the faces: v from g ----------------------------------------------------------------------------------
 
