@@ -787,7 +787,7 @@ struct Equations {
     r.h = select(open, o.h, s.d_n - a.seat.v + w - q);
     r.used = hn::MulAdd(s.h + r.h, zero(), only(open, hn::IfThenZeroElse(old.xi == zero(), old.kappa * zero())));
     r.used = hn::MulAdd(old.xi + old.l, zero(), r.used);
-    r.used = r.used + hn::IfThenElseZero(c.slips, (now.g_s + now.g_t + now.r_m) * zero());
+    r.used = r.used + hn::IfThenElseZero(c.slips, (now.g_s + now.g_t + now.r_m + old.r_m) * zero());
 
     if constexpr (kEnergies) *energies = energies_of(s, open, o, c, a, r, p_end);
     if constexpr (kTangent) *tangent = tangent_of(s, open, o, c, a, r, cap_end);
