@@ -211,11 +211,14 @@ struct Equations {
     return c;
   }
   HWY_NOINLINE Crushed crushed_before(V l) const {
-    const V strength = F(l);
+    const V strength = select(l > zero(), F(l), p.yield);  // the same bits beside crushed and uncrushed points
     const V softer = hn::MulAdd(p.kn * p.compliance_by_crushing, l, splat(1.0));
     return {p.kn / softer, strength, bond(l, strength)};
   }
-  HWY_INLINE V bond(V l, V strength) const { return select(l > p.wp, strength * p.inv_fc, splat(1.0)); }
+  HWY_INLINE V bond(V l, V strength) const {
+    const M softens = hn::And(l > p.wp, p.fc_drop > zero());  // fc (1/fc) may not be 1
+    return select(softens, strength * p.inv_fc, splat(1.0));
+  }
 
   // ---- Seat of the faces: v from g ----------------------------------------------------------------------------------
 
@@ -784,7 +787,7 @@ struct Equations {
     r.h = select(open, o.h, s.d_n - a.seat.v + w - q);
     r.used = hn::MulAdd(s.h + r.h, zero(), only(open, hn::IfThenZeroElse(old.xi == zero(), old.kappa * zero())));
     r.used = hn::MulAdd(old.xi + old.l, zero(), r.used);
-    r.used = r.used + hn::IfThenElseZero(c.slips, (now.g_s + now.g_t + now.r_m) * zero());
+    r.used = r.used + hn::IfThenElseZero(c.slips, (now.g_s + now.g_t + now.r_m + old.r_m) * zero());
 
     if constexpr (kEnergies) *energies = energies_of(s, open, o, c, a, r, p_end);
     if constexpr (kTangent) *tangent = tangent_of(s, open, o, c, a, r, cap_end);
@@ -934,6 +937,8 @@ struct Equations {
     t.entry[6] = shear_n * s.n_t;
     t.entry[7] = p.ks * (s.n_t * hn::MulAdd(spread, s.n_s, twist * e_s));
     t.entry[8] = p.ks * (across + s.n_t * hn::MulAdd(spread, s.n_t, twist * e_t));
+    const M crushed_out = hn::AndNot(open, s.crushed.F == zero());  // no pressure beyond a rounding, on either side
+    for (V& entry : t.entry) entry = hn::IfThenZeroElse(crushed_out, entry);
     return t;
   }
 };

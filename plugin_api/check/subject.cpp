@@ -123,6 +123,7 @@ Settings base_settings(const quoin_law& law, const Settings& given) {
 std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base) {
   std::vector<Settings> all = {base};
   std::mt19937_64 random(7);
+  const bool warned = !Material(law, base).message.empty();
   for (int attempt = 0; attempt < 40 && all.size() < 3; ++attempt) {
     Settings varied = base;
     for (const quoin_property_info* property : numbers_of(law)) {
@@ -132,7 +133,8 @@ std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base
       const double other = value * std::exp(uniform(random, -0.3, 0.3));
       if (std::isfinite(other) && other > property->lower && other < property->upper) set->second = shortest(other);
     }
-    if (varied != base && Material(law, varied).handle != nullptr) all.push_back(varied);
+    const Material material(law, varied);
+    if (varied != base && material.handle != nullptr && (warned || material.message.empty())) all.push_back(varied);
   }
   return all;
 }
@@ -309,6 +311,11 @@ Scales::Scales(const quoin_law& law, const Material& material) {
   if (strengths.empty()) strengths.push_back(1e5);
   traction = *std::max_element(strengths.begin(), strengths.end());
   if (!energies.empty()) short_slip = std::max(1e-6, *std::min_element(energies.begin(), energies.end()) / traction);
+  // A smaller energy than any strength stores is that of a mode without strength. Its legs would be as short as
+  // rounding.
+  const double least_strength = *std::min_element(strengths.begin(), strengths.end());
+  const double least_stored = least_strength * least_strength / (2 * std::max(normal_stiffness, shear_stiffness));
+  std::erase_if(energies, [&](double energy) { return energy < least_stored; });
 }
 
 namespace {

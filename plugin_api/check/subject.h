@@ -67,7 +67,7 @@ std::vector<double> values_outside(const quoin_property_info& number);  // beyon
 
 // Returns values for all properties: given, default, or for a required property a usual value of its unit.
 Settings base_settings(const quoin_law& law, const Settings& given);
-// Returns the base and up to two variations of it that the law accepts.
+// Returns the base and up to two variations of it that the law accepts, without a warning if it has none for the base.
 std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base);
 
 // N points, structure of arrays.

@@ -128,6 +128,35 @@ TEST(Statement1, AFrictionThatIsLostAtTheFirstSlipIsSpent) {
     }
   }
 }
+// fcr + (fc - fcr) is not fc to the last bit. An uncrushed joint took it for its strength beside a crushed one.
+TEST(Statement1, ACrushedNeighbourChangesNoBit) {
+  Joint j = plain(Shape::linear);
+  j.fc = 869065.02965007734, j.fcr = 195749.60886004654, j.Gc = 675.67739807474857;
+  ASSERT_NE(j.fcr + real(j.fc - j.fcr), j.fc);
+  const double closing = -1.01 * real(j.fc / j.kn);
+  Point alone(j);
+  alone.step(closing, 0.0);
+  LawPoints pair(law(), j, 2, false);
+  pair.batch.in[6 + kL][1] = 1e-5;
+  for (std::size_t i = 0; i < 2; ++i) pair.batch.in[0][i] = closing;
+  pair.batch.evaluate(pair.material);
+  EXPECT_EQ(pair.state(kL, 0), alone.state(kL));
+  EXPECT_EQ(pair.out(0, 0), alone.sigma());
+}
+// A joint that is crushed to nothing stands at h = 0 and carries nothing, whether it opens, closes or slides. Its
+// tangent was kn.
+TEST(Statement1, AJointCrushedToNothingHasNoStiffness) {
+  Joint j = plain(Shape::linear);
+  j.fc = 5e6, j.Gc = 200;
+  Point p(j);
+  const double closing = -2.0 * real(j.wu());
+  p.go(closing, 0.0, 100);
+  for (const double slip : {0.0, 1e-5}) {
+    p.step(closing, slip);
+    ASSERT_EQ(p.sigma(), 0.0);
+    for (int entry = 0; entry < 9; ++entry) EXPECT_EQ(p.points.tangent(entry, 0), 0.0) << entry << " slip " << slip;
+  }
+}
 TEST_P(EveryShape, CrushingEnclosesGcHardeningIncluded) {
   Joint j = plain(shape());
   j.fc = 5e6, j.fcr = 0.5e6, j.Gc = 8000, j.fy = 2e6, j.wp = 0.09e-3L, j.chi = 0.5L;
