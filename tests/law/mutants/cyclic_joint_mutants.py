@@ -54,7 +54,7 @@ MUTANTS = {
     ),
     "crushing_keeps_the_bond": (
         "cohesion and ft of a crushed joint stay",
-        [(EQUATIONS, "return select(l > p.wp, strength * p.inv_fc, splat(1.0));", "return splat(1.0);")],
+        [(EQUATIONS, "select(softens, strength * p.inv_fc, splat(1.0))", "select(softens, splat(1.0), splat(1.0))")],
     ),
     "corner_returns_to_the_old_pressure": (
         "a slip that ends on the cap keeps gamma_A",
