@@ -165,8 +165,8 @@ class ConeProgramme {
       if (keep_best()) best = step;
       settings_.report(fmt::format("step {}, gap {:.1e}", step + 1, error_));
       if (settings_.is_late()) {
-        result.status = LimitStatus::late;
-        return result;
+        result.status = LimitStatus::late;  // unless the best step so far will do
+        break;
       }
       if (error_ < kWanted || (is_good() && step > best + kNoBetter) || !advance()) break;
     }

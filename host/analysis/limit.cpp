@@ -433,13 +433,13 @@ void require_answer(const LimitResult& result) {
         "limit analysis: no answer within its time; give more (--seconds), or blocks with fewer zones, which have "
         "fewer contact points");
   if (result.status == LimitStatus::not_converged)
-    throw Error(
-        Exit::numerical,
-        "limit analysis: the solvers ended without a solution, as residuals are left; try pyramids (--facets 8), "
-        "other zones of blocks, or run the scene with a stage of collapse");
+    throw Error(Exit::numerical,
+                fmt::format("limit analysis: the solvers ended without a solution, as residuals are left; try {}other "
+                            "zones of blocks, or run the scene with a stage of collapse",
+                            result.facets > 0 ? "" : "pyramids (--facets 8), "));
 }
 
-std::vector<int> unconnected_blocks(const LimitProblem& problem) {
+std::vector<int> unconnected_blocks(const LimitProblem& problem, const std::vector<int>& supports) {
   std::vector<std::vector<int>> neighbours(problem.blocks.size());
   for (const LimitPoint& p : problem.points) {
     neighbours[static_cast<std::size_t>(p.a)].push_back(p.b);
@@ -452,7 +452,8 @@ std::vector<int> unconnected_blocks(const LimitProblem& problem) {
     }
   }
   std::vector<bool> joined(problem.blocks.size(), false);
-  std::vector<int> next;
+  std::vector<int> next = supports;
+  for (const int block : supports) joined[static_cast<std::size_t>(block)] = true;
   for (std::size_t k = 0; k < joined.size(); ++k) {
     if (problem.blocks[k].fixed) next.push_back(static_cast<int>(k)), joined[k] = true;
   }

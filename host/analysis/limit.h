@@ -130,6 +130,6 @@ struct LimitUnits {
 LimitUnits units_of(const LimitProblem& problem);
 
 // Blocks that no chain of contact points and members connects to a fixed one; indices, ascending.
-std::vector<int> unconnected_blocks(const LimitProblem& problem);
+std::vector<int> unconnected_blocks(const LimitProblem& problem, const std::vector<int>& supports = {});
 
 }  // namespace quoin

@@ -46,7 +46,7 @@ Vector motion_of(const BodyControl& control) {
   Vector motion;
   for (int c = 0; c < 3; ++c) {
     const auto i = static_cast<std::size_t>(c);
-    if (control.kind[i] == DofKind::velocity) motion[c] = control.in_cycles == c ? 1.0 : control.velocity[i];
+    if (control.kind[i] == DofKind::velocity) motion[c] = control.velocity[i];
   }
   return motion;
 }
@@ -328,6 +328,7 @@ void hold_bodies(const Stage& stage, Multiplied multiplied, const blocks::Assemb
       LimitBlock& body = limit->problem.blocks[static_cast<std::size_t>(block)];
       if (norm(motion) > 0.0) body.fixed = false;
       if (body.fixed) continue;
+      if (held != 0) limit->supports.push_back(block);
       for (const Vector& way : held_ways(held, motion)) hold(block, body.centre, way, {}, limit);
       for (const Vector& axis : held_ways(held >> 3, {})) hold(block, body.centre, {}, axis, limit);
     }
@@ -352,7 +353,8 @@ void drive_bodies(const Stage& stage, const blocks::Assembly& assembly, SceneLim
   }
   if (moved.empty()) return;
   for (LimitForce::Place& place : moved) place.way = (fastest / dot(place.way, place.way)) * place.way;
-  limit->loads.push_back({moved[0].block, moved[0].at, moved[0].way, true});
+  // The half of a wall resists half of the force.
+  limit->loads.push_back({moved[0].block, moved[0].at, (limit->halved ? 0.5 : 1.0) * moved[0].way, true});
   limit->reaction = LimitForce{{moved[0]}};
   for (std::size_t k = 1; k < moved.size(); ++k) {
     LimitForce::Place back = moved[0];
@@ -367,7 +369,8 @@ void push_floors(const Whiffletree& whiffletree, const Stage& stage, const block
   for (const std::vector<std::string>& floor : whiffletree.floors) {
     for (const std::string& body : floor) {
       const std::vector<int> blocks = blocks::find_blocks(assembly, body, stage.source.text);
-      const double share = 1.0 / static_cast<double>(whiffletree.floors.size() * floor.size() * blocks.size());
+      const double share =
+          (limit->halved ? 0.5 : 1.0) / static_cast<double>(whiffletree.floors.size() * floor.size() * blocks.size());
       for (const int block : blocks)
         limit->loads.push_back({block, limit->load_places[static_cast<std::size_t>(block)], {share, 0.0, 0.0}, true});
     }
@@ -591,7 +594,7 @@ void assemble(const Simulation& simulation, const LimitOptions& options, const S
   if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
   for (const JointFamily& family : assembly.families) limit->families.push_back(family.name);
-  if (loaded.collapse || options.multiplied != Multiplied::weight)
+  if (loaded.collapse || options.stage || options.multiplied != Multiplied::weight)
     hold_bodies(loaded, options.multiplied, assembly, limit);
   add_loads(loaded, options.multiplied, assembly, limit);
   if (options.multiplied == Multiplied::motion) {
@@ -603,14 +606,15 @@ void assemble(const Simulation& simulation, const LimitOptions& options, const S
 
 void require_supports(const Scene& scene, const SceneLimit& limit) {
   const std::vector<LimitBlock>& blocks = limit.problem.blocks;
-  if (std::none_of(blocks.begin(), blocks.end(), [](const LimitBlock& b) { return b.fixed; })) {
+  if (limit.supports.empty() &&
+      std::none_of(blocks.begin(), blocks.end(), [](const LimitBlock& b) { return b.fixed; })) {
     std::vector<int> all(blocks.size());
     std::iota(all.begin(), all.end(), 0);
     throw Error(Exit::bad_input,
                 fmt::format("{}: no block is fixed, so nothing holds the others; give {}:{}", scene.file,
                             scene.wall ? "wall.bottom_beam = true" : "one fixed = true", blocks_text(limit, all)));
   }
-  const std::vector<int> loose = unconnected_blocks(limit.problem);
+  const std::vector<int> loose = unconnected_blocks(limit.problem, limit.supports);
   if (!loose.empty())
     throw Error(
         Exit::bad_input,
@@ -704,8 +708,10 @@ void refuse(const Scene& scene, const LimitOptions& options) {
                     "family of their own with the strengths that are left (a dry one: initial_state = \"dry\"), "
                     "or leave the damage out",
                     scene.file));
-  if (!(options.seconds > 0.0))
-    throw Error(Exit::bad_input, fmt::format("limit: {} s of time; allowed: more than 0", options.seconds));
+  constexpr double kMostSeconds = 1e9;  // some thirty years
+  if (!(options.seconds > 0.0 && options.seconds <= kMostSeconds))
+    throw Error(Exit::bad_input,
+                fmt::format("limit: {} s of time; allowed: more than 0, at most {:g}", options.seconds, kMostSeconds));
   if (options.moving && (options.given != 0.0 || !options.direction.empty() || of_stage))
     throw Error(Exit::bad_input, fmt::format("{}: with a moving load that alone is multiplied; leave --direction, "
                                              "--multiply and --given out",
@@ -776,10 +782,6 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
                     "them",
                     loaded.source.text));
   assemble(simulation, options, loaded, &limit);
-  if (limit.halved && limit.live_force.z != 0.0)
-    throw Error(Exit::bad_input, fmt::format("{}: limit: the multiplied {} act along z, across the plane of symmetry "
-                                             "of a wall with half_thickness = true; make wall.half_thickness false",
-                                             loaded.source.text, name_of(options.multiplied)));
   require_supports(simulation.scene(), limit);
   const auto in_time = [&](LimitSettings settings) {
     settings.deadline =

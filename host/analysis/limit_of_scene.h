@@ -94,6 +94,7 @@ struct SceneLimit {
   std::size_t block_count = 0, point_count = 0;  // sizes of the scene
   // Reaction along the prescribed motion, where that is multiplied: it holds what moves while stability is found.
   std::optional<LimitForce> reaction;
+  std::vector<int> supports;               // blocks that the stage holds or moves
   std::size_t edge_count = 0;              // pairs of blocks that meet along edges, whose points are left out
   std::vector<std::string> names, labels;  // names of blocks in the scene, and in messages
   std::vector<std::string> families;       // names of joint families

@@ -92,7 +92,7 @@ const char* name_of(Multiplied multiplied) {
 std::vector<int> moving_without_load(const SceneLimit& limit) {
   constexpr double kNone = 1e-6, kMoves = 1e-4;  // shares of the weight, and of the largest velocity
   std::vector<int> blocks;
-  if (!limit.margin || *limit.margin > kNone || !limit.limit) return blocks;
+  if (!limit.margin || std::abs(*limit.margin) > kNone || !limit.limit) return blocks;
   for (std::size_t b = 0; b < limit.limit->velocity.size(); ++b) {
     const auto& [v, w] = limit.limit->velocity[b];
     if (norm(v) > kMoves || norm(w) > kMoves) blocks.push_back(static_cast<int>(b));
@@ -174,7 +174,8 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
     json["direction"] = nullptr;
   json["multiplied"] = limit.moving.empty() ? name_of(options.multiplied) : "moving_load";
   json["stage"] = limit.stage;
-  if (options.multiplied != Multiplied::weight) json["multiplied_force_N"] = geometry::array(limit.live_force);
+  if (options.multiplied != Multiplied::weight && options.multiplied != Multiplied::motion)
+    json["multiplied_force_N"] = geometry::array(limit.live_force);
   json["given_multiplier"] = options.given;
   json["gravity_m_s2"] = geometry::array(limit.gravity);
   json["symmetric_mechanisms_only"] = limit.halved;

@@ -50,13 +50,14 @@ LinearSolution solve(const LinearProgram& p, bool interior, std::chrono::steady_
   clp.setLogLevel(0);
   using Clock = std::chrono::steady_clock;
   if (deadline != Clock::time_point::max())
-    clp.setMaximumSeconds(std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()));
+    clp.setMaximumWallSeconds(std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()));
   clp.scaling(0);  // Clp's scaling may report solutions that are infeasible in the unscaled programme
   clp.loadProblem(p.columns(), p.rows(), p.begin.data(), p.row.data(), p.value.data(), p.low.data(), p.high.data(),
                   p.cost.data(), p.row_low.data(), p.row_high.data());
   clp.setOptimizationDirection(-1.0);  // maximise
   ClpSolve how;
   how.setSolveType(interior ? ClpSolve::useBarrierNoCross : ClpSolve::useBarrier);
+  how.setSpecialOption(2, 1);  // no handler of interrupts: Ctrl-C is the program's
   clp.initialSolve(how);
   if (!interior && !clp.isProvenOptimal()) clp.dual();
   LinearSolution solution;

@@ -93,11 +93,12 @@ void write_moving(const std::filesystem::path& file, const SceneLimit& limit) {
 }
 
 // Writes the page if three.js is installed; else ParaView shows the mechanism.
-void write_page(const std::filesystem::path& mechanism, const Scene& scene, double multiplier) {
+void write_page(const std::filesystem::path& mechanism, const Scene& scene, Multiplied multiplied, double multiplier) {
   try {
     const std::string of = scene.title.empty() ? scene.file : scene.title;
-    const ShownMotion motion{"velocity",
-                             fmt::format("mechanism at the multiplier {:.4f}, associated flow", multiplier)};
+    const std::string at = multiplied == Multiplied::motion ? fmt::format("a force of {:.6g} N", multiplier)
+                                                            : fmt::format("the multiplier {:.4f}", multiplier);
+    const ShownMotion motion{"velocity", "mechanism at " + at + ", associated flow"};
     fmt::print("{}\n", write_motion_report(mechanism, "Mechanism: " + of, {motion}, true).string());
   } catch (const Error& error) {
     notice(fmt::format("quoin: no report.html: {}", error.what()));
@@ -118,7 +119,7 @@ void print(const LimitWithoutDilation& without) {
         start.share_beyond < 1.0 ? fmt::format(", {:.2g} of the friction of all that slides", start.share_beyond) : "");
   if (without.start.size() == 2 &&
       std::all_of(without.start.begin(), without.start.end(), [](const SettledLimit& s) { return s.settled; }) &&
-      std::abs(without.start[0].multiplier - without.start[1].multiplier) > 0.01 * without.multiplier)
+      std::abs(without.start[0].multiplier - without.start[1].multiplier) > 0.01 * std::abs(without.multiplier))
     fmt::print("  Both are states of the same masonry: normal forces hang on what has happened before\n");
 }
 
@@ -215,9 +216,9 @@ void remove_results(const std::filesystem::path& folder) {
 }
 
 void run(const Options& options) {
-  if (!options.out.empty()) remove_results(options.out);
   LimitOptions asked = options.limit;
   asked.multiplied = multiplied_named(options.multiply);
+  if (!options.out.empty()) remove_results(options.out);
   const Scene scene = for_limit(prepare_scene(options.scene), asked.multiplied);
   const Simulation simulation(scene, 1);
   if (!options.stage.empty()) asked.stage = &scene.stages[static_cast<std::size_t>(stage_named(scene, options.stage))];
@@ -240,7 +241,7 @@ void run(const Options& options) {
     if (limit.limit) write_mechanism(folder, simulation, limit), write_forces(folder / "forces.csv", limit);
     if (!limit.moving.empty()) write_moving(folder / "moving.csv", limit);
     fmt::print("{}\n", (folder / "limit.json").string());
-    if (limit.limit) write_page(folder / "mechanism.vtu", scene, limit.limit->multiplier);
+    if (limit.limit) write_page(folder / "mechanism.vtu", scene, asked.multiplied, limit.limit->multiplier);
   }
   if (!limit.stands.stands)
     throw Error(Exit::numerical, fmt::format("{}: the given loads cannot be carried; out of balance:{}", scene.file,

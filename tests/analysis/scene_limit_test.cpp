@@ -314,11 +314,43 @@ TEST(LimitOfScene, AMotionHasTheForceAlongIt) {
     ASSERT_TRUE(limit.limit) << fixed;
     EXPECT_NEAR(limit.limit->multiplier, -weight * a / (2.0 * h), 1e-4 * weight) << fixed;
     EXPECT_EQ(joint_motions(limit).size(), 3u);
+    EXPECT_TRUE(moving_without_load(limit).empty()) << "the thrust resists";
     ASSERT_TRUE(limit.without_dilation && limit.without_dilation->settled) << "multipliers below 0 rose as if by jumps";
     EXPECT_NEAR(limit.without_dilation->multiplier, limit.limit->multiplier, 2e-3 * weight) << "hinges alone";
   }
   EXPECT_THAT([] { multiplied_named("settlement"); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("A displacement has no multiplier")));
+}
+
+// Both ends move outwards, so that no block is fixed: each has the thrust w a/(2h).
+TEST(LimitOfScene, SupportsThatMoveHoldTheOthers) {
+  const double weight = 2000.0 * 9.81 * 0.4;
+  const SceneLimit limit =
+      limit_of_loads(head(45.0) + block("left", "box = { lower = [-1, 0, 0], size = [1, 0.4, 1] }", true) +
+                         block("a", "box = { lower = [0, 0, 0], size = [1, 0.4, 1] }") +
+                         block("b", "box = { lower = [1, 0, 0], size = [1, 0.4, 1] }") +
+                         block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }", true) + kPushed +
+                         "[[stage.velocity]]\nblock = \"left\"\nvelocity = [-0.01, 0, 0]\n"
+                         "[[stage.velocity]]\nblock = \"right\"\nvelocity = [0.01, 0, 0]\n",
+                     Multiplied::motion);
+  ASSERT_TRUE(limit.limit);
+  EXPECT_NEAR(limit.limit->multiplier, -2.0 * weight / (2.0 * 0.4), 1e-4 * weight);
+}
+
+// Forces are those of the whole wall, of which half is modelled.
+TEST(LimitOfScene, HalfOfAWallHasTheForceOfTheWhole) {
+  std::vector<double> found;
+  for (const char* half : {"true", "false"}) {
+    const Simulation simulation(read_scene(QUOIN_SCENES "/wall_2m_60.toml", {std::string("wall.half_thickness=") + half,
+                                                                             "wall.zones=[2, 2, 2]", "wall.courses=4"}),
+                                1);
+    LimitOptions options;
+    options.multiplied = Multiplied::motion, options.associated = true;
+    const SceneLimit limit = limit_of(simulation, options);
+    ASSERT_TRUE(limit.limit);
+    found.push_back(limit.limit->multiplier);
+  }
+  EXPECT_NEAR(found[0], found[1], 1e-4 * found[1]);
 }
 
 // A slab of length L rests on piers of width c, one of which settles. The slab turns about the inner edge of the other
