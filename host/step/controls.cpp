@@ -118,8 +118,9 @@ void find_bodies_at_rest(Simulation::Impl& s) {
   std::vector<bool> moves(held.size(), false);  // by its drive
   const auto some = [](const geometry::Vector& v) { return norm(v) > 0.0; };
   for (const Drive& d : s.actions.drives)
-    moves[at(d.block)] = s.controls.settled ? some(d.velocity_to)
-                                            : some(d.velocity_from) || some(d.velocity_to) || (shakes && d.of_ground);
+    moves[at(d.block)] = s.controls.settled ? some(d.velocity_to) || some(d.omega_to)
+                                            : some(d.velocity_from) || some(d.velocity_to) || some(d.omega_from) ||
+                                                  some(d.omega_to) || (shakes && d.of_ground);
   for (BodyLanes& lanes : s.lattice.bodies) lanes.at_rest = s.scene.solver.skip_resting_bodies;
   for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
     const auto [index, lane] = s.lattice.place[b];

@@ -76,6 +76,7 @@ void prescribe(Simulation::Impl& s, int block, const Vector& velocity, const Vec
         (lanes.prescribed[c][lane] - holds) * linear + (lanes.prescribed[c + 3][lane] - holds_turn) * angular;
     lanes.prescribed[c][lane] = holds, lanes.prescribed[c + 3][lane] = holds_turn;
     lanes.prescribed_velocity[c][lane] = velocity[static_cast<int>(c)];
+    if (holds_turn != 0.0) lanes.spin[c][lane] = omega[static_cast<int>(c)];
   }
   lanes.any_prescribed |= held != 0;
 }

@@ -53,9 +53,8 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
     const double spin_before = state->spin[c][0];
     double& spin_after = state->spin[c][0];
     if (state->prescribed[3 + c][0] != 0.0) {
-      // The body is held: a support does work only if the body was turning before.
       work.external_before -= moment[c] * spin_before * half_dt;
-      spin_after = 0.0;
+      work.external_after -= moment[c] * spin_after * half_dt;
     } else if (!body.held[3 + c]) {
       const double damping = advance_component(moment[c], inertia[c], step, 0.0, &spin_after);
       work.damping_before += damping * spin_before * half_dt;

@@ -18,7 +18,7 @@ struct BodyLanes {
   // Controls of this step.
   Quantity applied_force = {};        // N
   Quantity prescribed_velocity = {};  // m/s
-  double prescribed[6][kLanes] = {};  // 1: prescribed velocity of a translation, or held rotation; else 0
+  double prescribed[6][kLanes] = {};  // 1: prescribed velocity of a translation, or `spin` of a rotation; else 0
   std::uint64_t any_prescribed = 0;   // 1: some components are prescribed
   std::uint64_t at_rest = 0;          // 1: all are held at rest: a step changes nothing
   std::uint64_t unused[6] = {};       // see base/archive.h

@@ -314,6 +314,52 @@ rotation_held = true
   EXPECT_LT(apart, 0.1 * swing) << swing;
 }
 
+// A base that may turn under the push of a force is held again. Its spin fades over the ramp of T = 0.05 s, in which
+// the block on it moves by v T/2. Damping and its own vibration may take a tenth. Stopped at once on the lattice, it
+// stayed.
+TEST(CaughtSpin, FadesOverTheRampOnBothKernels) {
+  const std::string text = with(dry_stone(35.0), "shear_stiffness = 1e9", "shear_stiffness = 5e8") +
+                           "[solver]\ndamping = \"viscous\"\nmass_damping = 80.0\ntime_step_fraction = 0.2\n" +
+                           block("g", "lower = [0, -0.5, 0], size = [0.5, 0.5, 0.5]", true) +
+                           block("b", "lower = [0, 0, 0], size = [0.5, 0.5, 0.5]") + R"(
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+duration = 0.15
+[[stage]]
+name = "push"
+ramp_time = 0.03
+duration = 0.1
+[[stage.velocity]]
+block = "g"
+velocity = [0, 0, 0]
+rotation_held = false
+[[stage.force]]
+block = "b"
+point = [0.25, 0.25, 0.25]
+force = [-311, 0, 0]
+[[stage]]
+name = "held"
+ramp_time = 0.05
+duration = 0.1
+)";
+  const auto way = [&](const std::string& kernels) {
+    Simulation simulation(read_scene_text(text, "spin.toml", {"solver.kernels=" + kernels, "output.energy=true"}));
+    EXPECT_EQ(simulation.large_motion() == nullptr, kernels == "lattice");
+    run_stages(simulation, 2);
+    const double before = moved(simulation, 1)[0], speed = block_velocity(simulation, 1)[0][0];
+    EXPECT_LT(speed, -1e-3);
+    run_stages(simulation, 1);
+    EXPECT_NEAR(moved(simulation, 1)[0] - before, 0.5 * 0.05 * speed, 0.1 * 0.5 * 0.05 * std::abs(speed)) << kernels;
+    const HistoryRow row = simulation.measure();
+    EXPECT_LT(std::abs(row.energies->balance_error()), 2e-3 * std::abs(row.energies->external)) << kernels;
+    return moved(simulation, 1)[0] - before;
+  };
+  const double general = way("general");
+  EXPECT_NEAR(way("lattice"), general, 0.02 * std::abs(general));
+}
+
 // The jack of a push keeps its force where the run goes over to large motion, and it fades there as from the start.
 TEST(ReleasedSupport, ForceOfAJackFadesAfterTheRunGoesOver) {
   std::string text = with(read_input_file(QUOIN_HOST_TESTS "/small_building.toml"), "load = 20e3", "load = 0.0");
