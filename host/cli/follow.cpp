@@ -18,6 +18,7 @@
 #include "law/law_calls.h"
 #include "results/surface.h"
 #include "step/findings.h"
+#include "step/rest.h"
 
 namespace quoin {
 
@@ -75,6 +76,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     share(ranks, folder);
     use_part_token(folder.token);
   }
+  require_coming_stages(simulation);  // rank 0 refuses them here
   of_set_up.reset();
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
     notices_wanted = true;

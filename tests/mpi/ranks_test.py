@@ -246,6 +246,10 @@ def refused():
     assert done.stderr.count("--isolate-law: not with several ranks") == 1, done.stderr
     done = run(2, [root / "no_such_scene.toml", "--out", folder / "none"], code=3)
     assert done.stderr.count("no_such_scene.toml") == 1, done.stderr
+    scene = (root / "tests/cli/small_wall.toml").read_text()
+    (folder / "rest.toml").write_text(scene.replace("[output]", '[[stage]]\nname = "rest"\nkind = "rest"\n[output]', 1))
+    done = run(2, [folder / "rest.toml", "--out", folder / "rest"], code=3)  # one rank waited for the other for ever
+    assert done.stderr.count("a stage of rest runs in one process") == 1, done.stderr
 
 
 def started():
