@@ -1,6 +1,7 @@
 #include "analysis/limit_of_scene.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -40,6 +41,8 @@ namespace quoin {
 namespace {
 
 using geometry::Vector;
+
+constexpr const char* kMultiplied[] = {"weight", "forces", "pressures", "loads", "motion"};  // as the enum
 
 // Velocity at which a stage moves a body; 0 where it does not.
 Vector motion_of(const BodyControl& control) {
@@ -739,17 +742,16 @@ void find_multiplier(const Simulation& simulation, const LimitOptions& options, 
 
 }  // namespace
 
+const char* name_of(Multiplied multiplied) { return kMultiplied[static_cast<std::size_t>(multiplied)]; }
+
 Multiplied multiplied_named(const std::string& name) {
-  for (const Multiplied multiplied :
-       {Multiplied::weight, Multiplied::forces, Multiplied::pressures, Multiplied::loads, Multiplied::motion})
-    if (name == name_of(multiplied)) return multiplied;
-  throw Error(
-      Exit::bad_input,
-      fmt::format(
-          "limit: '{}' cannot be multiplied; allowed: weight, forces, pressures, loads, motion. A displacement has "
-          "no multiplier, as forces between rigid blocks do not grow with it; motion gives the force, in N, "
-          "at which what a stage moves goes on moving",
-          name));
+  const auto found = std::ranges::find(kMultiplied, name);
+  if (found != std::end(kMultiplied)) return static_cast<Multiplied>(found - std::begin(kMultiplied));
+  throw Error(Exit::bad_input,
+              fmt::format("limit: '{}' cannot be multiplied; allowed: {}. A displacement has no multiplier, as forces "
+                          "between rigid blocks do not grow with it; motion gives the force, in N, at which what a "
+                          "stage moves goes on moving",
+                          name, fmt::join(kMultiplied, ", ")));
 }
 
 std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks) {

@@ -73,22 +73,6 @@ std::optional<double> settled(const std::optional<LimitWithoutDilation>& without
 
 }  // namespace
 
-const char* name_of(Multiplied multiplied) {
-  switch (multiplied) {
-    case Multiplied::weight:
-      return "weight";
-    case Multiplied::forces:
-      return "forces";
-    case Multiplied::pressures:
-      return "pressures";
-    case Multiplied::loads:
-      return "loads";
-    case Multiplied::motion:
-      break;
-  }
-  return "motion";
-}
-
 std::vector<int> moving_without_load(const SceneLimit& limit) {
   constexpr double kNone = 1e-6, kMoves = 1e-4;  // shares of the weight, and of the largest velocity
   std::vector<int> blocks;

@@ -161,7 +161,7 @@ void print_joints(const SceneLimit& limit) {
       count([](const JointMotion& j) { return j.crushing > 0.0; }));
 }
 
-void print_multiplier(const SceneLimit& limit, const Options& options) {
+void print_multiplier(const SceneLimit& limit, Multiplied multiplied) {
   const int facets = limit.limit->facets;
   const std::string cones =
       facets > 0 ? fmt::format("friction cones as pyramids of {} facets, with up to {:.2g} % less friction", facets,
@@ -175,14 +175,14 @@ void print_multiplier(const SceneLimit& limit, const Options& options) {
         limit.limit->multiplier, limit.moving_force.x, limit.moving_force.y, limit.moving_force.z, worst.at.x,
         worst.at.y, worst.at.z, limit.labels[static_cast<std::size_t>(worst.block)], limit.worst + 1,
         limit.moving.size(), cones, limit.limit->gap);
-  } else if (options.multiply == "motion") {
+  } else if (multiplied == Multiplied::motion) {
     fmt::print("force {:.6g} N along the motion of stage '{}', associated flow, {}; gap {:.1e}\n",
                limit.limit->multiplier, limit.stage, cones, limit.limit->gap);
   } else if (!limit.direction) {
     const Vector& sum = limit.live_force;
     fmt::print(
         "multiplier {:.5f} of the {} of stage '{}', ({:g}, {:g}, {:g}) N in sum, associated flow, {}; gap {:.1e}\n",
-        limit.limit->multiplier, options.multiply, limit.stage, sum.x, sum.y, sum.z, cones, limit.limit->gap);
+        limit.limit->multiplier, name_of(multiplied), limit.stage, sum.x, sum.y, sum.z, cones, limit.limit->gap);
   } else {
     fmt::print("multiplier {:.5f} of the weight along {}, associated flow, {}; gap {:.1e}\n", limit.limit->multiplier,
                direction_text(*limit.direction), cones, limit.limit->gap);
@@ -230,7 +230,7 @@ void run(const Options& options) {
     fmt::print("{} pairs of blocks meet along edges alone, and carry nothing there (analysis/README.md)\n",
                limit.edge_count);
   print_stands(limit);
-  if (limit.limit) print_multiplier(limit, options);
+  if (limit.limit) print_multiplier(limit, asked.multiplied);
   if (const std::vector<int> blocks = moving_without_load(limit); !blocks.empty())
     notice(fmt::format("quoin: {}: a mechanism that needs no load: nothing resists the motion of {} block(s):{}",
                        scene.file, blocks.size(), blocks_text(limit, blocks)));

@@ -109,10 +109,11 @@ void bind_controls(Simulation::Impl& s) {
   s.controls.cycles.reset();
   if (s.progress.stage >= 0 && current_stage(s).cycles) s.controls.cycles.emplace(*current_stage(s).cycles);
   find_bodies_at_rest(s);
-  s.controls.rest_known = false;  // other bodies may be at rest when ramps end
 }
 
 void find_bodies_at_rest(Simulation::Impl& s) {
+  s.controls.rest_known = s.controls.settled;  // else other bodies may be at rest when ramps end
+  if (s.lattice.bodies.empty()) return;
   const bool shakes = s.progress.stage >= 0 && current_stage(s).ground.has_value();
   const std::vector<std::uint8_t> held = held_now(s);
   std::vector<bool> moves(held.size(), false);  // by its drive
@@ -131,7 +132,6 @@ void find_bodies_at_rest(Simulation::Impl& s) {
     for (std::size_t c = 0; c < 3; ++c) rests = rests && lanes.velocity[c][lane] == 0.0 && lanes.spin[c][lane] == 0.0;
     lanes.at_rest = lanes.at_rest && rests;
   }
-  s.controls.rest_known = true;
 }
 
 }  // namespace quoin

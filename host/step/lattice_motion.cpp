@@ -8,11 +8,6 @@
 
 namespace quoin {
 
-Vec3 body_displacement_at_forces(const Simulation::Impl& s, int body) {
-  return s.lattice.of_body(body, &BodyLanes::displacement) -
-         s.data.time_step * s.lattice.of_body(body, &BodyLanes::velocity);
-}
-
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index) {
   const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
   const auto n = static_cast<std::size_t>(chunk.axis);
@@ -86,7 +81,8 @@ JointWrench sum_joint_wrench(const Simulation::Impl& s, int body) {
     for (std::size_t c = 0; c < 3; ++c) of_point[(n + c) % 3] = b.sign[i] * (s.model.area[p] * all[c]);
     sum.force += of_point, sum.moment += cross(b.arm[i], of_point);
   }
-  sum.displacement = body_displacement_at_forces(s, body);
+  sum.displacement = s.lattice.of_body(body, &BodyLanes::displacement) -
+                     s.data.time_step * s.lattice.of_body(body, &BodyLanes::velocity);
   return sum;
 }
 

@@ -15,8 +15,6 @@ inline Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
     sum[k] = s.lattice.traction[k][point] + (s.lattice.damps_joints() ? s.lattice.viscous[k][point] : 0.0);
   return sum;
 }
-// Displacement of a rigid body at the time of the forces, one step before the current one, m.
-Vec3 body_displacement_at_forces(const Simulation::Impl& s, int body);
 // Sum of the forces of a chunk's points on the deformable blocks of the monitor, N.
 Vec3 sum_on_monitor(const Simulation::Impl& s, int index);
 // Translation + rotation x arm of a rigid body, at a position in the reference configuration.

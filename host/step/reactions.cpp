@@ -11,6 +11,7 @@
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
 #include "step/state.h"
+#include "step/watched_motion.h"
 
 namespace quoin {
 
@@ -141,8 +142,9 @@ std::vector<JointWrench> wrenches_of_supports(const Simulation::Impl& s) {
     wrenches.push_back(s.large_motion ? s.reactions.block_wrench[at(b)] : joint_wrench(s, s.model.place[at(b)].body));
   if (s.large_motion) return wrenches;
   // Joints lie where the ground has carried them, against the centre at the start.
-  const Vec3 ground = geometry::array(ground_of_lattice_at_forces(s));
-  for (JointWrench& of : wrenches) of.moment += cross(ground, of.force);
+  const int ground = ground_block(s);
+  const Vec3 moved = ground < 0 ? Vec3{} : displacement_at_forces(s, {ground});
+  for (JointWrench& of : wrenches) of.moment += cross(moved, of.force);
   return wrenches;
 }
 

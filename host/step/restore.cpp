@@ -231,9 +231,9 @@ void restore_state(Simulation::Impl& s, ByteSource& source) {
   for (std::size_t f = 0; f < s.model.families.size(); ++f) take_law_of(f, s, reader);
   take_time_step(s);
   take_state(s, reader);
+  require_sound_controls(s);  // before the drives are followed
   if (s.large_motion) take_large_motion(s, reader);
   if (reader.left() != 0 || !counts_are_sound(s)) throw of_another_model();
-  require_sound_controls(s);
   bind_restored(s);
 }
 

@@ -124,7 +124,6 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
   for (blocks::Pressure* pressure : replaced) pressure->value = 0.0;
   s.controls.settled = false;  // the next step applies the drives
   find_bodies_at_rest(s);
-  s.controls.rest_known = false;
   s.small_motion.next_check = s.progress.step;
 }
 
@@ -227,8 +226,6 @@ ArrayView view_state(Simulation::Impl& s, int family, const std::string& id) {
   return {s.lattice.law_state[at(family)].data() + at(k) * count, count};
 }
 
-void velocities_changed(Simulation::Impl& s) {
-  if (!s.large_motion) find_bodies_at_rest(s);
-}
+void velocities_changed(Simulation::Impl& s) { find_bodies_at_rest(s); }
 
 }  // namespace quoin

@@ -280,14 +280,19 @@ TEST(LimitOfScene, APressureTurnsAWallOver) {
   EXPECT_NEAR(*given.margin, given.limit->multiplier - 2.0, 1e-9);
 }
 
+// A flat arch of two blocks, of length 1 and height 0.4 m, between ends of the same size.
+std::string flat_arch(bool left_is_fixed, bool right_is_fixed) {
+  return head(45.0) + block("left", "box = { lower = [-1, 0, 0], size = [1, 0.4, 1] }", left_is_fixed) +
+         block("a", "box = { lower = [0, 0, 0], size = [1, 0.4, 1] }") +
+         block("b", "box = { lower = [1, 0, 0], size = [1, 0.4, 1] }") +
+         block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }", right_is_fixed) + kPushed;
+}
+
 // One end of a flat arch of two blocks, of length a and height h, yields. Thrust H rises from the lower edge at the
 // ends to the upper edge in the middle: w a/2 = H h. Friction at the ends carries w with less thrust.
 TEST(LimitOfScene, ASupportYieldsAtTheThrustOfTheArch) {
-  const double a = 1.0, h = 0.4, weight = 2000.0 * 9.81 * a * h, friction = 45.0;
-  const std::string arch = head(friction) + block("left", "box = { lower = [-1, 0, 0], size = [1, 0.4, 1] }", true) +
-                           block("a", "box = { lower = [0, 0, 0], size = [1, 0.4, 1] }") +
-                           block("b", "box = { lower = [1, 0, 0], size = [1, 0.4, 1] }") +
-                           block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }") + kPushed +
+  const double a = 1.0, h = 0.4, weight = 2000.0 * 9.81 * a * h;
+  const std::string arch = flat_arch(true, false) +
                            "[[stage.velocity]]\nblock = \"right\"\nvelocity = [\"free\", 0, 0]\n"
                            "[[stage.force]]\nblock = \"right\"\npoint = [3, 0.2, 0.5]\nforce = [1000, 0, 0]\n";
   const SceneLimit limit = limit_of_loads(arch, Multiplied::forces, -30.0);  // held by 30 kN
@@ -302,14 +307,9 @@ TEST(LimitOfScene, ASupportYieldsAtTheThrustOfTheArch) {
 // The same where the stage moves the end outwards: the thrust that is left acts against the motion.
 TEST(LimitOfScene, AMotionHasTheForceAlongIt) {
   const double a = 1.0, h = 0.4, weight = 2000.0 * 9.81 * a * h;
-  const std::string arch = head(45.0) + block("left", "box = { lower = [-1, 0, 0], size = [1, 0.4, 1] }", true) +
-                           block("a", "box = { lower = [0, 0, 0], size = [1, 0.4, 1] }") +
-                           block("b", "box = { lower = [1, 0, 0], size = [1, 0.4, 1] }");
   const std::string velocity = "[[stage.velocity]]\nblock = \"right\"\nvelocity = [0.01, 0, 0]\n";
   for (const bool fixed : {false, true}) {
-    const SceneLimit limit = limit_of_loads(
-        arch + block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }", fixed) + kPushed + velocity,
-        Multiplied::motion, 0.0, false);
+    const SceneLimit limit = limit_of_loads(flat_arch(true, fixed) + velocity, Multiplied::motion, 0.0, false);
     EXPECT_TRUE(limit.stands.stands) << "the end is held until it moves";
     ASSERT_TRUE(limit.limit) << fixed;
     EXPECT_NEAR(limit.limit->multiplier, -weight * a / (2.0 * h), 1e-4 * weight) << fixed;
@@ -325,14 +325,10 @@ TEST(LimitOfScene, AMotionHasTheForceAlongIt) {
 // Both ends move outwards, so that no block is fixed: each has the thrust w a/(2h).
 TEST(LimitOfScene, SupportsThatMoveHoldTheOthers) {
   const double weight = 2000.0 * 9.81 * 0.4;
-  const SceneLimit limit =
-      limit_of_loads(head(45.0) + block("left", "box = { lower = [-1, 0, 0], size = [1, 0.4, 1] }", true) +
-                         block("a", "box = { lower = [0, 0, 0], size = [1, 0.4, 1] }") +
-                         block("b", "box = { lower = [1, 0, 0], size = [1, 0.4, 1] }") +
-                         block("right", "box = { lower = [2, 0, 0], size = [1, 0.4, 1] }", true) + kPushed +
-                         "[[stage.velocity]]\nblock = \"left\"\nvelocity = [-0.01, 0, 0]\n"
-                         "[[stage.velocity]]\nblock = \"right\"\nvelocity = [0.01, 0, 0]\n",
-                     Multiplied::motion);
+  const SceneLimit limit = limit_of_loads(flat_arch(true, true) +
+                                              "[[stage.velocity]]\nblock = \"left\"\nvelocity = [-0.01, 0, 0]\n"
+                                              "[[stage.velocity]]\nblock = \"right\"\nvelocity = [0.01, 0, 0]\n",
+                                          Multiplied::motion);
   ASSERT_TRUE(limit.limit);
   EXPECT_NEAR(limit.limit->multiplier, -2.0 * weight / (2.0 * 0.4), 1e-4 * weight);
 }

@@ -75,13 +75,12 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
 }
 
 void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
-  const double dt = s.large_motion ? s.large_motion->stepping.dt : s.data.time_step;
   const auto between = [ramp](const Vector& from, const Vector& to) {
     return ramp >= 1.0 ? to : from + ramp * (to - from);
   };
   std::vector<Vector> records;  // by motion
   for (std::size_t i = 0; settings.ground && i <= settings.ground->supports.size(); ++i)
-    records.push_back(record_velocity(s, settings, time_now(s) + 0.5 * dt, static_cast<std::int32_t>(i)));
+    records.push_back(record_velocity(s, settings, time_now(s) + 0.5 * s.data.time_step, static_cast<std::int32_t>(i)));
   for (Drive& d : s.actions.drives) {
     const auto motion = static_cast<std::size_t>(d.motion);
     const Vector record = motion < records.size() ? records[motion] : Vector{};

@@ -19,7 +19,6 @@
 #include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
-#include "step/lattice_motion.h"
 #include "step/reactions.h"
 #include "step/small_motion.h"
 #include "step/stages.h"
@@ -42,12 +41,6 @@ Vector followed(std::uint64_t of_ground, Vector velocity) {
 
 }  // namespace
 
-Vector ground_of_lattice_at_forces(const Simulation::Impl& s) {
-  const int block = ground_block(s);
-  const int ground = block < 0 ? -1 : s.model.place[static_cast<std::size_t>(block)].body;
-  return ground < 0 ? Vector{} : geometry::vector(body_displacement_at_forces(s, ground));
-}
-
 Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double time, std::int32_t motion) {
   if (!of_stage.ground) return {};
   const GroundMotion& ground = *of_stage.ground;
@@ -63,14 +56,12 @@ Vector record_velocity(const Simulation::Impl& s, const Stage& of_stage, double 
 // Velocities of blocks are those of half a step before; those of records are current, and may be back at rest.
 Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, std::int32_t motion) {
   if (!of_stage) return {};
-  const double half = 0.5 * (s.large_motion ? s.large_motion->stepping.dt : s.data.time_step);
+  const double half = 0.5 * s.data.time_step;
   return record_velocity(s, *of_stage, time_now(s), motion) - record_velocity(s, *of_stage, time_now(s) - half, motion);
 }
 
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings) {
-  const std::size_t blocks =
-      s.large_motion ? static_cast<std::size_t>(s.large_motion->block_count()) : s.model.assembly.bricks.size();
-  std::vector<std::int32_t> group(blocks, 0);
+  std::vector<std::int32_t> group(at(block_count(s)), 0);
   if (!settings.ground || settings.ground->supports.empty()) return group;
   std::optional<blocks::Assembly> of_bricks;
   if (!s.large_motion) of_bricks = blocks::from_bricks(s.model.assembly);
@@ -192,7 +183,7 @@ void follow_ground(Simulation::Impl& s, const Stage& settings, double) {
     return left_over_at(s, ground->velocity_from, ground->velocity_to, time) +
            followed(ground->of_ground, record_velocity(s, settings, time, ground->motion));
   };
-  const double now = time_now(s), dt = s.large_motion ? s.large_motion->stepping.dt : s.data.time_step;
+  const double now = time_now(s), dt = s.data.time_step;
   if (s.large_motion) return s.large_motion->move_ground(velocity(now - 0.5 * dt), velocity(now));
   s.data.ground_velocity = geometry::array(velocity(s.data.mass_damping > 0.0 ? now : now - 0.5 * dt));
 }

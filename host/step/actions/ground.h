@@ -17,8 +17,6 @@ geometry::Vector record_since_half_step(const Simulation::Impl& s, const Stage* 
 // Index of the group of supports by block, as in Drive::motion; 0: none. Throws Error(bad_input): a block of a group is
 // not fixed, or is in two groups.
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings);
-// Displacement of bricks on the lattice that move with the ground, at the time of the forces, m.
-geometry::Vector ground_of_lattice_at_forces(const Simulation::Impl& s);
 // A block that moves with the ground, or has moved with that of an earlier stage and is held by this one; -1: none.
 int ground_block(const Simulation::Impl& s);
 // Warns of a stage that moves the ground below a model without a monitor: its rows show no response.
