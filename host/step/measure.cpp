@@ -14,6 +14,7 @@
 #include "scene/weight_axis.h"
 #include "step/actions/ground.h"
 #include "step/columns/columns.h"
+#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -105,15 +106,15 @@ double dynamic_force_of_lattice(const Simulation::Impl& s) {
 }  // namespace
 
 double largest_displacement(const Simulation::Impl& s) {
+  const auto way_of = [&](int block) {
+    if (s.large_motion) return moved(*s.large_motion, block);
+    const auto& checked = s.small_motion.whole_motions;
+    return geometry::vector((has_all(s) ? whole_motion_of(s, at(block)) : checked[at(block)]).translation);
+  };
   double largest = 0.0;
-  const auto look = [&](double moved) { largest = larger(largest, moved); };
-  for (std::size_t i = 0; !s.large_motion && i < s.model.assembly.bricks.size(); ++i)
-    look(norm(geometry::vector((has_all(s) ? whole_motion_of(s, i) : s.small_motion.whole_motions[i]).translation)));
   const std::vector<std::uint8_t> held = held_now(s);
-  for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i) {
-    if (s.large_motion->assembly.blocks[at(i)].fixed && held[at(i)] == kAllHeld) continue;
-    look(norm(moved(*s.large_motion, i)));
-  }
+  for (int i = 0; i < block_count(s); ++i)
+    if (!is_fixed(s, i) || held[at(i)] != kAllHeld) largest = larger(largest, norm(way_of(i)));
   return largest;
 }
 
