@@ -10,6 +10,7 @@
 #include "step/actions/actions.h"
 #include "step/actions/whiffletree.h"
 #include "step/driven_block.h"
+#include "step/monitor.h"
 #include "step/reactions.h"
 #include "step/stages.h"
 #include "step/state.h"
@@ -70,36 +71,9 @@ double velocity_in_cycles(const Simulation::Impl& s, double initial_velocity) {
          dt;
 }
 
-// Also finds deformable blocks, in stages with ground motion.
-void find_monitor(Simulation::Impl& s, const Stage& settings) {
-  std::vector<int> found = blocks_on_lattice(s, settings.monitor);
-  const auto is_deformable = [&s](int block) { return s.model.place[at(block)].body < 0; };
-  if (!settings.ground || !std::ranges::all_of(found, is_deformable)) std::erase_if(found, is_deformable);
-  if (!settings.monitor.empty() && found.empty()) {
-    throw Error(Exit::bad_input,
-                fmt::format("{}: stage '{}' monitors the body '{}', but the assembly has no rigid block of that "
-                            "name",
-                            settings.source.text, settings.name, settings.monitor));
-  }
-  if (settings.displacement && found.empty()) {
-    throw Error(Exit::bad_input, fmt::format("{}: stage '{}' ends by displacement but has no monitor body",
-                                             settings.source.text, settings.name));
-  }
-  s.monitor.blocks = std::move(found);
-  s.monitor.points.clear();
-  if (!std::ranges::any_of(s.monitor.blocks, is_deformable)) return;
-  std::vector<char> watched(s.model.assembly.bricks.size(), 0);
-  for (const int block : s.monitor.blocks) watched[at(block)] = 1;
-  for (std::int32_t p = 0; p < s.model.point_count; ++p) {
-    const Model::Sides sides = s.model.sides_of(p);
-    const bool a = watched[at(sides.a)] != 0, b = watched[at(sides.b)] != 0;
-    if (a != b) s.monitor.points.push_back({p, a ? 1.0 : -1.0});
-  }
-}
-
 void control_bricks(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   require_bodies_on_lattice(s, settings);
-  find_monitor(s, settings);
+  watch_blocks(s, settings);
   remove_forces(s);
   bind_actions(s, settings, previous);
   s.monitor.start = displacement_now(s, s.monitor.blocks);

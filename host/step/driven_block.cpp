@@ -59,7 +59,7 @@ Vector support_force(const Simulation::Impl& s, int block) {
     return -1.0 * (m->step_sums.contact_force[block] + m->blocks[block].mass * m->actions.gravity + load_on(*m, block));
   const int body = body_of_brick(s, block);
   const Vector weight = s.model.bodies[at(body)].mass * geometry::vector(s.data.gravity);
-  return -1.0 * geometry::vector(joint_wrench(s, body).force) - weight;
+  return -1.0 * geometry::vector(joint_wrench(s, block).force) - weight;
 }
 
 void prescribe(Simulation::Impl& s, int block, const Vector& velocity, const Vector& omega, std::uint8_t held) {

@@ -7,6 +7,7 @@
 #include "step/borders.h"
 #include "step/lattice_fields.h"
 #include "step/lattice_motion.h"
+#include "step/monitor.h"
 #include "step/rank_part.h"
 #include "step/reactions.h"
 #include "step/state.h"
@@ -92,7 +93,7 @@ void each_memory_of_item(Simulation::Impl& s, Part part, int item, const VisitMe
     s.large_motion->each_memory_of_piece(part, item, visit);
     for (std::size_t i = 0;
          s.parts.divided && part != Part::motion && i < s.reactions.restrained_of_item[at(item)].size(); ++i)
-      visit_value(s.reactions.block_wrench[at(s.reactions.restrained_of_item[at(item)][i])], visit);
+      visit_value(s.reactions.wrench[at(s.reactions.restrained_of_item[at(item)][i])], visit);
     return;
   }
   visit_value(s.division.measured[at(item)], visit);
@@ -104,7 +105,7 @@ void each_memory_of_item(Simulation::Impl& s, Part part, int item, const VisitMe
     BodyLanes& lanes = s.lattice.bodies[i];
     for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
       visit(quantity, sizeof *quantity);
-    for (const int b : bodies_of_item(s, item)) visit_value(s.reactions.body_wrench[at(b)], visit);
+    for (const int b : bodies_of_item(s, item)) visit_value(s.reactions.wrench[at(s.model.bodies[at(b)].block)], visit);
   }
   if (part != Part::all) return;
   const auto each_gridpoint_field = [&](const auto& of_field) {
@@ -162,14 +163,15 @@ void prepare_row(Simulation::Impl& s) {
       own.insert(own.end(), some.begin(), some.end());
     }
     const std::vector<JointWrench> wrenches = sum_large_motion_wrenches(s, own);
-    for (std::size_t i = 0; i < own.size(); ++i) s.reactions.block_wrench[at(own[i])] = wrenches[i];
+    for (std::size_t i = 0; i < own.size(); ++i) s.reactions.wrench[at(own[i])] = wrenches[i];
   }
   if (s.large_motion) return;
   s.small_motion.whole_motions.resize(s.model.assembly.bricks.size());
-  s.reactions.body_wrench.resize(s.model.bodies.size());
   for (const int item : s.division.share.items) {
-    for (const int b : blocks_of_item(s, item)) s.small_motion.whole_motions[at(b)] = whole_motion_of(s, at(b));
-    for (const int b : bodies_of_item(s, item)) s.reactions.body_wrench[at(b)] = sum_joint_wrench(s, b);
+    for (const int b : blocks_of_item(s, item)) {
+      s.small_motion.whole_motions[at(b)] = whole_motion_of(s, at(b));
+      if (s.model.place[at(b)].body >= 0) s.reactions.wrench[at(b)] = sum_joint_wrench(s, b);
+    }
   }
   for (const int c : s.division.share.chunks) s.contacts.sums[at(c)].on_monitor = sum_on_monitor(s, c);
 }

@@ -77,7 +77,15 @@ struct Model : World {
   double measured_kinetic = 0.0;  // kinetic energy at the time of the forces of the last measured step, J
 };
 
-Vector load_on(const Model& m, int block);  // sum of the loads of stages in the last step, without weight, N
+// Loads of the stage in the last step, without weight. load_on: their sum, N. each_load_on_gridpoints: those of points
+// and pressures, not those that are distributed by mass (Actions::applied).
+Vector load_on(const Model& m, int block);
+struct Wrench {
+  Vector force, torque;  // N; about the centre of mass, N m
+};
+Wrench loads_on_body(const Model& m, int block);
+using VisitLoad = std::function<void(int32_t node, const Vector& force)>;
+void each_load_on_gridpoints(const Model& m, int block, const VisitLoad& visit);
 bool has_deformed_too_much(const Model& m, int block);  // for its frame, in the last step
 
 }  // namespace quoin::blocks

@@ -17,10 +17,6 @@ using namespace geometry;
 
 namespace {
 
-struct Wrench {
-  Vector force, torque;  // N; about the centre of mass, N m
-};
-
 bool deforms_too_much(const Model& m, int block, const BlockSums& sums) {
   return !(sums.deformation <= kLargestDeformation * m.blocks[size_t(block)].least_extent);
 }
@@ -51,6 +47,8 @@ void each_member_force(const Model& m, int block, const Visit& visit) {
   for (const int node : m.held_by.members->nodes_of(block)) visit(m.held_by.members->nodes()[size_t(node)]);
 }
 
+}  // namespace
+
 Wrench loads_on_body(const Model& m, int block) {
   const Matrix& r = m.bodies[size_t(m.blocks[size_t(block)].body)].r;
   Wrench sum;
@@ -67,6 +65,8 @@ Wrench loads_on_body(const Model& m, int block) {
   }
   return sum;
 }
+
+namespace {
 
 void forces_on_body(Model& m, int block) {
   Body& body = m.bodies[size_t(m.blocks[size_t(block)].body)];
@@ -174,10 +174,14 @@ void each_load_on_gridpoints(const Model& m, int block, double since, const Visi
 
 }  // namespace
 
+void each_load_on_gridpoints(const Model& m, int block, const VisitLoad& visit) {
+  each_load_on_gridpoints(m, block, 0.0, visit);
+}
+
 Vector load_on(const Model& m, int block) {
   if (m.blocks[size_t(block)].body >= 0) return loads_on_body(m, block).force;
-  Vector sum;
-  each_load_on_gridpoints(m, block, 0.0, [&](int32_t, const Vector& force) { sum += force; });
+  Vector sum = m.actions.applied.empty() ? Vector{} : m.actions.applied[size_t(block)];
+  each_load_on_gridpoints(m, block, [&](int32_t, const Vector& force) { sum += force; });
   return sum;
 }
 

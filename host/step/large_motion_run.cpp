@@ -17,7 +17,7 @@
 #include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/law_swap.h"
-#include "step/monitor_side.h"
+#include "step/monitor.h"
 #include "step/rank_agreement.h"
 #include "step/reactions.h"
 #include "step/run_watch.h"
@@ -38,26 +38,6 @@ bool may_ride_in_parts(const Simulation::Impl& s, const blocks::Assembly& shapes
   return s.ranks && !s.left && s.scene.damage.empty() &&
          std::none_of(shapes.families.begin(), shapes.families.end(),
                       [](const JointFamily& family) { return family.scatters(); });
-}
-
-// Name of the stage's monitor; empty: none.
-const std::string& watched_block(const Simulation::Impl& s, const Stage& settings) {
-  return settings.monitor.empty() ? s.scene.output.monitor : settings.monitor;
-}
-
-// Whether contact points lie above these blocks, as over a bottom beam.
-bool stands_below(const Simulation::Impl& s, const std::vector<int>& blocks) {
-  MonitorSide side;
-  const int upright = upright_axis(s.scene);
-  for (const blocks::Contact& c : s.large_motion->contacts.list) {
-    for (const int block : blocks) {
-      if (c.pair.a != block && c.pair.b != block) continue;
-      const blocks::Family& f = s.large_motion->contacts.families[at(c.family)];
-      for (std::size_t i = c.first; i < c.first + c.count; ++i)
-        side.add((place_of(*s.large_motion, f.point[i]) - position_of(*s.large_motion, block))[upright]);
-    }
-  }
-  return side.joints_are_above();
 }
 
 }  // namespace
@@ -86,13 +66,7 @@ void build_large_motion(Simulation::Impl& s, const blocks::Assembly& shapes,
   for (const Stage& settings : s.scene.stages) {
     blocks_named_in(s, settings);
     support_groups(s, settings);
-    const std::string& watched = watched_block(s, settings);
-    if (!watched.empty()) blocks_named(s, watched, settings.source.text + ": monitor");
-    if (settings.displacement && watched.empty())
-      throw Error(Exit::bad_input,
-                  fmt::format("{}: stage '{}' ends by displacement but has no monitor; give stage.monitor or "
-                              "output.monitor, the name of a block",
-                              settings.source.text, settings.name));
+    watched_by(s, settings);
   }
   s.large_motion->hold_by_springs(
       whiffletree_eigenvalue(s.scene.stages, [&s](const Stage& settings, const std::string& name) {
@@ -131,24 +105,12 @@ void exchange_blocks_of_stage(Simulation::Impl& s, const Stage& settings, const 
   for (int block = 0; settings.ground && block < s.large_motion->block_count(); ++block) {
     if (s.large_motion->assembly.blocks[static_cast<std::size_t>(block)].fixed) followed.push_back(block);
   }
-  std::vector<int> watched;
-  if (const std::string& name = watched_block(s, settings); !name.empty())
-    watched = blocks_named(s, name, settings.source.text);
+  const std::vector<int> watched = watched_by(s, settings);
   followed.insert(followed.end(), watched.begin(), watched.end());
   std::sort(followed.begin(), followed.end());
   followed.erase(std::unique(followed.begin(), followed.end()), followed.end());
   exchange_blocks(*s.large_motion, followed);
   exchange_joints(*s.large_motion, watched);
-}
-
-std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where) {
-  return s.large_motion ? blocks::find_blocks(s.large_motion->assembly, name, where) : blocks_on_lattice(s, name);
-}
-
-void watch_blocks(Simulation::Impl& s, const Stage& settings) {
-  const std::string& watched = watched_block(s, settings);
-  s.monitor.blocks = watched.empty() ? std::vector<int>{} : blocks_named(s, watched, settings.source.text);
-  s.monitor.stands_below = stands_below(s, s.monitor.blocks);
 }
 
 // Whether a stage frees components of a block that were held before it.

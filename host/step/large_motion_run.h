@@ -16,8 +16,6 @@ std::vector<int> followed_blocks(const Simulation::Impl& s);
 // Exchanges the motion of blocks that the stage names, before it is bound. previous: the stage before; null: there is
 // none.
 void exchange_blocks_of_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous);
-std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where);
-void watch_blocks(Simulation::Impl& s, const Stage& settings);  // finds the stage's monitor
 void begin_large_motion_stage(Simulation::Impl& s, const Stage& settings, const Stage* previous);
 void swap_law_in_large_motion(Simulation::Impl& s, std::size_t index, std::shared_ptr<const Material> material);
 void end_large_motion_step(Simulation::Impl& s);  // also detects contacts where blocks have moved enough

@@ -8,20 +8,6 @@
 
 namespace quoin {
 
-Vec3 sum_on_monitor(const Simulation::Impl& s, int index) {
-  const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
-  const auto n = static_cast<std::size_t>(chunk.axis);
-  Vec3 sum{};
-  const auto first = std::lower_bound(s.monitor.points.begin(), s.monitor.points.end(), chunk.first_point,
-                                      [](const StageMonitor::Point& m, std::int32_t point) { return m.point < point; });
-  for (auto m = first; m != s.monitor.points.end() && m->point < chunk.first_point + chunk.point_count; ++m) {
-    const auto p = static_cast<std::size_t>(m->point);
-    const Vec3 of_point = point_traction(s, p);
-    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += m->sign * (s.model.area[p] * of_point[c]);
-  }
-  return sum;
-}
-
 Vec3 of_body_at(const Simulation::Impl& s, int body, BodyLanes::Quantity BodyLanes::*translation,
                 BodyLanes::Quantity BodyLanes::*rotation, const Vec3& position) {
   const Vec3 turned = s.lattice.of_body(body, rotation);
@@ -70,7 +56,8 @@ double opening_at_traction(const Simulation::Impl& s, std::int32_t point) {
          (s.lattice.normal_shift.empty() ? 0.0 : s.lattice.normal_shift[static_cast<std::size_t>(point)]);
 }
 
-JointWrench sum_joint_wrench(const Simulation::Impl& s, int body) {
+JointWrench sum_joint_wrench(const Simulation::Impl& s, int block) {
+  const int body = s.model.place[at(block)].body;
   const RigidBody& b = s.model.bodies[at(body)];
   JointWrench sum;
   sum.centre = b.centre;
@@ -86,8 +73,8 @@ JointWrench sum_joint_wrench(const Simulation::Impl& s, int body) {
   return sum;
 }
 
-JointWrench joint_wrench(const Simulation::Impl& s, int body) {
-  return has_all(s) ? sum_joint_wrench(s, body) : s.reactions.body_wrench[at(body)];
+JointWrench joint_wrench(const Simulation::Impl& s, int block) {
+  return has_all(s) ? sum_joint_wrench(s, block) : s.reactions.wrench[at(block)];
 }
 
 // Motion of lattice blocks from their corner gridpoints, of rigid bodies from their own rotation.

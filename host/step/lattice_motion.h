@@ -15,8 +15,6 @@ inline Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
     sum[k] = s.lattice.traction[k][point] + (s.lattice.damps_joints() ? s.lattice.viscous[k][point] : 0.0);
   return sum;
 }
-// Sum of the forces of a chunk's points on the deformable blocks of the monitor, N.
-Vec3 sum_on_monitor(const Simulation::Impl& s, int index);
 // Translation + rotation x arm of a rigid body, at a position in the reference configuration.
 Vec3 of_body_at(const Simulation::Impl& s, int body, BodyLanes::Quantity BodyLanes::*translation,
                 BodyLanes::Quantity BodyLanes::*rotation, const Vec3& position);
@@ -29,9 +27,9 @@ std::pair<Vec3, Vec3> motion_of_sides(const Simulation::Impl& s, std::int32_t po
 Vec3 jump_of(const Simulation::Impl& s, std::int32_t point, double of_displacement, double of_velocity);
 // Opening that the law receives, m: with the shift of law swaps.
 double opening_at_traction(const Simulation::Impl& s, std::int32_t point);
-// Contact forces on a body at the last evaluation of the laws: of a process that has its contact points, of any.
-JointWrench sum_joint_wrench(const Simulation::Impl& s, int body);
-JointWrench joint_wrench(const Simulation::Impl& s, int body);
+// Contact forces on a rigid brick at the last evaluation of the laws: of a process that has its contact points, of any.
+JointWrench sum_joint_wrench(const Simulation::Impl& s, int block);
+JointWrench joint_wrench(const Simulation::Impl& s, int block);
 WholeMotion whole_motion_of(const Simulation::Impl& s, std::size_t brick);
 
 }  // namespace quoin

@@ -18,7 +18,7 @@
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
-#include "step/monitor_side.h"
+#include "step/monitor.h"
 #include "step/rank_part.h"
 #include "step/reactions.h"
 #include "step/run_watch.h"
@@ -30,72 +30,35 @@ namespace quoin {
 
 namespace {
 
-// Displacement, and the force along it, from the sum of the joint forces on the monitor. A stage with a roof shows
-// that, and the force that the walls carry to the monitor, their ground. The displacement is that at the time of the
-// forces.
-void show_response(const Simulation::Impl& s, std::size_t direction, HistoryRow& row) {
+// Displacement of the monitor, and the force along it, from the sum of the joint forces on it. A stage with a roof
+// shows that, and the force that the walls carry to the monitor, their ground. The displacement is that at the time of
+// the forces.
+void measure_monitor(const Simulation::Impl& s, std::size_t direction, HistoryRow& row) {
   row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, shown_blocks(s));
   row.monitor_relative -= row.ground_displacement;
-  row.joint_force = force_on_whole(s, row.joint_force);
+  row.joint_force = force_on_whole(s, joint_force_on_monitor(s));
   row.displacement = row.monitor_displacement[direction] - s.monitor.start[direction];
   row.resistance = s.controls.floors.empty() ? -row.joint_force[direction] : row.joint_force[direction];
-}
-
-void measure_large_motion(const Simulation::Impl& s, std::span<const JointWrench> supports, HistoryRow& row) {
-  const auto direction = static_cast<std::size_t>(s.scene.stages[static_cast<std::size_t>(row.stage)].direction);
-  row.multiplier = s.actions.multiplier;
-  row.largest_displacement = largest_displacement(s);
-  const double whole = s.model.assembly.symmetry_factor;
-  row.dynamic_force = whole * s.large_motion->step_sums.net[static_cast<int>(direction)];
-  if (const auto& members = s.large_motion->held_by.members)
-    row.dynamic_force += std::copysign(members->unbalanced_strips(), row.dynamic_force);
-  measure_base(s, supports, row);
-  if (s.monitor.blocks.empty()) return;
-  for (const int block : s.monitor.blocks)
-    row.joint_force += geometry::array(s.large_motion->step_sums.contact_force[block]);
-  show_response(s, direction, row);
   const double upright = row.joint_force[at(upright_axis(s.scene))];
   row.vertical_force = s.monitor.stands_below ? -upright : upright;  // compression positive
 }
 
-// Numbers of the monitor on the lattice.
-void measure_monitor(const Simulation::Impl& s, HistoryRow& row) {
-  MonitorSide side;
-  bool deformable = false;
-  const auto upright = at(upright_axis(s.scene));
-  for (const int block : s.monitor.blocks) {
-    const Brick& brick = s.model.assembly.bricks[at(block)];
-    const int b = s.model.place[at(block)].body;
-    if (b < 0) {
-      deformable = true;
-      for (const StageMonitor::Point& of_joint : s.monitor.points)
-        side.add(s.model.point_position[at(of_joint.point)][upright] - brick.origin[upright] -
-                 0.5 * brick.size[upright]);
-      continue;
-    }
-    row.joint_force += joint_wrench(s, b).force;
-    const RigidBody& body = s.model.bodies[at(b)];
-    const double middle = brick.origin[upright] + 0.5 * brick.size[upright];
-    for (const Vec3& arm : body.arm) side.add(body.centre[upright] + arm[upright] - middle);
-  }
-  const auto direction = static_cast<std::size_t>(current_stage(s).direction);
-  for (std::size_t chunk = 0; deformable && chunk < s.contacts.calls.size(); ++chunk)
-    row.joint_force += has_all(s) ? sum_on_monitor(s, static_cast<int>(chunk)) : s.contacts.sums[chunk].on_monitor;
-  show_response(s, direction, row);
-  row.vertical_force = side.joints_are_above() ? -row.joint_force[upright] : row.joint_force[upright];
-}
-
-// Resultant of all forces on the wall along the stage's direction, N. It is its inertia force.
-double dynamic_force_of_lattice(const Simulation::Impl& s) {
-  const auto direction = static_cast<std::size_t>(current_stage(s).direction);
+// Resultant of all forces on the blocks along an axis, N. It is their inertia force.
+double dynamic_force(const Simulation::Impl& s, std::size_t direction) {
   const double whole = s.model.assembly.symmetry_factor;
+  if (s.large_motion) {
+    const double force = whole * s.large_motion->step_sums.net[static_cast<int>(direction)];
+    const auto& members = s.large_motion->held_by.members;
+    return members ? force + std::copysign(members->unbalanced_strips(), force) : force;
+  }
+  if (s.progress.stage < 0) return 0.0;
   double force = whole * s.model.total_mass() * s.data.gravity[direction];
   for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
     const auto [index, lane] = s.lattice.place[b];
     const BodyLanes& lanes = s.lattice.bodies[static_cast<std::size_t>(index)];
     const double weight = s.model.bodies[b].mass * s.data.gravity[direction];
     force += whole * (lanes.prescribed[direction][lane] != 0.0
-                          ? -joint_wrench(s, static_cast<int>(b)).force[direction] - weight
+                          ? -joint_wrench(s, s.model.bodies[b].block).force[direction] - weight
                           : lanes.applied_force[direction][lane]);
   }
   for (const Drive& drive : s.actions.drives)
@@ -167,16 +130,15 @@ HistoryRow measure_row(const Simulation::Impl& s) {
   const std::vector<JointWrench> supports = wrenches_of_supports(s);
   measure_reactions(s, supports, row);
   row.added = added_values(s);
-  if (s.large_motion) {
-    measure_large_motion(s, supports, row);
-    return row;
-  }
+  row.multiplier = s.actions.multiplier;
+  const auto direction = at(s.scene.stages[at(row.stage)].direction);
   const bool acts = std::any_of(s.scene.stages.begin(), s.scene.stages.end(),
                                 [](const Stage& stage) { return !beyond_lattice(stage).empty(); });
-  if (s.scene.blocks || acts) row.largest_displacement = largest_displacement(s);
-  if (acts) measure_base(s, supports, row);
-  if (!s.monitor.blocks.empty()) measure_monitor(s, row);
-  if (s.progress.stage >= 0) row.dynamic_force = dynamic_force_of_lattice(s);
+  if (s.large_motion) row.multiplier = s.actions.multiplier;
+  if (s.large_motion || s.scene.blocks || acts) row.largest_displacement = largest_displacement(s);
+  if (s.large_motion || acts) measure_base(s, supports, row);
+  if (!s.monitor.blocks.empty()) measure_monitor(s, direction, row);
+  row.dynamic_force = dynamic_force(s, direction);
   return row;
 }
 

@@ -19,6 +19,7 @@
 #include "step/actions/whiffletree.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
+#include "step/monitor.h"
 #include "step/reactions.h"
 #include "step/set_up.h"
 #include "step/stages.h"

@@ -86,7 +86,7 @@ void find_restrained_blocks(Simulation::Impl& s) {
     }
   }
   s.reactions.restrained_blocks.assign(found.begin(), found.end());
-  s.reactions.block_wrench.assign(s.parts.divided ? at(block_count(s)) : 0, {});
+  s.reactions.wrench.assign(s.ranks ? at(block_count(s)) : 0, {});
 }
 
 std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, const std::vector<int>& blocks) {
@@ -138,8 +138,7 @@ std::vector<JointWrench> wrenches_of_supports(const Simulation::Impl& s) {
   const std::vector<int>& blocks = s.reactions.restrained_blocks;
   if (s.large_motion && (!s.parts.divided || has_all(s))) return sum_large_motion_wrenches(s, blocks);
   std::vector<JointWrench> wrenches;
-  for (const int b : blocks)
-    wrenches.push_back(s.large_motion ? s.reactions.block_wrench[at(b)] : joint_wrench(s, s.model.place[at(b)].body));
+  for (const int b : blocks) wrenches.push_back(s.large_motion ? s.reactions.wrench[at(b)] : joint_wrench(s, b));
   if (s.large_motion) return wrenches;
   // Joints lie where the ground has carried them, against the centre at the start.
   const int ground = ground_block(s);

@@ -106,12 +106,6 @@ class Search {
     return sum;
   }
 
-  void add_wrench(VectorXd* sum, int b, const Vector& place, const Vector& force) const {
-    const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
-    add_to(sum, {u.body[0], u.body[1], u.body[2]}, force);
-    add_to(sum, {u.body[3], u.body[4], u.body[5]}, cross(place - u.centre, force));
-  }
-
   void add_zones(int b, VectorXd* sum) const {
     const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
     each_stressed_zone(s_, b, [&](const StressedZone& zone) {
@@ -121,48 +115,26 @@ class Search {
   }
 
   void add_large_motion_loads(VectorXd* sum) const {
-    blocks::Model& m = *s_.large_motion;
+    const blocks::Model& m = *s_.large_motion;
     const Vector g = geometry::vector(s_.data.gravity);
-    std::vector<Vector> applied(unknowns_->blocks().size());
-    for (const Drive& drive : s_.actions.drives) applied[at(drive.block)] += drive.force_to;
     for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
       const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
+      const blocks::ModelBlock& block = m.blocks[b];
       if (u.rigid) {
-        add_wrench(sum, b, u.centre, m.blocks[b].mass * g);
-        add_wrench(sum, b, u.centre + body_of(m, b).r * m.blocks[b].load_arm, applied[at(b)]);
+        const blocks::Wrench loads = loads_on_body(m, b);
+        add_to(sum, {u.body[0], u.body[1], u.body[2]}, block.mass * g + loads.force);
+        add_to(sum, {u.body[3], u.body[4], u.body[5]}, loads.torque);
         continue;
       }
-      const blocks::ModelBlock& block = m.blocks[b];
       double inertia = 0.0;  // mass over which weight and forces are distributed to its gridpoints, kg
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n) inertia += m.nodes.mass[at(block.first_node) + n];
-      const Vector per_mass = (m.blocks[b].mass * g + applied[at(b)]) / inertia;
+      const Vector applied = m.actions.applied.empty() ? Vector{} : m.actions.applied[at(b)];
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
-        add_to(sum, u.gridpoint[n], m.nodes.mass[at(block.first_node) + n] * per_mass);
+        add_to(sum, u.gridpoint[n], m.nodes.mass[at(block.first_node) + n] / inertia * (block.mass * g + applied));
+      each_load_on_gridpoints(m, b, [&](std::int32_t node, const Vector& force) {
+        add_to(sum, u.gridpoint[at(node - block.first_node)], force);
+      });
       add_zones(b, sum);
-    }
-    for (const blocks::Load& load : m.actions.loads) {
-      const Unknowns::OfBlock& u = unknowns_->blocks()[at(load.block)];
-      const Vector force = load.scale * load.force;
-      if (u.rigid) add_wrench(sum, load.block, u.centre + body_of(m, load.block).r * load.arm, force);
-      for (const auto& [node, weight] : load.share)
-        add_to(sum, u.gridpoint[at(node - m.blocks[load.block].first_node)], weight * force);
-    }
-    for (const blocks::Pressure& p : m.actions.pressures) add_pressure(p, sum);
-  }
-
-  void add_pressure(const blocks::Pressure& p, VectorXd* sum) const {
-    blocks::Model& m = *s_.large_motion;
-    const double pressure = p.scale * p.value;
-    const Unknowns::OfBlock& u = unknowns_->blocks()[at(p.block)];
-    if (u.rigid) {
-      const geometry::Matrix& r = body_of(m, p.block).r;
-      return add_wrench(sum, p.block, u.centre + r * p.arm, pressure * (r * p.push));
-    }
-    const int first = m.blocks[p.block].first_node;
-    for (const auto& triangle : p.triangles) {
-      const Vector &x = m.nodes.x[at(triangle[0])], &y = m.nodes.x[at(triangle[1])], &z = m.nodes.x[at(triangle[2])];
-      for (const int node : triangle)
-        add_to(sum, u.gridpoint[at(node - first)], (-pressure / 6.0) * cross(y - x, z - x));
     }
   }
 

@@ -14,6 +14,7 @@
 #include "step/large_motion_run.h"
 #include "step/lattice_swap.h"
 #include "step/law_swap.h"
+#include "step/monitor.h"
 #include "step/promotion.h"
 #include "step/rank_part.h"
 #include "step/saved_state.h"
@@ -204,7 +205,7 @@ void take_large_motion(Simulation::Impl& s, ArchiveReader& reader) {
 void bind_restored(Simulation::Impl& s) {
   if (!s.large_motion) {
     s.monitor.blocks.clear();
-    if (s.progress.stage >= 0) find_monitor(s, current_stage(s));
+    if (s.progress.stage >= 0) watch_blocks(s, current_stage(s));
   }
   bind_floors(s);
   choose_damping(s);

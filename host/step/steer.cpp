@@ -11,9 +11,9 @@
 #include "base/error.h"
 #include "step/controls.h"
 #include "step/driven_block.h"
-#include "step/large_motion_run.h"
 #include "step/stages.h"
 #include "step/state.h"
+#include "step/watched_motion.h"
 
 namespace quoin {
 

@@ -14,10 +14,10 @@
 #include "step/actions/ground.h"
 #include "step/driven_block.h"
 #include "step/findings.h"
-#include "step/large_motion_run.h"
 #include "step/small_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
+#include "step/watched_motion.h"
 
 namespace quoin {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "scene/generate_blocks.h"
 #include "step/large_motion_run.h"
 #include "step/state.h"
 
@@ -28,6 +29,10 @@ Vec3 mean_on_lattice(const Simulation::Impl& s, const std::vector<int>& blocks,
 }
 
 }  // namespace
+
+std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where) {
+  return s.large_motion ? blocks::find_blocks(s.large_motion->assembly, name, where) : blocks_on_lattice(s, name);
+}
 
 std::vector<int> blocks_on_lattice(const Simulation::Impl& s, const std::string& name) {
   std::vector<int> blocks;

@@ -5,7 +5,10 @@
 
 namespace quoin {
 
-// Blocks of a name on the lattice: bodies, then deformable ones.
+// Blocks of a name. Of bricks rigid ones, then deformable ones, or none. Else Error(bad_input) if no block has it.
+// where: place that gives it.
+std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where);
+std::vector<int> blocks_on_lattice(const Simulation::Impl& s, const std::string& name);
 std::vector<int> blocks_on_lattice(const Simulation::Impl& s, const std::string& name);
 // Blocks whose displacement rows have and stages end by: the roof, else the monitor.
 const std::vector<int>& shown_blocks(const Simulation::Impl& s);

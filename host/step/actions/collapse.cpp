@@ -16,7 +16,6 @@
 #include "step/actions/action.h"
 #include "step/actions/ground.h"
 #include "step/gather.h"
-#include "step/large_motion_run.h"
 #include "step/rank_agreement.h"
 #include "step/reactions.h"
 #include "step/small_motion.h"

@@ -7,9 +7,9 @@
 #include "step/actions/ground.h"
 #include "step/controls.h"
 #include "step/driven_block.h"
-#include "step/large_motion_run.h"
 #include "step/stages.h"
 #include "step/state.h"
+#include "step/watched_motion.h"
 
 namespace quoin {
 

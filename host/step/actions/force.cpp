@@ -6,7 +6,6 @@
 #include "scene/load_place.h"
 #include "step/actions/action.h"
 #include "step/actions/fading.h"
-#include "step/large_motion_run.h"
 #include "step/state.h"
 
 namespace quoin {

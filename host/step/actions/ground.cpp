@@ -18,7 +18,6 @@
 #include "step/actions/action.h"
 #include "step/driven_block.h"
 #include "step/gather.h"
-#include "step/large_motion_run.h"
 #include "step/reactions.h"
 #include "step/small_motion.h"
 #include "step/stages.h"

@@ -8,7 +8,6 @@
 #include "base/smooth_step.h"
 #include "step/actions/action.h"
 #include "step/actions/drive.h"
-#include "step/large_motion_run.h"
 #include "step/stages.h"
 #include "step/state.h"
 #include "step/watched_motion.h"

@@ -24,10 +24,10 @@ struct Reactions {
   std::vector<int> restraint_of;                     // by block: index into restraints; -1: none
   std::vector<int> restrained_blocks;                // blocks that are fixed, or held in some stage
   std::vector<std::vector<int>> restrained_of_item;  // restrained blocks by item, with ranks
-  std::vector<JointWrench> body_wrench;              // by body, in the last row; with ranks
-  std::vector<JointWrench> block_wrench;             // by block, of restrained_blocks in the last row; with ranks
-  std::vector<std::uint8_t> on_base;                 // by block: 1: it rests on a fixed block at the start
-  geometry::Vector base_centre;  // area centre of the bed joints on fixed blocks, and of springs, at the start, m
+  // By block, in the last row: of rigid bricks, or of restrained_blocks in large motion. With ranks.
+  std::vector<JointWrench> wrench;
+  std::vector<std::uint8_t> on_base;  // by block: 1: it rests on a fixed block at the start
+  geometry::Vector base_centre;       // area centre of the bed joints on fixed blocks, and of springs, at the start, m
 };
 
 }  // namespace quoin
