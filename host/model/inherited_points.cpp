@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 #include "law/property_text.h"
@@ -82,6 +83,9 @@ void keep_pairs(World& w, std::span<const KeptItems> kept, size_t count) {
 
 namespace {
 
+// Shift of a reference gap below which it is left, over the smallest block: far above rounding, far below any overlap.
+constexpr double kSlightShift = 1e-9;
+
 // History of a new point from its nearest old point.
 struct Heir {
   double closure = 0.0;           // plastic, m
@@ -116,6 +120,37 @@ void inherit(const World& w, const Family& old, size_t from, const Contact& c, F
 // closure).
 double plastic_closure(const Family& f, size_t i) {
   return f.traction[0][i] < 0 ? f.traction[0][i] / f.kn - f.normal_jump[i] : std::max(0.0, -f.normal_jump[i]);
+}
+
+// Plastic closure at a place between old points, m: linear in the smallest triangle of near ones around it. Where there
+// is none, as beyond all points, that of the nearest point.
+double closure_at(const Vector& place, std::span<const Vector> points, std::span<const double> closure,
+                  size_t nearest) {
+  constexpr size_t kNear = 8;      // points that may be corners
+  constexpr double kBeside = 0.1;  // share of a corner, < 0, up to which a place beside a triangle is taken to its edge
+  constexpr double kFlat = 1e-6;   // squared sine of an angle below which a triangle is a line
+  const auto squared = [&](size_t i) { return dot(points[i] - place, points[i] - place); };
+  std::vector<size_t> near(points.size());
+  std::iota(near.begin(), near.end(), size_t(0));
+  std::ranges::stable_sort(near, {}, squared);
+  near.resize(std::min(kNear, near.size()));
+  double found = closure[nearest], least = HUGE_VAL;
+  const auto take = [&](size_t i, size_t j, size_t k) {
+    const double size = squared(i) + squared(j) + squared(k);
+    const Vector y = points[j] - points[i], z = points[k] - points[i], m = cross(y, z), at = place - points[i];
+    const double square = dot(m, m);
+    if (size >= least || square <= kFlat * dot(y, y) * dot(z, z)) return;
+    double of_j = dot(cross(at, z), m) / square, of_k = dot(cross(y, at), m) / square, of_i = 1.0 - of_j - of_k;
+    if (std::min({of_i, of_j, of_k}) < -kBeside) return;
+    for (double* share : {&of_i, &of_j, &of_k}) *share = std::max(0.0, *share);
+    found = (of_i * closure[i] + of_j * closure[j] + of_k * closure[k]) / (of_i + of_j + of_k);
+    least = size;
+  };
+  for (size_t i = 0; i < near.size(); ++i) {
+    for (size_t j = i + 1; j < near.size(); ++j)
+      for (size_t k = j + 1; k < near.size(); ++k) take(near[i], near[j], near[k]);
+  }
+  return found;
 }
 
 // Largest tan of the friction angle of a family's points; 0: its law has none, and strength in shear does not depend on
@@ -191,7 +226,8 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
 }  // namespace
 
 // New points inherit the history of the nearest old point of their contact. Old points have moved along with their
-// blocks.
+// blocks. A new point's state has the closure of the nearest one. Its reference gap takes up how closure varies between
+// points. Without that a point that moves into a crushed toe would be pressed by all that the toe has yielded.
 void hand_over(World& w, const PointsBefore& before, const Finding& finding, const Contact& c,
                std::span<const NewPoint> points, bool at_start) {
   Family& f = w.contacts.families[c.family];
@@ -200,9 +236,13 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) old_area += old.point[j].area;
   const double radius2 =
       finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * w.detection.size * w.detection.size) : 0.0;
-  std::vector<Vector> then;  // current positions of the old points
-  for (uint32_t j = finding.first; j < finding.first + finding.count; ++j)
+  std::vector<Vector> then;             // current positions of the old points
+  std::vector<double> closure, of_gap;  // plastic, m: since the points were placed, and against their gaps
+  for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) {
     then.push_back(locate(w, old.point[j], before.facets).at);
+    closure.push_back(plastic_closure(old, j));
+    of_gap.push_back(closure.back() - old.point[j].reference);
+  }
   std::vector<Heir> heirs(points.size());
   uint32_t next_facet = c.first_facet;
   const auto put = [&](const Facet& facet) {
@@ -224,6 +264,10 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
     }
     if (nearest >= 0) {
       inherit(w, old, size_t(nearest), c, f, to);
+      const size_t heir_of = size_t(nearest) - finding.first;
+      const bool is_open = f.traction[0][to] == 0.0 && closure[heir_of] == 0.0;  // the true gap counts
+      const double shift = of_gap[heir_of] - closure_at(p.at, then, of_gap, heir_of);
+      if (!is_open && std::abs(shift) > kSlightShift * w.detection.size) p.reference += shift;
     } else {
       const bool bonded = at_start && points[k].joint;
       const auto& values = bonded ? f.initial : f.dry;
@@ -240,7 +284,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
     if (nearest >= 0) {
       const Point& q = old.point[nearest];
       const Location moved = locate(w, q, before.facets);
-      heirs[k] = {plastic_closure(old, size_t(nearest)), moved.jump - old.normal_jump[nearest]};
+      heirs[k] = {closure[size_t(nearest) - finding.first], moved.jump - old.normal_jump[nearest]};
       const Vector pending = in_space(
           w, q,
           (moved.slid[0] - old.slid[0][size_t(nearest)]) * q.s + (moved.slid[1] - old.slid[1][size_t(nearest)]) * q.t);

@@ -41,6 +41,33 @@ bool have_contact(Simulation::Impl& s, int a, int b, int axis) {
 
 constexpr long kMostSteps = 1000;  // between two checks of how far blocks have moved
 
+// Acceleration that checks assume, m/s2: usual of blocks that joints, weight and earthquakes move, or that of the
+// stage's motions where it is larger.
+double most_acceleration(const Simulation::Impl& s) {
+  constexpr double kUsual = 20.0;           // m/s2
+  constexpr double kSteepest = 15.0 / 8.0;  // largest rate of smooth_step
+  double most = kUsual;
+  if (s.progress.stage < 0) return most;
+  const Stage& settings = current_stage(s);
+  for (const Drive& d : s.actions.drives) {
+    if (stage_time(s) >= settings.ramp_time) break;
+    const double change = norm(d.velocity_to - d.velocity_from) +
+                          0.5 * norm_of(s.model.assembly.bricks[at(d.block)].size) * norm(d.omega_to - d.omega_from);
+    most = std::max(most, kSteepest * change / settings.ramp_time);
+  }
+  if (settings.cycles)
+    most = std::max(most, kSteepest * std::abs(settings.cycles->velocity) / settings.cycles->ramp_time);
+  const auto look = [&](const GroundMotion& ground) {
+    for (const GroundMotion::Component& c : ground.components)
+      for (const double value : c.acceleration.value) most = std::max(most, norm_of(c.direction) * std::abs(value));
+  };
+  if (settings.ground) {
+    look(*settings.ground);
+    std::ranges::for_each(settings.ground->supports, look);
+  }
+  return most;
+}
+
 // Checks the motion of blocks, and plans the next check. Neither depends on outputs.
 void check_motion(Simulation::Impl& s) {
   if (has_all(s)) {  // else they are gathered: each rank computes those of its own blocks
@@ -58,8 +85,9 @@ void check_motion(Simulation::Impl& s) {
   s.small_motion.next_check = s.progress.step + kMostSteps;
   if (!past_motion_bound(s).empty()) return;
   const MotionBound& bound = s.scene.solver.motion_bound;
+  const double acceleration = most_acceleration(s);
   const double until_near = s.small_motion.unjoined.look(
-      motions, bound.sliding, [&s](int a, int b, int axis) { return have_contact(s, a, b, axis); },
+      motions, bound.sliding, acceleration, [&s](int a, int b, int axis) { return have_contact(s, a, b, axis); },
       &s.small_motion.seen);
   // Half of the remaining way to a bound, even if two blocks approach each other, but at least a sixteenth of the whole
   // way.
@@ -71,7 +99,7 @@ void check_motion(Simulation::Impl& s) {
       std::max({s.small_motion.seen.rotation / bound.rotation, s.small_motion.seen.sliding / bound.sliding,
                 s.small_motion.seen.sway / (kSwayOverRotation * bound.rotation)});
   const double way = std::max(0.5 * (1.0 - used), 0.0625) * least * std::min(bound.rotation, bound.sliding);
-  const double steps = std::min(until_near, time_for(way, 2.0 * fastest)) / s.data.time_step;
+  const double steps = std::min(until_near, time_for(way, 2.0 * fastest, acceleration)) / s.data.time_step;
   s.small_motion.next_check =
       s.progress.step + (steps < static_cast<double>(kMostSteps) ? std::max(1L, static_cast<long>(steps)) : kMostSteps);
 }

@@ -90,12 +90,12 @@ UnjoinedBlocks::Near UnjoinedBlocks::nearness(const Pair& pair, const std::vecto
   return near;
 }
 
-double UnjoinedBlocks::look(const std::vector<WholeMotion>& motion, double sliding_bound,
+double UnjoinedBlocks::look(const std::vector<WholeMotion>& motion, double sliding_bound, double acceleration,
                             const HaveContact& have_contact, MotionSeen* seen) {
   if (has_moved(motion)) find_pairs(motion);
   double fastest = 0.0;
   for (const WholeMotion& m : motion) fastest = std::max(fastest, m.speed);
-  double time = time_for(0.25 * reach_, 2.0 * fastest);  // for pairs that are not near yet
+  double time = time_for(0.25 * reach_, 2.0 * fastest, acceleration);  // for pairs that are not near yet
   for (const Pair& pair : pairs_) {
     const Near near = nearness(pair, motion, sliding_bound);
     if (near.gap <= near.least_gap && !have_contact(pair.a, pair.b, near.axis)) continue;
@@ -106,8 +106,8 @@ double UnjoinedBlocks::look(const std::vector<WholeMotion>& motion, double slidi
       seen->near_block[0] = pair.a, seen->near_block[1] = pair.b;
     }
     if (near.gap > near.least_gap && near.least_gap > 0.0)
-      time = std::min(time,
-                      time_for(near.gap - 0.5 * near.least_gap, motion[at(pair.a)].speed + motion[at(pair.b)].speed));
+      time = std::min(time, time_for(near.gap - 0.5 * near.least_gap,
+                                     motion[at(pair.a)].speed + motion[at(pair.b)].speed, acceleration));
   }
   return time;
 }

@@ -22,12 +22,9 @@ class UnjoinedBlocks {
   // Whether two blocks that meet across this axis have contact by the rules of the scene.
   using HaveContact = std::function<bool(int a, int b, int axis)>;
   // Updates `seen` with the current motion. motion: one a brick. Returns the least time, s, in which a pair could
-  // approach to half of its least distance allowed. Accelerations are taken to be at most kAcceleration. The next check
-  // is due then.
-  double look(const std::vector<WholeMotion>& motion, double sliding_bound, const HaveContact& have_contact,
-              MotionSeen* seen);
-
-  static constexpr double kAcceleration = 20.0;  // m/s2
+  // approach to half of its least distance allowed, at this acceleration, m/s2. The next check is due then.
+  double look(const std::vector<WholeMotion>& motion, double sliding_bound, double acceleration,
+              const HaveContact& have_contact, MotionSeen* seen);
 
  private:
   struct Near {

@@ -22,7 +22,7 @@ void collapse(int courses, int width, double rest) {
       scene.brick({x, c * height, 0}, {w, height, depth});
     }
   }
-  auto m = scene.model(viscous(0.3, 4e-5, 0.5));
+  auto m = scene.model(viscous(0.3, 4e-5, 0.25));
   m->track_energy(true);
   apply_weight(*m, 0.1, 0.2);
   const auto started = std::chrono::steady_clock::now();
