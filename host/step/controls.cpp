@@ -9,12 +9,12 @@
 #include "base/smooth_step.h"
 #include "step/actions/actions.h"
 #include "step/actions/whiffletree.h"
+#include "step/block_motion.h"
 #include "step/driven_block.h"
 #include "step/monitor.h"
 #include "step/reactions.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 

@@ -25,11 +25,6 @@ BodyLane lane_of(Simulation::Impl& s, int body) {
 // Rigid body of a brick; -1: it is deformable.
 int body_of_brick(const Simulation::Impl& s, int block) { return s.model.place[at(block)].body; }
 
-Vector of_lattice(const Simulation::Impl& s, int block, BodyLanes::Quantity BodyLanes::*quantity) {
-  const int body = body_of_brick(s, block);
-  return body < 0 ? Vector{} : geometry::vector(s.lattice.of_body(body, quantity));
-}
-
 }  // namespace
 
 const std::string& name_in_stages(const Simulation::Impl& s, int block) {
@@ -44,14 +39,6 @@ bool is_rigid(const Simulation::Impl& s, int block) {
 bool is_fixed(const Simulation::Impl& s, int block) {
   if (s.large_motion) return s.large_motion->assembly.blocks[at(block)].fixed;
   return s.model.assembly.bricks[at(block)].fixed && is_rigid(s, block);
-}
-
-Vector velocity_of(const Simulation::Impl& s, int block) {
-  return s.large_motion ? velocity_of(*s.large_motion, block) : of_lattice(s, block, &BodyLanes::velocity);
-}
-
-Vector spin_of(const Simulation::Impl& s, int block) {
-  return s.large_motion ? spin_of(*s.large_motion, block) : of_lattice(s, block, &BodyLanes::spin);
 }
 
 Vector support_force(const Simulation::Impl& s, int block) {

@@ -12,9 +12,6 @@ namespace quoin {
 const std::string& name_in_stages(const Simulation::Impl& s, int block);  // empty: none
 bool is_rigid(const Simulation::Impl& s, int block);
 bool is_fixed(const Simulation::Impl& s, int block);  // by the scene; of bricks rigid ones
-// Velocity of the centre of mass and spin, half a step before, m/s and rad/s. 0: deformable bricks of the lattice.
-geometry::Vector velocity_of(const Simulation::Impl& s, int block);
-geometry::Vector spin_of(const Simulation::Impl& s, int block);
 // Force by which supports hold the block, N: against its joints, weight and loads.
 geometry::Vector support_force(const Simulation::Impl& s, int block);
 // Prescribes velocities, m/s and rad/s, along the held components (bits of Drive::held). Kinetic energy of what it

@@ -14,6 +14,7 @@
 #include "step/actions/collapse.h"
 #include "step/actions/ground.h"
 #include "step/actions/members.h"
+#include "step/block_motion.h"
 #include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/law_swap.h"
@@ -23,7 +24,6 @@
 #include "step/run_watch.h"
 #include "step/state.h"
 #include "step/supports.h"
-#include "step/watched_motion.h"
 #include "step/work_division.h"
 
 namespace quoin {
@@ -208,24 +208,6 @@ void measure_large_motion_step(Simulation::Impl& s) {
   for (std::size_t k = 0; k < now.dissipated.size(); ++k) now.dissipated[k] += s.energy.dissipated[k];
   now.external += s.energy.external, now.damping += s.energy.damping;
   now.detection = s.energy.lost_at_changes + e.detection - jump;
-}
-
-Vec3 block_translation(const Simulation::Impl& s, int block) {
-  return geometry::array(position_of(*s.large_motion, block) - start_position_of(*s.large_motion, block));
-}
-
-Vec3 block_translation(const Simulation::Impl& s, const std::vector<int>& blocks) {
-  Vec3 mean{};
-  for (const int block : blocks) mean += block_translation(s, block) / static_cast<double>(blocks.size());
-  return mean;
-}
-
-Vec3 block_translation_at_forces(const Simulation::Impl& s, const std::vector<int>& blocks) {
-  Vec3 mean = block_translation(s, blocks);
-  for (const int block : blocks)
-    mean -=
-        geometry::array(s.data.time_step * velocity_of(*s.large_motion, block)) / static_cast<double>(blocks.size());
-  return mean;
 }
 
 void check_rotations(Simulation::Impl& s) {

@@ -21,10 +21,6 @@ void swap_law_in_large_motion(Simulation::Impl& s, std::size_t index, std::share
 void end_large_motion_step(Simulation::Impl& s);  // also detects contacts where blocks have moved enough
 void follow_time_step(Simulation::Impl& s);       // updates the time step from that of the model
 void measure_large_motion_step(Simulation::Impl& s);
-Vec3 block_translation(const Simulation::Impl& s, int block);  // displacement of the centre of mass since the start, m
-Vec3 block_translation(const Simulation::Impl& s, const std::vector<int>& blocks);  // mean of these blocks
-// The same mean at the time of the forces of a row, one step before.
-Vec3 block_translation_at_forces(const Simulation::Impl& s, const std::vector<int>& blocks);
 // Updates the largest rotation in MotionSeen. Sliding and opening are not bounded in large motion: blocks may leave
 // their joints.
 void check_rotations(Simulation::Impl& s);

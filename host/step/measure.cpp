@@ -13,6 +13,7 @@
 #include "model/world_results.h"
 #include "scene/weight_axis.h"
 #include "step/actions/ground.h"
+#include "step/block_motion.h"
 #include "step/columns/columns.h"
 #include "step/driven_block.h"
 #include "step/gather.h"
@@ -24,7 +25,6 @@
 #include "step/run_watch.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 

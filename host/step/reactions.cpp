@@ -6,12 +6,12 @@
 #include "members/members.h"
 #include "model/world_results.h"
 #include "step/actions/ground.h"
+#include "step/block_motion.h"
 #include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 
@@ -95,7 +95,7 @@ std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, co
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     place[at(blocks[i])] = static_cast<int>(i);
     sums[i].centre = geometry::array(start_position_of(*s.large_motion, blocks[i]));
-    sums[i].displacement = block_translation_at_forces(s, {blocks[i]});
+    sums[i].displacement = displacement_at_forces(s, {blocks[i]});
     sums[i].force = geometry::array(s.large_motion->step_sums.contact_force[blocks[i]]);
   }
   if (blocks.empty()) return sums;

@@ -12,6 +12,7 @@
 #include "scene/driven.h"
 #include "scene/leaves_lattice.h"
 #include "step/actions/whiffletree.h"
+#include "step/block_motion.h"
 #include "step/borders.h"
 #include "step/controls.h"
 #include "step/gather.h"
@@ -22,7 +23,6 @@
 #include "step/promotion.h"
 #include "step/set_up.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 #include "step/work_division.h"
 
 namespace quoin {

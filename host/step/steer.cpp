@@ -9,11 +9,11 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "step/block_motion.h"
 #include "step/controls.h"
 #include "step/driven_block.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 

@@ -12,12 +12,12 @@
 #include "model/world_results.h"
 #include "scene/driven.h"
 #include "step/actions/ground.h"
+#include "step/block_motion.h"
 #include "step/driven_block.h"
 #include "step/findings.h"
 #include "step/small_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 

@@ -6,9 +6,9 @@
 #include "base/registry.h"
 #include "scene/load_place.h"
 #include "step/actions/action.h"
+#include "step/block_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 

@@ -5,11 +5,11 @@
 
 #include "step/actions/action.h"
 #include "step/actions/ground.h"
+#include "step/block_motion.h"
 #include "step/controls.h"
 #include "step/driven_block.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 

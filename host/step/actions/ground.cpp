@@ -16,13 +16,13 @@
 #include "scene/generate_blocks.h"
 #include "scene/weight_axis.h"
 #include "step/actions/action.h"
+#include "step/block_motion.h"
 #include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/reactions.h"
 #include "step/small_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 

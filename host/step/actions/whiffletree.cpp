@@ -8,9 +8,9 @@
 #include "base/smooth_step.h"
 #include "step/actions/action.h"
 #include "step/actions/drive.h"
+#include "step/block_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/watched_motion.h"
 
 namespace quoin {
 
