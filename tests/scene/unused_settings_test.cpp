@@ -118,8 +118,8 @@ TEST(DrivenAtAnAngle, IsWarnedOfUnderLocalDamping) {
   EXPECT_FALSE(warns(kRigid, "[0.006, 0, 0.008]", "local"));
 }
 
-// A parapet of default zones falls at 0.672 of its weight along z, for 0.444 by hand (1 + 2/n^2 = 1.5 for n = 2), and
-// at 0.499 with four zones through the thickness. Nothing was said of it.
+// A parapet of default zones falls at 0.672 of its weight along z, for 0.444 by hand: 1 + 2/n^2 is 1.5 for n = 2. With
+// four zones through the thickness it falls at 0.499. Nothing was said of it.
 TEST(OutOfPlane, IsWarnedOfWithFewZonesThroughTheThickness) {
   const auto warns = [](const std::string& keys, const char* direction) {
     const Scene scene = read_scene_text(R"(
