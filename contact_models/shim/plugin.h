@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
 #include <new>
 #include <span>
@@ -95,6 +96,12 @@ struct MigrationPoint {
   double state(std::string_view id, double fallback) const {
     const quoin_in* const of_id = column(id);
     return of_id && of_id->data ? at(*of_id, index) : fallback;
+  }
+  // Whether the old law has one of these states, above 0.
+  bool has(std::initializer_list<const char*> damages) const {
+    for (const char* id : damages)
+      if (state(id, 0.0) > 0.0) return true;
+    return false;
   }
   // Whether a joint is open without traction under a law without states of damage: there is no bond.
   bool is_gap() const {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
+#include <set>
 
 #include "hwy/highway.h"
 #include "hwy/targets.h"
@@ -344,6 +346,47 @@ TEST(Migrations, OfAValueThatIsNotFiniteFailItsPoint) {
         EXPECT_TRUE(std::isfinite(points.shift[0])) << id << ", " << what;
       }
     }
+  }
+}
+
+// CLAMPED says that damage is lost (law.h), whether or not the traction is that of an undamaged joint. A closed point
+// at rest, one state of damage: kept by the laws that have it, or that of the same mode.
+TEST(Migrations, ThatLoseDamageSaySo) {
+  const std::map<std::string, std::set<std::string>> kept_by = {
+      {"failed", {"coulomb_slip", "fracture_energy", "cyclic_joint"}},
+      {"xi", {"fracture_energy", "cyclic_joint"}},
+      {"xi_t", {"fracture_energy", "cyclic_joint"}},
+      {"xi_s", {"fracture_energy", "cyclic_joint"}},
+      {"w", {"fracture_energy", "cyclic_joint"}},
+      {"lambda", {"bond_slip"}}};
+  const double half[2] = {0.5, 0.0};
+  for (const char* id : laws) {
+    const quoin_law& law = load_law(id);
+    const Material material = make_material(law, materials(id)[0]);
+    for (const auto& [state, keepers] : kept_by) {
+      AtRest points(law);
+      points.old_id = state.c_str(), points.old_state.data = half;
+      EXPECT_EQ(law.migrate_state(material.handle(), &points.m, nullptr), QUOIN_OK) << id << ", " << state;
+      EXPECT_EQ(points.status[0], keepers.contains(id) ? QUOIN_POINT_OK : QUOIN_POINT_CLAMPED) << id << ", " << state;
+      EXPECT_EQ(points.status[1], QUOIN_POINT_OK) << id << ", " << state;
+    }
+  }
+}
+
+// contact_models/bond_slip/LAW.md, statement 5: sigma <= f_p on any path, with slip or without. Tension of an elastic
+// joint just inside and outside of it; 1e-6 is far beyond the rounding that the law allows, 1e-9.
+TEST(Migrations, ToABondBeyondItsPeelStrengthAreRefused) {
+  const quoin_law& law = load_law("bond_slip");
+  const Material material = make_material(law, materials("bond_slip")[2]);
+  const double kn = material.number("normal_stiffness"), peel = material.number("peel_strength");
+  for (const double tau : {0.0, 1.0}) {
+    const double sigma[2] = {peel * (1.0 + 1e-6), peel * (1.0 - 1e-6)}, taus[2] = {tau, tau};
+    const double opening[2] = {sigma[0] / kn, sigma[1] / kn};
+    AtRest points(law);
+    points.m.normal_jump.data = opening, points.m.traction[0].data = sigma, points.m.traction[1].data = taus;
+    EXPECT_EQ(law.migrate_state(material.handle(), &points.m, nullptr), QUOIN_ERROR_UNSUPPORTED) << tau;
+    EXPECT_EQ(points.status[0], QUOIN_POINT_FAILED) << tau;
+    EXPECT_EQ(points.status[1], QUOIN_POINT_OK) << tau;
   }
 }
 
