@@ -353,7 +353,8 @@ class Plugin {
       for (std::uint64_t c = 0; c < batch.property_column_count; ++c) {
         const quoin_property_column& column = batch.property_columns[c];
         const int index = column.id == nullptr ? -1 : property_column(column.id);
-        if (index < 0 || column.values.data == nullptr) return QUOIN_ERROR_ARGUMENT;
+        const bool is_given_twice = index >= 0 && views.in[kProperty + index].data != nullptr;
+        if (index < 0 || column.values.data == nullptr || is_given_twice) return QUOIN_ERROR_ARGUMENT;
         views.in[kProperty + index] = column.values;
       }
     }

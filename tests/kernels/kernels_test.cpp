@@ -240,6 +240,12 @@ TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
       expect_refused("traction_old", [k](quoin_batch& b) { b.traction_old[k].data = nullptr; });
       expect_refused("traction_new", [k](quoin_batch& b) { b.traction_new[k].data = nullptr; });
     }
+    const double kn = 1e10;
+    const quoin_property_column twice[2] = {{"normal_stiffness", {&kn, 0}}, {"normal_stiffness", {&kn, 0}}};
+    expect_refused("property column given twice", [&](quoin_batch& b) {
+      b.property_column_count = 2;
+      b.property_columns = twice;
+    });
     for (std::size_t k = 0; k < points.states; ++k) {
       if (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC) continue;
       expect_refused("state_old", [&](quoin_batch&) { old_states[k].data = nullptr; });
