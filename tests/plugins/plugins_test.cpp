@@ -105,8 +105,8 @@ TEST_F(Plugins, GarbageInEveryFieldIsRefusedOrHarmless) {
 }
 
 TEST_F(Plugins, WrongAnswersAreNamed) {
-  for (const auto& [deed, words] : {std::pair{"nan", "nan"},
-                                    {"infinite", "hostile_law"},
+  for (const auto& [deed, words] : {std::pair{"nan", "gave the traction sigma = nan"},
+                                    {"infinite", "gave the traction tau_s = inf"},
                                     {"status", "refused a batch with status 77"},
                                     {"counts", "points failed, and names none"}}) {
     EXPECT_EQ(quoin(run_with(), doing(deed)), 5) << deed << error_;
