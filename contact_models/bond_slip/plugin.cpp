@@ -96,8 +96,9 @@ struct BondSlipLaw {
     bond_slip::evaluate_one(material, columns, summary);
   }
 
-  // Keeps states of this law that agree with the traction. Any other point becomes an undamaged bond if that carries
-  // the traction, else it gets status FAILED. Damage of other laws has no counterpart: such a point gets CLAMPED.
+  // Keeps states of this law that agree with the traction and whose jump is within their lambda. Any other point
+  // becomes an undamaged bond if that carries the traction, else it gets status FAILED. Damage that is lost so, and
+  // that of other laws, gets CLAMPED.
   static void migrate(const Material& p, const MigrationPoint& from, MigrationResult& to) {
     const double lambda = from.state("lambda", 0.0), whole = undamaged(p, lambda);
     const double s = from.state("slip_s", 0.0), t = from.state("slip_t", 0.0);
@@ -106,22 +107,25 @@ struct BondSlipLaw {
     const auto agrees = [](double given, double own) {
       return std::abs(given - own) <= kRounding * std::max(std::abs(given), std::abs(own));
     };
+    const auto relative = [&](double tau, double sigma) {
+      return std::hypot(tau / p.tau_m, std::max(0.0, sigma) / p.f_p);
+    };
     const bool own = agrees(from.tau_s, p.ks * whole * s) && agrees(from.tau_t, p.ks * whole * t) &&
-                     agrees(from.sigma, normal * from.normal_jump);
+                     agrees(from.sigma, normal * from.normal_jump) &&
+                     (whole == 0.0 || relative(p.ks * std::hypot(s, t), p.kn * from.normal_jump) <=
+                                          std::max(1.0, lambda) * (1.0 + kRounding));
+    const bool lost = from.is_gap() || from.has({"failed", "xi", "xi_t", "xi_s", "w"}) || (!own && lambda > 0.0);
+    if (lost) to.status = QUOIN_POINT_CLAMPED;
     if (own) {
       to.states[kSlipS] = s, to.states[kSlipT] = t, to.states[kLambda] = lambda;
       to.energy_stored = 0.5 * (from.sigma * from.normal_jump + p.ks * whole * (s * s + t * t));
       return;
     }
-    const double d_n = from.sigma / p.kn;
+    const double d_n = from.sigma / p.kn, tau = std::hypot(from.tau_s, from.tau_t);
     to.states[kSlipS] = from.tau_s / p.ks, to.states[kSlipT] = from.tau_t / p.ks;
     to.normal_shift = d_n - from.normal_jump;
-    const double tau = std::hypot(from.tau_s, from.tau_t);
-    const double relative = std::hypot(tau / p.tau_m, std::max(0.0, from.sigma) / p.f_p);
     to.energy_stored = 0.5 * (from.sigma * d_n + tau * tau / p.ks);
-    const bool was_damaged = from.is_gap() || std::max({from.state("xi_t", 0.0), from.state("xi_s", 0.0),
-                                                        from.state("failed", 0.0), from.state("xi", 0.0)}) > 0.0;
-    to.status = relative > 1.0 + kRounding ? QUOIN_POINT_FAILED : was_damaged ? QUOIN_POINT_CLAMPED : QUOIN_POINT_OK;
+    if (relative(tau, from.sigma) > 1.0 + kRounding) to.status = QUOIN_POINT_FAILED;
   }
 };
 

@@ -92,13 +92,12 @@ struct CoulombSlipLaw {
   }
 
   // A fully softened joint becomes failed if the residual strengths carry its traction. A partly softened joint has no
-  // counterpart in a brittle law: it becomes intact and gets status CLAMPED.
+  // counterpart in a brittle law: it becomes intact and gets status CLAMPED, as a crushed one does.
   static void migrate(const Material& p, const MigrationPoint& from, MigrationResult& to) {
     const double xi = std::max({from.state("xi_t", 0.0), from.state("xi_s", 0.0), from.state("xi", 0.0)});
-    const bool damaged = xi > 0.0 || from.state("lambda", 0.0) > 0.0;
     const double tau = std::hypot(from.tau_s, from.tau_t);
     const double slack = 1e-9 * std::max({std::abs(from.sigma), p.ft, p.c0, tau});
-    const bool was_failed = from.state("failed", 0.0) > 0.0 || from.is_gap();
+    const bool was_failed = from.has({"failed"}) || from.is_gap();
     // A crack without residual tension keeps its width.
     const bool crack = from.sigma == 0.0 && from.normal_jump > 0.0 && p.ftr == 0.0 && (was_failed || xi >= 1.0);
     const double d_n = crack ? from.normal_jump : from.sigma / p.kn;
@@ -112,7 +111,8 @@ struct CoulombSlipLaw {
     to.states[kSlip] = from.state("slip", 0.0);
     to.normal_shift = d_n - from.normal_jump;
     to.energy_stored = 0.5 * from.sigma * d_n + 0.5 * tau * tau / p.ks;
-    to.status = !carries(failed) ? QUOIN_POINT_FAILED : damaged && !failed ? QUOIN_POINT_CLAMPED : QUOIN_POINT_OK;
+    const bool lost = (!failed && (xi > 0.0 || from.has({"lambda"}))) || from.has({"w"});
+    to.status = !carries(failed) ? QUOIN_POINT_FAILED : lost ? QUOIN_POINT_CLAMPED : QUOIN_POINT_OK;
   }
 };
 

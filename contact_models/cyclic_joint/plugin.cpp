@@ -289,7 +289,7 @@ struct CyclicJointLaw {
     const bool same_law = from.state("kappa", -1.0) >= 0.0;
     double* const s = to.states;
     const double damage = std::max(from.state("xi_t", 0.0), from.state("xi_s", 0.0));
-    const double xi = from.state("failed", 0.0) > 0.0 || from.is_gap() ? m.end : from.state("xi", damage);
+    const double xi = from.has({"failed"}) || from.is_gap() ? m.end : from.state("xi", damage);
     const double w = from.state("w", 0.0);
     s[kXi] = xi;
     s[kW] = w;
@@ -324,7 +324,7 @@ struct CyclicJointLaw {
     to.normal_shift = h + s[kQ] - w + v - from.normal_jump;
     to.energy_stored = 0.5 * from.sigma * h + 0.5 * tau * tau / g.ks;
     to.status = !inside || tau > S + slack || !std::isfinite(h) ? QUOIN_POINT_FAILED
-                : from.state("lambda", 0.0) > 0.0               ? QUOIN_POINT_CLAMPED
+                : from.has({"lambda"})                          ? QUOIN_POINT_CLAMPED
                                                                 : QUOIN_POINT_OK;
   }
 };

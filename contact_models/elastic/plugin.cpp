@@ -46,9 +46,11 @@ struct ElasticLaw {
     elastic::evaluate_one(material, columns, summary);
   }
 
-  // An open joint that carries nothing has no counterpart: it is closed without stress at its width, and gets CLAMPED.
+  // Damage has no counterpart, nor has an open joint that carries nothing, which is closed without stress at its width:
+  // both get CLAMPED.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
-    if (from.sigma == 0.0 && from.normal_jump > 0.0) to.status = QUOIN_POINT_CLAMPED;
+    const bool open = from.sigma == 0.0 && from.normal_jump > 0.0;
+    if (open || from.has({"failed", "xi", "xi_t", "xi_s", "w", "lambda"})) to.status = QUOIN_POINT_CLAMPED;
     to.normal_shift = from.sigma / material.kn - from.normal_jump;
     to.energy_stored = 0.5 * (from.sigma * from.sigma / material.kn +
                               (from.tau_s * from.tau_s + from.tau_t * from.tau_t) / material.ks);

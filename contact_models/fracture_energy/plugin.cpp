@@ -204,7 +204,7 @@ struct FractureEnergyLaw {
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;
-    const double of_both = from.state("failed", 0.0) > 0.0 || from.is_gap() ? m.end : from.state("xi", 0.0);
+    const double of_both = from.has({"failed"}) || from.is_gap() ? m.end : from.state("xi", 0.0);
     double xi_t = std::max(of_both, from.state("xi_t", 0.0));
     double xi_s = std::max(of_both, from.state("xi_s", xi_t));
     if (m.shared) xi_t = xi_s = std::max(xi_t, xi_s);
@@ -236,9 +236,9 @@ struct FractureEnergyLaw {
     const double S = F > 0.0 ? std::max(0.0, cohesion - from.sigma * mu) : 0.0;
     inside = inside && tau <= S + slack;
     to.energy_stored = 0.5 * from.sigma * e + 0.5 * tau * tau / g.ks;
-    to.status = !inside || !std::isfinite(e)      ? QUOIN_POINT_FAILED
-                : from.state("lambda", 0.0) > 0.0 ? QUOIN_POINT_CLAMPED
-                                                  : QUOIN_POINT_OK;
+    to.status = !inside || !std::isfinite(e) ? QUOIN_POINT_FAILED
+                : from.has({"lambda"})       ? QUOIN_POINT_CLAMPED
+                                             : QUOIN_POINT_OK;
   }
 };
 

@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
 #include <new>
 #include <span>
@@ -69,11 +70,23 @@ inline std::uint64_t schema_hash(std::span<const quoin_state_info* const> states
   return hash;
 }
 
-// One point under the old law: normal jump in m, tractions in Pa.
+// Value of point i; without data 0.
+inline double at(const quoin_in& column, std::uint64_t i) {
+  return column.data == nullptr ? 0.0 : column.data[static_cast<std::int64_t>(i) * column.stride];
+}
+
+// One point under the old law: normal jump in m, tractions in Pa, energy in J/m2.
 struct MigrationPoint {
-  double normal_jump, sigma, tau_s, tau_t;
+  double normal_jump, sigma, tau_s, tau_t, energy_stored;
   const quoin_migration* source;
   std::uint64_t index;
+  bool is_finite() const {
+    bool finite = true;
+    for (const double value : {normal_jump, sigma, tau_s, tau_t, energy_stored}) finite &= std::isfinite(value);
+    for (std::uint64_t k = 0; k < source->from_state_count; ++k)
+      finite &= std::isfinite(at(source->from_states[k], index));
+    return finite;
+  }
   // State of the old law with this id; null: it has none.
   const quoin_in* column(std::string_view id) const {
     for (std::uint64_t k = 0; k < source->from_state_count; ++k)
@@ -82,7 +95,13 @@ struct MigrationPoint {
   }
   double state(std::string_view id, double fallback) const {
     const quoin_in* const of_id = column(id);
-    return of_id && of_id->data ? of_id->data[static_cast<std::int64_t>(index) * of_id->stride] : fallback;
+    return of_id && of_id->data ? at(*of_id, index) : fallback;
+  }
+  // Whether the old law has one of these states, above 0.
+  bool has(std::initializer_list<const char*> damages) const {
+    for (const char* id : damages)
+      if (state(id, 0.0) > 0.0) return true;
+    return false;
   }
   // Whether a joint is open without traction under a law without states of damage: there is no bond.
   bool is_gap() const {
@@ -193,44 +212,77 @@ class Plugin {
   }
 
   static quoin_status migrate_state(const quoin_material* material, quoin_migration* m, quoin_text* text) {
-    if (material == nullptr || m == nullptr || m->struct_size < sizeof(quoin_migration)) return QUOIN_ERROR_ARGUMENT;
-    if (m->normal_jump.data == nullptr || m->normal_shift.data == nullptr) return QUOIN_ERROR_ARGUMENT;
-    if (kStates > 0 && m->state_new == nullptr) return QUOIN_ERROR_ARGUMENT;
-    if (m->from_state_count > 0 && (m->from_states == nullptr || m->from_state_ids == nullptr)) {
+    if (material == nullptr || m == nullptr || m->struct_size < sizeof(quoin_migration) || m->from_law == nullptr)
       return QUOIN_ERROR_ARGUMENT;
-    }
-    for (const quoin_in& column : m->traction) {
-      if (column.data == nullptr) return QUOIN_ERROR_ARGUMENT;
-    }
+    if (m->count > 0 && !is_complete(*m)) return QUOIN_ERROR_ARGUMENT;
     return guarded(text, [&]() -> quoin_status {
+      const std::uint64_t schema = schema_hash(L::states, L::id);
+      if (std::string_view(m->from_law) == L::id && m->from_schema != schema) {
+        write_text(text, "the states have the schema " + std::to_string(m->from_schema) + " of another version of " +
+                             L::id + ", whose schema is " + std::to_string(schema) +
+                             " here; use the version that wrote them");
+        return QUOIN_ERROR_VERSION;
+      }
       m->failed_count = 0;
+      std::uint64_t not_finite = 0;
       for (std::uint64_t i = 0; i < m->count; ++i) {
-        const auto at = [&](const quoin_in& column) {
-          return column.data[static_cast<std::int64_t>(i) * column.stride];
-        };
-        const MigrationPoint from{at(m->normal_jump), at(m->traction[0]), at(m->traction[1]), at(m->traction[2]), m, i};
+        const MigrationPoint from{at(m->normal_jump, i),
+                                  at(m->traction[0], i),
+                                  at(m->traction[1], i),
+                                  at(m->traction[2], i),
+                                  at(m->energy_stored, i),
+                                  m,
+                                  i};
         MigrationResult to;
-        L::migrate(get(material).material, from, to);
-        const auto put = [&](const quoin_out& column, double value) {
+        if (from.is_finite()) {
+          L::migrate(get(material).material, from, to);
+        } else {
+          to.status = QUOIN_POINT_FAILED;
+          ++not_finite;
+        }
+        const auto put = [&](const auto& column, auto value) {
           if (column.data != nullptr) column.data[static_cast<std::int64_t>(i) * column.stride] = value;
         };
         put(m->normal_shift, to.normal_shift);
         for (std::size_t k = 0; k < kStates; ++k) put(m->state_new[k], to.states[k]);
-        put(m->energy_jump, to.energy_stored - (m->energy_stored.data == nullptr ? 0.0 : at(m->energy_stored)));
-        if (m->status.data != nullptr) m->status.data[static_cast<std::int64_t>(i) * m->status.stride] = to.status;
+        put(m->energy_jump, to.status == QUOIN_POINT_FAILED ? 0.0 : to.energy_stored - from.energy_stored);
+        put(m->status, to.status);
         m->failed_count += to.status == QUOIN_POINT_FAILED ? 1 : 0;
       }
-      if (m->failed_count > 0) {
-        write_text(text, std::to_string(m->failed_count) + " of " + std::to_string(m->count) +
-                             " points carry a traction outside the strength of this law and cannot be taken over; "
-                             "unload them or raise the strength");
-        return QUOIN_ERROR_UNSUPPORTED;
-      }
-      return QUOIN_OK;
+      if (m->failed_count == 0) return QUOIN_OK;
+      const std::string all = " of " + std::to_string(m->count) + " points ";
+      std::vector<std::string> reasons;
+      if (m->failed_count > not_finite)
+        reasons.push_back(std::to_string(m->failed_count - not_finite) + all +
+                          "carry a traction outside the strength of this law and cannot be taken over; unload them or "
+                          "raise the strength");
+      if (not_finite > 0)
+        reasons.push_back(std::to_string(not_finite) + all +
+                          "have a jump, traction, energy or state that is not finite; take over before that happens");
+      write_text(text, Report::join(reasons));
+      return QUOIN_ERROR_UNSUPPORTED;
     });
   }
 
  private:
+  // Whether a migration has its ids and required columns, and no output of several points with stride 0.
+  static bool is_complete(const quoin_migration& m) {
+    bool complete = m.normal_jump.data != nullptr && m.normal_shift.data != nullptr;
+    for (const quoin_in& column : m.traction) complete = complete && column.data != nullptr;
+    if (m.from_state_count > 0) complete = complete && m.from_states != nullptr && m.from_state_ids != nullptr;
+    for (std::uint64_t k = 0; complete && k < m.from_state_count; ++k) complete = m.from_state_ids[k] != nullptr;
+    const auto distinct = [&](const auto& column) {
+      return column.data == nullptr || column.stride != 0 || m.count == 1;
+    };
+    complete = complete && distinct(m.normal_shift) && distinct(m.energy_jump) && distinct(m.status);
+    if (kStates > 0) complete = complete && m.state_new != nullptr;
+    for (std::size_t k = 0; complete && k < kStates; ++k) {
+      const bool optional = L::states[k]->role != QUOIN_ROLE_HISTORY;
+      complete = distinct(m.state_new[k]) && (optional || m.state_new[k].data != nullptr);
+    }
+    return complete;
+  }
+
   static constexpr int kInputs = kStateOld + static_cast<int>(kStates);   // number of inputs without property columns
   static constexpr int kOutputs = kStateNew + static_cast<int>(kStates);  // number of tractions and states
   static constexpr int kProperties = static_cast<int>(L::properties.size());
@@ -301,7 +353,8 @@ class Plugin {
       for (std::uint64_t c = 0; c < batch.property_column_count; ++c) {
         const quoin_property_column& column = batch.property_columns[c];
         const int index = column.id == nullptr ? -1 : property_column(column.id);
-        if (index < 0 || column.values.data == nullptr) return QUOIN_ERROR_ARGUMENT;
+        const bool is_given_twice = index >= 0 && views.in[kProperty + index].data != nullptr;
+        if (index < 0 || column.values.data == nullptr || is_given_twice) return QUOIN_ERROR_ARGUMENT;
         views.in[kProperty + index] = column.values;
       }
     }

@@ -42,8 +42,8 @@ JointStiffness stiffness_of(const std::shared_ptr<const Material>& material, con
   const quoin_stiffness_bounds& bounds = material->stiffness_bounds();
   MaterialPoint point(material, initial_state);
   JointStiffness k{};
-  const double closure = kCompression / bounds.normal;
-  k.normal = -point.move_to(-closure, 0.0, 0.0).traction[0] / closure;
+  const double closure = bounds.normal > 0.0 ? kCompression / bounds.normal : 0.0;
+  if (closure > 0.0) k.normal = -point.move_to(-closure, 0.0, 0.0).traction[0] / closure;
   if (bounds.shear > 0.0) {
     const double slip = kShear / bounds.shear;
     k.shear = point.move_to(-closure, slip, 0.0).traction[1] / slip;

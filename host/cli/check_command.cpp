@@ -11,8 +11,8 @@
 
 #include "base/clock.h"
 #include "base/duration_text.h"
+#include "cli/law_seconds.h"
 #include "cli/prepare.h"
-#include "cli/run_command.h"
 #include "files/memory.h"
 #include "law/at_rest.h"
 #include "law/law_calls.h"
@@ -441,8 +441,7 @@ void add_check_command(CLI::App& app, int&) {
       "  quoin check host/scenes/solid_wall_030.toml\n"
       "  quoin check host/scenes/solid_wall_030.toml --set wall.zones=[8,4,2]");
   command->callback([options, law_seconds] {
-    if (*law_seconds != kLawSeconds) law_loading_seconds = *law_seconds;
-    const LawWatchdog watchdog(*law_seconds, end_program(*law_seconds, "--law-seconds"));
+    const LawWatchdog watchdog = limit_laws(*law_seconds);
     check(*options);
   });
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "cli/law_seconds.h"
 #include "files/file.h"
 #include "files/notice.h"
 #include "law/csv_table.h"
@@ -24,6 +25,7 @@ struct Options {
   std::string law, jumps, out, initial, plot;
   std::vector<std::string> settings;
   bool verbose = false, force = false;
+  double law_seconds = kLawSeconds;
 };
 
 // Evaluates jumps from a table: one increment per row, from zero.
@@ -32,16 +34,16 @@ void run_jumps(const Options& options) {
   std::vector<PropertySetting> settings;
   for (const std::string& text : options.settings) settings.push_back(parse_setting(*law.law, text, Source{"--set"}));
   const CsvTable table = read_csv(options.jumps);
-  const bool pressed = table.column("sigma") >= 0;
-  const int normal = table.column(pressed ? "sigma" : "dn");
-  const int s = table.column("ds");
-  const int t = table.column("dt");
+  const bool pressed = table.column("sigma", "Pa") >= 0;
+  const int normal = pressed ? table.column("sigma", "Pa") : table.column("dn", "m");
+  const int s = table.column("ds", "m"), t = table.column("dt", "m");
   if (table.columns.size() != 3 || normal < 0 || s < 0 || t < 0) {
     std::string header;
     for (const std::string& column : table.columns) header += (header.empty() ? "" : ",") + column;
     throw Error(Exit::bad_input,
-                fmt::format("{}: header '{}': the columns must be dn,ds,dt (m), or sigma,ds,dt (Pa, m)", options.jumps,
-                            header));
+                fmt::format("{}: header '{}': the columns must be dn (m), ds (m), dt (m), or sigma (Pa), ds (m), "
+                            "dt (m), with these units or without",
+                            options.jumps, header));
   }
 
   const auto material = std::make_shared<const Material>(law, settings);
@@ -111,17 +113,19 @@ void add_path_command(CLI::App& app, int& exit_code) {
       ->take_all()
       ->trigger_on_parse(false);
   command->add_option("--jumps", options->jumps,
-                      "CSV with the header dn,ds,dt (m), or sigma,ds,dt (Pa, m): totals, from zero");
+                      "CSV with the columns dn, ds, dt (m), or sigma (Pa), ds, dt (m): totals, from zero");
   command->add_option("--out", options->out, "CSV to write: one row per increment");
   command->add_option("--initial", options->initial, "Initial state (bonded, dry); default: the law's first");
   command->add_option("--plot", options->plot,
                       "Folder for PNG plots beside the closed forms (path tests; needs gnuplot)");
   command->add_flag("--force", options->force, "Go on where the steps seem too many for the memory here");
+  add_law_seconds(*command, options->law_seconds);
   command->add_flag("--verbose", options->verbose, "Show every failed check");
   command->footer(
       "Exit code 5: a check of a path test failed, or the law failed numerically.\n"
       "Formats: host/law/path_file.h; examples: tests/law/paths");
   command->callback([options, &exit_code] {
+    const LawWatchdog watchdog = limit_laws(options->law_seconds);
     const bool tests = !options->files.empty();
     if (tests == !options->jumps.empty()) {
       throw Error(Exit::usage, "path: give either path tests (FILE.toml...) or --law, --jumps and --out");

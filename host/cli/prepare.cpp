@@ -100,16 +100,18 @@ void refuse_what_does_not_fit(const Scene& scene, const SceneOptions& options) {
     notice(fmt::format("{}, about {:.2g} GB; to make them takes a while", words, size.bytes / 1e9));
 }
 
-// Fault of stiffnesses that are typing errors. Time steps follow from stiffnesses.
-std::string fault_of_stiffness(const JointFamily& family, const Law& law) {
+// Fault of stiffnesses that are typing errors, or of a law. Time steps follow from stiffnesses. 0 is allowed: a joint
+// without friction has no shear.
+std::string fault_of_stiffness(const JointFamily& family, const Material& material) {
   constexpr double kMost = 1e20;  // Pa/m; steel of 2 nm
-  const Material material(law, family.properties);
   const quoin_stiffness_bounds& bounds = material.stiffness_bounds();
-  if (bounds.normal <= kMost && bounds.shear <= kMost) return "";  // false for NaN, which is a fault too
+  const auto allowed = [](double bound) { return bound >= 0.0 && bound <= kMost; };  // not NaN
+  if (allowed(bounds.normal) && allowed(bounds.shear)) return "";
   return fmt::format(
-      "{}: law {} is up to {:g} and {:g} Pa/m stiff (across and along the joint) with these "
-      "properties; allowed: {:g} Pa/m at most, as time steps follow from it; lower the stiffness",
-      family.source.text, law.law->id, bounds.normal, bounds.shear, kMost);
+      "{}: law {} is up to {:g} and {:g} Pa/m stiff (across and along the joint) with these properties; allowed: 0 to "
+      "{:g} Pa/m, as time steps follow from it; {}",
+      family.source.text, material.api().id, bounds.normal, bounds.shear, kMost,
+      std::max(bounds.normal, bounds.shear) > kMost ? "lower the stiffness" : "correct the law's stiffness_bounds");
 }
 
 // Faults that laws report, one a line. If there are any, the exit code is that of a faulty scene.
@@ -163,7 +165,8 @@ LawFaults faults_of_laws(Scene& scene, const SceneOptions& options) {
       if (!options.law.empty()) replace_law(family, options.law, law);
       const bool valued = std::ranges::none_of(
           family.properties, [](const PropertySetting& p) { return p.numbers.empty() && p.text.empty(); });
-      if (check_names(scene, family, law, faults) && valued) faults.add(fault_of_stiffness(family, law));
+      if (check_names(scene, family, law, faults) && valued)
+        faults.add(fault_of_stiffness(family, Material(law, family.properties)));
     } catch (const Error& error) {
       const bool located = !options.law.empty() || std::string_view(error.what()).find(scene.file) == 0;
       faults.add(located ? error.what() : fmt::format("{}: {}", family.source.text, error.what()), error.exit_code);
@@ -172,7 +175,8 @@ LawFaults faults_of_laws(Scene& scene, const SceneOptions& options) {
   for (const Stage& stage : scene.stages) {
     for (const auto& [family, law] : stage.law_swaps) {
       try {
-        successor(scene.joints.at(family), law);
+        const JointFamily& joints = scene.joints.at(family);
+        faults.add(fault_of_stiffness(joints, *successor(joints, law)));
       } catch (const Error& error) {
         faults.add(fmt::format("{}: stage '{}': {}", stage.source.text, stage.name, error.what()), error.exit_code);
       }

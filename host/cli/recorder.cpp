@@ -59,7 +59,7 @@ void Recorder::on_law_swap(const LawSwap& swap) {
       fmt::format("joint family '{}': law {} replaced by {} at {} contact points, tractions kept; stored "
                   "energy {:.6g} J, jump {:+.3g} J{}",
                   swap.family, swap.from, swap.to, swap.points, swap.stored_before, swap.energy_jump,
-                  swap.limited ? fmt::format("; {} softened points come in intact", swap.limited) : ""));
+                  swap.limited ? fmt::format("; {} points lose damage", swap.limited) : ""));
 }
 
 void Recorder::on_warning(const Warning& warning) {

@@ -1,11 +1,10 @@
 #include "cli/run_command.h"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 
-#include "base/number_text.h"
+#include "cli/law_seconds.h"
 #include "cli/process_seconds.h"
 #include "cli/run.h"
 
@@ -13,25 +12,9 @@ namespace quoin {
 
 namespace {
 
-// CLI::Range lets NaN pass, as it is not outside of any.
-std::string is_number(const std::string& text) {
-  double value = 0.0;
-  return parse_number(text, value) && std::isfinite(value) ? "" : "'" + text + "' is no number";
-}
-
 std::string is_given(const std::string& text) { return text.empty() ? "the name is empty" : ""; }
 
 }  // namespace
-
-void add_law_seconds(CLI::App& command, double& seconds) {
-  command
-      .add_option("--law-seconds", seconds,
-                  "Seconds that a law has for one batch, or to be loaded, before the " + command.get_name() +
-                      " ends and names it; 0: any time (default: 60, and 10 to be loaded)")
-      ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, 1e9))
-      ->check(is_number);
-}
 
 void add_run_command(CLI::App& app, int& exit_code) {
   process_seconds();  // starts the clock

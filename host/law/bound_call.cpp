@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/error.h"
+#include "law/answers.h"
 
 namespace quoin {
 
@@ -49,6 +50,15 @@ void report_failed_call(const Material& material, const BoundCall& call, const C
   }
   if (call.batch.count == 0)
     throw Error(Exit::numerical, fmt::format("law '{}' failed at step {}, on another rank", law, site.step));
+  // Old tractions and states are what the law gave in a step before. They make all jumps around them wrong.
+  Answers before{call.batch.count, {}, {}};
+  for (std::size_t k = 0; k < 3; ++k) before.traction[k] = call.batch.traction_old[k].data;
+  for (const quoin_in& column : call.state_old) before.state.push_back(column.data);
+  if (const auto wrong = wrong_answer(material.api(), before); wrong && !wrong->finite) {
+    throw Error(Exit::numerical,
+                fmt::format("{}, before step {}, time {:.6g} s: joint family '{}', {}; tell its author", wrong->text,
+                            site.step, site.time, site.family, site.point(wrong->point)));
+  }
   std::vector<std::uint32_t> point_status(call.batch.count, QUOIN_POINT_OK);
   quoin_batch batch = call.batch;
   batch.status = {point_status.data(), 1};

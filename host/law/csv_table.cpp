@@ -35,6 +35,11 @@ int CsvTable::column(const std::string& name) const {
   return -1;
 }
 
+int CsvTable::column(const std::string& name, const std::string& unit) const {
+  const int bare = column(name);
+  return bare >= 0 ? bare : column(fmt::format("{} ({})", name, unit));
+}
+
 CsvTable read_csv(const std::string& file) {
   const auto fail = [&](int line, const std::string& message) {
     throw Error(Exit::bad_input,

@@ -12,7 +12,8 @@ struct CsvTable {
   std::vector<std::vector<double>> rows;  // rows[i][column]
   std::vector<int> lines;                 // line number in the file, by row
 
-  int column(const std::string& name) const;  // -1: none
+  int column(const std::string& name) const;                           // -1: none
+  int column(const std::string& name, const std::string& unit) const;  // "dn", else "dn (m)"; -1: neither
 };
 
 // Reads a table. The first line has the names of columns; '#' begins a comment line; blank lines are skipped. Throws

@@ -350,13 +350,9 @@ class Fit {
 MeasuredCurve read_curve(TestKind kind, const std::string& file) {
   const CsvTable table = read_csv(file);
   const bool triplet = kind == TestKind::triplet;
-  const auto column = [&](const std::string& name, const char* unit) {
-    const int bare = table.column(name);
-    return bare >= 0 ? bare : table.column(fmt::format("{} ({})", name, unit));
-  };
-  const int jump = column(triplet ? "ds" : "dn", "m");
-  const int stress = column(triplet ? "tau" : "sigma", "Pa");
-  const int normal = column("sigma", "Pa");
+  const int jump = table.column(triplet ? "ds" : "dn", "m");
+  const int stress = table.column(triplet ? "tau" : "sigma", "Pa");
+  const int normal = table.column("sigma", "Pa");
   if (jump < 0 || stress < 0 || normal < 0) {
     throw Error(Exit::bad_input, fmt::format("{}: a {} needs the columns {}, with these units or without", file,
                                              kKindNames[static_cast<int>(kind)],

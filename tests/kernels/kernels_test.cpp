@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
+#include <set>
 
 #include "hwy/highway.h"
 #include "hwy/targets.h"
@@ -238,6 +240,12 @@ TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
       expect_refused("traction_old", [k](quoin_batch& b) { b.traction_old[k].data = nullptr; });
       expect_refused("traction_new", [k](quoin_batch& b) { b.traction_new[k].data = nullptr; });
     }
+    const double kn = 1e10;
+    const quoin_property_column twice[2] = {{"normal_stiffness", {&kn, 0}}, {"normal_stiffness", {&kn, 0}}};
+    expect_refused("property column given twice", [&](quoin_batch& b) {
+      b.property_column_count = 2;
+      b.property_columns = twice;
+    });
     for (std::size_t k = 0; k < points.states; ++k) {
       if (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC) continue;
       expect_refused("state_old", [&](quoin_batch&) { old_states[k].data = nullptr; });
@@ -246,48 +254,145 @@ TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
   }
 }
 
-// plugin_api/include/quoin/law.h: only energies and status of a migration may be null.
-TEST(Migrations, OfOnePointWithoutARequiredColumnAreRefused) {
+// Two points of another law at rest, with one state, and what a migration of them writes.
+struct AtRest {
+  explicit AtRest(const quoin_law& law) : states(law.state_count, {-7.0, -7.0}) {
+    for (auto& state : states) columns.push_back({state.data(), 1});
+    m.struct_size = sizeof m;
+    m.count = 2;
+    m.from_law = "another_law";
+    m.from_schema = m.from_state_count = 1;
+    m.from_state_ids = &old_id;
+    m.from_states = &old_state;
+    m.normal_jump = {zeros, 1};
+    for (quoin_in& column : m.traction) column = {zeros, 1};
+    m.normal_shift = {shift, 1};
+    m.state_new = columns.data();
+    m.energy_jump = {jump, 1};
+    m.status = {status, 1};
+  }
+  AtRest(const AtRest&) = delete;
+  const double zeros[2] = {0.0, 0.0};
+  double shift[2] = {-7.0, -7.0}, jump[2] = {-7.0, -7.0};
+  std::uint32_t status[2] = {7, 7};
+  std::vector<std::array<double, 2>> states;
+  std::vector<quoin_out> columns;
+  const char* old_id = "of_another_law";
+  quoin_in old_state{zeros, 1};
+  quoin_migration m{};
+};
+
+// Of a migration only energies and status may be null (law.h). No output of several points has stride 0, and 0 points
+// need no data (batch.h). States of another schema are refused (C5.4).
+TEST(Migrations, OfAnIncompleteRequestAreRefused) {
   for (const char* id : laws) {
     const quoin_law& law = load_law(id);
-    if (law.migrate_state == nullptr) continue;
     const Material material = make_material(law, materials(id)[0]);
-    const double zero = 0.0;
-    double shift = -7.0;
-    std::vector<double> states(law.state_count, -7.0);
-    const auto expect = [&](quoin_status status, const std::string& what,
-                            const std::function<void(quoin_migration&)>& spoil) {
-      const char* const old_id = "of_another_law";
-      const quoin_in old_state{&zero, 1};
-      std::vector<quoin_out> columns;
-      for (double& state : states) columns.push_back({&state, 1});
-      quoin_migration m{};
-      m.struct_size = sizeof m;
-      m.count = 1;
-      m.from_law = "another_law";
-      m.from_schema = m.from_state_count = 1;
-      m.from_state_ids = &old_id;
-      m.from_states = &old_state;
-      m.normal_jump = {&zero, 1};
-      for (quoin_in& column : m.traction) column = {&zero, 1};
-      m.normal_shift = {&shift, 1};
-      m.state_new = columns.data();
-      spoil(m);
-      shift = -7.0;
-      EXPECT_EQ(law.migrate_state(material.handle(), &m, nullptr), status) << id << ", " << what;
-      EXPECT_EQ(shift, status == QUOIN_OK ? 0.0 : -7.0) << id << ", " << what;
+    const auto expect = [&](quoin_status status, const std::string& what, const std::function<void(AtRest&)>& spoil) {
+      AtRest points(law);
+      spoil(points);
+      EXPECT_EQ(law.migrate_state(material.handle(), &points.m, nullptr), status) << id << ", " << what;
+      const double written = status == QUOIN_OK && points.m.count > 0 ? 0.0 : -7.0;
+      for (const double shift : points.shift) EXPECT_EQ(shift, written) << id << ", " << what;
     };
-    expect(QUOIN_OK, "whole", [](quoin_migration&) {});
-    const auto expect_refused = [&](const std::string& what, const std::function<void(quoin_migration&)>& spoil) {
+    expect(QUOIN_OK, "whole", [](AtRest&) {});
+    const auto expect_refused = [&](const std::string& what, const std::function<void(AtRest&)>& spoil) {
       expect(QUOIN_ERROR_ARGUMENT, what, spoil);
     };
-    expect_refused("normal_jump", [](quoin_migration& m) { m.normal_jump.data = nullptr; });
-    expect_refused("normal_shift", [](quoin_migration& m) { m.normal_shift.data = nullptr; });
-    expect_refused("from_states", [](quoin_migration& m) { m.from_states = nullptr; });
-    expect_refused("from_state_ids", [](quoin_migration& m) { m.from_state_ids = nullptr; });
-    for (int k = 0; k < 3; ++k) expect_refused("traction", [k](quoin_migration& m) { m.traction[k].data = nullptr; });
-    if (law.state_count > 0) expect_refused("state_new", [](quoin_migration& m) { m.state_new = nullptr; });
-    expect_refused("struct_size", [](quoin_migration& m) { m.struct_size = sizeof m - 1; });
+    expect_refused("normal_jump", [](AtRest& p) { p.m.normal_jump.data = nullptr; });
+    expect_refused("normal_shift", [](AtRest& p) { p.m.normal_shift.data = nullptr; });
+    expect_refused("from_law", [](AtRest& p) { p.m.from_law = nullptr; });
+    expect_refused("from_states", [](AtRest& p) { p.m.from_states = nullptr; });
+    expect_refused("from_state_ids", [](AtRest& p) { p.m.from_state_ids = nullptr; });
+    expect_refused("from_state_ids[0]", [](AtRest& p) { p.old_id = nullptr; });
+    for (int k = 0; k < 3; ++k) expect_refused("traction", [k](AtRest& p) { p.m.traction[k].data = nullptr; });
+    expect_refused("struct_size", [](AtRest& p) { p.m.struct_size = sizeof p.m - 1; });
+    expect_refused("stride of normal_shift", [](AtRest& p) { p.m.normal_shift.stride = 0; });
+    expect_refused("stride of energy_jump", [](AtRest& p) { p.m.energy_jump.stride = 0; });
+    expect_refused("stride of status", [](AtRest& p) { p.m.status.stride = 0; });
+    if (law.state_count > 0) {
+      expect_refused("state_new", [](AtRest& p) { p.m.state_new = nullptr; });
+      expect_refused("state_new[0]", [](AtRest& p) { p.columns[0].data = nullptr; });
+      expect_refused("stride of state_new[0]", [](AtRest& p) { p.columns[0].stride = 0; });
+    }
+    expect(QUOIN_ERROR_VERSION, "own law, another schema", [&](AtRest& p) { p.m.from_law = id; });
+    expect(QUOIN_OK, "own law, own schema", [&](AtRest& p) { p.m.from_law = id, p.m.from_schema = law.state_schema; });
+    expect(QUOIN_OK, "no points", [](AtRest& p) {
+      p.m.count = 0;
+      p.m.normal_jump = p.m.traction[0] = {};
+      p.m.normal_shift = {};
+      p.m.state_new = nullptr;
+    });
+  }
+}
+
+// A value that is not finite fails its point alone, as in a batch (C7.1, C7.2).
+TEST(Migrations, OfAValueThatIsNotFiniteFailItsPoint) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (const char* id : laws) {
+    const quoin_law& law = load_law(id);
+    const Material material = make_material(law, materials(id)[0]);
+    for (const double wrong : {nan, inf, -inf}) {
+      const double column[2] = {wrong, 0.0};
+      std::vector<std::pair<std::string, std::function<void(AtRest&)>>> spoils = {
+          {"normal_jump", [&](AtRest& p) { p.m.normal_jump.data = column; }}, {"energy_stored", [&](AtRest& p) {
+                                                                                 p.m.energy_stored = {column, 1};
+                                                                               }}};
+      for (int k = 0; k < 3; ++k) spoils.emplace_back("traction", [&, k](AtRest& p) { p.m.traction[k].data = column; });
+      for (const char* state : {"w", "v", "xi", "xi_t", "failed", "lambda", "slip"})
+        spoils.emplace_back(state, [&, state](AtRest& p) { p.old_id = state, p.old_state.data = column; });
+      for (const auto& [what, spoil] : spoils) {
+        AtRest points(law);
+        spoil(points);
+        EXPECT_EQ(law.migrate_state(material.handle(), &points.m, nullptr), QUOIN_ERROR_UNSUPPORTED) << id << what;
+        EXPECT_EQ(points.m.failed_count, 1u) << id << ", " << what;
+        EXPECT_EQ(points.status[0], QUOIN_POINT_FAILED) << id << ", " << what << " = " << wrong;
+        EXPECT_EQ(points.status[1], QUOIN_POINT_OK) << id << ", " << what;
+        EXPECT_EQ(points.jump[0], 0.0) << id << ", " << what;
+        EXPECT_TRUE(std::isfinite(points.shift[0])) << id << ", " << what;
+      }
+    }
+  }
+}
+
+// CLAMPED says that damage is lost (law.h), whether or not the traction is that of an undamaged joint. A closed point
+// at rest, one state of damage: kept by the laws that have it, or that of the same mode.
+TEST(Migrations, ThatLoseDamageSaySo) {
+  const std::map<std::string, std::set<std::string>> kept_by = {
+      {"failed", {"coulomb_slip", "fracture_energy", "cyclic_joint"}},
+      {"xi", {"fracture_energy", "cyclic_joint"}},
+      {"xi_t", {"fracture_energy", "cyclic_joint"}},
+      {"xi_s", {"fracture_energy", "cyclic_joint"}},
+      {"w", {"fracture_energy", "cyclic_joint"}},
+      {"lambda", {"bond_slip"}}};
+  const double half[2] = {0.5, 0.0};
+  for (const char* id : laws) {
+    const quoin_law& law = load_law(id);
+    const Material material = make_material(law, materials(id)[0]);
+    for (const auto& [state, keepers] : kept_by) {
+      AtRest points(law);
+      points.old_id = state.c_str(), points.old_state.data = half;
+      EXPECT_EQ(law.migrate_state(material.handle(), &points.m, nullptr), QUOIN_OK) << id << ", " << state;
+      EXPECT_EQ(points.status[0], keepers.contains(id) ? QUOIN_POINT_OK : QUOIN_POINT_CLAMPED) << id << ", " << state;
+      EXPECT_EQ(points.status[1], QUOIN_POINT_OK) << id << ", " << state;
+    }
+  }
+}
+
+// contact_models/bond_slip/LAW.md, statement 5: sigma <= f_p on any path, with slip or without. Tension of an elastic
+// joint just inside and outside of it; 1e-6 is far beyond the rounding that the law allows, 1e-9.
+TEST(Migrations, ToABondBeyondItsPeelStrengthAreRefused) {
+  const quoin_law& law = load_law("bond_slip");
+  const Material material = make_material(law, materials("bond_slip")[2]);
+  const double kn = material.number("normal_stiffness"), peel = material.number("peel_strength");
+  for (const double tau : {0.0, 1.0}) {
+    const double sigma[2] = {peel * (1.0 + 1e-6), peel * (1.0 - 1e-6)}, taus[2] = {tau, tau};
+    const double opening[2] = {sigma[0] / kn, sigma[1] / kn};
+    AtRest points(law);
+    points.m.normal_jump.data = opening, points.m.traction[0].data = sigma, points.m.traction[1].data = taus;
+    EXPECT_EQ(law.migrate_state(material.handle(), &points.m, nullptr), QUOIN_ERROR_UNSUPPORTED) << tau;
+    EXPECT_EQ(points.status[0], QUOIN_POINT_FAILED) << tau;
+    EXPECT_EQ(points.status[1], QUOIN_POINT_OK) << tau;
   }
 }
 

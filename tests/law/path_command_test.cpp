@@ -61,7 +61,7 @@ class PathCommand : public ::testing::Test {
 };
 
 TEST_F(PathCommand, WritesOneRowPerIncrement) {
-  ASSERT_EQ(elastic(write("in.csv", "dn,ds,dt\n-1e-6,0,0\n-2e-6,1e-6,-3e-6\n")), 0) << message_;
+  ASSERT_EQ(elastic(write("in.csv", "dn (m),ds,dt (m)\n-1e-6,0,0\n-2e-6,1e-6,-3e-6\n")), 0) << message_;
   std::ifstream stream(out());
   std::string header;
   std::getline(stream, header);
@@ -80,10 +80,12 @@ TEST_F(PathCommand, WritesOneRowPerIncrement) {
 }
 
 TEST_F(PathCommand, NormalStressControl) {
-  ASSERT_EQ(elastic(write("in.csv", "sigma,ds,dt\n-1e6,0,0\n-1e6,1e-6,0\n")), 0) << message_;
-  const CsvTable table = read_csv(out());
-  EXPECT_NEAR(table.rows[1][0], -5e-4, 1e-13);
-  EXPECT_NEAR(table.rows[1][3], -1e6, 1e-4);
+  for (const char* header : {"sigma,ds,dt", "sigma (Pa),ds (m),dt (m)"}) {
+    ASSERT_EQ(elastic(write("in.csv", header + std::string("\n-1e6,0,0\n-1e6,1e-6,0\n"))), 0) << message_;
+    const CsvTable table = read_csv(out());
+    EXPECT_NEAR(table.rows[1][0], -5e-4, 1e-13);
+    EXPECT_NEAR(table.rows[1][3], -1e6, 1e-4);
+  }
 }
 
 TEST_F(PathCommand, FractureEnergyColumnsAreThoseOfIssue2) {
@@ -124,7 +126,8 @@ TEST_F(PathCommand, BadTablesNameFileLineAndValue) {
   refused("dn,ds,dt\n0,0\n", {"bad.csv:2", "2 values"});
   refused("dn,ds,dt\n0,nan,0\n", {"bad.csv:2", "nan", "finite"});
   refused("dn,ds,dt\n0,inf,0\n", {"bad.csv:2", "inf"});
-  refused("dn,ds\n0,0\n", {"bad.csv", "dn,ds,dt"});
+  refused("dn,ds\n0,0\n", {"bad.csv", "dn (m), ds (m), dt (m)"});
+  refused("dn (mm),ds,dt\n0,0,0\n", {"bad.csv", "with these units or without"});
   refused("dn,ds,ds\n0,0,0\n", {"bad.csv:1", "twice"});
   refused("dn,ds,dt\n", {"bad.csv", "no row"});
   refused("", {"bad.csv", "empty"});

@@ -51,6 +51,13 @@ static quoin_status start(const quoin_material* material, const char* id, double
   return initial_state(material, id, values);
 }
 
+static quoin_status bound(const quoin_material* material, quoin_stiffness_bounds* bounds) {
+  const quoin_status status = stiffness_bounds(material, bounds);
+  bounds->normal *= times_of("normal bound");
+  bounds->shear *= times_of("shear bound");
+  return status;
+}
+
 /* Evaluates with the selected wrong action; most actions begin after 400 calls. */
 static quoin_status answer(const quoin_material* material, quoin_batch* batch) {
   static int calls;
@@ -125,6 +132,7 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
   wrong_law.states = wrong_states;
   wrong_law.state_count = 1;
   wrong_law.initial_state = start;
+  wrong_law.stiffness_bounds = bound;
   wrong_law.evaluate = answer;
   wrong_law.create_material = talk;
   if (does("escape in name")) wrong_law.name = "\033[31mred";

@@ -105,8 +105,8 @@ TEST_F(Plugins, GarbageInEveryFieldIsRefusedOrHarmless) {
 }
 
 TEST_F(Plugins, WrongAnswersAreNamed) {
-  for (const auto& [deed, words] : {std::pair{"nan", "nan"},
-                                    {"infinite", "hostile_law"},
+  for (const auto& [deed, words] : {std::pair{"nan", "gave the traction sigma = nan"},
+                                    {"infinite", "gave the traction tau_s = inf"},
                                     {"status", "refused a batch with status 77"},
                                     {"counts", "points failed, and names none"}}) {
     EXPECT_EQ(quoin(run_with(), doing(deed)), 5) << deed << error_;
@@ -193,11 +193,25 @@ TEST_F(Plugins, LawsThatNeverReturnAreNamedWithTheirBatch) {
   }
 }
 
+// Time steps follow from the stiffness that a law states. 0 is that of a joint without shear.
+TEST_F(Plugins, StiffnessBoundsBelowZeroAreRefused) {
+  for (const char* deed : {"normal bound -1", "shear bound -1", "shear bound nan"}) {
+    EXPECT_EQ(quoin(run_with(), doing(deed)), 3) << deed;
+    EXPECT_THAT(error_, AllOf(HasSubstr("law hostile_law is up to"), HasSubstr("allowed: 0 to 1e+20 Pa/m"),
+                              HasSubstr("correct the law's stiffness_bounds")))
+        << deed;
+  }
+  EXPECT_EQ(quoin({"check", small_, "--law", QUOIN_HOSTILE_LAW}, doing("shear bound 0")), 0) << error_;
+}
+
 // The set-up of a model evaluates laws too: it asks whether they carry tension.
 TEST_F(Plugins, LawsThatHangBeforeTheFirstStepAreNamed) {
-  const std::string library = QUOIN_HOSTILE_LAW;
-  for (const auto& words :
-       {run_with({"--law-seconds", "1"}), {"check", small_, "--law", library, "--law-seconds", "1"}}) {
+  const std::string library = QUOIN_HOSTILE_LAW, jumps = out() + ".csv";
+  std::ofstream(jumps) << "dn,ds,dt\n-1e-6,0,0\n";
+  for (const auto& words : {run_with({"--law-seconds", "1"}),
+                            {"check", small_, "--law", library, "--law-seconds", "1"},
+                            {"path", "--law", library, "--set", "normal_stiffness=1e9", "--jumps", jumps, "--out",
+                             out() + "_path.csv", "--law-seconds", "1"}}) {
     EXPECT_EQ(quoin(words, doing("hang at once")), 5) << words[0] << out_;
     EXPECT_THAT(error_, AllOf(HasSubstr("the law 'hostile_law' of " + library + " has not returned from a batch"),
                               HasSubstr("within 1 s"), HasSubstr("--law-seconds")))
