@@ -50,7 +50,7 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
   QuasiStatic result;
   result.driven = std::any_of(scene.stages.begin(), scene.stages.end(), drives);
   // most_work: largest magnitude at any time, as a closed cycle has none, and what is lowered takes up work
-  double peak = 0.0, work = 0.0, most_work = 0.0, kinetic = 0.0;
+  double peak = 0.0, at_peak = 0.0, work = 0.0, most_work = 0.0, kinetic = 0.0;
   // Two means, as the force may be largest in the ramp, while quiet ramps must not hide what follows them.
   MeanSquare inertia, after_ramps;
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
@@ -62,7 +62,8 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
       return result;
     }
     for (std::size_t i = first; i < end; ++i) {
-      peak = std::max(peak, std::abs(rows[i].resistance));
+      if (const double force = std::abs(rows[i].resistance); force > peak)
+        peak = force, at_peak = std::max(std::abs(rows[i].dynamic_force), rows[i].monitor_inertia);
       kinetic = std::max(kinetic, rows[i].kinetic_energy);
       inertia.add(rows[i].dynamic_force);
       if (rows[i].time - rows[first].time >= stage.ramp_time) after_ramps.add(rows[i].dynamic_force);
@@ -92,7 +93,9 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
           fmt::format("stage '{}' has {} rows, too few to judge by; give a shorter output.record_interval", stage.name,
                       end - first);
   }
-  if (peak > 0.0) result.dynamic_force_ratio = std::max(inertia.root(), after_ramps.root()) / peak;
+  if (peak > 0.0)
+    result.dynamic_force_ratio = std::max(inertia.root(), after_ramps.root()) / peak,
+    result.dynamic_force_at_peak = at_peak / peak;
   const double whole = scene.wall && scene.wall->half_thickness ? 2.0 : 1.0;
   if (most_work > 0.0) result.kinetic_energy_ratio = kinetic * whole / most_work;
   if (!result.not_judged.empty()) return result;
@@ -118,6 +121,9 @@ std::string QuasiStatic::reason() const {
   if (dynamic_force_ratio && !(*dynamic_force_ratio <= kAllowed))
     add(fmt::format("inertia carries {:.1f} % of the peak force (root of the mean square), allowed {:.0f} %",
                     100 * *dynamic_force_ratio, 100 * kAllowed));
+  if (dynamic_force_at_peak && !(*dynamic_force_at_peak <= kAllowedAtPeak))
+    add(fmt::format("inertia is {:.0f} % of the peak force when that is reached, allowed {:.0f} %",
+                    100 * *dynamic_force_at_peak, 100 * kAllowedAtPeak));
   if (kinetic_energy_ratio && !(*kinetic_energy_ratio <= kAllowed))
     add(fmt::format("the kinetic energy reaches {} the work, allowed {:.0f} %",
                     *kinetic_energy_ratio > 10.0 ? fmt::format("{:.2g} times", *kinetic_energy_ratio)

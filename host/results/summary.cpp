@@ -460,6 +460,7 @@ Json quality_of(const Scene& scene, const RunInfo& info) {
 
 Json quasi_static_of(const QuasiStatic& check) {
   return {{"dynamic_force_over_peak", number_or_null(check.dynamic_force_ratio)},
+          {"dynamic_force_at_peak", number_or_null(check.dynamic_force_at_peak)},
           {"kinetic_energy_over_work", number_or_null(check.kinetic_energy_ratio)},
           {"displacement_beyond_asked", check.overshoot_ratio},
           {"holds", check.quasi_static()},

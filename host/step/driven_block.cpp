@@ -41,12 +41,13 @@ bool is_fixed(const Simulation::Impl& s, int block) {
   return s.model.assembly.bricks[at(block)].fixed && is_rigid(s, block);
 }
 
-Vector support_force(const Simulation::Impl& s, int block) {
+Vector net_force(const Simulation::Impl& s, int block) {
   if (const auto& m = s.large_motion)
-    return -1.0 * (m->step_sums.contact_force[block] + m->blocks[block].mass * m->actions.gravity + load_on(*m, block));
+    return m->step_sums.contact_force[block] + m->blocks[block].mass * m->actions.gravity + load_on(*m, block);
   const int body = body_of_brick(s, block);
   const Vector weight = s.model.bodies[at(body)].mass * geometry::vector(s.data.gravity);
-  return -1.0 * geometry::vector(joint_wrench(s, block).force) - weight;
+  return geometry::vector(joint_wrench(s, block).force) + weight +
+         geometry::vector(s.lattice.of_body(body, &BodyLanes::applied_force));
 }
 
 void prescribe(Simulation::Impl& s, int block, const Vector& velocity, const Vector& omega, std::uint8_t held) {

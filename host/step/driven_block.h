@@ -12,8 +12,8 @@ namespace quoin {
 const std::string& name_in_stages(const Simulation::Impl& s, int block);  // empty: none
 bool is_rigid(const Simulation::Impl& s, int block);
 bool is_fixed(const Simulation::Impl& s, int block);  // by the scene; of bricks rigid ones
-// Force by which supports hold the block, N: against its joints, weight and loads.
-geometry::Vector support_force(const Simulation::Impl& s, int block);
+// Sum of the forces of joints, weight and loads on a rigid block, N. What is held has the opposite from its support.
+geometry::Vector net_force(const Simulation::Impl& s, int block);
 // Prescribes velocities, m/s and rad/s, along the held components (bits of Drive::held). Kinetic energy of what it
 // catches or releases is booked as work.
 void prescribe(Simulation::Impl& s, int block, const geometry::Vector& velocity, const geometry::Vector& omega,

@@ -30,6 +30,19 @@ namespace quoin {
 
 namespace {
 
+// Inertia force of the monitor beside its direction, N.
+double monitor_inertia(const Simulation::Impl& s, std::size_t direction) {
+  const std::vector<std::uint8_t> held = held_now(s);
+  Vec3 sum{};
+  for (const int block : s.monitor.blocks) {
+    if (!is_rigid(s, block)) continue;
+    const geometry::Vector net = net_force(s, block);
+    for (std::size_t c = 0; c < 3; ++c)
+      if (c != direction && (held[at(block)] >> c & 1) == 0) sum[c] += net[static_cast<int>(c)];
+  }
+  return norm_of(force_on_whole(s, sum));
+}
+
 // Displacement of the monitor, and the force along it, from the sum of the joint forces on it. A stage with a roof
 // shows that, and the force that the walls carry to the monitor, their ground. The displacement is that at the time of
 // the forces.
@@ -41,6 +54,7 @@ void measure_monitor(const Simulation::Impl& s, std::size_t direction, HistoryRo
   row.resistance = s.controls.floors.empty() ? -row.joint_force[direction] : row.joint_force[direction];
   const double upright = row.joint_force[at(upright_axis(s.scene))];
   row.vertical_force = s.monitor.stands_below ? -upright : upright;  // compression positive
+  row.monitor_inertia = monitor_inertia(s, direction);
 }
 
 // Resultant of all forces on the blocks along an axis, N. It is their inertia force.

@@ -55,6 +55,9 @@ struct HistoryNumbers {
   Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
   double dynamic_force = 0.0;     // sum of reactions and loads along Stage::direction, and Members::unbalanced_strips,
                                   // N; 0 at rest
+  // Sum of all forces on rigid blocks of the monitor, along components that are free and not Stage::direction, N. It is
+  // their inertia force there.
+  double monitor_inertia = 0.0;
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
   double kinetic_energy = 0.0;    // kinetic energy of the model as computed, J
   double multiplier = 0.0;        // multiplier of the body force in a collapse stage
@@ -65,7 +68,7 @@ struct HistoryNumbers {
   // Moment of contact forces on fixed blocks about the centre of the base, which moves with the ground, N m. NaN: there
   // is no base.
   Vec3 overturning_moment{NAN, NAN, NAN};
-  // largest displacement of a block since the start, m; in large motion of free ones
+  // largest displacement of a block that is no support, since the start, m
   double largest_displacement = 0.0;
   std::optional<Energies> energies;                 // energies, with Scene::output.energy
   std::array<Reaction, kMostRestraints> reactions;  // reactions in the order of restraints_of (findings.h)

@@ -554,6 +554,45 @@ shear_stiffness = 1e9
 )";
 const char* const kKernels[] = {"kernels = \"lattice\"", "kernels = \"general\"", "large_motion = \"always\""};
 
+// A block that is driven at once rocks and lands: m a_y = N - W is its inertia force across the drive. The run said
+// that it was quasi-static, with 4.5 times the force by hand.
+TEST(Outside, TheInertiaOfWhatIsDrivenIsMeasured) {
+  for (const char* kernels : kKernels) {
+    std::unique_ptr<Simulation> run;
+    const Rows rows = rows_of(kBase + R"(
+[[block]]
+name = "b"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 2, 0.5] }
+[solver]
+damping = "viscous"
+mass_damping = 2.0
+stiffness_damping = 1e-4
+)" + kernels + R"(
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.2
+duration = 0.4
+[[stage]]
+name = "push"
+ramp_time = 0.002
+duration = 0.01
+direction = "x"
+monitor = "b"
+record_interval = 1
+velocity = [{ block = "b", velocity = [0.05, "free", 0], rotation_held = false }]
+)",
+                              &run);
+    double largest = 0.0;
+    for (const HistoryRow& row : rows.of_stage(1)) {
+      EXPECT_NEAR(row.monitor_inertia, std::abs(row.joint_force[1] - kWeightOfCube), 1.0) << kernels << row.step;
+      largest = std::max(largest, row.monitor_inertia);
+    }
+    EXPECT_GT(largest, 0.5 * kWeightOfCube) << kernels;
+  }
+}
+
 // A base that slides away by 2 mm below a cube without weight leaves it where it is. On the lattice the way of the base
 // was the largest displacement.
 TEST(Outside, SupportsThatMoveAreNoDisplacementOfBlocks) {

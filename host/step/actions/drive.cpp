@@ -37,7 +37,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
       if (old.of_ground >> c & 1) drive.velocity_from[c] += record[c];
       if (std::abs(drive.velocity_from[c]) <= kGroundAtRest && old.of_ground) drive.velocity_from[c] = 0.0;
     }
-    const Vector carried = (old.held & 7) != 0 ? support_force(s, block) : Vector{};
+    const Vector carried = (old.held & 7) != 0 ? -1.0 * net_force(s, block) : Vector{};
     for (int c = 0; c < 3; ++c) drive.force_from[c] = old.held >> c & 1 ? carried[c] : old.force_now[c];
     return drive;
   };
