@@ -28,8 +28,9 @@ constexpr double kGoodNear = 1e-3;  // the same of both with given forces `near`
 constexpr int kNoBetter = 10;       // steps without progress after which the best one counts
 constexpr double kRegular = 1e-13;  // added to the diagonal, over its largest entry, for blocks without resistance
 constexpr double kNear = 1e-6;      // weight of the distance to given forces, within what the gap leaves open
-constexpr double kNearest =
-    100.0;  // the same where the multiplier is given: forces at their bounds have it to the root of the gap
+// The same where the multiplier is given. A force whose nearest value is its bound ends at the root of gap over weight
+// from it.
+constexpr double kNearest = 100.0;
 constexpr double kGiven = 2e-5;       // width of the range of a given multiplier, over max(1, multiplier)
 constexpr double kLeastBound = 1e-8;  // least z/s in the matrix, for forces without bounds; residuals have 0
 constexpr double kInside = 1.0;       // distance of the start from the border of the cones

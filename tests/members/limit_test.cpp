@@ -196,11 +196,11 @@ TEST(LimitOfMembers, DowelHoldsABlock) {
   EXPECT_NEAR(dowelled(0.5, 2e3, 1e3).limit->multiplier, mu * (1.0 + 2e3 / low) + 1e3 / low, 1e-4);
 }
 
-// A block of weight W that slides. A member across the joint is not strained along its normal, so that its force there
-// is what it was: the pretension T0, or 0 however strong it is. A dowel adds its shear V, a beam 2 My over the length L
-// that bends. An inclined tie is strained and yields at T, or is slack: mu (W + T sin) + T cos, or mu W. Sequences
-// settle to 1e-3. A slope of strengths, with which the block sinks, gave 0.50 and 0.33 for dowel and beam, which
-// carried its weight.
+// A block of weight W slides. A member across the joint is not strained along its normal. Its force there is what it
+// was: the pretension T0, or 0, however strong it is. A dowel adds its shear V, a beam 2 My over the length L that
+// bends. An inclined tie is strained and yields at T, or is slack: mu (W + T sin) + T cos, or mu W. Sequences settle to
+// 1e-3. A slope of strengths, with which the block sinks, gave 0.50 and 0.33 for dowel and beam, which carried its
+// weight.
 TEST(LimitOfMembers, WithoutDilationMembersAcrossASlidingJointAreNotStrained) {
   const double mu = std::tan(std::numbers::pi / 6.0), weight = 800.0 * kGravity;
   const auto dowel = [](double yield) {
