@@ -18,16 +18,20 @@ using Eigen::VectorXd;
 using geometry::Vector;
 
 constexpr int kMostSteps = 100;
-constexpr double kToBorder = 0.99;    // length of a step over the distance to the border of the cones
-constexpr double kShort = 0.1;        // shorter steps are replaced by one to the centre of the cones
-constexpr double kCentre = 0.9;       // share of the gap that such a step keeps
-constexpr double kWanted = 5e-7;      // gap and residuals at which the iteration ends
-constexpr double kGood = 1e-5;        // residuals that are accepted when steps make no progress
-constexpr double kGoodGap = 1e-4;     // the same of the gap, which the result has
-constexpr double kGoodNear = 1e-3;    // the same of both with given forces `near`: change of a settled multiplier
-constexpr int kNoBetter = 10;         // steps without progress after which the best one counts
-constexpr double kRegular = 1e-13;    // added to the diagonal, over its largest entry, for blocks without resistance
-constexpr double kNear = 1e-6;        // weight of the distance to given forces, within what the gap leaves open
+constexpr double kToBorder = 0.99;  // length of a step over the distance to the border of the cones
+constexpr double kShort = 0.1;      // shorter steps are replaced by one to the centre of the cones
+constexpr double kCentre = 0.9;     // share of the gap that such a step keeps
+constexpr double kWanted = 5e-7;    // gap and residuals at which the iteration ends
+constexpr double kGood = 1e-5;      // residuals that are accepted when steps make no progress
+constexpr double kGoodGap = 1e-4;   // the same of the gap, which the result has
+constexpr double kGoodNear = 1e-3;  // the same of both with given forces `near`: change of a settled multiplier
+constexpr int kNoBetter = 10;       // steps without progress after which the best one counts
+constexpr double kRegular = 1e-13;  // added to the diagonal, over its largest entry, for blocks without resistance
+constexpr double kNear = 1e-6;      // weight of the distance to given forces, within what the gap leaves open
+// The same where the multiplier is given. A force whose nearest value is its bound ends at the root of gap over weight
+// from it.
+constexpr double kNearest = 100.0;
+constexpr double kGiven = 2e-5;       // width of the range of a given multiplier, over max(1, multiplier)
 constexpr double kLeastBound = 1e-8;  // least z/s in the matrix, for forces without bounds; residuals have 0
 constexpr double kInside = 1.0;       // distance of the start from the border of the cones
 
@@ -143,17 +147,22 @@ struct Element {
 
 class ConeProgramme {
  public:
-  ConeProgramme(const LimitProblem& problem, const LimitSettings& settings)
+  // weight: of the distance to given forces. least: bound of the multiplier.
+  ConeProgramme(const LimitProblem& problem, const LimitSettings& settings, double weight,
+                double least = -std::numeric_limits<double>::infinity())
       : problem_(problem), settings_(settings), units_(units_of(problem)) {
     const std::vector<double>& near = settings.near;
     number_blocks();
     for (const LimitPoint& p : problem.points) add_point(p);
-    for (std::size_t i = 0; i < near.size(); ++i) {
-      elements_[i].pull = kNear / static_cast<double>(near.size());
-      elements_[i].towards = -near[i] / force_;
+    const double pull = weight / static_cast<double>(near.size());
+    for (std::size_t i = 0; i < near.size(); ++i) elements_[i].pull = pull, elements_[i].towards = -near[i] / force_;
+    for (const LimitForce& force : problem.forces) {
+      add_force(force);
+      if (near.empty() || !force.start) continue;
+      elements_.back().pull = pull, elements_.back().towards = *force.start / force_;
     }
-    for (const LimitForce& force : problem.forces) add_force(force);
     if (std::isfinite(settings.most)) multiplier_bounds_.push_back({1.0, settings.most / units_.multiplier});
+    if (std::isfinite(least)) multiplier_bounds_.push_back({-1.0, -least / units_.multiplier});
     pattern();
   }
 
@@ -603,7 +612,13 @@ class ConeProgramme {
 }  // namespace
 
 LimitResult limit_with_cones(const LimitProblem& problem, const LimitSettings& settings) {
-  return ConeProgramme(problem, settings).solve();
+  LimitResult found = ConeProgramme(problem, settings, kNear).solve();
+  if (settings.near.empty() || !has_members(problem) || found.status != LimitStatus::solved) return found;
+  // The forces of members have no unique value otherwise, and those near the middle of their bounds would be taken.
+  const double unit = units_of(problem).multiplier;
+  const double least = found.multiplier - kGiven * std::max(unit, std::abs(found.multiplier));
+  LimitResult nearest = ConeProgramme(problem, settings, kNearest, least).solve();
+  return nearest.status == LimitStatus::solved ? nearest : found;
 }
 
 }  // namespace quoin

@@ -380,6 +380,11 @@ LimitSettings in_phase(LimitSettings settings, const std::string& phase) {
   return settings;
 }
 
+bool has_members(const LimitProblem& problem) {
+  return std::ranges::any_of(problem.points, &LimitPoint::bar) ||
+         std::ranges::any_of(problem.forces, [](const LimitForce& f) { return f.start.has_value(); });
+}
+
 LimitUnits units_of(const LimitProblem& problem) {
   constexpr double kFarBelow = 1e-4;
   double load = 0.0, live = 0.0, arm = 0.0, strength = problem.points.empty() ? 0.0 : kNoBound;

@@ -265,7 +265,7 @@ void refuse_members(const members::Members& members, const std::string& file) {
 // Ties: any force up to yield, without hardening.
 void add_ties(const members::Members& members, SceneLimit* limit) {
   for (const members::Tie& tie : members.ties()) {
-    LimitForce force{{}, tie.law.compression ? -tie.law.yield : 0.0, tie.law.yield};
+    LimitForce force{{}, tie.law.compression ? -tie.law.yield : 0.0, tie.law.yield, tie.law.pretension};
     for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
       const Vector along = normalized(members.start_of(tie.stops[i + 1]) - members.start_of(tie.stops[i]));
       const auto pull = [&](const members::Tie::Stop& stop, double sign) {
@@ -413,7 +413,7 @@ void add_deformations(const members::Members& members, const members::LinearMemb
     std::map<std::string, LimitMember> bounded;
     for (std::size_t i = body.first_deformation; i < body.end_deformation; ++i) {
       const members::Deformation& d = own.deformations[i];
-      LimitForce force{{}, d.low, d.high};
+      LimitForce force{{}, d.low, d.high, 0.0};
       for (const members::Deformation::Share& share : d.shares) {
         const members::Node* const node = share.own ? nullptr : &members.nodes()[static_cast<std::size_t>(share.node)];
         force.places.push_back({node ? node->block : first + share.node,
@@ -448,6 +448,7 @@ void add_dowels(const members::Members& members, SceneLimit* limit) {
     LimitPoint point = point_at(first.start, dowel.along);
     point.a = first.block, point.b = second.block;
     point.tension = point.crushing = dowel.law.yield_force, point.cohesion = dowel.law.yield_shear;
+    point.bar = true;
     limit->problem.points.push_back(point);
   }
 }
@@ -461,7 +462,8 @@ void add_fills(const members::Members& members, SceneLimit* limit) {
     limit->loads.push_back({node.block, node.start, force});
     limit->problem.forces.push_back({{{node.block, node.start, -1.0 * p.law.out, {}}},
                                      0.0,
-                                     p.law.level * (p.law.passive - p.law.active) * p.law.vertical});
+                                     p.law.level * (p.law.passive - p.law.active) * p.law.vertical,
+                                     0.0});
   }
 }
 
@@ -740,6 +742,14 @@ void find_multiplier(const Simulation& simulation, const LimitOptions& options, 
   limit->limit->multiplier += options.given;
 }
 
+void say_if_apart(const std::string& file, const char* what, const LimitWithoutDilation& without) {
+  if (without.apart <= kDoubt) return;
+  notice(fmt::format(
+      "quoin: {}: without dilation the {} is {:.4g} from elastic forces under weight and {:.4g} from associated ones. "
+      "{:.4g}, the worse one, counts; which is right hangs on normal forces, as a run has them (a stage of collapse)",
+      file, what, without.start[0].multiplier, without.start[1].multiplier, without.multiplier));
+}
+
 }  // namespace
 
 const char* name_of(Multiplied multiplied) { return kMultiplied[static_cast<std::size_t>(multiplied)]; }
@@ -801,6 +811,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
         limit_without_dilation(limit.problem, in_phase(in_time(options.settings), "without dilation"));
     limit.without_dilation->multiplier += options.given;
     for (SettledLimit& start : limit.without_dilation->start) start.multiplier += options.given;
+    say_if_apart(file, "multiplier", *limit.without_dilation);
   }
   if (!limit.stands.friction) return limit;
   // If normal forces alone carry all loads, they do so without dilation too.
@@ -808,6 +819,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& given) {
       *limit.stands.friction > 0.0
           ? friction_without_dilation(still, in_phase(in_time(options.settings), "friction without dilation"))
           : LimitWithoutDilation{{}, true, 0.0};
+  say_if_apart(file, "smallest scale of friction", *limit.friction);
   return limit;
 }
 

@@ -136,7 +136,10 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
   json["multiplier"] = limit.limit ? nlohmann::ordered_json(limit.limit->multiplier) : nlohmann::ordered_json(nullptr);
   json["multiplier_without_dilation"] = number_or_null(settled(limit.without_dilation));
   json["gap"] = limit.limit ? nlohmann::ordered_json(limit.limit->gap) : nlohmann::ordered_json(nullptr);
-  if (limit.without_dilation) json["without_dilation"] = json_of(*limit.without_dilation, "multiplier");
+  if (limit.without_dilation) {
+    json["without_dilation"] = json_of(*limit.without_dilation, "multiplier");
+    json["without_dilation_apart"] = limit.without_dilation->apart;
+  }
   const Stands& stands = limit.stands;
   json["stands"] = stands.stands;
   json["carried"] = stands.carried;
@@ -145,7 +148,10 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
     json["margin_direction"] = geometry::array(limit.margin_direction);
   json["smallest_friction_scale"] = number_or_null(stands.friction);
   json["smallest_friction_scale_without_dilation"] = number_or_null(settled(limit.friction));
-  if (limit.friction) json["friction_without_dilation"] = json_of(*limit.friction, "friction_scale");
+  if (limit.friction) {
+    json["friction_without_dilation"] = json_of(*limit.friction, "friction_scale");
+    json["friction_without_dilation_apart"] = limit.friction->apart;
+  }
   json["out_of_balance"] = nlohmann::ordered_json::array();
   for (const int b : stands.out_of_balance) json["out_of_balance"].push_back(limit.labels[static_cast<std::size_t>(b)]);
   json["moves_without_load"] = nlohmann::ordered_json::array();

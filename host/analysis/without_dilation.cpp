@@ -20,7 +20,8 @@ namespace {
 using geometry::Vector;
 
 // After Gilbert: slope of strength over the normal force, as a share of friction. And the share of its change by which
-// the assumed normal force follows each problem.
+// the assumed normal force follows each problem. With members the slope is 0: with one, what slides sinks, and strains
+// the members across it. These would then carry the weight in place of the joint.
 constexpr double kSlope = 0.1, kFollow = 0.5, kFollowPyramids = 0.3;
 // Number of problems after which that share falls, as for a mean of all problems. Otherwise large assemblies run into
 // cycles.
@@ -44,8 +45,6 @@ constexpr double kNoFriction = 0.01;
 constexpr double kUnloaded = 1e-4, kUnloadedPyramids = 1e-6;
 // Contact points up to which pyramids are tried where cones have not converged: a second a problem.
 constexpr std::size_t kFewPoints = 2000;
-// Relative difference of an unsettled and worse start from which on the other start does not count as settled.
-constexpr double kDoubt = 0.05;
 // Shear stiffness of joints over their normal stiffness: masonry with a Poisson's ratio of 0.25.
 constexpr double kShearStiffness = 0.4;
 
@@ -65,16 +64,25 @@ Row row_of(const LimitProblem& problem, const LimitPoint& p, const Vector& axis)
   return row;
 }
 
-// Members are as stiff as a mean contact point and always taut, as this solution only starts the sequence.
-void add_force(const LimitProblem& problem, const LimitForce& force, std::vector<Eigen::Triplet<double>>& entries) {
+// Stiffness of members over that of a mean contact point: they carry what joints cannot.
+constexpr double kMemberStiffness = 1e-3;
+
+// Generalised forces of a unit of a member's force: unknowns of blocks, and components.
+std::vector<std::pair<int, double>> row_of(const LimitProblem& problem, const LimitForce& force) {
   std::vector<std::pair<int, double>> row;
   for (const LimitForce::Place& place : force.places) {
     const Vector moment = place.turn + cross(place.at - problem.blocks[at(place.block)].centre, place.way);
     for (int c = 0; c < 3; ++c) row.emplace_back(6 * place.block + c, place.way[c]);
     for (int c = 0; c < 3; ++c) row.emplace_back(6 * place.block + 3 + c, moment[c]);
   }
+  return row;
+}
+
+// Members are always taut, as this solution only starts the sequence.
+void add_force(const LimitProblem& problem, const LimitForce& force, std::vector<Eigen::Triplet<double>>& entries) {
+  const std::vector<std::pair<int, double>> row = row_of(problem, force);
   for (const auto& [i, a] : row)
-    for (const auto& [j, b] : row) entries.emplace_back(i, j, a * b);
+    for (const auto& [j, b] : row) entries.emplace_back(i, j, (force.start ? kMemberStiffness : 1.0) * a * b);
 }
 
 Eigen::SparseMatrix<double> stiffness_of(const LimitProblem& problem, const std::vector<bool>& closed,
@@ -90,7 +98,7 @@ Eigen::SparseMatrix<double> stiffness_of(const LimitProblem& problem, const std:
     for (const auto& [axis, factor] :
          {std::pair(p.n, 1.0), std::pair(p.s, kShearStiffness), std::pair(p.t, kShearStiffness)}) {
       const Row row = row_of(problem, p, axis);
-      const double k = factor * p.area / mean_area;
+      const double k = factor * (p.bar ? kMemberStiffness : p.area / mean_area);
       for (std::size_t a = 0; a < 12; ++a)
         for (std::size_t b = 0; b < 12; ++b)
           entries.emplace_back(row.unknown[a], row.unknown[b], k * row.value[a] * row.value[b]);
@@ -111,10 +119,11 @@ double mean_of(const std::vector<double>& values) {
 // The problem with the shear strengths of given normal forces.
 LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& normal, bool cones) {
   LimitProblem next = problem;
+  const double of_loaded = has_members(problem) ? 0.0 : kSlope;
   const double unloaded = (cones ? kUnloaded : kUnloadedPyramids) * mean_of(normal);
   for (std::size_t i = 0; i < normal.size(); ++i) {
     LimitPoint& p = next.points[i];
-    const double slope = normal[i] > unloaded ? kSlope : 0.0, friction = p.friction;
+    const double slope = normal[i] > unloaded ? of_loaded : 0.0, friction = p.friction;
     if (friction > 0.0) p.tension = std::min(p.tension, p.cohesion / friction);
     if (normal[i] > unloaded || !cones) p.cohesion += (1.0 + slope) * friction * std::max(0.0, normal[i]);
     p.friction = -slope * friction;
@@ -127,11 +136,12 @@ LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& norm
 LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<double>& normal, double factor,
                              bool cones) {
   LimitProblem next = problem;
+  const double of_loaded = has_members(problem) ? 0.0 : kSlope;
   for (LimitBlock& b : next.blocks) b.live = {};
   const double unloaded = (cones ? kUnloaded : kUnloadedPyramids) * mean_of(normal);
   for (std::size_t i = 0; i < normal.size(); ++i) {
     LimitPoint& p = next.points[i];
-    const double slope = normal[i] > unloaded ? kSlope : 0.0, friction = p.friction;
+    const double slope = normal[i] > unloaded ? of_loaded : 0.0, friction = p.friction;
     if (friction > 0.0) p.tension = std::min(p.tension, p.cohesion / friction);
     if (normal[i] > unloaded || !cones) p.live_cohesion = -(1.0 + slope) * friction * std::max(0.0, normal[i]);
     p.friction = -slope * friction * factor;
@@ -207,7 +217,8 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     if (now.settled || wanders(multipliers, &now)) return now;
     solved = normal;
     const double follow = cones ? kFollow * std::min(1.0, kMeanFrom / now.problems) : kFollowPyramids;
-    for (std::size_t i = 0; i < normal.size(); ++i) normal[i] += follow * (-result.force[i][0] - normal[i]);
+    for (std::size_t i = 0; i < normal.size(); ++i)
+      normal[i] += follow * ((problem.points[i].bar ? 0.0 : -result.force[i][0]) - normal[i]);
   }
   return now;
 }
@@ -233,7 +244,8 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
   result.start.push_back(with_cones(of_weight, "weight"));
   if (associated.status == LimitStatus::solved) result.start.push_back(other.get());
   for (SettledLimit& start : result.start) {
-    if (start.settled || problem.points.size() >= kFewPoints || settings.is_late()) continue;
+    // The middle of the set says nothing of the forces of members.
+    if (start.settled || has_members(problem) || problem.points.size() >= kFewPoints || settings.is_late()) continue;
     start = settle(problem, settings, sought, start.from == "weight" ? of_weight : of_associated, start.from, false);
   }
   for (const SettledLimit& start : result.start) {
@@ -247,6 +259,11 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
     const double above = start.multiplier - result.multiplier, doubt = kDoubt * std::abs(result.multiplier);
     const bool worse = sought == Sought::friction ? above > doubt : above < -doubt;
     if (!start.settled && worse) result.settled = false;
+  }
+  if (result.settled && std::ranges::all_of(result.start, &SettledLimit::settled)) {
+    const auto [low, high] = std::ranges::minmax(result.start, {}, &SettledLimit::multiplier);
+    result.apart = (high.multiplier - low.multiplier) /
+                   std::max({std::abs(low.multiplier), std::abs(high.multiplier), kNoFriction});
   }
   result.late = !result.settled && settings.is_late();
   return result;
@@ -265,6 +282,9 @@ std::vector<double> elastic_normal_forces(const LimitProblem& problem) {
       loads(static_cast<Eigen::Index>(6 * k) + 3 + c) = b.dead.moment[c];
     }
   }
+  for (const LimitForce& force : problem.forces) {
+    for (const auto& [i, share] : row_of(problem, force)) loads(i) += force.start.value_or(0.0) * share;
+  }
   double mean_area = 0.0;
   for (const LimitPoint& p : problem.points) mean_area += p.area / static_cast<double>(problem.points.size());
   std::vector<bool> closed(problem.points.size(), true);
@@ -278,10 +298,10 @@ std::vector<double> elastic_normal_forces(const LimitProblem& problem) {
       const Row row = row_of(problem, p, p.n);
       double opening = 0.0;
       for (std::size_t k = 0; k < 12; ++k) opening += row.value[k] * moved(row.unknown[k]);
-      const bool now_closed = opening <= 0.0;
+      const bool now_closed = p.bar || opening <= 0.0;
       changed = changed || now_closed != closed[i];
       closed[i] = now_closed;
-      normal[i] = std::max(0.0, -opening * p.area / mean_area);
+      normal[i] = p.bar ? 0.0 : std::max(0.0, -opening * p.area / mean_area);
     }
     if (!changed) break;
   }

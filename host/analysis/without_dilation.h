@@ -13,6 +13,10 @@
 
 namespace quoin {
 
+// Relative difference of two starts that is worth a notice. If one that has not settled is worse by more, the other
+// does not count.
+inline constexpr double kDoubt = 0.05;
+
 // Result of the sequence from one start.
 struct SettledLimit {
   std::string from;      // "weight": elastic forces under dead loads; "associated": those of the associated multiplier
@@ -29,6 +33,7 @@ struct LimitWithoutDilation {
   std::vector<SettledLimit> start;
   bool settled = false;     // from at least one start, where the other is not worse by more than 5 %
   double multiplier = 0.0;  // lowest of the settled ones
+  double apart = 0.0;       // difference of two settled starts over the larger
   bool late = false;        // whether the deadline ended it before it settled
 };
 

@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "base/error.h"
+#include "scene/from_bricks.h"
+#include "scene/load_place.h"
 #include "step/points_at_rest.h"
 #include "step/results.h"
 #include "step/stages.h"
@@ -159,6 +161,58 @@ void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tang
   }
 }
 
+// A force that turns with a rigid block changes by theta x F: its stiffness is [F]x between forces and spins. That of
+// its moment has no symmetric part.
+void add_following(const Unknowns& unknowns, int block, const Vector& force, Unknowns::Entries* entries) {
+  const std::array<int, 6>& of = unknowns.blocks()[at(block)].body;
+  add_turning({of[0], of[1], of[2]}, {of[3], of[4], of[5]}, force, entries);
+}
+
+// On each corner of a triangle of a deformable face acts -p/6 (y - x) x (z - x). It changes by -p/6 e x u for the
+// motion u of the corner opposite to the edge e.
+void add_pressure(blocks::Model& m, const Unknowns& unknowns, const blocks::Pressure& p, Unknowns::Entries* entries) {
+  const double pressure = p.scale * p.value;
+  const Unknowns::OfBlock& u = unknowns.blocks()[at(p.block)];
+  if (u.rigid) return add_following(unknowns, p.block, pressure * (body_of(m, p.block).r * p.push), entries);
+  for (const auto& triangle : p.triangles) {
+    const auto unknown = [&](std::size_t k) { return u.gridpoint[at(triangle[k] - m.blocks[p.block].first_node)]; };
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector edge = m.nodes.x[at(triangle[(k + 2) % 3])] - m.nodes.x[at(triangle[(k + 1) % 3])];
+      for (std::size_t i = 0; i < 3; ++i) add_turning(unknown(i), unknown(k), (pressure / 6.0) * edge, entries);
+    }
+  }
+}
+
+// Adds the stiffness of loads: forces keep their directions, pressures follow faces.
+void add_loads(const Simulation::Impl& s, const Unknowns& unknowns, Unknowns::Entries* entries) {
+  blocks::Model& m = *s.large_motion;
+  const auto add = [&](int block, const Vector& force, const Vector& arm) {
+    if (unknowns.blocks()[at(block)].rigid) unknowns.add_force(block, force, body_of(m, block).r * arm, entries);
+  };
+  for (int b = 0; b < static_cast<int>(m.actions.applied.size()); ++b)
+    add(b, m.actions.applied[at(b)], m.blocks[b].load_arm);
+  for (const blocks::Load& load : m.actions.loads) add(load.block, load.scale * load.force, load.arm);
+  for (const blocks::Pressure& pressure : m.actions.pressures) add_pressure(m, unknowns, pressure, entries);
+}
+
+// The same on the lattice, where rigid blocks alone have forces and pressures, and do not turn.
+void add_loads_of(const Stage& stage, const Simulation::Impl& s, const Unknowns& unknowns, Unknowns::Entries* entries) {
+  if (stage.forces.empty() && stage.pressures.empty()) return;
+  const blocks::Assembly shapes = blocks::from_bricks(s.model.assembly);
+  for (const PointForce& force : stage.forces) {
+    const Vector place = geometry::vector(force.point);
+    const int block = blocks::block_at(shapes, force.block, place, stage.source.text);
+    unknowns.add_force(block, geometry::vector(force.force), place - unknowns.blocks()[at(block)].centre, entries);
+  }
+  for (const FacePressure& pressure : stage.pressures) {
+    for (const auto& [block, face] :
+         blocks::outer_faces(shapes, pressure.block, geometry::vector(pressure.normal), stage.source.text)) {
+      const geometry::ConvexPolyhedron& shape = shapes.shapes[at(shapes.blocks[at(block)].shape)];
+      add_following(unknowns, block, -pressure.pressure * face_area(shape, face) * shape.normals[at(face)], entries);
+    }
+  }
+}
+
 }  // namespace
 
 // Dashpots of impact and viscous damping: viscosity over stiffness by joint family, normal and along, and of zones, s.
@@ -175,7 +229,7 @@ std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
                   damping.beta, damping.alpha};
 }
 
-Tangent tangent_of(const Simulation::Impl& s) {
+Tangent tangent_of(const Simulation::Impl& s, const Stage* given) {
   if (s.ranks) throw Error(Exit::bad_input, "modes of a state: in one process alone; start quoin without mpirun");
   const Unknowns unknowns(s);
   const std::vector<ContactPoint> points = contact_points(s);
@@ -192,6 +246,10 @@ Tangent tangent_of(const Simulation::Impl& s) {
     if (dashpots) viscous.emplace_back(e.row(), e.col(), dashpots->of_zones * e.value());
   }
   unknowns.add_stresses(points, &entries);
+  if (s.large_motion)
+    add_loads(s, unknowns, &entries);
+  else if (given)
+    add_loads_of(*given, s, unknowns, &entries);
   for (const ContactPoint& p : points) {
     const double normal = k.normal[at(p.index)], shear = k.shear[at(p.index)];
     ++t.points;

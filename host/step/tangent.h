@@ -1,8 +1,9 @@
 // Small vibrations about the current state of a simulation: stiffness and mass of all free unknowns.
 //
 // The stiffness of a contact point is that of its law's response to a small motion. Open joints have none, damaged ones
-// that of unloading, sliding ones that of sticking, as motion reverses. Zones are linearly elastic. Stresses of zones
-// and forces on the arms of rigid blocks add geometric stiffness (P-delta).
+// that of unloading, sliding ones that of sticking, as motion reverses. Zones are linearly elastic. Stresses of zones,
+// and contact forces and loads on the arms of rigid blocks, add geometric stiffness (P-delta). Of pressures, which turn
+// with their faces, the symmetric part of the stiffness counts.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -31,7 +32,8 @@ struct Tangent {
   double symmetry_factor = 1.0;
 };
 
-// Under the supports of the current stage; in one process.
-Tangent tangent_of(const Simulation::Impl& s);
+// Under the supports of the current stage; in one process. given: the last stage as the scene has it. On the lattice
+// its forces and pressures act at centres of blocks. null: these have no geometric stiffness there.
+Tangent tangent_of(const Simulation::Impl& s, const Stage* given = nullptr);
 
 }  // namespace quoin

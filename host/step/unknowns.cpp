@@ -10,11 +10,12 @@
 namespace quoin {
 namespace {
 
+using geometry::Matrix;
 using geometry::Vector;
 
 // Stress of a zone on the lattice, Pa, from the displacements of its block's gridpoints, m.
-geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<Vector>& moved) {
-  geometry::Matrix stress{};
+Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<Vector>& moved) {
+  Matrix stress{};
   for (std::size_t a = 0; a < 4; ++a) {
     const Vector& w = moved[at(zone.node[a])];
     const Vector gradient = geometry::vector(zone.shape_gradient[a]);
@@ -30,7 +31,7 @@ geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const s
 
 void each_stressed_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit) {
   if (s.large_motion) {
-    const geometry::Matrix turned = turn_of_frame(*s.large_motion, block);
+    const Matrix turned = turn_of_frame(*s.large_motion, block);
     for (int z = 0; z < s.large_motion->blocks[block].zone_count; ++z) {
       const blocks::Zone zone = zone_of(*s.large_motion, block, z);
       StressedZone now{{}, {}, zone.volume, zone.lambda, zone.mu, zone_stress(*s.large_motion, block, z)};
@@ -201,8 +202,7 @@ void Unknowns::add_point(const ContactPoint& p, double normal, double shear, Ent
   }
 }
 
-// For a zone V (g_i . stress g_j) I. A force F on the arm r turns by theta. Its work of second order is F . theta x
-// (theta x r)/2, whose stiffness is (F . r) I - (F r^T + r F^T)/2.
+// For a zone V (g_i . stress g_j) I.
 void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
@@ -222,17 +222,33 @@ void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* en
   for (const ContactPoint& p : points) {
     const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) + p.traction[1] * geometry::vector(p.s) +
                                    p.traction[2] * geometry::vector(p.t));
-    for (const auto& [block, sign] : {std::pair{p.block_a, 1.0}, {p.block_b, -1.0}}) {
-      const OfBlock& u = blocks_[at(block)];
-      if (!u.rigid) continue;
-      const Vector f = sign * force, r = geometry::vector(p.position) - u.centre;
-      for (int c = 0; c < 3; ++c) {
-        for (int d = 0; d < 3; ++d) {
-          const int row = u.body[at(c + 3)], column = u.body[at(d + 3)];
-          if (column < 0 || column > row) continue;
-          entries->emplace_back(row, column, (c == d ? dot(f, r) : 0.0) - 0.5 * (f[c] * r[d] + r[c] * f[d]));
-        }
-      }
+    for (const auto& [block, sign] : {std::pair{p.block_a, 1.0}, {p.block_b, -1.0}})
+      add_force(block, sign * force, geometry::vector(p.position) - blocks_[at(block)].centre, entries);
+  }
+}
+
+// A force F on the arm r of a block turns about it by theta. Its work of second order is F . theta x (theta x r)/2,
+// whose stiffness is (F . r) I - (F r^T + r F^T)/2. A force through the centre has none.
+void Unknowns::add_force(int block, const Vector& f, const Vector& r, Entries* entries) const {
+  const OfBlock& u = blocks_[at(block)];
+  for (int c = 0; u.rigid && c < 3; ++c) {
+    for (int d = 0; d < 3; ++d) {
+      const int row = u.body[at(c + 3)], column = u.body[at(d + 3)];
+      if (column < 0 || column > row) continue;
+      entries->emplace_back(row, column, (c == d ? dot(f, r) : 0.0) - 0.5 * (f[c] * r[d] + r[c] * f[d]));
+    }
+  }
+}
+
+void add_turning(const std::array<int, 3>& forces, const std::array<int, 3>& motions, const Vector& v,
+                 Unknowns::Entries* entries) {
+  for (int d = 0; d < 3; ++d) {
+    Vector motion;
+    motion[d] = 0.5;
+    const Vector half = cross(v, motion);
+    for (int c = 0; c < 3; ++c) {
+      const auto [column, row] = std::minmax(forces[at(c)], motions[at(d)]);
+      if (c != d && column >= 0) entries->emplace_back(row, column, half[c]);
     }
   }
 }

@@ -52,6 +52,8 @@ class Unknowns {
   void add_zones(Entries* entries) const;
   // Adds the geometric stiffness of current forces: stresses of zones, and contact forces on the arms of rigid blocks.
   void add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const;
+  // Adds that of a force of fixed direction, N, on an arm from the centre of a rigid block, m; nothing for others.
+  void add_force(int block, const geometry::Vector& force, const geometry::Vector& arm, Entries* entries) const;
 
  private:
   void number_lattice(int block, unsigned held);
@@ -68,5 +70,9 @@ class Unknowns {
   std::vector<int> block_of_group_;
   int count_ = 0;
 };
+
+// Adds the symmetric part of the stiffness v x u of forces, for motions u: half of it, and half of its transpose.
+void add_turning(const std::array<int, 3>& forces, const std::array<int, 3>& motions, const geometry::Vector& v,
+                 Unknowns::Entries* entries);
 
 }  // namespace quoin

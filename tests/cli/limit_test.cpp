@@ -58,6 +58,59 @@ TEST_F(Limit, MultipliersWithoutDilation) {
   EXPECT_NEAR(arch["multiplier_without_dilation"], arch["multiplier"], 1e-3);
 }
 
+// A cube is lifted from between two fixed ones. Under weight alone it touches them without force, and its weight holds
+// it: multiplier 1. Dilation presses it against them up to their strength, 40 kPa, and friction mu stays: 1 + 2 mu fc
+// A/W. The tie, of 1 mN, makes it a scene with members.
+TEST_F(Limit, SaysThatTwoStartsDiffer) {
+  const std::string path = (folder_ / "held.toml").string();
+  std::ofstream(path) << R"([materials.stone]
+density = 2000.0
+[joints.dry]
+law = "fracture_energy"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+tensile_strength = 1e4
+cohesion = 1e4
+friction_angle = 30.0
+friction_angle_residual = 30.0
+compressive_strength = 4e4
+fracture_energy_tension = 10
+fracture_energy_shear = 10
+fracture_energy_compression = 1000
+)" << kCubeOnGround << R"([[block]]
+name = "left"
+material = "stone"
+fixed = true
+box = { lower = [-1, 0, 0], size = [1, 1, 1] }
+[[block]]
+name = "right"
+material = "stone"
+fixed = true
+box = { lower = [1, 0, 0], size = [1, 1, 1] }
+[[tie]]
+name = "thread"
+from = { block = "ground", point = [0.5, -0.5, 0.5] }
+to = { block = "cube", point = [0.5, 0.5, 0.5] }
+area = 1e-9
+young_modulus = 1e9
+yield_stress = 1e6
+[[stage]]
+gravity = [0, -9.81, 0]
+duration = 0.1
+)";
+  ASSERT_EQ(quoin({"limit", path, "--direction", "0", "1", "0", "--out", out()}), 0) << error_;
+  const auto found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+  const double pressed = 1.0 + 2.0 * std::tan(std::numbers::pi / 6.0) * 4e4 / 19620.0;
+  EXPECT_NEAR(found["multiplier"], pressed, 1e-4 * pressed);
+  EXPECT_NEAR(found["multiplier_without_dilation"], 1.0, 0.05) << "elastic joints press on its sides a little";
+  EXPECT_NEAR(found["without_dilation"][1]["multiplier"], pressed, 2e-3 * pressed);
+  EXPECT_NEAR(found["without_dilation_apart"], 1.0 - 1.0 / pressed, 0.02);
+  EXPECT_THAT(error_, HasSubstr("the worse one, counts"));
+  EXPECT_EQ(quoin({"limit", QUOIN_SCENES "/arch.toml", "--out", out()}), 0);
+  EXPECT_THAT(error_, Not(HasSubstr("the worse one, counts")));
+}
+
 // The last steps of this bonded facade stall, as a few points slide under large forces. The cone programme ended at a
 // gap of 1.2e-5, above a bound of 1e-5, and pyramids took over. Those of 16 facets, exact in a plane, give 1.9181615.
 TEST_F(Limit, ABondedFacadeIsSolvedByWholeCones) {

@@ -96,6 +96,72 @@ TEST_F(Rest, WeightTakesFromTheStiffnessOfRocking) {
   EXPECT_NEAR(after / before, std::sqrt(1.0 - kWeight * 0.5 / (1e7 / 12.0)), 5e-4);
 }
 
+// A rigid block of 1 x 2 x 0.8 m on a joint of 5e7 and 2e7 Pa/m, with a load of 700 kN along its axis.
+std::string loaded_block(const std::string& load, const std::string& keys = "") {
+  return "[materials.stone]\nyoung_modulus = 1e12\npoisson_ratio = 0.2\ndensity = 2000.0\n[joints.dry]\nlaw = "
+         "\"coulomb_slip\"\ninitial_state = \"dry\"\nnormal_stiffness = 5e7\nshear_stiffness = 2e7\nfriction_angle = "
+         "35.0\n[contact]\ncubic_points = true\n[[block]]\nname = \"base\"\nmaterial = \"stone\"\nfixed = true\nbox = "
+         "{ lower = [-1, -1, -1], size = [3, 1, 3] }\n[[block]]\nname = \"b\"\nmaterial = \"stone\"\nbox = { lower = "
+         "[0, 0, 0], size = [1, 2, 0.8] }\n" +
+         keys +
+         "[output]\nframes = 0\nplots = false\n[[stage]]\nname = \"weight\"\ngravity = [0, -9.81, 0]\nramp_time = "
+         "0.1\nduration = 0.5\n" +
+         load;
+}
+std::string force_at(double y, double force) {
+  return fmt::format("[[stage.force]]\nblock = \"b\"\npoint = [0.5, {}, 0.4]\nforce = [0, {}, 0]\n", y, -force);
+}
+constexpr const char* kPressed = "[[stage.pressure]]\nblock = \"b\"\nnormal = [0, 1, 0]\npressure = 875e3\n";
+constexpr double kLoad = 700e3, kBlockWeight = 3200.0 * 9.81;
+
+// Lowest frequency of sway u of the centre, 1 m above the joint, and rocking theta about the short axis. Stiffness:
+// ks A, ks A - turning/2; kn I + ks A - (W + P) 1 m - moment. A force on an arm above the centre has P times that arm
+// as moment. A pressure has P as `turning`, the force for a unit of rotation.
+double lowest_of_block(double load, double moment, double turning) {
+  const double m = kBlockWeight / 9.81, inertia = m * (0.8 * 0.8 + 2.0 * 2.0) / 12.0, ks = 2e7 * 0.8;
+  const double a = ks / m, c = (ks - 0.5 * turning) / std::sqrt(m * inertia),
+               b = (5e7 * std::pow(0.8, 3) / 12.0 + ks - kBlockWeight - load - moment) / inertia;
+  return std::sqrt(0.5 * (a + b) - std::hypot(0.5 * (a - b), c)) / (2.0 * M_PI);
+}
+
+// Tolerance: the points integrate the joint exactly; 1e-4 is for equilibrium of the state of rest.
+TEST_F(Rest, LoadsHaveAnArmFromTheCentreOfARigidBlock) {
+  const std::string rest = (folder_ / "rest").string();
+  for (const auto& [load, expected] : {std::pair{force_at(2.0, kLoad), lowest_of_block(kLoad, kLoad, 0.0)},
+                                       {force_at(1.0, kLoad), lowest_of_block(kLoad, 0.0, 0.0)},
+                                       {force_at(0.0, kLoad), lowest_of_block(kLoad, -kLoad, 0.0)},
+                                       {std::string(kPressed), lowest_of_block(kLoad, 0.0, kLoad)}}) {
+    const std::string scene = write(loaded_block(load));
+    for (const char* kernels : {"solver.kernels=lattice", "solver.kernels=general"}) {
+      ASSERT_EQ(quoin({"rest", scene, "--set", kernels, "--out", rest}), 0) << error_;
+      for (const std::string& state : {std::string("weight"), rest}) {
+        ASSERT_EQ(quoin({"modes", scene, "--state", state, "--set", kernels, "--out", out()}), 0) << error_;
+        EXPECT_NEAR(json(out(), "modes.json")["frequencies_Hz"][0].get<double>(), expected, 1e-4 * expected)
+            << load << kernels << state;
+      }
+    }
+  }
+}
+
+// It buckles at a load P of which kn I - (W + 2 P) 1 m is 0, 1.05 MN.
+TEST_F(Rest, ABlockThatBucklesIsNotStable) {
+  EXPECT_EQ(quoin({"modes", write(loaded_block(force_at(2.0, 1.0e6))), "--state", "weight", "--out", out()}), 0);
+  EXPECT_EQ(quoin({"modes", write(loaded_block(force_at(2.0, 1.1e6))), "--state", "weight", "--out", out()}), 5);
+  EXPECT_THAT(error_, HasSubstr("not stable"));
+}
+
+// The zones are stiff. Their joint has other points than a rigid block's, so the change by the pressure is compared.
+TEST_F(Rest, PressureFollowsAFaceOfADeformableBlock) {
+  const auto lowest = [&](const std::string& load) {
+    const std::string scene = write(loaded_block(load, "rigid = false\nzone_edge = 0.25\n"));
+    EXPECT_EQ(quoin({"modes", scene, "--state", "weight", "--out", out()}), 0) << error_;
+    return json(out(), "modes.json")["frequencies_Hz"][0].get<double>();
+  };
+  const double expected = lowest_of_block(kLoad, 0.0, kLoad) / lowest_of_block(0.0, 0.0, 0.0);
+  EXPECT_NEAR(lowest(kPressed) / lowest(""), expected, 1e-3);
+  EXPECT_NEAR(expected, 1.0136, 1e-4);
+}
+
 TEST_F(Rest, WhatIsWrongIsSaid) {
   const std::string scene = write(kCube);
   EXPECT_EQ(quoin({"rest", scene, "--stage", "nowhere", "--out", out()}), 3);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "analysis/limit_of_scene.h"
 #include "base/error.h"
@@ -16,6 +17,7 @@ namespace {
 using geometry::Vector;
 using members_cases::box;
 using members_cases::head;
+using members_cases::tie;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -180,16 +182,58 @@ TEST(LimitOfMembers, BondedWallsWithAFloorAreSolvedByWholeCones) {
 // A dowel yields in tension if a block rotates about its toe: lambda W h/2 = W b/2 + Ny d. If the block slides it has
 // both axial and shear force: lambda W = mu (W + Ny) + V.
 TEST(LimitOfMembers, DowelHoldsABlock) {
-  const auto dowelled = [](double height, double force, double shear) {
+  const auto dowelled = [](double height, double force, double shear, bool associated = true) {
     return limit_of_text(head(30.0) + box("block", "[0, 0, 0]", fmt::format("[1, {}, 1]", height)) +
                              fmt::format("[[dowel]]\npoint = [0.25, 0, 0.5]\ndirection = [0, 1, 0]\naxial_stiffness = "
                                          "1e8\nshear_stiffness = 1e7\nyield_force = {}\nyield_shear = {}\n",
                                          force, shear),
-                         {1, 0, 0});
+                         {1, 0, 0}, associated);
   };
   const double tall = 2000.0 * 4.0 * kGravity, low = 2000.0 * 0.5 * kGravity, mu = std::tan(30.0 * M_PI / 180.0);
-  EXPECT_NEAR(dowelled(4.0, 2e4, 1e6).limit->multiplier, (tall * 0.5 + 2e4 * 0.75) / (tall * 2.0), 1e-4);
+  const double turns = (tall * 0.5 + 2e4 * 0.75) / (tall * 2.0);
+  EXPECT_NEAR(dowelled(4.0, 2e4, 1e6).limit->multiplier, turns, 1e-4);
+  EXPECT_NEAR(dowelled(4.0, 2e4, 1e6, false).without_dilation->multiplier, turns, 1e-3 * turns) << "settled to 1e-3";
   EXPECT_NEAR(dowelled(0.5, 2e3, 1e3).limit->multiplier, mu * (1.0 + 2e3 / low) + 1e3 / low, 1e-4);
+}
+
+// A block of weight W slides. A member across the joint is not strained along its normal. Its force there is what it
+// was: the pretension T0, or 0, however strong it is. A dowel adds its shear V, a beam 2 My over the length L that
+// bends. An inclined tie is strained and yields at T, or is slack: mu (W + T sin) + T cos, or mu W. Sequences settle to
+// 1e-3. A slope of strengths, with which the block sinks, gave 0.50 and 0.33 for dowel and beam, which carried its
+// weight.
+TEST(LimitOfMembers, WithoutDilationMembersAcrossASlidingJointAreNotStrained) {
+  const double mu = std::tan(std::numbers::pi / 6.0), weight = 800.0 * kGravity;
+  const auto dowel = [](double yield) {
+    return fmt::format(
+        "[[dowel]]\npoint = [0.5, 0, 0.5]\ndirection = [0, 1, 0]\naxial_stiffness = 1e8\nshear_stiffness = 2e7\n"
+        "yield_force = {}\nyield_shear = 3e3\n",
+        yield);
+  };
+  const auto rod = [](double foot, double pretension) {
+    return tie("t", "base", fmt::format("[{}, -0.2, 0.5]", foot), "block", "[0.5, 0.2, 0.5]",
+               fmt::format("area = 1e-4\nyoung_modulus = 2e11\nyield_stress = 1e8\npretension = {}", pretension));
+  };
+  const std::string bar =
+      "[[beam]]\nname = \"l\"\npoints = [[0.5, -0.3, 0.5], [0.5, 0.3, 0.5]]\nup = [1, 0, 0]\nspacing = 0.3\narea = "
+      "5e-4\ninertia = [2e-8, 2e-8]\nyoung_modulus = 2e11\ndensity = 7850\nyield_moment = [600, 600]\n"
+      "[[beam.support]]\npoint = [0.5, -0.3, 0.5]\nblock = \"base\"\nhold = \"built_in\"\n"
+      "[[beam.support]]\npoint = [0.5, 0.3, 0.5]\nblock = \"block\"\nhold = \"built_in\"\n";
+  const double yields = mu + 1e4 * std::sqrt(0.5) * (mu + 1.0) / weight;
+  for (const auto& [member, expected] : {std::pair{dowel(1e3), mu + 3e3 / weight},
+                                         {dowel(5e4), mu + 3e3 / weight},
+                                         {dowel(5e5), mu + 3e3 / weight},
+                                         {bar, mu + 2.0 * 600.0 / 0.6 / weight},
+                                         {rod(0.5, 0.0), mu},
+                                         {rod(0.5, 1e4), mu * (1.0 + 1e4 / weight)},
+                                         {rod(0.1, 0.0), yields},
+                                         {rod(0.1, 5e3), yields},
+                                         {rod(0.9, 5e3), mu}}) {
+    const SceneLimit limit =
+        limit_of_text(head(30.0) + box("block", "[0, 0, 0]", "[1, 0.4, 1]") + member, {1, 0, 0}, false);
+    ASSERT_TRUE(limit.without_dilation && limit.without_dilation->settled) << member;
+    EXPECT_NEAR(limit.without_dilation->multiplier / expected, 1.0, 2e-3) << member;
+    EXPECT_LT(limit.without_dilation->apart, 0.01) << member;
+  }
 }
 
 // A plate on two blocks distributes half of its tie force to each, and a point on the joint between them is refused.
