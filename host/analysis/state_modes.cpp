@@ -53,14 +53,13 @@ Vibrating vibrating_about(const Scene& scene, const std::string& state, const st
   Scene there = rest ? at_rest(scene, *rest) : scene;
   there.start = weight ? "" : state;
   if (!weight) there.stages.push_back(there.stages.back());  // a stage after the run's last one, which is not begun
-  const Stage loaded = there.stages.back();
   Simulation simulation(std::move(there), 0);
   Observer nobody;
   if (weight)
     simulation.run(nobody);
   else
     take_start(&simulation);
-  Vibrating v = vibrating_now(simulation, tangent_of(simulation, &loaded));
+  Vibrating v = vibrating_now(simulation, tangent_of(simulation));
   v.state = state;
   refuse_if_held(v, scene.file);
   return v;

@@ -205,8 +205,8 @@ class StageWriter {
     for (const PointForce& force : given.forces) {
       const Brick& brick = rigid(force.block, given, "pushes");
       BodyControl& control = control_of(force.block, &stage);
-      const Vector arm = vector(force.point) - centre_of(brick), moment = cross(arm, vector(force.force));
-      if (control.may_turn && norm(moment) > kStraight * least_size(brick) * norm(vector(force.force)))
+      // An arm along the force counts, too, as soon as the block turns.
+      if (control.may_turn && norm(vector(force.point) - centre_of(brick)) > kStraight * least_size(brick))
         refuse(fmt::format("pushes '{}', which may turn, beside its centre", force.block));
       add(vector(force.force), &control);
     }
@@ -216,6 +216,8 @@ class StageWriter {
       for (size_t c = 1; c < 3; ++c) {
         if (std::abs(pressure.normal[c]) > std::abs(pressure.normal[axis])) axis = c;
       }
+      if (control_of(pressure.block, &stage).may_turn)
+        refuse(fmt::format("presses a face of '{}', which may turn", pressure.block));
       const double area = brick.size[(axis + 1) % 3] * brick.size[(axis + 2) % 3];
       Vector force;
       force[int(axis)] = (pressure.normal[axis] > 0.0 ? -1.0 : 1.0) * pressure.pressure * area;

@@ -8,8 +8,6 @@
 #include <optional>
 
 #include "base/error.h"
-#include "scene/from_bricks.h"
-#include "scene/load_place.h"
 #include "step/points_at_rest.h"
 #include "step/results.h"
 #include "step/stages.h"
@@ -195,24 +193,6 @@ void add_loads(const Simulation::Impl& s, const Unknowns& unknowns, Unknowns::En
   for (const blocks::Pressure& pressure : m.actions.pressures) add_pressure(m, unknowns, pressure, entries);
 }
 
-// The same on the lattice, where rigid blocks alone have forces and pressures, and do not turn.
-void add_loads_of(const Stage& stage, const Simulation::Impl& s, const Unknowns& unknowns, Unknowns::Entries* entries) {
-  if (stage.forces.empty() && stage.pressures.empty()) return;
-  const blocks::Assembly shapes = blocks::from_bricks(s.model.assembly);
-  for (const PointForce& force : stage.forces) {
-    const Vector place = geometry::vector(force.point);
-    const int block = blocks::block_at(shapes, force.block, place, stage.source.text);
-    unknowns.add_force(block, geometry::vector(force.force), place - unknowns.blocks()[at(block)].centre, entries);
-  }
-  for (const FacePressure& pressure : stage.pressures) {
-    for (const auto& [block, face] :
-         blocks::outer_faces(shapes, pressure.block, geometry::vector(pressure.normal), stage.source.text)) {
-      const geometry::ConvexPolyhedron& shape = shapes.shapes[at(shapes.blocks[at(block)].shape)];
-      add_following(unknowns, block, -pressure.pressure * face_area(shape, face) * shape.normals[at(face)], entries);
-    }
-  }
-}
-
 }  // namespace
 
 // Dashpots of impact and viscous damping: viscosity over stiffness by joint family, normal and along, and of zones, s.
@@ -229,7 +209,7 @@ std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
                   damping.beta, damping.alpha};
 }
 
-Tangent tangent_of(const Simulation::Impl& s, const Stage* given) {
+Tangent tangent_of(const Simulation::Impl& s) {
   if (s.ranks) throw Error(Exit::bad_input, "modes of a state: in one process alone; start quoin without mpirun");
   const Unknowns unknowns(s);
   const std::vector<ContactPoint> points = contact_points(s);
@@ -246,10 +226,7 @@ Tangent tangent_of(const Simulation::Impl& s, const Stage* given) {
     if (dashpots) viscous.emplace_back(e.row(), e.col(), dashpots->of_zones * e.value());
   }
   unknowns.add_stresses(points, &entries);
-  if (s.large_motion)
-    add_loads(s, unknowns, &entries);
-  else if (given)
-    add_loads_of(*given, s, unknowns, &entries);
+  if (s.large_motion) add_loads(s, unknowns, &entries);  // on the lattice loads act at centres
   for (const ContactPoint& p : points) {
     const double normal = k.normal[at(p.index)], shear = k.shear[at(p.index)];
     ++t.points;

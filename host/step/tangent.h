@@ -32,8 +32,7 @@ struct Tangent {
   double symmetry_factor = 1.0;
 };
 
-// Under the supports of the current stage; in one process. given: the last stage as the scene has it. On the lattice
-// its forces and pressures act at centres of blocks. null: these have no geometric stiffness there.
-Tangent tangent_of(const Simulation::Impl& s, const Stage* given = nullptr);
+// Under the supports of the current stage; in one process.
+Tangent tangent_of(const Simulation::Impl& s);
 
 }  // namespace quoin

@@ -358,6 +358,10 @@ TEST(KernelsChoice, WhatDoesNotFitIsNamed) {
   EXPECT_THAT(reason("stage.1.force=[{block=\"soft\",point=[0,1,0],force=[1,0,0]}]"), HasSubstr("pushes 'soft'"));
   EXPECT_THAT(reason("stage.1.force=[{block=\"stone\",point=[0,0.3,0],force=[1,0,0]}]"),
               HasSubstr("pushes 'stone', which may turn, beside its centre"));
+  EXPECT_THAT(reason("stage.1.force=[{block=\"stone\",point=[0.5,0.5,0.5],force=[0,-1,0]}]"),
+              HasSubstr("pushes 'stone', which may turn, beside its centre"));
+  EXPECT_THAT(reason("stage.1.pressure=[{block=\"stone\",normal=[0,1,0],pressure=10}]"),
+              HasSubstr("presses a face of 'stone', which may turn"));
   EXPECT_THAT(reason("stage.1.velocity=[{block=\"stone\",velocity=[0,0,0],omega=[0,0,1]}]"),
               HasSubstr("turns 'stone'"));
   EXPECT_THAT(reason("contact.small_displacement=0"), HasSubstr("more than 0 with solver.kernels = \"lattice\""));
@@ -412,10 +416,11 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
   // Areas are 0.5 m2 at the ends and 1 m2 at the top. Each pressure acts against the normal of its face.
   const Motion pressed = choose_motion(scene_of_text(
       kTwoBlocks, {"stage.1.pressure=[{block=\"stone\",normal=[-1,0,0],pressure=6},{block=\"stone\",normal="
-                   "[0,1,0],pressure=5},{block=\"stone\",normal=[0,0,-1],pressure=8}]"}));
+                   "[0,1,0],pressure=5},{block=\"stone\",normal=[0,0,-1],pressure=8}]",
+                   "stage.1.velocity=[{block=\"stone\",velocity=[\"free\",\"free\",\"free\"]}]"}));
   ASSERT_EQ(pressed.scene.stages[0].controls.size(), 2u);
-  EXPECT_EQ(pressed.scene.stages[0].controls[1].body, "stone");
-  EXPECT_EQ(pressed.scene.stages[0].controls[1].force, (Vec3{3.0, -5.0, 4.0}));
+  EXPECT_EQ(pressed.scene.stages[0].controls[0].body, "stone");
+  EXPECT_EQ(pressed.scene.stages[0].controls[0].force, (Vec3{3.0, -5.0, 4.0}));
 }
 
 // A stone of 1 x 0.5 x 1 m of 2000 kg/m3 and a soft one on elastic joints of 1e9 Pa/m, with both kinds of kernels. The
