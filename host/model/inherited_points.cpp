@@ -83,8 +83,9 @@ void keep_pairs(World& w, std::span<const KeptItems> kept, size_t count) {
 
 namespace {
 
-// Shift of a reference gap below which it is left, over the smallest block: far above rounding, far below any overlap.
-constexpr double kSlightShift = 1e-9;
+// Difference of closures below which they count as the same, over the smallest block: far above rounding, far below any
+// overlap.
+constexpr double kSlightlyApart = 1e-9;
 
 // History of a new point from its nearest old point.
 struct Heir {
@@ -243,6 +244,8 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
     closure.push_back(plastic_closure(old, j));
     of_gap.push_back(closure.back() - old.point[j].reference);
   }
+  const auto [least, most] = std::ranges::minmax_element(of_gap);
+  const bool varies = !of_gap.empty() && *most - *least > kSlightlyApart * w.detection.size;
   std::vector<Heir> heirs(points.size());
   uint32_t next_facet = c.first_facet;
   const auto put = [&](const Facet& facet) {
@@ -266,8 +269,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
       inherit(w, old, size_t(nearest), c, f, to);
       const size_t heir_of = size_t(nearest) - finding.first;
       const bool is_open = f.traction[0][to] == 0.0 && closure[heir_of] == 0.0;  // the true gap counts
-      const double shift = of_gap[heir_of] - closure_at(p.at, then, of_gap, heir_of);
-      if (!is_open && std::abs(shift) > kSlightShift * w.detection.size) p.reference += shift;
+      if (varies && !is_open) p.reference += of_gap[heir_of] - closure_at(p.at, then, of_gap, heir_of);
     } else {
       const bool bonded = at_start && points[k].joint;
       const auto& values = bonded ? f.initial : f.dry;

@@ -174,7 +174,11 @@ class JointFinder {
 class StageWriter {
  public:
   StageWriter(const Assembly& assembly, const std::vector<Brick>& bricks, const Scene& scene)
-      : assembly_(assembly), bricks_(bricks), watched_(scene.output.monitor), file_(scene.file) {}
+      : assembly_(assembly),
+        bricks_(bricks),
+        watched_(scene.output.monitor),
+        file_(scene.file),
+        stays_(scene.solver.large_motion == LargeMotion::never) {}
 
   Stage on_bodies(const Stage& given) const {
     const auto refuse = [&](const std::string& what) { unfit("stage '{}' {}", given.name, what); };
@@ -205,8 +209,10 @@ class StageWriter {
     for (const PointForce& force : given.forces) {
       const Brick& brick = rigid(force.block, given, "pushes");
       BodyControl& control = control_of(force.block, &stage);
+      const Vector arm = vector(force.point) - centre_of(brick), moment = cross(arm, vector(force.force));
       // An arm along the force counts, too, as soon as the block turns.
-      if (control.may_turn && norm(vector(force.point) - centre_of(brick)) > kStraight * least_size(brick))
+      const double counts = stays_ ? norm(moment) / norm(vector(force.force)) : norm(arm);
+      if (control.may_turn && counts > kStraight * least_size(brick))
         refuse(fmt::format("pushes '{}', which may turn, beside its centre", force.block));
       add(vector(force.force), &control);
     }
@@ -216,7 +222,7 @@ class StageWriter {
       for (size_t c = 1; c < 3; ++c) {
         if (std::abs(pressure.normal[c]) > std::abs(pressure.normal[axis])) axis = c;
       }
-      if (control_of(pressure.block, &stage).may_turn)
+      if (!stays_ && control_of(pressure.block, &stage).may_turn)
         refuse(fmt::format("presses a face of '{}', which may turn", pressure.block));
       const double area = brick.size[(axis + 1) % 3] * brick.size[(axis + 2) % 3];
       Vector force;
@@ -261,6 +267,7 @@ class StageWriter {
   const Assembly& assembly_;
   const std::vector<Brick>& bricks_;
   std::string watched_, file_;
+  bool stays_;  // whether blocks never go over to large motion
 };
 
 // Names bodies after their blocks; a fixed block without a name has its label.

@@ -145,7 +145,7 @@ HistoryRow measure_row(const Simulation::Impl& s) {
   measure_reactions(s, supports, row);
   row.added = added_values(s);
   row.multiplier = s.actions.multiplier;
-  const auto direction = at(s.scene.stages[at(row.stage)].direction);
+  const auto direction = s.scene.stages.empty() ? std::size_t{0} : at(s.scene.stages[at(row.stage)].direction);
   const bool acts = std::any_of(s.scene.stages.begin(), s.scene.stages.end(),
                                 [](const Stage& stage) { return !beyond_lattice(stage).empty(); });
   if (s.large_motion) row.multiplier = s.actions.multiplier;

@@ -15,7 +15,7 @@ using geometry::Vector;
 
 // Stress of a zone on the lattice, Pa, from the displacements of its block's gridpoints, m.
 Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<Vector>& moved) {
-  Matrix stress{};
+  Matrix stress = Matrix::zero();
   for (std::size_t a = 0; a < 4; ++a) {
     const Vector& w = moved[at(zone.node[a])];
     const Vector gradient = geometry::vector(zone.shape_gradient[a]);

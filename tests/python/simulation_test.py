@@ -194,8 +194,7 @@ class Steering(Folder):
             return [sim.measure()[f"monitor_f{axis}_N"] for axis in "xz"]
 
         never = dict(large_motion="never", rotation_bound=0.3, sliding_bound=0.5)
-        goes_over = dict(large_motion="automatic", rotation_bound=0.3, sliding_bound=6e-3)
-        for solver in (dict(kernels="lattice", **never), dict(kernels="lattice", **goes_over), dict(kernels="general")):
+        for solver in (dict(kernels="lattice", **never), dict(kernels="general")):
             # Reaction at rest. Tolerance 1e-6 of it: what local damping leaves of the motion after 3 s.
             np.testing.assert_allclose(np.abs(at_rest(quoin.Simulation(scene(**solver)))), [5000.0, 300.0], rtol=1e-6)
             sim = quoin.Simulation(scene(**solver))
