@@ -50,11 +50,11 @@ struct HistoryNumbers {
   double displacement = 0.0;  // displacement of monitor or roof along Stage::direction since the start of the stage, m
   double resistance = 0.0;    // force along Stage::direction, N, positive when the wall resists: minus that of the
                               // joints on the monitor; with Stage::roof that on the monitor, which is the ground
-  double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
-  Vec3 monitor_displacement{};    // displacement of monitor or roof since the start of the simulation, m
-  Vec3 joint_force{};             // force of the joints on the bodies of the monitor, N
-  double dynamic_force = 0.0;     // sum of reactions and loads along Stage::direction, and Members::unbalanced_strips,
-                                  // N; 0 at rest
+  double vertical_force = 0.0;  // force between monitor and wall along y, compression positive, N
+  Vec3 monitor_displacement{};  // displacement of monitor or roof since the start of the simulation, m
+  Vec3 joint_force{};           // force of the joints on the bodies of the monitor, N
+  double dynamic_force = 0.0;   // sum of reactions and loads along Stage::direction, and Members::unbalanced_strips,
+                                // N; 0 at rest
   // Sum of all forces on rigid blocks of the monitor, along components that are free and not Stage::direction, N. It is
   // their inertia force there.
   double monitor_inertia = 0.0;

@@ -537,7 +537,8 @@ duration = 1
   EXPECT_EQ(quoin(larger, here(0.25)), 3);
   EXPECT_THAT(error_, HasSubstr("--force"));
   EXPECT_EQ(quoin({"check", small_, "--set", "joints.mortar.normal_stiffness=1e300"}, here(8)), 3);
-  EXPECT_THAT(error_, AllOf(HasSubstr("joints.mortar"), HasSubstr("1e+300"), HasSubstr("0 to 1e+20 Pa/m"), HasSubstr("lower the stiffness")));
+  EXPECT_THAT(error_, AllOf(HasSubstr("joints.mortar"), HasSubstr("1e+300"), HasSubstr("0 to 1e+20 Pa/m"),
+                            HasSubstr("lower the stiffness")));
 }
 
 // Estimated times of very long and of short runs are printed with numbers.
