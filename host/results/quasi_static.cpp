@@ -62,8 +62,10 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
       return result;
     }
     for (std::size_t i = first; i < end; ++i) {
-      if (const double force = std::abs(rows[i].resistance); force > peak)
-        peak = force, at_peak = std::max(std::abs(rows[i].dynamic_force), rows[i].monitor_inertia);
+      if (const double force = std::abs(rows[i].resistance); force > peak) {
+        peak = force;
+        at_peak = std::max(std::abs(rows[i].dynamic_force), rows[i].monitor_inertia);
+      }
       kinetic = std::max(kinetic, rows[i].kinetic_energy);
       inertia.add(rows[i].dynamic_force);
       if (rows[i].time - rows[first].time >= stage.ramp_time) after_ramps.add(rows[i].dynamic_force);
@@ -93,9 +95,10 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
           fmt::format("stage '{}' has {} rows, too few to judge by; give a shorter output.record_interval", stage.name,
                       end - first);
   }
-  if (peak > 0.0)
-    result.dynamic_force_ratio = std::max(inertia.root(), after_ramps.root()) / peak,
+  if (peak > 0.0) {
+    result.dynamic_force_ratio = std::max(inertia.root(), after_ramps.root()) / peak;
     result.dynamic_force_at_peak = at_peak / peak;
+  }
   const double whole = scene.wall && scene.wall->half_thickness ? 2.0 : 1.0;
   if (most_work > 0.0) result.kinetic_energy_ratio = kinetic * whole / most_work;
   if (!result.not_judged.empty()) return result;

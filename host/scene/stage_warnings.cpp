@@ -179,9 +179,9 @@ std::string goes_on_in_ramp(const Scene& scene, std::size_t stage) {
   return "";
 }
 
-// Whether a stage pushes or moves masonry along one of these axes.
-bool acts_along(const Stage& stage, std::initializer_list<std::size_t> axes) {
-  const auto has = [&](const Vec3& v) { return std::ranges::any_of(axes, [&](std::size_t c) { return v[c] != 0.0; }); };
+// Whether a stage pushes or moves masonry along an axis.
+bool acts_along(const Stage& stage, std::size_t axis) {
+  const auto has = [axis](const Vec3& v) { return v[axis] != 0.0; };
   const auto shakes = [&](const GroundMotion& ground) {
     return std::ranges::any_of(ground.components, has, &GroundMotion::Component::direction);
   };
@@ -200,7 +200,7 @@ std::string few_zones_in_bending(const Scene& scene, std::size_t stage) {
   const int zones = scene.building                           ? scene.building->zones[2]
                     : scene.wall && !scene.wall->rigid_units ? scene.wall->zones[2] * (1 + scene.wall->half_thickness)
                                                              : kEnough;
-  const bool bends = scene.building ? now.ground || now.collapse : acts_along(now, {2});
+  const bool bends = scene.building ? now.ground || now.collapse : acts_along(now, 2);
   if (zones >= kEnough || !bends) return "";
   return fmt::format(
       "stage '{}' bends walls out of plane, and their joints have {} zone{} through the thickness: elastic ones are "

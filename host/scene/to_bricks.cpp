@@ -209,10 +209,10 @@ class StageWriter {
     for (const PointForce& force : given.forces) {
       const Brick& brick = rigid(force.block, given, "pushes");
       BodyControl& control = control_of(force.block, &stage);
-      const Vector arm = vector(force.point) - centre_of(brick), moment = cross(arm, vector(force.force));
       // An arm along the force counts, too, as soon as the block turns.
-      const double counts = stays_ ? norm(moment) / norm(vector(force.force)) : norm(arm);
-      if (control.may_turn && counts > kStraight * least_size(brick))
+      Vector arm = vector(force.point) - centre_of(brick);
+      if (stays_) arm = cross(arm, normalized(vector(force.force)));
+      if (control.may_turn && norm(arm) > kStraight * least_size(brick))
         refuse(fmt::format("pushes '{}', which may turn, beside its centre", force.block));
       add(vector(force.force), &control);
     }

@@ -31,8 +31,7 @@ namespace quoin {
 namespace {
 
 // Inertia force of the monitor beside its direction, N.
-double monitor_inertia(const Simulation::Impl& s, std::size_t direction) {
-  const std::vector<std::uint8_t> held = held_now(s);
+double monitor_inertia(const Simulation::Impl& s, std::span<const std::uint8_t> held, std::size_t direction) {
   Vec3 sum{};
   for (const int block : s.monitor.blocks) {
     if (!is_rigid(s, block)) continue;
@@ -46,7 +45,8 @@ double monitor_inertia(const Simulation::Impl& s, std::size_t direction) {
 // Displacement of the monitor, and the force along it, from the sum of the joint forces on it. A stage with a roof
 // shows that, and the force that the walls carry to the monitor, their ground. The displacement is that at the time of
 // the forces.
-void measure_monitor(const Simulation::Impl& s, std::size_t direction, HistoryRow& row) {
+void measure_monitor(const Simulation::Impl& s, std::span<const std::uint8_t> held, std::size_t direction,
+                     HistoryRow& row) {
   row.monitor_displacement = row.monitor_relative = displacement_at_forces(s, shown_blocks(s));
   row.monitor_relative -= row.ground_displacement;
   row.joint_force = force_on_whole(s, joint_force_on_monitor(s));
@@ -54,7 +54,7 @@ void measure_monitor(const Simulation::Impl& s, std::size_t direction, HistoryRo
   row.resistance = s.controls.floors.empty() ? -row.joint_force[direction] : row.joint_force[direction];
   const double upright = row.joint_force[at(upright_axis(s.scene))];
   row.vertical_force = s.monitor.stands_below ? -upright : upright;  // compression positive
-  row.monitor_inertia = monitor_inertia(s, direction);
+  row.monitor_inertia = monitor_inertia(s, held, direction);
 }
 
 // Resultant of all forces on the blocks along an axis, N. It is their inertia force.
@@ -80,20 +80,20 @@ double dynamic_force(const Simulation::Impl& s, std::size_t direction) {
   return force;
 }
 
-}  // namespace
-
-double largest_displacement(const Simulation::Impl& s) {
+// Of a block that is no support, m.
+double largest_displacement(const Simulation::Impl& s, std::span<const std::uint8_t> held) {
   const auto way_of = [&](int block) {
     if (s.large_motion) return moved(*s.large_motion, block);
     const auto& checked = s.small_motion.whole_motions;
     return geometry::vector((has_all(s) ? whole_motion_of(s, at(block)) : checked[at(block)]).translation);
   };
   double largest = 0.0;
-  const std::vector<std::uint8_t> held = held_now(s);
   for (int i = 0; i < block_count(s); ++i)
     if (!is_fixed(s, i) || held[at(i)] != kAllHeld) largest = larger(largest, norm(way_of(i)));
   return largest;
 }
+
+}  // namespace
 
 void sum_measurements(Simulation::Impl& s) {
   if (s.large_motion) return measure_large_motion_step(s);
@@ -142,16 +142,17 @@ HistoryRow measure_row(const Simulation::Impl& s) {
   row.kinetic_energy = s.energy.kinetic;
   row.energies = s.energy.now;
   const std::vector<JointWrench> supports = wrenches_of_supports(s);
-  measure_reactions(s, supports, row);
+  const std::vector<std::uint8_t> held = held_now(s);
+  measure_reactions(s, supports, held, row);
   row.added = added_values(s);
   row.multiplier = s.actions.multiplier;
   const auto direction = s.scene.stages.empty() ? std::size_t{0} : at(s.scene.stages[at(row.stage)].direction);
-  const bool acts = std::any_of(s.scene.stages.begin(), s.scene.stages.end(),
-                                [](const Stage& stage) { return !beyond_lattice(stage).empty(); });
-  if (s.large_motion) row.multiplier = s.actions.multiplier;
-  if (s.large_motion || s.scene.blocks || acts) row.largest_displacement = largest_displacement(s);
-  if (s.large_motion || acts) measure_base(s, supports, row);
-  if (!s.monitor.blocks.empty()) measure_monitor(s, direction, row);
+  const bool acts = s.large_motion || std::ranges::any_of(s.scene.stages, [](const Stage& stage) {
+                      return !beyond_lattice(stage).empty();
+                    });
+  if (s.scene.blocks || acts) row.largest_displacement = largest_displacement(s, held);
+  if (acts) measure_base(s, supports, held, row);
+  if (!s.monitor.blocks.empty()) measure_monitor(s, held, direction, row);
   row.dynamic_force = dynamic_force(s, direction);
   return row;
 }

@@ -7,7 +7,6 @@ namespace quoin {
 
 HistoryRow measure_row(const Simulation::Impl& s);
 void sum_measurements(Simulation::Impl& s);                       // sums over items and chunks of a measured step
-double largest_displacement(const Simulation::Impl& s);           // of a block that is no support, m
 void require_finite(Simulation::Impl& s, const HistoryRow& row);  // throws Error(numerical)
 
 }  // namespace quoin

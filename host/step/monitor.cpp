@@ -17,11 +17,17 @@ namespace quoin {
 
 namespace {
 
+// By block: 1: it is one of these.
+std::vector<char> marked(const Simulation::Impl& s, const std::vector<int>& blocks) {
+  std::vector<char> marks(at(block_count(s)), 0);
+  for (const int block : blocks) marks[at(block)] = 1;
+  return marks;
+}
+
 // Visits contact points at blocks of the monitor: visit(block, position).
 template <class Visit>
 void each_point_at(const Simulation::Impl& s, const std::vector<int>& blocks, const Visit& visit) {
-  std::vector<char> watched(at(block_count(s)), 0);
-  for (const int block : blocks) watched[at(block)] = 1;
+  const std::vector<char> watched = marked(s, blocks);
   for (std::int32_t p = 0; !s.large_motion && p < s.model.point_count; ++p) {
     const Model::Sides sides = s.model.sides_of(p);
     for (const int block : {sides.a, sides.b})
@@ -77,9 +83,11 @@ void watch_blocks(Simulation::Impl& s, const Stage& settings) {
   s.monitor.blocks = watched_by(s, settings);
   s.monitor.stands_below = stand_below(s, s.monitor.blocks);
   s.monitor.points.clear();
-  std::vector<char> watched(at(block_count(s)), 0);
-  for (const int block : s.monitor.blocks) watched[at(block)] = is_deformable_brick(s, block) ? 1 : 0;
-  for (std::int32_t p = 0; std::ranges::count(watched, 1) > 0 && p < s.model.point_count; ++p) {
+  std::vector<int> deformable = s.monitor.blocks;
+  std::erase_if(deformable, [&s](int block) { return !is_deformable_brick(s, block); });
+  if (deformable.empty()) return;
+  const std::vector<char> watched = marked(s, deformable);
+  for (std::int32_t p = 0; p < s.model.point_count; ++p) {
     const Model::Sides sides = s.model.sides_of(p);
     const bool a = watched[at(sides.a)] != 0, b = watched[at(sides.b)] != 0;
     if (a != b) s.monitor.points.push_back({p, a ? 1.0 : -1.0});

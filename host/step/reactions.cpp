@@ -147,8 +147,8 @@ std::vector<JointWrench> wrenches_of_supports(const Simulation::Impl& s) {
   return wrenches;
 }
 
-void measure_reactions(const Simulation::Impl& s, std::span<const JointWrench> wrenches, HistoryRow& row) {
-  const std::vector<std::uint8_t> held = held_now(s);
+void measure_reactions(const Simulation::Impl& s, std::span<const JointWrench> wrenches,
+                       std::span<const std::uint8_t> held, HistoryRow& row) {
   const std::vector<int>& restrained = s.reactions.restrained_blocks;
   std::vector<Vector> centre(s.reactions.restraints.size());
   std::vector<double> count(s.reactions.restraints.size(), 0.0);

@@ -23,6 +23,8 @@ Vec3 force_on_whole(const Simulation::Impl& s, const Vec3& of_half);
 Vec3 moment_on_whole(const Simulation::Impl& s, const Vec3& of_half);
 // Forces and moments of the joints on Reactions::restrained_blocks.
 std::vector<JointWrench> wrenches_of_supports(const Simulation::Impl& s);
-void measure_reactions(const Simulation::Impl& s, std::span<const JointWrench> wrenches, HistoryRow& row);
+// held: as held_now().
+void measure_reactions(const Simulation::Impl& s, std::span<const JointWrench> wrenches,
+                       std::span<const std::uint8_t> held, HistoryRow& row);
 
 }  // namespace quoin

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "base/error.h"
 #include "base/upright_axis.h"
@@ -49,8 +50,8 @@ double most_acceleration(const Simulation::Impl& s) {
   double most = kUsual;
   if (s.progress.stage < 0) return most;
   const Stage& settings = current_stage(s);
-  for (const Drive& d : s.actions.drives) {
-    if (stage_time(s) >= settings.ramp_time) break;
+  const bool ramps = stage_time(s) < settings.ramp_time;
+  for (const Drive& d : ramps ? std::span(s.actions.drives) : std::span<const Drive>()) {
     const double change = norm(d.velocity_to - d.velocity_from) +
                           0.5 * norm_of(s.model.assembly.bricks[at(d.block)].size) * norm(d.omega_to - d.omega_from);
     most = std::max(most, kSteepest * change / settings.ramp_time);
@@ -59,7 +60,7 @@ double most_acceleration(const Simulation::Impl& s) {
     most = std::max(most, kSteepest * std::abs(settings.cycles->velocity) / settings.cycles->ramp_time);
   const auto look = [&](const GroundMotion& ground) {
     for (const GroundMotion::Component& c : ground.components)
-      for (const double value : c.acceleration.value) most = std::max(most, norm_of(c.direction) * std::abs(value));
+      for (const double value : c.acceleration.value) most = std::max(most, std::abs(value));
   };
   if (settings.ground) {
     look(*settings.ground);

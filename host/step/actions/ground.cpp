@@ -199,7 +199,8 @@ void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
             warnings);
 }
 
-void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, HistoryRow& row) {
+void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, std::span<const std::uint8_t> held,
+                  HistoryRow& row) {
   const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
   Vec3 moved{};  // displacement of the ground when the contact points of the wrenches were where they count
   if (const int ground = ground_block(s); ground >= 0) {
@@ -209,7 +210,6 @@ void measure_base(const Simulation::Impl& s, std::span<const JointWrench> suppor
     moved = row.ground_displacement = geometry::array(members->ground());
   }
   const Vector centre = s.reactions.base_centre + geometry::vector(moved);
-  const std::vector<std::uint8_t> held = held_now(s);
   Vector force, moment;
   bool is_held = s.large_motion != nullptr;
   for (std::size_t i = 0; i < supports.size(); ++i) {

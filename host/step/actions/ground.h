@@ -23,7 +23,8 @@ int ground_block(const Simulation::Impl& s);
 void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings);
 // Measures force and moment of the structure on the ground: on fixed blocks that no stage has freed, and on what lies
 // below springs. supports: of Reactions::restrained_blocks.
-void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, HistoryRow& row);
+void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, std::span<const std::uint8_t> held,
+                  HistoryRow& row);
 void find_base_of_lattice(Simulation::Impl& s);
 
 }  // namespace quoin
