@@ -12,6 +12,13 @@ Vector in_space(const World& w, const Point& p, const Vector& v) {
   return p.facet_a >= 0 || w.blocks[p.a].body < 0 ? v : w.bodies[w.blocks[p.a].body].r * v;
 }
 
+std::array<double, 3> corner_shares(const Vector& y, const Vector& z, const Vector& place) {
+  const Vector m = cross(y, z);
+  const double square = dot(m, m);
+  const double of_y = dot(cross(place, z), m) / square, of_z = dot(cross(y, place), m) / square;
+  return {1.0 - of_y - of_z, of_y, of_z};
+}
+
 TriangleFrame triangle_frame(const LaneVector<Vector>& x, const Facet& facet) {
   const Vector &x1 = x[facet.node[0]], e2 = x[facet.node[1]] - x1, e3 = x[facet.node[2]] - x1;
   const double length = norm(e2);

@@ -1,6 +1,7 @@
 // Places of contact points, and their axes.
 #pragma once
 
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -24,6 +25,9 @@ struct TriangleFrame {
   Vector n, s, t;
   ShapeGradients gradient;
 };
+// Shares of the corners x, y, z of a triangle at the foot of a place on its plane; their sum is 1. Given: y - x,
+// z - x, place - x.
+std::array<double, 3> corner_shares(const Vector& y, const Vector& z, const Vector& place);
 TriangleFrame triangle_frame(const LaneVector<Vector>& gridpoints, const Facet& facet);
 void take_axes(Point& p, const TriangleFrame& frame);
 void move_foot(Facet& facet, const ShapeGradients& gradient, double along_s, double along_t);  // m

@@ -138,13 +138,12 @@ double closure_at(const Vector& place, std::span<const Vector> points, std::span
   double found = closure[nearest], least = HUGE_VAL;
   const auto take = [&](size_t i, size_t j, size_t k) {
     const double size = squared(i) + squared(j) + squared(k);
-    const Vector y = points[j] - points[i], z = points[k] - points[i], m = cross(y, z), at = place - points[i];
-    const double square = dot(m, m);
-    if (size >= least || square <= kFlat * dot(y, y) * dot(z, z)) return;
-    double of_j = dot(cross(at, z), m) / square, of_k = dot(cross(y, at), m) / square, of_i = 1.0 - of_j - of_k;
-    if (std::min({of_i, of_j, of_k}) < -kBeside) return;
-    for (double* share : {&of_i, &of_j, &of_k}) *share = std::max(0.0, *share);
-    found = (of_i * closure[i] + of_j * closure[j] + of_k * closure[k]) / (of_i + of_j + of_k);
+    const Vector y = points[j] - points[i], z = points[k] - points[i], m = cross(y, z);
+    if (size >= least || dot(m, m) <= kFlat * dot(y, y) * dot(z, z)) return;
+    auto share = corner_shares(y, z, place - points[i]);
+    if (std::ranges::min(share) < -kBeside) return;
+    for (double& of : share) of = std::max(0.0, of);
+    found = (share[0] * closure[i] + share[1] * closure[j] + share[2] * closure[k]) / (share[0] + share[1] + share[2]);
     least = size;
   };
   for (size_t i = 0; i < near.size(); ++i) {

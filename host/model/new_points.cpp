@@ -60,15 +60,13 @@ void anchor(const World& w, NewPoint& made, int block, const Vector& at, int fac
   double best = -1e300;
   for (const auto& tri : mb.surface) {
     if (tri.face != face) continue;
-    const Vector &x1 = w.nodes.x[tri.node[0]], e2 = w.nodes.x[tri.node[1]] - x1, e3 = w.nodes.x[tri.node[2]] - x1;
-    const Vector m = cross(e2, e3);
-    const double square = dot(m, m);
-    const double w2 = dot(cross(at - x1, e3), m) / square, w3 = dot(cross(e2, at - x1), m) / square, w1 = 1 - w2 - w3;
-    const double least = std::min({w1, w2, w3});
+    const Vector& x = w.nodes.x[tri.node[0]];
+    const auto share = corner_shares(w.nodes.x[tri.node[1]] - x, w.nodes.x[tri.node[2]] - x, at - x);
+    const double least = std::ranges::min(share);
     if (least <= best) continue;
     best = least;
     for (int k = 0; k < 3; ++k) facet.node[k] = tri.node[k];
-    facet.weight[0] = w1, facet.weight[1] = w2, facet.weight[2] = w3;
+    std::ranges::copy(share, facet.weight);
   }
   if (plane_side) {
     p.facet_a = 0;  // index set when the point is stored
