@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.h"
 
 namespace quoin::geometry {
@@ -17,6 +20,20 @@ void triangle_vertex_rule(const Point2& a, const Point2& b, const Point2& c, dou
                           std::vector<QuadraturePoint>& points, size_t first) {
   const double third = cross2(a, b, c) / 6;
   for (const Point2& p : {a, b, c}) add_merged(points, first, {p, third}, tolerance);
+}
+
+// Coordinates of Wachspress (1975) of a place inside a convex polygon: shares of its corners, >= 0, with 1 as their sum
+// and the place as their mean. The share of a corner vanishes as the sides there come to lie on one line.
+void corner_coordinates(const Polygon& p, const Point2& at, std::vector<double>& share) {
+  const size_t n = p.size();
+  share.resize(n);
+  double sum = 0.0;
+  for (size_t i = 0; i < n; ++i) {
+    const Point2 &before = p[i > 0 ? i - 1 : n - 1], &after = p[i + 1 < n ? i + 1 : 0];
+    share[i] = std::max(0.0, cross2(before, p[i], after)) / (cross2(at, before, p[i]) * cross2(at, p[i], after));
+    sum += share[i];
+  }
+  for (double& of : share) of /= sum;
 }
 
 }  // namespace
@@ -76,21 +93,27 @@ size_t add_merged(std::vector<QuadraturePoint>& points, size_t first, const Quad
 }
 
 void vertex_rule(const Polygon& p, std::vector<QuadraturePoint>& points) {
-  const size_t n = p.size();
+  const size_t n = p.size(), first = points.size();
   if (n == 3) {
     const double third = area(p) / 3;
     for (const Point2& c : p) points.push_back({c, third});
     return;
   }
-  // The fan about the centroid distributes thirds of its triangles to two corners and the centroid. The centroid's
-  // share is returned to the corners in proportion, as the corners with these weights have the centroid as their mean.
+  for (const Point2& c : p) points.push_back({c, 0.0});
   const Point2 g = centroid(p);
-  double before = 0.5 * cross2(g, p[n - 1], p[0]);
-  for (size_t i = 0; i < n; ++i) {
-    const double after = 0.5 * cross2(g, p[i], p[(i + 1) % n]);
-    points.push_back({p[i], 0.5 * (before + after)});
-    before = after;
+  std::vector<double> share;
+  for (size_t i = 0; i < n; ++i) {  // a fan about the centroid, three points a triangle: exact for linear functions
+    const Point2 *a = &g, *b = &p[i], *c = &p[i + 1 < n ? i + 1 : 0];
+    const double third = cross2(*a, *b, *c) / 6;
+    for (int k = 0; k < 3; ++k) {
+      corner_coordinates(p, mix(mix(*b, *c, 0.5), *a, 2.0 / 3.0), share);
+      for (size_t j = 0; j < n; ++j) points[first + j].area += third * share[j];
+      std::swap(a, b), std::swap(b, c);
+    }
   }
+  const auto of_polygon = points.begin() + std::ptrdiff_t(first);
+  points.erase(std::remove_if(of_polygon, points.end(), [](const QuadraturePoint& q) { return q.area <= 0.0; }),
+               points.end());
 }
 
 void cubic_rule(const Polygon& p, std::vector<QuadraturePoint>& points) {

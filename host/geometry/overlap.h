@@ -28,7 +28,9 @@ struct QuadraturePoint {
 // Quadrature rules have positive weights with the area as their sum. They are exact for linear functions, so constant
 // stress gives the right force and moment (patch test). Points at the corners let a rocking block turn about its true
 // edge.
-// - vertex_rule: corners only; a quarter of the area each for a rectangle, a third for a triangle.
+// - vertex_rule: corners only, by the integrals of Wachspress' coordinates; a quarter of the area each for a rectangle,
+//   a third for a triangle. A corner that goes flat loses its area, so the rule changes with the overlap without a
+//   jump.
 // - cubic_rule: fan about the centroid, 7 points a triangle (corners 1/20, mid-sides 2/15, centre 9/20). It is exact
 //   for cubics, and so is the rotational stiffness of an elastic joint.
 // - grid_rule: vertex rule on cells no longer than `spacing`, for stress profiles inside one joint. Quadrilaterals are

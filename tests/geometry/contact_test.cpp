@@ -228,6 +228,31 @@ TEST(Overlap, RulesArePositiveAndExact) {
   EXPECT_EQ(points.size(), 15u);
 }
 
+// A square and the same turned by a small angle overlap in an octagon. Four of its corners lie at mid-side, and their
+// area vanishes with the angle. The others have nearly a quarter of the area each.
+TEST(Overlap, AreaOfACornerVanishesAsItGoesFlat) {
+  const Polygon unit = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+  for (double angle : {1e-2, 1e-3, 1e-4}) {
+    Polygon turned = unit, overlap, scratch;
+    for (Point2& p : turned)
+      p = {std::cos(angle) * p.x - std::sin(angle) * p.y, std::sin(angle) * p.x + std::cos(angle) * p.y};
+    clip(turned, unit, 1e-9, overlap, scratch);
+    ASSERT_EQ(overlap.size(), 8u);
+    std::vector<QuadraturePoint> points;
+    vertex_rule(overlap, points);
+    double at_sides = 0.0;
+    for (const QuadraturePoint& q : points) {
+      const bool at_corner = std::min(std::abs(q.at.x), std::abs(q.at.y)) > 0.4;
+      if (at_corner) {
+        EXPECT_NEAR(q.area, 0.25, angle);
+      }
+      at_sides += at_corner ? 0.0 : q.area;
+    }
+    EXPECT_GT(at_sides, 0.0);
+    EXPECT_LT(at_sides, 4.0 * angle);
+  }
+}
+
 TEST(BroadPhase, AgreesWithBruteForce) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> u(0, 1);

@@ -512,6 +512,49 @@ record_interval = 1
   EXPECT_LT(std::abs(shear.back().energies->detection), 3.0);
 }
 
+// A flush block that turns a little about the vertical: corners of the overlap move in by its yaw, and new ones lie at
+// mid-side. These had 31 % of the area at once, so the moment of a joint that is pressed at one side fell by a quarter
+// in one step. Their area grows with the yaw now. The moment goes with the distances of corners, which fall by 2 yaw.
+TEST(Outside, YawOfAFlushBlockTakesNoMomentAtOnce) {
+  constexpr double kYaw = 0.02;
+  const Rows rows = rows_of(kCube + R"(
+[solver]
+large_motion = "always"
+[joints.smooth]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 0
+[[joint_rule]]
+family = "smooth"
+normal = "vertical"
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = { lower = [0, -1, 0], size = [1, 1, 1] }
+[[stage]]
+duration = 0.02
+ramp_time = 0
+velocity = [{ block = "cube", velocity = [0, -0.005, 0], omega = [0, 0, 0.008] }]
+[[stage]]
+duration = 0.02
+ramp_time = 0
+velocity = [{ block = "cube", velocity = [0, 0, 0], omega = [0, 0, 0] }]
+[[stage]]
+duration = 0.2
+ramp_time = 0
+velocity = [{ block = "cube", velocity = [0, 0, 0], omega = [0, 0.1, 0] }]
+)");
+  const auto moment = [](const HistoryRow& row) { return std::abs(row.reactions[0].moment[2]); };
+  const double before = moment(rows.of_stage(1).back()), after = moment(rows.of_stage(2).back());
+  EXPECT_NEAR(before, 1e9 * 1.6e-4 * 0.25,
+              0.1 * before);  // kn A (theta L/2)(L/2) of four corners; a step more of theta
+  EXPECT_GT(after, (1.0 - 2.5 * kYaw) * before);
+  EXPECT_LT(after, (1.0 - 1.0 * kYaw) * before);
+}
+
 // Weight put on at once does the work (mg)^2/k. Half of it is stored in the joint, so damping takes the other half. On
 // the lattice it took nothing.
 TEST(Outside, StiffnessDampingActsOnJointsInAllKernels) {
@@ -1644,7 +1687,8 @@ TEST(Outside, UprightIsTheAxisOfGravity) {
              ", size = " + (z_up ? fmt::format("[0.5, 0.5, {}]", h) : fmt::format("[0.5, {}, 0.5]", h)) + " }\n";
     };
     std::unique_ptr<Simulation> run;
-    const Rows rows = rows_of(R"([joints.soft]
+    const Rows rows =
+        rows_of(R"([joints.soft]
 law = "coulomb_slip"
 initial_state = "dry"
 normal_stiffness = 3e7
@@ -1654,17 +1698,17 @@ friction_angle = 60
 family = "soft"
 normal = "vertical"
 )" + box(-0.2, 0.0, "fixed = true\n") +
-                                  box(0.0, 5.0, "") + box(5.0, 10.0, "name = \"top\"\n") +
-                                  "[[stage]]\nkind = \"rest\"\ngravity = " + vector(0.0, -9.81) +
-                                  "\n[[stage.force]]\nblock = \"top\"\nforce = " + vector(400.0, 0.0) +
-                                  "\npoint = " + (z_up ? "[0.25, 0.25, 7.5]\n" : "[0.25, 7.5, 0.25]\n"),
-                              &run);
+                    box(0.0, 5.0, "") + box(5.0, 10.0, "name = \"top\"\n") +
+                    "[[stage]]\nkind = \"rest\"\nequilibrium_ratio = 1e-6\ngravity = " + vector(0.0, -9.81) +
+                    "\n[[stage.force]]\nblock = \"top\"\nforce = " + vector(400.0, 0.0) +
+                    "\npoint = " + (z_up ? "[0.25, 0.25, 7.5]\n" : "[0.25, 7.5, 0.25]\n"),
+                &run);
     return std::pair(rows.all.back().largest_displacement, rows.goes_over);
   };
   const auto y_up = pile(false), z_up = pile(true);
   EXPECT_TRUE(y_up.second) << "the lever arms are those of the start: nothing is tested";
   EXPECT_TRUE(z_up.second);
-  EXPECT_NEAR(z_up.first, y_up.first, 1e-3 * y_up.first);
+  EXPECT_NEAR(z_up.first, y_up.first, 1e-4 * y_up.first);  // a pile near its load of buckling: 2e-3 at a ratio of 1e-4
 }
 
 }  // namespace
