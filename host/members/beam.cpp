@@ -9,17 +9,6 @@ using geometry::Matrix;
 
 namespace {
 
-// Rotation matrix of a rotation vector, rad.
-Matrix rotation_by(const Vector& w) {
-  const double angle = norm(w);
-  if (angle == 0.0) return {};
-  const Vector n = w / angle;
-  const double c = std::cos(angle), s = std::sin(angle);
-  Matrix r = c * Matrix{} + (1.0 - c) * outer(n, n);
-  r += Matrix{{{0, -s * n.z, s * n.y}, {s * n.z, 0, -s * n.x}, {-s * n.y, s * n.x, 0}}};
-  return r;
-}
-
 // Rotation of a triad relative to a frame, as a vector; pieces are short enough for it to be small.
 Vector rotation_in(const Matrix& frame, const Matrix& triad) {
   const Matrix m = transposed(frame) * triad;
@@ -91,7 +80,7 @@ void Beam::turn_frame(const Clamp& clamp, const std::vector<Node>& nodes) {
     Vector sum;
     for (std::size_t i = 0; i < count; ++i)
       sum += cross(clamp.off[i], transposed_times(turned, place_of(i) - mean) - clamp.off[i]);
-    turned = turned * rotation_by(clamp.couples * sum);
+    turned = turned * matrix(rotation(clamp.couples * sum));
   }
 }
 
@@ -172,11 +161,11 @@ void Beam::pull_piece(std::size_t i) {
   const Vector span = x_[i + 1] - x_[i];
   const double now = norm(span), k = section_.axial / piece.length;
   const double trial = k * (now - piece.length - piece.plastic);
-  const double beyond = std::max(std::abs(trial) - section_.yield_force, 0.0);
+  const bool slack = trial < 0.0 && !section_.compression;
+  const double beyond = slack ? 0.0 : std::max(std::abs(trial) - section_.yield_force, 0.0);
   piece.plastic += std::copysign(beyond / k, trial);
   dissipated_ += section_.yield_force < 1e300 ? section_.yield_force * beyond / k : 0.0;
-  piece.force = trial - std::copysign(beyond, trial);
-  if (!section_.compression) piece.force = std::max(piece.force, 0.0);
+  piece.force = slack ? 0.0 : trial - std::copysign(beyond, trial);
   stored_ += 0.5 * piece.force * piece.force / k;
   const Vector along = span / now, pulling = piece.force * along;
   force_[i] += pulling, force_[i + 1] -= pulling;
@@ -248,7 +237,7 @@ void Beam::advance(const Surroundings& step) {
     stored_ += 0.5 * mass * dot(middle, middle);
     outside_ += step.dt * dot(weight, middle);
     x_[k] += step.dt * v_[k];
-    turn_[k] = rotation_by(turned) * turn_[k];
+    turn_[k] = matrix(rotation(turned)) * turn_[k];
   }
 }
 

@@ -1,13 +1,17 @@
 // Dowels: the blocks that they join, and their forces in a step.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "members/members.h"
+#include "scene/load_place.h"
 
 namespace quoin::members {
 
 void Members::add_dowel(const DowelSpec& spec, const blocks::Assembly& assembly) {
-  // Shares of the extent of a block: distance of the test points on both sides of the joint, and length in drawings.
+  // Distance of the test points on both sides of the joint, as a share of the least extent of a block there. Length in
+  // drawings, as one of the longest.
   constexpr double kBeside = 5e-3, kDrawn = 0.3;
   Dowel dowel;
   dowel.name = spec.name, dowel.along = normalized(geometry::vector(spec.direction));
@@ -19,12 +23,18 @@ void Members::add_dowel(const DowelSpec& spec, const blocks::Assembly& assembly)
     throw Error(Exit::bad_input, fmt::format("{}: dowel '{}' at {} is in the air, {:.3g} m off the nearest block; "
                                              "allowed: a point on a joint",
                                              spec.source.text, spec.name, geometry::place(at), off));
-  const int shape = assembly.blocks[static_cast<std::size_t>(nearest)].shape;
-  const double extent = geometry::longest_extent(assembly.shapes[static_cast<std::size_t>(shape)].vertices);
-  dowel.drawn_length = kDrawn * extent;
+  const auto shape_of = [&](std::size_t b) -> const geometry::ConvexPolyhedron& {
+    return assembly.shapes[static_cast<std::size_t>(assembly.blocks[b].shape)];
+  };
+  dowel.drawn_length = kDrawn * geometry::longest_extent(shape_of(static_cast<std::size_t>(nearest)).vertices);
+  double thinnest = dowel.drawn_length;
+  for (std::size_t b = 0; b < assembly.blocks.size(); ++b) {
+    if (distance_from(assembly, assembly.blocks[b], at) <= allowed_off(assembly, static_cast<int>(b)))
+      thinnest = std::min(thinnest, geometry::least_extent(shape_of(b)));
+  }
   int block[2] = {-1, -1};
   for (const int side : {0, 1}) {
-    const Vector beside = at + ((side == 0 ? -1.0 : 1.0) * kBeside * extent) * dowel.along;
+    const Vector beside = at + ((side == 0 ? -1.0 : 1.0) * kBeside * thinnest) * dowel.along;
     block[side] = block_at(beside, assembly, &off);
     Node& node = nodes_.emplace_back();
     node.block = block[side], node.turns = side == 0;

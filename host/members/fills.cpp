@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "geometry/broad_phase.h"
 #include "members/members.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
@@ -13,14 +14,38 @@ namespace quoin::members {
 
 namespace {
 
-// Whether another block covers the face at a point. Points on the border are tested slightly inside.
-bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, const Vector& middle,
-                const Vector& out) {
-  const double off = 2.0 * allowed_off(assembly, block);
+// Distance in front of a face at which another block covers it, as a share of the block's least extent: scenes have
+// rounded coordinates.
+constexpr double kInFront = 2e-3;
+
+double in_front(const blocks::Assembly& assembly, std::size_t block) {
+  return kInFront * geometry::least_extent(assembly.shapes[static_cast<std::size_t>(assembly.blocks[block].shape)]);
+}
+
+// Other blocks, by block, that may cover faces.
+std::vector<std::vector<int>> neighbours_of(const blocks::Assembly& assembly) {
+  std::vector<geometry::Box> boxes(assembly.blocks.size());
+  for (std::size_t b = 0; b < boxes.size(); ++b) {
+    const blocks::Block& block = assembly.blocks[b];
+    const double off = in_front(assembly, b);
+    for (const Vector& vertex : assembly.shapes[static_cast<std::size_t>(block.shape)].vertices) {
+      const Vector at = block.position + matrix(block.orientation) * vertex;
+      boxes[b].include(at - Vector{off, off, off}), boxes[b].include(at + Vector{off, off, off});
+    }
+  }
+  std::vector<std::vector<int>> near(boxes.size());
+  for (const auto& [a, b] : geometry::overlapping_pairs(boxes))
+    near[static_cast<std::size_t>(a)].push_back(b), near[static_cast<std::size_t>(b)].push_back(a);
+  return near;
+}
+
+// Whether one of these blocks covers the face at a point. Points on the border are tested slightly inside.
+bool is_covered(const blocks::Assembly& assembly, double off, const std::vector<int>& others, const Vector& at,
+                const Vector& middle, const Vector& out) {
   const Vector beside = at + off * out + std::min(1.0, 4.0 * off / norm(middle - at)) * (middle - at);
-  for (int b = 0; b < static_cast<int>(assembly.blocks.size()); ++b)
-    if (b != block && distance_from(assembly, assembly.blocks[static_cast<std::size_t>(b)], beside) < 0.0) return true;
-  return false;
+  return std::ranges::any_of(others, [&](int b) {
+    return distance_from(assembly, assembly.blocks[static_cast<std::size_t>(b)], beside) < 0.0;
+  });
 }
 
 // Visits the part of a triangle below the surface of the soil, as triangles: visit(triangle).
@@ -71,8 +96,10 @@ void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
   constexpr double kTowards = 0.05;
   Fill fill{spec.name, fill_points_.size(), 0, 0.0};
   const Vector towards = normalized(geometry::vector(spec.towards)), up = normalized(geometry::vector(spec.up));
+  const std::vector<std::vector<int>> near = neighbours_of(assembly);
   for (const int index : blocks_of(spec, assembly)) {
-    const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(index)];
+    const auto own = static_cast<std::size_t>(index);
+    const blocks::Block& block = assembly.blocks[own];
     const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
     for (std::size_t f = 0; f < shape.faces.size(); ++f) {
       const Vector out = matrix(block.orientation) * shape.normals[f];
@@ -80,7 +107,7 @@ void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
       const auto fill_in = [&](const std::array<Vector, 3>& below) {
         const Vector middle = (1.0 / 3.0) * (below[0] + below[1] + below[2]);
         each_point(below, spec.divisions, [&](const Vector& at, double area) {
-          if (!(area > 0.0) || is_covered(assembly, index, at, middle, out)) return;
+          if (!(area > 0.0) || is_covered(assembly, in_front(assembly, own), near[own], at, middle, out)) return;
           add_fill_point(spec, at, area, out, index);
           fill.area += area;
         });

@@ -57,21 +57,24 @@ int Members::block_at(const Vector& point, const blocks::Assembly& assembly, dou
 void Members::connect(Floor& floor, const blocks::Assembly& assembly) {
   const auto& [n, m] = floor.grid().pieces;
   const double a = floor.grid().size[0] / n, b = floor.grid().size[1] / m;
-  const auto block_of = [&](int i, int j) {
+  const auto start_at = [&](int i, int j) { return floor.start_of(floor.place_at(i, j)); };
+  const auto block_of = [&](const Vector& at) {
     double off = 0.0;
-    return block_at(floor.start_of(floor.place_at(i, j)), assembly, &off);
+    return block_at(at, assembly, &off);
   };
-  // A corner belongs to an edge that runs along a wall there, not to one that ends at a wall.
+  // A corner belongs to an edge that runs along a wall there, not to one that ends at a wall. The end piece of such an
+  // edge, which may be its only one, has its middle and its other end in the wall.
   const auto add = [&](int i, int j, bool along, const InPlane& out) {
     const int k = along ? i : j, last = along ? n : m;
     const bool corner = k == 0 || k == last;
     const int inner = k == 0 ? 1 : last - 1;
+    const Vector at = start_at(i, j), next = start_at(along ? inner : i, along ? j : inner);
     Node node;
-    node.block = block_of(i, j);
-    if (node.block < 0 || (corner && block_of(along ? inner : i, along ? j : inner) < 0)) return;
+    node.block = block_of(at);
+    if (node.block < 0 || (corner && (block_of(next) < 0 || block_of(0.5 * (at + next)) < 0))) return;
     Floor::Connector connector;
     connector.place = floor.place_at(i, j), connector.node = static_cast<int>(nodes_.size());
-    node.start = node.x = floor.start_of(connector.place);
+    node.start = node.x = at;
     connector.out = out, connector.length = (along ? a : b) * (corner ? 0.5 : 1.0);
     nodes_.push_back(node);
     floor.connectors().push_back(connector);

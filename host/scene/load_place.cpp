@@ -77,8 +77,9 @@ int face_towards(const Assembly& assembly, int block, const Vector& normal, cons
   return static_cast<int>(face - normals.begin());
 }
 
-std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const Vector& normal,
+std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const Vector& towards,
                                    const std::string& where) {
+  const Vector normal = normalized(towards);
   constexpr double kTolerance = 1e-6;  // m, rounding of places
   std::vector<BlockFace> outer;
   double furthest = -kNever;
@@ -92,7 +93,7 @@ std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& 
     if (reach < furthest - kTolerance) continue;
     if (reach > furthest + kTolerance) outer.clear();
     furthest = std::max(furthest, reach);
-    outer.push_back({index, face_towards(assembly, index, normal, where)});
+    outer.push_back({index, face_towards(assembly, index, towards, where)});
   }
   return outer;
 }

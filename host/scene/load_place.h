@@ -33,7 +33,7 @@ struct BlockFace {
 
 // Faces along an outward normal, of those blocks of this name that reach furthest along it. Of a course they are at its
 // end, or all along its side. Throws Error(bad_input): there is none of the name.
-std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const geometry::Vector& normal,
+std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const geometry::Vector& towards,
                                    const std::string& where);
 
 // Distance of a point from a block at the start, m; not above 0 inside.

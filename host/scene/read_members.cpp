@@ -99,9 +99,9 @@ void read_spacing(Table& t, const std::vector<Vec3>& points, double& spacing) {
 }
 
 void read_strip(Table& t, const Scene& scene, StripSpec& strip) {
-  if (t.choice("joint", strip.joint, names_of(scene.joints), true) && scene.joints.at(strip.joint).missing_mortar > 0.0)
-    t.refuse("joint", fmt::format("a family without missing_mortar, which strips do not have: [joints.{}] has it; give "
-                                  "the strip a family of its own",
+  if (t.choice("joint", strip.joint, names_of(scene.joints), true) && scene.joints.at(strip.joint).is_random())
+    t.refuse("joint", fmt::format("a family without missing_mortar or distributions, which strips do not have: "
+                                  "[joints.{}] has them; give the strip a family of its own",
                                   strip.joint));
   read_line(t, strip.points);
   t.number("width", strip.width, kPositive, "m", true);

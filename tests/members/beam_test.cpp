@@ -232,6 +232,26 @@ solver = { damping = "none" }
   }
 }
 
+// A cable that goes slack does not yield: its end moves in by five times the elongation of yield, and back to the
+// start.
+TEST(Beams, SlackCableDoesNotYield) {
+  const auto moved = [](double way) {
+    return fmt::format(
+        "[[stage]]\nduration = 0.5\nramp_time = 0\n[[stage.velocity]]\nblock = \"right\"\nvelocity = [{}, 0, 0]\n",
+        way / 0.5);
+  };
+  const double yield = 1e3, give = yield * 4.0 / (kModulus * kArea);
+  const auto simulation =
+      ran(head(30.0) + box("left", "[-1, 0, -0.5]", "[1, 1, 1]", "fixed = true") +
+          box("right", "[4, 0, -0.5]", "[1, 1, 1]") +
+          beam("[[0, 0.5, 0], [4, 0.5, 0]]", 4.0,
+               fmt::format("compression = false\nyield_force = {}\n", yield) +
+                   support("left", "[0, 0.5, 0]", "pinned") + support("right", "[4, 0.5, 0]", "pinned")) +
+          moved(-5.0 * give) + moved(5.0 * give));
+  EXPECT_EQ(beam_of(*simulation).pieces().front().plastic, 0.0);
+  EXPECT_LT(beam_of(*simulation).pieces().front().force, 0.05 * yield);  // the step beyond the start position
+}
+
 TEST(Beams, GoOnFromACheckpointBitForBit) {
   const Scene scene =
       read_scene_text(head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]") +

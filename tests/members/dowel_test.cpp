@@ -72,6 +72,18 @@ TEST(Dowels, TakesWhatFrictionLeaves) {
   EXPECT_LT(std::abs(e.balance_error()), 2e-3 * e.external);
 }
 
+// The dowel joins what lies at its joint, however long and thin. Test points were 60 mm from the joint of a plate of 12
+// by 0.05 m. So the base was joined to what lay on the plate.
+TEST(Dowels, HoldThinLongBlocks) {
+  const auto simulation =
+      rested(head(0.0) + box("plate", "[0, 0, 0]", "[12, 0.05, 0.3]") + box("top", "[0, 0.05, 0]", "[12, 1, 0.3]") +
+             dowel("[3, 0, 0.15]", 1e6, 1e6) + "[[stage]]\nduration = 0.01\n");
+  const members::Members& m = members_of(*simulation);
+  const members::Dowel& held = m.dowels().front();
+  EXPECT_EQ(m.nodes()[static_cast<std::size_t>(held.first)].block, 0);
+  EXPECT_EQ(m.nodes()[static_cast<std::size_t>(held.second)].block, 1);
+}
+
 TEST(Dowels, BadOnesAreRefusedWithPlaces) {
   const auto refusal = [](const std::string& more) -> std::string {
     try {

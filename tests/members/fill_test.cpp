@@ -119,6 +119,17 @@ TEST(Fills, LiesOnAnExtrados) {
   EXPECT_NEAR(m.force_of(m.fills().front()).y / -upright, 1.0, 1e-9);
 }
 
+// A lining of 20 mm covers a face of any size, here its lower half. On a block of 12 m the soil pressed on both.
+TEST(Fills, PressesThinLiningsAndNotWhatTheyCover) {
+  Simulation simulation(
+      read_scene_text(head(30.0) + box("wall", "[0, 0, 0]", "[1, 4, 12]") +
+                          box("lining", "[1, 0, 0]", "[0.02, 2, 12]") +
+                          fill("towards = [1, 0, 0]\nsurface = [0, 4, 0]") + "[[stage]]\nduration = 0.01\n",
+                      "fill.toml"),
+      1);
+  EXPECT_NEAR(simulation.large_motion()->held_by.members.get()->fills().front().area, 2.0 * 12.0, 1e-9);
+}
+
 TEST(Fills, BadOnesAreRefusedWithPlaces) {
   const auto refusal = [](const std::string& keys) -> std::string {
     try {

@@ -251,6 +251,23 @@ TEST(Floors, GoOnFromACheckpointBitForBit) {
   EXPECT_EQ(whole.large_motion()->step_sums.energies.external, after.large_motion()->step_sums.energies.external);
 }
 
+// A floor between two walls has connectors along these alone, also where one panel is as long as the span. Its open
+// edges, which end at walls, had half a connector at each corner.
+TEST(Floors, OpenEdgesOfOnePanelHaveNoConnectors) {
+  for (const double spacing : {4.0, 6.0, 7.0}) {
+    Floor f;
+    f.spacing = spacing;
+    Simulation* simulation = nullptr;
+    rested(floor_between(f) + pushed(0.0, 0.01, 0.02), &simulation);
+    double length = 0.0;
+    for (const auto& connector : simulation->large_motion()->held_by.members.get()->floors().front().connectors()) {
+      EXPECT_EQ(connector.out.across, 0.0) << spacing;
+      length += connector.length;
+    }
+    EXPECT_NEAR(length, 2 * kBreadth, 1e-12) << spacing;
+  }
+}
+
 TEST(Floors, BadOnesAreRefusedWithTheirPlaces) {
   const auto refusal = [](std::string scene, const std::string& from, const std::string& to) {
     scene.replace(scene.find(from), from.size(), to);

@@ -176,6 +176,16 @@ TEST(Strips, FibresBreakAtTheirStrength) {
   EXPECT_LT(result.energy_error, 0.005);
 }
 
+// Strips have one bond. A distribution of its strength was taken as its mean without a word.
+TEST(Strips, DistributionsOfTheBondAreRefused) {
+  try {
+    pull(0.5, 0.02, "[joints.bond.peel_strength]\nmean = 1e6\ncov = 0.5\ndistribution = \"lognormal\"\n");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("[joints.bond] has them"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Strips, OneThatLeavesItsFaceIsRefused) {
   try {
     Simulation simulation(pull(1.4, 0.02), 1);

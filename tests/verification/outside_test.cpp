@@ -513,7 +513,7 @@ record_interval = 1
 }
 
 // A flush block that turns a little about the vertical: corners of the overlap move in by its yaw, and new ones lie at
-// mid-side. These had 31 % of the area at once, so the moment of a joint that is pressed at one side fell by a quarter
+// mid-side. These had 31 % of the area at once. So the moment of a joint that is pressed at one side fell by a quarter
 // in one step. Their area grows with the yaw now. The moment goes with the distances of corners, which fall by 2 yaw.
 TEST(Outside, YawOfAFlushBlockTakesNoMomentAtOnce) {
   constexpr double kYaw = 0.02;
@@ -553,6 +553,28 @@ velocity = [{ block = "cube", velocity = [0, 0, 0], omega = [0, 0.1, 0] }]
               0.1 * before);  // kn A (theta L/2)(L/2) of four corners; a step more of theta
   EXPECT_GT(after, (1.0 - 2.5 * kYaw) * before);
   EXPECT_LT(after, (1.0 - 1.0 * kYaw) * before);
+}
+
+// A pressure on a course acts at its end, whatever the length of the normal. A short one pressed each of its units.
+TEST(Outside, PressureActsOnOuterFacesForNormalsOfAnyLength) {
+  const auto pushed = [](const std::string& normal) {
+    return rows_of(wall("rigid_units = true\nbottom_beam = false\ntop_beam = false\n") + R"(
+[[stage]]
+name = "wind"
+kind = "custom"
+duration = 0.01
+[[stage.control]]
+body = "bottom_course"
+[[stage.pressure]]
+block = "top_course"
+pressure = 1000.0
+normal = )" + normal +
+                   "\n")
+        .all.back()
+        .largest_displacement;
+  };
+  EXPECT_GT(pushed("[1, 0, 0]"), 0.0);
+  EXPECT_EQ(pushed("[1e-6, 0, 0]"), pushed("[1, 0, 0]"));
 }
 
 // Weight put on at once does the work (mg)^2/k. Half of it is stored in the joint, so damping takes the other half. On
