@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/error.h"
 #include "members/members.h"
@@ -108,12 +109,15 @@ std::vector<Beam::ToEdge> ways_to_edges(const Face& face, const Vector& point) {
   return ways;
 }
 
-// Points at which a block holds a built-in node: half way to its corners.
+// Points at which a block holds a built-in node, about which they lie as corners of the block do about their mean, at
+// half the distance. So forces at the node do not turn it. Some lie outside, where a deformable block moves on
+// linearly.
 std::vector<Vector> grips(const blocks::Assembly& assembly, int block, const Vector& point) {
   const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
+  const std::vector<Vector>& corners = assembly.shapes[static_cast<std::size_t>(b.shape)].vertices;
+  const Vector mean = std::accumulate(corners.begin(), corners.end(), Vector{}) / static_cast<double>(corners.size());
   std::vector<Vector> at;
-  for (const Vector& corner : assembly.shapes[static_cast<std::size_t>(b.shape)].vertices)
-    at.push_back(0.5 * (point + b.position + matrix(b.orientation) * corner));
+  for (const Vector& corner : corners) at.push_back(point + 0.5 * (matrix(b.orientation) * (corner - mean)));
   return at;
 }
 
