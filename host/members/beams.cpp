@@ -109,9 +109,8 @@ std::vector<Beam::ToEdge> ways_to_edges(const Face& face, const Vector& point) {
   return ways;
 }
 
-// Points at which a block holds a built-in node, about which they lie as corners of the block do about their mean, at
-// half the distance. So forces at the node do not turn it. Some lie outside, where a deformable block moves on
-// linearly.
+// Points at which a block holds a built-in node. They lie about it as corners of the block do about their mean, at half
+// the distance. So forces at the node do not turn it. Some may lie outside; there a deformable block moves on linearly.
 std::vector<Vector> grips(const blocks::Assembly& assembly, int block, const Vector& point) {
   const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
   const std::vector<Vector>& corners = assembly.shapes[static_cast<std::size_t>(b.shape)].vertices;
