@@ -29,12 +29,16 @@ struct Pressure {
   double scale = 1.0;
 };
 
+struct Wrench {
+  Vector force, torque;  // N; about the centre of mass, N m
+};
+
 // Actions on blocks; stages set them between steps.
 struct Actions {
   std::vector<Load> loads;
   std::vector<Pressure> pressures;
   std::vector<uint8_t> loaded;     // by block: some load or pressure acts on it
-  std::vector<Vector> applied;     // force by block, N; empty: none
+  std::vector<Wrench> applied;     // by block, directions fixed in space; empty: none
   Vector gravity;                  // with the body force of a collapse stage, m/s2
   Vector of_collapse;              // that body force by mass, m/s2
   Vector ground_then, ground_now;  // velocity of the ground half a step ago and now, m/s

@@ -259,9 +259,9 @@ void World::add(Pressure pressure) {
   actions.pressures.push_back(std::move(pressure));
 }
 
-void World::apply_force(int block, const Vector& force) {
+void World::apply_force(int block, const Vector& force, const Vector& moment) {
   if (actions.applied.empty()) actions.applied.resize(blocks.size());
-  actions.applied[size_t(block)] = force;
+  actions.applied[size_t(block)] = {force, moment};
   actions.loaded[size_t(block)] = 1;
 }
 

@@ -61,8 +61,9 @@ struct World {
   void set_velocity(int block, const Vector& velocity, const Vector& omega = {});  // initial velocity of a free block
   void add(Load load);
   void add(Pressure pressure);
-  // Force on the centre of mass of a block, N; gridpoints of a deformable block share it by mass. Stays until changed.
-  void apply_force(int block, const Vector& force);
+  // Force on the centre of mass of a block, N, and moment about it, N m; gridpoints of a deformable block share them by
+  // mass. They stay until changed.
+  void apply_force(int block, const Vector& force, const Vector& moment = {});
   // Settings of a stage; mass_scaling keeps its value of the start. The time step is chosen again.
   void set_solver(const SolverSettings& settings);
   void settle(bool on);  // on: damping of stages that run to equilibrium

@@ -211,7 +211,8 @@ HWY_NOINLINE void AdvanceBodiesAs(const Model& model, const BodyGroup& group, co
       const V given = hn::MulAdd(mass, hn::Set(d, step.gravity[c]), hn::Load(d, bodies.applied_force[c] + lane));
       advance(c, force.x[c][p], given, driven, bodies.velocity[c] + lane, bodies.displacement[c] + lane);
       const V spin = hn::Load(d, bodies.spin[c] + lane);  // where it is prescribed, it is set before the step
-      advance(3 + c, moment.x[c][p], zero, spin, bodies.spin[c] + lane, bodies.rotation[c] + lane);
+      const V turning = hn::Load(d, bodies.applied_moment[c] + lane);
+      advance(3 + c, moment.x[c][p], turning, spin, bodies.spin[c] + lane, bodies.rotation[c] + lane);
     }
   }
   move_slaves(model, group, step, bodies);

@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include "model/world_results.h"
+#include "step/gather.h"
 #include "step/lattice_motion.h"
+#include "step/reactions.h"
 
 namespace quoin {
 
@@ -50,6 +52,22 @@ Vector net_force(const Simulation::Impl& s, int block) {
          geometry::vector(s.lattice.of_body(body, &BodyLanes::applied_force));
 }
 
+// Moments of contacts and loads about the centre of mass now.
+Vector net_moment(const Simulation::Impl& s, int block) {
+  if (!s.large_motion) return geometry::vector(joint_wrench(s, block).moment);
+  const blocks::Model& m = *s.large_motion;
+  if (is_rigid(s, block)) return m.bodies[at(m.blocks[block].body)].torque;
+  const JointWrench joints =
+      s.parts.divided && !has_all(s) ? s.reactions.wrench[at(block)] : sum_large_motion_wrenches(s, {block}).front();
+  const Vector centre = position_of(m, block);
+  Vector moment = geometry::vector(joints.moment) +
+                  cross(geometry::vector(joints.centre) - centre, geometry::vector(joints.force));
+  each_load_on_gridpoints(m, block, [&](std::int32_t node, const Vector& force) {
+    moment += cross(m.nodes.x[at(node)] - centre, force);
+  });
+  return moment;
+}
+
 void prescribe(Simulation::Impl& s, int block, const Vector& velocity, const Vector& omega, std::uint8_t held) {
   if (s.large_motion) return s.large_motion->prescribe(block, velocity, omega, held);
   const int body = body_of_brick(s, block);
@@ -69,12 +87,15 @@ void prescribe(Simulation::Impl& s, int block, const Vector& velocity, const Vec
   lanes.any_prescribed |= held != 0;
 }
 
-void apply_force(Simulation::Impl& s, int block, const Vector& force) {
-  if (s.large_motion) return s.large_motion->apply_force(block, force);
+void apply_force(Simulation::Impl& s, int block, const Vector& force, const Vector& moment) {
+  if (s.large_motion) return s.large_motion->apply_force(block, force, moment);
   const int body = body_of_brick(s, block);
   if (body < 0) return s.controls.load_brick(s.model, block, geometry::array(force));
   const auto [lanes, lane] = lane_of(s, body);
-  for (std::size_t c = 0; c < 3; ++c) lanes.applied_force[c][lane] = force[static_cast<int>(c)];
+  for (std::size_t c = 0; c < 3; ++c) {
+    lanes.applied_force[c][lane] = force[static_cast<int>(c)];
+    lanes.applied_moment[c][lane] = moment[static_cast<int>(c)];
+  }
 }
 
 void remove_forces(Simulation::Impl& s) {
@@ -82,7 +103,9 @@ void remove_forces(Simulation::Impl& s) {
     s.large_motion->actions.applied.clear();
     s.large_motion->actions.loaded.assign(s.large_motion->blocks.size(), 0);
   }
-  for (BodyLanes& lanes : s.lattice.bodies) std::fill_n(&lanes.applied_force[0][0], 3 * kLanes, 0.0);
+  for (BodyLanes& lanes : s.lattice.bodies) {
+    for (auto* applied : {&lanes.applied_force, &lanes.applied_moment}) std::fill_n(&(*applied)[0][0], 3 * kLanes, 0.0);
+  }
   std::fill(s.controls.load.begin(), s.controls.load.end(), 0.0);
 }
 

@@ -78,11 +78,8 @@ struct Model : World {
 };
 
 // Loads of the stage in the last step, without weight. load_on: their sum, N. each_load_on_gridpoints: those of points
-// and pressures, not those that are distributed by mass (Actions::applied).
+// and pressures, and of the moment in Actions::applied; not its force, which is distributed by mass.
 Vector load_on(const Model& m, int block);
-struct Wrench {
-  Vector force, torque;  // N; about the centre of mass, N m
-};
 Wrench loads_on_body(const Model& m, int block);
 using VisitLoad = std::function<void(int32_t node, const Vector& force)>;
 void each_load_on_gridpoints(const Model& m, int block, const VisitLoad& visit);

@@ -56,7 +56,11 @@ Wrench loads_on_body(const Model& m, int block) {
     sum.force += force;
     sum.torque += cross(r * arm, force);
   };
-  if (!m.actions.applied.empty()) add(m.actions.applied[size_t(block)], m.blocks[size_t(block)].load_arm);
+  if (!m.actions.applied.empty()) {
+    const Wrench& applied = m.actions.applied[size_t(block)];
+    add(applied.force, m.blocks[size_t(block)].load_arm);
+    sum.torque += applied.torque;
+  }
   for (const Load& l : m.actions.loads) {
     if (l.block == block) add(l.scale * l.force, l.arm);
   }
@@ -152,8 +156,33 @@ double zone_damping(const Model& m) {
   return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;
 }
 
+// Visits the forces by which a deformable block carries a moment about its centre: those of its inertia against the
+// angular acceleration that the moment would give it.
+template <class Visit>
+void each_share_of_moment(const Model& m, int block, const Vector& moment, const Visit& visit) {
+  const ModelBlock& b = m.blocks[size_t(block)];
+  double mass = 0.0;
+  Vector centre;
+  const auto each_gridpoint = [&](const auto& of) {
+    for (int32_t i = b.first_node; i < b.first_node + b.node_count; ++i) of(i, m.nodes.mass[size_t(i)]);
+  };
+  each_gridpoint([&](int32_t i, double own) { mass += own, centre += own * m.nodes.x[size_t(i)]; });
+  centre = centre / mass;
+  Matrix inertia{{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};
+  each_gridpoint([&](int32_t i, double own) {
+    const Vector arm = m.nodes.x[size_t(i)] - centre;
+    inertia += own * (dot(arm, arm) * Matrix{} - outer(arm, arm));
+  });
+  const Vector turning = inverse(inertia) * moment;
+  each_gridpoint([&](int32_t i, double own) { visit(i, own * cross(turning, m.nodes.x[size_t(i)] - centre)); });
+}
+
 template <class Visit>
 void each_load_on_gridpoints(const Model& m, int block, double since, const Visit& visit) {
+  if (!m.actions.applied.empty()) {
+    const Vector& moment = m.actions.applied[size_t(block)].torque;
+    if (dot(moment, moment) > 0.0) each_share_of_moment(m, block, moment, visit);
+  }
   for (const Load& l : m.actions.loads) {
     if (l.block != block) continue;
     const Vector f = l.scale * l.force;
@@ -180,7 +209,7 @@ void each_load_on_gridpoints(const Model& m, int block, const VisitLoad& visit) 
 
 Vector load_on(const Model& m, int block) {
   if (m.blocks[size_t(block)].body >= 0) return loads_on_body(m, block).force;
-  Vector sum = m.actions.applied.empty() ? Vector{} : m.actions.applied[size_t(block)];
+  Vector sum = m.actions.applied.empty() ? Vector{} : m.actions.applied[size_t(block)].force;
   each_load_on_gridpoints(m, block, [&](int32_t, const Vector& force) { sum += force; });
   return sum;
 }
@@ -188,7 +217,7 @@ Vector load_on(const Model& m, int block) {
 namespace {
 
 double power_on_gridpoints(const Model& m, int block, double since) {
-  double power = m.actions.applied.empty() ? 0.0 : dot(m.actions.applied[size_t(block)], velocity_of(m, block));
+  double power = m.actions.applied.empty() ? 0.0 : dot(m.actions.applied[size_t(block)].force, velocity_of(m, block));
   each_load_on_gridpoints(m, block, since, [&](int32_t node, const Vector& f) { power += dot(f, m.nodes.v[node]); });
   return power;
 }
@@ -289,7 +318,7 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
     const size_t first = size_t(b.first_node);
     Vector per_mass = weight;
     if (m.actions.loaded[size_t(blocks[l])] && !m.actions.applied.empty())
-      per_mass += m.actions.applied[size_t(blocks[l])] / b.mass;
+      per_mass += m.actions.applied[size_t(blocks[l])].force / b.mass;
     group.block[l] = {&m.nodes.x[first],
                       &m.nodes.v[first],
                       has_rows ? force : nullptr,

@@ -128,7 +128,7 @@ class Search {
       }
       double inertia = 0.0;  // mass over which weight and forces are distributed to its gridpoints, kg
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n) inertia += m.nodes.mass[at(block.first_node) + n];
-      const Vector applied = m.actions.applied.empty() ? Vector{} : m.actions.applied[at(b)];
+      const Vector applied = m.actions.applied.empty() ? Vector{} : m.actions.applied[at(b)].force;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
         add_to(sum, u.gridpoint[n], m.nodes.mass[at(block.first_node) + n] / inertia * (block.mass * g + applied));
       each_load_on_gridpoints(m, b, [&](std::int32_t node, const Vector& force) {
@@ -146,9 +146,13 @@ class Search {
       const Model::BlockPlace& place = s_.model.place[at(b)];
       if (u.rigid) {
         const auto [index, lane] = s_.lattice.place[at(place.body)];
-        Vector force = s_.model.bodies[at(place.body)].mass * g;
-        for (int c = 0; c < 3; ++c) force[c] += s_.lattice.bodies[at(index)].applied_force[c][lane];
+        Vector force = s_.model.bodies[at(place.body)].mass * g, moment;
+        for (int c = 0; c < 3; ++c) {
+          force[c] += s_.lattice.bodies[at(index)].applied_force[c][lane];
+          moment[c] = s_.lattice.bodies[at(index)].applied_moment[c][lane];
+        }
         add_to(sum, {u.body[0], u.body[1], u.body[2]}, force);
+        add_to(sum, {u.body[3], u.body[4], u.body[5]}, moment);
         continue;
       }
       Vector acceleration = g;

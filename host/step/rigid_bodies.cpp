@@ -56,7 +56,10 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
       work.external_before -= moment[c] * spin_before * half_dt;
       work.external_after -= moment[c] * spin_after * half_dt;
     } else if (!body.held[3 + c]) {
-      const double damping = advance_component(moment[c], inertia[c], step, 0.0, &spin_after);
+      const double given = state->applied_moment[c][0];
+      const double damping = advance_component(moment[c] + given, inertia[c], step, 0.0, &spin_after);
+      work.external_before += given * spin_before * half_dt;
+      work.external_after += given * spin_after * half_dt;
       work.damping_before += damping * spin_before * half_dt;
       work.damping_after += damping * spin_after * half_dt;
       work.kinetic += 0.5 * inertia[c] * spin_before * spin_after;

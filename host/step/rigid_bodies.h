@@ -17,6 +17,7 @@ struct BodyLanes {
 
   // Controls of this step.
   Quantity applied_force = {};        // N
+  Quantity applied_moment = {};       // about the centre of mass, N m
   Quantity prescribed_velocity = {};  // m/s
   double prescribed[6][kLanes] = {};  // 1: prescribed velocity of a translation, or `spin` of a rotation; else 0
   std::uint64_t any_prescribed = 0;   // 1: some components are prescribed

@@ -119,7 +119,7 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
         if (load.block == block && !std::isnan(value[c])) load.force[static_cast<int>(c)] = 0.0;
       }
     }
-    apply_force(s, block, drive->force_to);
+    apply_force(s, block, drive->force_to, drive->moment_now);
   }
   for (blocks::Pressure* pressure : replaced) pressure->value = 0.0;
   s.controls.settled = false;  // the next step applies the drives

@@ -188,7 +188,7 @@ void add_loads(const Simulation::Impl& s, const Unknowns& unknowns, Unknowns::En
     if (unknowns.blocks()[at(block)].rigid) unknowns.add_force(block, force, body_of(m, block).r * arm, entries);
   };
   for (int b = 0; b < static_cast<int>(m.actions.applied.size()); ++b)
-    add(b, m.actions.applied[at(b)], m.blocks[b].load_arm);
+    add(b, m.actions.applied[at(b)].force, m.blocks[b].load_arm);
   for (const blocks::Load& load : m.actions.loads) add(load.block, load.scale * load.force, load.arm);
   for (const blocks::Pressure& pressure : m.actions.pressures) add_pressure(m, unknowns, pressure, entries);
 }

@@ -577,6 +577,51 @@ normal = )" + normal +
   EXPECT_EQ(pushed("[1e-6, 0, 0]"), pushed("[1, 0, 0]"));
 }
 
+// A block that was driven with its rotation held is let go over a ramp. Force and moment of its support fade together,
+// so it goes back as it came. The moment was gone at once: the force turned the block, to 13 times its displacement.
+TEST(Outside, MomentsOfReleasedSupportsFadeOverTheRamp) {
+  const auto released = [](const std::string& block, const std::string& solver) {
+    std::unique_ptr<Simulation> run;
+    const Rows rows = rows_of(R"([joints.glue]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+[[joint_rule]]
+family = "glue"
+[solver]
+local_damping = 0.7
+)" + solver + kBase + R"([[block]]
+name = "post"
+material = "stone"
+box = { lower = [-0.2, 0, 0.2], size = [0.4, 0.8, 0.6] }
+)" + block + R"([[stage]]
+duration = 0.1
+ramp_time = 0.02
+velocity = [{ block = "post", velocity = [0.001, "free", 0] }]
+monitor = "post"
+[[stage]]
+duration = 0.1
+ramp_time = 0.02
+velocity = [{ block = "post", velocity = [0, "free", 0] }]
+monitor = "post"
+[[stage]]
+duration = 0.4
+ramp_time = 0.3
+monitor = "post"
+)",
+                              &run);
+    double most = 0.0;
+    for (const HistoryRow& row : rows.of_stage(2)) most = std::max(most, row.monitor_displacement[0]);
+    EXPECT_LT(std::abs(rows.all.back().monitor_displacement[0]), 0.01 * most) << block << solver;
+    EXPECT_LT(std::abs(rows.all.back().energies->balance_error()), 0.01 * rows.all.back().energies->external);
+    return most / rows.of_stage(1).back().monitor_displacement[0];
+  };
+  const std::string kinds[] = {"", "kernels = \"general\"\n", "large_motion = \"always\"\n"};
+  for (const std::string& solver : kinds) EXPECT_LT(released("", solver), 1.03) << solver;
+  for (const std::string& solver : {kinds[1], kinds[2]})
+    EXPECT_LT(released("rigid = false\ndivisions = [2, 4, 2]\n", solver), 1.03) << solver;
+}
+
 // Weight put on at once does the work (mg)^2/k. Half of it is stored in the joint, so damping takes the other half. On
 // the lattice it took nothing.
 TEST(Outside, StiffnessDampingActsOnJointsInAllKernels) {

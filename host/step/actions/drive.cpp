@@ -39,6 +39,10 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
     }
     const Vector carried = (old.held & 7) != 0 ? -1.0 * net_force(s, block) : Vector{};
     for (int c = 0; c < 3; ++c) drive.force_from[c] = old.held >> c & 1 ? carried[c] : old.force_now[c];
+    // Gridpoints that are held along any axis hold the rotation of a deformable block.
+    const unsigned held_turns = is_rigid(s, block) ? old.held >> 3 : old.held & 7u ? 7u : 0u;
+    const Vector clamped = held_turns != 0 ? -1.0 * net_moment(s, block) : Vector{};
+    for (int c = 0; c < 3; ++c) drive.moment_from[c] = held_turns >> c & 1 ? clamped[c] : old.moment_now[c];
     return drive;
   };
   for (const BodyControl& control : settings.controls) {
@@ -55,7 +59,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
           drive.force_to[c] = control.force[k];
         }
       }
-      if (!control.may_turn) drive.held |= 0x38;
+      if (!control.may_turn) drive.held |= 0x38, drive.moment_from = {};
       drive.omega_to = geometry::vector(control.omega);
       s.actions.drives.push_back(drive);
     }
@@ -67,7 +71,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
     Drive released = start(old.block);
     if (is_fixed(s, old.block)) {
       released.held = kAllHeld;
-      released.force_from = {};
+      released.force_from = released.moment_from = {};
       released.of_ground = old.of_ground, released.motion = old.motion;
     }
     s.actions.drives.push_back(released);
@@ -90,9 +94,9 @@ void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
       if (d.of_ground >> c & 1) driven[c] += record[c];
     }
     prescribe(s, d.block, driven, between(d.omega_from, d.omega_to), d.held);
-    d.force_now = between(d.force_from, d.force_to);
-    if (dot(d.force_now, d.force_now) > 0.0 || dot(d.force_from, d.force_from) > 0.0)
-      apply_force(s, d.block, d.force_now);
+    d.force_now = between(d.force_from, d.force_to), d.moment_now = between(d.moment_from, {});
+    if (norm(d.force_now) + norm(d.force_from) + norm(d.moment_from) > 0.0)
+      apply_force(s, d.block, d.force_now, d.moment_now);
   }
 }
 
