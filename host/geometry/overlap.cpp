@@ -22,6 +22,13 @@ void triangle_vertex_rule(const Point2& a, const Point2& b, const Point2& c, dou
   for (const Point2& p : {a, b, c}) add_merged(points, first, {p, third}, tolerance);
 }
 
+// To within rounding; by symmetry its corners have equal shares.
+bool is_parallelogram(const Polygon& p) {
+  constexpr double kRounding = 1e-12;  // of a diagonal
+  const double diagonal2 = distance2(p[0], p[2]);
+  return p.size() == 4 && distance2(mix(p[0], p[2], 0.5), mix(p[1], p[3], 0.5)) <= kRounding * kRounding * diagonal2;
+}
+
 // Coordinates of Wachspress (1975) of a place inside a convex polygon: shares of its corners, >= 0, with 1 as their sum
 // and the place as their mean. The share of a corner vanishes as the sides there come to lie on one line.
 void corner_coordinates(const Polygon& p, const Point2& at, std::vector<double>& share) {
@@ -94,9 +101,9 @@ size_t add_merged(std::vector<QuadraturePoint>& points, size_t first, const Quad
 
 void vertex_rule(const Polygon& p, std::vector<QuadraturePoint>& points) {
   const size_t n = p.size(), first = points.size();
-  if (n == 3) {
-    const double third = area(p) / 3;
-    for (const Point2& c : p) points.push_back({c, third});
+  if (n == 3 || is_parallelogram(p)) {
+    const double share = area(p) / double(n);
+    for (const Point2& c : p) points.push_back({c, share});
     return;
   }
   for (const Point2& c : p) points.push_back({c, 0.0});

@@ -156,8 +156,8 @@ double zone_damping(const Model& m) {
   return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;
 }
 
-// Visits the forces by which a deformable block carries a moment about its centre: those of its inertia against the
-// angular acceleration that the moment would give it.
+// Visits the forces by which a deformable block carries a moment about its centre. They are those of its inertia under
+// the angular acceleration that the moment would give it.
 template <class Visit>
 void each_share_of_moment(const Model& m, int block, const Vector& moment, const Visit& visit) {
   const ModelBlock& b = m.blocks[size_t(block)];
