@@ -212,7 +212,7 @@ class Search {
     unknowns_->add_zones(&entries);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const ContactPoint& p = points[i];
-      const quoin_stiffness_bounds& bounds = s_.model.families[at(p.family)].material->stiffness_bounds();
+      const quoin_stiffness_bounds bounds = stiffness_bounds_at(s_, p);
       const double normal = p.area * bounds.normal * (states[i] == open ? std::max(kOpen, kept) : 1.0);
       const double shear = p.area * bounds.shear *
                            (states[i] == open     ? std::max(kOpen, kept)

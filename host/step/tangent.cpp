@@ -53,7 +53,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
   PointStiffness k{std::vector<double>(count), std::vector<double>(count)};
   std::vector<double> closing(count), forth(count), back(count);
   for (const ContactPoint& p : points) {
-    const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
+    const quoin_stiffness_bounds bounds = stiffness_bounds_at(s, p);
     closing[at(p.index)] = bounds.normal > 0.0 ? -kProbe / bounds.normal : 0.0;
     forth[at(p.index)] = bounds.shear > 0.0 ? kProbe / bounds.shear : 0.0;
     back[at(p.index)] = -forth[at(p.index)];
@@ -76,7 +76,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
   }
   for (const ContactPoint& p : points) {  // points whose law gives no stiffness: its bounds
     if (!std::isnan(k.normal[at(p.index)]) && !std::isnan(k.shear[at(p.index)])) continue;
-    const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
+    const quoin_stiffness_bounds bounds = stiffness_bounds_at(s, p);
     const bool carries = p.traction[0] != 0.0 || p.jump[0] <= 0.0;
     k.normal[at(p.index)] = carries ? bounds.normal : 0.0, k.shear[at(p.index)] = carries ? bounds.shear : 0.0;
   }

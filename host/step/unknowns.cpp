@@ -53,6 +53,17 @@ void each_stressed_zone(const Simulation::Impl& s, int block, const std::functio
   }
 }
 
+quoin_stiffness_bounds stiffness_bounds_at(const Simulation::Impl& s, const ContactPoint& p) {
+  if (!s.large_motion) {
+    const ContactFamily& family = s.model.families[at(p.family)];
+    return stiffness_bounds_at(*family.material, family.columns, at(p.index - family.first_point));
+  }
+  const auto& families = s.large_motion->contacts.families;
+  std::size_t point = at(p.index);
+  for (int before = 0; before < p.family; ++before) point -= families[at(before)].size();
+  return stiffness_bounds_at(*families[at(p.family)].material, families[at(p.family)].columns, point);
+}
+
 Unknowns::Unknowns(const Simulation::Impl& s) : s_(s) {
   groups_.begin = {0};
   const std::vector<std::uint8_t> held = held_now(s);  // blocks take these with the next step

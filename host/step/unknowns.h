@@ -28,6 +28,9 @@ struct StressedZone {
 };
 void each_stressed_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit);
 
+// Stiffness bounds of the law at a contact point, Pa/m.
+quoin_stiffness_bounds stiffness_bounds_at(const Simulation::Impl& s, const ContactPoint& point);
+
 class Unknowns {
  public:
   using Entries = std::vector<Eigen::Triplet<double>>;  // entries of the lower triangle
