@@ -333,6 +333,17 @@ class Search {
   }
 
  public:
+  // Dampers have no force at rest: the way to it is no motion of theirs.
+  void relax_dampers() {
+    const double unknown = std::nan("");
+    std::ranges::fill(s_.lattice.old_jump, unknown);
+    if (!s_.large_motion) return;
+    for (blocks::Family& f : s_.large_motion->contacts.families) {
+      std::ranges::fill(f.old_jump, unknown);
+      for (auto& column : f.maxwell) std::ranges::fill(column, 0.0);
+    }
+  }
+
   // Rest is that against the ground, which earlier records may have left with a velocity.
   void follow_ground() {
     const Vector ground =
@@ -391,6 +402,7 @@ void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_request
   const double before = impl.progress.step > 0 ? out_of_books() : 0.0;
   Search search(impl);
   search.run(stage.equilibrium_ratio.value_or(1e-4), stop_requested);
+  search.relax_dampers();
   search.follow_ground();
   // The work of loads is the energy that blocks and joints have taken up, as for loads that grow slowly.
   step_once(impl, true, true);

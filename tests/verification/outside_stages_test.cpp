@@ -434,5 +434,36 @@ beam_joint = "mortar"
   }
 }
 
+// Maxwell elements have no force at rest, so a block settles by W/(kn A) and stays there. The search for rest was
+// motion to them: the block stood 2.2 % too high, and crept on. Tolerance: the wait for rest.
+TEST(OutsideStages, MaxwellElementsHaveNoForceAtRest) {
+  for (const char* of_cube : {"", "rigid = false\ndivisions = [1, 1, 1]\n"}) {
+    for (const char* before :
+         {"", "[[stage]]\nname = \"ramp\"\ngravity = [0, -5, 0]\nramp_time = 0.05\nduration = 0.1\n"}) {
+      const auto settled = [&](double maxwell) {
+        const Rows rows = rows_of(fmt::format("[solver]\ndamping = \"impact\"\nmaxwell_damping = {}\n", maxwell) +
+                                  kBase + kCube + of_cube + before + R"(
+[[stage]]
+name = "weight"
+kind = "rest"
+gravity = [0, -9.81, 0]
+monitor = "cube"
+[[stage]]
+name = "after"
+duration = 0.5
+monitor = "cube"
+)");
+        const int stage = rows.all.back().stage;
+        return std::pair{-rows.of_stage(stage - 1).back().monitor_displacement[1],
+                         -rows.all.back().monitor_displacement[1]};
+      };
+      const auto [first, last] = settled(0.05);
+      const double expected = of_cube[0] ? settled(0.0).first : kWeightOfCube / 1e9;
+      EXPECT_NEAR(first, expected, 1e-4 * expected) << of_cube << before;
+      EXPECT_NEAR(last, expected, 1e-4 * expected) << of_cube << before;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace quoin::verification
