@@ -465,5 +465,71 @@ monitor = "cube"
   }
 }
 
+// A block slides over the edge of its base, and its points are placed again. It comes to the same place as where all
+// joints have the stiffness of its own. The stiffest joint of the family stood for it: placing points took 0.07 J in
+// place of 0.003 J, and the left edge was 7 um lower. Tolerances: the slip differs by 0.1 %; 1 % of the weight's work.
+TEST(OutsideStages, ABlockWhoseJointIsSofterThanOthersSlidesAsAlone) {
+  struct Slid {
+    double weight, left, detection;  // settlement under weight, that of the left edge at the end, m; J
+  };
+  const auto slid = [](const std::string& stiffness) {
+    std::string scene = fmt::format(R"(
+[materials.stone]
+young_modulus = 2e9
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = {}
+shear_stiffness = 1e8
+friction_angle = 1.0
+[solver]
+damping = "viscous"
+mass_damping = 30.0
+[random]
+seed = 6
+[output]
+frames = 0
+plots = false
+energy = true
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = {{ lower = [-5, -1, -5], size = [5, 1, 20] }}
+[[block]]
+name = "slider"
+material = "stone"
+box = {{ lower = [-1, 0, 0], size = [1, 0.5, 1] }}
+)",
+                                    stiffness);
+    for (int z : {2, 4, 6})
+      scene += fmt::format("[[block]]\nmaterial = \"stone\"\nbox = {{ lower = [-4, 0, {}], size = [1, 0.5, 1] }}\n", z);
+    scene +=
+        "[[stage]]\nname = \"weight\"\ngravity = [0, -9.81, 0]\nramp_time = 0.2\nduration = 0.6\nmonitor = "
+        "\"slider\"\n";
+    for (const auto& [name, velocity, duration] : {std::tuple{"slide", 0.1, 2.1}, {"stop", 0.0, 1.0}})
+      scene += fmt::format(
+          "[[stage]]\nname = \"{}\"\nramp_time = 0.2\nduration = {}\n[[stage.velocity]]\nblock = \"slider\"\n"
+          "velocity = [{}, \"free\", \"free\"]\nrotation_held = false\n",
+          name, duration, velocity);
+    Simulation run(scene_of(scene));
+    Rows rows;
+    run.run(rows);
+    double left = 0.0;  // mean of the corners at x = -1
+    const std::vector<Vec3> places = block_mesh(run, 1).gridpoint, moved = block_displacement(run, 1);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i][0] < -0.5) left += moved[i][1] / 4.0;
+    return Slid{-rows.of_stage(0).back().monitor_displacement[1], left, rows.all.back().energies->detection};
+  };
+  const Slid scattered = slid("{ distribution = \"uniform\", lower = 1e7, upper = 2e9, level = \"joint\" }");
+  const double weight = 0.5 * 2000.0 * gravity;  // N, on 1 m2
+  const Slid alone = slid(fmt::format("{}", weight / scattered.weight));
+  EXPECT_GT(scattered.weight, 5.0 * weight / 2e9) << "its joint is no fifth as stiff as the stiffest";
+  EXPECT_NEAR(scattered.left, alone.left, 0.02 * std::abs(alone.left));
+  EXPECT_NEAR(scattered.detection, alone.detection, 0.01 * weight * alone.weight);
+}
+
 }  // namespace
 }  // namespace quoin::verification
