@@ -33,7 +33,6 @@ namespace {
 
 using Eigen::VectorXd;
 using geometry::Vector;
-using Triplet = Eigen::Triplet<double>;
 
 // Most iterations, and the unbalanced ratio that ends them over that of the stage, which its steps check.
 constexpr int kMostIterations = 100;
@@ -165,8 +164,7 @@ class Search {
     std::vector<UnknownShare> shares;
     for (const ContactPoint& p : points) {
       unknowns_->shares_of(p, &shares);
-      const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) +
-                                     p.traction[1] * geometry::vector(p.s) + p.traction[2] * geometry::vector(p.t));
+      const Vector force = force_of(p);
       for (const UnknownShare& share : shares) (*sum)(share.unknown) -= dot(force, share.moves);
     }
   }
@@ -208,7 +206,7 @@ class Search {
 
   Eigen::SparseMatrix<double> stiffness_of(const std::vector<ContactPoint>& points,
                                            const std::vector<std::uint8_t>& states, double kept) {
-    std::vector<Triplet> entries;
+    StiffnessEntries entries;
     unknowns_->add_zones(&entries);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const ContactPoint& p = points[i];
@@ -223,7 +221,7 @@ class Search {
     const auto n = static_cast<Eigen::Index>(unknowns_->count());
     Eigen::SparseMatrix<double> stiffness(n, n);
     double largest = 0.0;
-    for (const Triplet& entry : entries) largest = std::max(largest, entry.value());
+    for (const auto& entry : entries) largest = std::max(largest, entry.value());
     for (int i = 0; i < unknowns_->count(); ++i) entries.emplace_back(i, i, kHeld * largest);
     stiffness.setFromTriplets(entries.begin(), entries.end());
     return stiffness;

@@ -53,6 +53,11 @@ void each_stressed_zone(const Simulation::Impl& s, int block, const std::functio
   }
 }
 
+Vector force_of(const ContactPoint& p) {
+  return p.area * (p.traction[0] * geometry::vector(p.normal) + p.traction[1] * geometry::vector(p.s) +
+                   p.traction[2] * geometry::vector(p.t));
+}
+
 quoin_stiffness_bounds stiffness_bounds_at(const Simulation::Impl& s, const ContactPoint& p) {
   if (!s.large_motion) {
     const ContactFamily& family = s.model.families[at(p.family)];
@@ -112,27 +117,14 @@ void Unknowns::number_large_motion(int b, unsigned held) {
   }
 }
 
-// Adds V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I) for nodes i and j, g the gradients of shape functions.
-void Unknowns::add_zones(Entries* entries) const {
+void Unknowns::add_zones(StiffnessEntries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
     if (u.rigid) continue;
     each_stressed_zone(s_, b, [&](const StressedZone& zone) {
-      for (std::size_t i = 0; i < 4; ++i) {
-        for (std::size_t j = 0; j < 4; ++j) {
-          const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
-          const double along = zone.mu * dot(gi, gj);
-          for (int c = 0; c < 3; ++c) {
-            const int row = u.gridpoint[at(zone.node[i])][at(c)];
-            for (int d = 0; row >= 0 && d < 3; ++d) {
-              const int column = u.gridpoint[at(zone.node[j])][at(d)];
-              if (column < 0 || column > row) continue;
-              const double k = zone.lambda * gi[c] * gj[d] + zone.mu * gj[c] * gi[d];
-              entries->emplace_back(row, column, zone.volume * (k + (c == d ? along : 0.0)));
-            }
-          }
-        }
-      }
+      std::array<std::array<int, 3>, 4> unknown;
+      for (std::size_t i = 0; i < 4; ++i) unknown[i] = u.gridpoint[at(zone.node[i])];
+      add_zone(zone.volume, zone.lambda, zone.mu, zone.gradient, unknown, entries);
     });
   }
 }
@@ -202,19 +194,14 @@ int Unknowns::gridpoint_at(int b, const Vector& place) const {
   return nearest;
 }
 
-void Unknowns::add_point(const ContactPoint& p, double normal, double shear, Entries* entries) const {
+void Unknowns::add_point(const ContactPoint& p, double normal, double shear, StiffnessEntries* entries) const {
   std::vector<UnknownShare> shares;
   shares_of(p, &shares);
-  const Vector n = geometry::vector(p.normal);
-  for (const UnknownShare& row : shares) {
-    const Vector force = shear * row.moves + (normal - shear) * dot(n, row.moves) * n;
-    for (const UnknownShare& column : shares)
-      if (column.unknown <= row.unknown) entries->emplace_back(row.unknown, column.unknown, dot(force, column.moves));
-  }
+  add_spring(shares, geometry::vector(p.normal), normal, shear, entries);
 }
 
 // For a zone V (g_i . stress g_j) I.
-void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const {
+void Unknowns::add_stresses(const std::vector<ContactPoint>& points, StiffnessEntries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
     if (u.rigid) continue;
@@ -231,8 +218,7 @@ void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* en
     });
   }
   for (const ContactPoint& p : points) {
-    const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) + p.traction[1] * geometry::vector(p.s) +
-                                   p.traction[2] * geometry::vector(p.t));
+    const Vector force = force_of(p);
     for (const auto& [block, sign] : {std::pair{p.block_a, 1.0}, {p.block_b, -1.0}})
       add_force(block, sign * force, geometry::vector(p.position) - blocks_[at(block)].centre, entries);
   }
@@ -240,7 +226,7 @@ void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* en
 
 // A force F on the arm r of a block turns about it by theta. Its work of second order is F . theta x (theta x r)/2,
 // whose stiffness is (F . r) I - (F r^T + r F^T)/2. A force through the centre has none.
-void Unknowns::add_force(int block, const Vector& f, const Vector& r, Entries* entries) const {
+void Unknowns::add_force(int block, const Vector& f, const Vector& r, StiffnessEntries* entries) const {
   const OfBlock& u = blocks_[at(block)];
   for (int c = 0; u.rigid && c < 3; ++c) {
     for (int d = 0; d < 3; ++d) {
@@ -252,7 +238,7 @@ void Unknowns::add_force(int block, const Vector& f, const Vector& r, Entries* e
 }
 
 void add_turning(const std::array<int, 3>& forces, const std::array<int, 3>& motions, const Vector& v,
-                 Unknowns::Entries* entries) {
+                 StiffnessEntries* entries) {
   for (int d = 0; d < 3; ++d) {
     Vector motion;
     motion[d] = 0.5;
