@@ -3,31 +3,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "model/contact_frames.h"
 #include "model/world_results.h"
 #include "step/reactions.h"
 #include "step/results.h"
 
 namespace quoin {
-namespace {
 
 using geometry::Matrix;
 using geometry::Vector;
-
-// Stress of a zone on the lattice, Pa, from the displacements of its block's gridpoints, m.
-Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<Vector>& moved) {
-  Matrix stress = Matrix::zero();
-  for (std::size_t a = 0; a < 4; ++a) {
-    const Vector& w = moved[at(zone.node[a])];
-    const Vector gradient = geometry::vector(zone.shape_gradient[a]);
-    for (int c = 0; c < 3; ++c) {
-      for (int k = 0; k < 3; ++k) stress.row[c][k] += shape.shear_modulus * (w[c] * gradient[k] + w[k] * gradient[c]);
-      stress.row[c][c] += shape.lambda * dot(w, gradient);
-    }
-  }
-  return stress;
-}
-
-}  // namespace
 
 void each_stressed_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit) {
   if (s.large_motion) {
@@ -41,13 +25,12 @@ void each_stressed_zone(const Simulation::Impl& s, int block, const std::functio
     return;
   }
   const BrickTemplate& shape = s.model.template_of(block);
-  std::vector<Vector> moved;
-  s.model.for_each_gridpoint(block, [&](std::size_t o, double) {
-    moved.push_back(
-        {s.lattice.displacement[o], s.lattice.displacement[o + kLanes], s.lattice.displacement[o + 2 * kLanes]});
-  });
-  for (const Zone& zone : shape.zone) {
-    StressedZone now{zone.node, {}, zone.volume, shape.lambda, shape.shear_modulus, stress_of(shape, zone, moved)};
+  const auto stress = block_stress(s, block);
+  for (std::size_t z = 0; z < stress.size(); ++z) {
+    const Zone& zone = shape.zone[z];
+    const auto& [xx, yy, zz, xy, yz, zx] = stress[z];
+    StressedZone now{
+        zone.node, {}, zone.volume, shape.lambda, shape.shear_modulus, {{{xx, xy, zx}, {xy, yy, yz}, {zx, yz, zz}}}};
     for (std::size_t i = 0; i < 4; ++i) now.gradient[i] = geometry::vector(zone.shape_gradient[i]);
     visit(now);
   }
@@ -169,11 +152,7 @@ std::pair<std::array<int, 3>, std::array<double, 3>> Unknowns::on_surface(int b,
   double least = std::numeric_limits<double>::infinity();
   for (const auto& triangle : s_.large_motion->blocks[b].surface) {
     const Vector &p = x[at(triangle.node[0])], &q = x[at(triangle.node[1])], &r = x[at(triangle.node[2])];
-    const Vector normal = cross(q - p, r - p);
-    const double twice = dot(normal, normal);
-    std::array<double, 3> weight{dot(cross(q - place, r - place), normal) / twice,
-                                 dot(cross(r - place, p - place), normal) / twice, 0.0};
-    weight[2] = 1.0 - weight[0] - weight[1];
+    std::array<double, 3> weight = blocks::corner_shares(q - p, r - p, place - p);
     double sum = 0.0;
     for (double& w : weight) w = std::max(0.0, w), sum += w;
     for (double& w : weight) w /= sum;
