@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -23,12 +22,12 @@
 #include "scene/generate_blocks.h"
 #include "scene/members.h"
 #include "scene/read_masses.h"
+#include "sparse/stiffness_entries.h"
 
 namespace quoin {
 namespace {
 
 using geometry::Vector;
-using Triplet = Eigen::Triplet<double>;
 
 struct JointStiffness {
   double normal, shear;  // Pa/m
@@ -51,23 +50,6 @@ JointStiffness stiffness_of(const std::shared_ptr<const Material>& material, con
   return k;
 }
 
-// One side of a contact point: an unknown, and the motion of the point for a unit of it.
-struct Share {
-  int unknown;
-  Vector moves;
-};
-
-// normal: stiffness along n; across: stiffness perpendicular to it, N/m.
-void add_spring(const std::vector<Share>& shares, const Vector& n, double normal, double across,
-                std::vector<Triplet>* entries) {
-  for (const Share& row : shares) {
-    const Vector force = across * row.moves + (normal - across) * dot(n, row.moves) * n;
-    for (const Share& column : shares) {
-      if (column.unknown <= row.unknown) entries->emplace_back(row.unknown, column.unknown, dot(force, column.moves));
-    }
-  }
-}
-
 // A world at its start, with access to its stiffness. Its solver settings scale no inertia.
 class World : public blocks::World {
  public:
@@ -80,14 +62,15 @@ class World : public blocks::World {
   void number(Vibrating* v);
   void number_body(int block, Vibrating* v);
   void draw(Vibrating* v) const;
-  void add_zones(std::vector<Triplet>* entries) const;
-  void add_points(Vibrating* v, std::vector<Triplet>* entries) const;
-  void add_members(const Vibrating& v, std::vector<Triplet>* entries) const;
+  void add_zones(StiffnessEntries* entries) const;
+  void add_points(Vibrating* v, StiffnessEntries* entries) const;
+  void add_members(const Vibrating& v, StiffnessEntries* entries) const;
   void number_members(Vibrating* v);
-  void add_deformations(const Vibrating& v, std::vector<Triplet>* entries) const;
-  void add_node(const members::Node& node, double sign, const Vibrating& v, std::vector<Share>* shares) const;
+  void add_deformations(const Vibrating& v, StiffnessEntries* entries) const;
+  void add_gridpoint(int gridpoint, double weight, std::vector<UnknownShare>* shares) const;
+  void add_node(const members::Node& node, double sign, const Vibrating& v, std::vector<UnknownShare>* shares) const;
   void add_side(int block, int facet, const Vector& place, double sign, const Vibrating& v,
-                std::vector<Share>* shares) const;
+                std::vector<UnknownShare>* shares) const;
 
   std::vector<std::uint8_t> held_;                  // by block: bits 0..2 translations, 3..5 rotations
   std::vector<int> first_of_body_, count_of_body_;  // unknowns, by block
@@ -133,27 +116,19 @@ void World::number_body(int block, Vibrating* v) {
     u.translation[c] = 1.0;
     v->unknown.push_back(u), v->mass.push_back(body.mass);
   }
-  // Free rotations are about the principal axes of their inertia, so that mass is diagonal.
   std::vector<int> axes;
   for (int c = 0; c < 3; ++c) {
     if ((held >> (3 + c) & 1u) == 0) axes.push_back(c);
   }
-  const auto count = static_cast<Eigen::Index>(axes.size());
-  Eigen::MatrixXd inertia(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const Vector a = body.r.row[axes[static_cast<std::size_t>(i)]], b = body.r.row[axes[static_cast<std::size_t>(j)]];
-      inertia(i, j) = a.x * b.x * body.inertia.x + a.y * b.y * body.inertia.y + a.z * b.z * body.inertia.z;
+  geometry::Matrix inertia;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Vector a = body.r.row[i], b = body.r.row[j];
+      inertia.row[i][j] = a.x * b.x * body.inertia.x + a.y * b.y * body.inertia.y + a.z * b.z * body.inertia.z;
     }
   }
-  if (count > 0) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inertia);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      Unknown u{block, -1, {}, {}, body.x};
-      for (Eigen::Index i = 0; i < count; ++i) u.spin[axes[static_cast<std::size_t>(i)]] = eigen.eigenvectors()(i, k);
-      v->unknown.push_back(u), v->mass.push_back(eigen.eigenvalues()(k));
-    }
-  }
+  for (const FreeRotation& rotation : free_rotations(axes, inertia))
+    v->unknown.push_back({block, -1, {}, rotation.spin, body.x}), v->mass.push_back(rotation.inertia);
   count_of_body_[at(block)] = static_cast<int>(v->unknown.size()) - first_of_body_[at(block)];
 }
 
@@ -205,30 +180,26 @@ void World::draw(Vibrating* v) const {
   }
 }
 
-// Linear elasticity at constant strain. With gradients g of the shape functions, nodes i and j have the stiffness
-//   V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
-void World::add_zones(std::vector<Triplet>* entries) const {
+void World::add_zones(StiffnessEntries* entries) const {
   each_zone(*this, [&](const blocks::ModelBlock& b, const blocks::Zone& zone) {
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) {
-        const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
-        const double along = zone.mu * dot(gi, gj);
-        for (int c = 0; c < 3; ++c) {
-          const int row = of_gridpoint_[at(b.first_node + zone.node[i])][at(c)];
-          for (int d = 0; row >= 0 && d < 3; ++d) {
-            const int column = of_gridpoint_[at(b.first_node + zone.node[j])][at(d)];
-            if (column < 0 || column > row) continue;
-            const double k = zone.lambda * gi[c] * gj[d] + zone.mu * gj[c] * gi[d] + (c == d ? along : 0.0);
-            entries->emplace_back(row, column, zone.volume * k);
-          }
-        }
-      }
-    }
+    std::array<std::array<int, 3>, 4> unknown;
+    for (std::size_t i = 0; i < 4; ++i) unknown[i] = of_gridpoint_[at(b.first_node + zone.node[i])];
+    add_zone(zone.volume, zone.lambda, zone.mu, zone.gradient, unknown, entries);
   });
 }
 
+void World::add_gridpoint(int gridpoint, double weight, std::vector<UnknownShare>* shares) const {
+  for (int c = 0; c < 3; ++c) {
+    const int unknown = of_gridpoint_[at(gridpoint)][at(c)];
+    if (unknown < 0 || weight == 0.0) continue;
+    Vector moves;
+    moves[c] = weight;
+    shares->push_back({unknown, moves});
+  }
+}
+
 void World::add_side(int block, int facet, const Vector& place, double sign, const Vibrating& v,
-                     std::vector<Share>* shares) const {
+                     std::vector<UnknownShare>* shares) const {
   if (facet < 0) {
     for (int k = 0; k < count_of_body_[at(block)]; ++k) {
       const int unknown = first_of_body_[at(block)] + k;
@@ -237,19 +208,11 @@ void World::add_side(int block, int facet, const Vector& place, double sign, con
     return;
   }
   const blocks::Facet& f = contacts.facets[at(facet)];
-  for (int i = 0; i < 3; ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const int unknown = of_gridpoint_[at(f.node[i])][at(c)];
-      if (unknown < 0 || f.weight[i] == 0.0) continue;
-      Vector moves;
-      moves[c] = sign * f.weight[i];
-      shares->push_back({unknown, moves});
-    }
-  }
+  for (int i = 0; i < 3; ++i) add_gridpoint(f.node[i], sign * f.weight[i], shares);
 }
 
-void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
-  std::vector<Share> shares;
+void World::add_points(Vibrating* v, StiffnessEntries* entries) const {
+  std::vector<UnknownShare> shares;
   for (std::size_t k = 0; k < contacts.families.size(); ++k) {
     const blocks::Family& family = contacts.families[k];
     const JointStiffness mean = stiffness_of(family.material, assembly.families[k].initial_state);
@@ -268,23 +231,16 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
   }
 }
 
-void World::add_node(const members::Node& node, double sign, const Vibrating& v, std::vector<Share>* shares) const {
+void World::add_node(const members::Node& node, double sign, const Vibrating& v,
+                     std::vector<UnknownShare>* shares) const {
   if (blocks[node.block].body >= 0) return add_side(node.block, -1, node.start, sign, v, shares);
-  for (const auto& [gridpoint, weight] : node.share) {
-    for (int c = 0; c < 3; ++c) {
-      const int unknown = of_gridpoint_[at(gridpoint)][at(c)];
-      if (unknown < 0 || weight == 0.0) continue;
-      Vector moves;
-      moves[c] = sign * weight;
-      shares->push_back({unknown, moves});
-    }
-  }
+  for (const auto& [gridpoint, weight] : node.share) add_gridpoint(gridpoint, sign * weight, shares);
 }
 
 // Stiffness of members. Ties without slack are taut, springs of beddings are closed.
-void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const {
+void World::add_members(const Vibrating& v, StiffnessEntries* entries) const {
   if (!held_by.members.get()) return;
-  std::vector<Share> shares;
+  std::vector<UnknownShare> shares;
   const auto& riders = held_by.members.get()->nodes();
   for (const members::Tie& tie : held_by.members.get()->ties()) {
     if (tie.law.slack > 0.0) continue;
@@ -343,9 +299,9 @@ void World::number_members(Vibrating* v) {
 }
 
 // Stiffness of deformations from their unknowns and coefficients. Connectors and supports count as closed.
-void World::add_deformations(const Vibrating& v, std::vector<Triplet>* entries) const {
+void World::add_deformations(const Vibrating& v, StiffnessEntries* entries) const {
   using Row = std::vector<std::pair<int, double>>;
-  std::vector<Share> shares;
+  std::vector<UnknownShare> shares;
   const auto row_of = [&](const members::Deformation& d) {
     Row row;
     for (const members::Deformation::Share& share : d.shares) {
@@ -356,7 +312,7 @@ void World::add_deformations(const Vibrating& v, std::vector<Triplet>* entries) 
       }
       shares.clear();
       add_node(held_by.members.get()->nodes()[at(share.node)], 1.0, v, &shares);
-      for (const Share& s : shares) row.emplace_back(s.unknown, dot(share.way, s.moves));
+      for (const UnknownShare& s : shares) row.emplace_back(s.unknown, dot(share.way, s.moves));
     }
     return row;
   };
@@ -388,7 +344,7 @@ void World::fill(const std::string& file, Vibrating* v) {
   if (held_by.members.get()) own_ = members::linear_of(*held_by.members.get(), file), number_members(v);
   const auto count = static_cast<Eigen::Index>(v->unknown.size());
   v->stiffness.resize(count, count);
-  std::vector<Triplet> entries;
+  StiffnessEntries entries;
   add_zones(&entries);
   add_points(v, &entries);
   add_members(*v, &entries);

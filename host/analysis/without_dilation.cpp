@@ -116,34 +116,21 @@ double mean_of(const std::vector<double>& values) {
   return sum;
 }
 
-// The problem with the shear strengths of given normal forces.
-LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& normal, bool cones) {
+// The problem with the shear strengths of given normal forces. Where friction is sought, the multiplier is minus a
+// factor on it: shear strengths are proportional to it, loads are constant. factor: the last one found, else 1.
+LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& normal, bool of_friction, double factor,
+                    bool cones) {
   LimitProblem next = problem;
   const double of_loaded = has_members(problem) ? 0.0 : kSlope;
   const double unloaded = (cones ? kUnloaded : kUnloadedPyramids) * mean_of(normal);
+  for (LimitBlock& b : next.blocks)
+    if (of_friction) b.live = {};
   for (std::size_t i = 0; i < normal.size(); ++i) {
     LimitPoint& p = next.points[i];
     const double slope = normal[i] > unloaded ? of_loaded : 0.0, friction = p.friction;
     if (friction > 0.0) p.tension = std::min(p.tension, p.cohesion / friction);
-    if (normal[i] > unloaded || !cones) p.cohesion += (1.0 + slope) * friction * std::max(0.0, normal[i]);
-    p.friction = -slope * friction;
-  }
-  return next;
-}
-
-// The problem whose multiplier is minus a factor on friction: shear strengths are proportional to it, loads are
-// constant.
-LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<double>& normal, double factor,
-                             bool cones) {
-  LimitProblem next = problem;
-  const double of_loaded = has_members(problem) ? 0.0 : kSlope;
-  for (LimitBlock& b : next.blocks) b.live = {};
-  const double unloaded = (cones ? kUnloaded : kUnloadedPyramids) * mean_of(normal);
-  for (std::size_t i = 0; i < normal.size(); ++i) {
-    LimitPoint& p = next.points[i];
-    const double slope = normal[i] > unloaded ? of_loaded : 0.0, friction = p.friction;
-    if (friction > 0.0) p.tension = std::min(p.tension, p.cohesion / friction);
-    if (normal[i] > unloaded || !cones) p.live_cohesion = -(1.0 + slope) * friction * std::max(0.0, normal[i]);
+    const double strength = normal[i] > unloaded || !cones ? (1.0 + slope) * friction * std::max(0.0, normal[i]) : 0.0;
+    of_friction ? p.live_cohesion -= strength : p.cohesion += strength;
     p.friction = -slope * friction * factor;
   }
   return next;
@@ -196,7 +183,7 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     if (cones) settings.near = normal;
     ++now.problems;
     const LimitResult result =
-        limit_multiplier(of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones),
+        limit_multiplier(frozen(problem, normal, of_friction, factor, cones),
                          in_phase(settings, fmt::format("from {}, problem {}", from, now.problems)));
     // The change was too large: go halfway back. A nearly settled state may jump to another when points lose their
     // load.

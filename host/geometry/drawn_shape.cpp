@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/joined_items.h"
 
 namespace quoin::geometry {
 namespace {
@@ -29,21 +30,16 @@ std::map<Edge, std::vector<int>> faces_by_edge(const RawShape& shape) {
 
 // Component number of each face, from 0.
 std::vector<int> components(const RawShape& shape) {
-  std::vector<int> parent(shape.faces.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int f) {
-    while (parent[size_t(f)] != f) f = parent[size_t(f)] = parent[size_t(parent[size_t(f)])];
-    return f;
-  };
+  JoinedItems joined(shape.faces.size());  // components keep the order of the file
   for (const auto& [edge, faces] : faces_by_edge(shape)) {
-    for (int f : faces) {  // the lowest number is the root, so that components keep the order of the file
-      const int a = root(faces[0]), b = root(f);
-      parent[size_t(std::max(a, b))] = std::min(a, b);
-    }
+    for (const int f : faces) joined.join(faces[0], f);
   }
-  std::vector<int> number(parent.size());
+  std::vector<int> number;
   int next = 0;
-  for (int f = 0; f < int(parent.size()); ++f) number[size_t(f)] = root(f) == f ? next++ : number[size_t(root(f))];
+  for (int f = 0; f < int(shape.faces.size()); ++f) {
+    const int first = joined.first_of(f);
+    number.push_back(first == f ? next++ : number[size_t(first)]);
+  }
   return number;
 }
 

@@ -117,10 +117,13 @@ void inherit(const World& w, const Family& old, size_t from, const Contact& c, F
   turn_joint_vectors(old, f, turn);
 }
 
+double normal_stiffness(const Family& f, size_t i) { return stiffness_bounds_at(*f.material, f.columns, i).normal; }
+
 // Plastic closure of a closed point by crushing or dilation since it was placed, m: the law's sigma = kn (d_n +
 // closure).
 double plastic_closure(const Family& f, size_t i) {
-  return f.traction[0][i] < 0 ? f.traction[0][i] / f.kn - f.normal_jump[i] : std::max(0.0, -f.normal_jump[i]);
+  return f.traction[0][i] < 0 ? f.traction[0][i] / normal_stiffness(f, i) - f.normal_jump[i]
+                              : std::max(0.0, -f.normal_jump[i]);
 }
 
 // Plastic closure at a place between old points, m: linear in the smallest triangle of near ones around it. Where there
@@ -171,13 +174,15 @@ double friction_of(const Family& f) {
 void keep_energy(World& w, const PointsBefore& before, const Finding& finding, const Contact& c,
                  std::span<const Heir> heirs) {
   struct Sums {
-    double area = 0.0, normal = 0.0, shear = 0.0;  // m2; sums of area * overlap^2 and of area * tau^2
-    double deepest = 0.0, largest = 0.0;           // overlap^2, tau^2
+    // m2; sums of area * overlap^2 * stiffness and of area * tau^2 / stiffness, with stiffnesses over those of the mean
+    double area = 0.0, normal = 0.0, shear = 0.0;
+    double deepest = 0.0, largest = 0.0;  // overlap^2, tau^2
     void add(const Family& f, size_t i, double overlap) {
       const double d2 = std::min(0.0, overlap) * std::min(0.0, overlap),
                    tau2 = f.traction[1][i] * f.traction[1][i] + f.traction[2][i] * f.traction[2][i];
       area += f.point[i].area;
-      normal += f.point[i].area * d2, shear += f.point[i].area * tau2;
+      normal += f.point[i].area * d2 * scatter_factor(f.columns, "normal_stiffness", i);
+      if (tau2 > 0.0) shear += f.point[i].area * tau2 / scatter_factor(f.columns, "shear_stiffness", i);
       deepest = std::max(deepest, d2), largest = std::max(largest, tau2);
     }
   };
@@ -209,7 +214,8 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
     const double pressed = f.traction[0][i];
     // Opening that the point would have had a step ago, so that stiffness damping depends on motion alone.
     f.normal_jump[i] = locate(w, p, w.contacts.facets).jump - heirs[k].opening;
-    if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
+    if (f.traction[0][i] <= 0)
+      f.traction[0][i] = std::min(0.0, normal_stiffness(f, i) * (f.normal_jump[i] + heirs[k].closure));
     if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
     // A traction within the strength c + mu |sigma| stays within it, as it falls by mu times the pressure that is lost.
     // So bonded and elastic joints keep what friction does not carry. Where friction carries all, it falls in

@@ -323,9 +323,22 @@ std::vector<quoin_property_column> batch_columns(const std::vector<PropertyColum
   return result;
 }
 
+const PropertyColumn* find_column(const std::vector<PropertyColumn>& columns, std::string_view id) {
+  const auto found = std::ranges::find(columns, id, &PropertyColumn::id);
+  return found == columns.end() ? nullptr : &*found;
+}
+
 double scatter_factor(const std::vector<PropertyColumn>& columns, std::string_view id, std::size_t point) {
-  const auto column = std::ranges::find(columns, id, &PropertyColumn::id);
-  return column == columns.end() || point >= column->values.size() ? 1.0 : column->values[point] / column->usual;
+  const PropertyColumn* const column = find_column(columns, id);
+  return !column || point >= column->values.size() ? 1.0 : column->values[point] / column->usual;
+}
+
+quoin_stiffness_bounds stiffness_bounds_at(const Material& material, const std::vector<PropertyColumn>& columns,
+                                           std::size_t point) {
+  quoin_stiffness_bounds bounds = material.stiffness_bounds();
+  bounds.normal *= scatter_factor(columns, "normal_stiffness", point);
+  bounds.shear *= scatter_factor(columns, "shear_stiffness", point);
+  return bounds;
 }
 
 quoin_stiffness_bounds stiffness_bounds_of(const JointFamily& family, const Material& material,

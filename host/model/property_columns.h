@@ -46,8 +46,15 @@ std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Mat
 std::vector<quoin_property_column> batch_columns(const std::vector<PropertyColumn>& columns, const Material& material,
                                                  std::size_t first);
 
+// Column of a property; null: it does not scatter.
+const PropertyColumn* find_column(const std::vector<PropertyColumn>& columns, std::string_view id);
+
 // Value of a property at a point over that of the material; 1 where it does not scatter, and at points without a value.
 double scatter_factor(const std::vector<PropertyColumn>& columns, std::string_view id, std::size_t point);
+
+// Stiffness bounds of the law at a point, from the stiffnesses drawn for it.
+quoin_stiffness_bounds stiffness_bounds_at(const Material& material, const std::vector<PropertyColumn>& columns,
+                                           std::size_t point);
 
 // Stiffness bounds of the law: where its stiffnesses scatter, those of the stiffest points.
 quoin_stiffness_bounds stiffness_bounds_of(const JointFamily& family, const Material& material,

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/error.h"
 #include "base/index.h"
+#include "base/joined_items.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "step/implicit_contacts.cpp"
@@ -210,20 +212,16 @@ constexpr double kHeld = 1e30;  // kg; inertia of held components and of prescri
 }  // namespace
 
 ImplicitContacts::ImplicitContacts(const Model& model, const LaneVector<double>& node_mass) {
-  // A gridpoint of lower index in the cluster, by gridpoint; the first one itself.
-  std::map<int, int> first;
-  const auto find = [&](int node) {
-    int root = first.try_emplace(node, node).first->second;
-    while (first.at(root) != root) root = first.at(root);
-    return first[node] = root;
-  };
+  JoinedItems joined(node_mass.size());
+  std::set<int> nodes;
   for (std::int32_t i = 0; i < model.point_count; ++i) {
-    const int a = find(model.node_a[at(i)]), b = find(model.node_b[at(i)]);
-    first[std::max(a, b)] = std::min(a, b);
+    joined.join(model.node_a[at(i)], model.node_b[at(i)]);
+    nodes.insert({model.node_a[at(i)], model.node_b[at(i)]});
   }
   std::map<int, Cluster> clusters;
-  for (const auto& [node, link] : first) clusters[find(node)].nodes.push_back(node);
-  for (std::int32_t i = 0; i < model.point_count; ++i) clusters[find(model.node_a[at(i)])].points.push_back(i);
+  for (const int node : nodes) clusters[joined.first_of(node)].nodes.push_back(node);
+  for (std::int32_t i = 0; i < model.point_count; ++i)
+    clusters[joined.first_of(model.node_a[at(i)])].points.push_back(i);
   std::vector<std::vector<Cluster>> of_kind;
   for (auto& [node, cluster] : clusters) {
     const std::size_t kind = kind_of(cluster, model);

@@ -98,7 +98,13 @@ void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
   c.normal_jump = f.normal_jump.data() + first, c.old_jump = f.old_jump.data() + first;
   c.area = f.area.data() + first;
   MaxwellColumns maxwell{};
-  maxwell.normal_stiffness = f.kn, maxwell.shear_stiffness = f.ks;
+  const auto stiffness = [&](const char* id, double of_material) {
+    const PropertyColumn* const drawn = find_column(f.columns, id);
+    return drawn ? UndamagedStiffness{of_material / drawn->usual, drawn->values.data() + first}
+                 : UndamagedStiffness{of_material};
+  };
+  maxwell.normal = stiffness("normal_stiffness", f.material->stiffness_bounds().normal);
+  maxwell.shear = stiffness("shear_stiffness", f.material->stiffness_bounds().shear);
   for (size_t k = 0; m.damping.has_maxwell() && k < std::size(f.maxwell); ++k)
     maxwell.traction[k] = f.maxwell[k].data() + first;
   for (size_t e = 0; m.damping.has_maxwell() && e < m.impacts.maxwell.size(); ++e) {

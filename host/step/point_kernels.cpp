@@ -84,8 +84,9 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
     V change[3];
     for (int k = 0; k < 3; ++k) change[k] = hn::Sub(load(c.traction[k]), load(c.old_traction[k]));
     // Whether the elements hold: the joint is in contact, and neither slides nor softens.
-    const auto holds = [&](V power, V way2, V traction2, double stiffness) HWY_ATTR {
-      const V k = hn::Set(d, stiffness), floor = hn::Set(d, kRounding * kRounding);
+    const auto holds = [&](V power, V way2, V traction2, const UndamagedStiffness& stiffness) HWY_ATTR {
+      const V all = hn::Set(d, stiffness.all), floor = hn::Set(d, kRounding * kRounding);
+      const V k = stiffness.of_points ? hn::Mul(all, load(stiffness.of_points)) : all;
       const auto elastic = hn::Ge(power, hn::Mul(hn::Mul(hn::Set(d, kLettingGo), k), way2));
       const auto rests = hn::Le(hn::Mul(hn::Mul(k, k), way2), hn::Mul(floor, traction2));
       return hn::And(known, hn::And(hn::Or(elastic, rests), hn::Gt(traction2, zero)));
@@ -97,9 +98,9 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
     if (kMaxwell) {
       const V t0 = load(c.traction[0]), t1 = load(c.traction[1]), t2 = load(c.traction[2]);
       const V pressed2 = hn::Mul(t0, t0), sheared2 = hn::MulAdd(t1, t1, hn::Mul(t2, t2));
-      const auto across = holds(hn::Mul(change[0], way[0]), hn::Mul(way[0], way[0]), pressed2, m.normal_stiffness);
+      const auto across = holds(hn::Mul(change[0], way[0]), hn::Mul(way[0], way[0]), pressed2, m.normal);
       const auto sideways = holds(hn::MulAdd(change[1], way[1], hn::Mul(change[2], way[2])),
-                                  hn::MulAdd(way[1], way[1], hn::Mul(way[2], way[2])), sheared2, m.shear_stiffness);
+                                  hn::MulAdd(way[1], way[1], hn::Mul(way[2], way[2])), sheared2, m.shear);
       for (int k = 0; k < 3; ++k)
         elements[k] = Relax(m, k, change[k], k == 0 ? across : hn::And(sideways, hn::Gt(pressed2, zero)), load, store);
     }

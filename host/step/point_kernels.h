@@ -21,12 +21,18 @@ struct DampingColumns {
 // Returns the work of damping, J.
 double damp_points(const DampingColumns& columns, std::size_t count, double rate);
 
+// Stiffness of undamaged joints, Pa/m: `all` of each point, times its column where that is given.
+struct UndamagedStiffness {
+  double all;
+  const double* of_points = nullptr;
+};
+
 // Maxwell elements in parallel with the springs of these points (model/maxwell.h).
 struct MaxwellColumns {
-  double* traction[3 * kMaxwellElements];    // Pa; null: none
-  double keep[kMaxwellElements];             // share of an element's traction that remains after a step
-  double gain[kMaxwellElements];             // share of the change of the law's traction that an element takes
-  double normal_stiffness, shear_stiffness;  // stiffness of undamaged joints, Pa/m
+  double* traction[3 * kMaxwellElements];  // Pa; null: none
+  double keep[kMaxwellElements];           // share of an element's traction that remains after a step
+  double gain[kMaxwellElements];           // share of the change of the law's traction that an element takes
+  UndamagedStiffness normal, shear;
 };
 
 // The same for closed contacts alone, where blocks impact: separate rates normal to the joint and along it. Maxwell

@@ -124,9 +124,8 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
         h.state.push_back(s.lattice.law_state[f][state * at(family.point_count) + at(k)]);
       const int slip = family.material->law().state_index("slip");
       if (slip >= 0 && law.states[slip]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)
-        h.state[at(slip)] = slip_so_far(
-            s, i, family.material->stiffness_bounds().shear * scatter_factor(family.columns, "shear_stiffness", at(k)),
-            h.state[at(slip)]);
+        h.state[at(slip)] =
+            slip_so_far(s, i, stiffness_bounds_at(*family.material, family.columns, at(k)).shear, h.state[at(slip)]);
       for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
     }
   }

@@ -33,7 +33,6 @@ namespace {
 
 using Eigen::VectorXd;
 using geometry::Vector;
-using Triplet = Eigen::Triplet<double>;
 
 // Most iterations, and the unbalanced ratio that ends them over that of the stage, which its steps check.
 constexpr int kMostIterations = 100;
@@ -169,8 +168,7 @@ class Search {
     std::vector<UnknownShare> shares;
     for (const ContactPoint& p : points) {
       unknowns_->shares_of(p, &shares);
-      const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) +
-                                     p.traction[1] * geometry::vector(p.s) + p.traction[2] * geometry::vector(p.t));
+      const Vector force = force_of(p);
       for (const UnknownShare& share : shares) (*sum)(share.unknown) -= dot(force, share.moves);
     }
   }
@@ -212,11 +210,11 @@ class Search {
 
   Eigen::SparseMatrix<double> stiffness_of(const std::vector<ContactPoint>& points,
                                            const std::vector<std::uint8_t>& states, double kept) {
-    std::vector<Triplet> entries;
+    StiffnessEntries entries;
     unknowns_->add_zones(&entries);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const ContactPoint& p = points[i];
-      const quoin_stiffness_bounds& bounds = s_.model.families[at(p.family)].material->stiffness_bounds();
+      const quoin_stiffness_bounds bounds = stiffness_bounds_at(s_, p);
       const double normal = p.area * bounds.normal * (states[i] == open ? std::max(kOpen, kept) : 1.0);
       const double shear = p.area * bounds.shear *
                            (states[i] == open     ? std::max(kOpen, kept)
@@ -227,7 +225,7 @@ class Search {
     const auto n = static_cast<Eigen::Index>(unknowns_->count());
     Eigen::SparseMatrix<double> stiffness(n, n);
     double largest = 0.0;
-    for (const Triplet& entry : entries) largest = std::max(largest, entry.value());
+    for (const auto& entry : entries) largest = std::max(largest, entry.value());
     for (int i = 0; i < unknowns_->count(); ++i) entries.emplace_back(i, i, kHeld * largest);
     stiffness.setFromTriplets(entries.begin(), entries.end());
     return stiffness;
@@ -337,6 +335,17 @@ class Search {
   }
 
  public:
+  // Dampers have no force at rest: the way to it is no motion of theirs.
+  void relax_dampers() {
+    const double unknown = std::nan("");
+    std::ranges::fill(s_.lattice.old_jump, unknown);
+    if (!s_.large_motion) return;
+    for (blocks::Family& f : s_.large_motion->contacts.families) {
+      std::ranges::fill(f.old_jump, unknown);
+      for (auto& column : f.maxwell) std::ranges::fill(column, 0.0);
+    }
+  }
+
   // Rest is that against the ground, which earlier records may have left with a velocity.
   void follow_ground() {
     const Vector ground =
@@ -395,6 +404,7 @@ void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_request
   const double before = impl.progress.step > 0 ? out_of_books() : 0.0;
   Search search(impl);
   search.run(stage.equilibrium_ratio.value_or(1e-4), stop_requested);
+  search.relax_dampers();
   search.follow_ground();
   // The work of loads is the energy that blocks and joints have taken up, as for loads that grow slowly.
   step_once(impl, true, true);

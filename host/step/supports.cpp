@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "base/error.h"
+#include "base/joined_items.h"
 #include "members/members.h"
 #include "model/world_results.h"
 #include "scene/driven.h"
@@ -37,16 +37,8 @@ std::vector<std::uint8_t> held_in(const Simulation::Impl& s, const Stage& settin
 
 // First block of the group of joined blocks, by block.
 std::vector<int> groups_of_joined_blocks(const Simulation::Impl& s) {
-  std::vector<int> first(at(block_count(s)));
-  std::iota(first.begin(), first.end(), 0);
-  const auto find = [&](int i) {
-    while (first[at(i)] != i) i = first[at(i)] = first[at(first[at(i)])];
-    return i;
-  };
-  const auto join = [&](int a, int b) {
-    const int of_a = find(a), of_b = find(b);
-    first[at(std::max(of_a, of_b))] = std::min(of_a, of_b);
-  };
+  JoinedItems joined(at(block_count(s)));
+  const auto join = [&](int a, int b) { joined.join(a, b); };
   for (const Joint& j : s.model.assembly.joints) join(j.block_a, j.block_b);
   for (std::size_t i = 0; s.large_motion && i < s.large_motion->contacts.list.size(); ++i) {
     const blocks::Contact& c = s.large_motion->contacts.list[i];
@@ -54,7 +46,8 @@ std::vector<int> groups_of_joined_blocks(const Simulation::Impl& s) {
   }
   const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
   if (members) members->each_joint(join);
-  for (std::size_t i = 0; i < first.size(); ++i) first[i] = find(static_cast<int>(i));
+  std::vector<int> first;
+  for (int i = 0; i < block_count(s); ++i) first.push_back(joined.first_of(i));
   return first;
 }
 
@@ -136,7 +129,9 @@ void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
     }
     return norm(way);
   };
-  double of_supports = 0.0, farthest = 0.0;
+  // Springs to the ground are supports that have moved with it.
+  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  double of_supports = members && !members->beds().empty() ? norm(members->ground()) : 0.0, farthest = 0.0;
   int falling = -1;
   for (std::size_t i = 0; i < s.small_motion.held_blocks.size(); ++i) {
     const bool supports = s.small_motion.held_blocks[i] == 7;  // a beam that is held along the wall may fall, too

@@ -1,6 +1,5 @@
 #include "step/tangent.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -17,7 +16,7 @@ namespace quoin {
 
 namespace {
 
-using Eigen::MatrixXd;
+using geometry::Matrix;
 using geometry::Vector;
 
 // Change of traction by the probing motion: far below any strength, far above the rounding of tractions.
@@ -53,7 +52,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
   PointStiffness k{std::vector<double>(count), std::vector<double>(count)};
   std::vector<double> closing(count), forth(count), back(count);
   for (const ContactPoint& p : points) {
-    const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
+    const quoin_stiffness_bounds bounds = stiffness_bounds_at(s, p);
     closing[at(p.index)] = bounds.normal > 0.0 ? -kProbe / bounds.normal : 0.0;
     forth[at(p.index)] = bounds.shear > 0.0 ? kProbe / bounds.shear : 0.0;
     back[at(p.index)] = -forth[at(p.index)];
@@ -76,7 +75,7 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
   }
   for (const ContactPoint& p : points) {  // points whose law gives no stiffness: its bounds
     if (!std::isnan(k.normal[at(p.index)]) && !std::isnan(k.shear[at(p.index)])) continue;
-    const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
+    const quoin_stiffness_bounds bounds = stiffness_bounds_at(s, p);
     const bool carries = p.traction[0] != 0.0 || p.jump[0] <= 0.0;
     k.normal[at(p.index)] = carries ? bounds.normal : 0.0, k.shear[at(p.index)] = carries ? bounds.shear : 0.0;
   }
@@ -84,18 +83,14 @@ PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
 }
 
 // Inertia of a rigid block about the global axes, kg m2.
-MatrixXd inertia_of(const Simulation::Impl& s, int b) {
-  MatrixXd inertia = MatrixXd::Zero(3, 3);
-  if (!s.large_motion) {
-    const RigidBody& body = s.model.bodies[at(s.model.place[at(b)].body)];
-    for (int c = 0; c < 3; ++c) inertia(c, c) = body.inertia[at(c)];
-    return inertia;
-  }
+Matrix inertia_of(const Simulation::Impl& s, int b) {
+  if (!s.large_motion) return Matrix::diagonal(geometry::vector(s.model.bodies[at(s.model.place[at(b)].body)].inertia));
   const blocks::Body& body = body_of(*s.large_motion, b);
   const double unscaled = body.mass > 0.0 ? s.large_motion->blocks[b].mass / body.mass : 0.0;
+  Matrix inertia = Matrix::zero();
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      for (int c = 0; c < 3; ++c) inertia(i, j) += unscaled * body.r.row[i][c] * body.r.row[j][c] * body.inertia[c];
+      for (int c = 0; c < 3; ++c) inertia.row[i][j] += unscaled * body.r.row[i][c] * body.r.row[j][c] * body.inertia[c];
     }
   }
   return inertia;
@@ -123,10 +118,9 @@ void add_gridpoints(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u
   }
 }
 
-// Adds a rigid body. Free rotations are about the principal axes of their inertia, so the mass matrix is diagonal. Adds
-// to `turned`, whose columns are the new unknowns.
+// Adds a rigid body, and to `turned`, whose columns are the new unknowns.
 void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tangent* tangent,
-              Unknowns::Entries* turned) {
+              StiffnessEntries* turned) {
   const double mass =
       s.large_motion ? s.large_motion->blocks[b].mass : s.model.bodies[at(s.model.place[at(b)].body)].mass;
   std::vector<int> axes;
@@ -138,37 +132,25 @@ void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tang
     }
     if (u.body[at(c + 3)] >= 0) axes.push_back(c);
   }
-  if (axes.empty()) return;
-  const MatrixXd all = inertia_of(s, b);
-  const auto count = static_cast<Eigen::Index>(axes.size());
-  MatrixXd inertia(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = 0; j < count; ++j)
-      inertia(i, j) = all(axes[static_cast<std::size_t>(i)], axes[static_cast<std::size_t>(j)]);
-  }
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(inertia);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const int column = u.body[at(axes[static_cast<std::size_t>(k)] + 3)];
-    Tangent::Unknown unknown{b, -1, {}, {}, u.centre};
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const int axis = axes[static_cast<std::size_t>(i)];
-      unknown.spin[axis] = eigen.eigenvectors()(i, k);
-      turned->emplace_back(u.body[at(axis + 3)], column, eigen.eigenvectors()(i, k));
-    }
-    tangent->unknown[at(column)] = unknown, tangent->mass[at(column)] = eigen.eigenvalues()(k);
+  std::size_t next = 0;
+  for (const FreeRotation& rotation : free_rotations(axes, inertia_of(s, b))) {
+    const int column = u.body[at(axes[next++] + 3)];
+    for (const int axis : axes) turned->emplace_back(u.body[at(axis + 3)], column, rotation.spin[axis]);
+    tangent->unknown[at(column)] = {b, -1, {}, rotation.spin, u.centre};
+    tangent->mass[at(column)] = rotation.inertia;
   }
 }
 
 // A force that turns with a rigid block changes by theta x F: its stiffness is [F]x between forces and spins. That of
 // its moment has no symmetric part.
-void add_following(const Unknowns& unknowns, int block, const Vector& force, Unknowns::Entries* entries) {
+void add_following(const Unknowns& unknowns, int block, const Vector& force, StiffnessEntries* entries) {
   const std::array<int, 6>& of = unknowns.blocks()[at(block)].body;
   add_turning({of[0], of[1], of[2]}, {of[3], of[4], of[5]}, force, entries);
 }
 
 // On each corner of a triangle of a deformable face acts -p/6 (y - x) x (z - x). It changes by -p/6 e x u for the
 // motion u of the corner opposite to the edge e.
-void add_pressure(blocks::Model& m, const Unknowns& unknowns, const blocks::Pressure& p, Unknowns::Entries* entries) {
+void add_pressure(blocks::Model& m, const Unknowns& unknowns, const blocks::Pressure& p, StiffnessEntries* entries) {
   const double pressure = p.scale * p.value;
   const Unknowns::OfBlock& u = unknowns.blocks()[at(p.block)];
   if (u.rigid) return add_following(unknowns, p.block, pressure * (body_of(m, p.block).r * p.push), entries);
@@ -182,7 +164,7 @@ void add_pressure(blocks::Model& m, const Unknowns& unknowns, const blocks::Pres
 }
 
 // Adds the stiffness of loads: forces keep their directions, pressures follow faces.
-void add_loads(const Simulation::Impl& s, const Unknowns& unknowns, Unknowns::Entries* entries) {
+void add_loads(const Simulation::Impl& s, const Unknowns& unknowns, StiffnessEntries* entries) {
   blocks::Model& m = *s.large_motion;
   const auto add = [&](int block, const Vector& force, const Vector& arm) {
     if (unknowns.blocks()[at(block)].rigid) unknowns.add_force(block, force, body_of(m, block).r * arm, entries);
@@ -220,7 +202,7 @@ Tangent tangent_of(const Simulation::Impl& s) {
   t.symmetry_factor =
       s.large_motion ? (s.large_motion->assembly.symmetry_plane_z0 ? 2.0 : 1.0) : s.model.assembly.symmetry_factor;
   const std::optional<Dashpots> dashpots = dashpots_of(s);
-  Unknowns::Entries entries, turned, viscous;
+  StiffnessEntries entries, turned, viscous;
   unknowns.add_zones(&entries);
   for (const Eigen::Triplet<double>& e : entries) {
     if (dashpots) viscous.emplace_back(e.row(), e.col(), dashpots->of_zones * e.value());

@@ -3,31 +3,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "model/contact_frames.h"
 #include "model/world_results.h"
 #include "step/reactions.h"
 #include "step/results.h"
 
 namespace quoin {
-namespace {
 
 using geometry::Matrix;
 using geometry::Vector;
-
-// Stress of a zone on the lattice, Pa, from the displacements of its block's gridpoints, m.
-Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<Vector>& moved) {
-  Matrix stress = Matrix::zero();
-  for (std::size_t a = 0; a < 4; ++a) {
-    const Vector& w = moved[at(zone.node[a])];
-    const Vector gradient = geometry::vector(zone.shape_gradient[a]);
-    for (int c = 0; c < 3; ++c) {
-      for (int k = 0; k < 3; ++k) stress.row[c][k] += shape.shear_modulus * (w[c] * gradient[k] + w[k] * gradient[c]);
-      stress.row[c][c] += shape.lambda * dot(w, gradient);
-    }
-  }
-  return stress;
-}
-
-}  // namespace
 
 void each_stressed_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit) {
   if (s.large_motion) {
@@ -41,16 +25,31 @@ void each_stressed_zone(const Simulation::Impl& s, int block, const std::functio
     return;
   }
   const BrickTemplate& shape = s.model.template_of(block);
-  std::vector<Vector> moved;
-  s.model.for_each_gridpoint(block, [&](std::size_t o, double) {
-    moved.push_back(
-        {s.lattice.displacement[o], s.lattice.displacement[o + kLanes], s.lattice.displacement[o + 2 * kLanes]});
-  });
-  for (const Zone& zone : shape.zone) {
-    StressedZone now{zone.node, {}, zone.volume, shape.lambda, shape.shear_modulus, stress_of(shape, zone, moved)};
+  const auto stress = block_stress(s, block);
+  for (std::size_t z = 0; z < stress.size(); ++z) {
+    const Zone& zone = shape.zone[z];
+    const auto& [xx, yy, zz, xy, yz, zx] = stress[z];
+    StressedZone now{
+        zone.node, {}, zone.volume, shape.lambda, shape.shear_modulus, {{{xx, xy, zx}, {xy, yy, yz}, {zx, yz, zz}}}};
     for (std::size_t i = 0; i < 4; ++i) now.gradient[i] = geometry::vector(zone.shape_gradient[i]);
     visit(now);
   }
+}
+
+Vector force_of(const ContactPoint& p) {
+  return p.area * (p.traction[0] * geometry::vector(p.normal) + p.traction[1] * geometry::vector(p.s) +
+                   p.traction[2] * geometry::vector(p.t));
+}
+
+quoin_stiffness_bounds stiffness_bounds_at(const Simulation::Impl& s, const ContactPoint& p) {
+  if (!s.large_motion) {
+    const ContactFamily& family = s.model.families[at(p.family)];
+    return stiffness_bounds_at(*family.material, family.columns, at(p.index - family.first_point));
+  }
+  const auto& families = s.large_motion->contacts.families;
+  std::size_t point = at(p.index);
+  for (int before = 0; before < p.family; ++before) point -= families[at(before)].size();
+  return stiffness_bounds_at(*families[at(p.family)].material, families[at(p.family)].columns, point);
 }
 
 Unknowns::Unknowns(const Simulation::Impl& s) : s_(s) {
@@ -101,27 +100,14 @@ void Unknowns::number_large_motion(int b, unsigned held) {
   }
 }
 
-// Adds V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I) for nodes i and j, g the gradients of shape functions.
-void Unknowns::add_zones(Entries* entries) const {
+void Unknowns::add_zones(StiffnessEntries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
     if (u.rigid) continue;
     each_stressed_zone(s_, b, [&](const StressedZone& zone) {
-      for (std::size_t i = 0; i < 4; ++i) {
-        for (std::size_t j = 0; j < 4; ++j) {
-          const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
-          const double along = zone.mu * dot(gi, gj);
-          for (int c = 0; c < 3; ++c) {
-            const int row = u.gridpoint[at(zone.node[i])][at(c)];
-            for (int d = 0; row >= 0 && d < 3; ++d) {
-              const int column = u.gridpoint[at(zone.node[j])][at(d)];
-              if (column < 0 || column > row) continue;
-              const double k = zone.lambda * gi[c] * gj[d] + zone.mu * gj[c] * gi[d];
-              entries->emplace_back(row, column, zone.volume * (k + (c == d ? along : 0.0)));
-            }
-          }
-        }
-      }
+      std::array<std::array<int, 3>, 4> unknown;
+      for (std::size_t i = 0; i < 4; ++i) unknown[i] = u.gridpoint[at(zone.node[i])];
+      add_zone(zone.volume, zone.lambda, zone.mu, zone.gradient, unknown, entries);
     });
   }
 }
@@ -166,11 +152,7 @@ std::pair<std::array<int, 3>, std::array<double, 3>> Unknowns::on_surface(int b,
   double least = std::numeric_limits<double>::infinity();
   for (const auto& triangle : s_.large_motion->blocks[b].surface) {
     const Vector &p = x[at(triangle.node[0])], &q = x[at(triangle.node[1])], &r = x[at(triangle.node[2])];
-    const Vector normal = cross(q - p, r - p);
-    const double twice = dot(normal, normal);
-    std::array<double, 3> weight{dot(cross(q - place, r - place), normal) / twice,
-                                 dot(cross(r - place, p - place), normal) / twice, 0.0};
-    weight[2] = 1.0 - weight[0] - weight[1];
+    std::array<double, 3> weight = blocks::corner_shares(q - p, r - p, place - p);
     double sum = 0.0;
     for (double& w : weight) w = std::max(0.0, w), sum += w;
     for (double& w : weight) w /= sum;
@@ -191,19 +173,14 @@ int Unknowns::gridpoint_at(int b, const Vector& place) const {
   return nearest;
 }
 
-void Unknowns::add_point(const ContactPoint& p, double normal, double shear, Entries* entries) const {
+void Unknowns::add_point(const ContactPoint& p, double normal, double shear, StiffnessEntries* entries) const {
   std::vector<UnknownShare> shares;
   shares_of(p, &shares);
-  const Vector n = geometry::vector(p.normal);
-  for (const UnknownShare& row : shares) {
-    const Vector force = shear * row.moves + (normal - shear) * dot(n, row.moves) * n;
-    for (const UnknownShare& column : shares)
-      if (column.unknown <= row.unknown) entries->emplace_back(row.unknown, column.unknown, dot(force, column.moves));
-  }
+  add_spring(shares, geometry::vector(p.normal), normal, shear, entries);
 }
 
 // For a zone V (g_i . stress g_j) I.
-void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const {
+void Unknowns::add_stresses(const std::vector<ContactPoint>& points, StiffnessEntries* entries) const {
   for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
     const OfBlock& u = blocks_[at(b)];
     if (u.rigid) continue;
@@ -220,8 +197,7 @@ void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* en
     });
   }
   for (const ContactPoint& p : points) {
-    const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) + p.traction[1] * geometry::vector(p.s) +
-                                   p.traction[2] * geometry::vector(p.t));
+    const Vector force = force_of(p);
     for (const auto& [block, sign] : {std::pair{p.block_a, 1.0}, {p.block_b, -1.0}})
       add_force(block, sign * force, geometry::vector(p.position) - blocks_[at(block)].centre, entries);
   }
@@ -229,7 +205,7 @@ void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* en
 
 // A force F on the arm r of a block turns about it by theta. Its work of second order is F . theta x (theta x r)/2,
 // whose stiffness is (F . r) I - (F r^T + r F^T)/2. A force through the centre has none.
-void Unknowns::add_force(int block, const Vector& f, const Vector& r, Entries* entries) const {
+void Unknowns::add_force(int block, const Vector& f, const Vector& r, StiffnessEntries* entries) const {
   const OfBlock& u = blocks_[at(block)];
   for (int c = 0; u.rigid && c < 3; ++c) {
     for (int d = 0; d < 3; ++d) {
@@ -241,7 +217,7 @@ void Unknowns::add_force(int block, const Vector& f, const Vector& r, Entries* e
 }
 
 void add_turning(const std::array<int, 3>& forces, const std::array<int, 3>& motions, const Vector& v,
-                 Unknowns::Entries* entries) {
+                 StiffnessEntries* entries) {
   for (int d = 0; d < 3; ++d) {
     Vector motion;
     motion[d] = 0.5;

@@ -2,22 +2,16 @@
 // stiffness, assembled from contact points and zones.
 #pragma once
 
-#include <Eigen/SparseCore>
 #include <array>
 #include <functional>
 #include <utility>
 #include <vector>
 
 #include "sparse/sparse_cholesky.h"
+#include "sparse/stiffness_entries.h"
 #include "step/state.h"
 
 namespace quoin {
-
-// An unknown of a contact point, and the point's relative motion, side b less side a, by a unit of it.
-struct UnknownShare {
-  int unknown;
-  geometry::Vector moves;
-};
 
 // A zone of a deformable block, in either model.
 struct StressedZone {
@@ -28,9 +22,12 @@ struct StressedZone {
 };
 void each_stressed_zone(const Simulation::Impl& s, int block, const std::function<void(const StressedZone&)>& visit);
 
+geometry::Vector force_of(const ContactPoint& point);  // on its block a, N
+// Stiffness bounds of the law at a contact point, Pa/m.
+quoin_stiffness_bounds stiffness_bounds_at(const Simulation::Impl& s, const ContactPoint& point);
+
 class Unknowns {
  public:
-  using Entries = std::vector<Eigen::Triplet<double>>;  // entries of the lower triangle
   struct OfBlock {
     std::vector<std::array<int, 3>> gridpoint;        // -1: held
     std::array<int, 6> body{-1, -1, -1, -1, -1, -1};  // translations, spins about the axes; -1: held
@@ -48,12 +45,13 @@ class Unknowns {
   int block_of_group(std::size_t group) const { return block_of_group_[group]; }
 
   void shares_of(const ContactPoint& point, std::vector<UnknownShare>* shares) const;
-  void add_point(const ContactPoint& point, double normal, double shear, Entries* entries) const;  // N/m
-  void add_zones(Entries* entries) const;
+  void add_point(const ContactPoint& point, double normal, double shear, StiffnessEntries* entries) const;  // N/m
+  void add_zones(StiffnessEntries* entries) const;
   // Adds the geometric stiffness of current forces: stresses of zones, and contact forces on the arms of rigid blocks.
-  void add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const;
+  void add_stresses(const std::vector<ContactPoint>& points, StiffnessEntries* entries) const;
   // Adds that of a force of fixed direction, N, on an arm from the centre of a rigid block, m; nothing for others.
-  void add_force(int block, const geometry::Vector& force, const geometry::Vector& arm, Entries* entries) const;
+  void add_force(int block, const geometry::Vector& force, const geometry::Vector& arm,
+                 StiffnessEntries* entries) const;
 
  private:
   void number_lattice(int block, unsigned held);
@@ -73,6 +71,6 @@ class Unknowns {
 
 // Adds the symmetric part of the stiffness v x u of forces, for motions u: half of it, and half of its transpose.
 void add_turning(const std::array<int, 3>& forces, const std::array<int, 3>& motions, const geometry::Vector& v,
-                 Unknowns::Entries* entries);
+                 StiffnessEntries* entries);
 
 }  // namespace quoin

@@ -476,6 +476,54 @@ ground_motion = {{ direction = [0, 1, 0], time = [0, {}], acceleration = [0.005,
   }
 }
 
+// Blocks dropped onto joints whose stiffness scatters vibrate with the damping ratio of their own frequency (10 %, from
+// two cycles). Elements of joints softer than 5 % of the stiffest counted as sliding, and did not damp.
+TEST(Maxwell, DampsSoftJointsBesideStiffOnes) {
+  constexpr int kBlocks = 12;
+  constexpr double kRatio = 0.05;
+  std::string scene = undamped_stone("general") + kGround + "[random]\nseed = 1\n";
+  for (int i = 0; i < kBlocks; ++i)
+    scene += fmt::format("[[block]]\nmaterial = \"stone\"\nbox = {{ lower = [0, 0, {}], size = [0.1, 0.1, 0.1] }}\n",
+                         -0.9 + 0.15 * i);
+  scene += fmt::format(
+      "[[stage]]\ngravity = [0, -0.05, 0]\nduration = 6\nsolver = {{ damping = \"impact\", impact_damping "
+      "= 0, maxwell_damping = {} }}\n",
+      kRatio);
+  Simulation simulation(read_scene_text(
+      scene, "scene.toml",
+      {"joints.dry.normal_stiffness={ distribution = \"lognormal\", mean = 1e6, cov = 3.0, level = \"joint\" }",
+       "joints.dry.shear_stiffness=1e5", "contact.small_displacement=0"}));
+  struct Turn {
+    double time, place;
+  };
+  std::array<std::vector<Turn>, kBlocks> turns;  // extremes of each block
+  std::array<std::array<double, 2>, kBlocks> last{};
+  Observer nobody;
+  for (bool go = true; go;) {
+    go = simulation.run_stage(nobody, 1);
+    for (int i = 0; i < kBlocks; ++i) {
+      auto& [before, then] = last[static_cast<std::size_t>(i)];
+      const double now = block_displacement(simulation, i + 1)[0][1];
+      if ((now - then) * (then - before) < 0.0) turns[static_cast<std::size_t>(i)].push_back({simulation.time(), then});
+      before = then, then = now;
+    }
+  }
+  const auto elements = maxwell_elements(kRatio, {0.5, 25.0});
+  std::vector<double> in_band;
+  for (const std::vector<Turn>& of : turns) {
+    ASSERT_GE(of.size(), 6u);
+    const double frequency = 2.0 / (of[4].time - of[0].time);
+    if (frequency > 25.0) continue;
+    const double decrement = std::log((of[1].place - of[0].place) / (of[5].place - of[4].place)) / 2.0;
+    EXPECT_NEAR(decrement / std::hypot(2.0 * pi, decrement), response_of(elements, frequency).damping_ratio,
+                0.1 * kRatio)
+        << frequency;
+    in_band.push_back(frequency);
+  }
+  const auto [softest, stiffest] = std::ranges::minmax(in_band);
+  EXPECT_LT(softest * softest, 0.05 * stiffest * stiffest);
+}
+
 // Elements do not hold a block that slides: the slip of Newmark's block with 5 % is that without elements to 0.5 %.
 TEST(Maxwell, LetsGoOfWhatSlides) {
   const std::string stages = R"(

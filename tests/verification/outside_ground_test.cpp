@@ -126,5 +126,43 @@ ground_motion = { direction = [1, 0, 0], pulse = { shape = "rectangle", amplitud
   }
 }
 
+// Blocks on springs go where the ground goes, 4 m. They are held, and come to rest. Where nothing is fixed the way of
+// the ground counted as a fall. A block that rises off its springs does fall.
+TEST(OutsideGround, ABlockOnSpringsOfAMovingGroundIsHeld) {
+  const auto falls = [](const std::string& stages) {
+    const Rows rows = rows_of(kCube + R"(
+[[block]]
+name = "top"
+material = "stone"
+box = { lower = [0, 1, 0], size = [1, 1, 1] }
+[[spring]]
+name = "soil"
+block = "cube"
+normal_stiffness = 1e7
+shear_stiffness = 1e7
+normal_dashpot = 2e5
+shear_dashpot = 2e5
+friction_angle = 40.0
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.2
+duration = 0.5
+)" + stages);
+    return std::ranges::count(rows.warned_of, "free_fall");
+  };
+  EXPECT_EQ(falls(R"(
+[[stage]]
+name = "shake"
+duration = 4
+ground_motion = { direction = [1, 0, 0], time = [0, 2, 4], displacement = [0, 2, 4] }
+[[stage]]
+name = "rest"
+equilibrium_ratio = 1e-2
+)"),
+            0);
+  EXPECT_EQ(falls("[[stage]]\nname = \"rise\"\ngravity = [0, 9.81, 0]\nduration = 4\n"), 1);
+}
+
 }  // namespace
 }  // namespace quoin::verification
