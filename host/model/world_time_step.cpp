@@ -476,8 +476,7 @@ double step_under_impact_damping(World& w, double of_members) {
   const auto [left, share] = step_under_impacts(w.stepping.critical_dt, w.impacts.rate, [&](double of_all, double dt) {
     return std::max(of_members, w.stepping.springs + largest_over_inertia(w, with_dashpots(w, of_all, dt)));
   });
-  for (double& beta : w.impacts.beta) beta *= share;
-  w.impacts.zone_beta *= share, w.impacts.rate *= share, w.impacts.share *= share;
+  w.impacts.share = share;
   return left;
 }
 

@@ -147,7 +147,7 @@ struct LaneGroup {
 
 // Viscosity of zones: beta of stiffness-proportional damping, s.
 double zone_damping(const Model& m) {
-  const double of_impacts = m.damping.impacts ? m.impacts.zone_beta : 0.0;
+  const double of_impacts = m.damping.impacts ? m.impacts.share * m.impacts.zone_beta : 0.0;
   // zone_ratio times the critical time step is 2 xi / omega_max.
   return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;
 }
