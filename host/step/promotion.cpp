@@ -21,6 +21,7 @@
 #include "step/lattice_motion.h"
 #include "step/monitor.h"
 #include "step/reactions.h"
+#include "step/results.h"
 #include "step/set_up.h"
 #include "step/stages.h"
 #include "step/state.h"
@@ -123,7 +124,7 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
       for (std::size_t state = 0; state < law.state_count; ++state)
         h.state.push_back(s.lattice.law_state[f][state * at(family.point_count) + at(k)]);
       const int slip = family.material->law().state_index("slip");
-      if (slip >= 0 && law.states[slip]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)
+      if (slip >= 0 && !keeps_state(s, law, at(slip)))
         h.state[at(slip)] = slip_so_far(
             s, i, family.material->stiffness_bounds().shear * scatter_factor(family.columns, "shear_stiffness", at(k)),
             h.state[at(slip)]);

@@ -150,7 +150,7 @@ std::vector<double> law_state(const Simulation::Impl& s, const std::string& id, 
     const ContactFamily& family = s.model.families[f];
     const quoin_law& law = family.material->api();
     const int k = family.material->law().state_index(id);
-    if (k < 0 || (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)) continue;
+    if (k < 0 || !keeps_state(s, law, at(k))) continue;
     const std::int32_t first = std::max(range.first, family.first_point);
     const std::int32_t end = std::min(range.end, family.first_point + family.point_count);
     if (first < end)
@@ -160,15 +160,16 @@ std::vector<double> law_state(const Simulation::Impl& s, const std::string& id, 
   return result;
 }
 
+bool keeps_state(const Simulation::Impl& s, const quoin_law& law, std::size_t state) {
+  return s.large_motion || s.contacts.keep_diagnostics || law.states[state]->role != QUOIN_ROLE_DIAGNOSTIC;
+}
+
 bool keeps_state(const Simulation::Impl& s, const std::string& id) {
   const auto& families = s.model.families;
   for (std::size_t f = 0; f < families.size(); ++f) {
     const int k = families[f].material->law().state_index(id);
-    if (k < 0) continue;
-    const bool diagnostic = families[f].material->api().states[k]->role == QUOIN_ROLE_DIAGNOSTIC;
-    if (s.large_motion ? s.large_motion->contacts.families[f].size() > 0
-                       : families[f].point_count > 0 && (!diagnostic || s.contacts.keep_diagnostics))
-      return true;
+    const bool any = s.large_motion ? s.large_motion->contacts.families[f].size() > 0 : families[f].point_count > 0;
+    if (k >= 0 && any && keeps_state(s, families[f].material->api(), at(k))) return true;
   }
   return false;
 }

@@ -397,7 +397,7 @@ std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
     for (std::size_t k = 0; k < 3; ++k) answers.traction[k] = s.lattice.traction[k].data() + first;
     const quoin_law& law = family.material->api();
     for (std::uint64_t k = 0; k < law.state_count; ++k) {
-      const bool kept = s.contacts.keep_diagnostics || law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC;
+      const bool kept = keeps_state(s, law, k);
       const std::size_t column = k * static_cast<std::size_t>(family.point_count);
       answers.state.push_back(kept ? s.lattice.law_state[f].data() + column +
                                          (first - static_cast<std::size_t>(family.first_point))

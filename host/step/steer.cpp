@@ -12,6 +12,7 @@
 #include "step/block_motion.h"
 #include "step/controls.h"
 #include "step/driven_block.h"
+#include "step/results.h"
 #include "step/stages.h"
 #include "step/state.h"
 
@@ -209,11 +210,10 @@ ArrayView view(Simulation::Impl& s, PointArray what, int family) {
 ArrayView view_state(Simulation::Impl& s, int family, const std::string& id) {
   const Law& law = s.model.families[at(family)].material->law();
   const int k = law.state_index(id);
-  if (k < 0 || (law.law->states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)) {
+  if (k < 0 || !keeps_state(s, *law.law, at(k))) {
     std::vector<std::string> ids;
     for (std::uint64_t i = 0; i < law.law->state_count; ++i) {
-      if (law.law->states[i]->role != QUOIN_ROLE_DIAGNOSTIC || s.contacts.keep_diagnostics)
-        ids.push_back(law.law->states[i]->id);
+      if (keeps_state(s, *law.law, i)) ids.push_back(law.law->states[i]->id);
     }
     throw Error(Exit::bad_input, fmt::format("state: law {} keeps no state '{}' here; it keeps: {}", law.law->id, id,
                                              ids.empty() ? "none" : fmt::format("{}", fmt::join(ids, ", "))));
