@@ -16,6 +16,7 @@
 #include "model/world_results.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
+#include "step/actions/ground.h"
 #include "step/actions/whiffletree.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -273,6 +274,7 @@ void return_to_lattice(Simulation::Impl& s) {
   s.outcome.collapse_multiplier.reset(), s.outcome.base_slip_at_uplift.reset();
   take_bricks(s, std::move(*s.left), materials);
   s.left.reset();
+  find_base_of_lattice(s);
   find_restraints(s);
   bind_step(s);
 }
