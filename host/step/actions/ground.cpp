@@ -62,16 +62,23 @@ Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, 
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings) {
   std::vector<std::int32_t> group(at(block_count(s)), 0);
   if (!settings.ground || settings.ground->supports.empty()) return group;
-  std::optional<blocks::Assembly> of_bricks;
-  if (!s.large_motion) of_bricks = blocks::from_bricks(s.model.assembly);
-  const blocks::Assembly& assembly = s.large_motion ? s.large_motion->assembly : *of_bricks;
+  const auto blocks_of = [&](const std::string& name) {
+    std::vector<int> bricks;
+    for (std::size_t b = 0; !s.large_motion && b < group.size(); ++b)
+      if (const Brick& brick = s.model.assembly.bricks[b]; brick.name == name || brick.body == name)
+        bricks.push_back(static_cast<int>(b));
+    if (!bricks.empty()) return bricks;
+    return blocks::find_blocks(s.large_motion ? s.large_motion->assembly : blocks::from_bricks(s.model.assembly), name,
+                               settings.source.text);
+  };
   std::int32_t index = 0;
   for (const GroundMotion& support : settings.ground->supports) {
     ++index;
     for (const std::string& name : support.blocks) {
-      for (const int block : blocks::find_blocks(assembly, name, settings.source.text)) {
+      for (const int block : blocks_of(name)) {
         std::int32_t& of_block = group[static_cast<std::size_t>(block)];
-        if (!assembly.blocks[static_cast<std::size_t>(block)].fixed)
+        if (!(s.large_motion ? s.large_motion->assembly.blocks[at(block)].fixed
+                             : s.model.assembly.bricks[at(block)].fixed))
           throw Error(Exit::bad_input,
                       fmt::format("{}: ground_motion.support.{}: block '{}' is not fixed, and only supports follow "
                                   "records; give it fixed = true",
