@@ -8,7 +8,6 @@
 
 #include "law/at_rest.h"
 #include "model/world_results.h"
-#include "step/gather.h"
 #include "step/points_at_rest.h"
 #include "step/results.h"
 #include "step/state.h"
@@ -19,12 +18,6 @@ namespace quoin {
 using geometry::Vector;
 
 namespace {
-
-// All chunks, or those of this rank where the others are not gathered.
-std::vector<int> chunks_in_large_motion(const Simulation::Impl& s) {
-  return !s.parts.divided || has_all(s) ? whole_share(s.large_motion->chunk_count(), 0).chunks
-                                        : s.division.share.chunks;
-}
 
 // A part of one family's points, in a range over all families.
 struct FamilyPart {
@@ -53,7 +46,7 @@ std::vector<FamilyPart> parts_of(const Simulation::Impl& s, std::span<const int>
 
 void evaluate_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
                                    const PointOutputs& outputs) {
-  for (const FamilyPart& part : parts_of(s, chunks_in_large_motion(s), range)) {
+  for (const FamilyPart& part : parts_of(s, chunks_with_results(s), range)) {
     const blocks::Family& f = part.family;
     const std::size_t first = part.first, end = part.end, before = part.before;
     if (!(f.material->api().capabilities & capability)) continue;
@@ -142,7 +135,7 @@ std::vector<std::array<double, 6>> zone_stresses(const Simulation::Impl& s, int 
 }
 
 void each_point_in_large_motion(const Simulation::Impl& s, const std::function<void(std::int32_t, int)>& visit) {
-  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_in_large_motion(s), whole_range(s))) {
+  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_with_results(s), whole_range(s))) {
     for (std::size_t i = first; i < end; ++i) visit(static_cast<std::int32_t>(before + i), f.point[i].a);
   }
 }
@@ -151,7 +144,7 @@ std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, cons
                                                  const std::function<bool(int block)>& wanted) {
   const std::vector<std::uint32_t> flags_there = current_flags(s, range);
   std::vector<ContactPoint> points;
-  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_in_large_motion(s), range)) {
+  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_with_results(s), range)) {
     for (std::size_t i = first; i < end; ++i) {
       const blocks::Point& p = f.point[i];
       if (!wanted(p.a)) continue;

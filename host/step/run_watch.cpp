@@ -26,6 +26,7 @@
 #include "step/small_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
+#include "step/work_division.h"
 
 namespace quoin {
 
@@ -384,44 +385,18 @@ double allowed_overlap(const Simulation::Impl& s) {
 }
 
 std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
-  if (s.large_motion) {
-    const bool all = !s.parts.divided || has_all(s);
-    return s.large_motion->wrong_law(all ? whole_share(s.large_motion->chunk_count(), 0).chunks
-                                         : s.division.share.chunks);
-  }
-  // Checks `count` points of a family from `first` on.
-  const auto examine = [&](std::size_t f, std::size_t first, std::size_t count) {
-    const ContactFamily& family = s.model.families[f];
-    Answers answers;
-    answers.count = count;
-    for (std::size_t k = 0; k < 3; ++k) answers.traction[k] = s.lattice.traction[k].data() + first;
-    const quoin_law& law = family.material->api();
-    for (std::uint64_t k = 0; k < law.state_count; ++k) {
-      const bool kept = keeps_state(s, law, k);
-      const std::size_t column = k * static_cast<std::size_t>(family.point_count);
-      answers.state.push_back(kept ? s.lattice.law_state[f].data() + column +
-                                         (first - static_cast<std::size_t>(family.first_point))
-                                   : nullptr);
-    }
-    auto wrong = wrong_answer(law, answers);
-    if (!wrong) return wrong;
-    const std::size_t p = first + wrong->point;
+  const std::vector<int> chunks = chunks_with_results(s);
+  if (s.large_motion) return s.large_motion->wrong_law(chunks);
+  for (const int c : chunks) {
+    const ContactChunk& chunk = s.model.chunks[at(c)];
+    const ContactFamily& family = s.model.families[at(chunk.family)];
+    auto wrong = wrong_answer(family.material->api(), answers_of(s.contacts.calls[at(c)]));
+    if (!wrong) continue;
+    const std::size_t p = at(chunk.first_point) + wrong->point;
     const Vec3& x = s.model.point_position[p];
     wrong->text += fmt::format(": joint {} (family '{}'), contact point at ({:.4f}, {:.4f}, {:.4f}) m",
                                s.model.point_joint[p], family.name, x[0], x[1], x[2]);
     return wrong;
-  };
-  const auto at = [](int i) { return static_cast<std::size_t>(i); };
-  if (!has_all(s)) {
-    for (const int c : s.division.share.chunks) {
-      const ContactChunk& chunk = s.model.chunks[at(c)];
-      if (auto wrong = examine(at(chunk.family), at(chunk.first_point), at(chunk.point_count))) return wrong;
-    }
-    return std::nullopt;
-  }
-  for (std::size_t f = 0; f < s.model.families.size(); ++f) {
-    const ContactFamily& family = s.model.families[f];
-    if (auto wrong = examine(f, at(family.first_point), at(family.point_count))) return wrong;
   }
   return std::nullopt;
 }
