@@ -218,12 +218,7 @@ ArrayView view_state(Simulation::Impl& s, int family, const std::string& id) {
     throw Error(Exit::bad_input, fmt::format("state: law {} keeps no state '{}' here; it keeps: {}", law.law->id, id,
                                              ids.empty() ? "none" : fmt::format("{}", fmt::join(ids, ", "))));
   }
-  if (s.large_motion) {
-    auto& f = const_cast<blocks::Family&>(s.large_motion->contacts.families[at(family)]);
-    return {f.state[at(k)].data(), f.size()};
-  }
-  const std::size_t count = at(s.model.families[at(family)].point_count);
-  return {s.lattice.law_state[at(family)].data() + at(k) * count, count};
+  return {const_cast<double*>(state_column(s, family, at(k))), at(points_of_family(s, family))};
 }
 
 void velocities_changed(Simulation::Impl& s) { find_bodies_at_rest(s); }
