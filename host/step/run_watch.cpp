@@ -13,6 +13,7 @@
 #include "law/answers.h"
 #include "members/members.h"
 #include "model/world_results.h"
+#include "scene/brick_overlap.h"
 #include "scene/damping_text.h"
 #include "scene/stage_warnings.h"
 #include "step/borders.h"
@@ -370,14 +371,13 @@ void check_energies(Simulation::Impl& s, const Energies& now, double dissipated,
 
 double least_extent(const Simulation::Impl& s, int block) {
   const auto b = static_cast<std::size_t>(block);
-  return s.large_motion ? s.large_motion->blocks[b].least_extent
-                        : *std::ranges::min_element(s.model.assembly.bricks[b].size);
+  return s.large_motion ? s.large_motion->blocks[b].least_extent : least_extent(s.model.assembly.bricks[b]);
 }
 
 double allowed_overlap(const Simulation::Impl& s) {
   double least = std::numeric_limits<double>::infinity();
   for (const Brick& brick : s.model.assembly.bricks) {
-    if (!brick.beam) least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
+    if (!brick.beam) least = std::min(least, least_extent(brick));
   }
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i)
     least = std::min(least, s.large_motion->blocks[i].least_extent);

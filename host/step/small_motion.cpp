@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/upright_axis.h"
+#include "scene/brick_overlap.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/ground.h"
@@ -93,8 +94,7 @@ void check_motion(Simulation::Impl& s) {
   // Half of the remaining way to a bound, even if two blocks approach each other, but at least a sixteenth of the whole
   // way.
   double least = std::numeric_limits<double>::infinity(), fastest = 0.0;
-  for (const Brick& brick : s.model.assembly.bricks)
-    least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
+  for (const Brick& brick : s.model.assembly.bricks) least = std::min(least, least_extent(brick));
   for (const WholeMotion& m : s.small_motion.whole_motions) fastest = std::max(fastest, m.speed);
   const double used =
       std::max({s.small_motion.seen.rotation / bound.rotation, s.small_motion.seen.sliding / bound.sliding,

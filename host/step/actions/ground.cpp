@@ -12,6 +12,7 @@
 #include "base/smooth_step.h"
 #include "members/members.h"
 #include "model/world_results.h"
+#include "scene/brick_overlap.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "scene/weight_axis.h"
@@ -245,10 +246,8 @@ void find_base_of_lattice(Simulation::Impl& s) {
   for (std::size_t j = 0; j < s.model.assembly.joints.size(); ++j) {
     const Joint& joint = s.model.assembly.joints[j];
     if (joint.face_a / 2 != upright || is_fixed(joint.block_a) == is_fixed(joint.block_b)) continue;
-    const Brick &a = bricks[at(joint.block_a)], &b = bricks[at(joint.block_b)];
-    double of_joint = 1.0;
-    for (const std::size_t c : {at((upright + 1) % 3), at((upright + 2) % 3)})
-      of_joint *= std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]) - std::max(a.origin[c], b.origin[c]);
+    const Overlap shared = overlap_of(bricks[at(joint.block_a)], bricks[at(joint.block_b)]);
+    const double of_joint = shared.gap(at((upright + 1) % 3)) * shared.gap(at((upright + 2) % 3));
     area += of_joint;
     s.reactions.base_centre += of_joint * geometry::vector(s.small_motion.joint_sliding.centre(static_cast<int>(j)));
   }
