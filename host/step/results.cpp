@@ -100,12 +100,11 @@ std::vector<std::array<double, 6>> block_stress(const Simulation::Impl& s, int b
   std::vector<std::array<double, 6>> result;
   if (place.group < 0) return result;
   const BrickTemplate& shape = model.templates[at(model.groups[at(place.group)].brick_template)];
-  const BlockMaterial& material = model.assembly.materials[at(shape.material)];
   const auto u = block_displacement(s, block);
   for (const Zone& zone : shape.zone) {
     result.push_back(zone_stress(zone,
                                  {u[at(zone.node[0])], u[at(zone.node[1])], u[at(zone.node[2])], u[at(zone.node[3])]},
-                                 material.young_modulus, material.poisson_ratio));
+                                 shape.lambda, shape.shear_modulus));
   }
   return result;
 }
