@@ -161,11 +161,7 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
   for (size_t k = 0; k < f.state.size(); ++k)
     f.state[k].assign(state.begin() + long(k * f.size()), state.begin() + long((k + 1) * f.size()));
   for (size_t i = 0; i < f.size(); ++i) {
-    // The opening increases by the shift if the reference gap falls by it. Rigid planes have the gap in their offset
-    // too.
-    Point& p = f.point[i];
-    p.reference -= opening_shift[i];
-    if (p.facet_a < 0) p.offset -= opening_shift[i];
+    keep_opening(f.point[i], 0.0, opening_shift[i]);
     f.normal_jump[i] += opening_shift[i];
     if (!f.old_jump.empty()) f.old_jump[i] += opening_shift[i];
   }

@@ -34,7 +34,7 @@ const std::vector<int>& shown_blocks(const Simulation::Impl& s) {
 }
 
 Vector displacement_of(const Simulation::Impl& s, int block) {
-  if (s.large_motion) return position_of(*s.large_motion, block) - start_position_of(*s.large_motion, block);
+  if (s.large_motion) return moved_by_now(*s.large_motion, block);
   return of_brick(s, block, &BodyLanes::displacement, s.lattice.displacement);
 }
 

@@ -172,9 +172,9 @@ void receive_motion(Simulation::Impl& s, bool measure_step) {
   if (s.large_motion)
     s.agreed.failed =
         agree(s, s.large_motion->in_trouble(s.division.share.chunks, s.division.share.items), &deviates, &leaves);
-  if (deviates || leaves) s.large_motion->check_all_blocks();
+  if (deviates || leaves) s.large_motion->pieces.needs_check.assign(s.large_motion->pieces.all.size(), 1);
   if (s.large_motion && s.parts.divided) {
-    if (deviates) s.large_motion->mark_deviation();
+    if (deviates) s.large_motion->checks.any_deviates = true;
     if (measure_step)
       gather(s, Part::row);
     else if (s.energy.wanted || leaves || s.agreed.failed)

@@ -39,9 +39,6 @@ struct Model : World {
   bool end_step();
   // Viscosity of joints and zones by impact damping.
   ImpactDamping impact_damping() const;
-  void mark_deviation() { checks.any_deviates = true; }  // for a block of another rank
-  // Lets end_step check blocks of other ranks too.
-  void check_all_blocks() { pieces.needs_check.assign(pieces.all.size(), 1); }
   void find_contacts();
 
   // From all data that change during a run (saved_blocks.h), in families with the laws of the saved state. Throws

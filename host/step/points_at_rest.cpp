@@ -19,7 +19,7 @@ namespace quoin {
 namespace {
 
 std::array<long, kConditionCount> own_conditions(Simulation::Impl& s) {
-  const std::vector<std::uint32_t> now = current_flags(s, whole_range(s));
+  const std::vector<std::uint32_t> now = current_flags(s, all_points(s));
   std::array<long, kConditionCount> counts{};
   for (const int c : s.division.share.chunks) {
     if (!s.division.share.owns_chunk(c, s.ranks->rank())) continue;
@@ -80,7 +80,7 @@ std::vector<std::uint32_t> current_flags(const Simulation::Impl& s, const PointR
   return result;
 }
 
-PointRange all_points(const Simulation::Impl& s) { return whole_range(s); }
+PointRange all_points(const Simulation::Impl& s) { return {0, static_cast<std::int32_t>(contact_point_count(s))}; }
 
 DamageColumns damage_of_points(const Simulation::Impl& s, const PointRange& range) {
   DamageColumns result;
@@ -98,7 +98,7 @@ std::array<long, kConditionCount> condition_counts(const Simulation::Impl& s) {
 
 std::array<long, kConditionCount> conditions_here(const Simulation::Impl& s) {
   std::array<long, kConditionCount> counts{};
-  for (const std::uint32_t f : current_flags(s, whole_range(s))) ++counts[static_cast<std::size_t>(condition_of(f))];
+  for (const std::uint32_t f : current_flags(s, all_points(s))) ++counts[static_cast<std::size_t>(condition_of(f))];
   return counts;
 }
 

@@ -46,10 +46,8 @@ GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
   s.model.for_each_gridpoint(brick, [&](std::size_t o, double mass) {
     const auto n = static_cast<int>(field.place.size());
     field.place.push_back(geometry::vector(s.model.gridpoint_position(brick, n)));
-    field.displacement.push_back(
-        {s.lattice.displacement[o], s.lattice.displacement[o + kLanes], s.lattice.displacement[o + 2 * kLanes]});
-    field.velocity.push_back(
-        {s.lattice.velocity[o], s.lattice.velocity[o + kLanes], s.lattice.velocity[o + 2 * kLanes]});
+    field.displacement.push_back(geometry::vector(at_gridpoint(s.lattice.displacement, o)));
+    field.velocity.push_back(geometry::vector(at_gridpoint(s.lattice.velocity, o)));
     field.mass.push_back(mass);
   });
   return field;

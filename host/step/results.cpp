@@ -25,10 +25,6 @@ std::array<Vec3, 8> corners_of(const Brick& brick) {
   return corners;
 }
 
-Vec3 read_line(const LaneVector<double>& values, std::size_t offset) {
-  return {values[offset], values[offset + kLanes], values[offset + 2 * kLanes]};
-}
-
 std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneVector<double>& values,
                                BodyLanes::Quantity BodyLanes::*translation, BodyLanes::Quantity BodyLanes::*rotation) {
   const Model::BlockPlace& place = s.model.place[at(block)];
@@ -38,7 +34,8 @@ std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneV
       result.push_back(of_body_at(s, place.body, translation, rotation, p));
     return result;
   }
-  s.model.for_each_gridpoint(block, [&](std::size_t offset, double) { result.push_back(read_line(values, offset)); });
+  s.model.for_each_gridpoint(block,
+                             [&](std::size_t offset, double) { result.push_back(at_gridpoint(values, offset)); });
   return result;
 }
 

@@ -62,7 +62,7 @@ void check_points(Simulation::Impl& s) {
 // Compares tangents with the stiffness bounds of the laws, from which the time step follows.
 void check_stiffness(Simulation::Impl& s) {
   LaneVector<double> normal(contact_point_count(s), 0.0), shear[2]{normal, normal};
-  evaluate_points_at_rest(s, QUOIN_CAN_TANGENT, whole_range(s), [&](quoin_batch& batch, std::size_t first) {
+  evaluate_points_at_rest(s, QUOIN_CAN_TANGENT, all_points(s), [&](quoin_batch& batch, std::size_t first) {
     batch.tangent[0] = {normal.data() + first, 1};
     batch.tangent[4] = {shear[0].data() + first, 1};
     batch.tangent[8] = {shear[1].data() + first, 1};

@@ -31,7 +31,10 @@ bool have_contact(Simulation::Impl& s, int a, int b, int axis) {
     if (s.scene.blocks)
       s.small_motion.meeting_family = blocks::assemble(s.scene).family_of;
     else
-      s.small_motion.meeting_family = blocks::from_bricks(s.model.assembly).family_of;
+      s.small_motion.meeting_family = [family =
+                                           blocks::FamilyOfBricks(s.model.assembly)](const blocks::Meeting& meeting) {
+        return family(meeting.block_a, meeting.block_b);
+      };
   }
   geometry::Vector normal;
   normal[axis] = 1.0;

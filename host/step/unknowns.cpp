@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "model/world_results.h"
+#include "step/lattice_motion.h"
 #include "step/reactions.h"
 #include "step/results.h"
 
@@ -43,8 +44,7 @@ void each_stressed_zone(const Simulation::Impl& s, int block, const std::functio
   const BrickTemplate& shape = s.model.template_of(block);
   std::vector<Vector> moved;
   s.model.for_each_gridpoint(block, [&](std::size_t o, double) {
-    moved.push_back(
-        {s.lattice.displacement[o], s.lattice.displacement[o + kLanes], s.lattice.displacement[o + 2 * kLanes]});
+    moved.push_back(geometry::vector(at_gridpoint(s.lattice.displacement, o)));
   });
   for (const Zone& zone : shape.zone) {
     StressedZone now{zone.node, {}, zone.volume, shape.lambda, shape.shear_modulus, stress_of(shape, zone, moved)};
