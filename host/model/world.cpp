@@ -74,12 +74,6 @@ void World::set_solver(const SolverSettings& settings) {
   if (runs) solver.mass_scaling = mass_scaling;
   settle(is_settling);
   if (books) step_sums.later.detection += moving - kinetic_energy_of_all(*this);  // kinetic energy of the added inertia
-  if (damping.eq1 == Eq1::gridpoints && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
-    throw Error(
-        Exit::bad_input,
-        "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
-        "brake their motion; use damping = \"block\"");
-  }
   for (Family& f : contacts.families) {
     const size_t n = damping.of_contacts() ? f.size() : 0;
     for (auto& column : f.old_traction) column = LaneVector<double>(n);
