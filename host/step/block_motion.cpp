@@ -29,6 +29,10 @@ std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name
   return s.large_motion ? blocks::find_blocks(s.large_motion->assembly, name, where) : s.model.blocks_named(name);
 }
 
+const members::Members* members_of(const Simulation::Impl& s) {
+  return s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+}
+
 const std::vector<int>& shown_blocks(const Simulation::Impl& s) {
   return s.controls.floors.empty() ? s.monitor.blocks : s.controls.floors.back();
 }

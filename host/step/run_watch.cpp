@@ -16,6 +16,7 @@
 #include "scene/brick_overlap.h"
 #include "scene/damping_text.h"
 #include "scene/stage_warnings.h"
+#include "step/block_motion.h"
 #include "step/borders.h"
 #include "step/corner_bending.h"
 #include "step/driven_block.h"
@@ -283,7 +284,7 @@ std::string crushed_in_ramp(Simulation::Impl& s) {
 }
 
 std::string turned_piece_of_beam(const Simulation::Impl& s) {
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   if (!members) return "";
   const auto beam = std::ranges::find_if(
       members->beams(), [](const members::Beam& b) { return !(b.largest_turn() <= Watch::kAllowedTurn); });
@@ -295,7 +296,7 @@ std::string turned_piece_of_beam(const Simulation::Impl& s) {
 }
 
 std::string beam_off_its_seat(const Simulation::Impl& s) {
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   if (!members) return "";
   for (const members::Beam& beam : members->beams()) {
     const members::Beam::Support* const support = beam.slid_off();

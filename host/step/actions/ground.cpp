@@ -121,7 +121,7 @@ int ground_block(const Simulation::Impl& s) {
 namespace {
 
 bool is_on_springs(const Simulation::Impl& s) {
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   return members && !members->beds().empty();
 }
 
@@ -209,7 +209,7 @@ void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
 
 void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, std::span<const std::uint8_t> held,
                   HistoryRow& row) {
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   Vec3 moved{};  // displacement of the ground when the contact points of the wrenches were where they count
   if (const int ground = ground_block(s); ground >= 0) {
     row.ground_displacement = displacement_at_forces(s, {ground});
