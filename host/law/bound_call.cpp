@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "base/error.h"
-#include "law/answers.h"
 
 namespace quoin {
 
@@ -40,6 +39,13 @@ bool BoundCall::evaluate(const Material& material) {
   return failed = status != QUOIN_OK || batch.failed_count > 0;
 }
 
+Answers answers_of(const BoundCall& call) {
+  Answers answers{call.batch.count, {}, {}};
+  for (std::size_t k = 0; k < 3; ++k) answers.traction[k] = call.batch.traction_old[k].data;
+  for (const quoin_in& column : call.state_old) answers.state.push_back(column.data);
+  return answers;
+}
+
 void report_failed_call(const Material& material, const BoundCall& call, const CallSite& site) {
   const std::string law = material.api().id;
   if (const std::string fault = material.fault(); !fault.empty())
@@ -51,10 +57,7 @@ void report_failed_call(const Material& material, const BoundCall& call, const C
   if (call.batch.count == 0)
     throw Error(Exit::numerical, fmt::format("law '{}' failed at step {}, on another rank", law, site.step));
   // Old tractions and states are what the law gave in a step before. They make all jumps around them wrong.
-  Answers before{call.batch.count, {}, {}};
-  for (std::size_t k = 0; k < 3; ++k) before.traction[k] = call.batch.traction_old[k].data;
-  for (const quoin_in& column : call.state_old) before.state.push_back(column.data);
-  if (const auto wrong = wrong_answer(material.api(), before); wrong && !wrong->finite) {
+  if (const auto wrong = wrong_answer(material.api(), answers_of(call)); wrong && !wrong->finite) {
     throw Error(Exit::numerical,
                 fmt::format("{}, before step {}, time {:.6g} s: joint family '{}', {}; tell its author", wrong->text,
                             site.step, site.time, site.family, site.point(wrong->point)));

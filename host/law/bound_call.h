@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "law/answers.h"
 #include "law/law_library.h"
 
 namespace quoin {
@@ -49,6 +50,8 @@ struct BoundCall {
     visit(&batch.failed_count, sizeof batch.failed_count);
   }
 };
+
+Answers answers_of(const BoundCall& call);  // tractions and states of its points
 
 // Place and time of a call, for messages.
 struct CallSite {

@@ -90,10 +90,7 @@ BrickTemplate make_brick_template(const Brick& source, const BlockMaterial& mate
   return brick;
 }
 
-std::array<double, 6> zone_stress(const Zone& zone, const std::array<Vec3, 4>& u, double young_modulus,
-                                  double poisson_ratio) {
-  const double lambda = young_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio));
-  const double mu = young_modulus / (2.0 * (1.0 + poisson_ratio));
+std::array<double, 6> zone_stress(const Zone& zone, const std::array<Vec3, 4>& u, double lambda, double mu) {
   double gradient[3][3] = {};  // d u_c / d x_d
   for (std::size_t a = 0; a < 4; ++a) {
     for (std::size_t c = 0; c < 3; ++c) {

@@ -37,7 +37,6 @@ struct BrickTemplate {
 BrickTemplate make_brick_template(const Brick& brick, const BlockMaterial& material);
 
 // Stress of a zone from the displacements of its corners: xx, yy, zz, xy, yz, zx; Pa, tension positive.
-std::array<double, 6> zone_stress(const Zone& zone, const std::array<Vec3, 4>& displacement, double young_modulus,
-                                  double poisson_ratio);
+std::array<double, 6> zone_stress(const Zone& zone, const std::array<Vec3, 4>& displacement, double lambda, double mu);
 
 }  // namespace quoin

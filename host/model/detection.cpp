@@ -306,7 +306,14 @@ void place_points(World& w, Detection& found) {
   const double bound = local_stiffness_bound(w, [&](int block) { return has_changed[size_t(block)]; });
   // Stiffness may grow within the margin of the time step fraction, as the frequency costs as much as many steps.
   const double fraction = w.solver.time_step_fraction;
-  if (bound <= std::clamp(1.0 / (fraction * fraction), kLeastGrowth, kMostGrowth) * w.stepping.stiffness_bound) return;
+  const double growth = std::clamp(1.0 / (fraction * fraction), kLeastGrowth, kMostGrowth);
+  if (bound <= growth * w.stepping.stiffness_bound) {
+    // Stiff contacts that are gone give back the impact damping that they took.
+    const bool is_reduced = w.damping.impacts && w.impacts.share < 1.0;
+    if (is_reduced && growth * local_stiffness_bound(w, [](int) { return true; }) < w.stepping.stiffness_bound)
+      find_time_step(w);
+    return;
+  }
   std::set<int> changed;
   for (int block = 0; block < w.block_count(); ++block) {
     if (has_changed[size_t(block)] && w.part.owns(block)) changed.insert(w.units.of(block).block[0]);

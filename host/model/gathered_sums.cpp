@@ -7,31 +7,22 @@
 namespace quoin {
 
 void GatheredSums::append(int rank, std::size_t numbers) {
-  if (numbers == 0) return;
-  const std::size_t first = runs_.empty() ? 0 : runs_.back().row.end;
-  if (!runs_.empty() && runs_.back().rank == rank)
-    runs_.back().row.end += numbers;
-  else
-    runs_.push_back({rank, {first, first + numbers}});
-  if (rank != ranks_.rank()) return;
-  if (!rows_.empty() && rows_.back().end == first)
-    rows_.back().end += numbers;
-  else
-    rows_.push_back({first, first + numbers});
+  const std::size_t first = runs_.all.empty() ? 0 : runs_.all.back().row.end;
+  runs_.append(rank, {first, first + numbers});
 }
 
 double GatheredSums::sum(const Add& add) {
   constexpr std::size_t kWindow = kGatherBuffer / sizeof(double);
-  const std::size_t whole = runs_.empty() ? 0 : runs_.back().row.end;
+  const std::size_t whole = runs_.all.empty() ? 0 : runs_.all.back().row.end;
   std::vector<std::size_t> sizes(static_cast<std::size_t>(ranks_.count())), next(sizes.size());
   std::vector<double> own, all;
   double so_far = 0.0;
-  auto first_run = runs_.begin();
+  auto first_run = runs_.all.begin();
   for (std::size_t begin = 0; begin < whole; begin += kWindow) {
     const std::size_t end = std::min(begin + kWindow, whole);
     while (first_run->row.end <= begin) ++first_run;
     const auto each_run = [&](const auto& visit) {
-      for (auto run = first_run; run != runs_.end() && run->row.first < end; ++run)
+      for (auto run = first_run; run != runs_.all.end() && run->row.first < end; ++run)
         visit(static_cast<std::size_t>(run->rank), std::max(run->row.first, begin), std::min(run->row.end, end));
     };
     std::fill(sizes.begin(), sizes.end(), 0);

@@ -14,21 +14,15 @@ namespace quoin {
 
 class GatheredSums : public SharedVectors {
  public:
-  explicit GatheredSums(Ranks& ranks) : ranks_(ranks) {}
+  explicit GatheredSums(Ranks& ranks) : ranks_(ranks), runs_{ranks.rank()} {}
 
   void append(int rank, std::size_t numbers);  // appends the next numbers of the vector, which `rank` computes
-  std::span<const VectorRow> rows() const override { return rows_; }
+  std::span<const VectorRow> rows() const override { return runs_.own; }
   double sum(const Add& add) override;
 
  private:
-  struct Run {
-    int rank;
-    VectorRow row;
-  };
-
   Ranks& ranks_;
-  std::vector<Run> runs_;  // runs of all ranks, in order
-  std::vector<VectorRow> rows_;
+  RankRuns runs_;
 };
 
 }  // namespace quoin

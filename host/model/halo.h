@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <set>
 #include <vector>
 
 #include "base/ranks.h"
@@ -28,6 +30,32 @@ class Halo {
  private:
   std::vector<Border> borders_;
   std::vector<Ranks::Parcel> send_, receive_;
+};
+
+// Keys of sides by rank: those that are sent to it, and those that are received from it.
+template <class Key>
+struct BorderKeys {
+  std::map<int, std::set<Key>> to, from;
+  // readers: ranks that evaluate contact points on this side. Returns whether this rank moves it.
+  bool add(const Key& key, int owner, int here, const std::vector<int>& readers) {
+    if (owner != here) return from[owner].insert(key), false;
+    for (const int r : readers) {
+      if (r != here) to[r].insert(key);
+    }
+    return true;
+  }
+  // add_numbers(key, list): adds the addresses of a side's numbers.
+  template <class AddNumbers>
+  Halo halo(int ranks, const AddNumbers& add_numbers) {
+    Halo found;
+    for (int r = 0; r < ranks; ++r) {
+      Border border{r, {}, {}, {}, {}};
+      for (const Key& key : to[r]) add_numbers(key, border.send);
+      for (const Key& key : from[r]) add_numbers(key, border.receive);
+      found.add(std::move(border));
+    }
+    return found;
+  }
 };
 
 }  // namespace quoin

@@ -10,11 +10,11 @@ namespace quoin::blocks {
 
 struct World;
 
-// Impact damping in use; it is chosen with the time step.
+// Impact damping. That of the settings is chosen when they change, the share in use with the time step.
 struct ImpactState {
-  std::vector<double> beta;  // viscosity over stiffness, normal and along the joint, family by family, s
-  double zone_beta = 0.0;    // stiffness-proportional damping of zones, s
-  double rate = 0.0;         // largest eigenvalue of viscosity over inertia, 1/s
+  std::vector<double> beta;  // of the settings: viscosity over stiffness, normal and along the joint by family, s
+  double zone_beta = 0.0;    // of the settings: stiffness-proportional damping of zones, s
+  double rate = 0.0;         // of the settings: largest eigenvalue of viscosity over inertia, 1/s
   double share = 1.0;        // damping in use over that of the settings
   std::array<MaxwellElement, kMaxwellElements> maxwell{};
 };

@@ -685,16 +685,10 @@ Model::Extent Model::extent_of_units(std::size_t first, std::size_t end) const {
           at(last.first_slot + slots[at(last.brick_template)].slot_count())};
 }
 
-std::vector<int> Model::bodies_named(const std::string& name) const {
+std::vector<int> Model::blocks_named(const std::string& name) const {
   std::vector<int> found;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!name.empty() && bodies[i].name == name) found.push_back(static_cast<int>(i));
-  }
-  return found;
-}
-
-std::vector<int> Model::deformable_blocks_named(const std::string& name) const {
-  std::vector<int> found;
+  for (const RigidBody& body : bodies)
+    if (!name.empty() && body.name == name) found.push_back(body.block);
   for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
     if (!name.empty() && !assembly.bricks[i].rigid && assembly.bricks[i].body == name)
       found.push_back(static_cast<int>(i));

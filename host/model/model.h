@@ -180,8 +180,7 @@ struct Model {
            template_of(block).node[static_cast<std::size_t>(node)];
   }
 
-  std::vector<int> bodies_named(const std::string& name) const;  // indices into bodies
-  std::vector<int> deformable_blocks_named(const std::string& name) const;
+  std::vector<int> blocks_named(const std::string& name) const;  // rigid ones first
   // Visits the gridpoints of a deformable block: visit(offset, mass in kg without scaling).
   template <class Visit>
   void for_each_gridpoint(int block, Visit visit) const {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "model/lanes.h"
 
@@ -14,6 +15,29 @@ namespace quoin {
 // Consecutive numbers of a vector.
 struct VectorRow {
   std::size_t first, end;
+};
+
+// Runs of consecutive numbers that one rank computes.
+struct RankRuns {
+  struct Run {
+    int rank;
+    VectorRow row;
+  };
+  int here;                      // this rank
+  std::vector<Run> all{};        // in order
+  std::vector<VectorRow> own{};  // those of this rank
+  void append(int rank, const VectorRow& row) {
+    if (row.first == row.end) return;
+    if (!all.empty() && all.back().rank == rank && all.back().row.end == row.first)
+      all.back().row.end = row.end;
+    else
+      all.push_back({rank, row});
+    if (rank != here) return;
+    if (!own.empty() && own.back().end == row.first)
+      own.back().end = row.end;
+    else
+      own.push_back(row);
+  }
 };
 
 // Collective calls: all ranks make them in the same order.

@@ -11,12 +11,18 @@ namespace quoin::blocks {
 
 using geometry::Vector;
 
+// Work of forces in the half step before their time and in the one after it, J.
+struct HalfWorks {
+  double before = 0.0, after = 0.0;
+};
+
 // Sums of the step of one block.
 struct BlockSums {
-  double unbalanced = 0.0;  // largest net force on a body or gridpoint, free components only, N; NaN is kept
-  Vector net;               // sum of these net forces, N
-  double positions = 0.0;   // sum of coordinates, which is not finite when one of them is not
-  double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
+  double unbalanced = 0.0;             // largest net force on a body or gridpoint, free components only, N; NaN is kept
+  Vector net;                          // sum of these net forces, N
+  double positions = 0.0;              // sum of coordinates, which is not finite when one of them is not
+  double kinetic = 0.0, strain = 0.0;  // J, kinetic: by the product of the velocities before and after
+  HalfWorks damping, external;
   double deformation = 0.0;  // largest |u| in the frame, from the first gridpoint, m
   bool deviates = false;     // whether it deviates from the motion of its last check
   Vector moved;              // displacement since the start, for a row of the history, m

@@ -403,8 +403,11 @@ bool has_block(const Model& model, const SharedModel& shared, int block) {
 std::vector<double> compliances(const Model& model, const Inertia& inertia, const std::string& name,
                                 SharedModel* shared) {
   std::vector<double> found;
-  for (const int body : model.bodies_named(name)) found.push_back(1.0 / inertia.body_mass[at(body)]);
-  for (const int block : model.deformable_blocks_named(name)) {
+  for (const int block : model.blocks_named(name)) {
+    if (const int body = model.place[at(block)].body; body >= 0) {
+      found.push_back(1.0 / inertia.body_mass[at(body)]);
+      continue;
+    }
     if (shared && !has_block(model, *shared, block)) {
       found.push_back(0.0);
       continue;

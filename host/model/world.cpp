@@ -74,12 +74,6 @@ void World::set_solver(const SolverSettings& settings) {
   if (runs) solver.mass_scaling = mass_scaling;
   settle(is_settling);
   if (books) step_sums.later.detection += moving - kinetic_energy_of_all(*this);  // kinetic energy of the added inertia
-  if (damping.eq1 == Eq1::gridpoints && (solver.deformation_inertia != 1.0 || solver.unit_inertia != 1.0)) {
-    throw Error(
-        Exit::bad_input,
-        "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
-        "brake their motion; use damping = \"block\"");
-  }
   for (Family& f : contacts.families) {
     const size_t n = damping.of_contacts() ? f.size() : 0;
     for (auto& column : f.old_traction) column = LaneVector<double>(n);
@@ -161,11 +155,7 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
   for (size_t k = 0; k < f.state.size(); ++k)
     f.state[k].assign(state.begin() + long(k * f.size()), state.begin() + long((k + 1) * f.size()));
   for (size_t i = 0; i < f.size(); ++i) {
-    // The opening increases by the shift if the reference gap falls by it. Rigid planes have the gap in their offset
-    // too.
-    Point& p = f.point[i];
-    p.reference -= opening_shift[i];
-    if (p.facet_a < 0) p.offset -= opening_shift[i];
+    keep_opening(f.point[i], 0.0, opening_shift[i]);
     f.normal_jump[i] += opening_shift[i];
     if (!f.old_jump.empty()) f.old_jump[i] += opening_shift[i];
   }

@@ -1,13 +1,12 @@
 // Stable time step: 2/omega_max of the assembled, undamaged system, by Lanczos iteration without forming a matrix.
 #include <fmt/format.h>
 
-#include <set>
-
 #include "base/error.h"
 #include "members/members.h"
 #include "model/block_layout.h"
 #include "model/contact_frames.h"
 #include "model/gathered_sums.h"
+#include "model/halo.h"
 #include "model/impact_damping.h"
 #include "model/lanczos.h"
 #include "model/stepping.h"
@@ -128,31 +127,25 @@ struct FrequencyHalo {
     if (!ranks) return;
     const int here = ranks->rank();
     using Side = std::pair<bool, int>;  // true and a gridpoint, or false and a body
-    std::map<int, std::set<Side>> to, from;
+    BorderKeys<Side> keys;
     const auto add_sides = [&](const Family&, const Point& p) {
       const int rank_a = world.part.rank_of_block[size_t(p.a)], rank_b = world.part.rank_of_block[size_t(p.b)];
       if (rank_a == rank_b) return;
       const auto note = [&](int block, int facet, int rank, int other) {
-        std::set<Side>& sides = rank == here ? to[other] : from[rank];
-        if (facet < 0) sides.insert({false, world.blocks[size_t(block)].body});
-        for (int k = 0; k < 3 && facet >= 0; ++k) sides.insert({true, world.contacts.facets[size_t(facet)].node[k]});
+        if (facet < 0) keys.add({false, world.blocks[size_t(block)].body}, rank, here, {other});
+        for (int k = 0; k < 3 && facet >= 0; ++k)
+          keys.add({true, world.contacts.facets[size_t(facet)].node[k]}, rank, here, {other});
       };
       note(p.a, p.facet_a, rank_a, rank_b), note(p.b, p.facet_b, rank_b, rank_a);
     };
     each_own_point(world, add_sides, [](int) { return true; });
-    const auto add = [&](const Side& side, std::vector<double*>& numbers) {
+    halo = keys.halo(ranks->count(), [&](const Side& side, std::vector<double*>& numbers) {
       const auto visit = [&](Vector& v) { numbers.insert(numbers.end(), {&v.x, &v.y, &v.z}); };
       if (side.first)
         visit(nodes[size_t(side.second)]);
       else
         of_body(side.second, visit);
-    };
-    for (int r = 0; r < ranks->count(); ++r) {
-      Border border{r, {}, {}, {}, {}};
-      for (const Side& side : to[r]) add(side, border.send);
-      for (const Side& side : from[r]) add(side, border.receive);
-      halo.add(std::move(border));
-    }
+    });
   }
   void exchange(Ranks* ranks) {
     if (ranks) halo.send(*ranks), halo.receive(*ranks);
@@ -476,8 +469,7 @@ double step_under_impact_damping(World& w, double of_members) {
   const auto [left, share] = step_under_impacts(w.stepping.critical_dt, w.impacts.rate, [&](double of_all, double dt) {
     return std::max(of_members, w.stepping.springs + largest_over_inertia(w, with_dashpots(w, of_all, dt)));
   });
-  for (double& beta : w.impacts.beta) beta *= share;
-  w.impacts.zone_beta *= share, w.impacts.rate *= share, w.impacts.share *= share;
+  w.impacts.share = share;
   return left;
 }
 

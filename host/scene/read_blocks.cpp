@@ -297,11 +297,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
           "rest with weight and constant loads alone: without ground_motion, collapse, moving_load, displacement and "
           "velocities, which a stage after it takes");
   }
-  if (!s.duration && !s.equilibrium_ratio && !s.collapse && !s.displacement && !t.has("duration") &&
-      !t.has("equilibrium_ratio") && !t.has("displacement")) {
-    t.context().fault(t.where() +
-                      ": the stage never ends; give duration (s), equilibrium_ratio, displacement (m) or collapse");
-  }
+  require_end(t, s);
   read_law_swaps(t, scene, s);
   t.finish();
   return s;

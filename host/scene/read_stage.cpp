@@ -24,6 +24,15 @@ void read_rest(Table& t, Stage& stage) {
   if (!t.has("max_steps")) stage.max_steps = 1000000;
 }
 
+// Ends that are given with a fault have a message of their own.
+void require_end(Table& t, const Stage& stage) {
+  if (stage.equilibrium_ratio || stage.displacement || stage.duration || stage.collapse) return;
+  for (const char* key : {"equilibrium_ratio", "displacement", "duration", "collapse"})
+    if (t.has(key)) return;
+  t.context().fault(t.where() +
+                    ": the stage never ends; give duration (s), equilibrium_ratio, displacement (m) or collapse");
+}
+
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies) {
   t.number("displacement", stage.displacement, kPositive, "m");
   if (bodies)

@@ -123,10 +123,7 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   if (scene.building && !t.has("monitor")) watch_building(stage, *scene.building);
   read_monitor(t, stage, acts ? &bodies : &held);
   if (acts || stage.has_no_control) add_loads_of_before(stage, scene, held, top_force);
-  if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !stage.collapse &&
-      !t.has("equilibrium_ratio") && !t.has("displacement") && !t.has("duration") && !t.has("collapse"))
-    t.context().fault(t.where() +
-                      ": the stage never ends; give equilibrium_ratio, displacement (m), duration (s) or collapse");
+  require_end(t, stage);
   const bool on_ground = scene.building && stage.roof.empty() && !t.has("monitor");
   if (stage.displacement && (stage.monitor.empty() || on_ground))
     t.refuse("displacement", "only with a monitor body to measure; give monitor");

@@ -446,7 +446,8 @@ JointFamily read_joint(const std::string& name, Table& t);
 
 // Reads keys of stages of every kind of scene: name, gravity, ramp, ends, rows.
 void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
-void read_rest(Table& t, Stage& stage);  // keys of kind rest, after read_stage_basics
+void read_rest(Table& t, Stage& stage);          // keys of kind rest, after read_stage_basics
+void require_end(Table& t, const Stage& stage);  // after the keys of all ends
 // Reads the end of a stage by displacement (m), and the monitor and direction of that displacement.
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
 void read_law_swaps(Table& t, const Scene& scene, Stage& stage);

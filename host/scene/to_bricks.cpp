@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "geometry/broad_phase.h"
+#include "scene/brick_overlap.h"
 #include "scene/generate_blocks.h"
 
 namespace quoin::blocks {
@@ -31,9 +32,6 @@ template <class... Args>
 [[noreturn]] void unfit(fmt::format_string<Args...> text, Args&&... args) {
   throw Unfit{fmt::format(text, std::forward<Args>(args)...)};
 }
-
-double least_size(const Brick& brick) { return *std::min_element(brick.size.begin(), brick.size.end()); }
-double upper(const Brick& brick, size_t axis) { return brick.origin[axis] + brick.size[axis]; }
 
 // ---- Blocks --------------------------------------------------------------------------------------------------------
 
@@ -71,25 +69,11 @@ bool on_gridline(const Brick& brick, size_t axis, double x, double tolerance) {
   return std::abs(lines - std::round(lines)) * spacing <= tolerance;
 }
 
-struct Overlap {
-  std::array<double, 3> from, to;
-  double gap(size_t axis) const { return from[axis] - to[axis]; }  // > 0 apart, < 0 shared length, m
-};
-
-Overlap overlap_of(const Brick& a, const Brick& b) {
-  Overlap o{};
-  for (size_t c = 0; c < 3; ++c) {
-    o.from[c] = std::max(a.origin[c], b.origin[c]);
-    o.to[c] = std::min(upper(a, c), upper(b, c));
-  }
-  return o;
-}
-
 class JointFinder {
  public:
   JointFinder(const Assembly& assembly, const std::vector<Brick>& bricks) : assembly_(assembly), bricks_(bricks) {
     double least = 1e300;
-    for (const Brick& brick : bricks) least = std::min(least, least_size(brick));
+    for (const Brick& brick : bricks) least = std::min(least, least_extent(brick));
     skin_ = assembly.contact.skin > 0.0 ? assembly.contact.skin : 0.05 * least;
     grid_ = kTouching * least;
   }
@@ -122,7 +106,7 @@ class JointFinder {
     const Block &first = assembly_.blocks[size_t(i)], &second = assembly_.blocks[size_t(j)];
     if (first.fixed && second.fixed && !first.freed && !second.freed) return;
     const Overlap o = overlap_of(bricks_[size_t(i)], bricks_[size_t(j)]);
-    const double tolerance = kTouching * std::min(least_size(bricks_[size_t(i)]), least_size(bricks_[size_t(j)]));
+    const double tolerance = kTouching * std::min(least_extent(bricks_[size_t(i)]), least_extent(bricks_[size_t(j)]));
     size_t normal = 0;
     for (size_t c = 1; c < 3; ++c) {
       if (o.gap(c) > o.gap(normal)) normal = c;
@@ -212,7 +196,7 @@ class StageWriter {
       // An arm along the force counts, too, as soon as the block turns.
       Vector arm = vector(force.point) - centre_of(brick);
       if (stays_) arm = cross(arm, normalized(vector(force.force)));
-      if (control.may_turn && norm(arm) > kStraight * least_size(brick))
+      if (control.may_turn && norm(arm) > kStraight * least_extent(brick))
         refuse(fmt::format("pushes '{}', which may turn, beside its centre", force.block));
       add(vector(force.force), &control);
     }

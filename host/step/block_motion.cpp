@@ -1,8 +1,5 @@
 #include "step/block_motion.h"
 
-#include <algorithm>
-#include <iterator>
-
 #include "model/world_results.h"
 #include "scene/generate_blocks.h"
 
@@ -29,14 +26,11 @@ Vector of_brick(const Simulation::Impl& s, int block, BodyLanes::Quantity BodyLa
 }  // namespace
 
 std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where) {
-  return s.large_motion ? blocks::find_blocks(s.large_motion->assembly, name, where) : blocks_on_lattice(s, name);
+  return s.large_motion ? blocks::find_blocks(s.large_motion->assembly, name, where) : s.model.blocks_named(name);
 }
 
-std::vector<int> blocks_on_lattice(const Simulation::Impl& s, const std::string& name) {
-  std::vector<int> blocks;
-  for (const int body : s.model.bodies_named(name)) blocks.push_back(s.model.bodies[at(body)].block);
-  std::ranges::copy(s.model.deformable_blocks_named(name), std::back_inserter(blocks));
-  return blocks;
+const members::Members* members_of(const Simulation::Impl& s) {
+  return s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
 }
 
 const std::vector<int>& shown_blocks(const Simulation::Impl& s) {
@@ -44,7 +38,7 @@ const std::vector<int>& shown_blocks(const Simulation::Impl& s) {
 }
 
 Vector displacement_of(const Simulation::Impl& s, int block) {
-  if (s.large_motion) return position_of(*s.large_motion, block) - start_position_of(*s.large_motion, block);
+  if (s.large_motion) return moved_by_now(*s.large_motion, block);
   return of_brick(s, block, &BodyLanes::displacement, s.lattice.displacement);
 }
 

@@ -11,7 +11,7 @@ namespace quoin {
 // Blocks of a name. Of bricks rigid ones, then deformable ones, or none. Else Error(bad_input) if no block has it.
 // where: place that gives it.
 std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where);
-std::vector<int> blocks_on_lattice(const Simulation::Impl& s, const std::string& name);
+const members::Members* members_of(const Simulation::Impl& s);  // null: none, or on the lattice
 // Blocks whose displacement rows have and stages end by: the roof, else the monitor.
 const std::vector<int>& shown_blocks(const Simulation::Impl& s);
 // Displacement of the centre of mass since the start, m; of deformable bricks the mean by mass. Its velocity half a

@@ -65,20 +65,6 @@ void each_watched(Simulation::Impl& s, const std::function<void(int, const std::
   for (const std::vector<int>& floor : s.controls.floors) std::ranges::for_each(floor, of_block);
 }
 
-// Keys of sides by rank: those that are sent to it, and those that are received from it.
-template <class Key>
-struct BorderKeys {
-  std::map<int, std::set<Key>> to, from;
-  // readers: ranks that evaluate contact points on this side. Returns whether this rank moves it.
-  bool add(const Key& key, int owner, int here, const std::vector<int>& readers) {
-    if (owner != here) return from[owner].insert(key), false;
-    for (const int r : readers) {
-      if (r != here) to[r].insert(key);
-    }
-    return true;
-  }
-};
-
 }  // namespace
 
 // Every rank computes what all others read, without messages.
@@ -143,14 +129,9 @@ Halo halo_on_borders(Simulation::Impl& s, const SideNumbers& numbers_of_side) {
       }
     }
   }
-  Halo found;
-  for (int r = 0; r < s.ranks->count(); ++r) {
-    Border border{r, {}, {}, {}, {}};
-    for (const auto& [block, gridpoint] : keys.to[r]) numbers_of_side(block, gridpoint, border.send);
-    for (const auto& [block, gridpoint] : keys.from[r]) numbers_of_side(block, gridpoint, border.receive);
-    found.add(std::move(border));
-  }
-  return found;
+  return keys.halo(s.ranks->count(), [&](const Side& side, std::vector<double*>& numbers) {
+    numbers_of_side(side.first, side.second, numbers);
+  });
 }
 
 void receive_whole_borders(Simulation::Impl& s) {
@@ -191,9 +172,9 @@ void receive_motion(Simulation::Impl& s, bool measure_step) {
   if (s.large_motion)
     s.agreed.failed =
         agree(s, s.large_motion->in_trouble(s.division.share.chunks, s.division.share.items), &deviates, &leaves);
-  if (deviates || leaves) s.large_motion->check_all_blocks();
+  if (deviates || leaves) s.large_motion->pieces.needs_check.assign(s.large_motion->pieces.all.size(), 1);
   if (s.large_motion && s.parts.divided) {
-    if (deviates) s.large_motion->mark_deviation();
+    if (deviates) s.large_motion->checks.any_deviates = true;
     if (measure_step)
       gather(s, Part::row);
     else if (s.energy.wanted || leaves || s.agreed.failed)

@@ -37,8 +37,9 @@ void follow_ramps(Simulation::Impl& s) {
 
 void require_bodies_on_lattice(const Simulation::Impl& s, const Stage& settings) {
   for (const BodyControl& control : settings.controls) {
-    const bool deformable = !s.model.deformable_blocks_named(control.body).empty();
-    if (s.model.bodies_named(control.body).empty() && !deformable) {
+    const std::vector<int> named = s.model.blocks_named(control.body);
+    const bool deformable = std::ranges::any_of(named, [&](int block) { return s.model.place[at(block)].body < 0; });
+    if (named.empty()) {
       throw Error(Exit::bad_input,
                   fmt::format("{}: stage '{}' controls the body '{}', but the assembly has no block of "
                               "that name",

@@ -482,7 +482,7 @@ void DistinctForces(const FramedGroup& group, const ZoneStep& step) {
 // Sums of a step, by lane.
 struct GridpointSums {
   alignas(64) double unbalanced[kLanes], net[3][kLanes], positions[kLanes];
-  alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes];
+  alignas(64) double kinetic[kLanes], damping[2][kLanes], external[2][kLanes];
 };
 
 HWY_INLINE void store_by_lane(const Lanes3& a, double (*to)[kLanes], int first) {
@@ -553,7 +553,8 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     linear[k] = hn::Load(d, gains->linear[k].of + first);
     for (int j = 0; j < 3; ++j) turning.row[k][j] = hn::Load(d, gains->turning[k][j].of + first);
   }
-  V unbalanced = zero, positions = zero, kinetic = zero, damping = zero, external = zero;  // `unbalanced` is a square
+  V unbalanced = zero, positions = zero, kinetic = zero;  // `unbalanced` is a square
+  V damping[2] = {zero, zero}, external[2] = {zero, zero};
   Lanes3 net = zeros(), origin = zeros();
   Lanes33 f = zero_matrix();
   int anchors = 0;
@@ -597,15 +598,19 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
       const V free_force = unless_held(force[k]);
       free = hn::MulAdd(free_force, free_force, free);
       net[k] = hn::Add(net[k], free_force);
-      const V twice_mean = hn::Add(v[k], next[k]);
-      kinetic = hn::MulAdd(unless_held(hn::Mul(mass, twice_mean)), twice_mean, kinetic);
+      kinetic = hn::MulAdd(unless_held(hn::Mul(mass, v[k])), next[k], kinetic);
       if constexpr (!kNeeds.energies) return;
-      const V mean = hn::Mul(half, twice_mean), way = hn::Mul(mean, dt);
+      const V mean = hn::Mul(half, hn::Add(v[k], next[k]));
       const V viscous = hn::Mul(factor, hn::Mul(alpha, hn::Mul(mass, hn::Sub(mean, hn::Set(d, step.ground[k])))));
-      damping = hn::MulAdd(unless_held(hn::Sub(viscous, brake)), way, damping);
+      V damped = unless_held(hn::Sub(viscous, brake));
+      if (columns.viscous) damped = hn::Sub(damped, hn::Load(d, columns.viscous_force + at + k * kLanes));
       const V weight = hn::Mul(mass, hn::Set(d, step.weight_per_mass * step.gravity[k]));
-      external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);
-      if (columns.viscous) damping = hn::NegMulAdd(hn::Load(d, columns.viscous_force + at + k * kLanes), way, damping);
+      const V given = hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight);
+      const V half_dt = hn::Mul(half, dt), way[2] = {hn::Mul(half_dt, v[k]), hn::Mul(half_dt, next[k])};
+      for (int i = 0; i < 2; ++i) {
+        damping[i] = hn::MulAdd(damped, way[i], damping[i]);
+        external[i] = hn::MulAdd(given, way[i], external[i]);
+      }
     });
     if constexpr (kNeeds.measured) unbalanced = larger_of(unbalanced, free);
     const Lanes3 place = plus_scaled(x, dt, next);
@@ -623,9 +628,11 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
   store_by_lane(net, sums->net, first);
   hn::Store(positions, d, sums->positions + first);
-  hn::Store(hn::Mul(hn::Mul(hn::Set(d, 0.125), factor), kinetic), d, sums->kinetic + first);
-  hn::Store(damping, d, sums->damping + first);
-  hn::Store(external, d, sums->external + first);
+  hn::Store(hn::Mul(hn::Mul(half, factor), kinetic), d, sums->kinetic + first);
+  for (int i = 0; i < 2; ++i) {
+    hn::Store(damping[i], d, sums->damping[i] + first);
+    hn::Store(external[i], d, sums->external[i] + first);
+  }
 }
 
 template <class Frame>
@@ -662,7 +669,9 @@ void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& col
     s.unbalanced = lanes.unbalanced[l];
     s.net = {lanes.net[0][l], lanes.net[1][l], lanes.net[2][l]};
     s.positions = lanes.positions[l];
-    s.kinetic += lanes.kinetic[l], s.damping += lanes.damping[l], s.external += lanes.external[l];
+    s.kinetic += lanes.kinetic[l];
+    s.damping.before += lanes.damping[0][l], s.damping.after += lanes.damping[1][l];
+    s.external.before += lanes.external[0][l], s.external.after += lanes.external[1][l];
   }
 }
 

@@ -210,7 +210,7 @@ void unload_points(const JointFamily& family, const std::shared_ptr<const Materi
   }
   FamilyColumns at_rest;
   at_rest.count = n;
-  at_rest.opening = gap.data(), at_rest.area = area.data();
+  at_rest.normal_jump = gap.data(), at_rest.area = area.data();
   at_rest.traction = {zero.data(), zero.data(), zero.data()};
   for (std::size_t k = 0; k < states; ++k) at_rest.state.push_back(state.data() + k * n);
   const MigratedFamily rest = migrate(family, *material, *material, at_rest);

@@ -68,11 +68,9 @@ void sum_up(Model& m) {
   for (const BlockSums& sums : m.step_sums.of_block) {
     m.step_sums.energies.kinetic += sums.kinetic;
     m.step_sums.energies.strain += sums.strain;
-    m.step_sums.later.damping += 0.5 * sums.damping;
-    m.step_sums.later.external += 0.5 * sums.external;
+    m.step_sums.energies.damping += sums.damping.before, m.step_sums.later.damping += sums.damping.after;
+    m.step_sums.energies.external += sums.external.before, m.step_sums.later.external += sums.external.after;
   }
-  m.step_sums.energies.damping += m.step_sums.later.damping;
-  m.step_sums.energies.external += m.step_sums.later.external;
 }
 
 void watch(Model& m) {
@@ -143,8 +141,8 @@ void Model::find_contacts() {
 ImpactDamping Model::impact_damping() const {
   ImpactDamping found;
   for (std::size_t f = 0; 2 * f < impacts.beta.size(); ++f)
-    found.viscosity.push_back({impacts.beta[2 * f], impacts.beta[2 * f + 1]});
-  found.of_zones = impacts.zone_beta, found.in_use = impact_damping_in_use(*this);
+    found.viscosity.push_back({impacts.share * impacts.beta[2 * f], impacts.share * impacts.beta[2 * f + 1]});
+  found.of_zones = impacts.share * impacts.zone_beta, found.in_use = impact_damping_in_use(*this);
   return found;
 }
 

@@ -17,7 +17,6 @@
 #include "step/rank_share.h"
 
 namespace quoin {
-struct ArchiveWriter;
 struct ArchiveReader;
 }  // namespace quoin
 
@@ -40,17 +39,11 @@ struct Model : World {
   bool end_step();
   // Viscosity of joints and zones by impact damping.
   ImpactDamping impact_damping() const;
-  void mark_deviation() { checks.any_deviates = true; }  // for a block of another rank
-  // Lets end_step check blocks of other ranks too.
-  void check_all_blocks() { pieces.needs_check.assign(pieces.all.size(), 1); }
   void find_contacts();
 
-  // All data that change during a run. restore() needs families with the laws of the saved state. It throws
+  // From all data that change during a run (saved_blocks.h), in families with the laws of the saved state. Throws
   // Error(bad_input) when the bytes are of another model, and leaves this one unusable. A restored run is bitwise
-  // identical for any number of threads. The callback `give` writes the bytes of long arrays in place of the writer, in
-  // order; empty: the writer does.
-  using GiveArray = std::function<void(ArchiveWriter& writer, const void* first, size_t bytes)>;
-  void save(ArchiveWriter& writer, const GiveArray& give = {});
+  // identical for any number of threads.
   void restore(ArchiveReader& reader);
 
   // For several processes, each of which advances some chunks and pieces (large_motion_ranks.cpp).

@@ -133,7 +133,9 @@ bool advance_bodies(Model& m, std::span<const int32_t> blocks, PhaseClock* clock
                 int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
   for (size_t i = 0; i < blocks.size(); ++i) {
-    if (is_loaded(i)) sums[i]->external += 0.5 * m.stepping.dt * (power[i] + power_of(i));
+    if (!is_loaded(i)) continue;
+    sums[i]->external.before += 0.5 * m.stepping.dt * power[i];
+    sums[i]->external.after += 0.5 * m.stepping.dt * power_of(i);
   }
   return std::any_of(sums, sums + blocks.size(),
                      [](const BlockSums* s) { return !std::isfinite(s->positions) || s->deviates; });
@@ -151,7 +153,7 @@ struct LaneGroup {
 
 // Viscosity of zones: beta of stiffness-proportional damping, s.
 double zone_damping(const Model& m) {
-  const double of_impacts = m.damping.impacts ? m.impacts.zone_beta : 0.0;
+  const double of_impacts = m.damping.impacts ? m.impacts.share * m.impacts.zone_beta : 0.0;
   // zone_ratio times the critical time step is 2 xi / omega_max.
   return m.damping.beta + m.damping.zone_ratio * m.stepping.critical_dt + of_impacts;
 }
@@ -307,7 +309,8 @@ void find_forces(Model& m, const Piece& piece, size_t g, LaneGroup& group, LaneC
   for (size_t l = 0; l < group.count; ++l) {
     const ModelBlock& b = m.blocks[size_t(blocks[l])];
     BlockSums& sums = group.sums[l];  // the others are set, or never used
-    sums.kinetic = sums.strain = sums.damping = sums.external = sums.deformation = 0.0;
+    sums.kinetic = sums.strain = sums.deformation = 0.0;
+    sums.damping = sums.external = {};
     if (m.books_energy && m.actions.loaded[size_t(blocks[l])]) group.power[l] = power_on_gridpoints(m, blocks[l], 0.0);
     if (has_rows) contact_force[l] = forces_on_gridpoints(m, blocks[l], force);
     if (!piece.in_frame()) {
@@ -382,24 +385,34 @@ void split(const Model& m, LaneGroup& group, std::span<const LaneColumns> column
   split_motion(columns, int(group.count), {factors, eq1, braking_ground(m), m.stepping.dt}, gains,
                m.measured ? lanes : nullptr);
   if (!m.measured) return;
-  const double alpha = m.damping.alpha;
+  const double dt = m.stepping.dt, alpha = m.damping.alpha, a = 0.5 * alpha * dt;
+  using Motions = Rigid[2];
   for (size_t u = 0; u < group.count; ++u) {
     const int lane = int(u);
     UnitInertia inertia;
     inertia.count = int(count);
-    Rigid mean[2];  // velocity at the time of the forces
+    Rigid before[2], mean[2], after[2];  // velocities half a step before the forces, at their time, and after it
     BlockSums& of_unit = group.sums[u];
     for (size_t k = 0; k < count; ++k) {
       const RigidLanes& of_half = lanes[k];
       inertia.block[k] = inertia_in(of_half.inertia, lane);
-      mean[k] = 1 / (1 + 0.5 * alpha * m.stepping.dt) *
-                (motion_in(of_half.velocity, lane) + 0.5 * motion_in(of_half.change, lane));
-      of_unit.damping += m.stepping.dt * dot(motion_in(of_half.damping, lane), mean[k]);
+      before[k] = motion_in(of_half.velocity, lane);
+      mean[k] = 1 / (1 + a) * (before[k] + 0.5 * motion_in(of_half.change, lane));
+      after[k] = 2.0 * mean[k] - before[k];
+      of_unit.damping.before += 0.5 * dt * dot(motion_in(of_half.damping, lane), before[k]);
+      of_unit.damping.after += 0.5 * dt * dot(motion_in(of_half.damping, lane), after[k]);
     }
     if (count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
-    const double rigid = rigid_energy(inertia, factors, mean);
-    of_unit.kinetic += rigid;
-    of_unit.damping += 2 * alpha * m.stepping.dt * rigid;
+    // Half of the product of two motions over the inertia, from the energies of their mean and of half their
+    // difference.
+    const auto product = [&](const Motions& v, const Motions& w) {
+      const Motions sum{0.5 * (v[0] + w[0]), 0.5 * (v[1] + w[1])};
+      const Motions apart{0.5 * (v[0] - w[0]), 0.5 * (v[1] - w[1])};
+      return rigid_energy(inertia, factors, sum) - rigid_energy(inertia, factors, apart);
+    };
+    of_unit.kinetic += product(before, after);
+    of_unit.damping.before += alpha * dt * product(mean, before);
+    of_unit.damping.after += alpha * dt * product(mean, after);
   }
 }
 
@@ -432,8 +445,9 @@ bool advance_deformable(Model& m, const Piece& piece, PhaseClock* clock) {
                        shared_shape(m, piece, g), group.sums);
     for (size_t l = 0; m.books_energy && l < group.count; ++l) {
       const int block = m.pieces.blocks_of(piece, g)[l];
-      if (m.actions.loaded[size_t(block)])
-        group.sums[l].external += 0.5 * m.stepping.dt * (group.power[l] + power_on_gridpoints(m, block, m.stepping.dt));
+      if (!m.actions.loaded[size_t(block)]) continue;
+      group.sums[l].external.before += 0.5 * m.stepping.dt * group.power[l];
+      group.sums[l].external.after += 0.5 * m.stepping.dt * power_on_gridpoints(m, block, m.stepping.dt);
     }
   }
   bool needs_check = false;

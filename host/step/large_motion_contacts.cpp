@@ -111,9 +111,11 @@ void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
     const double way = m.impacts.maxwell[e].rate * m.stepping.dt;
     maxwell.keep[e] = std::exp(-way), maxwell.gain[e] = -m.impacts.maxwell[e].share * std::expm1(-way) / way;
   }
+  const auto of_impacts = [&](size_t along) {
+    return m.impacts.share * m.impacts.beta[2 * size_t(chunk.family) + along] / m.stepping.dt;
+  };
   if (m.damping.impacts)
-    chunk.call.damping = damp_impacts(c, maxwell, chunk.count, m.impacts.beta[2 * size_t(chunk.family)] / m.stepping.dt,
-                                      m.impacts.beta[2 * size_t(chunk.family) + 1] / m.stepping.dt);
+    chunk.call.damping = damp_impacts(c, maxwell, chunk.count, of_impacts(0), of_impacts(1));
   else
     chunk.call.damping = damp_points(c, chunk.count, m.damping.beta / m.stepping.dt);
 }

@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <limits>
-#include <span>
 
 #include "law/at_rest.h"
 #include "model/world_results.h"
-#include "step/gather.h"
 #include "step/points_at_rest.h"
 #include "step/results.h"
 #include "step/state.h"
@@ -18,64 +15,32 @@ namespace quoin {
 
 using geometry::Vector;
 
-namespace {
-
-// All chunks, or those of this rank where the others are not gathered.
-std::vector<int> chunks_in_large_motion(const Simulation::Impl& s) {
-  return !s.parts.divided || has_all(s) ? whole_share(s.large_motion->chunk_count(), 0).chunks
-                                        : s.division.share.chunks;
-}
-
-// A part of one family's points, in a range over all families.
-struct FamilyPart {
-  const blocks::Family& family;
-  int index;               // index of the family
-  std::size_t first, end;  // points in the family
-  std::size_t before;      // points of the families before
-};
-
-// Parts of a range, chunk by chunk.
-std::vector<FamilyPart> parts_of(const Simulation::Impl& s, std::span<const int> chunks, const PointRange& range) {
-  std::vector<FamilyPart> parts;
-  for (const int c : chunks) {
-    const blocks::Chunk& chunk = s.large_motion->chunks.all[at(c)];
-    const PointRange of_chunk = points_of_chunk(s, c);
-    const std::size_t before = at(of_chunk.first) - chunk.first;
-    const int first = std::max(range.first, of_chunk.first), end = std::min(range.end, of_chunk.end);
-    if (first < end)
-      parts.push_back({s.large_motion->contacts.families[at(chunk.family)], chunk.family, at(first) - before,
-                       at(end) - before, before});
-  }
-  return parts;
-}
-
-}  // namespace
-
 void evaluate_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
                                    const PointOutputs& outputs) {
-  for (const FamilyPart& part : parts_of(s, chunks_in_large_motion(s), range)) {
-    const blocks::Family& f = part.family;
-    const std::size_t first = part.first, end = part.end, before = part.before;
-    if (!(f.material->api().capabilities & capability)) continue;
+  each_chunk_in(s, range, [&](int index, const PointRange& of_chunk) {
+    const blocks::Chunk& chunk = s.large_motion->chunks.all[at(index)];
+    const blocks::Family& f = s.large_motion->contacts.families[at(chunk.family)];
+    if (!(f.material->api().capabilities & capability)) return;
+    const std::size_t first = chunk.first;
     RestingPoints points{
-        end - first, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
+        chunk.count, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
     for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data() + first;
     for (const auto& column : f.state) points.state.push_back(column.data() + first);
     quoin_out_u32 flags{};
-    evaluate_at_rest(*f.material, points, [&, at = before + first](quoin_batch& batch) {
-      outputs(batch, at);
+    evaluate_at_rest(*f.material, points, [&](quoin_batch& batch) {
+      outputs(batch, at(of_chunk.first));
       flags = batch.flags;
     });
-    if (!flags.data) continue;
+    if (!flags.data) return;
     // Nothing slips at rest: that is asked with the slip of the last step, which steps keep.
-    std::vector<std::uint32_t> in_motion(end - first, 0);
+    std::vector<std::uint32_t> in_motion(chunk.count, 0);
     evaluate_at_rest(*f.material, points, [&](quoin_batch& batch) {
       for (std::size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {f.slip[k].data() + first, 1};
       batch.flags = {in_motion.data(), 1};
     });
     for (std::size_t i = 0; i < in_motion.size(); ++i)
       flags.data[static_cast<std::ptrdiff_t>(i) * flags.stride] |= in_motion[i] & QUOIN_FLAG_SLIPPING;
-  }
+  });
 }
 
 BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block) {
@@ -142,29 +107,33 @@ std::vector<std::array<double, 6>> zone_stresses(const Simulation::Impl& s, int 
 }
 
 void each_point_in_large_motion(const Simulation::Impl& s, const std::function<void(std::int32_t, int)>& visit) {
-  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_in_large_motion(s), whole_range(s))) {
-    for (std::size_t i = first; i < end; ++i) visit(static_cast<std::int32_t>(before + i), f.point[i].a);
-  }
+  each_chunk_in(s, all_points(s), [&](int index, const PointRange& of_chunk) {
+    const blocks::Chunk& chunk = s.large_motion->chunks.all[at(index)];
+    const blocks::Point* const point = &s.large_motion->contacts.families[at(chunk.family)].point[chunk.first];
+    for (std::int32_t i = of_chunk.first; i < of_chunk.end; ++i) visit(i, point[i - of_chunk.first].a);
+  });
 }
 
 std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, const PointRange& range,
                                                  const std::function<bool(int block)>& wanted) {
   const std::vector<std::uint32_t> flags_there = current_flags(s, range);
   std::vector<ContactPoint> points;
-  for (const auto& [f, index, first, end, before] : parts_of(s, chunks_in_large_motion(s), range)) {
-    for (std::size_t i = first; i < end; ++i) {
+  each_chunk_in(s, range, [&](int index, const PointRange& of_chunk) {
+    const blocks::Chunk& chunk = s.large_motion->chunks.all[at(index)];
+    const blocks::Family& f = s.large_motion->contacts.families[at(chunk.family)];
+    for (std::size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
       const blocks::Point& p = f.point[i];
       if (!wanted(p.a)) continue;
       const geometry::Matrix r = frame_of(*s.large_motion, p);
       ContactPoint point{};
-      point.index = static_cast<std::int32_t>(before + i);
+      point.index = of_chunk.first + static_cast<std::int32_t>(i - chunk.first);
       point.position = geometry::array(place_of(*s.large_motion, p));
       point.normal = geometry::array(r.row[0]);
       point.s = geometry::array(r.row[1]);
       point.t = geometry::array(r.row[2]);
       point.area = p.area;
       point.joint = -1;
-      point.family = index;
+      point.family = chunk.family;
       point.block_a = p.a;
       point.block_b = p.b;
       point.jump = {f.normal_jump[i], 0.0, 0.0};  // total slip is a state of laws alone: detection moves points
@@ -173,25 +142,8 @@ std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, cons
       point.condition = condition_of(point.flags);
       points.push_back(point);
     }
-  }
+  });
   return points;
-}
-
-std::vector<double> state_in_large_motion(const Simulation::Impl& s, const std::string& id, const PointRange& range) {
-  std::vector<double> values;
-  for (const auto& [f, index, first, end, before] :
-       parts_of(s, whole_share(s.large_motion->chunk_count(), 0).chunks, range)) {
-    const int k = f.material->law().state_index(id);
-    const std::size_t count = end - first;
-    if (k < 0) {
-      values.resize(values.size() + count, std::numeric_limits<double>::quiet_NaN());
-      continue;
-    }
-    const std::span column(f.state[at(k)]);
-    values.insert(values.end(), column.begin() + static_cast<std::ptrdiff_t>(first),
-                  column.begin() + static_cast<std::ptrdiff_t>(end));
-  }
-  return values;
 }
 
 }  // namespace quoin

@@ -25,6 +25,5 @@ std::vector<std::array<double, 6>> zone_stresses(const Simulation::Impl& s, int 
 void each_point_in_large_motion(const Simulation::Impl& s, const std::function<void(std::int32_t, int)>& visit);
 std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, const PointRange& range,
                                                  const std::function<bool(int block)>& wanted);
-std::vector<double> state_in_large_motion(const Simulation::Impl& s, const std::string& id, const PointRange& range);
 
 }  // namespace quoin

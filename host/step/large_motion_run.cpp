@@ -153,7 +153,7 @@ void swap_law_in_large_motion(Simulation::Impl& s, std::size_t index, std::share
   for (const blocks::Point& p : f.point) area.push_back(p.area);
   FamilyColumns points;
   points.count = f.size();
-  points.opening = f.normal_jump.data();  // opening at the last law call, as the tractions
+  points.normal_jump = f.normal_jump.data();  // opening at the last law call, as the tractions
   points.area = area.data();
   for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data();
   for (const auto& column : f.state) points.state.push_back(column.data());

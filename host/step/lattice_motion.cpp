@@ -32,9 +32,8 @@ std::pair<Vec3, Vec3> motion_of_sides(const Simulation::Impl& s, std::int32_t po
     const int body = s.model.place[static_cast<std::size_t>(block)].body;
     Vec3 u, v;
     if (body < 0) {
-      const auto i = static_cast<std::size_t>(gridpoint);
-      u = {s.lattice.displacement[i], s.lattice.displacement[i + kLanes], s.lattice.displacement[i + 2 * kLanes]};
-      v = {s.lattice.velocity[i], s.lattice.velocity[i + kLanes], s.lattice.velocity[i + 2 * kLanes]};
+      u = at_gridpoint(s.lattice.displacement, static_cast<std::size_t>(gridpoint));
+      v = at_gridpoint(s.lattice.velocity, static_cast<std::size_t>(gridpoint));
     } else {
       u = of_body_at(s, body, &BodyLanes::displacement, &BodyLanes::rotation, s.model.point_position[p]);
       v = of_body_at(s, body, &BodyLanes::velocity, &BodyLanes::spin, s.model.point_position[p]);

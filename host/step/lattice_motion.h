@@ -8,6 +8,10 @@
 
 namespace quoin {
 
+// Components of a gridpoint, by its offset in lane layout.
+inline Vec3 at_gridpoint(const LaneVector<double>& values, std::size_t offset) {
+  return {values[offset], values[offset + kLanes], values[offset + 2 * kLanes]};
+}
 // Traction of a contact point with its viscous part, Pa. In measured steps of each contact point.
 inline Vec3 point_traction(const Simulation::Impl& s, std::size_t point) {
   Vec3 sum;

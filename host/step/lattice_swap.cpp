@@ -73,7 +73,7 @@ void swap_lattice_law(Simulation::Impl& s, std::size_t f, std::shared_ptr<const 
       opening.push_back(opening_at_traction(s, static_cast<std::int32_t>(p)));
     FamilyColumns points;
     points.count = row.end - row.first;
-    points.opening = opening.data();
+    points.normal_jump = opening.data();
     points.area = s.model.area.data() + row.first;
     for (std::size_t k = 0; k < 3; ++k) points.traction[k] = s.lattice.traction[k].data() + row.first;
     for (std::uint64_t k = 0; k < family.material->api().state_count; ++k)

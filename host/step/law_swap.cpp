@@ -13,10 +13,7 @@ namespace {
 std::vector<double> stored_energy(const Material& material, const FamilyColumns& points) {
   std::vector<double> stored(points.count, 0.0);
   if (!(material.api().capabilities & QUOIN_CAN_ENERGY)) return stored;
-  evaluate_at_rest(material, {points.count, points.opening, points.traction, points.state, {}},
-                   [&](quoin_batch& batch) {
-                     batch.energy_stored = {stored.data(), 1};
-                   });
+  evaluate_at_rest(material, points, [&](quoin_batch& batch) { batch.energy_stored = {stored.data(), 1}; });
   return stored;
 }
 
@@ -78,7 +75,7 @@ MigratedFamily migrate(const JointFamily& family, const Material& from, const Ma
   migration.from_state_count = old_law.state_count;
   migration.from_state_ids = ids.data();
   migration.from_states = old_state.data();
-  migration.normal_jump = {points.opening, 1};
+  migration.normal_jump = {points.normal_jump, 1};
   for (std::size_t k = 0; k < 3; ++k) migration.traction[k] = {points.traction[k], 1};
   migration.energy_stored = {stored.data(), 1};
   migration.normal_shift = {result.opening_shift.data(), 1};

@@ -1,11 +1,11 @@
 // Law swap: another law replaces that of a joint family in mid-run, and every contact point keeps its traction.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "law/at_rest.h"
 #include "law/law_library.h"
 #include "scene/scene.h"
 #include "step/simulation.h"
@@ -14,12 +14,8 @@ namespace quoin {
 
 // Columns of the contact points of one joint family, all or some, after the old law's last call; borrowed. The lattice
 // and large motion hold them in different places, both as plain columns.
-struct FamilyColumns {
-  std::size_t count = 0;
-  const double* opening = nullptr;          // opening at these tractions, m
-  std::array<const double*, 3> traction{};  // Pa
-  std::vector<const double*> state;         // columns of the old law's states, in its order
-  const double* area = nullptr;             // m2
+struct FamilyColumns : RestingPoints {  // without properties that scatter
+  const double* area = nullptr;         // m2
 };
 
 // Sums over contact points of a swap.

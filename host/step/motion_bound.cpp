@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/brick_overlap.h"
+
 namespace quoin {
 namespace {
 
@@ -78,12 +80,11 @@ JointSliding::Place JointSliding::place_of(const Joint& joint) const {
   place.normal = static_cast<int>(normal), place.towards_b = joint.face_a % 2 == 1 ? 1.0 : -1.0;
   place.centre[normal] = a.origin[normal] + (joint.face_a % 2 == 1 ? a.size[normal] : 0.0);
   int i = 0;
+  const Overlap shared = overlap_of(a, b);
   for (const std::size_t c : {kNext[normal], kLast[normal]}) {
-    const double from = std::max(a.origin[c], b.origin[c]);
-    const double to = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]);
-    place.centre[c] = 0.5 * (from + to);
+    place.centre[c] = 0.5 * (shared.from[c] + shared.to[c]);
     place.along[static_cast<std::size_t>(i)] = static_cast<int>(c);
-    place.length[static_cast<std::size_t>(i++)] = to - from;
+    place.length[static_cast<std::size_t>(i++)] = -shared.gap(c);
   }
   place.arm_a = place.centre - centre_of(a), place.arm_b = place.centre - centre_of(b);
   return place;

@@ -19,7 +19,7 @@ namespace quoin {
 namespace {
 
 std::array<long, kConditionCount> own_conditions(Simulation::Impl& s) {
-  const std::vector<std::uint32_t> now = current_flags(s, whole_range(s));
+  const std::vector<std::uint32_t> now = current_flags(s, all_points(s));
   std::array<long, kConditionCount> counts{};
   for (const int c : s.division.share.chunks) {
     if (!s.division.share.owns_chunk(c, s.ranks->rank())) continue;
@@ -56,23 +56,17 @@ void evaluate_points_at_rest(const Simulation::Impl& s, std::uint64_t capability
                              const PointOutputs& outputs) {
   if (s.large_motion) return evaluate_large_motion_at_rest(s, capability, range, outputs);
   std::vector<double> normal(kChunk);
-  const auto begin = std::partition_point(s.model.chunks.begin(), s.model.chunks.end(),
-                                          [&](const ContactChunk& c) { return c.first_point < range.first; });
-  for (auto there = begin; there != s.model.chunks.end() && there->first_point < range.end; ++there) {
-    const ContactChunk& chunk = *there;
-    const auto index = static_cast<int>(there - s.model.chunks.begin());
-    // Points of other ranks that are not gathered have no state for a law call.
-    if (!has_all(s) && !std::binary_search(s.division.share.chunks.begin(), s.division.share.chunks.end(), index))
-      continue;
-    const Material& material = *s.model.families[at(chunk.family)].material;
-    if (!(material.api().capabilities & capability)) continue;
-    for (int i = 0; i < chunk.point_count; ++i) normal[at(i)] = opening_at_traction(s, chunk.first_point + i);
+  each_chunk_in(s, range, [&](int index, const PointRange& of_chunk) {
+    const Material& material = *s.model.families[at(s.model.chunks[at(index)].family)].material;
+    if (!(material.api().capabilities & capability)) return;
+    for (std::int32_t p = of_chunk.first; p < of_chunk.end; ++p)
+      normal[at(p - of_chunk.first)] = opening_at_traction(s, p);
     const BoundCall& call = s.contacts.calls[at(index)];
-    RestingPoints points{at(chunk.point_count), normal.data(), {}, {}, call.properties};
-    for (std::size_t k = 0; k < 3; ++k) points.traction[k] = call.batch.traction_old[k].data;
-    for (const quoin_in& column : call.state_old) points.state.push_back(column.data);
-    evaluate_at_rest(material, points, [&](quoin_batch& batch) { outputs(batch, at(chunk.first_point)); });
-  }
+    const Answers last = answers_of(call);
+    RestingPoints points{last.count, normal.data(), {}, last.state, call.properties};
+    std::copy_n(last.traction, 3, points.traction.begin());
+    evaluate_at_rest(material, points, [&](quoin_batch& batch) { outputs(batch, at(of_chunk.first)); });
+  });
 }
 
 // Flags of the last step if it has reported them, else those of a step without motion.
@@ -86,7 +80,7 @@ std::vector<std::uint32_t> current_flags(const Simulation::Impl& s, const PointR
   return result;
 }
 
-PointRange all_points(const Simulation::Impl& s) { return whole_range(s); }
+PointRange all_points(const Simulation::Impl& s) { return {0, static_cast<std::int32_t>(contact_point_count(s))}; }
 
 DamageColumns damage_of_points(const Simulation::Impl& s, const PointRange& range) {
   DamageColumns result;
@@ -104,7 +98,7 @@ std::array<long, kConditionCount> condition_counts(const Simulation::Impl& s) {
 
 std::array<long, kConditionCount> conditions_here(const Simulation::Impl& s) {
   std::array<long, kConditionCount> counts{};
-  for (const std::uint32_t f : current_flags(s, whole_range(s))) ++counts[static_cast<std::size_t>(condition_of(f))];
+  for (const std::uint32_t f : current_flags(s, all_points(s))) ++counts[static_cast<std::size_t>(condition_of(f))];
   return counts;
 }
 

@@ -15,9 +15,6 @@ namespace quoin {
 using PointOutputs = std::function<void(quoin_batch&, std::size_t first_point)>;
 
 std::size_t contact_point_count(const Simulation::Impl& s);
-inline PointRange whole_range(const Simulation::Impl& s) {
-  return {0, static_cast<std::int32_t>(contact_point_count(s))};
-}
 // Evaluates the laws with this capability in a step without motion. All results but `outputs` go to scratch.
 void evaluate_points_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
                              const PointOutputs& outputs);

@@ -16,11 +16,13 @@
 #include "model/world_results.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
+#include "step/actions/ground.h"
 #include "step/actions/whiffletree.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
 #include "step/monitor.h"
 #include "step/reactions.h"
+#include "step/results.h"
 #include "step/set_up.h"
 #include "step/stages.h"
 #include "step/state.h"
@@ -44,10 +46,8 @@ GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
   s.model.for_each_gridpoint(brick, [&](std::size_t o, double mass) {
     const auto n = static_cast<int>(field.place.size());
     field.place.push_back(geometry::vector(s.model.gridpoint_position(brick, n)));
-    field.displacement.push_back(
-        {s.lattice.displacement[o], s.lattice.displacement[o + kLanes], s.lattice.displacement[o + 2 * kLanes]});
-    field.velocity.push_back(
-        {s.lattice.velocity[o], s.lattice.velocity[o + kLanes], s.lattice.velocity[o + 2 * kLanes]});
+    field.displacement.push_back(geometry::vector(at_gridpoint(s.lattice.displacement, o)));
+    field.velocity.push_back(geometry::vector(at_gridpoint(s.lattice.velocity, o)));
     field.mass.push_back(mass);
   });
   return field;
@@ -123,7 +123,7 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
       for (std::size_t state = 0; state < law.state_count; ++state)
         h.state.push_back(s.lattice.law_state[f][state * at(family.point_count) + at(k)]);
       const int slip = family.material->law().state_index("slip");
-      if (slip >= 0 && law.states[slip]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)
+      if (slip >= 0 && !keeps_state(s, law, at(slip)))
         h.state[at(slip)] =
             slip_so_far(s, i, stiffness_bounds_at(*family.material, family.columns, at(k)).shear, h.state[at(slip)]);
       for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
@@ -271,6 +271,7 @@ void return_to_lattice(Simulation::Impl& s) {
   s.outcome.collapse_multiplier.reset(), s.outcome.base_slip_at_uplift.reset();
   take_bricks(s, std::move(*s.left), materials);
   s.left.reset();
+  find_base_of_lattice(s);
   find_restraints(s);
   bind_step(s);
 }

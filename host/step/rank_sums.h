@@ -19,7 +19,7 @@ class RankSums : public SharedModel {
   RankSums(const Model& model, const RankShare& share, std::vector<int> units, const std::vector<int>& rank_of_body,
            Ranks& ranks, std::function<Halo(LaneVector<double>&)> halo_of);
 
-  std::span<const VectorRow> rows() const override { return rows_; }
+  std::span<const VectorRow> rows() const override { return runs_.own; }
   double sum(const Add& add) override;
   std::span<const int> units() const override { return units_; }
   std::span<const int> chunks() const override { return chunks_; }
@@ -27,15 +27,7 @@ class RankSums : public SharedModel {
   void largest(std::span<double> values) override { ranks_.largest(values); }
 
  private:
-  // Contiguous values of one rank.
-  struct Run {
-    int rank;
-    VectorRow row;
-  };
-  void append(int rank, const VectorRow& row);
-
-  std::vector<Run> runs_;  // runs of all ranks, in order
-  std::vector<VectorRow> rows_;
+  RankRuns runs_;
   std::vector<int> units_, chunks_;
   Ranks& ranks_;
   std::function<Halo(LaneVector<double>&)> halo_of_;

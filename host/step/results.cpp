@@ -25,10 +25,6 @@ std::array<Vec3, 8> corners_of(const Brick& brick) {
   return corners;
 }
 
-Vec3 read_line(const LaneVector<double>& values, std::size_t offset) {
-  return {values[offset], values[offset + kLanes], values[offset + 2 * kLanes]};
-}
-
 std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneVector<double>& values,
                                BodyLanes::Quantity BodyLanes::*translation, BodyLanes::Quantity BodyLanes::*rotation) {
   const Model::BlockPlace& place = s.model.place[at(block)];
@@ -38,7 +34,8 @@ std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneV
       result.push_back(of_body_at(s, place.body, translation, rotation, p));
     return result;
   }
-  s.model.for_each_gridpoint(block, [&](std::size_t offset, double) { result.push_back(read_line(values, offset)); });
+  s.model.for_each_gridpoint(block,
+                             [&](std::size_t offset, double) { result.push_back(at_gridpoint(values, offset)); });
   return result;
 }
 
@@ -100,12 +97,11 @@ std::vector<std::array<double, 6>> block_stress(const Simulation::Impl& s, int b
   std::vector<std::array<double, 6>> result;
   if (place.group < 0) return result;
   const BrickTemplate& shape = model.templates[at(model.groups[at(place.group)].brick_template)];
-  const BlockMaterial& material = model.assembly.materials[at(shape.material)];
   const auto u = block_displacement(s, block);
   for (const Zone& zone : shape.zone) {
     result.push_back(zone_stress(zone,
                                  {u[at(zone.node[0])], u[at(zone.node[1])], u[at(zone.node[2])], u[at(zone.node[3])]},
-                                 material.young_modulus, material.poisson_ratio));
+                                 shape.lambda, shape.shear_modulus));
   }
   return result;
 }
@@ -144,31 +140,41 @@ std::pair<Vec3, Vec3> displacement_of_sides(const Simulation::Impl& s, std::int3
 }
 
 std::vector<double> law_state(const Simulation::Impl& s, const std::string& id, const PointRange& range) {
-  if (s.large_motion) return state_in_large_motion(s, id, range);
   std::vector<double> result(at(range.end - range.first), std::numeric_limits<double>::quiet_NaN());
+  std::int32_t before = 0;  // points of the families before
   for (std::size_t f = 0; f < s.model.families.size(); ++f) {
-    const ContactFamily& family = s.model.families[f];
-    const quoin_law& law = family.material->api();
-    const int k = family.material->law().state_index(id);
-    if (k < 0 || (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)) continue;
-    const std::int32_t first = std::max(range.first, family.first_point);
-    const std::int32_t end = std::min(range.end, family.first_point + family.point_count);
-    if (first < end)
-      std::copy_n(s.lattice.law_state[f].begin() + k * family.point_count + (first - family.first_point), end - first,
+    const Material& material = *s.model.families[f].material;
+    const int k = material.law().state_index(id);
+    const std::int32_t count = points_of_family(s, static_cast<int>(f));
+    const std::int32_t first = std::max(range.first, before), end = std::min(range.end, before + count);
+    if (k >= 0 && first < end && keeps_state(s, material.api(), at(k)))
+      std::copy_n(state_column(s, static_cast<int>(f), at(k)) + (first - before), end - first,
                   result.begin() + (first - range.first));
+    before += count;
   }
   return result;
+}
+
+std::int32_t points_of_family(const Simulation::Impl& s, int family) {
+  return s.large_motion ? static_cast<std::int32_t>(s.large_motion->contacts.families[at(family)].size())
+                        : s.model.families[at(family)].point_count;
+}
+
+const double* state_column(const Simulation::Impl& s, int family, std::size_t state) {
+  if (s.large_motion) return s.large_motion->contacts.families[at(family)].state[state].data();
+  return s.lattice.law_state[at(family)].data() + state * at(s.model.families[at(family)].point_count);
+}
+
+bool keeps_state(const Simulation::Impl& s, const quoin_law& law, std::size_t state) {
+  return s.large_motion || s.contacts.keep_diagnostics || law.states[state]->role != QUOIN_ROLE_DIAGNOSTIC;
 }
 
 bool keeps_state(const Simulation::Impl& s, const std::string& id) {
   const auto& families = s.model.families;
   for (std::size_t f = 0; f < families.size(); ++f) {
     const int k = families[f].material->law().state_index(id);
-    if (k < 0) continue;
-    const bool diagnostic = families[f].material->api().states[k]->role == QUOIN_ROLE_DIAGNOSTIC;
-    if (s.large_motion ? s.large_motion->contacts.families[f].size() > 0
-                       : families[f].point_count > 0 && (!diagnostic || s.contacts.keep_diagnostics))
-      return true;
+    const bool any = points_of_family(s, static_cast<int>(f)) > 0;
+    if (k >= 0 && any && keeps_state(s, families[f].material->api(), at(k))) return true;
   }
   return false;
 }

@@ -67,7 +67,11 @@ std::vector<double> law_state(const Simulation::Impl& s, const std::string& id, 
 inline std::vector<double> law_state(const Simulation::Impl& s, const std::string& id) {
   return law_state(s, id, all_points(s));
 }
-bool keeps_state(const Simulation::Impl& s, const std::string& id);  // by the law of some point
+std::int32_t points_of_family(const Simulation::Impl& s, int family);
+// State of the points of a family, which the run keeps (keeps_state), by its number in the law.
+const double* state_column(const Simulation::Impl& s, int family, std::size_t state);
+bool keeps_state(const Simulation::Impl& s, const quoin_law& law, std::size_t state);  // at points of this law
+bool keeps_state(const Simulation::Impl& s, const std::string& id);                    // by the law of some point
 // Damage by contact point: lost share of the tensile strength, cohesion and compressive strength that can be lost. NaN:
 // the law of the point has no such damage.
 using DamageColumns = std::array<std::vector<double>, QUOIN_DAMAGE_COUNT>;

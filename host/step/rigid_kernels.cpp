@@ -230,7 +230,7 @@ struct Members {
 // Sums of a step, by lane.
 struct SumLanes {
   alignas(64) double unbalanced[kLanes], net[3][kLanes], positions[kLanes];
-  alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes], beyond[kLanes];
+  alignas(64) double kinetic[kLanes], damping[2][kLanes], external[2][kLanes], beyond[kLanes];
 };
 
 // Positive where some point of a body may deviate from its motion at the last check by more than the tolerance.
@@ -260,8 +260,19 @@ struct HeldLanes {
 // Viscous damping: v' = -alpha v, with the mean of both velocities.
 HWY_INLINE double half_alpha_dt(const BodyStep& step) { return 0.5 * step.alpha * step.time_step; }
 
+// Work of forces in the half steps before and after their time.
+struct WorkLanes {
+  V before, after;
+  HWY_INLINE void add(V force, V way_before, V way_after) {
+    before = hn::MulAdd(force, way_before, before), after = hn::MulAdd(force, way_after, after);
+  }
+  HWY_INLINE void store(double (&to)[2][kLanes], int first) const {
+    hn::Store(before, D(), to[0] + first), hn::Store(after, D(), to[1] + first);
+  }
+};
 struct EnergyLanes {
-  V damping, external, kinetic;
+  WorkLanes damping, external;
+  V kinetic;
 };
 
 // Velocities of the next half step. Also stores the unbalanced forces.
@@ -282,18 +293,18 @@ HWY_INLINE Lanes3 accelerate(const HeldLanes& is_held, int first, const BodyStep
     V driven = hn::MulAdd(dt_over_mass, hn::Add(force[k], brake), hn::Mul(keep, v[k]));
     if (a > 0.0 && step.ground[k] != 0.0) driven = hn::MulAdd(hn::Set(d, 2.0 * a), ground, driven);
     next[k] = hn::IfThenElse(hold, held_v[k], hn::Mul(over, driven));
-    const V mean = hn::Mul(half, hn::Add(v[k], next[k]));
     const V net = hn::IfThenZeroElse(hold, force[k]);
     hn::Store(net, d, sums->net[k] + first);
     free = hn::MulAdd(net, net, free);
     if (!step.energies) continue;
-    const V way = hn::Mul(mean, dt);
+    const V way_before = hn::Mul(hn::Mul(half, dt), v[k]), way_after = hn::Mul(hn::Mul(half, dt), next[k]);
+    const V mean = hn::Mul(half, hn::Add(v[k], next[k]));
     const V viscous = hn::Mul(hn::Set(d, step.alpha), hn::Mul(mass, hn::Sub(mean, ground)));
-    energies->damping = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way, energies->damping);
+    energies->damping.add(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way_before, way_after);
     const V weight = hn::Mul(weight_mass, hn::Set(d, step.gravity[k]));
-    energies->external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, energies->external);
+    energies->external.add(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way_before, way_after);
     energies->kinetic =
-        hn::Add(energies->kinetic, hn::IfThenZeroElse(hold, hn::Mul(hn::Mul(half, mass), hn::Mul(mean, mean))));
+        hn::Add(energies->kinetic, hn::IfThenZeroElse(hold, hn::Mul(hn::Mul(half, mass), hn::Mul(v[k], next[k]))));
   }
   hn::Store(hn::Sqrt(free), d, sums->unbalanced + first);
   return next;
@@ -375,7 +386,7 @@ HWY_INLINE void advance_vector(const Members& of, const AssumedMotion* const (&a
     held_spin[k] = of.one(offsetof(Body, held_omega) + k * sizeof(double));
   }
 
-  EnergyLanes energies = {zero, zero, zero};
+  EnergyLanes energies = {{zero, zero}, {zero, zero}, zero};
   const Lanes3 next = accelerate(is_held, first, step, v, held_v, force, weight_mass, mass, sums, &energies);
   const Lanes3 x = sum_of(place, scaled(dt, next));
 
@@ -398,14 +409,14 @@ HWY_INLINE void advance_vector(const Members& of, const AssumedMotion* const (&a
   }
   turn(omega, dt, &q, &r);
   if (step.energies) {
-    const Lanes3 twice_mean = sum_of(omega, spin);
-    const V half_dt = hn::Mul(hn::Set(d, 0.5), dt);
-    const auto work = [&](const Lanes3& of_moment) HWY_ATTR { return hn::Mul(dot_of(of_moment, twice_mean), half_dt); };
-    energies.external = hn::Sub(energies.external, hn::IfThenElseZero(all_held, work(torque)));
-    energies.damping = hn::Sub(energies.damping, hn::IfThenZeroElse(all_held, work(brake)));
-    const V swing = hn::Mul(hn::Set(d, 0.125), dot_of(sum_of(carried, momentum), twice_mean));
-    const V viscous = hn::Mul(hn::Set(d, 4.0 * a), swing);
-    energies.damping = hn::Add(energies.damping, hn::IfThenZeroElse(all_held, viscous));
+    const V half_dt = hn::Mul(hn::Set(d, 0.5), dt), half_alpha = hn::Set(d, 0.5 * step.alpha);
+    const Lanes3 viscous = scaled(half_alpha, sum_of(momentum, carried));
+    for (int k = 0; k < 3; ++k) {
+      const V way_before = hn::Mul(half_dt, spin[k]), way_after = hn::Mul(half_dt, omega[k]);
+      energies.external.add(hn::IfThenElseZero(all_held, hn::Neg(torque[k])), way_before, way_after);
+      energies.damping.add(hn::IfThenZeroElse(all_held, hn::Sub(viscous[k], brake[k])), way_before, way_after);
+    }
+    const V swing = hn::Mul(hn::Set(d, 0.25), hn::Add(dot_of(momentum, omega), dot_of(carried, spin)));
     energies.kinetic = hn::Add(energies.kinetic, hn::IfThenZeroElse(all_held, swing));
   }
 
@@ -417,8 +428,7 @@ HWY_INLINE void advance_vector(const Members& of, const AssumedMotion* const (&a
   store_turned(of, r);
   hn::Store(hn::Add(hn::Add(x.x, x.y), hn::Add(x.z, q.w)), d, sums->positions + first);
   hn::Store(energies.kinetic, d, sums->kinetic + first);
-  hn::Store(energies.damping, d, sums->damping + first);
-  hn::Store(energies.external, d, sums->external + first);
+  energies.damping.store(sums->damping, first), energies.external.store(sums->external, first);
   hn::Store(assumed[0] ? beyond_assumed(assumed, next, omega) : zero, d, sums->beyond + first);
 }
 
@@ -441,7 +451,8 @@ void AdvanceRigid(Body* bodies, const AssumedMotion* all_assumed, const std::int
     s.unbalanced = lanes.unbalanced[i];
     s.net = {lanes.net[0][i], lanes.net[1][i], lanes.net[2][i]};
     s.positions = lanes.positions[i];
-    s.kinetic = lanes.kinetic[i], s.damping = lanes.damping[i], s.external = lanes.external[i];
+    s.kinetic = lanes.kinetic[i];
+    s.damping = {lanes.damping[0][i], lanes.damping[1][i]}, s.external = {lanes.external[0][i], lanes.external[1][i]};
     s.deviates = lanes.beyond[i] > 0.0;
   }
 }

@@ -13,8 +13,10 @@
 #include "law/answers.h"
 #include "members/members.h"
 #include "model/world_results.h"
+#include "scene/brick_overlap.h"
 #include "scene/damping_text.h"
 #include "scene/stage_warnings.h"
+#include "step/block_motion.h"
 #include "step/borders.h"
 #include "step/corner_bending.h"
 #include "step/driven_block.h"
@@ -26,6 +28,7 @@
 #include "step/small_motion.h"
 #include "step/stages.h"
 #include "step/state.h"
+#include "step/work_division.h"
 
 namespace quoin {
 
@@ -60,7 +63,7 @@ void check_points(Simulation::Impl& s) {
 // Compares tangents with the stiffness bounds of the laws, from which the time step follows.
 void check_stiffness(Simulation::Impl& s) {
   LaneVector<double> normal(contact_point_count(s), 0.0), shear[2]{normal, normal};
-  evaluate_points_at_rest(s, QUOIN_CAN_TANGENT, whole_range(s), [&](quoin_batch& batch, std::size_t first) {
+  evaluate_points_at_rest(s, QUOIN_CAN_TANGENT, all_points(s), [&](quoin_batch& batch, std::size_t first) {
     batch.tangent[0] = {normal.data() + first, 1};
     batch.tangent[4] = {shear[0].data() + first, 1};
     batch.tangent[8] = {shear[1].data() + first, 1};
@@ -281,7 +284,7 @@ std::string crushed_in_ramp(Simulation::Impl& s) {
 }
 
 std::string turned_piece_of_beam(const Simulation::Impl& s) {
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   if (!members) return "";
   const auto beam = std::ranges::find_if(
       members->beams(), [](const members::Beam& b) { return !(b.largest_turn() <= Watch::kAllowedTurn); });
@@ -293,7 +296,7 @@ std::string turned_piece_of_beam(const Simulation::Impl& s) {
 }
 
 std::string beam_off_its_seat(const Simulation::Impl& s) {
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   if (!members) return "";
   for (const members::Beam& beam : members->beams()) {
     const members::Beam::Support* const support = beam.slid_off();
@@ -369,14 +372,13 @@ void check_energies(Simulation::Impl& s, const Energies& now, double dissipated,
 
 double least_extent(const Simulation::Impl& s, int block) {
   const auto b = static_cast<std::size_t>(block);
-  return s.large_motion ? s.large_motion->blocks[b].least_extent
-                        : *std::ranges::min_element(s.model.assembly.bricks[b].size);
+  return s.large_motion ? s.large_motion->blocks[b].least_extent : least_extent(s.model.assembly.bricks[b]);
 }
 
 double allowed_overlap(const Simulation::Impl& s) {
   double least = std::numeric_limits<double>::infinity();
   for (const Brick& brick : s.model.assembly.bricks) {
-    if (!brick.beam) least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
+    if (!brick.beam) least = std::min(least, least_extent(brick));
   }
   for (int i = 0; s.large_motion && i < s.large_motion->block_count(); ++i)
     least = std::min(least, s.large_motion->blocks[i].least_extent);
@@ -384,44 +386,18 @@ double allowed_overlap(const Simulation::Impl& s) {
 }
 
 std::optional<WrongAnswer> wrong_law(const Simulation::Impl& s) {
-  if (s.large_motion) {
-    const bool all = !s.parts.divided || has_all(s);
-    return s.large_motion->wrong_law(all ? whole_share(s.large_motion->chunk_count(), 0).chunks
-                                         : s.division.share.chunks);
-  }
-  // Checks `count` points of a family from `first` on.
-  const auto examine = [&](std::size_t f, std::size_t first, std::size_t count) {
-    const ContactFamily& family = s.model.families[f];
-    Answers answers;
-    answers.count = count;
-    for (std::size_t k = 0; k < 3; ++k) answers.traction[k] = s.lattice.traction[k].data() + first;
-    const quoin_law& law = family.material->api();
-    for (std::uint64_t k = 0; k < law.state_count; ++k) {
-      const bool kept = s.contacts.keep_diagnostics || law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC;
-      const std::size_t column = k * static_cast<std::size_t>(family.point_count);
-      answers.state.push_back(kept ? s.lattice.law_state[f].data() + column +
-                                         (first - static_cast<std::size_t>(family.first_point))
-                                   : nullptr);
-    }
-    auto wrong = wrong_answer(law, answers);
-    if (!wrong) return wrong;
-    const std::size_t p = first + wrong->point;
+  const std::vector<int> chunks = chunks_with_results(s);
+  if (s.large_motion) return s.large_motion->wrong_law(chunks);
+  for (const int c : chunks) {
+    const ContactChunk& chunk = s.model.chunks[at(c)];
+    const ContactFamily& family = s.model.families[at(chunk.family)];
+    auto wrong = wrong_answer(family.material->api(), answers_of(s.contacts.calls[at(c)]));
+    if (!wrong) continue;
+    const std::size_t p = at(chunk.first_point) + wrong->point;
     const Vec3& x = s.model.point_position[p];
     wrong->text += fmt::format(": joint {} (family '{}'), contact point at ({:.4f}, {:.4f}, {:.4f}) m",
                                s.model.point_joint[p], family.name, x[0], x[1], x[2]);
     return wrong;
-  };
-  const auto at = [](int i) { return static_cast<std::size_t>(i); };
-  if (!has_all(s)) {
-    for (const int c : s.division.share.chunks) {
-      const ContactChunk& chunk = s.model.chunks[at(c)];
-      if (auto wrong = examine(at(chunk.family), at(chunk.first_point), at(chunk.point_count))) return wrong;
-    }
-    return std::nullopt;
-  }
-  for (std::size_t f = 0; f < s.model.families.size(); ++f) {
-    const ContactFamily& family = s.model.families[f];
-    if (auto wrong = examine(f, at(family.first_point), at(family.point_count))) return wrong;
   }
   return std::nullopt;
 }

@@ -1,9 +1,10 @@
 // Checkpoint of a simulation: all data that change during a run, as bytes.
 #include <string>
 
-#include "base/archive.h"
+#include "model/contact_frames.h"
 #include "step/gather.h"
 #include "step/rank_arrays.h"
+#include "step/saved_blocks.h"
 #include "step/saved_state.h"
 
 namespace quoin {
@@ -17,12 +18,6 @@ void write_law_swaps(ArchiveWriter& writer, const std::vector<Stage>& stages) {
     writer.value(std::uint64_t{stage.law_swaps.size()});
     for (const auto& [family, law] : stage.law_swaps) writer.array(family), writer.array(law);
   }
-}
-
-void save_blocks(ArchiveWriter& writer, blocks::Model& large_motion) { large_motion.save(writer); }
-template <class Writer>
-void save_blocks(Writer& writer, blocks::Model& large_motion) {
-  large_motion.save(writer, [&](ArchiveWriter&, const void* first, std::size_t bytes) { writer.give(first, bytes); });
 }
 
 template <class Writer>
@@ -40,16 +35,20 @@ void write_state(Writer& writer, const Simulation::Impl& s) {
   // The time step of blocks in large motion follows their contacts, and is saved with these.
   writer.value(s.large_motion ? 0.0 : s.data.time_step);
   transfer_state(writer, s);
-  if (s.large_motion) save_blocks(writer, *s.large_motion);
+  if (!s.large_motion) return;
+  take_back_facets(*s.large_motion);
+  copy_velocities(*s.large_motion);
+  blocks::transfer_blocks(writer, *s.large_motion);
 }
 
 // Counts the bytes of arrays by gridpoint and contact point without writing them.
 struct CountingWriter : ArchiveWriter {
   std::size_t& more;
   using ArchiveWriter::array;
-  void array(const LaneVector<double>& x) {
+  template <class T>
+  void array(const LaneVector<T>& x) {
     value(std::uint64_t{x.size()});
-    give(x.data(), x.size() * sizeof(double));
+    give(x.data(), x.size() * sizeof(T));
   }
   void give(const void*, std::size_t size) { more += size; }
 };
@@ -59,9 +58,10 @@ struct PartsWriter : ArchiveWriter {
   Simulation::Impl& s;
   const Simulation::TakeBytes& take;
   using ArchiveWriter::array;
-  void array(const LaneVector<double>& x) {
+  template <class T>
+  void array(const LaneVector<T>& x) {
     value(std::uint64_t{x.size()});
-    give(x.data(), x.size() * sizeof(double));
+    give(x.data(), x.size() * sizeof(T));
   }
   void give(const void* first, std::size_t size) {
     hand_on();

@@ -13,6 +13,7 @@
 #include "step/rank_agreement.h"
 #include "step/rank_part.h"
 #include "step/reactions.h"
+#include "step/results.h"
 #include "step/stages.h"
 #include "step/state.h"
 #include "step/state_hash.h"
@@ -204,10 +205,10 @@ void bind_columns(Simulation::Impl& s) {
                                       static_cast<std::size_t>(chunk.first_point - family.first_point))};
     for (std::size_t k = 0; k < 3; ++k) columns.traction[k] = s.lattice.traction[k].data() + chunk.first_point;
     for (std::uint64_t k = 0; k < law.state_count; ++k) {
-      const bool kept = law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC || s.contacts.keep_diagnostics;
-      columns.state.push_back(!kept ? nullptr
-                                    : s.lattice.law_state[f].data() + k * static_cast<std::size_t>(family.point_count) +
-                                          (chunk.first_point - family.first_point));
+      columns.state.push_back(!keeps_state(s, law, k)
+                                  ? nullptr
+                                  : s.lattice.law_state[f].data() + k * static_cast<std::size_t>(family.point_count) +
+                                        (chunk.first_point - family.first_point));
     }
     BoundCall& call = s.contacts.calls[c];
     call.bind(std::move(columns));

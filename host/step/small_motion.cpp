@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/upright_axis.h"
+#include "scene/brick_overlap.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/ground.h"
@@ -30,7 +31,10 @@ bool have_contact(Simulation::Impl& s, int a, int b, int axis) {
     if (s.scene.blocks)
       s.small_motion.meeting_family = blocks::assemble(s.scene).family_of;
     else
-      s.small_motion.meeting_family = blocks::from_bricks(s.model.assembly).family_of;
+      s.small_motion.meeting_family = [family =
+                                           blocks::FamilyOfBricks(s.model.assembly)](const blocks::Meeting& meeting) {
+        return family(meeting.block_a, meeting.block_b);
+      };
   }
   geometry::Vector normal;
   normal[axis] = 1.0;
@@ -93,8 +97,7 @@ void check_motion(Simulation::Impl& s) {
   // Half of the remaining way to a bound, even if two blocks approach each other, but at least a sixteenth of the whole
   // way.
   double least = std::numeric_limits<double>::infinity(), fastest = 0.0;
-  for (const Brick& brick : s.model.assembly.bricks)
-    least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
+  for (const Brick& brick : s.model.assembly.bricks) least = std::min(least, least_extent(brick));
   for (const WholeMotion& m : s.small_motion.whole_motions) fastest = std::max(fastest, m.speed);
   const double used =
       std::max({s.small_motion.seen.rotation / bound.rotation, s.small_motion.seen.sliding / bound.sliding,

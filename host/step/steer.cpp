@@ -12,6 +12,7 @@
 #include "step/block_motion.h"
 #include "step/controls.h"
 #include "step/driven_block.h"
+#include "step/results.h"
 #include "step/stages.h"
 #include "step/state.h"
 
@@ -209,21 +210,15 @@ ArrayView view(Simulation::Impl& s, PointArray what, int family) {
 ArrayView view_state(Simulation::Impl& s, int family, const std::string& id) {
   const Law& law = s.model.families[at(family)].material->law();
   const int k = law.state_index(id);
-  if (k < 0 || (law.law->states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.contacts.keep_diagnostics)) {
+  if (k < 0 || !keeps_state(s, *law.law, at(k))) {
     std::vector<std::string> ids;
     for (std::uint64_t i = 0; i < law.law->state_count; ++i) {
-      if (law.law->states[i]->role != QUOIN_ROLE_DIAGNOSTIC || s.contacts.keep_diagnostics)
-        ids.push_back(law.law->states[i]->id);
+      if (keeps_state(s, *law.law, i)) ids.push_back(law.law->states[i]->id);
     }
     throw Error(Exit::bad_input, fmt::format("state: law {} keeps no state '{}' here; it keeps: {}", law.law->id, id,
                                              ids.empty() ? "none" : fmt::format("{}", fmt::join(ids, ", "))));
   }
-  if (s.large_motion) {
-    auto& f = const_cast<blocks::Family&>(s.large_motion->contacts.families[at(family)]);
-    return {f.state[at(k)].data(), f.size()};
-  }
-  const std::size_t count = at(s.model.families[at(family)].point_count);
-  return {s.lattice.law_state[at(family)].data() + at(k) * count, count};
+  return {const_cast<double*>(state_column(s, family, at(k))), at(points_of_family(s, family))};
 }
 
 void velocities_changed(Simulation::Impl& s) { find_bodies_at_rest(s); }

@@ -44,7 +44,7 @@ std::vector<int> groups_of_joined_blocks(const Simulation::Impl& s) {
     const blocks::Contact& c = s.large_motion->contacts.list[i];
     if (c.count > 0) join(c.pair.a, c.pair.b);
   }
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   if (members) members->each_joint(join);
   std::vector<int> first;
   for (int i = 0; i < block_count(s); ++i) first.push_back(joined.first_of(i));
@@ -58,7 +58,7 @@ std::vector<int> loose_blocks(const Simulation::Impl& s, const Stage& settings) 
   for (unsigned c = 0; c < 3; ++c) along |= settings.gravity[c] != 0.0 ? 1u << c : 0u;
   std::map<int, unsigned> imposed;
   for (std::size_t i = 0; i < held.size(); ++i) imposed[group[i]] |= held[i];
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   for (std::size_t i = 0; members && i < members->spring_points().size(); ++i)
     imposed[group[at(members->nodes()[at(members->spring_points()[i].node)].block)]] |= along;
   std::vector<int> loose;

@@ -195,7 +195,7 @@ Tangent tangent_of(const Simulation::Impl& s) {
   if (s.ranks) throw Error(Exit::bad_input, "modes of a state: in one process alone; start quoin without mpirun");
   const Unknowns unknowns(s);
   const std::vector<ContactPoint> points = contact_points(s);
-  const PointStiffness k = stiffness_now(s, whole_range(s), points);
+  const PointStiffness k = stiffness_now(s, all_points(s), points);
   Tangent t;
   t.groups = unknowns.groups();
   t.unknown.resize(at(unknowns.count())), t.mass.resize(at(unknowns.count()));

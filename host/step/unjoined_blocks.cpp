@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/index.h"
+#include "scene/brick_overlap.h"
 #include "step/time_for.h"
 
 namespace quoin {
@@ -14,8 +15,6 @@ using geometry::Pair;
 namespace {
 
 constexpr double kTouching = 1e-4;  // share of the least extent: blocks closer than this at the start touch
-
-double least_extent(const Brick& b) { return *std::min_element(b.size.begin(), b.size.end()); }
 
 }  // namespace
 
@@ -60,17 +59,13 @@ UnjoinedBlocks::Near UnjoinedBlocks::nearness(const Pair& pair, const std::vecto
                                               double sliding_bound) const {
   const Brick &a = assembly_->bricks[at(pair.a)], &b = assembly_->bricks[at(pair.b)];
   const WholeMotion &of_a = motion[at(pair.a)], &of_b = motion[at(pair.b)];
-  Vec3 from, to;
-  for (std::size_t c = 0; c < 3; ++c) {
-    from[c] = std::max(a.origin[c], b.origin[c]);
-    to[c] = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]);
-  }
-  const Vec3 middle = 0.5 * (from + to);
+  const Overlap shared = overlap_of(a, b);
+  const Vec3 middle = 0.5 * (shared.from + shared.to);
   const Vec3 u_a = at_arm(of_a, middle - centre_of(a)), u_b = at_arm(of_b, middle - centre_of(b));
   Near near{-std::numeric_limits<double>::infinity(), 0.0, 0};
   double at_start = near.gap;
   for (std::size_t c = 0; c < 3; ++c) {
-    at_start = std::max(at_start, from[c] - to[c]);
+    at_start = std::max(at_start, shared.gap(c));
     const double gap = std::max(a.origin[c] + u_a[c], b.origin[c] + u_b[c]) -
                        std::min(a.origin[c] + a.size[c] + u_a[c], b.origin[c] + b.size[c] + u_b[c]);
     if (exceeds(gap, near.gap)) near.gap = gap, near.axis = static_cast<int>(c);
@@ -83,7 +78,7 @@ UnjoinedBlocks::Near UnjoinedBlocks::nearness(const Pair& pair, const std::vecto
   // Corners of opposite faces come nearer than the middles of these where blocks rotate.
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
-    if (static_cast<int>(c) != near.axis && to[c] > from[c]) squares += (to[c] - from[c]) * (to[c] - from[c]);
+    if (static_cast<int>(c) != near.axis && shared.gap(c) < 0.0) squares += shared.gap(c) * shared.gap(c);
   }
   near.gap -= 0.5 * std::sqrt(squares) * (norm_of(of_a.rotation) + norm_of(of_b.rotation));
   near.least_gap = 0.5 * std::min(at_start, reach_);

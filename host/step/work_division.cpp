@@ -8,6 +8,7 @@
 #include "model/world_results.h"
 #include "step/borders.h"
 #include "step/collect.h"
+#include "step/gather.h"
 #include "step/rank_part.h"
 #include "step/state.h"
 
@@ -253,6 +254,12 @@ void each_item_of_chunk(const Simulation::Impl& s, int chunk, const std::functio
 
 std::vector<int> chunks_here(const Simulation::Impl& s) {
   return s.parts.holds_all ? whole_share(static_cast<int>(s.model.chunks.size()), 0).chunks : s.division.share.chunks;
+}
+
+std::vector<int> chunks_with_results(const Simulation::Impl& s) {
+  if (!has_all(s) && (s.parts.divided || !s.large_motion)) return s.division.share.chunks;
+  return whole_share(s.large_motion ? s.large_motion->chunk_count() : static_cast<int>(s.model.chunks.size()), 0)
+      .chunks;
 }
 
 PointRange points_of_chunk(const Simulation::Impl& s, int chunk) {

@@ -25,6 +25,15 @@ void each_side(const Simulation::Impl& s, int chunk, const std::function<void(in
 void each_item_of_chunk(const Simulation::Impl& s, int chunk, const std::function<void(int)>& visit);
 PointRange points_of_chunk(const Simulation::Impl& s, int chunk);  // in either model, over all families
 std::vector<int> chunks_here(const Simulation::Impl& s);           // chunks that this process holds
+std::vector<int> chunks_with_results(const Simulation::Impl& s);   // all, or own ones where no others are gathered
+// Visits the chunks with results whose points are in a range of whole chunks: visit(chunk, points).
+template <class Visit>
+void each_chunk_in(const Simulation::Impl& s, const PointRange& range, const Visit& visit) {
+  for (const int c : chunks_with_results(s)) {
+    const PointRange points = points_of_chunk(s, c);
+    if (points.first >= range.first && points.end <= range.end) visit(c, points);
+  }
+}
 void partition_work(Simulation::Impl& s);  // divides work; ranks then hold their parts, and halo and threads follow
 void divide_work(Simulation::Impl& s);     // computes costs, and the share of this rank
 

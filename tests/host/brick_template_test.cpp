@@ -81,7 +81,7 @@ TEST(BrickTemplate, UniformStrainGivesUniformStress) {
           u[n][c] += gradient[c][d] * brick.node[static_cast<std::size_t>(zone.node[n])][d];
       }
     }
-    const auto s = zone_stress(zone, u, kYoung, kPoisson);
+    const auto s = zone_stress(zone, u, brick.lambda, brick.shear_modulus);
     const double trace = gradient[0][0] + gradient[1][1] + gradient[2][2];
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(s[c], l * trace + 2 * g * gradient[c][c], 1e-4);
     for (std::size_t c = 0; c < 3; ++c)

@@ -51,8 +51,8 @@ TEST(CubeWall, FourPointsAFace) {
   const Simulation small(ten, assemble(ten), 1), large(twenty, assemble(twenty), 1);
   EXPECT_EQ(small.model().point_count, 720);
   EXPECT_EQ(large.model().point_count, 3040);
-  EXPECT_EQ(small.model().bodies_named("top_course").size(), 10u);
-  EXPECT_EQ(large.model().bodies_named("bottom_course").size(), 20u);
+  EXPECT_EQ(small.model().blocks_named("top_course").size(), 10u);
+  EXPECT_EQ(large.model().blocks_named("bottom_course").size(), 20u);
   for (const double area : small.model().area) EXPECT_NEAR(area, 0.0025, 1e-15);
 }
 

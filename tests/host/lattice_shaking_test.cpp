@@ -364,5 +364,20 @@ TEST(LatticeOnGround, GoesOnInLargeMotion) {
   EXPECT_LT(std::abs(over.back().energies->balance_error()), 0.01 * over.back().energies->external);
 }
 
+// The centre of the base is that of beds on the lattice, and that of contact points in large motion.
+TEST(LatticeOnGround, RestoredAfterAPromotionItHasTheMomentsOfTheFirstRun) {
+  Simulation simulation(scene({"solver.rotation_bound=1e-6", "solver.large_motion=automatic"}), 1);
+  const std::vector<std::uint8_t> start = simulation.save();
+  Rows first, again;
+  simulation.run(first);
+  ASSERT_TRUE(simulation.large_motion());
+  simulation.restore(start);
+  ASSERT_FALSE(simulation.large_motion());
+  simulation.run(again);
+  ASSERT_EQ(first.rows.size(), again.rows.size());
+  for (std::size_t i = 0; i < first.rows.size(); ++i)
+    EXPECT_EQ(first.rows[i].overturning_moment, again.rows[i].overturning_moment) << i;
+}
+
 }  // namespace
 }  // namespace quoin

@@ -258,5 +258,18 @@ TEST(SteeringBricks, ForcesOfTheStageAreReplacedOnOneOfThem) {
   expect(1, {30.0 / mass * 20 * dt, -20.0 / mass * 10 * dt, 50.0 / mass * 10 * dt});
 }
 
+// Diagnostic states are kept with energies, and in large motion always: promotion and pictures need them.
+TEST(Steered, StatesThatAreKeptAreSeenInLargeMotionToo) {
+  const auto wall = [](const std::string& motion) {
+    return read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml",
+                      {"output.energy=false", "output.plots=false", "solver.large_motion=" + motion});
+  };
+  Simulation lattice(wall("never")), general(wall("always"));
+  EXPECT_FALSE(keeps_state(lattice, "slip"));
+  EXPECT_THROW(view_state(lattice, 0, "slip"), Error);
+  EXPECT_TRUE(keeps_state(general, "slip"));
+  EXPECT_EQ(view_state(general, 0, "slip").rows, general.large_motion()->contacts.families[0].size());
+}
+
 }  // namespace
 }  // namespace quoin

@@ -146,7 +146,7 @@ TEST(LawSwap, AGapStaysOpenFromALawWithoutStates) {
   const auto from = successor(mortar, "elastic");
   const double opening[] = {0.007, -1e-6}, zero[] = {0.0, 0.0}, pressed[] = {-1e5, 0.0}, area[] = {1.0, 1.0};
   const double sigma[] = {zero[0], pressed[0]};
-  const FamilyColumns points{2, opening, {sigma, zero, zero}, {}, area};
+  const FamilyColumns points{{2, opening, {sigma, zero, zero}, {}, {}}, area};
   for (const auto& [law, state] :
        {std::pair("coulomb_slip", "failed"), std::pair("fracture_energy", "xi_t"), std::pair("cyclic_joint", "xi")}) {
     const auto to = successor(mortar, law);

@@ -481,5 +481,12 @@ TEST_F(ReadBlockScene, StagesOfRestHaveTheirOwnEnd) {
   EXPECT_THAT(refusal([&] { read_scene(write("s.toml", text + "ramp_time = 0.1\n")); }), HasSubstr("none with kind"));
 }
 
+// The end of a stage that is given with a fault is named once, as in stages of walls.
+TEST_F(ReadBlockScene, AFaultyEndIsNoMissingEnd) {
+  const std::string text = refusal([&] { read({"stage=[{name='s',gravity=[0,-9.81,0],collapse=3}]"}); });
+  EXPECT_THAT(text, AllOf(HasSubstr("stage.1.collapse"), Not(HasSubstr("never ends"))));
+  EXPECT_THAT(refusal([&] { read({"stage=[{name='s',gravity=[0,-9.81,0]}]"}); }), HasSubstr("never ends"));
+}
+
 }  // namespace
 }  // namespace quoin

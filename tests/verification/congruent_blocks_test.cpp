@@ -216,8 +216,9 @@ TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
     lost = std::max(lost, change(*congruent, start)), lost_alone = std::max(lost_alone, change(*alone, start_alone));
   }
   EXPECT_GT(furthest, 0.02 * 0.1);
-  check("blocks of one shape, stretched by percents: swing of the energy", lost_alone, lost, 0.1, "-",
-        "that of zone by zone");
+  check_error("blocks of one shape, stretched by percents: swing of the energy", lost, 2e-3, "-",
+              "elasticity of small strain in frames; zone by zone 5e-4");
+  EXPECT_LT(lost_alone, 1e-3);
   EXPECT_LT(largest_difference(displacements(*congruent, 0), displacements(*alone, 0)), 0.03 * furthest);
 }
 

@@ -103,8 +103,7 @@ TEST(EnergyBalance, BlockCarriedLetGoAndCaught) {
   m->run(0.2);
   const double kinetic = 0.5 * mass * (4 + gravity * gravity * 0.2 * 0.2);
   EXPECT_NEAR(m->step_sums.energies.kinetic, kinetic, 1e-3 * kinetic);
-  const double first = mass * std::pow(gravity * m->stepping.dt, 2) / 8;  // the first half step has no weight
-  EXPECT_NEAR(m->step_sums.energies.balance_error(), -first, 1e-12 * kinetic);
+  EXPECT_NEAR(m->step_sums.energies.balance_error(), 0.0, 1e-12 * kinetic);
   m->prescribe(b, {});
   run_steps(*m, 2);
   EXPECT_DOUBLE_EQ(m->step_sums.energies.kinetic, 0.0);
@@ -252,6 +251,31 @@ TEST(PlacedAnew, TimeStepStaysWhereFourHalfUnitsMeet) {
   EXPECT_GT(m->detection.count, 2);
   std::printf("  time step %.4g of that at the start\n", m->stepping.dt / before);
   EXPECT_GT(m->stepping.dt, 0.97 * before);
+}
+
+// A pebble of 1 kg hits a slab of 800 kg twice. Its contact is stiff over its mass, so the stable step takes a part of
+// the impact damping while they touch. The share depends on the contacts alone; the slab turns by less than 1e-3.
+TEST(PlacedAnew, ImpactDampingComesBackWhenAPebbleLeaves) {
+  Scene scene(dry_joint(1e9, 1e9, 30));
+  scene.brick({-1, -0.2, -1}, {3, 0.2, 3}, true);
+  scene.brick({0, 0, 0}, {1, 0.4, 1});
+  const int pebble = scene.brick({0.46, 0.42, 0.46}, {0.08, 0.08, 0.08});
+  SolverSettings settings;
+  settings.damping = DampingKind::impact;
+  auto m = scene.model(settings);
+  const double before = impact_damping_in_use(*m);
+  for (int hit = 0; hit < 2; ++hit) {
+    m->prescribe(pebble, {}, {}, 0);
+    m->set_velocity(pebble, {0, -1, 0});
+    m->run(0.02);  // it has just landed
+    const double touching = impact_damping_in_use(*m);
+    m->prescribe(pebble, {0, 1, 0});
+    m->run(0.02);
+    std::printf("  impact damping %.4f, %.4f with the pebble, %.4f after it\n", before, touching,
+                impact_damping_in_use(*m));
+    EXPECT_LT(touching, 0.5 * before);
+    EXPECT_NEAR(impact_damping_in_use(*m), before, 1e-3 * before);
+  }
 }
 
 }  // namespace

@@ -78,7 +78,10 @@ TEST(ScaledInertia, TumblingKeepsMomentumAndEnergy) {
     check_error(name + "momentum", norm(linear_momentum(*m) - linear) / norm(linear), 1e-11, "-", "relative");
     check_error(name + "angular momentum", norm(angular_momentum(*m, about) - angular) / norm(angular), 1e-10, "-",
                 "relative");
-    check_error(name + "energy", all, 2e-3, "-", "relative, swinging");
+    // The product of two velocities is less than the square of their mean by (a dt)^2/4, for deformation s_b times. The
+    // radial acceleration a swings between 0 and 2 omega^2 r.
+    const double step = norm(omega) * m->stepping.dt;
+    check_error(name + "energy", all, 64.0 * step * step, "-", "relative, swinging; s_b (omega dt)^2");
     EXPECT_LT(all, 2.0 * early) << "it drifts";
   }
 }
@@ -240,7 +243,7 @@ TEST(ScaledInertia, StableJustBelowTheLimitUnstableJustAbove) {
 }
 
 // Kinetic energy includes M'. The work of damping includes that in zones and that on rigid motions of blocks and units.
-// `start` has the first half step of damping. The remaining error is of second order in the step.
+// `start` has the first half step of damping. What remains is in proportion to the step.
 TEST(ScaledInertia, EnergyBalanceCloses) {
   const auto error = [](bool block, int halves, double fraction) {
     SolverSettings solver = block ? by_block(16.0, 5.0, fraction) : viscous(300.0, 2e-6, fraction);
@@ -265,13 +268,12 @@ TEST(ScaledInertia, EnergyBalanceCloses) {
                         {{0.05, fine}, {0.1, error(block, halves, 0.1)}, {0.2, coarse}}});
       const std::string name = std::string(halves == 1 ? "block" : "unit") + (block ? ", block" : ", viscous") +
                                " damping, inertia scaled: ";
-      check_error(name + "energy balance", fine, 1e-4, "-", "of the kinetic energy of the start");
-      EXPECT_LT(fine, 0.1 * coarse) << name << "1/16 by the second order";
+      check_error(name + "energy balance", fine, 5e-6, "-", "of the kinetic energy of the start");
+      EXPECT_LT(fine, 0.3 * coarse) << name << "1/4 by the first order";
     }
   }
   const double least = curves[0].points[0][1];
-  curves.insert(curves.begin(),
-                reference("second order", 0.05, 0.2, [&](double step) { return least * step * step / 0.0025; }));
+  curves.insert(curves.begin(), reference("first order", 0.05, 0.2, [&](double step) { return least * step / 0.05; }));
   write_figure("balance_over_step", "step over the limit, -", "energy out of balance / kinetic energy, -", curves);
 }
 

@@ -12,6 +12,7 @@
 #include "base/smooth_step.h"
 #include "members/members.h"
 #include "model/world_results.h"
+#include "scene/brick_overlap.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "scene/weight_axis.h"
@@ -62,16 +63,23 @@ Vector record_since_half_step(const Simulation::Impl& s, const Stage* of_stage, 
 std::vector<std::int32_t> support_groups(const Simulation::Impl& s, const Stage& settings) {
   std::vector<std::int32_t> group(at(block_count(s)), 0);
   if (!settings.ground || settings.ground->supports.empty()) return group;
-  std::optional<blocks::Assembly> of_bricks;
-  if (!s.large_motion) of_bricks = blocks::from_bricks(s.model.assembly);
-  const blocks::Assembly& assembly = s.large_motion ? s.large_motion->assembly : *of_bricks;
+  const auto blocks_of = [&](const std::string& name) {
+    std::vector<int> bricks;
+    for (std::size_t b = 0; !s.large_motion && b < group.size(); ++b)
+      if (const Brick& brick = s.model.assembly.bricks[b]; brick.name == name || brick.body == name)
+        bricks.push_back(static_cast<int>(b));
+    if (!bricks.empty()) return bricks;
+    return blocks::find_blocks(s.large_motion ? s.large_motion->assembly : blocks::from_bricks(s.model.assembly), name,
+                               settings.source.text);
+  };
   std::int32_t index = 0;
   for (const GroundMotion& support : settings.ground->supports) {
     ++index;
     for (const std::string& name : support.blocks) {
-      for (const int block : blocks::find_blocks(assembly, name, settings.source.text)) {
+      for (const int block : blocks_of(name)) {
         std::int32_t& of_block = group[static_cast<std::size_t>(block)];
-        if (!assembly.blocks[static_cast<std::size_t>(block)].fixed)
+        if (!(s.large_motion ? s.large_motion->assembly.blocks[at(block)].fixed
+                             : s.model.assembly.bricks[at(block)].fixed))
           throw Error(Exit::bad_input,
                       fmt::format("{}: ground_motion.support.{}: block '{}' is not fixed, and only supports follow "
                                   "records; give it fixed = true",
@@ -113,7 +121,7 @@ int ground_block(const Simulation::Impl& s) {
 namespace {
 
 bool is_on_springs(const Simulation::Impl& s) {
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   return members && !members->beds().empty();
 }
 
@@ -201,7 +209,7 @@ void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
 
 void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, std::span<const std::uint8_t> held,
                   HistoryRow& row) {
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   Vec3 moved{};  // displacement of the ground when the contact points of the wrenches were where they count
   if (const int ground = ground_block(s); ground >= 0) {
     row.ground_displacement = displacement_at_forces(s, {ground});
@@ -238,10 +246,8 @@ void find_base_of_lattice(Simulation::Impl& s) {
   for (std::size_t j = 0; j < s.model.assembly.joints.size(); ++j) {
     const Joint& joint = s.model.assembly.joints[j];
     if (joint.face_a / 2 != upright || is_fixed(joint.block_a) == is_fixed(joint.block_b)) continue;
-    const Brick &a = bricks[at(joint.block_a)], &b = bricks[at(joint.block_b)];
-    double of_joint = 1.0;
-    for (const std::size_t c : {at((upright + 1) % 3), at((upright + 2) % 3)})
-      of_joint *= std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]) - std::max(a.origin[c], b.origin[c]);
+    const Overlap shared = overlap_of(bricks[at(joint.block_a)], bricks[at(joint.block_b)]);
+    const double of_joint = shared.gap(at((upright + 1) % 3)) * shared.gap(at((upright + 2) % 3));
     area += of_joint;
     s.reactions.base_centre += of_joint * geometry::vector(s.small_motion.joint_sliding.centre(static_cast<int>(j)));
   }

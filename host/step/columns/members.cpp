@@ -1,6 +1,7 @@
 // Forces, moments and states of members (host/members).
 #include "members/members.h"
 
+#include "step/block_motion.h"
 #include "step/columns/columns.h"
 #include "step/state.h"
 
@@ -13,7 +14,7 @@ std::vector<std::string> names(const Scene& scene) {
 }
 
 std::vector<double> values(const Simulation::Impl& run) {
-  const members::Members* const members = run.large_motion ? run.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(run);
   return members ? members->columns() : std::vector<double>{};
 }
 
