@@ -23,6 +23,30 @@ constexpr double merge_fraction = 1e-6;
 // points at gridpoints, and far below the size of any zone.
 constexpr double kAtGridpoint = 1e-9;
 
+// Overlap across the separating normal below which blocks meet along a rim, as a fraction of the smaller block.
+// Closures of joints under usual pressures are below it, chamfers of real units are above.
+constexpr double kRim = 2e-3;
+
+// Whether blocks meet along a rim: they overlap by little across the separating normal too. A block that slides flush
+// onto another one has sunk by the closure of its joint. So it meets the hidden side of the other.
+bool meet_along_rim(const World& w, const Pair& pair, const Vector& normal) {
+  constexpr double kAcross = 0.5;  // cosine up to which a face lies across the normal
+  const double rim = kRim * std::min(w.blocks[pair.a].least_extent, w.blocks[pair.b].least_extent);
+  const auto is_thin = [&](const Placed& owner, const Placed& other) {
+    for (size_t f = 0; f < owner.shape->faces.size(); ++f) {
+      const Vector& m = owner.normals[f];
+      if (std::abs(dot(m, normal)) > kAcross) continue;
+      double depth = -1e300;
+      for (size_t i = 0; i < other.shape->vertices.size(); ++i)
+        depth = std::max(depth, dot(m, owner.vertices[owner.shape->faces[f][0]] - other.vertices[i]));
+      if (depth <= rim) return true;
+    }
+    return false;
+  };
+  const Placed a = placed(w, pair.a), b = placed(w, pair.b);
+  return is_thin(a, b) || is_thin(b, a);
+}
+
 RigidPoints rigid_points_of(const World& w, const Contact& c, const Vector& normal, bool at_start) {
   const int family = family_of(w, c, normal);
   if (family < 0 || family >= int(w.assembly.families.size())) return RigidPoints::corners;
@@ -273,10 +297,10 @@ int family_of(const World& w, const Contact& c, const Vector& normal) {
 
 void make_points(const World& w, const Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
   // Corner contacts get a nominal area, which keeps corners from sinking in. Blocks that touch along an edge since the
-  // start get none, as their neighbours keep them apart (four units around a joint's end). With the nominal area, units
-  // could not slide past an edge that protrudes by some micrometres.
-  const double nominal =
-      c.beside_joint ? 0.0 : std::min(w.blocks[c.pair.a].corner_area, w.blocks[c.pair.b].corner_area);
+  // start get none, as their neighbours keep them apart (four units around a joint's end). Nor do those that meet along
+  // a rim. With the nominal area, units could not slide past an edge that protrudes by some micrometres.
+  const bool on_rim = c.beside_joint || (!at_start && meet_along_rim(w, c.pair, s.normal));
+  const double nominal = on_rim ? 0.0 : std::min(w.blocks[c.pair.a].corner_area, w.blocks[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;
   const RigidPoints rule = rigid_points_of(w, c, s.normal, at_start);
   if (s.feature == Separation::edges) {
