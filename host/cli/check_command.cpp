@@ -253,7 +253,8 @@ void print_rigid_joints(const JointFamily& family, const Material& material, lon
   else if (!carries_tension(material, family.initial_state))
     fmt::print(
         "    {} joints of rigid blocks have points at corners alone, about which dry blocks turn; while closed they "
-        "are 3 times too stiff in bending (contact.cubic_points)\n",
+        "are 3 times too stiff in bending, and 1.8 to 2 times too strong in friction against twisting "
+        "(contact.cubic_points)\n",
         joints);
   else
     fmt::print(
