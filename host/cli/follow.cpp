@@ -30,7 +30,13 @@ namespace {
 class Follower : public Observer {
  public:
   Follower(const SharedFolder& folder, bool compressed, Pieces pieces) {
-    if (pieces.count > 1) frames_.emplace(folder.path, surfaces_, folder.frame_times, compressed, pieces);
+    if (pieces.count <= 1) return;
+    frames_.emplace(folder.path, surfaces_, folder.frame_times, compressed, pieces);
+    try {
+      note_results_of_rank(folder.path, pieces.rank);
+    } catch (const Error& error) {  // as in on_frame
+      fault_ = error;
+    }
   }
   bool wants_pause(bool) override { return false; }
   void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // rank 0 writes a checkpoint
@@ -70,13 +76,13 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   ranks.share(std::as_writable_bytes(std::span(&state, 1)));
   if (state.is_refused) throw Error(Exit::bad_input, "the checkpoint is refused by rank 0, which says why");
   begin(&simulation, options.resume, state);
+  require_coming_stages(simulation);  // rank 0 refuses them here
   const Pieces pieces = pieces_of(simulation.scene(), &ranks);
   SharedFolder folder;
   if (pieces.count > 1) {
     share(ranks, folder);
     use_part_token(folder.token);
   }
-  require_coming_stages(simulation);  // rank 0 refuses them here
   of_set_up.reset();
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
     notices_wanted = true;

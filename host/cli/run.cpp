@@ -190,11 +190,6 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const Checkpoint before = checkpoint_of(folder, goes_on, identity, ranks);
   begin(&simulation, folder, before.stored);
   say_what_is_missing(folder, before.results.frame_times.size());
-  const Pieces pieces = pieces_of(simulation.scene(), ranks);
-  if (pieces.count > 1) {
-    SharedFolder shared{fs::absolute(folder).string(), part_token(), before.results.frame_times};
-    share(*ranks, shared);
-  }
   // What may refuse the run comes before results of an earlier one are removed.
   require_coming_stages(simulation);
   Surfaces surfaces;
@@ -204,6 +199,11 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const ResultFolder own(folder, lock, [&, resumed = lock != nullptr](const std::string& name) {
     return resumed && is_kept(name, before.results.frame_times.size());
   });
+  const Pieces pieces = pieces_of(simulation.scene(), ranks);
+  if (pieces.count > 1) {  // other ranks write into the folder from here on
+    SharedFolder shared{fs::absolute(folder).string(), part_token(), before.results.frame_times};
+    share(*ranks, shared);
+  }
   write_run_record(folder, options, simulation.scene().text);  // a resumed run may have more options
 
   Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before.results,

@@ -70,9 +70,9 @@ struct Manifest {
 };
 
 // Reads a manifest, which may come from outside: only names inside the folder that a run could have written count.
-Manifest read_manifest(const fs::path& folder) {
+Manifest read_names(const fs::path& file) {
   Manifest manifest;
-  std::ifstream stream(folder / kManifest);
+  std::ifstream stream(file);
   std::string line;
   const std::string head = kManifestHead;
   if (!std::getline(stream, line) || !line.starts_with(head)) return manifest;
@@ -82,6 +82,27 @@ Manifest read_manifest(const fs::path& folder) {
   if (!sane) return {};
   while (std::getline(stream, line)) {
     if (is_name_of_a_result(line) || line == "plots" || matches("plots/*", line)) manifest.names.insert(line);
+  }
+  return manifest;
+}
+
+std::vector<fs::path> manifests_of_ranks(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  const std::string pattern = fmt::format("{}_r*", kManifest);
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (matches(pattern.c_str(), entry.path().filename().string()) && !read_names(entry.path()).token.empty())
+      found.push_back(entry.path());
+  }
+  return found;
+}
+
+// Names of all ranks of the last run. Lists of ranks of an earlier one have another token.
+Manifest read_manifest(const fs::path& folder) {
+  Manifest manifest = read_names(folder / kManifest);
+  for (const fs::path& file : manifests_of_ranks(folder)) {
+    Manifest of_rank = read_names(file);
+    if (of_rank.token == manifest.token) manifest.names.merge(of_rank.names);
   }
   return manifest;
 }
@@ -173,6 +194,23 @@ std::vector<OpenFolder> open_folders;
 
 fs::path whole_path(const fs::path& path) { return fs::absolute(path).lexically_normal(); }
 
+// Begins a manifest of this process with names of files that are there. Returns the path of the folder.
+fs::path open_manifest(const fs::path& folder, const std::string& name, const std::set<std::string>& names) {
+  const fs::path path = folder / name, part = part_name(path);
+  std::error_code error;
+  fs::remove(part, error);  // removed first, so that a link is never followed
+  OpenFolder open_folder{whole_path(folder), std::ofstream(part, std::ios::trunc), names};
+  open_folder.manifest << kManifestHead << part_token() << '\n';
+  for (const std::string& known : names) open_folder.manifest << known << '\n';
+  open_folder.manifest.flush();
+  if (open_folder.manifest) fs::rename(part, path, error);
+  if (!open_folder.manifest || error)
+    throw Error(Exit::bad_input, path.string() + ": cannot be written; choose another folder with --out");
+  const std::lock_guard guard(mutex);
+  open_folders.push_back(std::move(open_folder));
+  return open_folders.back().path;
+}
+
 std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
@@ -246,24 +284,21 @@ ResultFolder::ResultFolder(const fs::path& folder, std::shared_ptr<FolderLock> h
   }
   const bool plots_kept = remove_old_results(folder, old, kept);
   // There is a manifest at any moment: a run that is killed here finds its results when it is resumed.
-  const fs::path path = folder / kManifest, part = part_name(path);
-  std::error_code error;
-  fs::remove(part, error);  // removed first, so that a link is never followed
-  OpenFolder open_folder{whole_path(folder), std::ofstream(part, std::ios::trunc), kept};
-  open_folder.manifest << kManifestHead << part_token() << (plots_kept ? "\nplots" : "") << '\n';
-  for (const std::string& name : kept) open_folder.manifest << name << '\n';
-  open_folder.manifest.flush();
-  if (open_folder.manifest) fs::rename(part, path, error);
-  if (!open_folder.manifest || error)
-    throw Error(Exit::bad_input, path.string() + ": cannot be written; choose another folder with --out");
-  const std::lock_guard guard(mutex);
-  open_folders.push_back(std::move(open_folder));
-  path_ = open_folders.back().path;
+  if (plots_kept) kept.insert("plots");
+  path_ = open_manifest(folder, kManifest, kept);
+  for (const fs::path& file : manifests_of_ranks(folder)) {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
 }
 
 ResultFolder::~ResultFolder() {
   const std::lock_guard guard(mutex);
   std::erase_if(open_folders, [&](const OpenFolder& f) { return f.path == path_; });
+}
+
+void note_results_of_rank(const fs::path& folder, int rank) {
+  open_manifest(folder, fmt::format("{}_r{}", kManifest, rank), {});
 }
 
 void refuse_folder_of_run(const fs::path& folder) {

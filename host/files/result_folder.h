@@ -41,6 +41,10 @@ class ResultFolder {
   std::filesystem::path path_;  // absolute
 };
 
+// For a rank that does not hold the folder: it lists what it writes there in FOLDER/.quoin-manifest_rRANK, which counts
+// as part of the manifest. Called after the ResultFolder of rank 0 has begun, with its token (use_part_token).
+void note_results_of_rank(const std::filesystem::path& folder, int rank);
+
 // Throws Error(bad_input) where the folder has the results of a run, whose files would be overwritten.
 void refuse_folder_of_run(const std::filesystem::path& folder);
 
@@ -49,7 +53,7 @@ inline constexpr const char* kPageMark = "<meta name=\"generator\" content=\"quo
 // Throws Error(bad_input) where a page of someone else is in the place of `page`.
 void refuse_page_of_others(const std::filesystem::path& page);
 
-// Adds FILE to the manifest of the ResultFolder of this process that contains it, if any. Thread-safe.
+// Adds FILE to the manifest of this process for the folder that contains it, if any. Thread-safe.
 void note_result(const std::filesystem::path& file);
 
 }  // namespace quoin

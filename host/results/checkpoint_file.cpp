@@ -255,11 +255,16 @@ Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
 constexpr const char *kStageCount = "number of first stages", *kEnergy = "output.energy",
                      *kKernels = "kind of kernels at its start";
 
+std::string name_of_part(const Identity& identity, std::size_t i) {
+  return i < identity.parts.size() ? identity.parts[i].what : "none";
+}
+
 // Compares part by part, so that the message names the first difference.
 void refuse_another(const Identity& identity, const Identity& expected, const Fault& fault) {
   for (std::size_t i = 0; i < std::max(identity.parts.size(), expected.parts.size()); ++i) {
     if (i >= identity.parts.size() || i >= expected.parts.size() || identity.parts[i].what != expected.parts[i].what)
-      throw fault("is of a scene with other laws or keys");
+      throw fault(fmt::format("is of a scene with other laws or keys ({}; here {})", name_of_part(identity, i),
+                              name_of_part(expected, i)));
     if (identity.parts[i].value != expected.parts[i].value)
       throw fault(fmt::format(
           "is of another {} ({}; here {}{})", identity.parts[i].what, identity.parts[i].value, expected.parts[i].value,
@@ -369,8 +374,10 @@ std::string geometry_hash(const Simulation& simulation) {
   return hash.end();
 }
 
-// Identity of a run whose end state others start from: its stages in place of its whole scene.
-Identity end_identity(const Simulation& simulation, const Provenance& provenance, std::size_t stages) {
+// Identity of a run whose end state others start from: its stages in place of its whole scene. Laws of later stages
+// have no states yet.
+Identity end_identity(const Simulation& simulation, Provenance provenance, std::size_t stages) {
+  provenance.laws = law_files(simulation.scene(), stages);
   Identity identity = identity_of(simulation, provenance);
   for (Identity::Part& part : identity.parts) {
     if (part.what != "scene") continue;

@@ -74,11 +74,11 @@ std::string sha256_of_file(const std::string& path) {
   return sha256_of(read_input_file(path, std::numeric_limits<std::size_t>::max()));
 }
 
-std::vector<HashedFile> law_files(const Scene& scene) {
+std::vector<HashedFile> law_files(const Scene& scene, std::size_t stages) {
   std::set<std::string> laws;
   for (const auto& [name, family] : scene.joints) laws.insert(family.law);
-  for (const Stage& stage : scene.stages) {
-    for (const auto& [family, name] : stage.law_swaps) laws.insert(name);
+  for (std::size_t i = 0; i < std::min(stages, scene.stages.size()); ++i) {
+    for (const auto& [family, name] : scene.stages[i].law_swaps) laws.insert(name);
   }
   std::vector<HashedFile> files;
   for (const std::string& name : laws) {

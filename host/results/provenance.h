@@ -1,6 +1,7 @@
 // Inputs and program of a run: all that is needed to repeat it and to compare its bits.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -27,7 +28,8 @@ struct HashedFile {
 // SHA-256 of a file of any size. Throws Error(bad_input): it cannot be read.
 std::string sha256_of_file(const std::string& path);
 // Libraries of the laws of all stages. Throws as sha256_of_file, and Error(law_refused) for a law that does not exist.
-std::vector<HashedFile> law_files(const Scene& scene);
+// stages: how many first stages count, with the laws that they swap in.
+std::vector<HashedFile> law_files(const Scene& scene, std::size_t stages = SIZE_MAX);
 // Other files that the scene reads: meshes, series, the end state of another run. Throws as sha256_of_file.
 std::vector<HashedFile> input_files(const Scene& scene);
 

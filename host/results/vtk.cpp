@@ -10,7 +10,6 @@
 #include <set>
 
 #include "base/attempt.h"
-#include "files/result_folder.h"
 #include "members/members.h"
 #include "results/joint_table.h"
 #include "results/parted_joints.h"
@@ -505,9 +504,7 @@ VtkSeries::VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std
       surfaces_(surfaces),
       times_(std::move(before)),
       compressed_(compressed),
-      pieces_(pieces) {
-  note_pieces();
-}
+      pieces_(pieces) {}
 
 void VtkSeries::add_frame(const Simulation& simulation) { add(simulation, false); }
 void VtkSeries::add_piece(const Simulation& simulation) { add(simulation, pieces_.count > 1); }
@@ -535,11 +532,10 @@ void VtkSeries::add(const Simulation& simulation, bool piece) {
                       blocks ? arrays_of_blocks() : arrays_of_joints(simulation, state_ids(simulation)), all);
     });
   }
-  if (const members::Members* const members = members_of(simulation))
+  if (const members::Members* const members = pieces_.rank == 0 ? members_of(simulation) : nullptr)
     attempt([&] { write_members(members_file(folder_, frame), *members, compressed_); });
   attempt.rethrow();
   times_.push_back(simulation.time());
-  note_pieces();
 }
 
 void VtkSeries::leave_out(const Simulation& simulation) {
@@ -550,12 +546,6 @@ void collect_frame(const Simulation& simulation, const Surfaces& surfaces) {
   Attempt nothing;
   write_blocks(simulation, {}, nothing);
   write_joints(simulation, surfaces, {}, nothing);
-}
-
-void VtkSeries::note_pieces() const {
-  for (int r = 1; r < pieces_.count && pieces_.rank == 0; ++r) {
-    for (const char* kind : kKinds) note_result(folder_ / piece_name(kind, times_.size(), r));
-  }
 }
 
 void VtkSeries::finish() const {

@@ -40,9 +40,6 @@ class VtkSeries {
 
  private:
   void add(const Simulation& simulation, bool piece);
-  // Lists the pieces of the next frame among the results of the folder, which rank 0 owns. One frame ahead is enough,
-  // as no rank begins the next frame before all have written this one.
-  void note_pieces() const;
 
   std::filesystem::path folder_;
   const Surfaces& surfaces_;

@@ -114,9 +114,11 @@ SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool 
 
 namespace {
 
-// Defaults of a stage with ground motion: impact damping and true inertia. Settings of [solver] that differ from these
-// are refused, unless the stage repeats them.
-SolverSettings settings_on_ground(Table& t, const toml::table* own, const SolverSettings& before) {
+// Defaults of a stage with ground motion: true inertia, and the damping of [solver] where the stage before has eq. 1.
+// Where [solver] has eq. 1 too, it is impact damping. What [solver] writes against these is refused, unless the stage
+// repeats it.
+SolverSettings settings_on_ground(Table& t, const toml::table* own, const SolverSettings& before,
+                                  const SolverSettings& of_run) {
   SolverSettings s = before;
   const auto written = [&](const char* key) {
     const bool given = t.context().solver && t.context().solver->contains(key) && !(own && own->contains(key));
@@ -128,10 +130,16 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
     return given;
   };
   const bool says = own && own->contains("damping");
-  if (damping_of(s).gamma > 0.0 && !says && !written("damping") && !written("local_damping"))
-    s.damping = DampingKind::impact;
-  if (s.deformation_inertia != 1.0 && !written("deformation_inertia")) s.deformation_inertia = 1.0;
-  if (s.unit_inertia != 1.0 && !written("unit_inertia")) s.unit_inertia = 1.0;
+  if (damping_of(s).gamma > 0.0 && !says) {
+    if (damping_of(of_run).gamma == 0.0)
+      static_cast<DampingSettings&>(s) = of_run;
+    else if (!written("damping") && !written("local_damping"))
+      s.damping = DampingKind::impact;
+  }
+  for (const auto& [key, inertia] : {std::pair("deformation_inertia", &SolverSettings::deformation_inertia),
+                                     std::pair("unit_inertia", &SolverSettings::unit_inertia)}) {
+    if (s.*inertia != 1.0 && (of_run.*inertia == 1.0 || !written(key))) s.*inertia = 1.0;
+  }
   if (s.mass_scaling != 1.0) written("mass_scaling");
   if (s.selective_time_step > 0.0) written("selective_time_step");
   return s;
@@ -142,7 +150,7 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
 void read_stage_solver(Table& t, Stage& stage, const Scene& scene) {
   const auto* own = t.table("solver", "a table: damping and time_step_fraction from this stage on");
   const SolverSettings& before = scene.solver_in(scene.stages.size());
-  const SolverSettings base = stage.ground ? settings_on_ground(t, own, before) : before;
+  const SolverSettings base = stage.ground ? settings_on_ground(t, own, before, scene.solver) : before;
   const bool differs = base.damping != before.damping || base.deformation_inertia != before.deformation_inertia ||
                        base.unit_inertia != before.unit_inertia;
   if (own)

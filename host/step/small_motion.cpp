@@ -135,10 +135,13 @@ bool follow_motion(Simulation::Impl& s, bool stage_ends, std::vector<Warning>* w
                   "large motion",
               warnings);
     if (solver.motion_bound.stop)
-      throw Error(Exit::numerical,
-                  fmt::format("step {} of stage '{}': {}. Choose solver.large_motion = \"always\", a shorter stage, or "
-                              "solver.past_motion_bound = \"warn\" to go on all the same",
-                              s.progress.stage_step, current_stage(s).name, past));
+      throw Error(
+          Exit::numerical,
+          fmt::format("step {} of stage '{}': {}. Choose {}", s.progress.stage_step, current_stage(s).name, past,
+                      s.large_motion ? "a shorter stage, or leave out "
+                                       "solver.large_motion = \"never\": large motion then follows"
+                                     : "solver.large_motion = \"always\", a shorter stage, or "
+                                       "solver.past_motion_bound = \"warn\" to go on all the same"));
   }
   if (s.large_motion || s.outcome.promotion || solver.large_motion != LargeMotion::automatic) return false;
   gather(s, Part::all);

@@ -237,6 +237,28 @@ TEST_F(GroundMotion, DampingThatFalsifiesMotionIsToldOf) {
   }
 }
 
+// A stage that settles with damping of its own leaves the shake what [solver] says, impact damping by default.
+TEST_F(GroundMotion, DampingOfASettlingStageIsNotThatOfTheShake) {
+  const auto damping_of_shake = [&](const std::string& solver, const std::string& settling) {
+    EXPECT_EQ(
+        quoin({"check", scene(kShake, "block", solver), "--set", "stage.1.solver={ damping='" + settling + "' }"}), 0)
+        << error_;
+    const std::string at = "  damping ";  // begins the line of each stage; the shake is the last one
+    return out_.substr(out_.rfind(at) + at.size(), 6);
+  };
+  for (const char* settling : {"local", "block"}) {
+    EXPECT_EQ(damping_of_shake("", settling), "impact");
+    EXPECT_EQ(damping_of_shake("[solver]\ndamping = \"impact\"\nimpact_damping = 0.5\n", settling), "impact");
+    EXPECT_THAT(out_, HasSubstr("damping impact 0.5"));
+    EXPECT_EQ(damping_of_shake("[solver]\ndamping = \"viscous\"\nstiffness_damping = 1e-5\n", settling), "viscou");
+    EXPECT_EQ(damping_of_shake("[solver]\ndamping = \"none\"\n", settling), "none, ");
+  }
+  EXPECT_EQ(quoin({"check", scene(kShake, "block", "[solver]\ndamping = \"local\"\n"), "--set",
+                   "stage.1.solver={ damping='block' }"}),
+            3);
+  EXPECT_THAT(error_, HasSubstr("solver.damping = 'local' would falsify its motion"));
+}
+
 // The default is impact damping, which agrees with Newmark's sliding block to 0.5 %, too, and is printed.
 TEST_F(GroundMotion, TheDefaultIsRightForASlidingBlock) {
   ASSERT_EQ(run(kShake, "block", ""), 0) << error_;

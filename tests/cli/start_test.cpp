@@ -86,6 +86,22 @@ TEST_F(Start, AMovingBeamMovesOn) {
   }
 }
 
+// A stage after the start may swap laws: states there are those of the laws before. It was refused.
+TEST_F(Start, ALaterStageSwapsLaws) {
+  for (const char* kernels : {"automatic", "general"}) {
+    const std::vector<std::string> of_first{"--set", std::string("solver.kernels=") + kernels},
+        with{of_first[0], of_first[1], "--set", "stage.shear.law=\"coulomb_slip\""};
+    ASSERT_EQ(run(first_, "first", {of_first[0], of_first[1], "--set", "output.end_state=true"}), 0) << error_;
+    ASSERT_EQ(run(whole_, "whole", with), 0) << error_;
+    ASSERT_EQ(run(second_, "second", with), 0) << error_;
+    EXPECT_EQ(driven("second"), driven("whole")) << kernels;
+    EXPECT_GT(driven("second").size(), 1000u);
+  }
+  EXPECT_EQ(run(second_, "other", {"--set", "stage.precompression.law=\"coulomb_slip\""}), 3);
+  EXPECT_THAT(error_, HasSubstr("other laws or keys (library of the law 'fracture_energy'; here library of the law "
+                                "'coulomb_slip')"));
+}
+
 // The stiffness of a whiffletree counts from the start of the run that has it. In large motion the time step of the
 // state went on, 3 times too long. The run blew up, with a peak of 0.00 kN, and no error.
 TEST_F(Start, AWhiffletreeSetsTheTimeStepInLargeMotion) {

@@ -16,7 +16,9 @@
 namespace quoin {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // A base of 1 x 0.2 x 0.2 m, with dry blocks of 0.2 m on and above it, without damping.
 std::string stones(const std::string& blocks, const std::string& stages, bool fixed = true) {
@@ -89,6 +91,10 @@ TEST(SmallMotion, ABlockThatFallsLandsOnTheOneBelow) {
   EXPECT_THAT(fault_of(text, {"solver.large_motion=never"}, &code),
               HasSubstr("which no joint joins, have come as near to each other as 0.0"));
   EXPECT_EQ(code, Exit::numerical);
+  // The general kernels refuse past_motion_bound = "warn".
+  const std::string in_general = fault_of(text, {"solver.kernels=general", "solver.large_motion=never"}, &code);
+  EXPECT_EQ(code, Exit::numerical);
+  EXPECT_THAT(in_general, AllOf(HasSubstr("leave out solver.large_motion"), Not(HasSubstr("past_motion_bound"))));
   Simulation warns(scene_of(text, {"solver.large_motion=never", "solver.past_motion_bound=warn"}), 1);
   Seen seen;
   warns.run(seen);

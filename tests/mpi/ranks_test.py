@@ -468,6 +468,52 @@ def parts():
     print(f"4 ranks: {', '.join(f'{share / whole:.2f}' for share in shares)} of {whole / 1e6:.0f} MB")
 
 
+def every_file_is_listed(out):
+    listed = {name for manifest in out.glob(".quoin-manifest*") for name in manifest.read_text().split("\n")}
+    missing = {file.name for file in out.glob("*vtu")} - listed
+    assert not missing, missing
+
+
+def wait_for(file, process):
+    while not file.exists():
+        assert process.poll() is None, process.communicate()[0]
+        time.sleep(0.005)
+
+
+def pieces_of_dead_ranks():
+    """All ranks are killed at once: what each wrote is of the run, which resumes on any number of ranks.
+
+    Members are in one file a frame, which rank 0 writes. Ranks that all wrote it took it from each other, and rank 0 gave up
+    its frames. A folder in the place of such a file does the same: the pieces of rank 1 go on without those of rank 0.
+    """
+    scene = [*scene_of("members"), "--set", "output.frames=6"]
+    run(1, [*scene, "--out", folder / "members"])
+    for others, faulty in ((2, False), (1, False), (2, True)):
+        out = folder / f"members_{others}_{faulty}"
+        process = start(2, [*scene, "--set", "output.pieces=true", "--out", out, "--checkpoint-every", "0.02"])
+        wait_for(out / "run.json", process)
+        in_the_way = out / "members_0005.vtu"
+        if faulty:
+            in_the_way.mkdir()
+        wait_for(out / f"joints_{7 if faulty else 2:04}_r1.vtu", process)
+        for pid in ranks_of(process):
+            os.kill(pid, signal.SIGKILL)
+        text = process.communicate(timeout=60)[0]
+        assert ("no more frames" in text) == faulty, text
+        if faulty:
+            in_the_way.rmdir()
+        every_file_is_listed(out)
+        (out / "notes.txt").write_text("mine")
+        run(others, ["--resume", out])
+        if faulty:
+            continue
+        same_frames(folder / "members", out, f"members, killed on 2 ranks, resumed on {others}")
+        for file in sorted((folder / "members").glob("members*")):
+            assert file.read_bytes() == (out / file.name).read_bytes(), file
+        assert (out / "notes.txt").exists()
+        every_file_is_listed(out)
+
+
 def pieces():
     """Each rank writes its blocks of a frame; together they are those of one process."""
     in_pieces = ["--set", "output.pieces=true"]
@@ -481,8 +527,7 @@ def pieces():
         assert files == ["blocks_0001.pvtu"] + [f"blocks_0001_r{r}.vtu" for r in range(ranks)], files
         gridpoints = [len(arrays_of(out / f"blocks_0001_r{r}.vtu")["Points"]["position"]) for r in range(ranks)]
         assert sum(n > 0 for n in gridpoints) > 1, gridpoints
-        manifest = (out / ".quoin-manifest").read_text().split("\n")
-        assert {*files, f"joints_0001_r{ranks - 1}.vtu"} <= set(manifest), manifest
+        every_file_is_listed(out)
         print(f"{name}: {ranks} ranks: {gridpoints} gridpoints of blocks, the same frames")
     # Frames gather nothing, neither in pieces nor in one file, which is equal to that of one process. Costs are prescribed,
     # so that the load of the machine does not cause load balancing.
@@ -526,8 +571,9 @@ def pieces():
     by_count = [len(pieces) for pieces in frames_of(out, "blocks")]
     assert by_count == sorted(by_count, reverse=True) and by_count[-1] == 2, by_count
     named = {file.name for pieces in frames_of(out, "blocks") + frames_of(out, "joints") for file in pieces}
-    assert {file.name for file in out.glob("*_r*")} == named, (named, list(out.iterdir()))
+    assert {file.name for file in out.glob("*_r*.vtu")} == named, (named, list(out.iterdir()))
     print(f"killed on 3 ranks, resumed on 2: {by_count.count(3)} frames of 3 pieces, {by_count.count(2)} of 2")
+    pieces_of_dead_ranks()
     done = run(2, [*scene_of("wall"), *in_pieces, "--report", "--out", folder / "refused"], code=2)
     assert done.stderr.count("--report: not with output.pieces") == 1, done.stderr
 

@@ -98,6 +98,34 @@ TEST_F(Folder, LosesWhatTheLastRunWroteAndNothingElse) {
   EXPECT_EQ(read_all(folder_ / "summary.json"), "theirs");
 }
 
+TEST_F(Folder, LosesWhatAKilledRankOfTheLastRunWrote) {
+  const auto write_as_rank_1 = [&](const std::string& name) {
+    const ResultFolder results(folder_);
+    const pid_t rank = fork();
+    if (rank == 0) {
+      note_results_of_rank(folder_, 1);
+      write_file(folder_ / name, "ours");
+      kill(getpid(), SIGKILL);
+    }
+    waitpid(rank, nullptr, 0);
+  };
+  write_as_rank_1("blocks_0000_r1.vtu");
+  EXPECT_TRUE(fs::exists(folder_ / "blocks_0000_r1.vtu"));
+  write_as_rank_1("blocks_0001_r1.vtu");
+  EXPECT_FALSE(fs::exists(folder_ / "blocks_0000_r1.vtu"));
+  // The list of a rank counts with the manifest of its own run alone, and goes with the next run.
+  write("blocks_0000_r1.vtu", "theirs");
+  EXPECT_THAT(refusal(), HasSubstr("has blocks_0000_r1.vtu,"));
+  EXPECT_EQ(read_all(folder_ / "blocks_0001_r1.vtu"), "ours");
+  fs::remove(folder_ / "blocks_0000_r1.vtu");
+  EXPECT_EQ(refusal(), "");
+  EXPECT_FALSE(fs::exists(folder_ / "blocks_0001_r1.vtu"));
+  EXPECT_FALSE(fs::exists(folder_ / ".quoin-manifest_r1"));
+  write(".quoin-manifest_r1", "results of quoin, partial files .0123abcd\nblocks_0000_r1.vtu\n");
+  write("blocks_0000_r1.vtu", "theirs");
+  EXPECT_THAT(refusal(), HasSubstr("has blocks_0000_r1.vtu,"));
+}
+
 TEST_F(Folder, RefusesWhatOthersWroteAndRemovesNothingThen) {
   {
     const ResultFolder results(folder_);
