@@ -60,11 +60,10 @@ Vector net_moment(const Simulation::Impl& s, int block) {
   const JointWrench joints =
       s.parts.divided && !has_all(s) ? s.reactions.wrench[at(block)] : sum_large_motion_wrenches(s, {block}).front();
   const Vector centre = position_of(m, block);
-  Vector moment = geometry::vector(joints.moment) +
-                  cross(geometry::vector(joints.centre) - centre, geometry::vector(joints.force));
-  each_load_on_gridpoints(m, block, [&](std::int32_t node, const Vector& force) {
-    moment += cross(m.nodes.x[at(node)] - centre, force);
-  });
+  Vector moment =
+      geometry::vector(joints.moment) + cross(geometry::vector(joints.centre) - centre, geometry::vector(joints.force));
+  each_load_on_gridpoints(
+      m, block, [&](std::int32_t node, const Vector& force) { moment += cross(m.nodes.x[at(node)] - centre, force); });
   return moment;
 }
 
