@@ -114,10 +114,10 @@ void detect_pair(const World& w, Contact& c, PairPlace& place, Finding& finding,
   if (distance <= w.detection.reach) {
     make_points(w, c, place.separation, at_start, points);
     finding.fresh = true;
-    c.beside_joint |= at_start && points.size() == finding.begin && distance <= w.detection.joint_tolerance;
+    if (at_start && points.size() == finding.begin && distance <= w.detection.joint_tolerance) c.beside_joint = 1;
   } else {
     // Beyond reach the points are removed, unless one carries traction: a joint that stretches further than the skin.
-    c.beside_joint = false;
+    c.beside_joint = 0;
     finding.fresh = !carries(w, c);
   }
   const auto fresh = std::span(points).subspan(finding.begin);
@@ -179,13 +179,13 @@ void exchange_findings(World& w, Detection& found) {
   struct Exchanged {
     int32_t family;
     uint32_t fresh_count;
-    bool examined, fresh, beside_joint;
+    bool examined, fresh;
+    uint16_t beside_joint;
   };
   std::vector<Exchanged> exchanged;
   for (size_t i = 0; w.part.ranks && i < found.contacts.size(); ++i) {
     const Finding& f = found.findings[i];
-    exchanged.push_back(
-        {found.contacts[i].family, f.fresh_count, f.examined, f.fresh, found.contacts[i].beside_joint != 0});
+    exchanged.push_back({found.contacts[i].family, f.fresh_count, f.examined, f.fresh, found.contacts[i].beside_joint});
   }
   all_gather(w.part.ranks, std::span(exchanged), [&](size_t i) { return w.part.rank_of(found.contacts[i].pair); });
   for (size_t i = 0; i < exchanged.size(); ++i) {

@@ -295,14 +295,16 @@ int family_of(const World& w, const Contact& c, const Vector& normal) {
   return w.assembly.family_of({c.pair.a, c.pair.b, normal});
 }
 
-void make_points(const World& w, const Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
+void make_points(const World& w, Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
   // Corner contacts get a nominal area, which keeps corners from sinking in. Blocks that touch along an edge since the
   // start get none, as their neighbours keep them apart (four units around a joint's end). Nor do those that meet along
   // a rim. With the nominal area, units could not slide past an edge that protrudes by some micrometres.
-  const bool on_rim = c.beside_joint || (!at_start && meet_along_rim(w, c.pair, s.normal));
-  const double nominal = on_rim ? 0.0 : std::min(w.blocks[c.pair.a].corner_area, w.blocks[c.pair.b].corner_area);
+  const double of_corner = std::min(w.blocks[c.pair.a].corner_area, w.blocks[c.pair.b].corner_area);
+  if (!at_start && c.beside_joint == 0 && meet_along_rim(w, c.pair, s.normal)) c.beside_joint = Contact::kOnRim;
+  const double nominal = c.beside_joint != 0 ? 0.0 : of_corner;
   const double of_faces = at_start ? 0.0 : nominal;
   const RigidPoints rule = rigid_points_of(w, c, s.normal, at_start);
+  const size_t before = out.size();
   if (s.feature == Separation::edges) {
     if (edge_point(w, c.pair, s, nominal, out)) return;
     // Edges that separate the blocks but pass beside each other, as the rims of stacked units do.
@@ -317,6 +319,9 @@ void make_points(const World& w, const Contact& c, const Separation& s, bool at_
   } else {
     face_points(w, c.pair.b, s.index_b, c.pair.a, at_start, of_faces, rule, out);
   }
+  double area = 0.0;
+  for (size_t i = before; i < out.size(); ++i) area += out[i].point.area;
+  if (c.beside_joint == Contact::kOnRim && area >= 0.5 * of_corner) c.beside_joint = 0;  // it would have no effect
 }
 
 }  // namespace quoin::blocks
