@@ -17,8 +17,8 @@ struct Contact {
   uint32_t first = 0, count = 0;  // points in Family::point
   uint32_t first_facet = 0;       // index of the contact's first facet point in Contacts::facets
   std::uint16_t initial = 0;      // 1: it is a joint of the start
-  // Why corners have no nominal area. 1: the blocks touch only along an edge or at a corner since the start; kOnRim:
-  // they have met along a rim, and have overlapped by less than that area since.
+  // Reason why corners have no nominal area. 1: the blocks touch only along an edge or at a corner since the start.
+  // kOnRim: they have met along a rim, and their overlap is small since.
   std::uint16_t beside_joint = 0;
   static constexpr std::uint16_t kOnRim = 2;
 };
