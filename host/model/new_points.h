@@ -19,8 +19,7 @@ struct NewPoint {
   bool joint = true;  // within the joint tolerance at the start
 };
 // Points of a pair, by the feature that separates it. Sets Contact::beside_joint of blocks that meet along a rim.
-void make_points(const World& w, Contact& c, const geometry::Separation& s, bool at_start,
-                 std::vector<NewPoint>& out);
+void make_points(const World& w, Contact& c, const geometry::Separation& s, bool at_start, std::vector<NewPoint>& out);
 // Joint family of the contact for this normal; below 0: blocks declared to pass through each other.
 int family_of(const World& w, const Contact& c, const geometry::Vector& normal);
 
