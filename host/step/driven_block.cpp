@@ -56,12 +56,12 @@ Vector net_force(const Simulation::Impl& s, int block) {
 Vector net_moment(const Simulation::Impl& s, int block) {
   if (!s.large_motion) return geometry::vector(joint_wrench(s, block).moment);
   const blocks::Model& m = *s.large_motion;
-  if (is_rigid(s, block)) return m.bodies[at(m.blocks[block].body)].torque;
   const JointWrench joints =
       s.parts.divided && !has_all(s) ? s.reactions.wrench[at(block)] : sum_large_motion_wrenches(s, {block}).front();
   const Vector centre = position_of(m, block);
   Vector moment =
       geometry::vector(joints.moment) + cross(geometry::vector(joints.centre) - centre, geometry::vector(joints.force));
+  if (is_rigid(s, block)) return moment + loads_on_body(m, block).torque;
   each_load_on_gridpoints(
       m, block, [&](std::int32_t node, const Vector& force) { moment += cross(m.nodes.x[at(node)] - centre, force); });
   return moment;
