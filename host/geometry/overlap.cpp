@@ -25,8 +25,8 @@ void triangle_vertex_rule(const Point2& a, const Point2& b, const Point2& c, dou
 // To within rounding; by symmetry its corners have equal shares.
 bool is_parallelogram(const Polygon& p) {
   constexpr double kRounding = 1e-12;  // of a diagonal
-  const double diagonal2 = distance2(p[0], p[2]);
-  return p.size() == 4 && distance2(mix(p[0], p[2], 0.5), mix(p[1], p[3], 0.5)) <= kRounding * kRounding * diagonal2;
+  if (p.size() != 4) return false;
+  return distance2(mix(p[0], p[2], 0.5), mix(p[1], p[3], 0.5)) <= kRounding * kRounding * distance2(p[0], p[2]);
 }
 
 // Coordinates of Wachspress (1975) of a place inside a convex polygon: shares of its corners, >= 0, with 1 as their sum

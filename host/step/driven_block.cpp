@@ -52,7 +52,6 @@ Vector net_force(const Simulation::Impl& s, int block) {
          geometry::vector(s.lattice.of_body(body, &BodyLanes::applied_force));
 }
 
-// Moments of contacts and loads about the centre of mass now.
 Vector net_moment(const Simulation::Impl& s, int block) {
   if (!s.large_motion) return geometry::vector(joint_wrench(s, block).moment);
   const blocks::Model& m = *s.large_motion;

@@ -163,20 +163,12 @@ double zone_damping(const Model& m) {
 template <class Visit>
 void each_share_of_moment(const Model& m, int block, const Vector& moment, const Visit& visit) {
   const ModelBlock& b = m.blocks[size_t(block)];
-  double mass = 0.0;
-  Vector centre;
-  const auto each_gridpoint = [&](const auto& of) {
-    for (int32_t i = b.first_node; i < b.first_node + b.node_count; ++i) of(i, m.nodes.mass[size_t(i)]);
-  };
-  each_gridpoint([&](int32_t i, double own) { mass += own, centre += own * m.nodes.x[size_t(i)]; });
-  centre = centre / mass;
-  Matrix inertia{{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};
-  each_gridpoint([&](int32_t i, double own) {
-    const Vector arm = m.nodes.x[size_t(i)] - centre;
-    inertia += own * (dot(arm, arm) * Matrix{} - outer(arm, arm));
-  });
-  const Vector turning = inverse(inertia) * moment;
-  each_gridpoint([&](int32_t i, double own) { visit(i, own * cross(turning, m.nodes.x[size_t(i)] - centre)); });
+  const size_t first = size_t(b.first_node), count = size_t(b.node_count);
+  const std::span x(m.nodes.x.data() + first, count);
+  const std::span mass(m.nodes.mass.data() + first, count);
+  const RigidInertia inertia(x, mass, std::vector<uint8_t>(count, 0));
+  const Vector turning = inertia.acceleration({{}, moment}).angular;
+  for (size_t i = 0; i < count; ++i) visit(int32_t(first + i), mass[i] * cross(turning, x[i] - inertia.centre()));
 }
 
 template <class Visit>

@@ -130,7 +130,7 @@ void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
     return norm(way);
   };
   // Springs to the ground are supports that have moved with it.
-  const members::Members* const members = s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+  const members::Members* const members = members_of(s);
   double of_supports = members && !members->beds().empty() ? norm(members->ground()) : 0.0, farthest = 0.0;
   int falling = -1;
   for (std::size_t i = 0; i < s.small_motion.held_blocks.size(); ++i) {

@@ -23,7 +23,8 @@ namespace {
 void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previous) {
   std::vector<Drive> before = std::move(s.actions.drives);
   s.actions.drives.clear();
-  const auto start = [&](int block) {
+  // let_turn: whether the drive leaves its rotation free.
+  const auto start = [&](int block, bool let_turn) {
     Drive drive;
     drive.block = block;
     drive.velocity_from = velocity_of(s, block);
@@ -39,6 +40,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
     }
     const Vector carried = (old.held & 7) != 0 ? -1.0 * net_force(s, block) : Vector{};
     for (int c = 0; c < 3; ++c) drive.force_from[c] = old.held >> c & 1 ? carried[c] : old.force_now[c];
+    if (!let_turn) return drive;
     // Gridpoints that are held along any axis hold the rotation of a deformable block.
     const unsigned held_turns = is_rigid(s, block) ? old.held >> 3 : old.held & 7u ? 7u : 0u;
     const Vector clamped = held_turns != 0 ? -1.0 * net_moment(s, block) : Vector{};
@@ -47,7 +49,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
   };
   for (const BodyControl& control : settings.controls) {
     for (const int block : blocks_named(s, control.body, settings.source.text)) {
-      Drive drive = start(block);
+      Drive drive = start(block, control.may_turn);
       for (int c = 0; c < 3; ++c) {
         const auto k = static_cast<std::size_t>(c);
         if (control.kind[k] == DofKind::velocity) {
@@ -59,7 +61,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
           drive.force_to[c] = control.force[k];
         }
       }
-      if (!control.may_turn) drive.held |= 0x38, drive.moment_from = {};
+      if (!control.may_turn) drive.held |= 0x38;
       drive.omega_to = geometry::vector(control.omega);
       s.actions.drives.push_back(drive);
     }
@@ -68,10 +70,11 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
     if (std::any_of(s.actions.drives.begin(), s.actions.drives.end(),
                     [&](const Drive& d) { return d.block == old.block; }))
       continue;
-    Drive released = start(old.block);
-    if (is_fixed(s, old.block)) {
+    const bool stays = is_fixed(s, old.block);
+    Drive released = start(old.block, !stays);
+    if (stays) {
       released.held = kAllHeld;
-      released.force_from = released.moment_from = {};
+      released.force_from = {};
       released.of_ground = old.of_ground, released.motion = old.motion;
     }
     s.actions.drives.push_back(released);
