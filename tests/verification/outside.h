@@ -43,6 +43,17 @@ material = "stone"
 fixed = true
 box = { lower = [-3, -1, 0], size = [6, 1, 1] }
 )";
+// All joints without friction.
+inline const std::string kSmooth = R"(
+[joints.smooth]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+friction_angle = 0
+[[joint_rule]]
+family = "smooth"
+)";
 inline constexpr double kWeightOfCube = 2000.0 * gravity;  // N
 
 inline std::string wall(const std::string& more) {

@@ -517,18 +517,9 @@ record_interval = 1
 // in one step. Their area grows with the yaw now. The moment goes with the distances of corners, which fall by 2 yaw.
 TEST(Outside, YawOfAFlushBlockTakesNoMomentAtOnce) {
   constexpr double kYaw = 0.02;
-  const Rows rows = rows_of(kCube + R"(
+  const Rows rows = rows_of(kSmooth + kCube + R"(
 [solver]
 large_motion = "always"
-[joints.smooth]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-friction_angle = 0
-[[joint_rule]]
-family = "smooth"
-normal = "vertical"
 [[block]]
 name = "base"
 material = "stone"
@@ -627,15 +618,7 @@ monitor = "post"
 // of 1 % is for the vibration that its weight has left.
 TEST(Outside, ABlockSlidesFlushFromSlabToSlab) {
   for (const char* fraction : {"0.6", "0.2"}) {
-    const Rows rows = rows_of(R"([joints.smooth]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 5e8
-friction_angle = 0
-[[joint_rule]]
-family = "smooth"
-[solver]
+    const Rows rows = rows_of(kSmooth + R"([solver]
 large_motion = "always"
 local_damping = 0.7
 time_step_fraction = )" + std::string(fraction) +
