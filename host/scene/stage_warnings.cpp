@@ -13,6 +13,12 @@
 
 namespace quoin {
 
+bool ends_by_duration(const Stage& stage) {
+  const auto is_driven = [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; };
+  return stage.kind == "custom" && !stage.equilibrium_ratio && !stage.displacement && !stage.collapse &&
+         !stage.moving_load && !stage.ground && !stage.cycles && std::ranges::none_of(stage.controls, is_driven);
+}
+
 // Each gives the warning of a stage; empty: none.
 namespace {
 
@@ -45,14 +51,9 @@ std::string damped_ground(const Scene& scene, std::size_t stage) {
 std::string damped_release(const Scene& scene, std::size_t stage) {
   if (stage == 0 || local_damping_in(scene, stage) == 0.0) return "";
   const Stage &before = scene.stages[stage - 1], &now = scene.stages[stage];
-  const auto is_driven = [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; };
-  const bool ends_by_duration =
-      now.kind == "custom" && !now.equilibrium_ratio && !now.displacement && !now.collapse && !now.moving_load;
   const bool has_same_loads = now.gravity == before.gravity && now.controls == before.controls &&
                               now.forces == before.forces && now.pressures == before.pressures;
-  if (!ends_by_duration || has_same_loads || now.ground || now.ramp_time > 0.0 ||
-      std::ranges::any_of(now.controls, is_driven))
-    return "";
+  if (!ends_by_duration(now) || has_same_loads || now.ramp_time > 0.0) return "";
   return fmt::format(
       "stage '{}' changes loads at once (ramp_time 0) and ends by its duration, and its {} brakes the vibrations that "
       "follow: amplitudes and forces are not those of free vibration; {}. Where only the state at rest counts, give "

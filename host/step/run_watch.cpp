@@ -283,6 +283,21 @@ std::string crushed_in_ramp(Simulation::Impl& s) {
       crushing, stage.name, stage.ramp_time, Watch::kSlowRamp);
 }
 
+// Warning at the end of a stage whose loads are constant at last, of forces that are not balanced: eq. 1 slows what
+// moves to a creep, in which a wall that fails can stand until the stage ends.
+std::string unsettled(const Simulation::Impl& s) {
+  constexpr double kUnbalanced = 0.05;  // share of the mean contact force
+  const double ratio = s.progress.unbalanced_ratio;
+  if (!ends_by_duration(current_stage(s)) || !(ratio > kUnbalanced) || !std::isfinite(ratio) ||
+      local_damping_in(s.scene, static_cast<std::size_t>(s.progress.stage)) == 0.0)
+    return "";
+  return fmt::format(
+      "stage '{0}' ends while blocks still move: the largest force that is not balanced is {1:.3g} of the mean contact "
+      "force (unbalanced_ratio), more than {2:g}, and local damping slows them; whether its loads are carried is open: "
+      "give it equilibrium_ratio = 0.001 in place of its duration, or a longer duration",
+      current_stage(s).name, ratio, kUnbalanced);
+}
+
 std::string turned_piece_of_beam(const Simulation::Impl& s) {
   const members::Members* const members = members_of(s);
   if (!members) return "";
@@ -428,6 +443,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   warn("crushed_out", [&] { return points_crushed_out(s); });
   warn("bending", [&] { return bending_is_due ? bending_at_corners(s) : ""; });
   warn("pressure", [&] { return stage_ends ? crushed_in_ramp(s) : ""; });
+  warn("equilibrium", [&] { return stage_ends ? unsettled(s) : ""; });
   warn("beam", [&] { return turned_piece_of_beam(s); });
   warn("seat", [&] { return beam_off_its_seat(s); });
   warn("energy_balance", [&] { return unbalanced_energies(s, stage_ends); });
