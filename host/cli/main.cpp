@@ -171,12 +171,19 @@ int run_command(int argc, char** argv) {
     if (CLI::Option* set = command->get_option_no_throw("--set")) set->check(fault_of_setting, "");
   }
 
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words[0] == "help") {
+    words.erase(words.begin());
+    const auto is_named = [&](const CLI::App* command) { return command->get_name() == words[0]; };
+    if (words.empty() || std::ranges::any_of(app.get_subcommands({}), is_named)) words.emplace_back("--help");
+  }
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> last_first(words.rbegin(), words.rend());
+    app.parse(std::move(last_first));
   } catch (const CLI::ParseError& error) {
     const bool asked_for = error.get_exit_code() == 0;  // --help, --version
     app.exit(error);
-    if (!asked_for) suggest(app, {argv + 1, argv + argc});
+    if (!asked_for) suggest(app, words);
     return asked_for ? 0 : static_cast<int>(Exit::usage);
   } catch (const quoin::Error& error) {
     if (error.exit_code != Exit::interrupted) notice(fmt::format("quoin: {}", error.what()));

@@ -13,8 +13,7 @@ struct StageWarning {
   const char* about;  // key of the warning in summary.json; a run gives each key once
   std::string text;
 };
-// Whether a stage drives nothing, and its duration alone ends it: a static load that is taken for carried at its end,
-// or blocks in free motion.
+// Whether a stage drives nothing, and its duration alone ends it: a static load, or free motion.
 bool ends_by_duration(const Stage& stage);
 std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage);
 

@@ -283,7 +283,7 @@ std::string crushed_in_ramp(Simulation::Impl& s) {
       crushing, stage.name, stage.ramp_time, Watch::kSlowRamp);
 }
 
-// Warning at the end of a stage whose loads are constant at last, of forces that are not balanced: eq. 1 slows what
+// Warning of forces that are not balanced at the end of a stage whose loads are constant at last. Eq. 1 slows what
 // moves to a creep, in which a wall that fails can stand until the stage ends.
 std::string unsettled(const Simulation::Impl& s) {
   constexpr double kUnbalanced = 0.05;  // share of the mean contact force

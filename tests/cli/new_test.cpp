@@ -86,6 +86,18 @@ TEST_F(New, UnknownKindsAndNamesAreRefused) {
   EXPECT_EQ(quoin({"new", "wall", file("nowhere/a.toml")}), 3);
 }
 
+// `quoin help run` is what many programs have beside `quoin run --help`.
+TEST_F(New, HelpIsACommandToo) {
+  EXPECT_EQ(quoin({"run", "--help"}), 0);
+  const std::string of_run = out_;
+  EXPECT_EQ(quoin({"help", "run"}), 0);
+  EXPECT_EQ(out_, of_run);
+  EXPECT_EQ(quoin({"help"}), 0);
+  EXPECT_THAT(out_, HasSubstr("Exit codes"));
+  EXPECT_EQ(quoin({"help", "rum"}), 2);
+  EXPECT_THAT(error_, HasSubstr("did you mean 'run'?"));
+}
+
 TEST_F(New, UnknownCommandsAndOptionsAreNamedWithTheNearest) {
   EXPECT_EQ(quoin({"rum", small_}), 2);
   EXPECT_THAT(error_, HasSubstr("rum: no such command, did you mean 'run'?"));

@@ -137,13 +137,15 @@ frames = 0
 }
 
 // A block on ground that tilts by 35 degrees slides where friction is 30. Local damping lets it move by less than a
-// millimetre in 0.05 s, which passes for rest. At 20 degrees it stays: what is left of vibrations is far below the bound.
+// millimetre in 0.05 s, which passes for rest. At 20 degrees it stays: what is left of vibrations is far below the
+// bound.
 TEST_F(Stages, BlocksThatCreepAtTheEndOfAStageAreToldOf) {
   for (const double degrees : {20.0, 35.0}) {
     const double angle = degrees * M_PI / 180.0;
-    const std::string scene = write(kBlocks + fmt::format("[[stage]]\nname = \"tilt\"\ngravity = [{}, {}, 0]\n"
-                                                          "ramp_time = 0.05\nduration = 0.1\nmonitor = \"bridge/Foundation\"\n",
-                                                          9.81 * std::sin(angle), -9.81 * std::cos(angle)));
+    const std::string scene =
+        write(kBlocks + fmt::format("[[stage]]\nname = \"tilt\"\ngravity = [{}, {}, 0]\n"
+                                    "ramp_time = 0.05\nduration = 0.1\nmonitor = \"bridge/Foundation\"\n",
+                                    9.81 * std::sin(angle), -9.81 * std::cos(angle)));
     for (const char* const kernels : {"automatic", "general"}) {
       ASSERT_EQ(run(scene, {"--set", std::string("solver.kernels=") + kernels}), 0) << error_;
       const std::string warnings = summary()["warnings"].dump(1);
