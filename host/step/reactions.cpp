@@ -26,10 +26,10 @@ std::vector<std::uint8_t> held_now(const Simulation::Impl& s) {
 
 namespace {
 
-bool holds(const BodyControl& control) {
-  return !control.body.empty() &&
-         std::any_of(control.kind.begin(), control.kind.end(), [](DofKind kind) { return kind == DofKind::velocity; });
+bool holds_place(const BodyControl& control) {
+  return std::ranges::find(control.kind, DofKind::velocity) != control.kind.end();
 }
+bool holds(const BodyControl& control) { return !control.body.empty() && (holds_place(control) || !control.may_turn); }
 
 bool moves(const BodyControl& control) {
   for (std::size_t c = 0; c < 3; ++c) {
@@ -78,10 +78,10 @@ void find_restrained_blocks(Simulation::Impl& s) {
     if (is_fixed(s, b)) found.insert(b);
   for (const Stage& of : s.scene.stages) {
     for (const BodyControl& control : of.controls) {
-      if (control.body.empty() || (!holds(control) && control.may_turn)) continue;
+      if (!holds(control)) continue;
       for (const int b : blocks_named(s, control.body, of.source.text)) {
         // Where rotation alone is held, its moment is a reaction, too.
-        if (is_rigid(s, b) || (s.large_motion && holds(control))) found.insert(b);
+        if (is_rigid(s, b) || (s.large_motion && holds_place(control))) found.insert(b);
       }
     }
   }

@@ -157,6 +157,25 @@ TEST_F(Stages, BlocksThatCreepAtTheEndOfAStageAreToldOf) {
   }
 }
 
+// A block that is twisted about the vertical, and free to move: the moment of its support is opposite to that of the
+// ground, as its spin is constant. Tolerance 1e-3, for vibrations.
+TEST_F(Stages, RotationsThatAreDrivenHaveReactions) {
+  const std::string scene = write(kBlocks + R"([[stage]]
+name = "twist"
+duration = 0.05
+monitor = "bridge/Foundation"
+[[stage.velocity]]
+block = "bridge/Foundation"
+velocity = ["free", "free", "free"]
+omega = [0, 1e-3, 0]
+)");
+  ASSERT_EQ(run(scene), 0) << error_;
+  const double moment = last("reaction_bridge/Foundation_my_Nm");
+  std::printf("%g N m\n", moment);
+  EXPECT_GT(moment, 1.0);
+  EXPECT_NEAR(last("reaction_ground_my_Nm"), -moment, 1e-3 * moment);
+}
+
 // --set finds a stage without a name by its kind.
 TEST_F(Stages, AStageWithoutANameIsCalledByItsKind) {
   std::string text = read_all(small_);
