@@ -157,7 +157,7 @@ TEST_F(Stages, BlocksThatCreepAtTheEndOfAStageAreToldOf) {
   }
 }
 
-// A block that is twisted about the vertical, and free to move: the moment of its support is opposite to that of the
+// A block that is twisted about the vertical, and free to move. The moment of its support is opposite to that of the
 // ground, as its spin is constant. Tolerance 1e-3, for vibrations.
 TEST_F(Stages, RotationsThatAreDrivenHaveReactions) {
   const std::string scene = write(kBlocks + R"([[stage]]
