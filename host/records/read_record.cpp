@@ -204,8 +204,15 @@ GroundRecord read_esm(const Lines& lines) {
   return even_record(lines, stream, *unit, step, count, lines.numbers_from(kEsmHeaderLines, unit->factor));
 }
 
+// Where the comment of a line begins. "%g" is a unit.
+std::size_t comment_of(const std::string& line) {
+  auto at = line.find_first_of("#%");
+  while (at != std::string::npos && lower(line.substr(at, 2)) == "%g") at = line.find_first_of("#%", at + 1);
+  return std::min(line.size(), at);
+}
+
 std::vector<std::string> cells_of(std::string line, char separator) {
-  line.erase(std::min(line.size(), line.find_first_of("#%")));
+  line.erase(comment_of(line));
   std::vector<std::string> cells;
   std::istringstream stream(line);
   if (separator == ' ') {
@@ -256,7 +263,7 @@ class CsvRecord {
     bool first = true;
     char separator = ' ';
     for (std::size_t i = 0; i < lines_.size(); ++i) {
-      if (first) separator = separator_of(lines_[i].substr(0, lines_[i].find_first_of("#%")));
+      if (first) separator = separator_of(lines_[i].substr(0, comment_of(lines_[i])));
       const std::vector<std::string> cells = cells_of(lines_[i], separator);
       if (cells.empty()) continue;
       double number = 0.0;
@@ -339,7 +346,7 @@ class CsvRecord {
   void refuse_foreign_unit(std::size_t line, std::size_t column, const std::string& cell) const {
     const auto [name, given] = name_and_unit(cell);
     const bool whole = (!given.empty() && cell.find_first_of("([") != std::string::npos) || is_time(name);
-    const std::string foreign = whole ? given : unknown_unit(cell);
+    const std::string foreign = whole ? given : lower(cell).ends_with("%g") ? "%g" : unknown_unit(cell);
     if (whole || !foreign.empty())
       lines_.refuse(line, fmt::format("the unit '{}' of column {} is unknown; allowed: m/s2, cm/s2, mm/s2, gal, g, "
                                       "m/s, cm/s, mm/s, m, cm, mm",
@@ -389,9 +396,7 @@ class CsvRecord {
   std::vector<Column> columns_;  // of the components
 };
 
-}  // namespace
-
-GroundRecord read_record(const std::string& file) {
+GroundRecord read_any(const std::string& file) {
   const Lines lines(file);
   if (is_peer(lines)) return read_peer(lines);
   if (is_esm(lines)) return read_esm(lines);
@@ -401,6 +406,35 @@ GroundRecord read_record(const std::string& file) {
         "its four lines of header do not state units and NPTS as PEER files do; allowed: line 3 '... IN UNITS OF "
         "G', line 4 'NPTS= 5366, DT= .0050 SEC'");
   return CsvRecord(lines).read();
+}
+
+// A displacement that does not begin or end at rest. Its spline stops within the last step, so that one acceleration
+// exceeds all others.
+void refuse_sudden_ends(const GroundRecord& record) {
+  constexpr double kSudden = 3.0;      // times the largest acceleration elsewhere
+  constexpr std::size_t kFewest = 10;  // samples; fewer are a motion drawn by hand
+  constexpr std::size_t kEnd = 4;      // samples in which the spline still swings
+  if (record.kind != MotionKind::displacement || record.time.size() < kFewest) return;
+  for (std::size_t c = 0; c < record.components.size(); ++c) {
+    const std::vector<double> a = acceleration_of(record, c).value;
+    double elsewhere = 0.0;
+    for (std::size_t i = kEnd; i + kEnd < a.size(); ++i) elsewhere = std::max(elsewhere, std::abs(a[i]));
+    for (const auto& [where, sudden] : {std::pair("begin", a.front()), {"end", a.back()}}) {
+      if (!(std::abs(sudden) > kSudden * elsewhere)) continue;
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: the displacement '{}' does not {} at rest: to stop within a step takes {:.3g} m/s2, "
+                              "where the rest has {:.3g}; taper it, add samples at rest, or take the acceleration",
+                              record.source, record.components[c].name, where, std::abs(sudden), elsewhere));
+    }
+  }
+}
+
+}  // namespace
+
+GroundRecord read_record(const std::string& file) {
+  GroundRecord record = read_any(file);
+  refuse_sudden_ends(record);
+  return record;
 }
 
 GroundRecord read_record(const std::vector<std::string>& files) {

@@ -125,7 +125,7 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
     if (given)
       t.context().fault(
           fmt::format("{}: the stage moves the ground, and solver.{} = {} would falsify its motion; remove "
-                      "it there, or repeat it in the solver table of the stage",
+                      "it there, or repeat it with this value in the solver table of the stage",
                       t.where(), key, text_of(*t.context().solver->get(key))));
     return given;
   };

@@ -46,6 +46,23 @@ std::string damped_ground(const Scene& scene, std::size_t stage) {
       scene.stages[stage].name, damping, kDampingForMotion);
 }
 
+// Ground motion without weight, or with weight that comes at once.
+std::string weight_under_ground(const Scene& scene, std::size_t stage) {
+  const Stage& now = scene.stages[stage];
+  if (!now.ground) return "";
+  if (now.gravity == Vec3{})
+    return fmt::format(
+        "stage '{}' moves the ground and has no weight (gravity is 0): dry joints carry nothing, and friction is that "
+        "of pressures alone; give it gravity = [0, -9.81, 0]",
+        now.name);
+  const Vec3 before = stage > 0 ? scene.stages[stage - 1].gravity : Vec3{};
+  if (now.gravity == before || now.ramp_time > 0.0) return "";
+  return fmt::format(
+      "stage '{}' moves the ground, and its gravity comes at once: joints vibrate under up to twice the weight; put a "
+      "stage of weight with equilibrium_ratio before it",
+      now.name);
+}
+
 // Loads that change at once where nothing is driven, and eq. 1 that brakes the vibrations that follow. Not for the
 // first stage, which is taken for settling.
 std::string damped_release(const Scene& scene, std::size_t stage) {
@@ -201,7 +218,10 @@ std::string few_zones_in_bending(const Scene& scene, std::size_t stage) {
   const int zones = scene.building                           ? scene.building->zones[2]
                     : scene.wall && !scene.wall->rigid_units ? scene.wall->zones[2] * (1 + scene.wall->half_thickness)
                                                              : kEnough;
-  const bool bends = scene.building ? now.ground || now.collapse : acts_along(now, 2);
+  const auto is_across = [&](const BuildingSpec::Wall& wall) { return acts_along(now, wall.axis == 0 ? 2 : 0); };
+  const bool bends = scene.building
+                         ? (now.ground || now.collapse) && std::ranges::any_of(scene.building->walls, is_across)
+                         : acts_along(now, 2);
   if (zones >= kEnough || !bends) return "";
   return fmt::format(
       "stage '{}' bends walls out of plane, and their joints have {} zone{} through the thickness: elastic ones are "
@@ -214,11 +234,12 @@ std::string few_zones_in_bending(const Scene& scene, std::size_t stage) {
 
 std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) {
   std::vector<StageWarning> all = {
-      {"damping", damped_ground(scene, stage)},        {"release", damped_release(scene, stage)},
-      {"collapse", damped_collapse(scene, stage)},     {"angle", damped_at_an_angle(scene, stage)},
-      {"ramp", goes_on_in_ramp(scene, stage)},         {"held_monitor", held_monitor(scene, stage)},
-      {"record", record_outside(scene.stages[stage])}, {"record", record_of_none(scene, stage)},
-      {"inertia", raised_inertia(scene, stage)},       {"thickness", few_zones_in_bending(scene, stage)}};
+      {"damping", damped_ground(scene, stage)},         {"release", damped_release(scene, stage)},
+      {"collapse", damped_collapse(scene, stage)},      {"angle", damped_at_an_angle(scene, stage)},
+      {"ramp", goes_on_in_ramp(scene, stage)},          {"held_monitor", held_monitor(scene, stage)},
+      {"record", record_outside(scene.stages[stage])},  {"record", record_of_none(scene, stage)},
+      {"weight", weight_under_ground(scene, stage)},    {"inertia", raised_inertia(scene, stage)},
+      {"thickness", few_zones_in_bending(scene, stage)}};
   std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
   return all;
 }

@@ -1,10 +1,13 @@
 #include "records/read_record.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
 
 #include "base/error.h"
@@ -148,6 +151,27 @@ TEST_F(ReadRecord, UnitsWithUnderscoresAreUnits) {
   for (const char* name : {"acc_n_s", "s2", "north_s_wave"})
     EXPECT_THAT(read_record(file("w.csv", std::string("time_s,") + name + "\n0,0\n1,2\n")).assumptions,
                 ElementsAre(HasSubstr(std::string("column '") + name + "' is an acceleration in m/s2")));
+}
+
+// "%" begins a comment, but "%g" is a unit: "a (%g)" was read as "a (" in m/s2, 10.2 times too large.
+TEST_F(ReadRecord, PercentOfGravityIsNoComment) {
+  for (const char* name : {"a (%g)", "a [%g]", "a_%g", "a %g", "a %G"})
+    EXPECT_THAT(fault("p.csv", fmt::format("time (s),{}\n0,0\n1,2\n", name)), HasSubstr("of column 2 is unknown"));
+  const GroundRecord record = read_record(file("q.csv", "% a record\ntime_s,a_g % by hand\n0,0 % begins\n1,2\n"));
+  EXPECT_NEAR(record.components[0].value[1], 2.0 * 9.80665, 1e-12);
+}
+
+// The spline of a displacement that ends at 0.1 m/s stops within a step: its acceleration there was 45 times the
+// largest of the motion, 1 - cos of 2 rad/s, and scaling to a PGA was wrong by as much.
+TEST_F(ReadRecord, DisplacementsThatStopWithinAStepAreRefused) {
+  const auto motion = [](double seconds) {
+    std::string text = "time_s,u_m\n";
+    for (int i = 0; i * 0.01 <= seconds; ++i)
+      text += fmt::format("{},{:.12g}\n", i * 0.01, 0.05 * (1 - std::cos(2.0 * i * 0.01)));
+    return text;
+  };
+  EXPECT_THAT(fault("r.csv", motion(2.4)), HasSubstr("does not end at rest"));
+  EXPECT_EQ(read_record(file("s.csv", motion(std::numbers::pi))).kind, MotionKind::displacement);
 }
 
 TEST_F(ReadRecord, WhatAFileDoesNotStateIsAnAssumption) {

@@ -161,6 +161,72 @@ collapse = { direction = )" + direction + ", start = 0.2, rate = 0.2 }\n",
   EXPECT_FALSE(warns("rigid_units = true", "[0, 0, 1]"));
 }
 
+// Walls of a building bend out of plane where a stage acts across one of them.
+TEST(OutOfPlane, OfABuildingIsWarnedOfAcrossItsWallsAlone) {
+  const auto warns = [](const char* axis, const char* direction) {
+    const Scene scene = read_scene_text(fmt::format(R"(
+[materials.m]
+young_modulus = 5e9
+poisson_ratio = 0.2
+density = 1800.0
+[joints.j]
+law = "elastic"
+normal_stiffness = 2e10
+shear_stiffness = 1e10
+[building]
+courses = 4
+course_height = 0.25
+thickness = 0.25
+zones = [1, 1, 1]
+unit_material = "m"
+bed_joint = "j"
+head_joint = "j"
+unit_joint = "j"
+beam_joint = "j"
+[[building.wall]]
+name = "A"
+axis = "{}"
+start = [0, 0]
+half_units = 6
+half_unit = 0.25
+[[stage]]
+name = "shake"
+duration = 0.8
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+ground_motion = {{ direction = {}, time = [0, 0.4, 0.8], acceleration = [0, 2, 2] }}
+)",
+                                                    axis, direction),
+                                        "scene.toml", {});
+    return std::ranges::any_of(stage_warnings(scene, 0),
+                               [](const StageWarning& w) { return std::string(w.about) == "thickness"; });
+  };
+  EXPECT_TRUE(warns("x", "[0, 0, 1]"));
+  EXPECT_FALSE(warns("x", "[1, 0, 0]"));
+  EXPECT_TRUE(warns("z", "[1, 0, 0]"));
+  EXPECT_FALSE(warns("z", "[0, 0, 1]"));
+}
+
+// Gravity is 0 unless it is written: a dry block under an earthquake had a base shear of 0 in silence. Weight that
+// comes at once made 24.2 kN of a weight of 19.6.
+TEST(Weight, UnderGroundMotionIsWarnedOfWhereThereIsNoneOrItComesAtOnce) {
+  const auto weight = [](const char* before, const char* now) {
+    const std::string stages = fmt::format(
+        "[[stage]]\nname = \"rest\"\nduration = 0.1\n{}\n[[stage]]\nname = \"shake\"\nduration = 0.8\n{}\n"
+        "ground_motion = {{ direction = [1, 0, 0], time = [0, 0.4, 0.8], acceleration = [0, 2, 2] }}\n",
+        before, now);
+    const Scene scene = read_scene_text(scene_text(kRigid, stages), "scene.toml", {});
+    for (const StageWarning& warning : stage_warnings(scene, 1))
+      if (std::string(warning.about) == "weight") return warning.text;
+    return std::string();
+  };
+  const char* const kDown = "gravity = [0, -9.81, 0]";
+  EXPECT_THAT(weight("", ""), HasSubstr("has no weight"));
+  EXPECT_THAT(weight("", kDown), HasSubstr("comes at once"));
+  EXPECT_EQ(weight(kDown, kDown), "");
+  EXPECT_EQ(weight("", (std::string(kDown) + "\nramp_time = 0.2").c_str()), "");
+}
+
 // A stage measures along what it drives: beside x it was not, so that a slow push along z counted as one without work.
 TEST(DefaultDirection, IsThatOfTheDrive) {
   const auto direction = [](const char* velocity, const std::vector<std::string>& settings) {
