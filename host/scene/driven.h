@@ -27,6 +27,12 @@ inline std::array<bool, 3> driven_along(const Stage& stage, const std::vector<st
   return driven;
 }
 
+// Whether a stage moves blocks: driven ones, or all at a collapse or under a moving load.
+inline bool moves_blocks(const Stage& stage) {
+  const auto moves = [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{} || c.in_cycles >= 0; };
+  return stage.collapse || stage.moving_load || std::ranges::any_of(stage.controls, moves);
+}
+
 // The only axis of these; else x.
 inline int only_axis(const std::array<bool, 3>& axes) {
   return axes == std::array{false, true, false} ? 1 : axes == std::array{false, false, true} ? 2 : 0;

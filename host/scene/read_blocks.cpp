@@ -272,7 +272,6 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   read_stage_basics(t, s, previous);
   t.each("velocity", [&](Table& v) { read_drive(v, s); });
   read_actions(t, s, folder, {});
-  read_stage_solver(t, s, scene);
   s.kind = "custom";
   if (t.choice("kind", s.kind, {"rest", "cycles", "custom"}) && !t.has("name")) s.name = s.kind;
   if (s.kind == "cycles") {
@@ -297,6 +296,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
           "rest with weight and constant loads alone: without ground_motion, collapse, moving_load, displacement and "
           "velocities, which a stage after it takes");
   }
+  read_stage_solver(t, s, scene);
   require_end(t, s);
   read_law_swaps(t, scene, s);
   t.finish();
