@@ -149,7 +149,7 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
 }
 
 // Whether a stage has damping that the scene does not choose, and moves rigid blocks alone. In motion the sign of a
-// velocity does not change, so that eq. 1 turns the chatter of their contacts into drag: a pile on a table that tilts
+// velocity does not change, so that eq. 1 turns the chatter of their contacts into drag. A pile on a table that tilts
 // fell at 46 degrees in place of 27.
 bool would_drag(Table& t, const Scene& scene, const Stage& stage, const SolverSettings& before) {
   const toml::table* const of_run = t.context().solver;

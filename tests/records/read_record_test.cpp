@@ -161,7 +161,7 @@ TEST_F(ReadRecord, PercentOfGravityIsNoComment) {
   EXPECT_NEAR(record.components[0].value[1], 2.0 * 9.80665, 1e-12);
 }
 
-// The spline of a displacement that ends at 0.1 m/s stops within a step: its acceleration there was 45 times the
+// The spline of a displacement that ends at 0.1 m/s stops within a step. Its acceleration there was 45 times the
 // largest of the motion, 1 - cos of 2 rad/s, and scaling to a PGA was wrong by as much.
 TEST_F(ReadRecord, DisplacementsThatStopWithinAStepAreRefused) {
   const auto motion = [](double seconds) {
