@@ -18,9 +18,6 @@ namespace {
 constexpr double least_overlap_cosine = 0.05;
 // Gap above which a point is on the far side of a tilted block, in multiples of the reach of detection.
 constexpr double far_side = 20.0;
-// Share of that gap from which a point with tension keeps the far side in the joint. From one detection to the next no
-// point opens by the rest.
-constexpr double kNearFarSide = 0.5;
 // Secant stiffness, over that of the intact joint, up to which tension is none: the end of exponential softening.
 constexpr double kNoTension = 1e-12;
 // Distance below which points of an overlap are merged, as a fraction of the smallest block.
@@ -321,11 +318,12 @@ void make_points(const World& w, Contact& c, const Separation& s, bool at_start,
   const double nominal = c.beside_joint != 0 ? 0.0 : of_corner;
   const double of_faces = at_start ? 0.0 : nominal;
   const RigidPoints rule = rigid_points_of(w, c, s.normal, at_start);
-  const double far = far_side * w.detection.reach;
-  const double farthest = at_start || pulled_opening(w, c).value_or(0.0) > kNearFarSide * far ? HUGE_VAL : far;
+  // A joint that is pulled further than points are placed is still whole, on both sides of a tilted block.
+  const bool is_pulled = pulled_opening(w, c).value_or(0.0) > w.detection.reach;
+  const double farthest = at_start || is_pulled ? HUGE_VAL : far_side * w.detection.reach;
   const size_t before = out.size();
   if (s.feature == Separation::edges) {
-    if (edge_point(w, c.pair, s, nominal, out)) return;
+    if (!is_pulled && edge_point(w, c.pair, s, nominal, out)) return;
     // Edges that separate the blocks but pass beside each other, as the rims of stacked units do.
     const Placed a = placed(w, c.pair.a), b = placed(w, c.pair.b);
     const int face_of_a = facing(a, s.normal), face_of_b = facing(b, -s.normal);
