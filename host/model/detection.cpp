@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "base/error.h"
@@ -39,6 +40,22 @@ struct Detection {
   bool changed = false;       // whether points of any contact have changed
 };
 
+// Pairs beyond the skin whose joints are pulled stay, as the law alone ends a joint.
+void keep_pulled_pairs(const World& w, std::vector<Pair>& pairs) {
+  std::vector<Pair> beyond;
+  std::vector<uint8_t> pulled;
+  for (const Contact& c : w.contacts.list) {
+    if (c.count == 0 || std::ranges::binary_search(pairs, c.pair)) continue;
+    beyond.push_back(c.pair), pulled.push_back(w.part.owns(c.pair) && pulled_opening(w, c));
+  }
+  all_gather(w.part.ranks, std::span(pulled), [&](size_t i) { return w.part.rank_of(beyond[i]); });
+  const size_t within = pairs.size();
+  for (size_t i = 0; i < beyond.size(); ++i) {
+    if (pulled[i]) pairs.push_back(beyond[i]);
+  }
+  std::inplace_merge(pairs.begin(), pairs.begin() + long(within), pairs.end());
+}
+
 // Broad phase: all pairs within the skin. They are found again when a block has used most of its share.
 std::vector<Pair> close_pairs(World& w, bool everything) {
   bool stale = everything;
@@ -62,6 +79,7 @@ std::vector<Pair> close_pairs(World& w, bool everything) {
   w.part.gather_by_block(boxes);
   for (size_t i = 0; i < w.blocks.size(); ++i) w.part.rough_place[i] = 0.5 * (boxes[i].lower + boxes[i].upper);
   pairs = overlapping_pairs(boxes);
+  keep_pulled_pairs(w, pairs);
   const auto held = [&](int i) {  // fixed blocks that stages drive are laid out on all ranks
     return w.blocks[i].body >= 0 && w.assembly.blocks[i].fixed && !w.assembly.blocks[i].freed &&
            (!w.part.laid_out[size_t(i)] || w.bodies[w.blocks[i].body].held == 0x3f);

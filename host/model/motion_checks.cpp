@@ -49,7 +49,8 @@ double detection_fraction(const World& w) {
 double allowed_motion(const World& w, const Contact& c, const PairPlace& place) {
   const double extent = std::min(w.blocks[c.pair.a].least_extent, w.blocks[c.pair.b].least_extent);
   const double fraction = detection_fraction(w);
-  if (c.count == 0) return std::max(fraction * extent, 0.5 * place.separation.distance);
+  const double distance = place.separation.distance;
+  if (c.count == 0 || distance > w.detection.skin) return std::max(fraction * extent, 0.5 * distance);
   return (c.initial ? std::max(fraction, w.assembly.contact.joint_motion) : fraction) * extent;
 }
 

@@ -1,6 +1,7 @@
 #include "model/new_points.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/overlap.h"
 #include "model/contact_frames.h"
@@ -17,6 +18,8 @@ namespace {
 constexpr double least_overlap_cosine = 0.05;
 // Gap above which a point is on the far side of a tilted block, in multiples of the reach of detection.
 constexpr double far_side = 20.0;
+// Secant stiffness, over that of the intact joint, up to which tension is none: the end of exponential softening.
+constexpr double kNoTension = 1e-12;
 // Distance below which points of an overlap are merged, as a fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
 // Distance from a gridpoint, as a fraction of an edge, below which a point lies on it. It is far above the rounding of
@@ -238,8 +241,9 @@ double diagonal_of(const std::vector<QuadraturePoint>& points) {
 }
 
 // Appends points where the face of `carrier` that is turned to `owner` overlaps the face `owner_face`, in the plane of
-// that face. Their areas add up to half of `nominal` (m2) at least; a single corner gets `nominal`.
-void face_points(const World& w, int owner, int owner_face, int carrier, bool at_start, double nominal,
+// that face. farthest: largest gap, m. Their areas add up to half of `nominal` (m2) at least; a single corner gets
+// `nominal`.
+void face_points(const World& w, int owner, int owner_face, int carrier, bool at_start, double farthest, double nominal,
                  RigidPoints rule, std::vector<NewPoint>& out) {
   const Placed a = placed(w, owner), b = placed(w, carrier);
   const FacePlane plane(a, owner_face);
@@ -283,12 +287,22 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
   for (const QuadraturePoint& q : points) {
     const Vector foot = plane.origin + q.at.x * plane.s + q.at.y * plane.t;
     const double gap = dot(on_b - foot, nb) / dot(plane.n, nb);
-    if (!at_start && gap > far_side * w.detection.reach) continue;
+    if (gap > farthest) continue;
     make(foot + gap * plane.n, q.area * stiffen, gap);
   }
 }
 
 }  // namespace
+
+std::optional<double> pulled_opening(const World& w, const Contact& c) {
+  std::optional<double> largest;
+  for (uint32_t i = c.first; i < c.first + c.count; ++i) {
+    const Family& f = w.contacts.families[size_t(c.family)];
+    const double opening = f.normal_jump[i], tension = f.traction[0][i];
+    if (tension > kNoTension * f.kn * std::abs(opening)) largest = std::max(largest.value_or(opening), opening);
+  }
+  return largest;
+}
 
 int family_of(const World& w, const Contact& c, const Vector& normal) {
   if (c.family >= 0 || !w.assembly.family_of) return std::max(c.family, 0);
@@ -304,20 +318,23 @@ void make_points(const World& w, Contact& c, const Separation& s, bool at_start,
   const double nominal = c.beside_joint != 0 ? 0.0 : of_corner;
   const double of_faces = at_start ? 0.0 : nominal;
   const RigidPoints rule = rigid_points_of(w, c, s.normal, at_start);
+  // A joint that is pulled further than points are placed is still whole, on both sides of a tilted block.
+  const bool is_pulled = pulled_opening(w, c).value_or(0.0) > w.detection.reach;
+  const double farthest = at_start || is_pulled ? HUGE_VAL : far_side * w.detection.reach;
   const size_t before = out.size();
   if (s.feature == Separation::edges) {
-    if (edge_point(w, c.pair, s, nominal, out)) return;
+    if (!is_pulled && edge_point(w, c.pair, s, nominal, out)) return;
     // Edges that separate the blocks but pass beside each other, as the rims of stacked units do.
     const Placed a = placed(w, c.pair.a), b = placed(w, c.pair.b);
     const int face_of_a = facing(a, s.normal), face_of_b = facing(b, -s.normal);
     if (dot(a.normals[face_of_a], s.normal) >= -dot(b.normals[face_of_b], s.normal))
-      face_points(w, c.pair.a, face_of_a, c.pair.b, at_start, of_faces, rule, out);
+      face_points(w, c.pair.a, face_of_a, c.pair.b, at_start, farthest, of_faces, rule, out);
     else
-      face_points(w, c.pair.b, face_of_b, c.pair.a, at_start, of_faces, rule, out);
+      face_points(w, c.pair.b, face_of_b, c.pair.a, at_start, farthest, of_faces, rule, out);
   } else if (s.feature == Separation::face_of_a) {
-    face_points(w, c.pair.a, s.index_a, c.pair.b, at_start, of_faces, rule, out);
+    face_points(w, c.pair.a, s.index_a, c.pair.b, at_start, farthest, of_faces, rule, out);
   } else {
-    face_points(w, c.pair.b, s.index_b, c.pair.a, at_start, of_faces, rule, out);
+    face_points(w, c.pair.b, s.index_b, c.pair.a, at_start, farthest, of_faces, rule, out);
   }
   double area = 0.0;
   for (size_t i = before; i < out.size(); ++i) area += out[i].point.area;

@@ -1,6 +1,7 @@
 // New contact points of a pair of blocks.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "geometry/separation.h"
@@ -20,6 +21,8 @@ struct NewPoint {
 };
 // Points of a pair, by the feature that separates it. Sets Contact::beside_joint of blocks that meet along a rim.
 void make_points(const World& w, Contact& c, const geometry::Separation& s, bool at_start, std::vector<NewPoint>& out);
+// Largest opening of a contact's points that have tension, m; none: no point has.
+std::optional<double> pulled_opening(const World& w, const Contact& c);
 // Joint family of the contact for this normal; below 0: blocks declared to pass through each other.
 int family_of(const World& w, const Contact& c, const geometry::Vector& normal);
 

@@ -34,7 +34,8 @@ std::vector<PlacedPoint> placed_points(const Model& model, std::span<const std::
     if (joint != found_joint) found = &finder.find(at(joint)), found_joint = joint;
     const NewPoint& p = (*found)[at(model.point_in_joint[at(points[i])])];
     const Joint& of_point = joint_of(model, points[i]);
-    placed[i] = {p.position, p.area, of_point.block_a, of_point.block_b};
+    const Model::Sides sides = Model::sides_of(of_point);
+    placed[i] = {p.position, p.area, sides.a, sides.b};
     for (std::size_t k = 0; k < 3; ++k) placed[i].axis[k][(at(of_point.face_a / 2) + k) % 3] = 1.0;
   }
   return placed;

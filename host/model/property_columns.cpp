@@ -94,7 +94,8 @@ class Places {
     const int block = laid(p), other = block == p.block_a ? p.block_b : p.block_a;
     long which = 0;
     if (level != ScatterLevel::unit && at(other).course == at(block).course) which = 1;
-    if (level != ScatterLevel::unit && at(other).course < 0 && other > block && at(block).course > 0) which = 2;
+    if (level != ScatterLevel::unit && at(other).course < 0 && (block == p.block_a ? 1.0 : -1.0) * p.axis[0][1] > 0.5)
+      which = 2;
     return 3L * at(block).course + which;
   }
 

@@ -101,8 +101,7 @@ void draw_columns(World& w) {
     const JointFamily& description = w.assembly.families[k];
     Family& f = w.contacts.families[k];
     if (!description.scatters()) continue;
-    std::vector<PlacedPoint> points;
-    for (const Point& p : f.point) points.push_back({array(p.at), p.area, p.a, p.b});
+    const std::vector<PlacedPoint> points = placed_points(w, f);
     f.columns = draw_properties(description, *f.material, points, placed);
     const quoin_stiffness_bounds bounds = stiffness_bounds_of(description, *f.material, f.columns);
     f.kn = bounds.normal, f.ks = bounds.shear;

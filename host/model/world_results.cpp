@@ -109,6 +109,15 @@ Vector force_on_a(const World& w, const Family& f, size_t point) {
 
 Vector place_of(const World& w, const Point& p) { return locate(w, p, w.contacts.facets).at; }
 
+std::vector<PlacedPoint> placed_points(const World& w, const Family& f) {
+  std::vector<PlacedPoint> points;
+  for (const Point& p : f.point) {
+    const auto along = [&](const Vector& axis) { return array(in_space(w, p, axis)); };
+    points.push_back({array(p.at), p.area, p.a, p.b, {along(p.n), along(p.s), along(p.t)}});
+  }
+  return points;
+}
+
 Vector corner_of(const World& w, int block, int vertex) {
   const ModelBlock& b = w.blocks[block];
   if (b.body < 0) return w.nodes.x[size_t(b.first_node) + size_t(vertex)];

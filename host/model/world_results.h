@@ -22,6 +22,7 @@ double kinetic_energy_of(const World& w, int block);       // from the velocitie
 Matrix frame_of(const World& w, const Point& p);                   // rows n, s, t in space, n from a to b
 Vector force_on_a(const World& w, const Family& f, size_t point);  // on the point's block a, N
 Vector place_of(const World& w, const Point& p);                   // m
+std::vector<PlacedPoint> placed_points(const World& w, const Family& f);
 Deepest deepest_of(const World& w, const Chunk& chunk);
 Deepest deepest_of_chunk(const World& w, int chunk);
 double force_sum_of(const World& w, const Chunk& chunk);  // sum of the magnitudes of forces, N

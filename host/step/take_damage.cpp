@@ -21,13 +21,7 @@ namespace {
 void damage_large_motion(Simulation::Impl& s, std::size_t f, const std::vector<CrackedBlock>& blocks,
                          std::vector<double>& hit) {
   const blocks::Family& family = s.large_motion->contacts.families[f];
-  std::vector<PlacedPoint> points;
-  for (const blocks::Point& p : family.point) {
-    const auto along = [&](const geometry::Vector& axis) {
-      return geometry::array(blocks::in_space(*s.large_motion, p, axis));
-    };
-    points.push_back({geometry::array(p.at), p.area, p.a, p.b, {along(p.n), along(p.s), along(p.t)}});
-  }
+  const std::vector<PlacedPoint> points = blocks::placed_points(*s.large_motion, family);
   const DamagedFamily damaged =
       damage_family(s.scene.damage, s.large_motion->assembly.families[f], s.model.families[f].material, points, points,
                     blocks, family.columns, &hit);

@@ -170,8 +170,9 @@ TEST(Columns, LevelsHaveOneValueEach) {
 }
 
 // The lattice and the general kernels have equal random values at equal positions.
-TEST(Columns, DoNotDependOnTheKernels) {
-  const Settings settings = strength("distribution=\"lognormal\",cov=0.2,level=\"point\",correlation_length=0.2");
+void same_in_all_kernels(int courses) {
+  const Settings settings = strength("distribution=\"lognormal\",cov=0.2,level=\"point\",correlation_length=0.2") +
+                            Settings{fmt::format("wall.courses={}", courses)};
   const Drawn lattice = drawn(settings);
   const Simulation general(read_scene(kSmall, settings + Settings{"solver.kernels=general"}));
   const blocks::Family& family = general.large_motion()->contacts.families[0];
@@ -191,6 +192,33 @@ TEST(Columns, DoNotDependOnTheKernels) {
     }
   }
   EXPECT_EQ(found, family.size());
+}
+TEST(Columns, DoNotDependOnTheKernels) {
+  for (const int courses : {1, 8}) same_in_all_kernels(courses);
+}
+
+// The rows below and above a wall are fields of their own, also if it has one course alone: their correlation is 0.
+TEST(Columns, JointsOfTheBeamsAreRowsOfTheirOwn) {
+  constexpr int kWalls = 100;
+  constexpr double kMean = 0.2e6, kScatter = 0.02e6;
+  for (const int courses : {1, 2}) {
+    double product = 0.0;
+    for (int wall = 1; wall <= kWalls; ++wall) {
+      const Drawn d = drawn(strength("distribution=\"normal\",cov=0.1,level=\"joint\",correlation_length=0.3", wall) +
+                            Settings{fmt::format("wall.courses={}", courses)});
+      std::map<double, double> of_row;  // by height: value of the leftmost joint
+      std::map<double, double> leftmost;
+      for (std::size_t i = 0; i < d.value.size(); ++i) {
+        if (d.unit_a[i] >= 0 && d.unit_b[i] >= 0) continue;
+        const double x = d.point[i].position[0], y = d.point[i].position[1];
+        if (const auto [at, is_new] = leftmost.try_emplace(y, x); is_new || x < at->second)
+          at->second = x, of_row[y] = d.value[i];
+      }
+      ASSERT_EQ(of_row.size(), 2u);
+      product += (of_row.begin()->second - kMean) * (of_row.rbegin()->second - kMean);
+    }
+    EXPECT_NEAR(product / kWalls / (kScatter * kScatter), 0.0, 5.0 / std::sqrt(kWalls)) << courses;  // standard errors
+  }
 }
 
 // Over many walls mean and standard deviation of a joint's average are those given (scatter_of = "joint"). The

@@ -226,6 +226,7 @@ INSTANTIATE_TEST_SUITE_P(
              kScenes + "mixed.toml",
              {"output.energy=true", "stage.weight.duration=0.05", "stage.push.duration=0.1"},
              Case::detection},
+        Case{"PulledJoints", QUOIN_HOST_TESTS "/pulled_stack.toml", {}, Case::detection},
         Case{"Members", QUOIN_HOST_TESTS "/all_members.toml", {}},
         Case{"MembersAndScatter",
              QUOIN_HOST_TESTS "/all_members.toml",
