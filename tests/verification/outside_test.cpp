@@ -1737,7 +1737,7 @@ velocity = [{}, 0, 0]
 // A prescribed rotation that changes did the work of its last value. 10 % of the work were missing here, and half of
 // that with half the step. A joint that is twisted and held stores what the support has given.
 TEST(Outside, APrescribedRotationDoesItsWork) {
-  std::string scene = kBase + kCube +
+  std::string scene = "[solver]\ndamping = \"none\"\n" + kBase + kCube +
                       "[joints.stiff]\nlaw = \"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 5e8\n" +
                       "[[joint_rule]]\nfamily = \"stiff\"\n";
   for (const double omega : {0.1, 0.0})
