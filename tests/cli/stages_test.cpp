@@ -157,6 +157,28 @@ TEST_F(Stages, BlocksThatCreepAtTheEndOfAStageAreToldOf) {
   }
 }
 
+// The same where the stage asks for equilibrium, under any damping. At 35 degrees it ended by its duration without a
+// warning. At 20 degrees it ends at rest.
+TEST_F(Stages, AStageThatMissesItsEquilibriumIsToldOf) {
+  for (const auto& [degrees, damping] :
+       {std::pair{20.0, "local"}, {35.0, "local"}, {35.0, "viscous"}, {35.0, "none"}}) {
+    const double angle = degrees * M_PI / 180.0;
+    const std::string scene =
+        write(kBlocks + fmt::format("[[stage]]\nname = \"tilt\"\ngravity = [{}, {}, 0]\nramp_time = 0.05\n"
+                                    "duration = 1.0\nequilibrium_ratio = 1e-3\nsolver = {{ damping = \"{}\" }}\n",
+                                    9.81 * std::sin(angle), -9.81 * std::cos(angle), damping));
+    ASSERT_EQ(run(scene, {"--set", "output.monitor=bridge/Foundation"}), 0) << error_;
+    const std::string warnings = summary()["warnings"].dump(1);
+    std::printf("%g degrees, %s: unbalanced_ratio %.3g, dx %.3g mm\n", degrees, damping, last("unbalanced_ratio"),
+                1e3 * last("monitor_dx_m"));
+    EXPECT_EQ(warnings.find("stage 'tilt' ends without the equilibrium") != std::string::npos, degrees > 30.0)
+        << warnings;
+    const std::string ratios =
+        fmt::format("is {:.3g} of the mean contact force (unbalanced_ratio), wanted 0.001", last("unbalanced_ratio"));
+    EXPECT_EQ(warnings.find(ratios) != std::string::npos, degrees > 30.0) << warnings;
+  }
+}
+
 // A block that is twisted about the vertical, and free to move. The moment of its support is opposite to that of the
 // ground, as its spin is constant. Tolerance 1e-3, for vibrations.
 TEST_F(Stages, RotationsThatAreDrivenHaveReactions) {
