@@ -43,15 +43,6 @@ bool carry(const Floor& floor, const std::vector<int>& line, const std::vector<d
   return true;
 }
 
-// Mean of a block's corners, m.
-Vector middle_of(const blocks::Assembly& assembly, int block) {
-  const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
-  const std::vector<Vector>& corners = assembly.shapes[static_cast<std::size_t>(b.shape)].vertices;
-  Vector sum;
-  for (const Vector& corner : corners) sum += corner;
-  return b.position + matrix(b.orientation) * (1.0 / static_cast<double>(corners.size()) * sum);
-}
-
 // Piece of a floor's edge for which a connector stands: its node, and its ends, m.
 struct Piece {
   Vector node, from, to;
@@ -73,7 +64,7 @@ int wall_at(const Piece& piece, const Floor::Grid& grid, const blocks::Assembly&
     };
     const auto holds = [&](const Vector& at) { return off(at) <= allowed_off(assembly, block); };
     if (!holds(piece.node) && !(holds(middle) && holds(piece.to))) continue;
-    const Vector centre = middle_of(assembly, block);
+    const Vector centre = blocks::centre_of(assembly, block);
     const std::array ranks{off(middle), off(piece.from) + off(piece.to), dot(up, centre), dot(grid.along, centre),
                            dot(grid.across, centre)};
     const auto [here, there] =

@@ -15,6 +15,7 @@
 #include "model/world_results.h"
 #include "scene/brick_overlap.h"
 #include "scene/damping_text.h"
+#include "scene/load_place.h"
 #include "scene/stage_warnings.h"
 #include "step/block_motion.h"
 #include "step/borders.h"
@@ -118,10 +119,9 @@ std::string damped_motion(Simulation::Impl& s) {
   if (s.parts.divided) block = largest_of_ranks(s, most == largest_of_ranks(s, most) ? block : -1.0);
   const int number = static_cast<int>(block);
   if (std::exchange(s.watch.falling, number) != number || number < 0) return "";
-  const Vector& place = s.large_motion->assembly.blocks[static_cast<std::size_t>(number)].position;
-  const std::string which =
-      fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", blocks::label(s.large_motion->assembly, number), place[0],
-                  place[1], place[2]);  // units of buildings have no names
+  const Vector place = blocks::centre_of(s.large_motion->assembly, number);  // units of buildings have no names
+  const std::string which = fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m",
+                                        blocks::label(s.large_motion->assembly, number), place.x, place.y, place.z);
   if (scaling != 1.0)
     return fmt::format(
         "block {} falls, slides or topples with {:g} times its inertia (solver.mass_scaling), so that its "

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <regex>
 #include <sstream>
 
 #include "program.h"
@@ -177,6 +178,33 @@ TEST_F(Stages, AStageThatMissesItsEquilibriumIsToldOf) {
         fmt::format("is {:.3g} of the mean contact force (unbalanced_ratio), wanted 0.001", last("unbalanced_ratio"));
     EXPECT_EQ(warnings.find(ratios) != std::string::npos, degrees > 30.0) << warnings;
   }
+}
+
+// An arch of t/R = 0.05 falls, and a voussoir is named at its place: on the line of the arch. All were at its centre,
+// the origin of their shapes. Tolerance: a centroid is 2 % inside of the line.
+TEST_F(Stages, VoussoirsThatFallAreNamedAtTheirCentres) {
+  const std::string scene = write(dry_stone(60) + R"([[arch]]
+name = "arch"
+material = "stone"
+centre = [1.0, 0.0, 0.0]
+radius = 2.0
+thickness = 0.1
+depth = 1.0
+voussoirs = 16
+angles = [0, 180]
+[output]
+frames = 0
+[[stage]]
+name = "weight"
+gravity = [0.0, -9.81, 0.0]
+duration = 2.0
+)");
+  ASSERT_EQ(run(scene), 0) << error_;
+  const std::string text = summary()["warnings"].dump(1);
+  const std::regex place("block #[0-9]+ 'arch/[0-9]+' at [(]([-0-9.]+), ([-0-9.]+), ([-0-9.]+)[)] m falls");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(text, found, place)) << text;
+  EXPECT_NEAR(std::hypot(std::stod(found[1]) - 1.0, std::stod(found[2])), 2.0, 0.04) << text;
 }
 
 // A block that is twisted about the vertical, and free to move. The moment of its support is opposite to that of the
