@@ -13,6 +13,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "base/clock.h"
@@ -88,18 +89,29 @@ const Stage& moving_stage(const Scene& scene, const LimitOptions& options) {
                           scene.file));
 }
 
+// Refuses a stage that turns a body where its motion is multiplied.
+void refuse_turns(const Stage& stage) {
+  const auto turns = std::ranges::find_if(stage.controls, [](const BodyControl& c) { return c.omega != Vec3{}; });
+  if (turns == stage.controls.end()) return;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: limit: the stage turns '{}'; motions with omega cannot be multiplied, as the multiplier "
+                          "of a motion is a force along it. Give velocity alone. For ground that tilts, --direction "
+                          "gives the tangent of the angle at which dry joints fail",
+                          stage.source.text, turns->body));
+}
+
 // The stage with the loads that are multiplied.
 const Stage& stage_with_loads(const Scene& scene, const LimitOptions& options) {
   const auto has = [&](const Stage& stage) { return has_multiplied(stage, options.multiplied); };
-  if (options.stage && has(*options.stage)) return *options.stage;
-  const auto found = std::ranges::find_if(scene.stages, has);
-  if (options.stage || found == scene.stages.end())
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{} {} to multiply; give it [[stage.force]], [[stage.pressure]] or [[stage.velocity]]",
-                    options.stage ? options.stage->source.text + ": the stage has no" : scene.file + ": no stage has",
-                    name_of(options.multiplied)));
-  return *found;
+  const auto asked = options.stage ? std::span(options.stage, 1) : std::span(scene.stages);
+  const auto found = std::ranges::find_if(asked, has);
+  if (found != asked.end()) return *found;
+  if (options.multiplied == Multiplied::motion) std::ranges::for_each(asked, refuse_turns);
+  throw Error(
+      Exit::bad_input,
+      fmt::format("{} {} to multiply; give it [[stage.force]], [[stage.pressure]] or [[stage.velocity]]",
+                  options.stage ? options.stage->source.text + ": the stage has no" : scene.file + ": no stage has",
+                  name_of(options.multiplied)));
 }
 
 // The stage whose gravity and loads count. For the weight it is the first collapse stage, or else the first with
@@ -343,13 +355,10 @@ void hold_bodies(const Stage& stage, Multiplied multiplied, const blocks::Assemb
 void drive_bodies(const Stage& stage, const blocks::Assembly& assembly, SceneLimit* limit) {
   std::vector<LimitForce::Place> moved;
   double fastest = 0.0;
+  refuse_turns(stage);
   for (const BodyControl& control : stage.controls) {
     const Vector motion = motion_of(control);
     if (norm(motion) == 0.0) continue;
-    if (control.omega != Vec3{})
-      throw Error(Exit::bad_input, fmt::format("{}: limit: the stage turns '{}' as it moves it; motions with omega "
-                                               "cannot be multiplied",
-                                               stage.source.text, control.body));
     fastest = std::max(fastest, norm(motion));
     for (const int block : blocks::find_blocks(assembly, control.body, stage.source.text))
       moved.push_back({block, limit->problem.blocks[static_cast<std::size_t>(block)].centre, motion, {}});

@@ -1,6 +1,8 @@
 // Positions of floors: their nodes, and the blocks at their edges.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.h"
@@ -41,6 +43,37 @@ bool carry(const Floor& floor, const std::vector<int>& line, const std::vector<d
   return true;
 }
 
+// Piece of a floor's edge for which a connector stands: its node, and its ends, m.
+struct Piece {
+  Vector node, from, to;
+};
+
+// Of the blocks that hold the node, or most of the piece, the one nearest to the middle of the piece; -1: none. Of
+// those equally near, as where two walls or courses meet at the node: the one nearest to both ends, then the lowest. So
+// the order of blocks is without effect.
+int wall_at(const Piece& piece, const Floor::Grid& grid, const blocks::Assembly& assembly) {
+  constexpr double kSame = 1e-9;  // m
+  const Vector normal = cross(grid.along, grid.across), middle = 0.5 * (piece.from + piece.to);
+  const bool points_up = std::max({normal.x, normal.y, normal.z}) > -std::min({normal.x, normal.y, normal.z});
+  const Vector up = points_up ? normal : -normal;
+  int wall = -1;
+  std::array<double, 5> best{};
+  for (int block = 0; block < static_cast<int>(assembly.blocks.size()); ++block) {
+    const auto off = [&](const Vector& at) {
+      return distance_from(assembly, assembly.blocks[static_cast<std::size_t>(block)], at);
+    };
+    const auto holds = [&](const Vector& at) { return off(at) <= allowed_off(assembly, block); };
+    if (!holds(piece.node) && !(holds(middle) && holds(piece.to))) continue;
+    const Vector centre = blocks::centre_of(assembly, block);
+    const std::array ranks{off(middle), off(piece.from) + off(piece.to), dot(up, centre), dot(grid.along, centre),
+                           dot(grid.across, centre)};
+    const auto [here, there] =
+        std::ranges::mismatch(ranks, best, [](double a, double b) { return std::abs(a - b) <= kSame; });
+    if (wall < 0 || (here != ranks.end() && *here < *there)) wall = block, best = ranks;
+  }
+  return wall;
+}
+
 }  // namespace
 
 // The block at a point, or -1; off: distance of the nearest block, m.
@@ -68,10 +101,10 @@ void Members::connect(Floor& floor, const blocks::Assembly& assembly) {
     const int k = along ? i : j, last = along ? n : m;
     const bool corner = k == 0 || k == last;
     const int inner = k == 0 ? 1 : last - 1;
-    const Vector at = start_at(i, j), next = start_at(along ? inner : i, along ? j : inner);
+    const Vector at = start_at(i, j), next = start_at(along ? inner : i, along ? j : inner), half = 0.5 * (next - at);
+    if (block_of(at) < 0 || (corner && (block_of(next) < 0 || block_of(at + half) < 0))) return;
     Node node;
-    node.block = block_of(at);
-    if (node.block < 0 || (corner && (block_of(next) < 0 || block_of(0.5 * (at + next)) < 0))) return;
+    node.block = wall_at({at, corner ? at : at - half, at + half}, floor.grid(), assembly);
     Floor::Connector connector;
     connector.place = floor.place_at(i, j), connector.node = static_cast<int>(nodes_.size());
     node.start = node.x = at;

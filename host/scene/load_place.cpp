@@ -39,6 +39,13 @@ double way_to(const Assembly& assembly, const Block& block, const Vector& from, 
 
 }  // namespace
 
+Vector centre_of(const Assembly& assembly, int block) {
+  const Block& b = assembly.blocks[static_cast<std::size_t>(block)];
+  if (b.centre) return *b.centre;
+  return b.position +
+         matrix(b.orientation) * mass_properties(assembly.shapes[static_cast<std::size_t>(b.shape)]).centroid;
+}
+
 double distance_from(const Assembly& assembly, const Block& block, const Vector& point) {
   const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
   const Vector own = transposed_times(matrix(block.orientation), point - block.position);

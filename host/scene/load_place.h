@@ -36,6 +36,10 @@ struct BlockFace {
 std::vector<BlockFace> outer_faces(const Assembly& assembly, const std::string& name, const geometry::Vector& towards,
                                    const std::string& where);
 
+// Centre of mass of a block at the start, without `masses`, m. The position of a block is the origin of its shape,
+// which may be that of the scene.
+geometry::Vector centre_of(const Assembly& assembly, int block);
+
 // Distance of a point from a block at the start, m; not above 0 inside.
 double distance_from(const Assembly& assembly, const Block& block, const geometry::Vector& point);
 

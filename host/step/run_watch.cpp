@@ -15,6 +15,7 @@
 #include "model/world_results.h"
 #include "scene/brick_overlap.h"
 #include "scene/damping_text.h"
+#include "scene/load_place.h"
 #include "scene/stage_warnings.h"
 #include "step/block_motion.h"
 #include "step/borders.h"
@@ -118,10 +119,9 @@ std::string damped_motion(Simulation::Impl& s) {
   if (s.parts.divided) block = largest_of_ranks(s, most == largest_of_ranks(s, most) ? block : -1.0);
   const int number = static_cast<int>(block);
   if (std::exchange(s.watch.falling, number) != number || number < 0) return "";
-  const Vector& place = s.large_motion->assembly.blocks[static_cast<std::size_t>(number)].position;
-  const std::string which =
-      fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", blocks::label(s.large_motion->assembly, number), place[0],
-                  place[1], place[2]);  // units of buildings have no names
+  const Vector place = blocks::centre_of(s.large_motion->assembly, number);  // units of buildings have no names
+  const std::string which = fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m",
+                                        blocks::label(s.large_motion->assembly, number), place.x, place.y, place.z);
   if (scaling != 1.0)
     return fmt::format(
         "block {} falls, slides or topples with {:g} times its inertia (solver.mass_scaling), so that its "
@@ -283,9 +283,22 @@ std::string crushed_in_ramp(Simulation::Impl& s) {
       crushing, stage.name, stage.ramp_time, Watch::kSlowRamp);
 }
 
+// Warning of a stage that asks for equilibrium and ends without it, by its duration or otherwise.
+std::string missed_equilibrium(const Simulation::Impl& s) {
+  const Stage& stage = current_stage(s);
+  const double ratio = s.progress.unbalanced_ratio;
+  if (!stage.equilibrium_ratio || is_calm(s) || !(ratio > *stage.equilibrium_ratio)) return "";
+  return fmt::format(
+      "stage '{}' ends without the equilibrium that it asks for: the largest force that is not balanced is {:.3g} of "
+      "the mean contact force (unbalanced_ratio), wanted {:g} (equilibrium_ratio): blocks still vibrate, slide or "
+      "fall, "
+      "and whether its loads are carried is open; see how far they have moved, and give it a longer duration",
+      stage.name, ratio, *stage.equilibrium_ratio);
+}
+
 // Warning of forces that are not balanced at the end of a stage whose loads are constant at last. Eq. 1 slows what
 // moves to a creep, in which a wall that fails can stand until the stage ends.
-std::string unsettled(const Simulation::Impl& s) {
+std::string creeping(const Simulation::Impl& s) {
   constexpr double kUnbalanced = 0.05;  // share of the mean contact force
   const double ratio = s.progress.unbalanced_ratio;
   if (!ends_by_duration(current_stage(s)) || !(ratio > kUnbalanced) || !std::isfinite(ratio) ||
@@ -443,7 +456,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   warn("crushed_out", [&] { return points_crushed_out(s); });
   warn("bending", [&] { return bending_is_due ? bending_at_corners(s) : ""; });
   warn("pressure", [&] { return stage_ends ? crushed_in_ramp(s) : ""; });
-  warn("equilibrium", [&] { return stage_ends ? unsettled(s) : ""; });
+  warn("equilibrium", [&] { return stage_ends ? missed_equilibrium(s) + creeping(s) : ""; });
   warn("beam", [&] { return turned_piece_of_beam(s); });
   warn("seat", [&] { return beam_off_its_seat(s); });
   warn("energy_balance", [&] { return unbalanced_energies(s, stage_ends); });

@@ -188,8 +188,10 @@ bool equilibrium_reached(Simulation::Impl& s, const Stage& settings) {
   const bool ramped = stage_time(s) >= settings.ramp_time;
   s.progress.calm_checks =
       ramped && s.progress.unbalanced_ratio <= *settings.equilibrium_ratio ? s.progress.calm_checks + 1 : 0;
-  return s.progress.calm_checks >= kCalmChecks;
+  return is_calm(s);
 }
+
+bool is_calm(const Simulation::Impl& s) { return s.progress.calm_checks >= kCalmChecks; }
 
 void swap_law(Simulation::Impl& s, const std::string& name, const std::string& law) {
   const auto& families = s.model.assembly.families;

@@ -19,6 +19,7 @@ bool force_lost(Simulation::Impl& s);      // whether the last half cycle has lo
 // Share that is done, 0 to 1, by duration, displacement or multiplier.
 double stage_fraction(const Simulation::Impl& s);
 bool equilibrium_reached(Simulation::Impl& s, const Stage& settings);
+bool is_calm(const Simulation::Impl& s);  // whether the last checks of equilibrium have found it
 void swap_law(Simulation::Impl& s, const std::string& name, const std::string& law);
 
 }  // namespace quoin

@@ -11,6 +11,7 @@
 
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -401,6 +402,22 @@ TEST_F(Limit, WhatMovesWithoutLoadAndWhatStandsOnNothingIsNamed) {
       << error_;
   EXPECT_THAT(error_, HasSubstr("a mechanism that needs no load: nothing resists the motion of"));
   EXPECT_FALSE(nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"))["moves_without_load"].empty());
+}
+
+// A stage that turns a body has a motion, and was refused as if it had none. Its multiplier would be a moment.
+TEST_F(Limit, MotionsThatTurnAreRefusedByTheirReason) {
+  const fs::path scene = folder_ / "turned.toml";
+  const std::string turn =
+      "[[stage]]\nname = \"tilt\"\nduration = 1.0\n[[stage.velocity]]\nblock = \"base\"\n"
+      "velocity = [0, 0, 0]\nomega = [0, 0, -0.02]\n";
+  std::ofstream(scene) << kSlope << turn;
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--stage", "tilt"}}) {
+    std::vector<std::string> arguments{"limit", scene.string(), "--multiply", "motion", "--out", out()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(quoin(arguments), 3);
+    EXPECT_THAT(error_, AllOf(HasSubstr("the stage turns 'base'"), HasSubstr("omega cannot be multiplied"),
+                              HasSubstr("tangent of the angle")));
+  }
 }
 
 // Its strengths would be those of undamaged joints, 52 % too high in the case that showed it.

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <regex>
 #include <sstream>
 
 #include "program.h"
@@ -155,6 +156,55 @@ TEST_F(Stages, BlocksThatCreepAtTheEndOfAStageAreToldOf) {
           << warnings;
     }
   }
+}
+
+// The same where the stage asks for equilibrium, under any damping. At 35 degrees it ended by its duration without a
+// warning. At 20 degrees it ends at rest.
+TEST_F(Stages, AStageThatMissesItsEquilibriumIsToldOf) {
+  for (const auto& [degrees, damping] :
+       {std::pair{20.0, "local"}, {35.0, "local"}, {35.0, "viscous"}, {35.0, "none"}}) {
+    const double angle = degrees * M_PI / 180.0;
+    const std::string scene =
+        write(kBlocks + fmt::format("[[stage]]\nname = \"tilt\"\ngravity = [{}, {}, 0]\nramp_time = 0.05\n"
+                                    "duration = 1.0\nequilibrium_ratio = 1e-3\nsolver = {{ damping = \"{}\" }}\n",
+                                    9.81 * std::sin(angle), -9.81 * std::cos(angle), damping));
+    ASSERT_EQ(run(scene, {"--set", "output.monitor=bridge/Foundation"}), 0) << error_;
+    const std::string warnings = summary()["warnings"].dump(1);
+    std::printf("%g degrees, %s: unbalanced_ratio %.3g, dx %.3g mm\n", degrees, damping, last("unbalanced_ratio"),
+                1e3 * last("monitor_dx_m"));
+    EXPECT_EQ(warnings.find("stage 'tilt' ends without the equilibrium") != std::string::npos, degrees > 30.0)
+        << warnings;
+    const std::string ratios =
+        fmt::format("is {:.3g} of the mean contact force (unbalanced_ratio), wanted 0.001", last("unbalanced_ratio"));
+    EXPECT_EQ(warnings.find(ratios) != std::string::npos, degrees > 30.0) << warnings;
+  }
+}
+
+// An arch of t/R = 0.05 falls, and a voussoir is named at its place: on the line of the arch. All were at its centre,
+// the origin of their shapes. Tolerance: a centroid is 2 % inside of the line.
+TEST_F(Stages, VoussoirsThatFallAreNamedAtTheirCentres) {
+  const std::string scene = write(dry_stone(60) + R"([[arch]]
+name = "arch"
+material = "stone"
+centre = [1.0, 0.0, 0.0]
+radius = 2.0
+thickness = 0.1
+depth = 1.0
+voussoirs = 16
+angles = [0, 180]
+[output]
+frames = 0
+[[stage]]
+name = "weight"
+gravity = [0.0, -9.81, 0.0]
+duration = 2.0
+)");
+  ASSERT_EQ(run(scene), 0) << error_;
+  const std::string text = summary()["warnings"].dump(1);
+  const std::regex place("block #[0-9]+ 'arch/[0-9]+' at [(]([-0-9.]+), ([-0-9.]+), ([-0-9.]+)[)] m falls");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(text, found, place)) << text;
+  EXPECT_NEAR(std::hypot(std::stod(found[1]) - 1.0, std::stod(found[2])), 2.0, 0.04) << text;
 }
 
 // A block that is twisted about the vertical, and free to move. The moment of its support is opposite to that of the

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <vector>
 
 #include "base/error.h"
 #include "scenes.h"
@@ -159,6 +161,120 @@ TEST(Floors, WeightGoesToTheWallsThatJoistsEndOn) {
   for (const members::Node& node : heavy.large_motion()->held_by.members.get()->nodes()) sum += node.force;
   EXPECT_NEAR(sum.y, -(kMass * 9.81 + 981.0) * kLength * kBreadth, 1e-6 * 47e3);
   EXPECT_NEAR(sum.x, 0.0, 1e-6);
+}
+
+// A floor between walls of one block each: w and e at its ends, s and n along its sides.
+std::string floor_in_box(const std::vector<std::string>& order, const std::string& floor,
+                         const std::map<std::string, std::pair<const char*, const char*>>& walls) {
+  std::string text = head(30.0, 1e9, 40.0) + "[[joint_rule]]\nfamily = \"none\"\nnormal = \"horizontal\"\n";
+  for (const std::string& name : order)
+    text += box(name, walls.at(name).first, walls.at(name).second, name == "n" ? "" : "fixed = true");
+  return text + "[[floor]]\nname = \"f\"\naxial_stiffness = [20e6, 30e6]\nshear_stiffness = 1e6\nmass = 100\n" + floor;
+}
+
+const std::vector<std::vector<std::string>> kOrders{{"w", "e", "s", "n"}, {"s", "n", "w", "e"}, {"n", "w", "s", "e"}};
+
+// Area of the floor whose weight a block carries, by its name, m2.
+std::map<std::string, double> carried_by(const Simulation& simulation) {
+  std::map<std::string, double> area;
+  const blocks::Model& model = *simulation.large_motion();
+  for (const auto& connector : model.held_by.members->floors().front().connectors()) {
+    const int block = model.held_by.members->nodes()[static_cast<std::size_t>(connector.node)].block;
+    area[model.assembly.blocks[static_cast<std::size_t>(block)].name] += connector.carried;
+  }
+  return area;
+}
+
+// Each of a corner's two connectors joins the wall of its own edge, so that n is held by L/(2/ka + B/K2). Both joined
+// the first block of the scene: with one panel n was held by nothing, and w and e carried all of the weight. 1e-4: the
+// motion that is left after 0.5 s.
+TEST(Floors, CornersJoinTheWallsOfTheirEdgesInAnyOrderOfBlocks) {
+  const double length = 5.0, breadth = 3.0, ka = 20e6;
+  const std::string floor =
+      "corner = [0, 2.5, 0]\nalong = [5, 0, 0]\nacross = [0, 0, 3]\nspan = \"across\"\n"
+      "connector = { axial_stiffness = 20e6, shear_stiffness = 0.0, axial_strength = 1e6 }\n";
+  for (const double spacing : {5.0, 0.5}) {
+    for (const std::vector<std::string>& order : kOrders) {
+      const std::string scene = floor_in_box(order, floor + fmt::format("spacing = {}\n", spacing),
+                                             {{"w", {"[-0.3, 0, 0]", "[0.3, 3, 3]"}},
+                                              {"e", {"[5, 0, 0]", "[0.3, 3, 3]"}},
+                                              {"s", {"[0, 0, -0.3]", "[5, 3, 0.3]"}},
+                                              {"n", {"[0, 0, 3]", "[5, 3, 0.3]"}}}) +
+                                R"([[stage]]
+duration = 0.1
+[[stage.velocity]]
+block = "n"
+velocity = [0, 0, 0.01]
+[[stage]]
+duration = 0.5
+[[stage.velocity]]
+block = "n"
+velocity = [0, 0, 0]
+)";
+      Simulation simulation(read_scene_text(scene, "floor.toml"), 1);
+      std::map<std::string, double> area = carried_by(simulation);
+      const std::string what = fmt::format("spacing {}, first block {}", spacing, order.front());
+      for (const char* wall : {"s", "n"}) EXPECT_NEAR(area[wall], length * breadth / 2, 1e-9) << what << wall;
+      for (const char* wall : {"w", "e"}) EXPECT_EQ(area[wall], 0.0) << what << wall;
+      Observer nobody;
+      simulation.run(nobody);
+      double pull = 0.0, way = 0.0;
+      for (const members::Node& node : simulation.large_motion()->held_by.members->nodes()) {
+        if (simulation.large_motion()->assembly.blocks[static_cast<std::size_t>(node.block)].name == "n")
+          pull -= node.force.z, way = node.x.z - node.start.z;
+      }
+      const double expected = way * length / (2.0 / ka + breadth / 30e6);
+      EXPECT_NEAR(pull, expected, 1e-4 * expected) << what;
+    }
+  }
+}
+
+// Edges in the middle of walls: their corners lie in s and n, which go on past the ends of w and e. One panel's
+// connectors along w and e stand for 1.65 m, of which 0.15 m lies in s or n.
+TEST(Floors, CornersInACrossWallJoinTheWallOfTheirEdge) {
+  for (const std::vector<std::string>& order : kOrders) {
+    const Simulation simulation(
+        read_scene_text(
+            floor_in_box(order,
+                         "corner = [-0.15, 2.5, -0.15]\nalong = [5.3, 0, 0]\nacross = [0, 0, 3.3]\nspacing = 6\n"
+                         "span = \"along\"\nconnector = { axial_stiffness = 20e6, shear_stiffness = 20e6 }\n",
+                         {{"w", {"[-0.3, 0, 0]", "[0.3, 3, 3]"}},
+                          {"e", {"[5, 0, 0]", "[0.3, 3, 3]"}},
+                          {"s", {"[-0.3, 0, -0.3]", "[5.6, 3, 0.3]"}},
+                          {"n", {"[-0.3, 0, 3]", "[5.6, 3, 0.3]"}}}) +
+                pushed(0.0, 0.1, 0.2),
+            "floor.toml"),
+        1);
+    std::map<std::string, double> area = carried_by(simulation);
+    EXPECT_NEAR(area["w"], 5.3 * 3.3 / 2, 1e-9) << order.front();
+    EXPECT_NEAR(area["e"], 5.3 * 3.3 / 2, 1e-9) << order.front();
+    EXPECT_EQ(area["s"] + area["n"], 0.0) << order.front();
+  }
+}
+
+// Nodes that blocks touch equally. At s, along which the edge runs, a wall m below the floor ends. On the bed joint of
+// n lies a block; the lower one carries the floor.
+TEST(Floors, BlocksThatTouchANodeEquallyAreTakenInAnyOrder) {
+  for (const auto& order :
+       std::vector<std::vector<std::string>>{{"m", "top", "w", "e", "s", "n"}, {"n", "s", "e", "w", "top", "m"}}) {
+    const Simulation simulation(
+        read_scene_text(floor_in_box(order,
+                                     "corner = [0, 2.5, 0]\nalong = [5, 0, 0]\nacross = [0, 0, 3]\nspacing = 0.5\n"
+                                     "span = \"across\"\n"
+                                     "connector = { axial_stiffness = 20e6, shear_stiffness = 20e6 }\n",
+                                     {{"w", {"[-0.3, 0, 0]", "[0.3, 3, 3]"}},
+                                      {"e", {"[5, 0, 0]", "[0.3, 3, 3]"}},
+                                      {"s", {"[0, 0, -0.3]", "[5, 3, 0.3]"}},
+                                      {"n", {"[0, 0, 3]", "[5, 2.5, 0.3]"}},
+                                      {"top", {"[0, 2.5, 3]", "[5, 0.5, 0.3]"}},
+                                      {"m", {"[2.4, 0, 0]", "[0.2, 2.5, 2]"}}}) +
+                            pushed(0.0, 0.1, 0.2),
+                        "floor.toml"),
+        1);
+    std::map<std::string, double> area = carried_by(simulation);
+    for (const char* wall : {"s", "n"}) EXPECT_NEAR(area[wall], 7.5, 1e-9) << order.front() << wall;
+    for (const char* wall : {"w", "e", "m", "top"}) EXPECT_EQ(area[wall], 0.0) << order.front() << wall;
+  }
 }
 
 // A load is a weight at any pitch. Of a sloping floor the part along its normal alone acted, and pushed sideways: 12 %
