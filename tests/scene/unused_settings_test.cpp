@@ -216,7 +216,7 @@ TEST(Weight, UnderGroundMotionIsWarnedOfWhereThereIsNoneOrItComesAtOnce) {
         "ground_motion = {{ direction = [1, 0, 0], time = [0, 0.4, 0.8], acceleration = [0, 2, 2] }}\n",
         before, now);
     const Scene scene = read_scene_text(scene_text(kRigid, stages), "scene.toml", {});
-    for (const StageWarning& warning : stage_warnings(scene, 1))
+    for (const StageWarning& warning : stage_warnings(scene, 2))
       if (std::string(warning.about) == "weight") return warning.text;
     return std::string();
   };
