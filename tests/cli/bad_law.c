@@ -83,6 +83,7 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
   if (is("null texts")) {
     changed_law.name = changed_law.version = changed_law.citation = changed_law.description = NULL;
   }
+  if (is("no energies")) changed_law.capabilities &= ~(uint64_t)QUOIN_CAN_ENERGY;
   if (is("odd state")) {
     changed_law.state_count = 1;
     changed_law.states = odd_states;

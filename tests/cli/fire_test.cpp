@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <map>
 #include <sstream>
 #include <thread>
 
@@ -33,6 +34,17 @@ class Fire : public Cli {
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
     return (folder_ / name).string();
+  }
+  // Values of the last row of history.csv by column.
+  std::map<std::string, std::string> last_row() const {
+    std::istringstream rows(read_all(out() + "/history.csv"));
+    std::string names, row, last;
+    std::getline(rows, names);
+    while (std::getline(rows, row)) last = row;
+    std::istringstream names_left(names), values_left(last);
+    std::map<std::string, std::string> values;
+    for (std::string name; std::getline(names_left, name, ',');) std::getline(values_left, values[name], ',');
+    return values;
   }
   // Returns the path of the small wall with one text replaced.
   std::string wall_with(const std::string& from, const std::string& to) const {
@@ -405,6 +417,26 @@ TEST_F(Fire, LawsThatThrowAreNamedAndResultsAreKept) {
   for (const char* what : {"throw at once", "throw at creation", "throw at start"}) {
     EXPECT_EQ(quoin(short_run(small_, {"--law", library}), throwing(what)), 4) << what << error_;
     EXPECT_THAT(error_, AllOf(names_the_law, HasSubstr("words of a law"))) << what;
+  }
+}
+
+// Energies that a law does not compute were zeros, and the run warned that -100 % had no source.
+TEST_F(Fire, EnergiesThatALawDoesNotComputeAreEmpty) {
+  for (const char* motion : {"never", "always"}) {
+    ASSERT_EQ(quoin(short_run(small_, {"--law", QUOIN_BAD_LAW_LIBRARY, "--set", "output.energy=true", "--set",
+                                       std::string("solver.large_motion=") + motion}),
+                    [] { setenv("QUOIN_BAD_LAW", "no energies", 1); }),
+              0)
+        << error_;
+    EXPECT_THAT(error_, Not(HasSubstr("energies do not balance"))) << motion;
+    EXPECT_TRUE(summary()["watch"]["energy_missing_over_moved"].is_null()) << motion;
+    EXPECT_TRUE(summary()["energy_J"]["dissipated"].is_null()) << motion;
+    const std::map<std::string, std::string> last = last_row();
+    for (const char* column : {"contact_energy_J", "dissipated_tension_J", "dissipated_cohesion_J",
+                               "dissipated_friction_J", "dissipated_crushing_J", "energy_balance_error_J"})
+      EXPECT_EQ(last.at(column), "") << motion << column;
+    for (const char* column : {"kinetic_energy_J", "strain_energy_J", "external_work_J"})
+      EXPECT_NE(last.at(column), "") << motion << column;
   }
 }
 
