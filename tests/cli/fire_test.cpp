@@ -170,8 +170,9 @@ TEST_F(Fire, PicturesDoNotHoldResults) {
   EXPECT_EQ(summary()["status"], "done");
 }
 
-// At Ctrl-C the plot program ends, with what it has started, and the rest of the results is written.
-TEST_F(Fire, CtrlCEndsAPlotProgramThatHangs) {
+// At Ctrl-C the plot program ends, with what it has started, and the rest of the results is written. The run was
+// "done", so that pictures could not be had any more.
+TEST_F(Fire, CtrlCEndsAPlotProgramThatHangsAndResumeDraws) {
   const fs::path tools = folder_ / "tools", sleeper = tools / "sleeper";
   fs::create_directories(tools);
   std::ofstream(tools / "gnuplot") << "#!/bin/sh\nsleep 1000 &\necho $! > '" << sleeper.string() << "'\nwait\n";
@@ -186,11 +187,21 @@ TEST_F(Fire, CtrlCEndsAPlotProgramThatHangs) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   kill(child, SIGINT);
   EXPECT_EQ(finish(child), 130);
-  EXPECT_EQ(summary()["status"], "done");
+  EXPECT_EQ(summary()["status"], "interrupted");
+  EXPECT_EQ(summary()["interrupted"], true);
+  EXPECT_THAT(error_, HasSubstr("quoin run --resume " + out()));
   EXPECT_THAT(parts(), IsEmpty());
   const std::string process = read_all(sleeper);
   ASSERT_FALSE(process.empty());
   EXPECT_THAT(read_all("/proc/" + process.substr(0, process.find('\n')) + "/cmdline"), IsEmpty()) << "it has ended";
+  const std::string history = read_all(out() + "/history.csv");
+  EXPECT_EQ(quoin_in_time({"run", "--resume", out(), "--threads", "1"}), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("resumed at step"));
+  EXPECT_TRUE(fs::exists(out() + "/curve.png") || error_.find("gnuplot is not installed") != std::string::npos)
+      << error_;
+  EXPECT_EQ(read_all(out() + "/history.csv"), history);
+  EXPECT_EQ(summary()["status"], "done");
+  EXPECT_FALSE(fs::exists(out() + "/checkpoint.bin"));
 }
 
 // Files are limited to 40 kB, as on a nearly full disk: pictures and frames fail, history and summary are kept.
