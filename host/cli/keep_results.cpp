@@ -119,6 +119,8 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   if (has_all) gather_for_pictures(simulation);
   stop_drawing = false;  // a signal that has ended the steps does not end the pictures
   if (output.plots && has_all) draw(folder, simulation, surfaces, info, options, recorder);
+  const bool is_undrawn = stop_drawing && !failure;  // a signal has ended the pictures: --resume draws them
+  if (is_undrawn && rank_traffic(simulation).empty()) recorder.on_pause(simulation, true);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   bool end_is_missing = output.end_state && !failure;
   keep([&] {
@@ -127,14 +129,19 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   });
   info.wall_clock_s = process_seconds();
   RunInfo kept = info;  // what --resume goes by
+  if (is_undrawn) kept.status = "interrupted", kept.message = "stopped while its pictures were drawn";
   if (end_is_missing) kept.status = "failed", kept.message = "end_state.bin was not written";
   keep([&] { write_summary(folder / "summary.json", simulation, rows, kept); });
   keep([&] {
     if (options.report) write_report({folder});
   });
   std::error_code ignored;
-  if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // not needed after the end of a run
-  if (stop_drawing && exit_code == 0) exit_code = static_cast<int>(Exit::interrupted);
+  if (!failure && !is_undrawn && exit_code == 0)
+    fs::remove(folder / "checkpoint.bin", ignored);  // not needed after the end of a run
+  if (!is_undrawn) return;
+  recorder.progress().message("quoin: interrupted while pictures were drawn; they are drawn by quoin run --resume " +
+                              folder.string());
+  if (exit_code == 0) exit_code = static_cast<int>(Exit::interrupted);
 }
 
 void collect_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {

@@ -152,7 +152,7 @@ void run_and_keep(const fs::path& folder, Simulation& simulation, const Surfaces
   const StopOnSignal guard(simulation);  // to the end of the block: a signal must not stop the writing of results
   try {
     simulation.run(recorder);
-  } catch (const std::exception& error) {  // of a law, perhaps
+  } catch (const std::exception& error) {
     failure = any_error(error, "make the scene smaller", "the scene and the law");
   }
   keep_results(folder, simulation, surfaces, options, failure, recorder, info, exit_code);

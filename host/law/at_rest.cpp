@@ -42,6 +42,7 @@ bool carries_tension(const Material& material, const std::string& initial_state)
   RestingPoints point{1, &kOpening, {&kNone, &kNone, &kNone}, {}};
   for (const double& value : state) point.state.push_back(&value);
   evaluate_at_rest(material, point, [&](quoin_batch& batch) { batch.traction_new[0] = {&sigma, 1}; });
+  material.require_no_fault(Exit::law_refused);
   return sigma > 0.0;
 }
 

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <cstddef>
@@ -275,6 +276,21 @@ int Law::state_index(const std::string& id) const {
   return -1;
 }
 
+std::string Law::thrown_text() const {
+  std::string words = "an object that is no std::exception";
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    words = fmt::format("\"{}\"", printable(error.what()));
+  } catch (...) {
+  }
+  return fmt::format(
+      "the law '{}' of {} threw an exception, which no law may: {}; tell its author or choose another law", law->id,
+      library->path(), words);
+}
+
+void Law::refuse_thrown() const { refuse(thrown_text()); }
+
 namespace {
 
 // Whether the line has the id as a whole word: "cohesion_residual" does not match cohesion.
@@ -331,7 +347,8 @@ std::vector<const PropertySetting*> in_force(const std::vector<PropertySetting>&
 
 thread_local LawIsolation isolation;
 
-quoin::api::Material make_material(const quoin_law& law, const std::vector<const PropertySetting*>& settings) {
+quoin::api::Material make_material(const Law& of, const std::vector<const PropertySetting*>& settings) {
+  const quoin_law& law = *of.law;
   std::vector<quoin::api::Value> values;
   for (const PropertySetting* setting : settings) values.push_back({setting->id, setting->numbers, setting->text});
   try {
@@ -341,15 +358,26 @@ quoin::api::Material make_material(const quoin_law& law, const std::vector<const
     if (error.status == QUOIN_ERROR_PROPERTY)
       refuse(fmt::format("law '{}' refuses its properties:\n{}", law.id, detail));
     refuse(fmt::format("law '{}' made no material (status {}): {}", law.id, error.status, detail));
+  } catch (const std::bad_alloc&) {  // memory may run out in our code too
+    throw;
+  } catch (...) {
+    refuse(of.thrown_text());
   }
 }
 
 }  // namespace
 
+struct Material::Thrown {
+  std::atomic<bool> any{false};
+  std::mutex mutex;  // guards the text
+  std::string text;  // of the first exception
+};
+
 Material::Material(Law law, const std::vector<PropertySetting>& settings)
     : law_(std::move(law)),
-      material_(make_material(*law_.law, in_force(settings))),
-      warnings_(with_sources(material_.warnings(), *law_.law, in_force(settings))) {
+      material_(make_material(law_, in_force(settings))),
+      warnings_(with_sources(material_.warnings(), *law_.law, in_force(settings))),
+      thrown_(std::make_shared<Thrown>()) {
   if (isolation.threads > 0)
     process_ =
         std::make_shared<LawProcess>(api(), handle(), law_.library->path(), isolation.threads, isolation.seconds);
@@ -357,17 +385,32 @@ Material::Material(Law law, const std::vector<PropertySetting>& settings)
 
 quoin_status Material::evaluate(quoin_batch* batch) const {
   if (process_) return process_->evaluate(batch);
+  if (thrown_->any.load(std::memory_order_relaxed)) return QUOIN_ERROR_INTERNAL;
   const LawCallNote note(this, batch);
-  return api().evaluate(handle(), batch);
+  try {
+    return api().evaluate(handle(), batch);
+  } catch (...) {
+    const std::lock_guard guard(thrown_->mutex);
+    if (!thrown_->any.exchange(true)) thrown_->text = law_.thrown_text();
+    return QUOIN_ERROR_INTERNAL;
+  }
 }
 
-std::string Material::fault() const { return process_ ? process_->fault() : ""; }
+std::string Material::fault() const {
+  if (process_) return process_->fault();
+  const std::lock_guard guard(thrown_->mutex);
+  return thrown_->text;
+}
+
+void Material::require_no_fault(Exit code) const {
+  if (const std::string text = fault(); !text.empty()) throw Error(code, text);
+}
 
 LawIsolation isolate_laws(const LawIsolation& wanted) { return std::exchange(isolation, wanted); }
 
 double Material::number(const std::string& property_id) const {
   double value = 0.0;
-  const quoin_status status = api().material_number(handle(), property_id.c_str(), &value);
+  const quoin_status status = law_.call([&] { return api().material_number(handle(), property_id.c_str(), &value); });
   if (status != QUOIN_OK) refuse(fmt::format("law '{}' has no number property '{}'", api().id, property_id));
   return value;
 }
@@ -380,7 +423,7 @@ std::vector<double> Material::initial_state(const std::string& id) const {
     found = found || known.back() == id;
   }
   std::vector<double> values(api().state_count, 0.0);
-  if (!found || api().initial_state(handle(), id.c_str(), values.data()) != QUOIN_OK) {
+  if (!found || law_.call([&] { return api().initial_state(handle(), id.c_str(), values.data()); }) != QUOIN_OK) {
     throw Error(Exit::bad_input,
                 fmt::format("initial state '{}': law '{}' knows {}", id, api().id, fmt::join(known, ", ")));
   }

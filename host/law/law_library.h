@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "quoin.hpp"
 #include "scene/scene.h"
 
@@ -47,6 +49,22 @@ struct Law {
   // The law of a bare name; for a path, the only or first law of its library.
   static Law find(const std::string& name_or_path);
   int state_index(const std::string& id) const;  // -1: none
+
+  // Calls a function of the law outside of steps. If it throws, which no law may, throws Error(law_refused).
+  template <class Function>
+  auto call(const Function& function) const {
+    try {
+      return function();
+    } catch (const std::bad_alloc&) {  // memory may run out in our code too
+      throw;
+    } catch (...) {
+      refuse_thrown();
+    }
+  }
+  std::string thrown_text() const;  // for the exception that is being handled
+
+ private:
+  [[noreturn]] void refuse_thrown() const;
 };
 
 // An immutable, thread-safe material.
@@ -60,9 +78,11 @@ class Material {
   const quoin_material* handle() const { return material_.handle(); }
   const std::string& warnings() const { return warnings_; }
   // Calls the law's function. The call is registered, so that a message can name a law that never returns
-  // (law_calls.h). After isolate_laws() it runs in a separate process. Thread-safe.
+  // (law_calls.h). After isolate_laws() it runs in a separate process. Returns QUOIN_ERROR_INTERNAL once the law has
+  // thrown, or its process has ended; fault() then has the reason. Thread-safe.
   quoin_status evaluate(quoin_batch* batch) const;
-  std::string fault() const;  // how the law's process ended; empty: it runs, or there is none
+  std::string fault() const;                                    // empty: none
+  void require_no_fault(Exit code) const;                       // throws Error with this code and the fault
   const LawProcess* process() const { return process_.get(); }  // null: none
   double number(const std::string& property_id) const;
   std::vector<double> initial_state(const std::string& id) const;  // throws Error(bad_input): unknown initial state
@@ -73,6 +93,8 @@ class Material {
   quoin::api::Material material_;
   std::string warnings_;
   std::shared_ptr<LawProcess> process_;
+  struct Thrown;
+  std::shared_ptr<Thrown> thrown_;
 };
 
 // Settings of laws in separate processes.

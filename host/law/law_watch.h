@@ -1,5 +1,5 @@
-// Watch over laws, which are external code in this process. A law that crashes, calls exit() or throws ends the
-// program. The watch prints the name of the law first, and makes the exit code one of failure.
+// Watch over laws, which are external code in this process. A law that crashes or calls exit() ends the program. The
+// watch prints the name of the law first, and makes the exit code one of failure.
 #pragma once
 
 #include <string>

@@ -65,6 +65,7 @@ void MaterialPoint::evaluate(double dn, double ds_step, double dt_step, double* 
   batch.status = {&status_, 1};
   const quoin_status status = material_->evaluate(&batch);
   if (status != QUOIN_OK) {
+    material_->require_no_fault(Exit::numerical);
     throw Error(Exit::numerical, fmt::format("law '{}': evaluate returned status {}", material_->api().id, status));
   }
   if (status_ == QUOIN_POINT_FAILED) {

@@ -79,11 +79,12 @@ void Strip::find_jumps() {
 
 void Strip::ask_law() {
   const quoin_status status = bond_->evaluate(&batch_);
-  if (status != QUOIN_OK || batch_.failed_count > 0)
-    throw Error(Exit::numerical,
-                fmt::format("strip '{}': its bond law '{}' failed at {} of {} nodes (status {}); a smaller "
-                            "solver.time_step_fraction or a larger spacing may help",
-                            name_, bond_->api().id, batch_.failed_count, places_.size(), static_cast<int>(status)));
+  if (status == QUOIN_OK && batch_.failed_count == 0) return;
+  bond_->require_no_fault(Exit::numerical);
+  throw Error(Exit::numerical,
+              fmt::format("strip '{}': its bond law '{}' failed at {} of {} nodes (status {}); a smaller "
+                          "solver.time_step_fraction or a larger spacing may help",
+                          name_, bond_->api().id, batch_.failed_count, places_.size(), static_cast<int>(status)));
 }
 
 std::vector<Vector> Strip::pull_bars() {

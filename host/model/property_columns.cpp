@@ -187,6 +187,7 @@ void refuse_together(const JointFamily& family, const Material& material, std::s
     batch.status = {status.data(), 1};
   });
   if (!answer.failed()) return;
+  material.require_no_fault(Exit::law_refused);
   const char* const law = material.api().id;
   if (answer.status != QUOIN_OK)
     throw Error(Exit::law_refused, fmt::format("{}: law {} refuses properties point by point with status {}",

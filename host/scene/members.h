@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -136,6 +138,9 @@ struct FillSpec {
   int divisions = 4;                                  // parts along each edge of the triangles of faces
   Source source;
 };
+
+// The first piece of the line that a direction is along, within 3 degrees; none: it is across all.
+std::optional<std::size_t> piece_along(const BeamSpec& beam, const Vec3& direction);
 
 struct MemberSpecs {
   std::vector<TieSpec> ties;

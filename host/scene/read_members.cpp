@@ -152,14 +152,8 @@ void read_beam(Table& t, BeamSpec& beam) {
   read_line(t, beam.points);
   read_spacing(t, beam.points, beam.spacing);
   read_direction(t, "up", beam.up, "across the line", false);
-  for (std::size_t k = 0; k + 1 < beam.points.size(); ++k) {
-    constexpr double kAcross = 0.05;  // sine of the angle between `up` and the line
-    const geometry::Vector up = geometry::vector(beam.up),
-                           way = geometry::vector(beam.points[k + 1]) - geometry::vector(beam.points[k]);
-    if (norm(cross(up, way)) > kAcross * norm(up) * norm(way)) continue;
-    t.refuse("up", fmt::format("a vector across the line, which runs along it from point {} on", k + 1));
-    break;
-  }
+  if (const auto piece = piece_along(beam, beam.up))
+    t.refuse("up", fmt::format("a vector across the line, which runs along it from point {} on", *piece + 1));
   t.number("area", beam.area, kPositive, "m2", true);
   t.numbers("inertia", beam.inertia, kNotNegative, "m4, of bending towards up and to the side");
   t.numbers("shear_area", beam.shear_area, kPositive, "m2");
@@ -239,6 +233,16 @@ void read_kind(Table& scene, const char* kind, std::vector<Spec>& members, const
 }
 
 }  // namespace
+
+std::optional<std::size_t> piece_along(const BeamSpec& beam, const Vec3& direction) {
+  constexpr double kAcross = 0.05;  // sine of the angle between the direction and the line
+  const geometry::Vector up = geometry::vector(direction);
+  for (std::size_t k = 0; k + 1 < beam.points.size(); ++k) {
+    const geometry::Vector way = geometry::vector(beam.points[k + 1]) - geometry::vector(beam.points[k]);
+    if (norm(cross(up, way)) <= kAcross * norm(up) * norm(way)) return k;
+  }
+  return std::nullopt;
+}
 
 std::shared_ptr<const MemberSpecs> read_members(Table& t, const Scene& scene) {
   auto specs = std::make_shared<MemberSpecs>();

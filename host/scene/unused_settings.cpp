@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "scene/block_kinds.h"
@@ -55,6 +56,63 @@ Names joints_in_use(const Scene& scene) {
   return names;
 }
 
+// Whether a unit may have several blocks.
+bool has_parted_units(const Scene& scene) {
+  const auto& blocks = scene.blocks;
+  return scene.building || (scene.wall && scene.wall->mid_unit_joints) ||
+         (blocks && (std::ranges::any_of(blocks->walls, &DryWallSpec::mid_unit_joints) ||
+                     std::ranges::any_of(blocks->blocks, [](const BlockSpec& b) { return !b.mesh.empty(); })));
+}
+
+// add_if(is unused, key, why).
+template <class AddIf>
+void add_unused_of_wall(const Scene& scene, const AddIf& add_if) {
+  if (!scene.wall) return;
+  const WallSpec usual;
+  const WallSpec& wall = *scene.wall;
+  if (!wall.bottom_beam && !wall.top_beam) {
+    const char* const no_beam = "the wall has no beam";
+    add_if(wall.beam_height != usual.beam_height, "wall.beam_height", no_beam);
+    add_if(wall.beam_density != usual.beam_density, "wall.beam_density", no_beam);
+  }
+  add_if(!wall.mid_unit_joints && !wall.unit_joint.empty(), "wall.unit_joint", "wall.mid_unit_joints = false");
+}
+
+template <class AddIf>
+void add_unused_of_beam(const BeamSpec& beam, const AddIf& add_if) {
+  const BeamSpec usual;
+  const auto is_held = [&](const char* how) {
+    return beam.bedding == how || std::ranges::any_of(beam.supports, [&](const auto& s) { return s.hold == how; });
+  };
+  const auto add = [&](bool is_unused, const char* key, const char* why) {
+    add_if(is_unused, fmt::format("beam.{}.{}", beam.name, key), why);
+  };
+  add(!is_held("resting") && beam.friction != usual.friction, "friction", "it rests on no support");
+  if (beam.inertia[0] > 0.0) return;
+  const char* const cable = "inertia = 0 makes it a cable";
+  const bool twists = beam.torsion > 0.0 && is_held("built_in");
+  add(beam.shear_area != usual.shear_area, "shear_area", cable);
+  add(beam.yield_moment != usual.yield_moment, "yield_moment", cable);
+  add(!twists && beam.torsion > 0.0, "torsion", cable);
+  add(!twists && beam.poisson_ratio != usual.poisson_ratio, "poisson_ratio", cable);
+  add(beam.up != usual.up && !piece_along(beam, usual.up), "up", cable);
+}
+
+template <class AddIf>
+void add_unused_of_members(const MemberSpecs& members, const AddIf& add_if) {
+  for (const SpringSpec& spring : members.springs)
+    add_if(spring.shear_stiffness == 0.0 && spring.friction_angle != SpringSpec().friction_angle,
+           fmt::format("spring.{}.friction_angle", spring.name), "shear_stiffness = 0: no shear is limited");
+  for (const FloorSpec& floor : members.floors) {
+    const bool slides =
+        floor.connector_stiffness > 0.0 && (std::isfinite(floor.connector_strength) || std::isfinite(floor.pull_out));
+    add_if(!slides && floor.friction != 0.0, fmt::format("floor.{}.connector.friction", floor.name),
+           floor.connector_stiffness > 0.0 ? "without shear_strength and pull_out the connector never slides"
+                                           : "shear_stiffness = 0: no shear is limited");
+  }
+  for (const BeamSpec& beam : members.beams) add_unused_of_beam(beam, add_if);
+}
+
 }  // namespace
 
 std::vector<std::string> unused_settings(const Scene& scene) {
@@ -70,7 +128,7 @@ std::vector<std::string> unused_settings(const Scene& scene) {
   const BlockKinds kinds = kinds_of_blocks(scene);
   const SolverSettings none;
   const SolverSettings& usual = scene.quality.empty() ? none : quality_named(scene.quality).solver;
-  const auto add_if = [&](bool is_unused, const char* key, const char* why) {
+  const auto add_if = [&](bool is_unused, const std::string& key, const char* why) {
     if (is_unused) unused.push_back(fmt::format("{}: without effect, as {}", key, why));
   };
   // Whether a value is neither the quality's nor that without it.
@@ -89,11 +147,10 @@ std::vector<std::string> unused_settings(const Scene& scene) {
   add_if(!settles && settling && *settling != usual.settling_damping.value_or(-1.0), "solver.settling_damping",
          "no stage ends by equilibrium_ratio");
 
-  if (const WallSpec usual_wall; scene.wall && !scene.wall->bottom_beam && !scene.wall->top_beam) {
-    const char* const no_beam = "the wall has no beam";
-    add_if(scene.wall->beam_height != usual_wall.beam_height, "wall.beam_height", no_beam);
-    add_if(scene.wall->beam_density != usual_wall.beam_density, "wall.beam_density", no_beam);
-  }
+  add_unused_of_wall(scene, add_if);
+  for (std::size_t i = 0; i < scene.damage.size() && !has_parted_units(scene); ++i)
+    add_if(scene.damage[i].through_units, fmt::format("damage.{}.through_units", i + 1), "no unit has a joint in it");
+  if (scene.members) add_unused_of_members(*scene.members, add_if);
 
   const RandomSample first;
   const bool is_random = std::ranges::any_of(scene.joints, [](const auto& joint) { return joint.second.is_random(); });

@@ -188,7 +188,9 @@ void slide(const Damage& damage, const JointFamily& family, const Material& mate
   call.bind(std::move(columns_of_call));
   call.bind_jumps(opening.data(), part_s.data(), part_t.data());
   for (int step = 0; step < kSteps; ++step) {
-    if (call.evaluate(material))
+    const bool failed = call.evaluate(material);
+    material.require_no_fault(Exit::law_refused);
+    if (failed)
       throw Error(Exit::law_refused, fmt::format("{}: law {} fails where this damage lets it slide by {:g} m",
                                                  damage.source.text, material.api().id, damage.slip));
     for (std::size_t i = 0; i < count; ++i) opening[i] += kFollows * std::max(0.0, -traction[i]) / stiffness;

@@ -82,7 +82,7 @@ MigratedFamily migrate(const JointFamily& family, const Material& from, const Ma
   migration.energy_jump = {energy_jump.data(), 1};
   migration.status = {point_status.data(), 1};
   migration.state_new = new_state.data();
-  const quoin_status status = new_law.migrate_state(to.handle(), &migration, &text);
+  const quoin_status status = to.law().call([&] { return new_law.migrate_state(to.handle(), &migration, &text); });
   if (status != QUOIN_OK || migration.failed_count > 0) {
     throw Error(Exit::law_refused,
                 fmt::format("joint family '{}': law '{}' did not take over the state of law '{}' ({} of {} points "

@@ -397,10 +397,7 @@ class Search {
 
 void find_rest(Simulation::Impl& impl, const std::function<bool()>& stop_requested) {
   const Stage& stage = impl.scene.stages[at(impl.progress.stage)];
-  const auto out_of_books = [&] {
-    const std::optional<Energies> energies = measure_row(impl).energies;
-    return energies ? energies->balance_error() : 0.0;
-  };
+  const auto out_of_books = [&] { return impl.energy.now ? impl.energy.now->balance_error() : 0.0; };
   const double before = impl.progress.step > 0 ? out_of_books() : 0.0;
   Search search(impl);
   search.run(stage.equilibrium_ratio.value_or(1e-4), stop_requested);

@@ -226,7 +226,7 @@ std::optional<WrongAnswer> check_laws(Simulation::Impl& s) {
 
 // Where energies are written, their balance is that of the whole run; otherwise of the steps that check_energies saw.
 void book_energy_balance(Simulation::Impl& s) {
-  if (!s.energy.wanted || !s.energy.now || is_just_loaded(s)) return;
+  if (!s.energy.wanted || !s.energy.now || is_just_loaded(s) || !laws_give_energies(s)) return;
   const Energies& e = *s.energy.now;
   double moved =
       e.kinetic + e.strain + e.contact_stored + e.members_stored + e.members_dissipated + std::abs(e.damping);
@@ -368,7 +368,11 @@ void note_crushed(Simulation::Impl& s) {
 }
 
 bool begins_check(const Simulation::Impl& s) {
-  if (s.energy.wanted || s.watch.pending || s.progress.step < s.watch.next_energies || is_just_loaded(s)) return false;
+  return !s.energy.wanted && !s.watch.pending && s.progress.step >= s.watch.next_energies && !is_just_loaded(s) &&
+         laws_give_energies(s);
+}
+
+bool laws_give_energies(const Simulation::Impl& s) {
   return std::all_of(s.model.families.begin(), s.model.families.end(), [](const ContactFamily& family) {
     return (family.material->api().capabilities & QUOIN_CAN_ENERGY) != 0;
   });

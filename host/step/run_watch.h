@@ -13,6 +13,8 @@ namespace quoin {
 void note_crushed(Simulation::Impl& s);
 // Whether this step, before a row, is the first of two whose energies are compared.
 bool begins_check(const Simulation::Impl& s);
+// Whether all laws compute energies. Otherwise energies do not balance.
+bool laws_give_energies(const Simulation::Impl& s);
 // Ends a comparison of two steps: it is complete, or the second step was not measured.
 void end_check(Simulation::Impl& s);
 // Adds a step to the comparison: stored energy must change by work less dissipation. The steps that are compared stand

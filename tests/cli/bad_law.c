@@ -28,10 +28,11 @@ static void misbehave(void) {
   if (is("abort")) abort();
 }
 
-/* Correct in the first steps, then wrong. */
+/* Correct in the first calls, then wrong. */
 static quoin_status late(const quoin_material* material, quoin_batch* batch) {
   static int calls;
-  if (__atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED) == 100) misbehave();
+  if (__atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED) >= 100) misbehave();
+  if (is("throw at once")) throw_words();
   return evaluate(material, batch);
 }
 
@@ -39,6 +40,7 @@ static quoin_status late(const quoin_material* material, quoin_batch* batch) {
 static quoin_status talk(const quoin_law* self, uint64_t count, const quoin_property_value* const* values,
                          quoin_material** material, quoin_text* text) {
   const quoin_status status = create_material(self, count, values, material, text);
+  if (is("throw at creation")) throw_words();
   if (is("huge text") && text != NULL) text->length = UINT64_MAX;
   if (is("growing text") && text != NULL) text->length = text->capacity + 1;
   return status;
@@ -55,8 +57,9 @@ static const quoin_state_info odd_state = {sizeof(quoin_state_info),
                                            -HUGE_VAL,
                                            HUGE_VAL};
 static const quoin_state_info* const odd_states[] = {&odd_state};
-static quoin_status odd_start(const quoin_material* material, const char* id, double* values) {
-  values[0] = 0.0;
+static quoin_status start(const quoin_material* material, const char* id, double* values) {
+  if (is("throw at start")) throw_words();
+  if (is("odd state")) values[0] = 0.0;
   return initial_state(material, id, values);
 }
 
@@ -76,13 +79,14 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
   changed_law.id = "bad_law";
   changed_law.create_material = talk;
   changed_law.evaluate = late;
+  changed_law.initial_state = start;
   if (is("null texts")) {
     changed_law.name = changed_law.version = changed_law.citation = changed_law.description = NULL;
   }
+  if (is("no energies")) changed_law.capabilities &= ~(uint64_t)QUOIN_CAN_ENERGY;
   if (is("odd state")) {
     changed_law.state_count = 1;
     changed_law.states = odd_states;
-    changed_law.initial_state = odd_start;
   }
   return &changed_library;
 }

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <map>
 #include <sstream>
 #include <thread>
 
@@ -33,6 +34,17 @@ class Fire : public Cli {
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
     return (folder_ / name).string();
+  }
+  // Values of the last row of history.csv by column.
+  std::map<std::string, std::string> last_row() const {
+    std::istringstream rows(read_all(out() + "/history.csv"));
+    std::string names, row, last;
+    std::getline(rows, names);
+    while (std::getline(rows, row)) last = row;
+    std::istringstream names_left(names), values_left(last);
+    std::map<std::string, std::string> values;
+    for (std::string name; std::getline(names_left, name, ',');) std::getline(values_left, values[name], ',');
+    return values;
   }
   // Returns the path of the small wall with one text replaced.
   std::string wall_with(const std::string& from, const std::string& to) const {
@@ -158,8 +170,9 @@ TEST_F(Fire, PicturesDoNotHoldResults) {
   EXPECT_EQ(summary()["status"], "done");
 }
 
-// At Ctrl-C the plot program ends, with what it has started, and the rest of the results is written.
-TEST_F(Fire, CtrlCEndsAPlotProgramThatHangs) {
+// At Ctrl-C the plot program ends, with what it has started, and the rest of the results is written. The run was
+// "done", so that pictures could not be had any more.
+TEST_F(Fire, CtrlCEndsAPlotProgramThatHangsAndResumeDraws) {
   const fs::path tools = folder_ / "tools", sleeper = tools / "sleeper";
   fs::create_directories(tools);
   std::ofstream(tools / "gnuplot") << "#!/bin/sh\nsleep 1000 &\necho $! > '" << sleeper.string() << "'\nwait\n";
@@ -174,11 +187,21 @@ TEST_F(Fire, CtrlCEndsAPlotProgramThatHangs) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   kill(child, SIGINT);
   EXPECT_EQ(finish(child), 130);
-  EXPECT_EQ(summary()["status"], "done");
+  EXPECT_EQ(summary()["status"], "interrupted");
+  EXPECT_EQ(summary()["interrupted"], true);
+  EXPECT_THAT(error_, HasSubstr("quoin run --resume " + out()));
   EXPECT_THAT(parts(), IsEmpty());
   const std::string process = read_all(sleeper);
   ASSERT_FALSE(process.empty());
   EXPECT_THAT(read_all("/proc/" + process.substr(0, process.find('\n')) + "/cmdline"), IsEmpty()) << "it has ended";
+  const std::string history = read_all(out() + "/history.csv");
+  EXPECT_EQ(quoin_in_time({"run", "--resume", out(), "--threads", "1"}), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("resumed at step"));
+  EXPECT_TRUE(fs::exists(out() + "/curve.png") || error_.find("gnuplot is not installed") != std::string::npos)
+      << error_;
+  EXPECT_EQ(read_all(out() + "/history.csv"), history);
+  EXPECT_EQ(summary()["status"], "done");
+  EXPECT_FALSE(fs::exists(out() + "/checkpoint.bin"));
 }
 
 // Files are limited to 40 kB, as on a nearly full disk: pictures and frames fail, history and summary are kept.
@@ -358,10 +381,8 @@ TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
       setenv("ASAN_OPTIONS", "handle_segv=0:detect_leaks=0", 1);  // otherwise a sanitizer would report the crash
     };
   };
-  for (const auto& [what, words] : {std::pair{"crash", "crashed (SIGSEGV)"},
-                                    {"exit", "called exit()"},
-                                    {"throw", "threw what a law must not throw"},
-                                    {"abort", "aborted"}}) {
+  for (const auto& [what, words] :
+       {std::pair{"crash", "crashed (SIGSEGV)"}, {"exit", "called exit()"}, {"abort", "aborted"}}) {
     for (const char* threads : {"1", "2"}) {
       std::vector<std::string> run = short_run(small_, {"--law", library});
       run[5] = threads;
@@ -370,9 +391,6 @@ TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
       EXPECT_FALSE(fs::exists(out() + "/summary.json"));
     }
   }
-  EXPECT_EQ(quoin(short_run(small_, {"--law", library}), doing("throw words")), 5) << error_;
-  EXPECT_THAT(error_, AllOf(HasSubstr("words of a law"), HasSubstr("the scene and the law")));
-  EXPECT_EQ(summary()["status"], "failed") << "what was computed is kept";
   for (const auto& [what, words] : {std::pair{"crash at load", "crashed (SIGSEGV) while it was loaded"},
                                     {"exit at load", "called exit(0) or _exit(0) while"}}) {
     EXPECT_EQ(quoin({"check", small_, "--law", library}, doing(what)), 4) << what << error_;
@@ -380,6 +398,57 @@ TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
   }
   for (const char* what : {"huge text", "growing text"})
     EXPECT_EQ(quoin(short_run(small_, {"--law", library}), doing(what)), 0) << what << error_;
+}
+
+// A law in C++ may throw. One that went on to throw lost the summary and was reported as a fault of Quoin.
+TEST_F(Fire, LawsThatThrowAreNamedAndResultsAreKept) {
+  const std::string library = QUOIN_BAD_LAW_LIBRARY;
+  const auto throwing = [](const char* what) {
+    return [what] {
+      in_time();
+      setenv("QUOIN_BAD_LAW", what, 1);
+    };
+  };
+  const auto names_the_law =
+      AllOf(HasSubstr("the law 'bad_law' of " + library + " threw an exception"), Not(HasSubstr("internal error")));
+  for (const auto& [what, words] : {std::pair{"throw", "no std::exception"}, {"throw words", "\"words of a law\""}}) {
+    for (const char* threads : {"1", "2"}) {
+      for (const char* motion : {"never", "always"}) {
+        std::vector<std::string> run =
+            short_run(small_, {"--law", library, "--set", std::string("solver.large_motion=") + motion});
+        run[5] = threads;
+        EXPECT_EQ(quoin(run, throwing(what)), 5) << what << error_;
+        EXPECT_THAT(error_, AllOf(names_the_law, HasSubstr(words),
+                                  ContainsRegex("step [0-9]+, contact points [0-9]+ to [0-9]+ of joint family 'mortar'")));
+        EXPECT_EQ(summary()["status"], "failed") << "what was computed is kept";
+        EXPECT_TRUE(summary()["contact_points_by_state"]["open"].is_null());
+      }
+    }
+  }
+  for (const char* what : {"throw at once", "throw at creation", "throw at start"}) {
+    EXPECT_EQ(quoin(short_run(small_, {"--law", library}), throwing(what)), 4) << what << error_;
+    EXPECT_THAT(error_, AllOf(names_the_law, HasSubstr("words of a law"))) << what;
+  }
+}
+
+// Energies that a law does not compute were zeros, and the run warned that -100 % had no source.
+TEST_F(Fire, EnergiesThatALawDoesNotComputeAreEmpty) {
+  for (const char* motion : {"never", "always"}) {
+    ASSERT_EQ(quoin(short_run(small_, {"--law", QUOIN_BAD_LAW_LIBRARY, "--set", "output.energy=true", "--set",
+                                       std::string("solver.large_motion=") + motion}),
+                    [] { setenv("QUOIN_BAD_LAW", "no energies", 1); }),
+              0)
+        << error_;
+    EXPECT_THAT(error_, Not(HasSubstr("energies do not balance"))) << motion;
+    EXPECT_TRUE(summary()["watch"]["energy_missing_over_moved"].is_null()) << motion;
+    EXPECT_TRUE(summary()["energy_J"]["dissipated"].is_null()) << motion;
+    const std::map<std::string, std::string> last = last_row();
+    for (const char* column : {"contact_energy_J", "dissipated_tension_J", "dissipated_cohesion_J",
+                               "dissipated_friction_J", "dissipated_crushing_J", "energy_balance_error_J"})
+      EXPECT_EQ(last.at(column), "") << motion << column;
+    for (const char* column : {"kinetic_energy_J", "strain_energy_J", "external_work_J"})
+      EXPECT_NE(last.at(column), "") << motion << column;
+  }
 }
 
 // Broken libraries beside good ones: a message for each, and the good ones are listed.

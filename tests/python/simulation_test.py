@@ -627,10 +627,11 @@ except quoin.NumericalFailure as failure:
 class Laws(Folder):
     """Faulty laws, and the monitoring of laws by keyword arguments of run and Simulation."""
 
-    def watched(self, fault, options):
+    def watched(self, fault, options, library=HOSTILE):
         """Runs another interpreter with a law of that fault. Returns its exit code, output and errors."""
-        done = subprocess.run([sys.executable, "-c", WATCHED, SMALL_WALL, HOSTILE, self.path("out"), repr(options)],
-                              env=dict(os.environ, QUOIN_HOSTILE=fault), capture_output=True, text=True, timeout=120)
+        done = subprocess.run([sys.executable, "-c", WATCHED, SMALL_WALL, library, self.path("out"), repr(options)],
+                              env=dict(os.environ, QUOIN_HOSTILE=fault, QUOIN_BAD_LAW=fault), capture_output=True, text=True,
+                              timeout=120)
         return done.returncode, done.stdout, done.stderr
 
     def test_isolated_laws_give_the_same_bits(self):
@@ -653,6 +654,12 @@ class Laws(Folder):
                 self.assertRegex(out, words)
                 self.assertRegex(out, "(?s)rows: [1-9].* failed")
                 self.assertTrue(os.path.exists(self.path("out/summary.json")))
+
+    def test_a_law_that_throws_is_an_exception(self):
+        code, out, errors = self.watched("throw words", dict(threads=2), os.environ["QUOIN_BAD_LAW_LIBRARY"])
+        self.assertEqual(code, 0, errors)
+        self.assertRegex(out, '(?s)raised: .*the law \'bad_law\' of .* threw an exception.*"words of a law".* failed')
+        self.assertTrue(os.path.exists(self.path("out/summary.json")))
 
     def test_a_law_that_hangs_ends_the_program_as_the_command_line_does(self):
         code, out, errors = self.watched("hang", dict(law_seconds=1.0))
