@@ -5,6 +5,7 @@
 
 #include "model/block_layout.h"
 #include "model/impact_damping.h"
+#include "model/property_columns.h"
 #include "model/world.h"
 #include "model/world_results.h"
 
@@ -16,8 +17,9 @@ namespace {
 
 using Landing = std::array<double, 2>;  // squared frequencies normal to the face and along it, 1/s2
 
-// Squared frequencies of a block that lands on an edge of its face at this contact, 1/s2.
-Landing landing_frequencies(const World& w, const Contact& c, int block) {
+// Squared frequencies of a block that lands on an edge of its face at this contact, 1/s2. stiffness: normal to the
+// joint and along it, Pa/m.
+Landing landing_frequencies(const World& w, const Contact& c, int block, const std::array<double, 2>& stiffness) {
   const Block& input = w.assembly.blocks[size_t(block)];
   if (input.fixed) return {};
   const RigidMass own_mass = rigid_mass(w, input);
@@ -47,60 +49,45 @@ Landing landing_frequencies(const World& w, const Contact& c, int block) {
                           {along_s, along_t},
                           {inertia_about(s), inertia_about(t)},
                           height},
-                         f.kn, f.ks);
+                         stiffness[0], stiffness[1]);
 }
 
-// Squared frequencies of the lightest block at the joints of a family, 1/s2. For a family without joints, those of the
-// lightest of all blocks on its largest face.
-Landing landing_frequencies(const World& w, int family) {
-  const Family& f = w.contacts.families[size_t(family)];
-  Landing highest{};
-  const auto add = [&](const Landing& squares) {
-    for (size_t k = 0; k < 2; ++k) highest[k] = std::max(highest[k], squares[k]);
-  };
-  for (const uint32_t i : w.contacts.of_family[size_t(family)]) {
-    const Contact& c = w.contacts.list[i];
-    if (c.count == 0 || !w.part.owns(c.pair)) continue;
-    add(landing_frequencies(w, c, c.pair.a)), add(landing_frequencies(w, c, c.pair.b));
+// Mean stiffness of a pair's points by area, normal to the joint and along it, Pa/m.
+std::array<double, 2> mean_stiffness(const Family& f, const Contact& c) {
+  if (f.columns.empty()) return {f.kn, f.ks};
+  double area = 0.0, normal = 0.0, shear = 0.0;
+  for (uint32_t i = c.first; i < c.first + c.count; ++i) {
+    const auto [kn, ks] = stiffness_of_point(f, i);
+    area += f.point[i].area, normal += f.point[i].area * kn, shear += f.point[i].area * ks;
   }
-  highest = {w.part.largest(highest[0]), w.part.largest(highest[1])};
-  const bool known = highest[0] > 0.0;
-  for (const Block& block : w.assembly.blocks) {
-    if (block.fixed || known) continue;
-    const ShapeFacts& facts = w.shapes.facts[size_t(block.shape)];
-    const double density = density_of(w, block) * w.solver.mass_scaling;
-    const double half_over_mass = 0.5 / (density * facts.least_extent);  // A/2 over m, A = V/least extent
-    add({4.0 * f.kn * half_over_mass, 4.0 * f.ks * half_over_mass});     // b^2/I and h^2/I are at most 3/m of a box
-  }
-  return highest;
+  return {normal / area, shear / area};
 }
 
 }  // namespace
 
+std::array<double, 2> stiffness_of_point(const Family& f, size_t point) {
+  if (f.columns.empty()) return {f.kn, f.ks};
+  const quoin_stiffness_bounds bounds = stiffness_bounds_at(*f.material, f.columns, point);
+  return {bounds.normal, bounds.shear};
+}
+
+// The block with the higher frequency of landing sets the viscosity. Joints between the halves of units are bonded from
+// the start, and nothing lands there. With the stiffness of units they would reduce the step far too much.
+std::array<double, 2> viscosity_of_pair(const World& w, const Contact& c) {
+  if (!w.damping.impacts || w.units.other_half[size_t(c.pair.a)] == c.pair.b) return {};
+  const std::array<double, 2> k = mean_stiffness(w.contacts.families[size_t(c.family)], c);
+  const Landing a = landing_frequencies(w, c, c.pair.a, k), b = landing_frequencies(w, c, c.pair.b, k);
+  return impact_viscosity({std::max(a[0], b[0]), std::max(a[1], b[1])}, w.damping.impacts->share);
+}
+
 void choose_impact_damping(World& w) {
-  w.impacts.beta.clear();
   w.impacts.zone_beta = 0.0, w.impacts.share = 1.0;
-  if (!w.damping.impacts) return;
-  // Joints between the halves of units are bonded from the start: nothing lands there. With the stiffness of units they
-  // would reduce the step far too much.
-  const auto within_units = [&](size_t f) {
-    double any = 0.0, others = 0.0;
-    for (const uint32_t i : w.contacts.of_family[f]) {
-      const Contact& c = w.contacts.list[i];
-      if (c.count == 0 || !w.part.owns(c.pair)) continue;
-      any = 1.0;
-      if (w.units.other_half[size_t(c.pair.a)] != c.pair.b) others = 1.0;
-    }
-    return w.part.largest(any) > 0.0 && w.part.largest(others) == 0.0;
-  };
-  for (size_t f = 0; f < w.contacts.families.size(); ++f) {
-    if (within_units(f)) {
-      w.impacts.beta.insert(w.impacts.beta.end(), {0.0, 0.0});
-      continue;
-    }
-    const auto [normal, along] = impact_viscosity(landing_frequencies(w, int(f)), w.damping.impacts->share);
-    w.impacts.beta.insert(w.impacts.beta.end(), {normal, along});
+  for (size_t i = 0; i < w.contacts.list.size(); ++i) {
+    const Contact& c = w.contacts.list[i];
+    w.contacts.place[i].viscosity = c.count > 0 && w.part.owns(c.pair) ? viscosity_of_pair(w, c) : std::array{0.0, 0.0};
   }
+  for (const int c : w.chunks.own) pack_viscosity(w, w.chunks.all[size_t(c)]);
+  if (!w.damping.impacts) return;
   for (int i = 0; i < w.block_count(); ++i) {
     const Block& input = w.assembly.blocks[size_t(i)];
     if (input.rigid) continue;
@@ -109,6 +96,17 @@ void choose_impact_damping(World& w) {
     const double beta = zone_viscosity(2.0 * w.blocks[size_t(i)].radius, speed);
     w.impacts.zone_beta = w.impacts.zone_beta > 0.0 ? std::min(w.impacts.zone_beta, beta) : beta;
   }
+}
+
+std::vector<std::array<double, 2>> impact_viscosities(const World& w) {
+  std::vector<std::array<double, 2>> viscosities;
+  for (const auto& of_family : w.contacts.of_family) {
+    for (const uint32_t i : of_family) {
+      const auto [normal, along] = w.contacts.place[i].viscosity;
+      viscosities.insert(viscosities.end(), w.contacts.list[i].count, {w.impacts.share * normal, w.impacts.share * along});
+    }
+  }
+  return viscosities;
 }
 
 double impact_damping_in_use(const World& w) {
