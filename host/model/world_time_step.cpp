@@ -20,13 +20,13 @@ using namespace geometry;
 
 namespace {
 
-// Stiffness K, viscosity C of impact damping, or a sum of both: factors on those of contact points, and on the stiffness
-// of zones and of members.
+// Stiffness K, viscosity C of impact damping, or a sum of both: factors on those of contact points, zones and members.
 struct JointSprings {
   double of_stiffness, of_viscosity;
   double of_zones, of_members;  // 1; for dashpots s
   // Normal to the joint and along it, Pa/m; for dashpots Pa s/m.
   std::array<double, 2> of_point(const Family& f, size_t point, const PairPlace& pair) const {
+    if (of_viscosity == 0.0) return {of_stiffness * f.kn, of_stiffness * f.ks};
     const auto [normal, shear] = stiffness_of_point(f, point);
     return {of_stiffness * f.kn + of_viscosity * (pair.viscosity[0] * normal),
             of_stiffness * f.ks + of_viscosity * (pair.viscosity[1] * shear)};
@@ -48,15 +48,29 @@ void each_own_point(const World& w, Visit visit, IsWanted is_wanted) {
   }
 }
 
+constexpr JointSprings kStiffness{1.0, 0.0, 1.0, 1.0};
+
+JointSprings impact_dashpots(const World& w) { return {0.0, 1.0, w.impacts.zone_beta, 0.0}; }
+
+// K + 2 C/dt with a share of the viscosity.
+JointSprings with_dashpots(const World& w, double share, double dt) {
+  const double of_viscosity = 2 * share / dt;
+  return {1.0, of_viscosity, 1.0 + of_viscosity * w.impacts.zone_beta, 1.0};
+}
+
 }  // namespace
 
-// Upper bound of the ratio of contact stiffness to mass over these blocks and their gridpoints, 1/s2. It is cheap and
-// coarse. Only its growth is used: it decides whether the frequency is computed again.
+// Upper bound of the ratio of contact stiffness to mass over these blocks and their gridpoints, 1/s2. Dashpots of
+// impacts are counted as the stiffness that a step has from them. It is cheap and coarse. Only its growth is used: it
+// decides whether the frequency is computed again.
 double local_stiffness_bound(const World& w, const std::function<bool(int block)>& is_wanted) {
   LaneVector<double> body(w.bodies.size()), node(w.nodes.x.size());
-  const auto add = [&](const Family& f, size_t point, const PairPlace&) {
+  const JointSprings springs =
+      w.damping.impacts && w.stepping.dt > 0 ? with_dashpots(w, w.impacts.share, w.stepping.dt) : kStiffness;
+  const auto add = [&](const Family& f, size_t point, const PairPlace& pair) {
     const Point& p = f.point[point];
-    const double k = std::max(f.kn, f.ks);
+    const auto [kn, ks] = springs.of_point(f, point, pair);
+    const double k = std::max(kn, ks);
     const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(w, p);
     const auto rigid = [&](int block) {
       const Body& b = w.bodies[w.blocks[block].body];
@@ -161,16 +175,6 @@ struct FrequencyHalo {
   }
 };
 
-constexpr JointSprings kStiffness{1.0, 0.0, 1.0, 1.0};
-
-JointSprings impact_dashpots(const World& w) { return {0.0, 1.0, w.impacts.zone_beta, 0.0}; }
-
-// K + 2 C/dt with a share of the viscosity.
-JointSprings with_dashpots(const World& w, double share, double dt) {
-  const double of_viscosity = 2 * share / dt;
-  return {1.0, of_viscosity, 1.0 + of_viscosity * w.impacts.zone_beta, 1.0};
-}
-
 // Operator M^-1/2 K M^-1/2, of own blocks or of one unit. Unknowns are velocities scaled by the square root of inertia,
 // first of bodies, then of gridpoints. Rotations are about principal axes.
 struct Vibration {
@@ -219,7 +223,12 @@ struct Vibration {
         [&](const Family& family, size_t point, const PairPlace& pair) {
           const Point& p = family.point[point];
           const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
-          springs.push_back({&p, stiffness.of_point(family, point, pair), place_of(world, p), frame_of(world, p).row[0], factor * p.area, {}});
+          springs.push_back({&p,
+                             stiffness.of_point(family, point, pair),
+                             place_of(world, p),
+                             frame_of(world, p).row[0],
+                             factor * p.area,
+                             {}});
         },
         [&](int block) { return !alone || alone->has(block); });
     list_by_block(world.blocks.size(), ends, [&](const auto& visit) {
@@ -521,8 +530,8 @@ void find_time_step(World& w, bool may_grow) {
   w.stepping.omega = highest_frequency(w);
   if (!std::isfinite(w.stepping.omega))
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
-  w.stepping.stiffness_bound = local_stiffness_bound(w, [](int) { return true; });
   choose_time_step(w, may_grow);
+  w.stepping.stiffness_bound = local_stiffness_bound(w, [](int) { return true; });
 }
 
 void World::hold_by_springs(double eigenvalue) {

@@ -100,8 +100,7 @@ void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
   MaxwellColumns maxwell{};
   const auto stiffness = [&](const char* id, double of_material) {
     const PropertyColumn* const drawn = find_column(f.columns, id);
-    return drawn ? OfPoints{of_material / drawn->usual, drawn->values.data() + first}
-                 : OfPoints{of_material};
+    return drawn ? OfPoints{of_material / drawn->usual, drawn->values.data() + first} : OfPoints{of_material};
   };
   maxwell.normal = stiffness("normal_stiffness", f.material->stiffness_bounds().normal);
   maxwell.shear = stiffness("shear_stiffness", f.material->stiffness_bounds().shear);

@@ -134,7 +134,8 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
 double DampPoints(const DampingColumns& c, std::size_t count, double rate) {
   return Damp<false, false>(c, {}, count, {rate}, {rate});
 }
-double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal, const OfPoints& along) {
+double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
+                   const OfPoints& along) {
   return m.traction[0] ? Damp<true, true>(c, m, count, normal, along) : Damp<true, false>(c, m, count, normal, along);
 }
 
@@ -171,7 +172,8 @@ double damp_points(const DampingColumns& columns, std::size_t count, double rate
   return HWY_DYNAMIC_DISPATCH(DampPoints)(columns, count, rate);
 }
 
-double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count, const OfPoints& normal, const OfPoints& along) {
+double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
+                    const OfPoints& normal, const OfPoints& along) {
   return HWY_DYNAMIC_DISPATCH(DampImpacts)(columns, maxwell, count, normal, along);
 }
 
