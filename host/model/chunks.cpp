@@ -162,7 +162,19 @@ void divide_work(World& w) {
   if (!w.part.ranks) bind_work(w);
 }
 
-void pack(World& w, const Chunk& chunk) {
+void pack_viscosity(const World& w, Chunk& chunk) {
+  for (auto& column : chunk.viscosity) column.assign(w.damping.impacts ? chunk.count : 0, 0.0);
+  if (!w.damping.impacts) return;
+  each_contact_of_chunk(w, int(&chunk - w.chunks.all.data()), [&](size_t i) {
+    const Contact& c = w.contacts.list[i];
+    const uint32_t begin = std::max(c.first, chunk.first), end = std::min(c.first + c.count, chunk.first + chunk.count);
+    for (size_t k = 0; k < 2; ++k)
+      std::fill_n(chunk.viscosity[k].begin() + (begin - chunk.first), end - begin, w.contacts.place[i].viscosity[k]);
+  });
+}
+
+void pack(World& w, Chunk& chunk) {
+  pack_viscosity(w, chunk);
   Family& f = w.contacts.families[size_t(chunk.family)];
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];

@@ -99,6 +99,7 @@ struct Chunk {
   std::vector<FacetLanes> facets;              // points on triangles
   std::vector<FacetFrames> frames;             // frames of their triangles; constant in small displacements
   std::vector<OtherPoint> others;              // points with one deformable side
+  std::vector<double> viscosity[2];            // by point, that of its pair (PairPlace); empty: no impact damping
   uint32_t row_count = 0;                      // number of rows of its points in Chunks::rows
   // For rows of history.csv:
   double force_sum = 0.0;  // sum of the magnitudes of the points' forces, N
@@ -120,7 +121,8 @@ struct Chunks {
 // them too. Ranks call bind_work after they hold their parts.
 void divide_work(World& w);
 void bind_work(World& w);
-void pack(World& w, const Chunk& chunk);
+void pack(World& w, Chunk& chunk);
+void pack_viscosity(const World& w, Chunk& chunk);
 void bind_columns(World& w);
 void bind(const World& w, Family& f, Chunk& chunk);
 

@@ -1,6 +1,8 @@
 // Pairs of blocks close to each other.
 #pragma once
 
+#include <array>
+
 #include "geometry/broad_phase.h"
 #include "geometry/separation.h"
 #include "model/contact_points.h"
@@ -23,11 +25,12 @@ struct Contact {
   static constexpr std::uint16_t kOnRim = 2;
 };
 
-// Geometry of a pair at its last narrow phase.
+// A pair at its last narrow phase.
 struct PairPlace {
   geometry::Separation separation;
   Vector relative_x;  // pose of b in the frame of a
   Matrix relative_r;
+  std::array<double, 2> viscosity{};  // of impact damping, over stiffness, normal to the joint and along it, s
 };
 
 // Detection makes contacts; steps change their points. Every rank has the list, but only points of own pairs.

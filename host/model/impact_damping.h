@@ -45,7 +45,7 @@ ImpactStep step_under_impacts(double critical, double rate, const std::function<
 
 // Impact damping of a model.
 struct ImpactDamping {
-  std::vector<std::array<double, 2>> viscosity;  // by joint family, over stiffness, s; empty: none
+  std::vector<std::array<double, 2>> viscosity;  // over stiffness, s: on the lattice, by joint family
   double of_zones = 0.0;                         // viscosity over stiffness of zones, s
   double in_use = 0.0;                           // share of critical damping for a block that lands on an edge
 };

@@ -20,13 +20,20 @@ using namespace geometry;
 
 namespace {
 
-// Springs of contact points by family, normal and along the joint; factors on the forces of zones and of members.
+// Stiffness K, viscosity C of impact damping, or a sum of both: factors on those of contact points, zones and members.
 struct JointSprings {
-  std::vector<std::array<double, 2>> of_family;  // Pa/m; for dashpots Pa s/m
-  double of_zones, of_members;                   // 1; for dashpots s
+  double of_stiffness, of_viscosity;
+  double of_zones, of_members;  // 1; for dashpots s
+  // Normal to the joint and along it, Pa/m; for dashpots Pa s/m.
+  std::array<double, 2> of_point(const Family& f, size_t point, const PairPlace& pair) const {
+    if (of_viscosity == 0.0) return {of_stiffness * f.kn, of_stiffness * f.ks};
+    const auto [normal, shear] = stiffness_of_point(f, point);
+    return {of_stiffness * f.kn + of_viscosity * (pair.viscosity[0] * normal),
+            of_stiffness * f.ks + of_viscosity * (pair.viscosity[1] * shear)};
+  }
 };
 
-// Visits contact points of own pairs with a block for which is_wanted(block) holds.
+// visit(family, index of its point, pair): contact points of own pairs with a block for which is_wanted(block) holds.
 template <class Visit, class IsWanted>
 void each_own_point(const World& w, Visit visit, IsWanted is_wanted) {
   for (size_t k = 0; k < w.contacts.families.size(); ++k) {
@@ -36,19 +43,34 @@ void each_own_point(const World& w, Visit visit, IsWanted is_wanted) {
       if (!is_wanted(c.pair.a) && !is_wanted(c.pair.b)) continue;
       if (!w.part.owns(c.pair) || (w.units.apart[size_t(c.pair.a)] && w.units.other_half[size_t(c.pair.a)] == c.pair.b))
         continue;
-      for (uint32_t p = c.first; p < c.first + c.count; ++p) visit(f, f.point[p]);
+      for (uint32_t p = c.first; p < c.first + c.count; ++p) visit(f, p, w.contacts.place[i]);
     }
   }
 }
 
+constexpr JointSprings kStiffness{1.0, 0.0, 1.0, 1.0};
+
+JointSprings impact_dashpots(const World& w) { return {0.0, 1.0, w.impacts.zone_beta, 0.0}; }
+
+// K + 2 C/dt with a share of the viscosity.
+JointSprings with_dashpots(const World& w, double share, double dt) {
+  const double of_viscosity = 2 * share / dt;
+  return {1.0, of_viscosity, 1.0 + of_viscosity * w.impacts.zone_beta, 1.0};
+}
+
 }  // namespace
 
-// Upper bound of the ratio of contact stiffness to mass over these blocks and their gridpoints, 1/s2. It is cheap and
-// coarse. Only its growth is used: it decides whether the frequency is computed again.
+// Upper bound of the ratio of contact stiffness to mass over these blocks and their gridpoints, 1/s2. Dashpots of
+// impacts are counted as the stiffness that a step has from them. It is cheap and coarse. Only its growth is used: it
+// decides whether the frequency is computed again.
 double local_stiffness_bound(const World& w, const std::function<bool(int block)>& is_wanted) {
   LaneVector<double> body(w.bodies.size()), node(w.nodes.x.size());
-  const auto add = [&](const Family& f, const Point& p) {
-    const double k = std::max(f.kn, f.ks);
+  const JointSprings springs =
+      w.damping.impacts && w.stepping.dt > 0 ? with_dashpots(w, w.impacts.share, w.stepping.dt) : kStiffness;
+  const auto add = [&](const Family& f, size_t point, const PairPlace& pair) {
+    const Point& p = f.point[point];
+    const auto [kn, ks] = springs.of_point(f, point, pair);
+    const double k = std::max(kn, ks);
     const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(w, p);
     const auto rigid = [&](int block) {
       const Body& b = w.bodies[w.blocks[block].body];
@@ -128,7 +150,8 @@ struct FrequencyHalo {
     const int here = ranks->rank();
     using Side = std::pair<bool, int>;  // true and a gridpoint, or false and a body
     BorderKeys<Side> keys;
-    const auto add_sides = [&](const Family&, const Point& p) {
+    const auto add_sides = [&](const Family& f, size_t point, const PairPlace&) {
+      const Point& p = f.point[point];
       const int rank_a = world.part.rank_of_block[size_t(p.a)], rank_b = world.part.rank_of_block[size_t(p.b)];
       if (rank_a == rank_b) return;
       const auto note = [&](int block, int facet, int rank, int other) {
@@ -152,37 +175,12 @@ struct FrequencyHalo {
   }
 };
 
-JointSprings stiffness(const World& w) {
-  JointSprings springs{{}, 1.0, 1.0};
-  for (const Family& f : w.contacts.families) springs.of_family.push_back({f.kn, f.ks});
-  return springs;
-}
-
-JointSprings impact_dashpots(const World& w) {
-  JointSprings springs{{}, w.impacts.zone_beta, 0.0};
-  for (size_t f = 0; f < w.contacts.families.size(); ++f)
-    springs.of_family.push_back(
-        {w.impacts.beta[2 * f] * w.contacts.families[f].kn, w.impacts.beta[2 * f + 1] * w.contacts.families[f].ks});
-  return springs;
-}
-
-// K + 2 C/dt with a share of the viscosity.
-JointSprings with_dashpots(const World& w, double share, double dt) {
-  JointSprings sum = stiffness(w);
-  const JointSprings dashpots = impact_dashpots(w);
-  for (size_t f = 0; f < w.contacts.families.size(); ++f) {
-    for (size_t k = 0; k < 2; ++k) sum.of_family[f][k] += 2 * share / dt * dashpots.of_family[f][k];
-  }
-  sum.of_zones += 2 * share / dt * dashpots.of_zones;
-  return sum;
-}
-
 // Operator M^-1/2 K M^-1/2, of own blocks or of one unit. Unknowns are velocities scaled by the square root of inertia,
 // first of bodies, then of gridpoints. Rotations are about principal axes.
 struct Vibration {
   struct Spring {
-    const Family* family;
     const Point* point;
+    std::array<double, 2> stiffness;  // normal to the joint and along it
     Vector at, normal;
     double area;   // m2, twice where the other side is fixed
     Vector force;  // on block b, in the last product
@@ -222,9 +220,15 @@ struct Vibration {
     fill_scale();
     each_own_point(
         world,
-        [&](const Family& family, const Point& p) {
+        [&](const Family& family, size_t point, const PairPlace& pair) {
+          const Point& p = family.point[point];
           const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
-          springs.push_back({&family, &p, place_of(world, p), frame_of(world, p).row[0], factor * p.area, {}});
+          springs.push_back({&p,
+                             stiffness.of_point(family, point, pair),
+                             place_of(world, p),
+                             frame_of(world, p).row[0],
+                             factor * p.area,
+                             {}});
         },
         [&](int block) { return !alone || alone->has(block); });
     list_by_block(world.blocks.size(), ends, [&](const auto& visit) {
@@ -346,8 +350,8 @@ struct Vibration {
     if (stiffness.of_zones != 0.0) each_part_of_blocks([&](auto part) { add_zone_forces(world, part, nv, nf); });
     if (stiffness.of_zones != 1.0) each_node([&](size_t i, size_t) { nf[i] = stiffness.of_zones * nf[i]; });
     each_part(world.pool, springs.size(), kSpringsAPart, [&](size_t begin, size_t end) {
-      for (auto& [family, point, at, normal, area, force] : std::span(springs).subspan(begin, end - begin)) {
-        const auto& [kn, ks] = stiffness.of_family[size_t(family - world.contacts.families.data())];
+      for (auto& [point, k, at, normal, area, force] : std::span(springs).subspan(begin, end - begin)) {
+        const auto [kn, ks] = k;
         const Vector d = velocity(point->b, point->facet_b, at) - velocity(point->a, point->facet_a, at);
         force = area * (ks * d + (kn - ks) * dot(normal, d) * normal);
       }
@@ -414,7 +418,7 @@ double largest_over_inertia(const World& w, const JointSprings& stiffness, LaneV
 }  // namespace
 
 double highest_frequency(const World& w, LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) {
-  const double value = largest_over_inertia(w, stiffness(w), mode, alone);
+  const double value = largest_over_inertia(w, kStiffness, mode, alone);
   return value < 0 ? 0.0 : std::sqrt(value);  // not-a-number is returned
 }
 
@@ -526,8 +530,8 @@ void find_time_step(World& w, bool may_grow) {
   w.stepping.omega = highest_frequency(w);
   if (!std::isfinite(w.stepping.omega))
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
-  w.stepping.stiffness_bound = local_stiffness_bound(w, [](int) { return true; });
   choose_time_step(w, may_grow);
+  w.stepping.stiffness_bound = local_stiffness_bound(w, [](int) { return true; });
 }
 
 void World::hold_by_springs(double eigenvalue) {

@@ -140,8 +140,6 @@ void Model::find_contacts() {
 
 ImpactDamping Model::impact_damping() const {
   ImpactDamping found;
-  for (std::size_t f = 0; 2 * f < impacts.beta.size(); ++f)
-    found.viscosity.push_back({impacts.share * impacts.beta[2 * f], impacts.share * impacts.beta[2 * f + 1]});
   found.of_zones = impacts.share * impacts.zone_beta, found.in_use = impact_damping_in_use(*this);
   return found;
 }

@@ -35,6 +35,7 @@ void Model::restore(ArchiveReader& reader) {
   WorldFields::of_pairs(
       *this, [&](const Field& field, const auto& array) { require_items(field, array.size(), contacts.list.size()); });
   require(start_joints.kept.empty() || start_joints.kept.size() == start_joints.point.size() * kept_width(*this));
+  require(impacts.landing.size() == (damping.impacts ? contacts.families.size() * blocks.size() : 0));
   require(actions.loaded.size() == blocks.size() &&
           (actions.applied.empty() || actions.applied.size() == blocks.size()));
   const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks.size(); };

@@ -100,8 +100,7 @@ void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
   MaxwellColumns maxwell{};
   const auto stiffness = [&](const char* id, double of_material) {
     const PropertyColumn* const drawn = find_column(f.columns, id);
-    return drawn ? UndamagedStiffness{of_material / drawn->usual, drawn->values.data() + first}
-                 : UndamagedStiffness{of_material};
+    return drawn ? OfPoints{of_material / drawn->usual, drawn->values.data() + first} : OfPoints{of_material};
   };
   maxwell.normal = stiffness("normal_stiffness", f.material->stiffness_bounds().normal);
   maxwell.shear = stiffness("shear_stiffness", f.material->stiffness_bounds().shear);
@@ -111,11 +110,12 @@ void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
     const double way = m.impacts.maxwell[e].rate * m.stepping.dt;
     maxwell.keep[e] = std::exp(-way), maxwell.gain[e] = -m.impacts.maxwell[e].share * std::expm1(-way) / way;
   }
-  const auto of_impacts = [&](size_t along) {
-    return m.impacts.share * m.impacts.beta[2 * size_t(chunk.family) + along] / m.stepping.dt;
-  };
+  double rate[2][kChunk];
+  for (size_t k = 0; k < 2 && m.damping.impacts; ++k) {
+    for (size_t i = 0; i < chunk.count; ++i) rate[k][i] = m.impacts.share * chunk.viscosity[k][i] / m.stepping.dt;
+  }
   if (m.damping.impacts)
-    chunk.call.damping = damp_impacts(c, maxwell, chunk.count, of_impacts(0), of_impacts(1));
+    chunk.call.damping = damp_impacts(c, maxwell, chunk.count, {1.0, rate[0]}, {1.0, rate[1]});
   else
     chunk.call.damping = damp_points(c, chunk.count, m.damping.beta / m.stepping.dt);
 }

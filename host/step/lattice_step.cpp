@@ -35,7 +35,7 @@ void damp_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump) {
     return;
   }
   const auto [normal, along] = s.time_step.impacts.viscosity[static_cast<std::size_t>(chunk.family)];
-  taken = damp_impacts(c, {}, count, normal / s.data.time_step, along / s.data.time_step);
+  taken = damp_impacts(c, {}, count, {normal / s.data.time_step}, {along / s.data.time_step});
 }
 
 // Sums of a chunk in a measured step.

@@ -70,8 +70,8 @@ HWY_INLINE V Relax(const MaxwellColumns& m, int component, V change, Mask holds,
 
 // kMaxwell needs kImpacts.
 template <bool kImpacts, bool kMaxwell>
-HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, double normal,
-                       double along) {
+HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
+                       const OfPoints& along) {
   const D d;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5);
   LaneSum work;
@@ -83,10 +83,13 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
     const auto closed = hn::Lt(load(c.traction[0]), zero);
     V change[3];
     for (int k = 0; k < 3; ++k) change[k] = hn::Sub(load(c.traction[k]), load(c.old_traction[k]));
+    const auto of_points = [&](const OfPoints& x) HWY_ATTR {
+      const V all = hn::Set(d, x.all);
+      return x.column ? hn::Mul(all, load(x.column)) : all;
+    };
     // Whether the elements hold: the joint is in contact, and neither slides nor softens.
-    const auto holds = [&](V power, V way2, V traction2, const UndamagedStiffness& stiffness) HWY_ATTR {
-      const V all = hn::Set(d, stiffness.all), floor = hn::Set(d, kRounding * kRounding);
-      const V k = stiffness.of_points ? hn::Mul(all, load(stiffness.of_points)) : all;
+    const auto holds = [&](V power, V way2, V traction2, const OfPoints& stiffness) HWY_ATTR {
+      const V k = of_points(stiffness), floor = hn::Set(d, kRounding * kRounding);
       const auto elastic = hn::Ge(power, hn::Mul(hn::Mul(hn::Set(d, kLettingGo), k), way2));
       const auto rests = hn::Le(hn::Mul(hn::Mul(k, k), way2), hn::Mul(floor, traction2));
       return hn::And(known, hn::And(hn::Or(elastic, rests), hn::Gt(traction2, zero)));
@@ -106,7 +109,7 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
     }
     for (int k = 0; k < 3; ++k) {
       const V traction = load(c.traction[k]);
-      V viscous = hn::Mul(hn::Set(d, k == 0 ? normal : along), change[k]);
+      V viscous = hn::Mul(of_points(k == 0 ? normal : along), change[k]);
       if (kMaxwell) viscous = hn::Add(hn::IfThenElseZero(closed, viscous), elements[k]);
       const V whole = hn::Neg(traction);
       if (k == 0) {
@@ -129,9 +132,10 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
 }
 
 double DampPoints(const DampingColumns& c, std::size_t count, double rate) {
-  return Damp<false, false>(c, {}, count, rate, rate);
+  return Damp<false, false>(c, {}, count, {rate}, {rate});
 }
-double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, double normal, double along) {
+double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
+                   const OfPoints& along) {
   return m.traction[0] ? Damp<true, true>(c, m, count, normal, along) : Damp<true, false>(c, m, count, normal, along);
 }
 
@@ -168,8 +172,8 @@ double damp_points(const DampingColumns& columns, std::size_t count, double rate
   return HWY_DYNAMIC_DISPATCH(DampPoints)(columns, count, rate);
 }
 
-double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count, double normal,
-                    double along) {
+double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
+                    const OfPoints& normal, const OfPoints& along) {
   return HWY_DYNAMIC_DISPATCH(DampImpacts)(columns, maxwell, count, normal, along);
 }
 

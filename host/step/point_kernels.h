@@ -16,29 +16,29 @@ struct DampingColumns {
   double *viscous[3], *old_jump;                // Pa; opening of the last step, m, NaN: a new point
 };
 
+// A number of each point: `all`, times its column where that is given.
+struct OfPoints {
+  double all;
+  const double* column = nullptr;
+};
+
 // Computes tractions of stiffness-proportional damping from the rate of the law's traction: slip and open joints are
 // not damped. They may reduce the compression of a closed contact to zero, but cause no tension. rate: beta / dt.
 // Returns the work of damping, J.
 double damp_points(const DampingColumns& columns, std::size_t count, double rate);
-
-// Stiffness of undamaged joints, Pa/m: `all` of each point, times its column where that is given.
-struct UndamagedStiffness {
-  double all;
-  const double* of_points = nullptr;
-};
 
 // Maxwell elements in parallel with the springs of these points (model/maxwell.h).
 struct MaxwellColumns {
   double* traction[3 * kMaxwellElements];  // Pa; null: none
   double keep[kMaxwellElements];           // share of an element's traction that remains after a step
   double gain[kMaxwellElements];           // share of the change of the law's traction that an element takes
-  UndamagedStiffness normal, shear;
+  OfPoints normal, shear;                  // stiffness of undamaged joints, Pa/m
 };
 
 // The same for closed contacts alone, where blocks impact: separate rates normal to the joint and along it. Maxwell
 // elements act on all points in contact. They lose their traction where a joint opens, slides or softens.
-double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count, double normal,
-                    double along);
+double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
+                    const OfPoints& normal, const OfPoints& along);
 
 // Sums the energies of the call's points from their densities, into the results of the call. area: of its points, m2.
 // Energies that the call does not have are 0.

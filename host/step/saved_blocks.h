@@ -47,7 +47,7 @@ void transfer_blocks(Archive& archive, Self& m) {
   archive.value(m.stepping.dt);
   archive.value(m.stepping.critical_dt);
   archive.value(m.stepping.springs);
-  archive.array(m.impacts.beta);
+  archive.array(m.impacts.landing);
   archive.value(m.impacts.zone_beta);
   archive.value(m.impacts.rate);
   archive.value(m.impacts.share);

@@ -177,18 +177,26 @@ void add_loads(const Simulation::Impl& s, const Unknowns& unknowns, StiffnessEnt
 
 }  // namespace
 
-// Dashpots of impact and viscous damping: viscosity over stiffness by joint family, normal and along, and of zones, s.
+// Dashpots of impact and viscous damping: viscosity over stiffness by contact point, normal and along, and of zones, s.
 struct Dashpots {
-  std::vector<std::array<double, 2>> of_family;
+  std::vector<std::array<double, 2>> of_point;
   double of_zones = 0.0, of_mass = 0.0;  // 1/s
 };
 
-std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
+std::optional<Dashpots> dashpots_of(const Simulation::Impl& s, const std::vector<ContactPoint>& points) {
   const Damping damping = damping_of(solver_in_use(s));
-  if (damping.impacts) return Dashpots{s.time_step.impacts.viscosity, s.time_step.impacts.of_zones, 0.0};
-  if (damping.alpha == 0.0 && damping.beta == 0.0) return std::nullopt;
-  return Dashpots{std::vector<std::array<double, 2>>(s.model.families.size(), {damping.beta, damping.beta}),
-                  damping.beta, damping.alpha};
+  if (!damping.impacts && damping.alpha == 0.0 && damping.beta == 0.0) return std::nullopt;
+  Dashpots all{std::vector<std::array<double, 2>>(points.size(), {damping.beta, damping.beta}), damping.beta,
+               damping.alpha};
+  if (!damping.impacts) return all;
+  const ImpactDamping& impacts = s.time_step.impacts;
+  all.of_zones = impacts.of_zones;
+  if (s.large_motion) {
+    all.of_point = blocks::impact_viscosities(*s.large_motion);
+  } else {
+    for (const ContactPoint& p : points) all.of_point[at(p.index)] = impacts.viscosity[at(p.family)];
+  }
+  return all;
 }
 
 Tangent tangent_of(const Simulation::Impl& s) {
@@ -201,7 +209,7 @@ Tangent tangent_of(const Simulation::Impl& s) {
   t.unknown.resize(at(unknowns.count())), t.mass.resize(at(unknowns.count()));
   t.symmetry_factor =
       s.large_motion ? (s.large_motion->assembly.symmetry_plane_z0 ? 2.0 : 1.0) : s.model.assembly.symmetry_factor;
-  const std::optional<Dashpots> dashpots = dashpots_of(s);
+  const std::optional<Dashpots> dashpots = dashpots_of(s, points);
   StiffnessEntries entries, turned, viscous;
   unknowns.add_zones(&entries);
   for (const Eigen::Triplet<double>& e : entries) {
@@ -215,7 +223,7 @@ Tangent tangent_of(const Simulation::Impl& s) {
     if (normal == 0.0 && shear == 0.0) ++t.open;
     unknowns.add_point(p, p.area * normal, p.area * shear, &entries);
     if (!dashpots || (p.traction[0] >= 0.0 && damping_of(solver_in_use(s)).impacts)) continue;
-    const auto& [beta, along] = dashpots->of_family[at(p.family)];
+    const auto& [beta, along] = dashpots->of_point[at(p.index)];
     unknowns.add_point(p, p.area * beta * normal, p.area * along * shear, &viscous);
   }
   for (int b = 0; b < block_count(s); ++b) {

@@ -263,27 +263,35 @@ TEST(LatticeOnGround, GroupsOfSupportsMoveByThemselves) {
   EXPECT_GT(kCracks(lattice.back()), 0.0);
 }
 
-// The frequency of the assembled system and the share of damping agree. In the general kernels the Lanczos iteration
-// ends after 80 steps, here with an error of 2e-4.
+// The frequency of the assembled system and the share of damping agree, and so does the viscosity of the pair with the
+// highest frequency. In the general kernels the Lanczos iteration ends after 80 steps, here with an error of 2e-4.
 TEST(LatticeOnGround, HasTheTimeStepAndTheDampingOfTheGeneralKernels) {
-  const auto report = [](const Overrides& overrides) {
+  const auto report = [](const Overrides& overrides, std::array<double, 2>* least) {
     Simulation simulation(scene(overrides), 1);
     Observer nobody;
     simulation.run_stage(nobody);
     const double before = simulation.time_step_report().time_step;
     simulation.run_stage(nobody, 1);
     EXPECT_LT(simulation.time_step_report().time_step, before);
+    if (simulation.large_motion()) {
+      *least = {1.0, 1.0};
+      for (const auto& of_point : blocks::impact_viscosities(*simulation.large_motion())) {
+        // 0: joints inside units have no impacts
+        for (std::size_t k = 0; k < 2 && of_point[0] > 0.0; ++k) (*least)[k] = std::min((*least)[k], of_point[k]);
+      }
+    }
     return simulation.time_step_report();
   };
   // A high damping, of which only a part is in use.
   for (const char* damping : {"stage.shake.solver.impact_damping=0.7", "stage.shake.solver.impact_damping=2"}) {
-    const TimeStepReport lattice = report({damping}), general = report({damping, "solver.kernels=general"});
+    std::array<double, 2> least{};
+    const TimeStepReport lattice = report({damping}, &least),
+                         general = report({damping, "solver.kernels=general"}, &least);
     EXPECT_NEAR(lattice.time_step, general.time_step, 5e-4 * general.time_step);
     EXPECT_NEAR(lattice.impacts.in_use, general.impacts.in_use, 5e-4 * general.impacts.in_use);
     ASSERT_EQ(lattice.impacts.viscosity.size(), 2u);
-    for (std::size_t k = 0; k < 2; ++k) {  // joints inside units have no impacts
-      EXPECT_NEAR(lattice.impacts.viscosity[0][k], general.impacts.viscosity[0][k],
-                  5e-4 * general.impacts.viscosity[0][k]);
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_NEAR(lattice.impacts.viscosity[0][k], least[k], 5e-4 * least[k]);
       EXPECT_GT(lattice.impacts.viscosity[0][k], 0.0);
       EXPECT_EQ(lattice.impacts.viscosity[1][k], 0.0);
     }
