@@ -75,4 +75,11 @@ inline std::string read_input_file(const std::string& file, std::size_t largest 
   }
 }
 
+// The same of a text, without the byte order mark that some editors write first.
+inline std::string read_text_file(const std::string& file) {
+  std::string text = read_input_file(file);
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  return text;
+}
+
 }  // namespace quoin

@@ -308,7 +308,7 @@ std::vector<NamedShape> read_mesh_file(const std::string& path, double scale,
     throw Error(Exit::bad_input,
                 fmt::format("{}: unknown kind of mesh file; .off, .obj, .stl and .json (COMPAS) are read", path));
   }
-  std::vector<RawShape> raw = read(path, read_input_file(path));
+  std::vector<RawShape> raw = read(path, read_text_file(path));
   if (raw.empty()) throw Error(Exit::bad_input, fmt::format("{}: no block in this file", path));
   raw = bodies(path, std::move(raw), scale);
   name_all(path, raw);

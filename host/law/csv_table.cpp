@@ -45,13 +45,12 @@ CsvTable read_csv(const std::string& file) {
     throw Error(Exit::bad_input,
                 line > 0 ? fmt::format("{}:{}: {}", file, line, message) : fmt::format("{}: {}", file, message));
   };
-  std::istringstream stream(read_input_file(file));
+  std::istringstream stream(read_text_file(file));
 
   CsvTable table;
   table.file = file;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     const auto first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos || line[first] == '#') continue;
     const std::vector<std::string> fields = cells(line);

@@ -79,9 +79,8 @@ bool is_foreign_unit(const std::string& tail) {
 class Lines {
  public:
   explicit Lines(const std::string& file) : file_(file) {
-    std::istringstream stream(read_input_file(file));
+    std::istringstream stream(read_text_file(file));
     for (std::string line; std::getline(stream, line);) {
-      if (line_.empty() && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
       line_.push_back(std::move(line));
     }
   }

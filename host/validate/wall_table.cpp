@@ -235,14 +235,13 @@ double WallRow::peak() const {
 std::string WallRow::folder_name() const { return plain(number) + "_" + plain(campaign) + "_" + plain(specimen); }
 
 WallTable read_wall_table(const std::string& file) {
-  std::istringstream stream(read_input_file(file));
+  std::istringstream stream(read_text_file(file));
   WallTable table;
   std::string line;
   int number = 0;
   std::vector<std::string> header;
   while (header.empty() && std::getline(stream, line)) {
     ++number;
-    if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     if (!trimmed(line).empty()) header = cells_of(line);
   }
   if (header.empty()) throw Error(Exit::bad_input, file + ": it is empty; give a table of walls, a row each");

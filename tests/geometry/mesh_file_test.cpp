@@ -90,6 +90,7 @@ TEST_F(BadMeshFile, TheGoodOnesAreGood) {
                                                         {"off", "OFF 4 4 0\n" + std::string(kOff).substr(10)},
                                                         {"off", std::string(kOff).substr(4)},
                                                         {"obj", kObj},
+                                                        {"obj", "\xEF\xBB\xBF" + std::string(kObj)},
                                                         {"stl", ascii_stl()},
                                                         {"stl", binary_stl()}}) {
     const auto shapes = read(ending, bytes);
