@@ -306,7 +306,8 @@ void place_points(World& w, Detection& found) {
     if (!found.at_start) keep_of(c, finding.first, finding.count);
     free(c, own ? energy_of_points(w, before.families[c.family], before.facets, finding.first, finding.count) : 0.0);
     if (own) hand_over(w, before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
-    if (own && c.count > 0) w.contacts.place[i].viscosity = viscosity_of_pair(w, c);
+    // At the start set_solver follows, with all joints at hand.
+    if (own && c.count > 0 && !found.at_start) w.contacts.place[i].viscosity = viscosity_of_pair(w, c);
     free(c, own ? -energy_of_points(w, w.contacts.families[c.family], w.contacts.facets, c.first, c.count) : 0.0);
   }
   all_gather(w.part.ranks, std::span(freed), [&](size_t i) { return w.part.rank_of(freed_by[i]->pair); });

@@ -253,9 +253,9 @@ TEST(PlacedAnew, TimeStepStaysWhereFourHalfUnitsMeet) {
   EXPECT_GT(m->stepping.dt, 0.97 * before);
 }
 
-// A pebble of 1 kg hits a slab of 800 kg twice. Its contact is stiff over its mass, so the stable step takes a part of
-// the impact damping while they touch. The share depends on the contacts alone; the slab turns by less than 1e-3.
-TEST(PlacedAnew, ImpactDampingComesBackWhenAPebbleLeaves) {
+// A pebble of 1 kg hits a slab of 800 kg twice. Its contact has a viscosity of its own, so it takes no impact damping
+// from the slab. With one viscosity a family it took more than half.
+TEST(PlacedAnew, APebbleThatLandsTakesNoImpactDamping) {
   Scene scene(dry_joint(1e9, 1e9, 30));
   scene.brick({-1, -0.2, -1}, {3, 0.2, 3}, true);
   scene.brick({0, 0, 0}, {1, 0.4, 1});
@@ -273,14 +273,14 @@ TEST(PlacedAnew, ImpactDampingComesBackWhenAPebbleLeaves) {
     m->run(0.02);
     std::printf("  impact damping %.4f, %.4f with the pebble, %.4f after it\n", before, touching,
                 impact_damping_in_use(*m));
-    EXPECT_LT(touching, 0.5 * before);
-    EXPECT_NEAR(impact_damping_in_use(*m), before, 1e-3 * before);
+    EXPECT_GE(touching, before);
+    EXPECT_GE(impact_damping_in_use(*m), 0.999 * before);
   }
 }
 
 // A block with light gridpoints lands beside a pebble, whose joint is the stiffest over its mass. The viscosity of the
-// block is large over these gridpoints, so the step or the damping must fall when it lands. Else energy grew: 5 % of
-// that of the fall, 4 % in place of 0.003 % of the balance.
+// block is large over these gridpoints, so the step or the damping must follow when it lands. Where they did not,
+// energy grew by 5 % in a fall of 0.02 m. Tolerance 1e-3, for the steps in which contacts close (measured 1.3e-4).
 TEST(PlacedAnew, ImpactDampingOfLightGridpointsIsStableBesideAPebble) {
   Scene scene(dry_joint(1e10, 1e10, 40), 2000, 2e9);
   scene.brick({-1, -0.2, -1}, {6, 0.2, 3}, true);
@@ -291,9 +291,7 @@ TEST(PlacedAnew, ImpactDampingOfLightGridpointsIsStableBesideAPebble) {
   auto m = scene.model(settings);
   m->track_energy(true);
   m->set_gravity({0, -gravity, 0});
-  const double whole = impact_damping_in_use(*m), step = m->stepping.dt;
   while (m->stepping.time < 0.06) m->step();
-  EXPECT_LT(impact_damping_in_use(*m) * m->stepping.dt, 0.99 * whole * step);
   const Energies& e = m->step_sums.energies;
   check_error("deformable block lands beside a pebble: energy balance", e.balance_error() / e.external, 1e-3, "-");
 }
