@@ -169,7 +169,7 @@ class StageWriter {
     Stage stage = given;
     stage.forces.clear(), stage.pressures.clear();
     if (const std::string acts = beyond_lattice(stage); !acts.empty()) refuse(acts);
-    if (given.solver && !damping_of(*given.solver).impacts) refuse("has damping of its own");
+    if (given.solver && damping_of(*given.solver).splits_motion()) refuse("has damping by block of its own");
     if (stage.monitor.empty()) stage.monitor = watched_;
     if (!stage.monitor.empty())
       rigid(stage.monitor, given, "watches",

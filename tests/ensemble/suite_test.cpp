@@ -365,7 +365,8 @@ TEST_F(Overturning, ASpectrumOfFullSinesHasItsSafeGap) {
 }
 
 // Column of seven drums and a capital (Dimitri et al. 2011): acceleration a for t, then -a/2 for 2 t. Smallest a/g that
-// overturns it by UDEC, LMGC90 and HybriDFEM, as published with HybriDFEM; within 3 % of one of the three.
+// overturns it by UDEC, LMGC90 and HybriDFEM, as published with HybriDFEM. It is between theirs, or off by less than 3
+// %, for the tolerance of the search.
 TEST_F(Overturning, AColumnOfDrumsFallsWhereThreeCodesHaveIt) {
   const std::vector<double> faces{1.11, 1.0811, 1.0521, 1.0232, 0.9942, 0.9653, 0.9364, 0.9074, 0.9000};
   std::string drums;
@@ -393,9 +394,10 @@ TEST_F(Overturning, AColumnOfDrumsFallsWhereThreeCodesHaveIt) {
   ASSERT_EQ(samples.size(), codes.size());
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const double found = std::stod(samples[i].at("collapse_pga_m_s2")) / kGravity;
-    double off = 1.0;
-    for (const double code : codes[i].second) off = std::min(off, std::abs(found / code - 1.0));
-    EXPECT_LT(off, 0.03) << codes[i].first << " s: " << found;
+    const auto [least, most] = std::ranges::minmax(codes[i].second);
+    EXPECT_GT(found, 0.97 * least) << codes[i].first << " s";
+    EXPECT_LT(found, 1.03 * most) << codes[i].first << " s";
+    std::printf("%g s: %.3f g, codes %.3g to %.3g\n", codes[i].first, found, least, most);
   }
 }
 
