@@ -418,8 +418,9 @@ TEST_F(Fire, LawsThatThrowAreNamedAndResultsAreKept) {
             short_run(small_, {"--law", library, "--set", std::string("solver.large_motion=") + motion});
         run[5] = threads;
         EXPECT_EQ(quoin(run, throwing(what)), 5) << what << error_;
-        EXPECT_THAT(error_, AllOf(names_the_law, HasSubstr(words),
-                                  ContainsRegex("step [0-9]+, contact points [0-9]+ to [0-9]+ of joint family 'mortar'")));
+        EXPECT_THAT(error_,
+                    AllOf(names_the_law, HasSubstr(words),
+                          ContainsRegex("step [0-9]+, contact points [0-9]+ to [0-9]+ of joint family 'mortar'")));
         EXPECT_EQ(summary()["status"], "failed") << "what was computed is kept";
         EXPECT_TRUE(summary()["contact_points_by_state"]["open"].is_null());
       }
