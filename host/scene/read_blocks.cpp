@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/actions/actions.h"
+#include "scene/driven.h"
 #include "scene/read_cycles.h"
 
 namespace quoin {
@@ -288,9 +289,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   }
   if (s.kind == "rest") {
     read_rest(t, s);
-    const bool moves = std::any_of(s.controls.begin(), s.controls.end(),
-                                   [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; });
-    if (s.ground || s.collapse || s.moving_load || s.displacement || moves)
+    if (s.ground || s.displacement || moves_blocks(s))
       t.refuse(
           "kind",
           "rest with weight and constant loads alone: without ground_motion, collapse, moving_load, displacement and "

@@ -149,11 +149,6 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
   return s;
 }
 
-// gamma of eq. 1 in stages that move rigid blocks, where the scene has no damping of its own. In motion the sign of a
-// velocity does not change, so that gamma times the chatter of contacts is drag. With 0.8 a pile on a table that tilts
-// fell at 46 degrees in place of 27. Less than 0.1 changes results by less than 1 % (host/scenes/BLOCKS.md).
-constexpr double kGammaInMotion = 0.1;
-
 // gamma of a stage of rigid blocks alone whose damping the scene does not choose; none: not such a stage.
 std::optional<double> gamma_by_default(Table& t, const Scene& scene, const Stage& stage) {
   const toml::table* const of_run = t.context().solver;

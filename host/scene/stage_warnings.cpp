@@ -15,9 +15,8 @@
 namespace quoin {
 
 bool ends_by_duration(const Stage& stage) {
-  const auto is_driven = [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; };
-  return stage.kind == "custom" && !stage.equilibrium_ratio && !stage.displacement && !stage.collapse &&
-         !stage.moving_load && !stage.ground && !stage.cycles && std::ranges::none_of(stage.controls, is_driven);
+  return stage.kind == "custom" && !stage.equilibrium_ratio && !stage.displacement && !stage.ground && !stage.cycles &&
+         !moves_blocks(stage);
 }
 
 // Each gives the warning of a stage; empty: none.
@@ -87,9 +86,8 @@ double gamma_at_gridpoints(const Scene& scene, std::size_t stage) {
 
 // Rigid blocks that are moved under eq. 1.
 std::string drag_of_rigid_blocks(const Scene& scene, std::size_t stage) {
-  constexpr double kLittle = 0.1;  // gamma; results were within 1 % below
   const Damping damping = damping_of(scene.solver_in(stage));
-  if (!scene.blocks || damping.eq1 != Eq1::gridpoints || !(damping.gamma > kLittle) ||
+  if (!scene.blocks || damping.eq1 != Eq1::gridpoints || !(damping.gamma > kGammaInMotion) ||
       !moves_blocks(scene.stages[stage]) || !kinds_of_blocks(scene).rigid)
     return "";
   return fmt::format(

@@ -291,8 +291,7 @@ std::string missed_equilibrium(const Simulation::Impl& s) {
   return fmt::format(
       "stage '{}' ends without the equilibrium that it asks for: the largest force that is not balanced is {:.3g} of "
       "the mean contact force (unbalanced_ratio), wanted {:g} (equilibrium_ratio): blocks still vibrate, slide or "
-      "fall, "
-      "and whether its loads are carried is open; see how far they have moved, and give it a longer duration",
+      "fall, and whether its loads are carried is open; see how far they have moved, and give it a longer duration",
       stage.name, ratio, *stage.equilibrium_ratio);
 }
 

@@ -37,6 +37,13 @@ std::string driven(const char* velocity) {
   return fmt::format("[[stage.velocity]]\nblock = \"block\"\nvelocity = {}\n", velocity);
 }
 
+// Returns the warning of a stage about this; empty: none.
+std::string warning_about(const std::string& about, const Scene& scene, std::size_t stage) {
+  for (const StageWarning& warning : stage_warnings(scene, stage))
+    if (about == warning.about) return warning.text;
+  return "";
+}
+
 const char* const kRigid = "";
 const char* const kDeformable = "rigid = false\nzone_edge = 0.5";
 
@@ -190,10 +197,7 @@ TEST(DrivenAtAnAngle, IsWarnedOfUnderLocalDamping) {
   const auto warns = [](const char* rigid, const char* velocity, const char* damping) {
     const Scene scene =
         read_scene_text(scene_text(rigid, driven(velocity)), "scene.toml", {std::string("solver.damping=") + damping});
-    for (const StageWarning& warning : stage_warnings(scene, 0)) {
-      if (std::string(warning.about) == "angle") return true;
-    }
-    return false;
+    return !warning_about("angle", scene, 0).empty();
   };
   EXPECT_TRUE(warns(kDeformable, "[0.006, 0, 0.008]", "local"));
   EXPECT_FALSE(warns(kDeformable, "[0.006, 0, 0]", "local"));
@@ -235,8 +239,7 @@ ramp_time = 0.5
 gravity = [0, -9.81, 0]
 collapse = { direction = )" + direction + ", start = 0.2, rate = 0.2 }\n",
                                         "scene.toml", {});
-    return std::ranges::any_of(stage_warnings(scene, 0),
-                               [](const StageWarning& w) { return std::string(w.about) == "thickness"; });
+    return !warning_about("thickness", scene, 0).empty();
   };
   EXPECT_TRUE(warns("", "[0, 0, 1]"));
   EXPECT_FALSE(warns("", "[1, 0, 0]"));
@@ -281,8 +284,7 @@ ground_motion = {{ direction = {}, time = [0, 0.4, 0.8], acceleration = [0, 2, 2
 )",
                                                     axis, direction),
                                         "scene.toml", {});
-    return std::ranges::any_of(stage_warnings(scene, 0),
-                               [](const StageWarning& w) { return std::string(w.about) == "thickness"; });
+    return !warning_about("thickness", scene, 0).empty();
   };
   EXPECT_TRUE(warns("x", "[0, 0, 1]"));
   EXPECT_FALSE(warns("x", "[1, 0, 0]"));
@@ -298,10 +300,7 @@ TEST(Weight, UnderGroundMotionIsWarnedOfWhereThereIsNoneOrItComesAtOnce) {
         "[[stage]]\nname = \"rest\"\nduration = 0.1\n{}\n[[stage]]\nname = \"shake\"\nduration = 0.8\n{}\n"
         "ground_motion = {{ direction = [1, 0, 0], time = [0, 0.4, 0.8], acceleration = [0, 2, 2] }}\n",
         before, now);
-    const Scene scene = read_scene_text(scene_text(kRigid, stages), "scene.toml", {});
-    for (const StageWarning& warning : stage_warnings(scene, 2))
-      if (std::string(warning.about) == "weight") return warning.text;
-    return std::string();
+    return warning_about("weight", read_scene_text(scene_text(kRigid, stages), "scene.toml", {}), 2);
   };
   const char* const kDown = "gravity = [0, -9.81, 0]";
   EXPECT_THAT(weight("", ""), HasSubstr("has no weight"));
