@@ -46,7 +46,8 @@ void gather_for_pictures(Simulation& simulation) {
     gather_at_first(simulation);
 }
 
-// Draws curve.png, cracks.png, mechanism.png, histories.png. Prints a notice for each missing one.
+// Draws curve.png, cracks.png, mechanism.png, histories.png, base_shear.png and drifts.png. Prints a notice for each
+// missing one.
 void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info,
           const RunOptions& options, Recorder& recorder) {
   const auto& rows = recorder.history().rows();
@@ -60,10 +61,14 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
     return notice_of_rows("curve.png", [&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
   });
-  std::string of_cracks, of_mechanism, of_histories;
-  if (options.histories)
-    of_histories =
-        notice_of_rows("histories.png", [&] { return plot_histories(folder, rows, simulation.scene(), label); });
+  std::string of_cracks, of_mechanism, of_histories, of_shear, of_drifts;
+  if (options.histories) {
+    const Scene& scene = simulation.scene();
+    of_histories = notice_of_rows("histories.png", [&] { return plot_histories(folder, rows, scene, label); });
+    of_shear = notice_of([&] { return plot_base_shear(folder, rows, scene, label); });
+    if (recorder.monitors())
+      of_drifts = notice_of([&] { return plot_drifts(folder, recorder.monitors()->storey_drifts(), scene, label); });
+  }
   if (!info.law_answers) {
     of_cracks = "no cracks.png: the law no longer tells the states of contact points";
   } else if (shows_blocks(simulation)) {
@@ -72,10 +77,10 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   } else {
     of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law, label); });
   }
-  for (const std::string& notice : {curve.get(), of_cracks, of_mechanism, of_histories}) {
+  for (const std::string& notice : {curve.get(), of_cracks, of_mechanism, of_histories, of_shear, of_drifts}) {
     if (!notice.empty()) recorder.progress().message("quoin: " + notice);
   }
-  for (const char* name : {"curve", "cracks", "mechanism", "histories"}) {
+  for (const char* name : {"curve", "cracks", "mechanism", "histories", "base_shear", "drifts"}) {
     if (!options.svg || !fs::exists(folder / (std::string(name) + ".png"))) continue;
     const std::string notice = notice_of([&] { return draw_as_svg(folder, name); });
     if (!notice.empty()) recorder.progress().message("quoin: " + notice);

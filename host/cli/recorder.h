@@ -46,6 +46,7 @@ class Recorder : public Observer {
   // Whether this process, or the one that it continues, has reported the warning.
   bool was_reported(const Warning& warning) const { return reported_.contains(warning.about); }
   History& history() { return history_; }
+  const std::optional<MonitorFile>& monitors() const { return monitors_; }
   VtkSeries& frames() { return frames_; }
   const std::optional<Error>& frames_fault() const { return frames_fault_; }
   const std::vector<StageModes>& modes() const { return modes_; }

@@ -39,7 +39,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
                          ->allow_extra_args(false);
   command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
   command->add_flag("--histories", options->histories,
-                    "Write histories.png: displacements, forces and energies over time");
+                    "Write histories.png: displacements, forces and energies over time; in earthquakes base_shear.png, "
+                    "with monitors that have `below` drifts.png");
   command->add_flag("--svg", options->svg, "Write each picture as SVG too, beside its PNG");
   command->add_flag(
       "--live", [options](std::int64_t) { options->serve = 0; },

@@ -40,13 +40,15 @@ constexpr const char* kManifestHead = "results of quoin, partial files .";  // t
 
 // Names of results; other files with these names are an error.
 constexpr std::array kNames{
-    "summary.json",      "history.csv",      "curve.png",       "cracks.png",         "mechanism.png",
-    "blocks.pvd",        "joints.pvd",       "forces.pvd",      "forces_*.vtu",       "blocks_*.vt[pu]",
-    "joints_*.vt[pu]",   "blocks_*.pvtu",    "joints_*.pvtu",   "plots/curve.*",      "plots/cracks.*",
-    "plots/mechanism.*", "plots/bricks.dat", "plots/beams.dat", "plots/joints_*.dat", "run.json",
-    "checkpoint.bin",    "end_state.bin",    "sample.json",     "cracks.csv",         "histories.png",
-    "curve.svg",         "cracks.svg",       "mechanism.svg",   "histories.svg",      "plots/histories.*",
-    "monitors.csv",      "monitors.json",    "members.pvd",     "members_*.vtu",      "report.html"};
+    "summary.json",      "history.csv",      "curve.png",          "cracks.png",         "mechanism.png",
+    "blocks.pvd",        "joints.pvd",       "forces.pvd",         "forces_*.vtu",       "blocks_*.vt[pu]",
+    "joints_*.vt[pu]",   "blocks_*.pvtu",    "joints_*.pvtu",      "plots/curve.*",      "plots/cracks.*",
+    "plots/mechanism.*", "plots/bricks.dat", "plots/beams.dat",    "plots/joints_*.dat", "run.json",
+    "checkpoint.bin",    "end_state.bin",    "sample.json",        "cracks.csv",         "histories.png",
+    "curve.svg",         "cracks.svg",       "mechanism.svg",      "histories.svg",      "plots/histories.*",
+    "monitors.csv",      "monitors.json",    "members.pvd",        "members_*.vtu",      "report.html",
+    "base_shear.png",    "base_shear.svg",   "plots/base_shear.*", "drifts.png",         "drifts.svg",
+    "plots/drifts.*"};
 
 bool matches(const char* pattern, const std::string& name) {
   return fnmatch(pattern, name.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0;

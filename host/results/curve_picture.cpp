@@ -1,5 +1,6 @@
 // curve.png: the curve of a run, by curve_kind of its last stage. It is force against displacement of a driven part,
 // displacement over time in an earthquake and at rest, or the multiplier in a collapse.
+// base_shear.png: the hysteresis of an earthquake, base shear against displacement.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,6 +26,7 @@ struct Curve {
   std::string columns;  // columns of curve.dat
   std::string x_label, y_label, name;
   std::string x_unit, y_unit;  // as in "54.1 kN at 1.97 mm"
+  double width = 3.0;          // of the line
   bool over_time = false;
   bool pressed = false;                       // the third number is drawn, too
   std::vector<std::array<double, 3>> points;  // mm or s; kN, mm or 1; MPa
@@ -75,13 +77,13 @@ Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::st
   return curve;
 }
 
-// Curve of the rows of stages of the kind of the last one that watch the same; the peak is the value farthest from 0.
+// Curve of the rows of stages of the kind of this one that watch the same; the peak is the value farthest from 0.
 template <class X, class Y>
-void add_points(const std::vector<Row>& rows, const Scene& scene, const X& x, const Y& y, Curve& curve) {
-  const Stage& last = scene.stages.back();
+void add_points(const std::vector<Row>& rows, const Scene& scene, const Stage& of, const X& x, const Y& y,
+                Curve& curve) {
   std::vector<bool> on_same_curve;  // by stage
   for (const Stage& stage : scene.stages)
-    on_same_curve.push_back(std::string_view(curve_kind(stage)) == curve_kind(last) && same_curve(scene, stage, last));
+    on_same_curve.push_back(std::string_view(curve_kind(stage)) == curve_kind(of) && same_curve(scene, stage, of));
   double largest = 0.0;
   for (const Row& row : rows) {
     if (!on_same_curve[static_cast<size_t>(row.stage)]) continue;
@@ -104,7 +106,24 @@ Curve earthquake_curve(const std::vector<Row>& rows, const Scene& scene) {
   curve.x_unit = " s", curve.y_unit = " mm";
   curve.over_time = true;
   add_points(
-      rows, scene, seconds, [&](const Row& row) { return dot(row.monitor_relative, axis.direction) * 1e3; }, curve);
+      rows, scene, last, seconds, [&](const Row& row) { return dot(row.monitor_relative, axis.direction) * 1e3; },
+      curve);
+  return curve;
+}
+
+// Base shear and displacement relative to the ground, along the axis of the response.
+Curve base_shear_curve(const std::vector<Row>& rows, const Scene& scene, const Stage& shaken) {
+  const ResponseAxis axis = response_axis(shaken);
+  Curve curve;
+  curve.columns = "relative_displacement_mm base_shear_kN";
+  curve.x_label =
+      fmt::format("displacement of {} along {}, relative to the ground (mm)", moved_part(scene, shaken), axis.name);
+  curve.y_label = fmt::format("base shear along {} (kN)", axis.name);
+  curve.x_unit = " mm", curve.y_unit = " kN";
+  curve.width = 1.2;
+  add_points(
+      rows, scene, shaken, [&](const Row& row) { return dot(row.monitor_relative, axis.direction) * 1e3; },
+      [&](const Row& row) { return dot(row.base_force, axis.direction) / 1e3; }, curve);
   return curve;
 }
 
@@ -116,7 +135,7 @@ Curve collapse_curve(const std::vector<Row>& rows, const Scene& scene) {
   curve.x_unit = " mm";
   const auto moved = [](const Row& row) { return row.largest_displacement * 1e3; };
   add_points(
-      rows, scene, moved, [](const Row& row) { return row.multiplier; }, curve);
+      rows, scene, scene.stages.back(), moved, [](const Row& row) { return row.multiplier; }, curve);
   return curve;
 }
 
@@ -133,7 +152,7 @@ Curve rest_curve(const std::vector<Row>& rows, const Scene& scene) {
   curve.x_unit = " s", curve.y_unit = " mm";
   curve.over_time = true;
   add_points(
-      rows, scene, seconds,
+      rows, scene, last, seconds,
       [&](const Row& row) { return 1e3 * (of_largest ? row.largest_displacement : row.monitor_displacement[1]); },
       curve);
   return curve;
@@ -179,7 +198,8 @@ std::string peak_label(const Curve& curve, const Range& x) {
          fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", at[0], at[1]);
 }
 
-std::string script_of(const Curve& curve, const Scene& scene, const std::string& label) {
+// name: of the file of points.
+std::string script_of(const std::string& name, const Curve& curve, const Scene& scene, const std::string& label) {
   const char* pen = kPens[0];
   const char* second = kPens[1];
   Range x = range_of(curve, 0);
@@ -209,7 +229,7 @@ set key at screen 0.5,0.895 center horizontal samplen 3 reverse Left noenhanced
   if (both_x) script += "set yzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
   if (both_y) script += "set xzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
   std::string plot =
-      fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"{}\" {}", pen,
+      fmt::format("plot \"{}.dat\" using 1:2 with lines linewidth {} linecolor rgb \"{}\" {}", name, curve.width, pen,
                   curve.name.empty() ? "notitle" : "title " + fitting_text(curve.name, curve.pressed ? 750 : 1300, 19));
   if (curve.pressed) {
     script += fmt::format(
@@ -217,9 +237,9 @@ set key at screen 0.5,0.895 center horizontal samplen 3 reverse Left noenhanced
         "set y2tics nomirror textcolor rgb \"{0}\"\n",
         second, range_of(curve, 2).low < 0.0 ? "*" : "0");
     plot += fmt::format(
-        ", \\\n     \"curve.dat\" using 1:3 axes x1y2 with lines linewidth 1.7 dashtype (8,5) linecolor rgb \"{}\" "
+        ", \\\n     \"{}.dat\" using 1:3 axes x1y2 with lines linewidth 1.7 dashtype (8,5) linecolor rgb \"{}\" "
         "title \"mean vertical stress (right axis)\"",
-        second);
+        name, second);
   }
   if (curve.peak >= 0) {
     script += peak_label(curve, x) + fmt::format("set offsets 0, 0, graph 0.1, {}\n", both_y ? "graph 0.1" : "0");
@@ -228,20 +248,37 @@ set key at screen 0.5,0.895 center horizontal samplen 3 reverse Left noenhanced
   return script + label + plot + "\n";
 }
 
+std::string draw_curve(const std::filesystem::path& folder, const std::string& name, const Curve& curve,
+                       const Scene& scene, const std::string& label) {
+  std::string data = "# " + curve.columns + "\n";
+  for (const auto& point : curve.points) data += fmt::format("{:.7g} {:.7g} {:.7g}\n", point[0], point[1], point[2]);
+  make_folder(folder / "plots");
+  write_file(folder / "plots" / (name + ".dat"), data);
+  return draw_picture(folder, name, script_of(name, curve, scene, label));
+}
+
 }  // namespace
 
 std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
                        const std::string& law, const std::string& label) {
-  make_folder(folder / "plots");
   const Curve curve = curve_of(rows, scene, law);
-  std::string data = "# " + curve.columns + "\n";
-  for (const auto& point : curve.points) data += fmt::format("{:.7g} {:.7g} {:.7g}\n", point[0], point[1], point[2]);
   if (curve.points.empty())
     return watches_nothing(scene, stage_of_curve(scene))
                ? fmt::format("no curve.png: no block is watched ({})", key_of_monitor(scene))
                : "no curve.png: the run has not come to the stages that it shows";
-  write_file(folder / "plots" / "curve.dat", data);
-  return draw_picture(folder, "curve", script_of(curve, scene, label));
+  return draw_curve(folder, "curve", curve, scene, label);
+}
+
+std::string plot_base_shear(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows,
+                            const Scene& scene, const std::string& label) {
+  const auto shaken = std::find_if(scene.stages.rbegin(), scene.stages.rend(),
+                                   [](const Stage& stage) { return stage.ground.has_value(); });
+  if (shaken == scene.stages.rend()) return {};
+  if (watches_nothing(scene, *shaken))
+    return fmt::format("no base_shear.png: no block is watched ({})", key_of_monitor(scene));
+  const Curve curve = base_shear_curve(rows, scene, *shaken);
+  if (curve.points.empty()) return "no base_shear.png: the run has not come to the stage that moves the ground";
+  return draw_curve(folder, "base_shear", curve, scene, label);
 }
 
 }  // namespace quoin

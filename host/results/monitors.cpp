@@ -28,6 +28,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr std::size_t kHead = 2;                       // columns of step and time
 constexpr std::size_t kOfGround = 9, kOfMonitor = 20;  // numbers of columns
+constexpr std::size_t kRelative = 9, kDrift = 18;      // columns of a monitor: displacement on the ground, drifts
 
 fs::path file_in(const fs::path& folder) { return folder / "monitors.csv"; }
 
@@ -145,6 +146,12 @@ MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
   return ground;
 }
 
+std::size_t MonitorFile::index_below(std::size_t monitor) const {
+  std::size_t b = 0;
+  while (b < monitor && monitors_[b].name != monitors_[monitor].below) ++b;
+  return b;
+}
+
 void MonitorFile::add(const HistoryRow& row) {
   if (found_in_ != simulation_.large_motion()) find_places();
   std::vector<double> values{static_cast<double>(row.step), row.time};
@@ -169,14 +176,29 @@ void MonitorFile::add(const HistoryRow& row) {
     append_motion(motion);
     motion.displacement -= ground.displacement, motion.velocity -= ground.velocity;
     append_motion(motion);
-    const auto below = std::find_if(monitors_.begin(), monitors_.begin() + static_cast<std::ptrdiff_t>(i),
-                                    [&](const Monitor& m) { return m.name == monitors_[i].below; });
-    const auto b = static_cast<std::size_t>(below - monitors_.begin());
+    const std::size_t b = index_below(i);
     const double height = places_[i].start[1] - places_[b].start[1];
     for (const std::size_t c : {std::size_t{0}, std::size_t{2}})
       values.push_back(b < i ? (moved[i][c] - moved[b][c]) / height : kNone);
   }
   write(values);
+}
+
+std::vector<StoreyDrift> MonitorFile::storey_drifts() const {
+  std::vector<StoreyDrift> all;
+  for (std::size_t i = 0; i < monitors_.size(); ++i) {
+    const std::size_t b = index_below(i);
+    if (b == i) continue;
+    StoreyDrift storey{monitors_[i].name, monitors_[b].name, places_[b].start[1], places_[i].start[1], {}, {}};
+    for (const std::vector<double>& row : rows_) {
+      for (std::size_t c = 0; c < 2; ++c) {
+        const double drift = row[kHead + kOfGround + i * kOfMonitor + kDrift + c];
+        storey.least[c] = std::min(storey.least[c], drift), storey.most[c] = std::max(storey.most[c], drift);
+      }
+    }
+    all.push_back(storey);
+  }
+  return all;
 }
 
 void MonitorFile::write(const std::vector<double>& values) {
@@ -211,7 +233,7 @@ void MonitorFile::finish() {
       if (known) of_monitor["largest"][columns_[first + k]] = largest;
     }
     // Residual values of displacements against the ground and of drifts.
-    for (const std::size_t k : {9, 10, 11, 18, 19}) {
+    for (const std::size_t k : {kRelative, kRelative + 1, kRelative + 2, kDrift, kDrift + 1}) {
       if (!rows_.empty() && std::isfinite(rows_.back()[first + k]))
         of_monitor["residual"][columns_[first + k]] = rows_.back()[first + k];
     }

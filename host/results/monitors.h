@@ -1,6 +1,7 @@
 // monitors.csv: motion of the monitors of a scene, in the rows of the history. monitors.json: its maxima and its end.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -19,6 +20,13 @@ struct MonitorPlace {
 // By monitor of the scene. Throws Error(bad_input) for a block that does not exist.
 std::vector<MonitorPlace> monitor_places(const Simulation& simulation);
 
+// Extremes of the drift between a monitor and the one below it.
+struct StoreyDrift {
+  std::string name, below;
+  double bottom = 0.0, top = 0.0;         // heights of both at the start, m
+  std::array<double, 2> least{}, most{};  // along x and z
+};
+
 class MonitorFile {
  public:
   // before: rows of the run that this one continues. Throws Error(bad_input) for a block that does not exist.
@@ -28,6 +36,7 @@ class MonitorFile {
   void add(const HistoryRow& row);
   void finish();
   const std::vector<std::vector<double>>& rows() const { return rows_; }
+  std::vector<StoreyDrift> storey_drifts() const;  // of the rows so far, in the order of the monitors
 
  private:
   struct Motion {
@@ -36,6 +45,7 @@ class MonitorFile {
   void find_places();
   Motion motion_of(const MonitorPlace& place) const;
   Motion ground_of(const HistoryRow& row) const;
+  std::size_t index_below(std::size_t monitor) const;  // monitor itself: none
   void write(const std::vector<double>& values);
   void require_written();  // throws Error(bad_input), and removes the unfinished file
 

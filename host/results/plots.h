@@ -1,11 +1,12 @@
-// Pictures by gnuplot: curve.png, histories.png and cracks.png. Scripts and data remain in DIR/plots, to be edited and
-// run again.
+// Pictures by gnuplot: curve.png, histories.png, base_shear.png, drifts.png and cracks.png. Scripts and data remain in
+// DIR/plots, to be edited and run again.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "results/monitors.h"
 #include "results/surface.h"
 #include "step/simulation.h"
 
@@ -40,6 +41,12 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
 // Displacements, forces, multiplier and energies over time, a panel each, without lines that stay at 0.
 std::string plot_histories(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
                            const std::string& label);
+// Hysteresis of an earthquake: base shear against displacement relative to the ground. Empty text without one.
+std::string plot_base_shear(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows,
+                            const Scene& scene, const std::string& label);
+// Envelope of drifts over height, in both senses of x and z. Empty text without storeys.
+std::string plot_drifts(const std::filesystem::path& folder, const std::vector<StoreyDrift>& storeys,
+                        const Scene& scene, const std::string& label);
 // Cracks on the lattice. Other ranks call collect_cracks at the same time.
 std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
                         const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label);

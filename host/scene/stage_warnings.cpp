@@ -128,6 +128,17 @@ std::string damped_at_an_angle(const Scene& scene, std::size_t stage) {
   return "";
 }
 
+// Viscous damping without a coefficient.
+std::string viscous_without_coefficients(const Scene& scene, std::size_t stage) {
+  const SolverSettings& solver = scene.solver_in(stage);
+  if (solver.damping != DampingKind::viscous || solver.mass_damping > 0.0 || solver.stiffness_damping > 0.0) return "";
+  return fmt::format(
+      "stage '{}' has damping = \"viscous\" with mass_damping = 0 and stiffness_damping = 0, so that nothing is "
+      "damped; "
+      "give one of them, or take damping = \"none\"",
+      scene.stages[stage].name);
+}
+
 // Records that begin after the end of the stage.
 std::string record_outside(const Stage& stage) {
   if (!stage.ground || !stage.duration) return "";
@@ -246,13 +257,19 @@ std::string few_zones_in_bending(const Scene& scene, std::size_t stage) {
 }  // namespace
 
 std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) {
-  std::vector<StageWarning> all = {
-      {"damping", damped_ground(scene, stage)},     {"release", damped_release(scene, stage)},
-      {"drag", drag_of_rigid_blocks(scene, stage)}, {"collapse", damped_collapse(scene, stage)},
-      {"angle", damped_at_an_angle(scene, stage)},  {"ramp", goes_on_in_ramp(scene, stage)},
-      {"held_monitor", held_monitor(scene, stage)}, {"record", record_outside(scene.stages[stage])},
-      {"record", record_of_none(scene, stage)},     {"weight", weight_under_ground(scene, stage)},
-      {"inertia", raised_inertia(scene, stage)},    {"thickness", few_zones_in_bending(scene, stage)}};
+  std::vector<StageWarning> all = {{"damping", damped_ground(scene, stage)},
+                                   {"release", damped_release(scene, stage)},
+                                   {"drag", drag_of_rigid_blocks(scene, stage)},
+                                   {"collapse", damped_collapse(scene, stage)},
+                                   {"angle", damped_at_an_angle(scene, stage)},
+                                   {"ramp", goes_on_in_ramp(scene, stage)},
+                                   {"held_monitor", held_monitor(scene, stage)},
+                                   {"record", record_outside(scene.stages[stage])},
+                                   {"record", record_of_none(scene, stage)},
+                                   {"weight", weight_under_ground(scene, stage)},
+                                   {"inertia", raised_inertia(scene, stage)},
+                                   {"thickness", few_zones_in_bending(scene, stage)},
+                                   {"viscous", viscous_without_coefficients(scene, stage)}};
   std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
   return all;
 }

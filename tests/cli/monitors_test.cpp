@@ -131,6 +131,47 @@ TEST_F(Monitors, AgreeWithTheHistoryAndWithEachOther) {
   EXPECT_GE(json["top"]["largest"]["top_relative_dx_m"].get<double>(), std::abs(monitors["top_relative_dx_m"][last]));
 }
 
+// drifts.png has the extremes of the columns of drifts over the heights of the centres, 0.25 and 0.75 m. base_shear.png
+// has the columns of the history while the ground moves.
+TEST_F(Monitors, PicturesOfEarthquakesHaveTheirNumbers) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no gnuplot";
+  ASSERT_EQ(quoin({"run", scene(both_), "--out", out(), "--threads", "1", "--histories", "--svg", "--set",
+                   "output.plots=true"}),
+            0)
+      << error_;
+  auto history = columns(fs::path(out()) / "history.csv"), monitors = columns(fs::path(out()) / "monitors.csv");
+  const auto numbers_in = [&](const char* file) {
+    std::vector<double> numbers;
+    std::stringstream stream(read_all(fs::path(out()) / "plots" / file));
+    std::string head;
+    std::getline(stream, head);
+    for (double x = 0.0; stream >> x;) numbers.push_back(x);
+    return numbers;
+  };
+  const auto& drift = monitors["top_drift_x"];
+  const double least = std::min(0.0, *std::min_element(drift.begin(), drift.end()));
+  const double most = std::max(0.0, *std::max_element(drift.begin(), drift.end()));
+  EXPECT_GT(most - least, 1e-9) << "nothing has moved";
+  const std::vector<double> drawn = numbers_in("drifts.dat");
+  const std::vector<double> expected{100 * least, 0.25, 100 * least, 0.75, 100 * most, 0.25, 100 * most, 0.75};
+  ASSERT_EQ(drawn.size(), expected.size()) << "along x alone: nothing moves along z";
+  for (std::size_t i = 0; i < drawn.size(); ++i) EXPECT_NEAR(drawn[i], expected[i], 1e-6 * std::abs(expected[i]));
+
+  const std::vector<double> loop = numbers_in("base_shear.dat");
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < history["time_s"].size(); ++i) {
+    if (history["stage"][i] != 2) continue;
+    ASSERT_LT(k + 1, loop.size());
+    const double moved = 1e3 * history["monitor_relative_dx_m"][i], shear = history["base_shear_x_N"][i] / 1e3;
+    EXPECT_NEAR(loop[k], moved, 1e-6 * std::abs(moved));
+    EXPECT_NEAR(loop[k + 1], shear, 1e-6 * std::abs(shear));
+    k += 3;
+  }
+  EXPECT_EQ(k, loop.size());
+  for (const char* picture : {"drifts.png", "drifts.svg", "base_shear.png", "base_shear.svg"})
+    EXPECT_TRUE(fs::exists(fs::path(out()) / picture)) << picture;
+}
+
 TEST_F(Monitors, DriftsAtOneHeightAreRefused) {
   const std::string level = scene(both_ +
                                   "[[monitor]]\nname = \"level\"\nblock = \"low\"\nbelow = \"top\"\n"

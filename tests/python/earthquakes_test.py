@@ -98,7 +98,12 @@ class Earthquakes(Folder):
     def monitors(self):
         with open(self.path("out/monitors.csv"), encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
-        return {key: np.array([float(row[key] or "nan") for row in rows]) for key in rows[0]}
+        columns = {key: np.array([float(row[key] or "nan") for row in rows]) for key in rows[0]}
+        read = quoin.open(self.path("out")).monitors
+        self.assertEqual(read.dtype.names, tuple(columns))
+        for key, column in columns.items():
+            np.testing.assert_array_equal(read[key], column)
+        return columns
 
     def test_damping_ratios_are_those_of_a_cube_on_its_joint(self):
         """Weight reduces the rocking stiffness by m g h: a share of 1e-4."""

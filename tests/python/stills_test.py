@@ -152,9 +152,12 @@ class Stills(Folder):
                        quoin.Stage(name="shake", duration=0.4, ground_motion=dict(
                            direction=[0, 0, 1], time=[0.0, 0.1, 0.2, 0.4], acceleration=[0.0, 1.0, -1.0, 0.0]))]
         scene.output = dict(frames=0, monitor="cube")
+        scene.monitor = [quoin.Monitor(name="foot", block="base"), quoin.Monitor(name="head", block="cube", below="foot")]
         done = self.run_scene("cube", scene, "--histories")
-        words = self.assert_fine("cube", ("curve", "cracks", "mechanism", "histories"))
-        for one in ("shaken: motion of cube, relative to the ground", "displacement relative to the ground (mm)", "displacement along z (mm)", "of cube, relative to the ground"):
+        words = self.assert_fine("cube", ("curve", "cracks", "mechanism", "histories", "base_shear", "drifts"))
+        for one in ("base shear along z (kN)", "displacement of cube along z, relative to the ground (mm)", "along z",
+                    "least and largest drift between monitors (%)", "height (m)",
+                    "shaken: motion of cube, relative to the ground", "displacement relative to the ground (mm)", "displacement along z (mm)", "of cube, relative to the ground"):
             self.assertIn(one, words)
         _, _, texts = texts_of(self.path("cube/mechanism.svg"))
         bar = max(left for word, left, *_ in texts if word == "displacement relative to the ground (mm)")

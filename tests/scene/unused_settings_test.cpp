@@ -309,6 +309,18 @@ TEST(Weight, UnderGroundMotionIsWarnedOfWhereThereIsNoneOrItComesAtOnce) {
   EXPECT_EQ(weight("", (std::string(kDown) + "\nramp_time = 0.2").c_str()), "");
 }
 
+// Viscous damping has no default coefficient: it damped nothing in silence.
+TEST(Viscous, DampingWithoutCoefficientsIsWarnedOf) {
+  const auto viscous = [](const std::vector<std::string>& settings) {
+    return warning_about("viscous", read_scene_text(scene_text(kRigid, driven("[0.01, 0, 0]")), "scene.toml", settings),
+                         0);
+  };
+  EXPECT_THAT(viscous({"solver.damping=viscous"}), HasSubstr("nothing is damped"));
+  EXPECT_EQ(viscous({"solver.damping=viscous", "solver.mass_damping=1"}), "");
+  EXPECT_EQ(viscous({"solver.damping=viscous", "solver.stiffness_damping=1e-6"}), "");
+  EXPECT_EQ(viscous({"solver.damping=none"}), "");
+}
+
 // A stage measures along what it drives: beside x it was not, so that a slow push along z counted as one without work.
 TEST(DefaultDirection, IsThatOfTheDrive) {
   const auto direction = [](const char* velocity, const std::vector<std::string>& settings) {

@@ -131,8 +131,8 @@ class Moment:
         return f"<moment {self.number}: stage {self.stage}, {self.time:.6g} s>"
 
 
-def _history(path):
-    """history.csv as a structured array; empty cells are NaN."""
+def _table(path):
+    """history.csv or monitors.csv as a structured array; empty cells are NaN."""
     with open(path, encoding="utf-8", newline="") as file:
         rows = list(csv.reader(file))
     if not rows:
@@ -155,8 +155,8 @@ def _history(path):
 
 
 class Results(Pictures):
-    """Results of a run in a folder. history: a structured array with the names and units of history.csv; summary:
-    contents of summary.json; frames: its moments."""
+    """Results of a run in a folder. history, monitors: structured arrays with the names and units of history.csv and
+    monitors.csv; monitors is None in a run without [[monitor]]. summary: contents of summary.json; frames: its moments."""
 
     def __init__(self, folder):
         self.folder = os.fspath(folder)
@@ -165,7 +165,9 @@ class Results(Pictures):
             with open(path, encoding="utf-8") as file:
                 self.summary = json.load(file)
             path = os.path.join(self.folder, "history.csv")
-            self.history = _history(path)
+            self.history = _table(path)
+            path = os.path.join(self.folder, "monitors.csv")
+            self.monitors = _table(path) if os.path.exists(path) else None
         except FileNotFoundError as fault:
             raise BadInput(f"{fault.filename}: not found; give the folder of a run that has ended, as quoin run SCENE.toml "
                            f"--out {self.folder} makes it") from None
