@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "scene/members.h"
+#include "scene/read_scene.h"
 #include "step/findings.h"
 
 namespace quoin::verification {
