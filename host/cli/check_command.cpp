@@ -309,10 +309,12 @@ void print_members(const members::Members& members, const blocks::Assembly& asse
     fmt::print("  spring {:<9} {:.4g} m2 on the ground, {} points\n", bed.name, bed.area, bed.end - bed.first);
   for (const members::Strip& strip : members.strips())
     fmt::print("  strip {:<10} {} nodes\n", strip.name(), strip.places().size());
-  for (const members::Floor& floor : members.floors())
+  for (const members::Floor& floor : members.floors()) {
     fmt::print("  floor {:<10} {:.4g} m2, {} x {} panels, {} connectors to walls, {:.4g} kg\n", floor.name(),
                floor.area(), floor.grid().pieces[0], floor.grid().pieces[1], floor.connectors().size(),
                floor.membrane().mass * floor.area());
+    if (const std::string text = floor.uneven_weight(); !text.empty()) fmt::print("    warning: {}\n", text);
+  }
   for (const members::Beam& beam : members.beams())
     fmt::print("  beam {:<11} {:.3f} m in {} pieces, {} springs to blocks, {:.4g} kg\n", beam.name(), beam.length(),
                beam.pieces().size(), beam.supports().size(), beam.section().mass * beam.length());

@@ -1,5 +1,7 @@
 #include "members/floor.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -140,6 +142,24 @@ void Floor::pull_connector(Connector& c, std::vector<Node>& nodes) {
   force_[place] = force_[place] + on_floor;
   const InPlane on_block = turned(-1.0 * on_floor, cosine_, sine_);
   node.force += on_block.along * grid_.along + on_block.across * grid_.across;
+}
+
+std::string Floor::uneven_weight() const {
+  constexpr double kRounding = 1e-6;  // of the sides
+  Vector weight, middle;              // first moments of area, m3
+  for (const Connector& c : connectors_) weight += c.carried * start_of(c.place);
+  for (std::size_t k = 0; k < start_.size(); ++k) {
+    const int place = static_cast<int>(k);
+    middle += share_of(place) * start_of(place);
+  }
+  const double off = norm(weight - middle) / area();
+  if (off <= kRounding * (grid_.size[0] + grid_.size[1])) return "";
+  return fmt::format(
+      "floor '{}': some lines along its span meet a wall at one end alone, which takes their whole weight: the weight "
+      "of "
+      "the floor acts {:.3g} m beside its middle, and its moment is wrong by as much; put both ends of each line into "
+      "blocks, or change span",
+      name_, off);
 }
 
 // Weight along the normal acts on the walls directly: a membrane has no bending.

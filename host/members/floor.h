@@ -68,6 +68,8 @@ class Floor {
   const Membrane& membrane() const { return membrane_; }
   const ConnectorLaw& law() const { return law_; }
   double area() const { return grid_.size[0] * grid_.size[1]; }
+  // Warning of weight that lines with a wall at one end alone carry beside its place; empty: none.
+  std::string uneven_weight() const;
 
   // Adds forces to the blocks' nodes and advances the floor by a step.
   void pull(std::vector<Node>& nodes, const Surroundings& step);

@@ -81,7 +81,7 @@ std::vector<Pair> close_pairs(World& w, bool everything) {
   pairs = overlapping_pairs(boxes);
   keep_pulled_pairs(w, pairs);
   const auto held = [&](int i) {  // fixed blocks that stages drive are laid out on all ranks
-    return w.blocks[i].body >= 0 && w.assembly.blocks[i].fixed && !w.assembly.blocks[i].freed &&
+    return w.blocks[i].body >= 0 && w.assembly.blocks[i].is_support() &&
            (!w.part.laid_out[size_t(i)] || w.bodies[w.blocks[i].body].held == 0x3f);
   };
   std::erase_if(pairs, [&](const Pair& p) { return held(p.a) && held(p.b); });

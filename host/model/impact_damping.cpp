@@ -14,11 +14,9 @@ constexpr double kAlong = 0.5;         // damping along the joint over damping n
 }  // namespace
 
 std::array<double, 2> landing_squares(const LandingBlock& landing, double kn, double ks) {
-  const auto [along_s, along_t] = landing.reach;
-  const auto [about_s, about_t] = landing.inertia;
   const double half_area = 0.5 * landing.area, over_mass = 1 / landing.mass;
-  return {kn * half_area * (over_mass + std::max(along_s * along_s / about_t, along_t * along_t / about_s)),
-          ks * half_area * (over_mass + landing.height * landing.height / std::min(about_s, about_t))};
+  return {kn * half_area * (over_mass + landing.tipping),
+          ks * half_area * (over_mass + landing.height * landing.height / landing.least_inertia)};
 }
 
 std::array<double, 2> impact_viscosity(const std::array<double, 2>& squares, double impact_damping) {

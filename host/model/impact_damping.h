@@ -10,14 +10,14 @@ namespace quoin {
 
 // A block that lands on an edge of one of its faces. Inertia is with its scaling.
 struct LandingBlock {
-  double mass, area;              // kg; of the face, m2
-  std::array<double, 2> reach;    // m, along two axes in the face, from the centre of mass to the edge
-  std::array<double, 2> inertia;  // kg m2, about these axes
-  double height;                  // m, of the centre of mass above the face
+  double mass, area;     // kg; of the face, m2
+  double tipping;        // largest b^2/I of the edges of the face, 1/kg
+  double least_inertia;  // least moment of inertia about axes along these edges, kg m2
+  double height;         // m, of the centre of mass above the face
 };
 
 // Squared frequencies of landing, 1/s2. Normal to the face omega^2 = kn (A/2) (1/m + b^2/I), for the edge with the
-// higher frequency. Along it omega^2 = ks (A/2) (1/m + h^2/I). kn, ks: stiffness of the joint, Pa/m.
+// highest frequency. Along it omega^2 = ks (A/2) (1/m + h^2/I). kn, ks: stiffness of the joint, Pa/m.
 std::array<double, 2> landing_squares(const LandingBlock& landing, double kn, double ks);
 
 // Viscosity over stiffness normal to the joint and along it, s; 0 where nothing lands. squares: largest squared

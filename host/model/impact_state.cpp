@@ -24,29 +24,27 @@ LandingBlock landing_on_face(const World& w, const Contact& c, int block) {
   const ConvexPolyhedron& shape = w.assembly.shapes[size_t(input.shape)];
   const Family& f = w.contacts.families[size_t(c.family)];
   const Matrix turned = orientation_of(w, block) * matrix(input.orientation);
-  const Vector towards = transposed_times(turned, frame_of(w, f.point[c.first]).row[0]);
+  const Point& p = f.point[c.first];
+  const Vector outwards = (p.a == block ? 1.0 : -1.0) * transposed_times(turned, frame_of(w, p).row[0]);
   size_t face = 0;
-  for (size_t i = 1; i < shape.faces.size(); ++i) {
-    if (std::abs(dot(shape.normals[i], towards)) > std::abs(dot(shape.normals[face], towards))) face = i;
-  }
+  for (size_t i = 1; i < shape.faces.size(); ++i)
+    if (dot(shape.normals[i], outwards) > dot(shape.normals[face], outwards)) face = i;
   const Vector n = shape.normals[face];
   const std::vector<int>& corners = shape.faces[face];
-  const Vector s = normalized(shape.vertices[size_t(corners[1])] - shape.vertices[size_t(corners[0])]), t = cross(n, s);
-  double along_s = 0.0, along_t = 0.0;
-  for (const int i : corners) {
-    const Vector arm = shape.vertices[size_t(i)] - own_mass.centre;
-    along_s = std::max(along_s, std::abs(dot(arm, s))), along_t = std::max(along_t, std::abs(dot(arm, t)));
-  }
-  const auto inertia_about = [&](const Vector& axis) {
-    const Vector own = transposed_times(own_mass.axes.vectors, axis), &values = own_mass.axes.values;
-    return w.solver.mass_scaling * (values.x * own.x * own.x + values.y * own.y * own.y + values.z * own.z * own.z);
+  const auto arm = [&](size_t corner) {
+    return shape.vertices[size_t(corners[corner % corners.size()])] - own_mass.centre;
   };
-  const double height = dot(shape.vertices[size_t(corners[0])] - own_mass.centre, n);
-  return {w.solver.mass_scaling * own_mass.mass,
-          face_area(shape, int(face)),
-          {along_s, along_t},
-          {inertia_about(s), inertia_about(t)},
-          height};
+  double tipping = 0.0, least = HUGE_VAL;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Vector edge = normalized(arm(i + 1) - arm(i));
+    const Vector own = transposed_times(own_mass.axes.vectors, edge), &values = own_mass.axes.values;
+    const double about =
+        w.solver.mass_scaling * (values.x * own.x * own.x + values.y * own.y * own.y + values.z * own.z * own.z);
+    const double reach = dot(arm(i), cross(edge, n));
+    tipping = std::max(tipping, reach * reach / about);
+    least = std::min(least, about);
+  }
+  return {w.solver.mass_scaling * own_mass.mass, face_area(shape, int(face)), tipping, least, dot(arm(0), n)};
 }
 
 void raise(Landing& highest, const Landing& squares) {
@@ -82,14 +80,14 @@ std::vector<Landing> landing_of_blocks(const World& w, size_t family) {
     for (uint32_t p = c.first; p < c.first + c.count; ++p) area += f.point[p].area;
     for (const int block : {c.pair.a, c.pair.b}) {
       joined[size_t(block)] = 1;
-      if (w.assembly.blocks[size_t(block)].fixed) continue;
+      if (w.assembly.blocks[size_t(block)].is_support()) continue;
       const LandingBlock landing = landing_on_face(w, c, block);
       if (area >= kCovers * landing.area) raise(highest[size_t(block)], landing_squares(landing, kn, ks));
     }
   }
   for (size_t i = 0; i < w.blocks.size(); ++i) {
     const Block& block = w.assembly.blocks[i];
-    if (block.fixed || joined[i]) continue;
+    if (block.is_support() || joined[i]) continue;
     const double density = density_of(w, block) * w.solver.mass_scaling;
     // A/2 over m, with A = V/least extent. b^2/I and h^2/I are at most 3/m of a box.
     const double half_over_mass = 0.5 / (density * w.shapes.facts[size_t(block.shape)].least_extent);
@@ -114,7 +112,7 @@ std::array<double, 2> viscosity_of_pair(const World& w, const Contact& c) {
   const auto [kn, ks] = mean_stiffness(w.contacts.families[size_t(c.family)], c);
   Landing highest{};
   for (const int block : {c.pair.a, c.pair.b}) {
-    if (w.assembly.blocks[size_t(block)].fixed) continue;
+    if (w.assembly.blocks[size_t(block)].is_support()) continue;
     raise(highest, landing_squares(landing_on_face(w, c, block), kn, ks));
     raise(highest, w.impacts.landing[size_t(c.family) * w.blocks.size() + size_t(block)]);
   }

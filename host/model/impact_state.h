@@ -19,8 +19,8 @@ struct ImpactState {
   // Of the settings: squared frequencies of landing by family, then by block, normal to the joint and along it, 1/s2.
   std::vector<std::array<double, 2>> landing;
   double zone_beta = 0.0;  // of the settings: stiffness-proportional damping of zones, s
-  double rate = 0.0;       // of the settings: largest eigenvalue of viscosity over inertia, 1/s
   double share = 1.0;      // damping in use over that of the settings
+  double stable_dt = 0.0;  // largest stable step under this damping, s
   std::array<MaxwellElement, kMaxwellElements> maxwell{};
 };
 

@@ -515,17 +515,16 @@ std::vector<std::array<double, 2>> impact_viscosities(const Model& model, const 
     if (unit < 0 || unit != assembly.bricks[at(joint.block_b)].unit) lands[f] = 1;
     for (const int block : {joint.block_a, joint.block_b}) {
       const Brick& brick = assembly.bricks[at(block)];
-      if (brick.fixed) continue;
+      if (brick.fixed && !brick.freed) continue;
       const std::size_t n = at(joint.face_a / 2), s = (n + 1) % 3, t = (n + 2) % 3;
       const Vec3& size = brick.size;
       const double mass =
           settings.mass_scaling * assembly.materials[at(brick.material)].density * size[0] * size[1] * size[2];
       const auto about = [&](double p, double q) { return mass * (p * p + q * q) / 12.0; };
-      const LandingBlock landing{mass,
-                                 size[s] * size[t],
-                                 {0.5 * size[s], 0.5 * size[t]},
-                                 {about(size[n], size[t]), about(size[n], size[s])},
-                                 0.5 * size[n]};
+      const double along_s = 0.25 * size[s] * size[s], along_t = 0.25 * size[t] * size[t];
+      const double about_s = about(size[n], size[t]), about_t = about(size[n], size[s]);
+      const LandingBlock landing{mass, size[s] * size[t], std::max(along_s / about_t, along_t / about_s),
+                                 std::min(about_s, about_t), 0.5 * size[n]};
       const auto of_block =
           landing_squares(landing, model.families[f].normal_stiffness, model.families[f].shear_stiffness);
       for (std::size_t k = 0; k < 2; ++k) squares[f][k] = std::max(squares[f][k], of_block[k]);
@@ -586,7 +585,8 @@ double step_of_zones(const Model& model, const SolverSettings& settings, const I
   if (inertia.deformation != 1.0 || inertia.unit != 1.0 || settings.selective_time_step > 0.0)
     refuse("true inertia, not deformation_inertia, unit_inertia or selective_time_step");
   for (const RigidBody& body : model.bodies) {
-    if (model.assembly.bricks[at(body.block)].fixed) continue;
+    const Brick& brick = model.assembly.bricks[at(body.block)];
+    if (brick.fixed && !brick.freed) continue;
     refuse(fmt::format("no rigid block that moves freely, and block {}{} is one", body.block,
                        body.name.empty() ? "" : " '" + body.name + "'"));
   }

@@ -162,7 +162,8 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
   std::fill(f.stored.begin(), f.stored.end(), 0.0);
   for (auto& column : f.dissipated) std::fill(column.begin(), column.end(), 0.0);
   divide_work(*this);
-  if (f.kn > kn || f.ks > ks) find_time_step(*this);
+  if (damping.impacts) choose_impact_damping(*this);
+  if (damping.impacts || f.kn > kn || f.ks > ks) find_time_step(*this);
 }
 
 void World::set_gravity(const Vector& g) { actions.gravity = g; }

@@ -417,8 +417,8 @@ double largest_over_inertia(const World& w, const JointSprings& stiffness, LaneV
 
 }  // namespace
 
-double highest_frequency(const World& w, LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) {
-  const double value = largest_over_inertia(w, kStiffness, mode, alone);
+double highest_frequency(const World& w, LaneVector<double>* mode = nullptr) {
+  const double value = largest_over_inertia(w, kStiffness, mode);
   return value < 0 ? 0.0 : std::sqrt(value);  // not-a-number is returned
 }
 
@@ -426,10 +426,11 @@ double highest_frequency(const World& w, LaneVector<double>* mode = nullptr, con
 // of each unit, with all others fixed and the springs to them doubled. As k (u_a - u_b)^2 <= 2 k u_a^2 + 2 k u_b^2,
 // this bounds modes of the unit and its neighbours. The result is the same on any number of ranks.
 bool shorten_step(const World& w, std::span<const int> changed) {
+  const double stable = w.damping.impacts ? w.impacts.stable_dt : w.stepping.critical_dt;
+  const JointSprings springs = w.damping.impacts ? with_dashpots(w, w.impacts.share, stable) : kStiffness;
   return std::any_of(changed.begin(), changed.end(), [&](int block) {
     const Unit unit = w.units.of(block);
-    if (!(highest_frequency(w, nullptr, &unit) * w.stepping.critical_dt <= 2.0)) return true;
-    return w.damping.impacts && !(largest_over_inertia(w, impact_dashpots(w), nullptr, &unit) <= w.impacts.rate);
+    return !(largest_over_inertia(w, springs, nullptr, &unit) + w.stepping.springs <= 4.0 / (stable * stable));
   });
 }
 
@@ -469,8 +470,8 @@ namespace {
 
 // of_members: bound of the nodes of floors and beams, which no dashpot damps, 1/s2.
 double step_under_impact_damping(World& w, double of_members) {
-  w.impacts.rate = largest_over_inertia(w, impact_dashpots(w));
-  const auto [left, share] = step_under_impacts(w.stepping.critical_dt, w.impacts.rate, [&](double of_all, double dt) {
+  const double rate = largest_over_inertia(w, impact_dashpots(w));
+  const auto [left, share] = step_under_impacts(w.stepping.critical_dt, rate, [&](double of_all, double dt) {
     return std::max(of_members, w.stepping.springs + largest_over_inertia(w, with_dashpots(w, of_all, dt)));
   });
   w.impacts.share = share;
@@ -504,6 +505,7 @@ void choose_time_step(World& w, bool may_grow) {
   double dt = step_over_critical(w.solver, w.stepping.critical_dt) * w.stepping.critical_dt;
   if (w.damping.impacts) {
     const double left = omega > 0 ? step_under_impact_damping(w, of_members) : kLeastImpactStep;
+    w.impacts.stable_dt = left * w.stepping.critical_dt;
     double stiffer = 1.0;  // stiffness of joints above the band, with Maxwell elements
     for (const MaxwellElement& e : w.impacts.maxwell) stiffer += e.share;
     // Without Maxwell elements, time_step_fraction leaves a margin for the stiffness that they add.

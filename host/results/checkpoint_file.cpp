@@ -32,7 +32,7 @@ namespace {
 struct Head {
   std::array<char, 8> mark{'Q', 'U', 'O', 'I', 'N', 'R', 'U', 'N'};
   std::uint32_t word_order = 0x01020304;
-  std::uint32_t format = 7;
+  std::uint32_t format = 8;
   std::array<std::uint8_t, 4> word_sizes{sizeof(int), sizeof(long), sizeof(void*), sizeof(double)};
   std::uint32_t unused = 0;
   std::uint64_t bytes = 0;     // size of the rest of the file

@@ -21,6 +21,7 @@ struct Brick {
   bool beam = false;                    // a rigid beam or lintel, which is not masonry
   std::optional<double> load_height{};  // rigid: y of its centre of mass, where loads act too; none: the middle, m
   bool fixed = false;                   // a support that follows the ground: from a fixed block, or the base of a wall
+  bool freed = false;                   // fixed, and some stage leaves components of it free
   std::string body;    // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. A
                        // deformable brick of this name can be loaded and monitored, but not held
   std::string name{};  // name of the block in the scene, for messages; empty: none

@@ -38,8 +38,9 @@ struct Block {
                                0};  // deformable bricks: hexahedra of 5 zones along each axis, instead of zone_edge
   int parity = 0;                   // parity of divisions: hexahedron (i, j, k) has pattern (i + j + k + parity) % 2
   std::shared_ptr<const geometry::Zoning> zoning;  // deformable: zones of a mesh file, in place of own ones; null: none
-  bool fixed = false;          // held in all six degrees of freedom (prescribe() may drive it later)
-  bool freed = false;          // fixed, and some stage leaves components of it free
+  bool fixed = false;  // held in all six degrees of freedom (prescribe() may drive it later)
+  bool freed = false;  // fixed, and some stage leaves components of it free
+  bool is_support() const { return fixed && !freed; }
   int unit = -1, course = -1;  // place in the masonry, for pictures
   bool beam = false;           // a rigid beam or lintel, which is not masonry
   double spread_mass = 0.0;    // kg, additional to that of its volume, with the same distribution

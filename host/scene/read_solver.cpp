@@ -149,13 +149,15 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
   return s;
 }
 
+// solver: table of the scene or of a stage; null: there is none.
+bool chooses_damping(const toml::table* solver) {
+  return std::ranges::any_of(std::array{"damping", "local_damping", "settling_damping"},
+                             [&](const char* key) { return solver && solver->contains(key); });
+}
+
 // gamma of a stage of rigid blocks alone whose damping the scene does not choose; none: not such a stage.
 std::optional<double> gamma_by_default(Table& t, const Scene& scene, const Stage& stage) {
-  const toml::table* const of_run = t.context().solver;
-  const auto has_own = [](const Stage& s) { return s.solver && s.solver->local_damping != kGammaInMotion; };
-  const bool is_chosen = std::ranges::any_of(scene.stages, has_own) ||
-                         std::ranges::any_of(std::array{"damping", "local_damping", "settling_damping"},
-                                             [&](const char* key) { return of_run && of_run->contains(key); });
+  const bool is_chosen = t.context().damping_is_chosen || chooses_damping(t.context().solver);
   const BlockKinds kinds = kinds_of_blocks(scene);
   if (is_chosen || stage.ground || !scene.blocks || !kinds.rigid || kinds.deformable) return std::nullopt;
   return moves_blocks(stage) ? kGammaInMotion : scene.solver.local_damping;
@@ -176,6 +178,7 @@ void read_stage_solver(Table& t, Stage& stage, const Scene& scene) {
     stage.solver = read_solver_of_stage({t.context(), *own, t.path("solver")}, base, stage.ground.has_value());
   else if (differs)
     stage.solver = base;
+  t.context().damping_is_chosen |= chooses_damping(own);
 }
 
 }  // namespace quoin::reader

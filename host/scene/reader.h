@@ -90,6 +90,7 @@ class Context {
   std::set<std::string> overridden;     // dotted paths given by --set
   std::vector<std::string> inputs;      // other files that the scene reads
   const toml::table* solver = nullptr;  // table [solver]; null: there is none
+  bool damping_is_chosen = false;       // damping of the user's in the solver table of a stage so far
 
   std::string where(const toml::node* node, const std::string& path) const {
     for (const std::string& set : overridden) {

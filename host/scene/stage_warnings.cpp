@@ -128,6 +128,18 @@ std::string damped_at_an_angle(const Scene& scene, std::size_t stage) {
   return "";
 }
 
+// Soil beside masonry that ground motion moves.
+std::string soil_stays_behind(const Scene& scene, std::size_t stage) {
+  const Stage& now = scene.stages[stage];
+  if (!now.ground || !scene.members || scene.members->fills.empty()) return "";
+  return fmt::format(
+      "stage '{}' moves the ground, and the soil of [[fill]] '{}' stays where it is: the motion of the ground itself "
+      "presses the masonry against it, up to its passive or active limit; give accelerations as weight along the "
+      "motion "
+      "(gravity), or leave the soil out and add its pressure",
+      now.name, scene.members->fills.front().name);
+}
+
 // Viscous damping without a coefficient.
 std::string viscous_without_coefficients(const Scene& scene, std::size_t stage) {
   const SolverSettings& solver = scene.solver_in(stage);
@@ -269,7 +281,8 @@ std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) 
                                    {"weight", weight_under_ground(scene, stage)},
                                    {"inertia", raised_inertia(scene, stage)},
                                    {"thickness", few_zones_in_bending(scene, stage)},
-                                   {"viscous", viscous_without_coefficients(scene, stage)}};
+                                   {"viscous", viscous_without_coefficients(scene, stage)},
+                                   {"soil", soil_stays_behind(scene, stage)}};
   std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
   return all;
 }

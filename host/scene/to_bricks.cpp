@@ -104,7 +104,7 @@ class JointFinder {
 
   void compare(int i, int j) {
     const Block &first = assembly_.blocks[size_t(i)], &second = assembly_.blocks[size_t(j)];
-    if (first.fixed && second.fixed && !first.freed && !second.freed) return;
+    if (first.is_support() && second.is_support()) return;
     const Overlap o = overlap_of(bricks_[size_t(i)], bricks_[size_t(j)]);
     const double tolerance = kTouching * std::min(least_extent(bricks_[size_t(i)]), least_extent(bricks_[size_t(j)]));
     size_t normal = 0;
@@ -170,6 +170,7 @@ class StageWriter {
     stage.forces.clear(), stage.pressures.clear();
     if (const std::string acts = beyond_lattice(stage); !acts.empty()) refuse(acts);
     if (given.solver && damping_of(*given.solver).splits_motion()) refuse("has damping by block of its own");
+    if (given.solver && damping_of(*given.solver).has_maxwell()) refuse("has maxwell_damping");
     if (stage.monitor.empty()) stage.monitor = watched_;
     if (!stage.monitor.empty())
       rigid(stage.monitor, given, "watches",
@@ -322,7 +323,7 @@ OnLattice made_of(const Assembly& assembly, const Scene& scene) {
   const bool zoned = std::any_of(bricks.begin(), bricks.end(), [](const Brick& b) { return !b.rigid; });
   for (size_t i = 0; i < bricks.size(); ++i) {
     bricks[i].beam = zoned && bricks[i].rigid;
-    bricks[i].fixed = assembly.blocks[i].fixed;
+    bricks[i].fixed = assembly.blocks[i].fixed, bricks[i].freed = assembly.blocks[i].freed;
   }
   made.bricks.joints = JointFinder(assembly, bricks).find();
   const StageWriter writer(assembly, bricks, scene);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "scene/block_kinds.h"
+#include "scene/generate.h"
 #include "scene/members.h"
 #include "scene/quality.h"
 
@@ -98,8 +99,26 @@ void add_unused_of_beam(const BeamSpec& beam, const AddIf& add_if) {
   add(beam.up != usual.up && !piece_along(beam, usual.up), "up", cable);
 }
 
+// Whether a support stays in its place in all stages.
+bool never_moves(const Scene& scene, const std::string& name) {
+  const auto moves = [&](const BodyControl& c) {
+    const bool is_free = c.may_turn || std::ranges::find(c.kind, DofKind::free) != c.kind.end();
+    return c.body == name && (is_free || c.velocity != Vec3{} || c.omega != Vec3{} || c.in_cycles >= 0);
+  };
+  const bool is_support =
+      is_ground(scene, name) || (scene.blocks && std::ranges::any_of(scene.blocks->blocks, [&](const BlockSpec& b) {
+                                   return b.fixed && b.name == name;
+                                 }));
+  return is_support && std::ranges::none_of(scene.stages, [&](const Stage& stage) {
+           return stage.ground || std::ranges::any_of(stage.controls, moves);
+         });
+}
+
 template <class AddIf>
-void add_unused_of_members(const MemberSpecs& members, const AddIf& add_if) {
+void add_unused_of_members(const Scene& scene, const MemberSpecs& members, const AddIf& add_if) {
+  for (const SpringSpec& spring : members.springs)
+    add_if(never_moves(scene, spring.block), fmt::format("spring.{}", spring.name),
+           "all stages hold its block in its place; free it with [[stage.control]]");
   for (const SpringSpec& spring : members.springs)
     add_if(spring.shear_stiffness == 0.0 && spring.friction_angle != SpringSpec().friction_angle,
            fmt::format("spring.{}.friction_angle", spring.name), "shear_stiffness = 0: no shear is limited");
@@ -150,7 +169,7 @@ std::vector<std::string> unused_settings(const Scene& scene) {
   add_unused_of_wall(scene, add_if);
   for (std::size_t i = 0; i < scene.damage.size() && !has_parted_units(scene); ++i)
     add_if(scene.damage[i].through_units, fmt::format("damage.{}.through_units", i + 1), "no unit has a joint in it");
-  if (scene.members) add_unused_of_members(*scene.members, add_if);
+  if (scene.members) add_unused_of_members(scene, *scene.members, add_if);
 
   const RandomSample first;
   const bool is_random = std::ranges::any_of(scene.joints, [](const auto& joint) { return joint.second.is_random(); });

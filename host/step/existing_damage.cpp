@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "geometry/vector.h"
 #include "law/at_rest.h"
 #include "law/bound_call.h"
 #include "step/law_swap.h"

@@ -132,7 +132,7 @@ void report_failed_points(Simulation::Impl& s) {
                          joint.block_a, joint.block_b, x[0], x[1], x[2]);
     };
     report_failed_call(*family.material, call,
-                       {s.progress.step, time_now(s), s.scene.solver.time_step_fraction, family.name,
+                       {s.progress.step, time_now(s), solver_in_use(s).time_step_fraction, family.name,
                         batch_text(s, call.batch), point});
   }
   throw Error(Exit::numerical, fmt::format("a law failed at step {}", s.progress.step));

@@ -224,6 +224,7 @@ void promote(Simulation::Impl& s, const std::string& why, int stage) {
   promotion.energy_jump = strain_energy(m) - promotion.strain_energy;
   adopt_histories(m, histories);
 
+  m.set_gravity(geometry::vector(s.data.gravity));  // of which the forces on held blocks are computed below
   s.actions.drives = std::move(continued);
   const Stage& settings = current_stage(s);
   if (const SolverSettings& solver = solver_in_use(s); &solver != &s.scene.solver) {

@@ -109,7 +109,7 @@ std::vector<JointWrench> sum_large_motion_wrenches(const Simulation::Impl& s, co
     }
   }
   for (const blocks::Contact& c : s.large_motion->contacts.list) {
-    if (place[at(c.pair.a)] < 0 && place[at(c.pair.b)] < 0) continue;
+    if (c.count == 0 || (place[at(c.pair.a)] < 0 && place[at(c.pair.b)] < 0)) continue;
     const blocks::Family& f = s.large_motion->contacts.families[at(c.family)];
     for (std::size_t i = c.first; i < c.first + c.count; ++i) {
       const int of_a = place[at(f.point[i].a)], of_b = place[at(f.point[i].b)];  // block a of the pair may be b here

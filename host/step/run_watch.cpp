@@ -322,6 +322,16 @@ std::string turned_piece_of_beam(const Simulation::Impl& s) {
       beam->name(), Watch::kAllowedTurn);
 }
 
+std::string uneven_floor(const Simulation::Impl& s) {
+  const members::Members* const members = members_of(s);
+  std::string all;
+  for (std::size_t i = 0; members && i < members->floors().size(); ++i) {
+    const std::string text = members->floors()[i].uneven_weight();
+    all += (all.empty() || text.empty() ? "" : "; ") + text;
+  }
+  return all;
+}
+
 std::string beam_off_its_seat(const Simulation::Impl& s) {
   const members::Members* const members = members_of(s);
   if (!members) return "";
@@ -460,6 +470,7 @@ std::vector<Warning> new_warnings(Simulation::Impl& s, bool stage_ends) {
   warn("bending", [&] { return bending_is_due ? bending_at_corners(s) : ""; });
   warn("pressure", [&] { return stage_ends ? crushed_in_ramp(s) : ""; });
   warn("equilibrium", [&] { return stage_ends ? missed_equilibrium(s) + creeping(s) : ""; });
+  warn("floor", [&] { return uneven_floor(s); });
   warn("beam", [&] { return turned_piece_of_beam(s); });
   warn("seat", [&] { return beam_off_its_seat(s); });
   warn("energy_balance", [&] { return unbalanced_energies(s, stage_ends); });

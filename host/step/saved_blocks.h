@@ -46,10 +46,11 @@ void transfer_blocks(Archive& archive, Self& m) {
   archive.value(m.stepping.time);
   archive.value(m.stepping.dt);
   archive.value(m.stepping.critical_dt);
+  archive.value(m.stepping.omega);
   archive.value(m.stepping.springs);
   archive.array(m.impacts.landing);
   archive.value(m.impacts.zone_beta);
-  archive.value(m.impacts.rate);
+  archive.value(m.impacts.stable_dt);
   archive.value(m.impacts.share);
   archive.value(m.impacts.maxwell);
   archive.value(m.stepping.stiffness_bound);

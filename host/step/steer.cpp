@@ -166,6 +166,7 @@ LawSwap exchange_law(Simulation::Impl& s, const std::string& family, const std::
   }
   if (s.progress.stage < 0) begin_stage(s, 0);
   swap_law(s, family, law);
+  s.watch.pending = false;  // the jump of the stored energy is no part of the energy balance of two steps
   s.scene.stages[s.progress.at_stage()].law_swaps[family] = law;  // for later checkpoints
   return s.laws.swaps.back();
 }

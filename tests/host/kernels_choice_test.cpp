@@ -353,6 +353,7 @@ TEST(KernelsChoice, WhatDoesNotFitIsNamed) {
   EXPECT_THAT(reason("stage.1.ground_motion={direction=[1,0,0],time=[0,1],acceleration=[0,1]}"),
               HasSubstr("moves the ground"));
   EXPECT_THAT(reason("stage.1.solver={damping=\"block\"}"), HasSubstr("has damping by block of its own"));
+  EXPECT_THAT(reason("stage.1.solver={damping=\"impact\",maxwell_damping=0.02}"), HasSubstr("has maxwell_damping"));
   EXPECT_THAT(reason("stage.1.monitor=soft"), HasSubstr("watches 'soft', a deformable block"));
   EXPECT_THAT(reason("stage.1.monitor=sotf"), HasSubstr("did you mean 'soft'?"));
   EXPECT_THAT(reason("stage.1.force=[{block=\"soft\",point=[0,1,0],force=[1,0,0]}]"), HasSubstr("pushes 'soft'"));

@@ -434,8 +434,8 @@ TEST(Promotion, WhiffletreeGoesOn) {
 // A stage that goes over where it begins, and releases the beam that the stage before has pushed. The force of the
 // support fades over its ramp, as in large motion from the start: within 1 % of it, the difference of the two strains.
 // Without that reaction the beam would spring back at once, by a third of the force in 20 steps.
-TEST(Promotion, ReactionsOfReleasedSupportsFade) {
-  const auto pushed = [](const std::string& large_motion) {
+void expect_released_reactions_fade(const std::vector<std::string>& settings) {
+  const auto pushed = [&](const std::string& large_motion) {
     const std::string text = R"(
 [solver]
 quality = "fast"
@@ -482,7 +482,7 @@ force = [1.0, 0, 0]
 [output]
 frames = 0
 )";
-    Simulation run(read_scene_text(text, "pushed.toml"));
+    Simulation run(read_scene_text(text, "pushed.toml", settings));
     Watch seen;
     run.run(seen);
     EXPECT_EQ(seen.promotions, large_motion == "automatic" ? 1 : 0);
@@ -496,6 +496,21 @@ frames = 0
   EXPECT_GT(force, 2.5e3);
   for (std::size_t i = 0; i < promoted.size(); ++i)
     EXPECT_NEAR(promoted[i].resistance, always[i].resistance, 0.01 * force) << "at step " << promoted[i].step;
+  const double lowered = always.back().monitor_displacement[1];
+  for (std::size_t i = 0; i < promoted.size(); ++i)
+    EXPECT_NEAR(promoted[i].monitor_displacement[1], always[i].monitor_displacement[1], 0.01 * std::abs(lowered))
+        << "at step " << promoted[i].step;
+}
+
+TEST(Promotion, ReactionsOfReleasedSupportsFade) { expect_released_reactions_fade({}); }
+
+// The beam is held along the vertical too, under a weight of its own of 8 kN: the reaction that fades carries that
+// weight. It had lost it, so that the weight came at once.
+TEST(Promotion, ReactionsOfReleasedSupportsCarryTheWeight) {
+  const char* const kDown = "gravity=[0, -9.81, 0]";
+  expect_released_reactions_fade({"stage.press." + std::string(kDown), "stage.shear." + std::string(kDown),
+                                  "stage.release." + std::string(kDown), "stage.shear.vertical=held",
+                                  "wall.beam_density=240000"});
 }
 
 }  // namespace

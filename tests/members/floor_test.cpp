@@ -163,6 +163,23 @@ TEST(Floors, WeightGoesToTheWallsThatJoistsEndOn) {
   EXPECT_NEAR(sum.x, 0.0, 1e-6);
 }
 
+// The right wall ends at z = 2, so that lines from 2.25 to 4 have one wall: 1.75 of 4 m, whose weight moves from x = 3
+// to 0. Nothing was said of it.
+TEST(Floors, WeightOfLinesWithOneWallIsWarnedOf) {
+  const auto warning = [](const std::string& size) {
+    std::string scene = floor_between({}) + pushed(0.0, 0.01, 0.02);
+    scene.replace(scene.rfind("[1, 1, 6]"), 9, size);
+    Simulation simulation(read_scene_text(scene, "floor.toml"), 1);
+    Observer nobody;
+    simulation.run(nobody);
+    for (const Warning& w : simulation.outcome().warnings)
+      if (w.about == "floor") return w.text;
+    return std::string();
+  };
+  EXPECT_EQ(warning("[1, 1, 6]"), "");
+  EXPECT_THAT(warning("[1, 1, 3]"), AllOf(HasSubstr("floor 'f'"), HasSubstr("1.31 m beside its middle")));
+}
+
 // A floor between walls of one block each: w and e at its ends, s and n along its sides.
 std::string floor_in_box(const std::vector<std::string>& order, const std::string& floor,
                          const std::map<std::string, std::pair<const char*, const char*>>& walls) {

@@ -114,6 +114,24 @@ pressure = 1e5
   EXPECT_THAT(with("wall.mid_unit_joints=true"), IsEmpty());
 }
 
+// A spring below the bottom beam of a wall, which stages hold: it had no force, and nothing was said.
+TEST(UnusedSettings, SpringsBelowWhatStagesHold) {
+  const auto with = [](const char* fixed, const std::string& stage) {
+    return unused(scene_text(fixed, stage + R"([[spring]]
+name = "soil"
+block = "block"
+normal = [0, -1, 0]
+normal_stiffness = 1e7
+friction_angle = 90
+)"));
+  };
+  const char* const kFixed = "fixed = true";
+  EXPECT_THAT(with(kFixed, ""), ElementsAre(StartsWith("spring.soil: without effect")));
+  EXPECT_THAT(with("", ""), IsEmpty());
+  EXPECT_THAT(with(kFixed, driven("[0, \"free\", 0]")), IsEmpty());
+  EXPECT_THAT(with(kFixed, driven("[0, -0.001, 0]")), IsEmpty());
+}
+
 TEST(UnusedSettings, OfSpringsFloorsAndBeams) {
   const std::string scene = scene_text(kRigid, R"([[spring]]
 name = "soil"
@@ -307,6 +325,23 @@ TEST(Weight, UnderGroundMotionIsWarnedOfWhereThereIsNoneOrItComesAtOnce) {
   EXPECT_THAT(weight("", kDown), HasSubstr("comes at once"));
   EXPECT_EQ(weight(kDown, kDown), "");
   EXPECT_EQ(weight("", (std::string(kDown) + "\nramp_time = 0.2").c_str()), "");
+}
+
+// The default gamma of stages that move rigid blocks is 0.1, whatever stages stand between them. A table that leaves
+// damping out does not change it, and damping of a stage's own holds from there on.
+TEST(DefaultDamping, OfStagesThatMoveRigidBlocksIsThatOfTheStage) {
+  const auto gammas = [](const char* of_second) {
+    const std::string still = "[[stage]]\nduration = 0.1\n", drive = driven("[0.01, 0, 0]");
+    const Scene scene = read_scene_text(scene_text(kRigid, still + drive + of_second + still + still + drive + still),
+                                        "scene.toml", {});
+    std::vector<double> found;
+    for (std::size_t i = 0; i < scene.stages.size(); ++i) found.push_back(scene.solver_in(i).local_damping);
+    return found;
+  };
+  EXPECT_THAT(gammas(""), testing::ElementsAre(0.8, 0.1, 0.8, 0.1, 0.8));
+  EXPECT_THAT(gammas("[stage.solver]\ntime_step_fraction = 0.3\n"), testing::ElementsAre(0.8, 0.1, 0.8, 0.1, 0.8));
+  EXPECT_THAT(gammas("[stage.solver]\nlocal_damping = 0.1\n"), testing::ElementsAre(0.8, 0.1, 0.1, 0.1, 0.1));
+  EXPECT_THAT(gammas("[stage.solver]\nlocal_damping = 0.5\n"), testing::ElementsAre(0.8, 0.5, 0.5, 0.5, 0.5));
 }
 
 // Viscous damping has no default coefficient: it damped nothing in silence.

@@ -253,6 +253,56 @@ TEST(PlacedAnew, TimeStepStaysWhereFourHalfUnitsMeet) {
   EXPECT_GT(m->stepping.dt, 0.97 * before);
 }
 
+// Impact damping of a block whose faces are no rectangles, and differ at both ends. It is that of the edge of its lower
+// face with the highest omega, wherever the block is turned to in plan. Axes along the first edge of a face, which the
+// hull chooses by coordinates, made it differ by 7 %. Closed form of a frustum: the edges of its square base of 1.2 m,
+// by the volume integrals of its inertia.
+TEST(ImpactDamping, IsThatOfTheFaceThatLandsAtAnyAngleInPlan) {
+  const auto viscosity = [](std::vector<Vector> corners, double angle, bool upside_down) {
+    Scene scene(dry_joint(1e9, 1e9, 30));
+    scene.brick({-2, -0.2, -2}, {4, 0.2, 4}, true);
+    for (Vector& c : corners)
+      c = {std::cos(angle) * c.x + std::sin(angle) * c.z, upside_down ? 1.0 - c.y : c.y,
+           std::cos(angle) * c.z - std::sin(angle) * c.x};
+    scene.block(geometry::from_vertices(corners, "block"));
+    SolverSettings settings;
+    settings.damping = DampingKind::impact;
+    auto m = scene.model(settings);
+    EXPECT_EQ(m->contacts.list.size(), 1u);
+    return m->contacts.place[0].viscosity;
+  };
+  std::vector<Vector> trapezoid, frustum;
+  for (const double y : {0.0, 1.0}) {
+    const double half = 0.6 - 0.3 * y;
+    for (const auto& [x, z] : {std::pair{-0.4, -0.15}, {0.3, -0.15}, {0.1, 0.15}, {-0.35, 0.15}})
+      trapezoid.push_back({x, y, z});
+    for (const auto& [x, z] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) frustum.push_back({half * x, y, half * z});
+  }
+  const std::array<double, 2> straight = viscosity(trapezoid, 0.0, false);
+  for (const double angle : {0.3, 0.6283, 1.2, 1.5708, 2.5, 3.1416}) {
+    const std::array<double, 2> turned = viscosity(trapezoid, angle, false);
+    for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(turned[k], straight[k], 1e-9 * straight[k]) << angle;
+  }
+  // Slices of side a(y) = 1.2 - 0.6 y: mass a^2, height, and a^4/12 + a^2 y^2 about an axis along an edge.
+  double mass = 0.0, first = 0.0, second = 0.0;
+  constexpr int kSlices = 20000;
+  for (int i = 0; i < kSlices; ++i) {
+    const double y = (i + 0.5) / kSlices, a = 1.2 - 0.6 * y, slice = 2000.0 * a * a / kSlices;
+    mass += slice, first += slice * y, second += slice * (a * a / 12 + y * y);
+  }
+  const double centre = first / mass, inertia = second - mass * centre * centre;
+  for (const bool upside_down : {false, true}) {
+    const double half = upside_down ? 0.3 : 0.6, height = upside_down ? 1.0 - centre : centre;
+    const auto omega = [&](double reach) {
+      return std::sqrt(1e9 * 2 * half * half * (1 / mass + reach * reach / inertia));
+    };
+    const std::array<double, 2> found = viscosity(frustum, 0.4, upside_down);
+    const std::array<double, 2> expected{2 * SolverSettings().impact_damping / omega(half),
+                                         SolverSettings().impact_damping / omega(height)};
+    for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(found[k], expected[k], 1e-6 * expected[k]) << upside_down;
+  }
+}
+
 // A pebble of 1 kg hits a slab of 800 kg twice. Its contact has a viscosity of its own, so it takes no impact damping
 // from the slab. With one viscosity a family it took more than half.
 TEST(PlacedAnew, APebbleThatLandsTakesNoImpactDamping) {

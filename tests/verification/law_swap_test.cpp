@@ -258,6 +258,31 @@ TEST(BlockLawSwap, StifferLawShortensTheStep) {
   EXPECT_EQ(m->stepping.dt, shorter);
 }
 
+// Viscosity over stiffness is 2 xi/omega, and omega goes with the root of the stiffness. It had stayed that of the old
+// law, so that damping was ten times as large. A block that is fixed and freed by a stage lands as any other.
+TEST(BlockLawSwap, ImpactDampingIsThatOfTheNewStiffness) {
+  for (const bool is_freed : {false, true}) {
+    Scene scene(elastic_joint(1e9, 5e8));
+    scene.brick({0, 0, 0}, {1, 1, 1}, true);
+    scene.brick({0, 1, 0}, {1, 1, 1}, is_freed);
+    scene.assembly.blocks.back().freed = is_freed;
+    SolverSettings settings;
+    settings.damping = DampingKind::impact;
+    auto m = scene.model(settings);
+    run_steps(*m, 3);
+    ASSERT_EQ(m->contacts.list.size(), 1u);
+    const std::array<double, 2> before = m->contacts.place[0].viscosity;
+    const double share = impact_damping_in_use(*m);
+    EXPECT_GT(before[0], 0.0);
+    const std::vector<double> still(m->point_count(), 0.0);
+    m->replace_law(0, successor(elastic_joint(1e11, 5e10), "elastic"), {}, still);
+    for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(m->contacts.place[0].viscosity[k], 0.1 * before[k], 1e-12 * before[k]);
+    EXPECT_NEAR(impact_damping_in_use(*m), share, 1e-3) << "all frequencies go with the root of the stiffness";
+    m->replace_law(0, successor(elastic_joint(1e9, 5e8), "elastic"), {}, still);
+    for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(m->contacts.place[0].viscosity[k], before[k], 1e-12 * before[k]);
+  }
+}
+
 TEST(BlockLawSwap, RefusedWithTheReason) {
   const auto refusal = [](const std::string& law) {
     quoin::Scene scene = read_scene(QUOIN_SCENES "/arch.toml");
