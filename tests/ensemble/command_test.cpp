@@ -256,8 +256,8 @@ TEST_F(Ensemble, QuantitiesGoTogetherAsGiven) {
     products += (values[0] / 1e9 - 10.0) * (values[1] / 1e4 - 100.0) / 400;
   }
   EXPECT_NEAR(products, 0.6, 5 * std::sqrt(1.36 / 400)) << "variance of a product: 1 + 0.6^2";
-  for (const char* wrong :
-       {"[[\"E\", \"q\", 0.6]]", "[[\"q\", \"p\", 0.6]]", "[[\"E\", \"E\", 0.6]]", "[[\"E\", \"p\", 1.0]]"}) {
+  for (const char* wrong : {"[[\"E\", \"q\", 0.6]]", "[[\"q\", \"p\", 0.6]]", "[[\"E\", \"E\", 0.6]]",
+                            "[[\"E\", \"p\", 1.0]]", "[[\"E\", \"p\", 0.9], [\"p\", \"E\", -0.9]]"}) {
     write(wrong);
     EXPECT_THROW(quoin::ensemble::read_study(file.string()), quoin::Error) << wrong;
   }
