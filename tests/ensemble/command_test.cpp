@@ -317,6 +317,7 @@ TEST_F(Ensemble, SensitivityOneAtATimeIsTwoRunsAnInput) {
                           "--set", "stage.shear.displacement=0.00005"})),
             0)
       << error_;
+  EXPECT_THAT(error_, HasSubstr("correlation is left out")) << "it was so in silence";
   EXPECT_EQ(finished("s"), 2 * 3 + 1);
   EXPECT_THAT(out_, HasSubstr("joints.mortar.cohesion"));
   EXPECT_TRUE(fs::exists(folder_ / "s" / "sensitivity.csv"));
