@@ -58,7 +58,7 @@ BuildingSpec read_building(Table& t, const Scene& scene) {
   t.number("thickness", b.thickness, kExtent, "m", true);
   t.numbers("zones", b.zones, between(1, 64), "hexahedra per half unit along the wall, up and through it");
   t.number("beam_height", b.beam_height, kExtent, "m");
-  t.number("beam_density", b.beam_density, kPositive, "kg/m3");
+  t.number("beam_density", b.beam_density, kDensity, "kg/m3");
   t.name_of("unit_material", b.unit_material, scene.materials, "materials", true);
   t.name_of("bed_joint", b.bed_joint, scene.joints, "joints", true);
   t.name_of("head_joint", b.head_joint, scene.joints, "joints", true);

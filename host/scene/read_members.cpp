@@ -160,7 +160,7 @@ void read_beam(Table& t, BeamSpec& beam) {
   t.number("torsion", beam.torsion, kNotNegative, "m4");
   t.number("young_modulus", beam.young_modulus, kPositive, "Pa", true);
   t.number("poisson_ratio", beam.poisson_ratio, between(0.0, 0.5), "");
-  t.number("density", beam.density, above_to(0, 1e9), "kg/m3", true);
+  t.number("density", beam.density, kDensity, "kg/m3", true);
   t.number("yield_force", beam.yield_force, kPositive, "N");
   t.numbers("yield_moment", beam.yield_moment, kPositive, "N m, towards up and to the side");
   t.boolean("compression", beam.compression);

@@ -36,7 +36,7 @@ WallSpec read_wall(Table& t, const Scene& scene) {
     t.refuse("load_height",
              "only in small displacements, without blocks of other shapes: solver.large_motion = \"never\", "
              "solver.kernels = \"automatic\"");
-  t.number("beam_density", w.beam_density, kPositive, "kg/m3");
+  t.number("beam_density", w.beam_density, kDensity, "kg/m3");
 
   std::vector<double> cuts;
   const std::string inside = has_units ? fmt::format("1 to {:g}", 2 * w.units_per_course - 1) : "1 on";

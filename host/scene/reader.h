@@ -61,6 +61,7 @@ inline Range above_to(double lower, double upper) { return {lower, upper, true};
 inline constexpr Range kPlace{-1e6, 1e6};
 // Of an extent of units and walls, m: larger ones are taken for another unit of length.
 inline constexpr Range kExtent{0.0, 100.0, true};
+inline constexpr Range kDensity{0.0, 1e9, true};  // kg/m3; masses stay finite
 
 inline std::string text_of(const toml::node& node) { return node.is_table() ? "a table" : inline_toml(node); }
 

@@ -195,6 +195,20 @@ TEST_F(ReadScene, NodalTimeStepOnlyWhereInertiaIsTrue) {
   EXPECT_THAT(message(kScene, {"solver.critical_time_step=eq3"}), HasSubstr("assembled"));
 }
 
+// Two steps of 10 s ended a stage of 0.02 s, and 1e300 gave NaN, in silence.
+TEST_F(ReadScene, SelectiveTimeStepsAreShorterThanTheirStages) {
+  const std::string step = "solver.selective_time_step=", duration = "stage.1.duration=0.02";
+  EXPECT_THAT(message(kScene, {step + "10"}), HasSubstr("a number, 0 to 1, s"));
+  EXPECT_THAT(message(kScene, {step + "1e300"}), HasSubstr("a number, 0 to 1, s"));
+  EXPECT_THAT(message(kScene, {step + "3e-3", duration}),
+              AllOf(HasSubstr("of 0.02 s"), HasSubstr("selective_time_step = 0.003 s"), HasSubstr("at most a tenth")));
+  EXPECT_EQ(read(kScene, {step + "2e-3", duration}).solver.selective_time_step, 2e-3);
+}
+
+TEST_F(ReadScene, DensitiesOfBeamsEndWhereThoseOfMaterialsDo) {
+  EXPECT_THAT(message(kScene, {"wall.beam_density=1e10"}), HasSubstr("more than 0 and at most 1000000000"));
+}
+
 TEST_F(ReadScene, UnknownKey) {
   EXPECT_THAT(fault("courses = 2", "courses = 2\ncurses = 3"),
               AllOf(HasSubstr("s.toml:12: wall.curses = 3"), HasSubstr("unknown key"),
