@@ -194,13 +194,13 @@ void read_dowel(Table& t, DowelSpec& dowel) {
 
 // Reads the coefficients of horizontal pressure. Defaults are those of Rankine and Jaky.
 void read_pressure(Table& t, FillSpec& fill) {
-  if (!t.number("friction_angle", fill.friction_angle, between(0.0, 89.0), "deg", true)) return;
+  const bool known = t.number("friction_angle", fill.friction_angle, between(0.0, 89.0), "deg", true);
   const double sine = std::sin(fill.friction_angle * std::numbers::pi / 180.0);
   fill.active = (1.0 - sine) / (1.0 + sine), fill.passive = (1.0 + sine) / (1.0 - sine), fill.at_rest = 1.0 - sine;
   t.number("active", fill.active, kNotNegative, "(horizontal over vertical stress)");
   t.number("at_rest", fill.at_rest, kNotNegative, "(horizontal over vertical stress)");
   t.number("passive", fill.passive, kNotNegative, "(horizontal over vertical stress)");
-  if (fill.active > fill.at_rest || fill.at_rest > fill.passive)
+  if (known && (fill.active > fill.at_rest || fill.at_rest > fill.passive))
     t.refuse(t.has("at_rest")  ? "at_rest"
              : t.has("active") ? "active"
                                : "passive",

@@ -185,6 +185,12 @@ TEST_F(ReadBlockScene, GroundThatOverflowsNamesTheKeyThatDoesIt) {
         << keys;
 }
 
+// A key beside a missing one was "unknown".
+TEST_F(ReadBlockScene, KeysOfAFillAreReadWithoutItsFrictionAngle) {
+  EXPECT_THAT(fault("fill=[{block='block',surface=[0,1,0],unit_weight=1,stiffness=1,active=0.3,passive=2}]"),
+              AllOf(HasSubstr("fill.1.friction_angle: missing"), Not(HasSubstr("unknown key"))));
+}
+
 // A triangle of less than the rounding of times did not stop the ground, in silence.
 TEST_F(ReadBlockScene, GroundComesToRestInATimeThatCounts) {
   const auto keys = [](const std::string& time) {
