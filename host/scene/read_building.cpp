@@ -25,19 +25,6 @@ Wall read_wall(Table& t, const BuildingSpec& b, const Scene& scene) {
   return w;
 }
 
-// A list of integers, each from 0 below `count`.
-void read_half_units(Table& t, std::vector<int>& values, int count) {
-  const std::string allowed = fmt::format("a list of integers, 0 to {}", count - 1);
-  const toml::array* list = t.list("half_units", allowed, true);
-  if (!list) return;
-  if (list->empty()) return t.wrong_type("half_units", allowed);
-  for (const toml::node& element : *list) {
-    const auto value = element.value<long>();
-    if (!element.is_integer() || *value < 0 || *value >= count) return t.refuse("half_units", allowed);
-    values.push_back(static_cast<int>(*value));
-  }
-}
-
 void refuse_beams_in_lintels(Table& t, const BuildingSpec::Floor& floor, const Wall& wall) {
   std::vector<std::string> taken;
   for (const int half_unit : floor.half_units) {
@@ -92,7 +79,8 @@ BuildingSpec read_building(Table& t, const Scene& scene) {
     f.text("name", floor.name, "text, as \"floor_1\"", true);
     const bool known = wall_of(f, "wall", floor.wall);
     const bool placed = f.integer("course", floor.course, 0, b.courses - 1, true);
-    read_half_units(f, floor.half_units, known ? b.walls[static_cast<size_t>(floor.wall)].half_units : 20000);
+    const int half_units = known ? b.walls[static_cast<size_t>(floor.wall)].half_units : 20000;
+    f.numbers("half_units", floor.half_units, between(0, half_units - 1), "half units of the course", true);
     if (known && placed) refuse_beams_in_lintels(f, floor, b.walls[static_cast<size_t>(floor.wall)]);
     f.boolean("rigid_beams", floor.rigid);
     const bool has_mass = f.number("mass", floor.mass, kNotNegative, "kg (all beams together; it has weight)");

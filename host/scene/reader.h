@@ -236,15 +236,20 @@ class Table {
   }
 
   // Reads a list of any length.
-  bool numbers(const std::string& key, std::vector<double>& value, const Range& range, const char* unit,
+  template <typename Element>
+  bool numbers(const std::string& key, std::vector<Element>& value, const Range& range, const char* unit,
                bool required = false) {
-    const std::string allowed = fmt::format("a list of numbers, each {}, {}", range.text(), unit);
+    constexpr bool whole = std::is_integral_v<Element>;
+    const std::string allowed =
+        fmt::format("a list of {}, each {}, {}", whole ? "integers" : "numbers", range.text(), unit);
     const toml::array* given = list(key, allowed, required);
     if (!given) return false;
     if (given->empty()) return wrong_type(key, allowed), false;
-    std::vector<double> read(given->size());
-    for (size_t i = 0; i < read.size(); ++i) {
-      if (!element(key, *given->get(i), read[i], range, allowed)) return false;
+    std::vector<Element> read;
+    for (const toml::node& node : *given) {
+      double number = 0.0;
+      if (!element(key, node, number, range, allowed, whole)) return false;
+      read.push_back(static_cast<Element>(number));
     }
     value = std::move(read);
     return true;

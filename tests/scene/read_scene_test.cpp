@@ -302,7 +302,8 @@ TEST(ReadBuilding, WallsAndFloorsHaveNamesOfTheirOwn) {
               HasSubstr("building.floor.1.course = -1: allowed: an integer, 0 to 39"));
   // Wall B has 28 half units.
   for (const char* list : {"[28]", "[-1]"})
-    EXPECT_THAT(fault(std::string("building.floor.1.half_units=") + list), HasSubstr("a list of integers, 0 to 27"));
+    EXPECT_THAT(fault(std::string("building.floor.1.half_units=") + list),
+                HasSubstr("a list of integers, each 0 to 27"));
   EXPECT_THAT(fault("building.floor.2.name=floor_1"),
               HasSubstr("building.floor.2.name = 'floor_1': allowed: a name that"));
 }
@@ -415,8 +416,10 @@ TEST(ReadBuilding, WhatIsLeftOutIsAsThePageSays) {
 TEST_F(ReadScene, CutsOfTheBeamAreInsideTheWallAndGrow) {
   const auto cuts = [&](const std::string& list) { return std::vector<std::string>{"wall.bottom_beam_cuts=" + list}; };
   EXPECT_EQ(read(kScene, cuts("[1, 2]")).wall->bottom_beam_cuts, (std::vector<int>{1, 2}));
-  for (const char* wrong : {"[1.5]", "[2, 1]", "[1, 1]", "[3]"})
-    EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("whole half units that grow, 1 to 2, where")) << wrong;
+  for (const char* wrong : {"[1.5]", "[0]"})
+    EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("a list of integers, each 1 to 20000, half units")) << wrong;
+  for (const char* wrong : {"[2, 1]", "[1, 1]", "[3]"})
+    EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("half units that grow, 1 to 2")) << wrong;
 }
 
 TEST_F(ReadScene, KeysOfBeamsWithoutABeamAreNamed) {
