@@ -1,6 +1,7 @@
 // The tables of a building and of its stages; host/scenes/README.md lists the keys.
 #include "scene/read_building.h"
 
+#include "scene/driven.h"
 #include "scene/openings.h"
 #include "scene/read_opening.h"
 
@@ -104,15 +105,8 @@ void add_floor_loads(Stage& stage, const BuildingSpec& building) {
   for (const BuildingSpec::Floor& floor : building.floors) {
     const auto bodies = floor.bodies();
     for (const std::string& body : bodies) {
-      auto control = std::find_if(stage.controls.begin(), stage.controls.end(),
-                                  [&](const BodyControl& c) { return c.body == body; });
-      if (control == stage.controls.end()) {
-        control = stage.controls.emplace(control);
-        control->body = body;
-        control->kind.fill(DofKind::free);
-        control->may_turn = true;
-      }
-      if (control->kind[1] == DofKind::free) control->force[1] -= floor.load / static_cast<double>(bodies.size());
+      BodyControl& control = control_of(body, stage);
+      if (control.kind[1] == DofKind::free) control.force[1] -= floor.load / static_cast<double>(bodies.size());
     }
   }
 }
