@@ -24,7 +24,8 @@ ACCESSORS = {"number": "a number", "integer": "an integer", "boolean": "true or 
              "table": "a table", "tables": "tables", "within": "a table", "each": "tables", "velocity": "a velocity",
              "name_of": "a name of a table", "find": "", "accept": ""}
 RANGES = {"kPositive": "more than 0", "kNotNegative": "0 or more", "kAny": "any finite number", "kPlace": "-1e6 to 1e6",
-          "kLength": "more than 0 and at most 1e6"}
+          "kLength": "more than 0 and at most 1e6", "kDensity": "more than 0 and at most 1e9",
+          "kExtent": "more than 0 and at most 100"}
 # Keys that are asked for by a name that is made, or of tables whose keys are free.
 MADE = {"velocity": "a list of 3: numbers in m/s, or \"free\"", "x": "", "y": "", "z": "", "properties": "\"from_tests\"",
         "across": "a list of 3 numbers, m", "up": "a list of 3 numbers", "towards": "a list of 3 numbers",

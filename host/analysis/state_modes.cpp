@@ -48,6 +48,11 @@ Vibrating vibrating_about(const Scene& scene, const std::string& state, const st
                     "not known; --state undamaged has that of ties and springs",
                     scene.file));
   const bool weight = state == "weight";
+  if (!weight && !stage.empty())
+    throw Error(Exit::bad_input,
+                fmt::format("--stage {}: not with --state {}: a run has one end, with the supports of its last stage; "
+                            "remove --stage",
+                            stage, state));
   const std::optional<std::string> rest =
       weight ? std::optional(stage) : rest_asked(read_provenance(state).request.overrides);
   Scene there = rest ? at_rest(scene, *rest) : scene;

@@ -245,6 +245,12 @@ void run_sensitivity(const EnsembleOptions& options) {
   if (inputs == 0)
     throw Error(Exit::bad_input,
                 fmt::format("{}: nothing scatters; add [[quantity]], or distributions below [set]", options.study));
+  const auto is_correlated = [](const auto& family) { return !family.second.correlation.empty(); };
+  if (!study.correlation.empty() || std::ranges::any_of(read_once.scene.joints, is_correlated))
+    notice(
+        fmt::format("quoin: {}: correlation is left out, as inputs are independent in a sensitivity study; quoin "
+                    "ensemble draws with it",
+                    options.study));
   if (options.rows == 0) {
     study.samples = 2 * inputs;
     const StudyFolder folder(read_once.folder, study, read_once.scene, read_once.request);

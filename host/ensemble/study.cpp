@@ -8,7 +8,6 @@
 
 #include "base/input_file.h"
 #include "ensemble/run_sample.h"
-#include "random/correlation.h"
 #include "scene/inline_toml.h"
 #include "scene/read_scatter.h"
 
@@ -41,33 +40,6 @@ void read_quantities(Table& t, Study& study) {
     q.text("name", quantity.name, "text, for columns");
     quantity.distribution = read_distribution(q);
   });
-}
-
-void read_quantity_correlation(Table& t, Study& study) {
-  const std::string allowed = "a list as [[\"E\", \"pressure\", 0.5]], of names of quantities";
-  const std::size_t n = study.quantities.size();
-  std::vector<double> matrix(n * n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) matrix[i * n + i] = 1.0;
-  const auto index_of = [&](const std::optional<std::string>& name) {
-    std::size_t i = 0;
-    while (i < n && study.quantities[i].name != name) ++i;
-    return i;
-  };
-  if (const toml::array* list = t.list("correlation", allowed)) {
-    for (const toml::node& element : *list) {
-      const toml::array* entry = element.as_array();
-      if (!entry || entry->size() != 3) return t.wrong_type("correlation", allowed);
-      const std::size_t i = index_of(entry->get(0)->value<std::string>()),
-                        j = index_of(entry->get(1)->value<std::string>());
-      const std::optional<double> value = number_of(*entry->get(2));
-      if (i >= n || j >= n || i == j || !value || !(std::abs(*value) < 1.0))
-        return t.refuse("correlation", allowed + ", and a number between -1 and 1 without these");
-      matrix[i * n + j] = matrix[j * n + i] = *value;
-    }
-  }
-  study.mix = random::mix_of(matrix, n);
-  if (n > 0 && study.mix.empty())
-    t.refuse("correlation", "correlations that can be together: those given are not positive definite");
 }
 
 // Reads a limit of a study with records: collapse, or a displacement.
@@ -121,7 +93,9 @@ Study read_study(const std::string& file) {
   if (const toml::table* set = t.table("set", "a table [set] of keys of the scene"))
     add_overrides(context, *set, "", study);
   read_quantities(t, study);
-  read_quantity_correlation(t, study);
+  std::vector<std::string> names;
+  for (const StudyQuantity& quantity : study.quantities) names.push_back(quantity.name);
+  study.mix = read_correlation(t, names, "names of quantities", study.correlation);
   if (study.method != Method::monte_carlo && study.quantities.empty())
     t.refuse("method", "\"monte_carlo\" where there is no [[quantity]]: fields of joints are drawn independently");
   if (study.method == Method::sobol && study.quantities.size() > random::kMostSobolDimensions)

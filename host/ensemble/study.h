@@ -41,6 +41,7 @@ struct Study {
   std::vector<StudyQuantity> quantities;
   std::vector<StudyQuantity> scattered;  // random properties of joints, of [set] and of the scene
   Trials trials = Trials::drawn;
+  std::vector<PropertyCorrelation> correlation;  // of quantities, by their names
   std::vector<double> mix;  // correlation of the quantities' normal variables: random::mix_of, row by row
   std::vector<LimitState> limits;
   double crack_opening = 1e-4;      // opening from which a joint counts as cracked, m

@@ -61,6 +61,10 @@ std::vector<Section> high_pass_sections(int order, double corner_times_step) {
 }
 
 TimeSeries high_pass(const TimeSeries& series, int order, double corner) {
+  constexpr double kMostZeros = 1e7;  // at each end: 160 MB in all
+  if (series.time.size() < 2)
+    throw Error(Exit::bad_input,
+                fmt::format("a high-pass filter needs 2 samples or more; the record has {}", series.time.size()));
   const double step = series.time[1] - series.time[0];
   for (std::size_t i = 1; i < series.time.size(); ++i) {
     if (std::abs(series.time[i] - series.time[i - 1] - step) > 1e-6 * step)
@@ -68,9 +72,14 @@ TimeSeries high_pass(const TimeSeries& series, int order, double corner) {
                   fmt::format("a high-pass filter needs equal steps of time; step {} is {} s, the first {} s", i,
                               series.time[i] - series.time[i - 1], step));
   }
-  if (!(corner > 0.0 && corner * step < 0.25))
-    throw Error(Exit::bad_input,
-                fmt::format("corner frequency {} Hz; allowed: above 0, below {} Hz", corner, 0.25 / step));
+  const double least = 1.5 * order / (kMostZeros * step);
+  if (!(corner >= least && corner * step < 0.25))
+    throw Error(
+        Exit::bad_input,
+        fmt::format("corner frequency (baseline_corner, --corner) of {:g} Hz; allowed: {:.3g} Hz or more, below "
+                    "{:g} Hz. The filter adds {:g} of its periods at either end, in steps of {:g} s, and takes "
+                    "{:g} steps there at most",
+                    corner, least, 0.25 / step, 1.5 * order, step, kMostZeros));
   const auto pad = static_cast<std::size_t>(std::ceil(1.5 * order / (corner * step)));
   std::vector<double> x(series.value.size() + 2 * pad, 0.0);
   std::copy(series.value.begin(), series.value.end(), x.begin() + static_cast<std::ptrdiff_t>(pad));

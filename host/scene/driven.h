@@ -10,6 +10,17 @@
 
 namespace quoin {
 
+// The control of a body in a stage. Where there is none, one is added that is free to move and to turn.
+inline BodyControl& control_of(const std::string& body, Stage& stage) {
+  const auto found = std::ranges::find(stage.controls, body, &BodyControl::body);
+  if (found != stage.controls.end()) return *found;
+  BodyControl& control = stage.controls.emplace_back();
+  control.body = body;
+  control.kind.fill(DofKind::free);
+  control.may_turn = true;
+  return control;
+}
+
 // Components that a stage prescribes, moved or held: displacements along x, y, z in bits 0..2, rotations in bits 3..5.
 inline unsigned prescribed_by(const BodyControl& control) {
   unsigned bits = control.may_turn ? 0u : 0x38u;

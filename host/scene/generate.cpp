@@ -228,9 +228,7 @@ void add_joints(const WallSpec& wall, const std::map<std::string, JointFamily>& 
 
 Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
                        const std::map<std::string, JointFamily>& joints) {
-  Assembly assembly;
-  for (const auto& [name, material] : materials) assembly.materials.push_back(material);
-  for (const auto& [name, family] : joints) assembly.families.push_back(family);
+  auto assembly = with_materials<Assembly>(materials, joints);
   assembly.symmetry_factor = wall.half_thickness ? 2.0 : 1.0;
   assembly.symmetry_plane_z0 = wall.half_thickness;
   WallGrid grid(wall);

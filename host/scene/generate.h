@@ -16,6 +16,16 @@ int index_of(const Map& map, const std::string& name) {
   return static_cast<int>(std::distance(map.begin(), map.find(name)));
 }
 
+// An assembly with these materials and families of joints, in the order of their maps.
+template <typename Assembled>
+Assembled with_materials(const std::map<std::string, BlockMaterial>& materials,
+                         const std::map<std::string, JointFamily>& joints) {
+  Assembled assembly;
+  for (const auto& [name, material] : materials) assembly.materials.push_back(material);
+  for (const auto& [name, family] : joints) assembly.families.push_back(family);
+  return assembly;
+}
+
 // Blocks in the order of courses from the bottom, each from the left; then the rigid beams.
 Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
                        const std::map<std::string, JointFamily>& joints);

@@ -369,13 +369,8 @@ void unite_faces_of_blocks(Assembly& assembly) {
 
 Assembly assemble(const Scene& scene) {
   const BlocksSpec& spec = *scene.blocks;
-  Assembly assembly;
-  std::map<std::string, int> material;
-  for (const auto& [name, m] : scene.materials) {
-    material[name] = int(assembly.materials.size());
-    assembly.materials.push_back(m);
-  }
-  for (const auto& [name, f] : scene.joints) assembly.families.push_back(f);
+  auto assembly = with_materials<Assembly>(scene.materials, scene.joints);
+  const auto index_of = [&](const std::string& material) { return quoin::index_of(scene.materials, material); };
   std::optional<quoin::Assembly> bricks;
   if (scene.wall || scene.building) add_bricks_of(scene, bricks.emplace(quoin::assemble(scene)), &assembly);
   int next_unit = 0;
@@ -384,10 +379,10 @@ Assembly assemble(const Scene& scene) {
   for (const BlockSpec& b : spec.blocks) {
     const int unit = b.unit.empty() ? -1 : units.try_emplace(b.unit, next_unit).first->second;
     if (unit == next_unit) ++next_unit;
-    add_block(b, material.at(b.material), unit, assembly);
+    add_block(b, index_of(b.material), unit, assembly);
   }
-  for (const DryWallSpec& w : spec.walls) add_wall(w, material.at(w.material), &next_unit, assembly);
-  for (const ArchSpec& a : spec.arches) add_arch(a, material.at(a.material), assembly);
+  for (const DryWallSpec& w : spec.walls) add_wall(w, index_of(w.material), &next_unit, assembly);
+  for (const ArchSpec& a : spec.arches) add_arch(a, index_of(a.material), assembly);
   if (assembly.blocks.empty())
     throw Error(Exit::bad_input, scene.file + ": no block; add [[block]], [[dry_wall]] or [[arch]]");
   match_diagonals(bricks ? int(bricks->bricks.size()) : 0, assembly);

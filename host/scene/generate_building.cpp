@@ -321,9 +321,7 @@ std::vector<std::string> bodies_called(const std::string& name, const BuildingSp
 Assembly generate_building(const BuildingSpec& building, const std::map<std::string, BlockMaterial>& materials,
                            const std::map<std::string, JointFamily>& joints) {
   refuse_overlaps(building);
-  Assembly assembly;
-  for (const auto& [name, material] : materials) assembly.materials.push_back(material);
-  for (const auto& [name, family] : joints) assembly.families.push_back(family);
+  auto assembly = with_materials<Assembly>(materials, joints);
   Builder builder{building,
                   materials,
                   assembly,

@@ -1,6 +1,7 @@
 // The tables of a building and of its stages; host/scenes/README.md lists the keys.
 #include "scene/read_building.h"
 
+#include "scene/driven.h"
 #include "scene/openings.h"
 #include "scene/read_opening.h"
 
@@ -25,19 +26,6 @@ Wall read_wall(Table& t, const BuildingSpec& b, const Scene& scene) {
   return w;
 }
 
-// A list of integers, each from 0 below `count`.
-void read_half_units(Table& t, std::vector<int>& values, int count) {
-  const std::string allowed = fmt::format("a list of integers, 0 to {}", count - 1);
-  const toml::array* list = t.list("half_units", allowed, true);
-  if (!list) return;
-  if (list->empty()) return t.wrong_type("half_units", allowed);
-  for (const toml::node& element : *list) {
-    const auto value = element.value<long>();
-    if (!element.is_integer() || *value < 0 || *value >= count) return t.refuse("half_units", allowed);
-    values.push_back(static_cast<int>(*value));
-  }
-}
-
 void refuse_beams_in_lintels(Table& t, const BuildingSpec::Floor& floor, const Wall& wall) {
   std::vector<std::string> taken;
   for (const int half_unit : floor.half_units) {
@@ -58,7 +46,7 @@ BuildingSpec read_building(Table& t, const Scene& scene) {
   t.number("thickness", b.thickness, kExtent, "m", true);
   t.numbers("zones", b.zones, between(1, 64), "hexahedra per half unit along the wall, up and through it");
   t.number("beam_height", b.beam_height, kExtent, "m");
-  t.number("beam_density", b.beam_density, kPositive, "kg/m3");
+  t.number("beam_density", b.beam_density, kDensity, "kg/m3");
   t.name_of("unit_material", b.unit_material, scene.materials, "materials", true);
   t.name_of("bed_joint", b.bed_joint, scene.joints, "joints", true);
   t.name_of("head_joint", b.head_joint, scene.joints, "joints", true);
@@ -92,7 +80,8 @@ BuildingSpec read_building(Table& t, const Scene& scene) {
     f.text("name", floor.name, "text, as \"floor_1\"", true);
     const bool known = wall_of(f, "wall", floor.wall);
     const bool placed = f.integer("course", floor.course, 0, b.courses - 1, true);
-    read_half_units(f, floor.half_units, known ? b.walls[static_cast<size_t>(floor.wall)].half_units : 20000);
+    const int half_units = known ? b.walls[static_cast<size_t>(floor.wall)].half_units : 20000;
+    f.numbers("half_units", floor.half_units, between(0, half_units - 1), "half units of the course", true);
     if (known && placed) refuse_beams_in_lintels(f, floor, b.walls[static_cast<size_t>(floor.wall)]);
     f.boolean("rigid_beams", floor.rigid);
     const bool has_mass = f.number("mass", floor.mass, kNotNegative, "kg (all beams together; it has weight)");
@@ -116,15 +105,8 @@ void add_floor_loads(Stage& stage, const BuildingSpec& building) {
   for (const BuildingSpec::Floor& floor : building.floors) {
     const auto bodies = floor.bodies();
     for (const std::string& body : bodies) {
-      auto control = std::find_if(stage.controls.begin(), stage.controls.end(),
-                                  [&](const BodyControl& c) { return c.body == body; });
-      if (control == stage.controls.end()) {
-        control = stage.controls.emplace(control);
-        control->body = body;
-        control->kind.fill(DofKind::free);
-        control->may_turn = true;
-      }
-      if (control->kind[1] == DofKind::free) control->force[1] -= floor.load / static_cast<double>(bodies.size());
+      BodyControl& control = control_of(body, stage);
+      if (control.kind[1] == DofKind::free) control.force[1] -= floor.load / static_cast<double>(bodies.size());
     }
   }
 }

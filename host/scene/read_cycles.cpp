@@ -9,27 +9,18 @@ namespace {
 constexpr int kMostCycles = 10000;  // most cycles of one amplitude
 
 void read_counts(Table& t, Cycles& cycles) {
-  cycles.counts.assign(cycles.amplitudes.size(), 1);
-  const toml::node* node = t.find("cycles", "", false);
-  if (!node) return;
-  if (!node->is_array()) {
-    int each = 1;
-    if (t.integer("cycles", each, 1, kMostCycles)) cycles.counts.assign(cycles.amplitudes.size(), each);
-    return;
-  }
-  std::vector<double> counts;
-  if (!t.numbers("cycles", counts, between(1, kMostCycles), "whole")) return;
-  for (const double count : counts) {
-    if (count == std::floor(count)) continue;
-    t.refuse("cycles", fmt::format("integers, 1 to {}", kMostCycles));
-    return;
-  }
-  if (cycles.amplitudes.empty()) return;  // the faults of the amplitudes are reported already
-  if (counts.size() != cycles.amplitudes.size())
-    t.refuse("cycles", fmt::format("an integer for all amplitudes, or one for each of the {}; the list has {}",
-                                   cycles.amplitudes.size(), counts.size()));
+  const std::size_t amplitudes = cycles.amplitudes.size();
+  int each = 1;
+  std::vector<int> counts;
+  if (t.toml()["cycles"].is_array())
+    t.numbers("cycles", counts, between(1, kMostCycles), "one for each amplitude");
   else
-    cycles.counts.assign(counts.begin(), counts.end());
+    t.integer("cycles", each, 1, kMostCycles);
+  cycles.counts = counts.size() == amplitudes ? counts : std::vector(amplitudes, each);
+  // Faults of the amplitudes are reported already.
+  if (!counts.empty() && amplitudes > 0 && counts.size() != amplitudes)
+    t.refuse("cycles", fmt::format("an integer for all amplitudes, or one for each of the {}; the list has {}",
+                                   amplitudes, counts.size()));
 }
 
 }  // namespace

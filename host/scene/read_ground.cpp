@@ -185,15 +185,34 @@ void correct(Table& t, GroundMotion& ground) {
   ground.notes.push_back("baseline corrected: " + kind);
 }
 
-// Scales to the pga, pgv or sa of the largest component, then by `scale`.
-void scale(Table& t, bool states_unit, GroundMotion& ground) {
+void multiply(double factor, GroundMotion& ground) {
+  for (GroundMotion::Component& c : ground.components) {
+    for (double& v : c.acceleration.value) v *= factor;
+  }
+}
+
+// Refuses the first of these keys that is given, where accelerations or their integral are not finite.
+void refuse_overflow(Table& t, std::initializer_list<const char*> keys, const GroundMotion& ground) {
+  const auto overflows = [](const GroundMotion::Component& c) {
+    const auto is_infinite = [](double a) { return !std::isfinite(a); };
+    return std::ranges::any_of(c.acceleration.value, is_infinite) ||
+           is_infinite(c.acceleration.integral(c.acceleration.time.back()));
+  };
+  if (std::ranges::none_of(ground.components, overflows)) return;
+  const auto given = std::ranges::find_if(keys, [&](const char* key) { return t.has(key); });
+  if (given != keys.end()) t.refuse(*given, "numbers that keep accelerations and velocities of the ground finite");
+}
+
+// Scales to the pga, pgv or sa of the largest component, then by `scale`. all: a factor that follows on this one.
+void scale(Table& t, bool states_unit, double all, GroundMotion& ground) {
   double factor = 1.0;
   t.number("scale", factor, kAny, "(on the record)");
   // Files with a unit are converted by it: a factor of g on top of that gives ten times the earthquake.
-  if (states_unit && converts_from_g(factor))
-    t.refuse("scale", fmt::format("another factor: the file states its unit and is read in m/s2, so that {:g} would "
-                                  "convert it twice; remove scale (for such a factor on purpose give pga)",
-                                  factor));
+  if (states_unit && converts_from_g(factor * all))
+    t.context().fault(fmt::format(
+        "{} = {:g}{}: allowed: another factor: the file states its unit and is read in m/s2, so that this would "
+        "convert it twice; remove scale (for such a factor on purpose give pga)",
+        t.where("scale"), factor, all == 1.0 ? "" : fmt::format(", times {:g} of the whole ground_motion", all)));
   IntensityTarget target;
   const bool pga = t.number("pga", target.value, kPositive, "m/s2");
   const bool pgv = t.number("pgv", target.value, kPositive, "m/s");
@@ -218,12 +237,7 @@ void scale(Table& t, bool states_unit, GroundMotion& ground) {
     factor *= to_target;
     ground.notes.push_back(fmt::format("scaled by {:.6g}", factor));
   }
-  for (GroundMotion::Component& c : ground.components) {
-    for (double& v : c.acceleration.value) v *= factor;
-    if (!std::all_of(c.acceleration.value.begin(), c.acceleration.value.end(),
-                     [](double v) { return std::isfinite(v); }))
-      t.refuse("scale", "a number that keeps every acceleration finite");
-  }
+  multiply(factor, ground);
 }
 
 // Appends a triangle of acceleration over rest_time that cancels the velocity at the end of the record.
@@ -278,8 +292,8 @@ void read_direction(Table& t, const std::string& key, Vec3& direction, const cha
 
 namespace {
 
-// Reads the motion of the ground or of one group of supports.
-void read_motion(Table& t, const std::string& folder, GroundMotion& ground) {
+// Reads the motion of the ground or of one group of supports. all: a factor that follows on its scale.
+void read_motion(Table& t, const std::string& folder, double all, GroundMotion& ground) {
   Vec3 direction{};
   const bool by_axes = !t.has("direction") && (t.has("x") || t.has("y") || t.has("z"));
   read_direction(t, "direction", direction, "of the motion", !by_axes && !t.has("file"));
@@ -299,21 +313,23 @@ void read_motion(Table& t, const std::string& folder, GroundMotion& ground) {
   try {
     correct(t, ground);
     cut(t, ground);
-    scale(t, states_unit, ground);
+    scale(t, states_unit, all, ground);
     come_to_rest(t, ground);
+    refuse_overflow(
+        t, {"scale", "pga", "pgv", "sa", "pulse", "synthetic", "displacement", "acceleration", "file", "x", "y", "z"},
+        ground);
   } catch (const Error& error) {
     t.context().fault(fmt::format("{}: {}", t.where(), error.what()));
   }
 }
 
-// Reads a group of blocks with a motion of its own. factor: scale of the whole ground motion.
-GroundMotion read_support(Table& t, const std::string& folder, double factor) {
+// Reads a group of blocks with a motion of its own. whole: table of the whole ground motion, with its scale.
+GroundMotion read_support(Table& t, const std::string& folder, Table& whole, double factor) {
   GroundMotion support{};
   t.texts("blocks", support.blocks, "a list of names of fixed blocks", true);
-  read_motion(t, folder, support);
-  for (GroundMotion::Component& c : support.components) {
-    for (double& a : c.acceleration.value) a *= factor;
-  }
+  read_motion(t, folder, factor, support);
+  multiply(factor, support);
+  if (factor != 1.0) refuse_overflow(whole, {"scale"}, support);
   return support;
 }
 
@@ -331,9 +347,9 @@ GroundMotion read_ground(Table t, const std::string& folder) {
     return entry.first.str() != "support" && entry.first.str() != "scale";
   });
   double factor = 1.0;
-  if (moves || !groups || groups->empty()) read_motion(t, folder, ground);
+  if (moves || !groups || groups->empty()) read_motion(t, folder, 1.0, ground);
   t.number("scale", factor, kAny, "(on the record)");
-  t.each("support", [&](Table& group) { ground.supports.push_back(read_support(group, folder, factor)); });
+  t.each("support", [&](Table& group) { ground.supports.push_back(read_support(group, folder, t, factor)); });
   for (GroundMotion::Component& c : ground.components) c.velocity = RunningIntegral(c.acceleration);
   for (GroundMotion& support : ground.supports) {
     for (GroundMotion::Component& c : support.components) c.velocity = RunningIntegral(c.acceleration);

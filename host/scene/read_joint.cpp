@@ -11,7 +11,7 @@ BlockMaterial read_material(const std::string& name, Table& t, bool rigid) {
   m.name = name;
   t.number("young_modulus", m.young_modulus, kPositive, "Pa", !rigid);
   t.number("poisson_ratio", m.poisson_ratio, between(0, 0.49), "", !rigid);
-  t.number("density", m.density, above_to(0, 1e9), "kg/m3", true);  // masses stay finite
+  t.number("density", m.density, kDensity, "kg/m3", true);
   return m;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/actions/action.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
 
@@ -44,6 +45,7 @@ void add_masses(const Scene& scene, blocks::Assembly* assembly) {
                                                added.source.text, named.size(), added.block));
     for (const int index : named) {
       blocks::Block& block = assembly->blocks[static_cast<std::size_t>(index)];
+      refuse_on_fixed(block, "mass", added.source);
       if (!added.point) {
         block.spread_mass += added.mass / static_cast<double>(named.size());
         continue;

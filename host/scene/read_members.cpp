@@ -160,7 +160,7 @@ void read_beam(Table& t, BeamSpec& beam) {
   t.number("torsion", beam.torsion, kNotNegative, "m4");
   t.number("young_modulus", beam.young_modulus, kPositive, "Pa", true);
   t.number("poisson_ratio", beam.poisson_ratio, between(0.0, 0.5), "");
-  t.number("density", beam.density, above_to(0, 1e9), "kg/m3", true);
+  t.number("density", beam.density, kDensity, "kg/m3", true);
   t.number("yield_force", beam.yield_force, kPositive, "N");
   t.numbers("yield_moment", beam.yield_moment, kPositive, "N m, towards up and to the side");
   t.boolean("compression", beam.compression);
@@ -194,13 +194,13 @@ void read_dowel(Table& t, DowelSpec& dowel) {
 
 // Reads the coefficients of horizontal pressure. Defaults are those of Rankine and Jaky.
 void read_pressure(Table& t, FillSpec& fill) {
-  if (!t.number("friction_angle", fill.friction_angle, between(0.0, 89.0), "deg", true)) return;
+  const bool known = t.number("friction_angle", fill.friction_angle, between(0.0, 89.0), "deg", true);
   const double sine = std::sin(fill.friction_angle * std::numbers::pi / 180.0);
   fill.active = (1.0 - sine) / (1.0 + sine), fill.passive = (1.0 + sine) / (1.0 - sine), fill.at_rest = 1.0 - sine;
   t.number("active", fill.active, kNotNegative, "(horizontal over vertical stress)");
   t.number("at_rest", fill.at_rest, kNotNegative, "(horizontal over vertical stress)");
   t.number("passive", fill.passive, kNotNegative, "(horizontal over vertical stress)");
-  if (fill.active > fill.at_rest || fill.at_rest > fill.passive)
+  if (known && (fill.active > fill.at_rest || fill.at_rest > fill.passive))
     t.refuse(t.has("at_rest")  ? "at_rest"
              : t.has("active") ? "active"
                                : "passive",

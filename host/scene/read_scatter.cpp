@@ -17,13 +17,6 @@ const Named<ScatterLevel> kLevels = {{"point", ScatterLevel::point},
                                      {"course", ScatterLevel::course},
                                      {"wall", ScatterLevel::wall}};
 
-const Scatter* scatter_of(const JointFamily& family, const std::string& id) {
-  for (const PropertySetting& p : family.properties) {
-    if (p.id == id && p.scatter) return &*p.scatter;
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 random::Distribution read_distribution(Table& t) {
@@ -78,40 +71,58 @@ Scatter read_scatter(Table t) {
   return s;
 }
 
-void read_correlation(Table& t, JointFamily& family) {
-  const std::string key = "correlation", allowed = "a list as [[\"tensile_strength\", \"cohesion\", 0.8]]";
+std::vector<double> read_correlation(Table& t, const std::vector<std::string>& names, const std::string& what,
+                                     std::vector<PropertyCorrelation>& pairs) {
+  const std::string key = "correlation", allowed = "a list as [[\"a\", \"b\", 0.8]], of " + what;
+  const std::size_t n = names.size();
+  std::vector<double> matrix(n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) matrix[i * n + i] = 1.0;
   const toml::array* list = t.list(key, allowed);
-  if (!list) return;
-  std::vector<std::string> ids;
-  const auto index_of = [&](const std::string& id) {
-    return static_cast<std::size_t>(std::find(ids.begin(), ids.end(), id) - ids.begin());
-  };
-  for (const toml::node& element : *list) {
-    const toml::array* entry = element.as_array();
-    if (!entry || entry->size() != 3) return t.wrong_type(key, allowed);
+  for (std::size_t k = 0; list && k < list->size(); ++k) {
+    const toml::array* entry = list->get(k)->as_array();
+    if (!entry || entry->size() != 3) return t.wrong_type(key, allowed), std::vector<double>{};
     const auto first = entry->get(0)->value<std::string>(), second = entry->get(1)->value<std::string>();
     const std::optional<double> value = number_of(*entry->get(2));
-    if (!first || !second || !value) return t.wrong_type(key, allowed);
-    if (*first == *second || !(std::abs(*value) < 1.0))
-      return t.refuse(key, "two properties, and a number between -1 and 1 without these");
-    const Scatter *a = scatter_of(family, *first), *b = scatter_of(family, *second);
-    if (!a || !b) return t.refuse(key, fmt::format("properties that scatter; {} has one value", a ? *second : *first));
-    if (a->level != b->level || a->correlation_length != b->correlation_length)
-      return t.refuse(key, fmt::format("properties of the same level and correlation_length, which {} and {} are not",
-                                       *first, *second));
-    for (const std::string& id : {*first, *second}) {
-      if (index_of(id) == ids.size()) ids.push_back(id);
+    if (!first || !second || !value) return t.wrong_type(key, allowed), std::vector<double>{};
+    std::string fault;
+    std::array<std::size_t, 2> place{};
+    for (std::size_t i = 0; const std::string& name : {*first, *second}) {
+      place[i] = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+      if (place[i++] == n)
+        fault = fmt::format("{}: {}; '{}' is none of them", what, names.empty() ? "none" : join(names), name);
     }
-    family.correlation.push_back({*first, *second, *value});
+    const auto is_same = [&](const PropertyCorrelation& c) {
+      return std::minmax(c.first, c.second) == std::minmax(*first, *second);
+    };
+    if (*first == *second || !(std::abs(*value) < 1.0))
+      fault = "two different names, and a number between -1 and 1 without these";
+    else if (std::ranges::any_of(pairs, is_same))
+      fault = fmt::format("each pair once; {} and {} are given twice, remove one", *first, *second);
+    if (!fault.empty()) return t.refuse(key, fault), std::vector<double>{};
+    matrix[place[0] * n + place[1]] = matrix[place[1] * n + place[0]] = *value;
+    pairs.push_back({*first, *second, *value});
   }
-  std::vector<double> matrix(ids.size() * ids.size(), 0.0);
-  for (std::size_t i = 0; i < ids.size(); ++i) matrix[i * ids.size() + i] = 1.0;
+  std::vector<double> mix = random::mix_of(matrix, n);
+  if (n > 0 && mix.empty()) t.refuse(key, "correlations that can be together: those given are not positive definite");
+  return mix;
+}
+
+void read_correlation(Table& t, JointFamily& family) {
+  std::vector<std::string> ids;
+  for (const PropertySetting& p : family.properties) {
+    if (p.scatter) ids.push_back(p.id);
+  }
+  read_correlation(t, ids, "properties that scatter", family.correlation);
+  const auto scatter_of = [&](const std::string& id) {
+    return *std::ranges::find(family.properties, id, &PropertySetting::id)->scatter;
+  };
   for (const PropertyCorrelation& c : family.correlation) {
-    const std::size_t i = index_of(c.first), j = index_of(c.second);
-    matrix[i * ids.size() + j] = matrix[j * ids.size() + i] = c.value;
+    const Scatter a = scatter_of(c.first), b = scatter_of(c.second);
+    if (a.level != b.level || a.correlation_length != b.correlation_length)
+      return t.refuse("correlation",
+                      fmt::format("properties of the same level and correlation_length, which {} and {} are not",
+                                  c.first, c.second));
   }
-  if (!ids.empty() && random::mix_of(matrix, ids.size()).empty())
-    t.refuse(key, "correlations that can be together: those given are not positive definite");
 }
 
 RandomSample read_random(Table& t) {

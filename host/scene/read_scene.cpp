@@ -203,6 +203,11 @@ void read_stages(Table& t, bool of_blocks, const std::string& folder, Scene* sce
     Stage stage = of_blocks ? read_block_stage(std::move(stage_table), *scene, previous, folder)
                             : read_stage(std::move(stage_table), *scene, previous, pressure, folder);
     if (!table->contains("direction") && !stage.cycles) stage.direction = default_direction(stage, *scene);
+    if (stage.duration && scene->solver.selective_time_step > 0.1 * *stage.duration)
+      t.context().fault(fmt::format(
+          "{}: solver.selective_time_step = {:g} s: allowed: at most a tenth of the duration of each stage, "
+          "here {:g} s",
+          stage.source.text, scene->solver.selective_time_step, *stage.duration));
     if (of_blocks && scene->building) add_floor_loads(stage, *scene->building);
     scene->stages.push_back(std::move(stage));
   }

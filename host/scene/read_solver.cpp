@@ -39,7 +39,7 @@ void read_damping_and_fraction(Table& t, SolverSettings& s) {
 
 void read_inertia(Table& t, SolverSettings& s) {
   t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
-  t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  t.number("selective_time_step", s.selective_time_step, between(0, 1), "s (0: none)");
   t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia against deformation");
   t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
            "times the true inertia against motion of the halves of a unit on each other");

@@ -1,6 +1,8 @@
 #include "scene/read_wall.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "scene/read_opening.h"
 
@@ -36,18 +38,14 @@ WallSpec read_wall(Table& t, const Scene& scene) {
     t.refuse("load_height",
              "only in small displacements, without blocks of other shapes: solver.large_motion = \"never\", "
              "solver.kernels = \"automatic\"");
-  t.number("beam_density", w.beam_density, kPositive, "kg/m3");
+  t.number("beam_density", w.beam_density, kDensity, "kg/m3");
 
-  std::vector<double> cuts;
-  const std::string inside = has_units ? fmt::format("1 to {:g}", 2 * w.units_per_course - 1) : "1 on";
-  if (t.numbers("bottom_beam_cuts", cuts, kPositive, "half units from the left")) {
-    for (const double cut : cuts) {
-      const int last = w.bottom_beam_cuts.empty() ? 0 : w.bottom_beam_cuts.back();
-      if (cut == std::floor(cut) && cut > last && (!has_units || cut < 2 * w.units_per_course))
-        w.bottom_beam_cuts.push_back(static_cast<int>(cut));
-      else
-        t.refuse("bottom_beam_cuts", fmt::format("whole half units that grow, {}, where the beam is cut", inside));
-    }
+  const int half_units = has_units ? static_cast<int>(2 * w.units_per_course) : 0;
+  std::vector<int>& cuts = w.bottom_beam_cuts;
+  if (t.numbers("bottom_beam_cuts", cuts, between(1, 20000), "half units from the left, where the beam is cut")) {
+    const bool grow = std::ranges::adjacent_find(cuts, std::greater_equal<>()) == cuts.end();
+    if (has_units && (!grow || cuts.back() >= half_units))
+      t.refuse("bottom_beam_cuts", fmt::format("half units that grow, 1 to {}", half_units - 1));
     if (!w.bottom_beam) t.refuse("bottom_beam_cuts", "only with bottom_beam = true");
   }
   const bool beams = w.bottom_beam || w.top_beam;
@@ -57,11 +55,8 @@ WallSpec read_wall(Table& t, const Scene& scene) {
   t.name_of("unit_joint", w.unit_joint, scene.joints, "joints", w.mid_unit_joints);
   t.name_of("beam_joint", w.beam_joint, scene.joints, "joints", beams);
 
-  w.openings = read_openings(t,
-                             {has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0,
-                              has_unit ? w.unit[0] / 2 : 0},
-                             scene.materials);
-  const Lattice lattice{has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0, 0};
+  const Lattice lattice{half_units, has_courses ? w.courses : 0, has_unit ? w.unit[0] / 2 : 0};
+  w.openings = read_openings(t, lattice, scene.materials);
   w.changed = read_changed(t, lattice, w, scene.materials);
   return w;
 }

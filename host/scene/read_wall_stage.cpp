@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/actions/actions.h"
+#include "scene/driven.h"
 #include "scene/generate.h"
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
@@ -71,42 +72,28 @@ void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodie
   });
 }
 
+bool has_top_beam(const Scene& scene) { return scene.wall && scene.wall->top_beam; }
+
 // Adds the controls of the short kinds of stage: the bottom beam held, the top beam, if any, pressed or moved.
-void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, double top_force, bool top_free,
-                       double top_velocity) {
-  for (const std::string& body : bodies) {
-    if (!body.starts_with("bottom_beam")) continue;
-    BodyControl bottom;
-    bottom.body = body;
-    stage.controls.push_back(bottom);
-  }
-  if (std::find(bodies.begin(), bodies.end(), "top_beam") == bodies.end()) return;
-  BodyControl top;
+void add_beam_controls(Stage& stage, const Scene& scene, double top_force, bool top_free, double top_velocity) {
+  if (!scene.wall) return;
+  for (const std::string& body : scene.wall->bottom_beams()) stage.controls.emplace_back().body = body;
+  if (!has_top_beam(scene)) return;
+  BodyControl& top = stage.controls.emplace_back();
   top.body = "top_beam";
   if (top_free) {
     top.kind[1] = DofKind::free;
     top.force[1] = -top_force;
   }
   top.velocity[0] = top_velocity;
-  stage.controls.push_back(top);
 }
 
 // Adds the supports and loads of bodies without a control in a stage with forces, pressures, ground motion or collapse,
 // or without any control. The lower beam is the ground. The upper one is free under the pressure of the last pressure
 // stage. Floors have their loads.
-void add_loads_of_before(Stage& stage, const Scene& scene, const std::vector<std::string>& bodies, double top_force) {
-  const auto controlled = [&](const std::string& body) {
-    return std::any_of(stage.controls.begin(), stage.controls.end(),
-                       [&](const BodyControl& c) { return c.body == body; });
-  };
-  const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();
-  if (top && top_force > 0.0 && !controlled("top_beam")) {
-    BodyControl& control = stage.controls.emplace_back();
-    control.body = "top_beam";
-    control.kind.fill(DofKind::free);
-    control.may_turn = true;
-    control.force[1] = -top_force;
-  }
+void add_loads_of_before(Stage& stage, const Scene& scene, double top_force) {
+  const bool is_controlled = std::ranges::count(stage.controls, "top_beam", &BodyControl::body) > 0;
+  if (has_top_beam(scene) && top_force > 0.0 && !is_controlled) control_of("top_beam", stage).force[1] = -top_force;
   if (scene.building) add_floor_loads(stage, *scene.building);
 }
 
@@ -122,7 +109,7 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   read_stage_solver(t, stage, scene);
   if (scene.building && !t.has("monitor")) watch_building(stage, *scene.building);
   read_monitor(t, stage, acts ? &bodies : &held);
-  if (acts || stage.has_no_control) add_loads_of_before(stage, scene, held, top_force);
+  if (acts || stage.has_no_control) add_loads_of_before(stage, scene, top_force);
   require_end(t, stage);
   const bool on_ground = scene.building && stage.roof.empty() && !t.has("monitor");
   if (stage.displacement && (stage.monitor.empty() || on_ground))
@@ -145,7 +132,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
   stage.name = stage.kind = kind;
   read_stage_basics(t, stage, previous);
 
-  const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();
+  const bool top = has_top_beam(scene);
   stage.monitor = top ? "top_beam" : "";
   if (kind == "pressure" || kind == "shear" || (kind == "rest" && t.has("pressure"))) {
     if (!top && scene.wall) t.refuse("kind", "pressure and shear need a top beam to act on: wall.top_beam = true");
@@ -156,7 +143,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
     if (!t.has("ramp_time")) stage.ramp_time = 0.005;
     if (!t.has("equilibrium_ratio") && !stage.duration) stage.equilibrium_ratio = quality.equilibrium_ratio;
     if (!t.has("max_steps")) stage.max_steps = 1000000;
-    add_beam_controls(stage, bodies, pressure * area, true, 0.0);
+    add_beam_controls(stage, scene, pressure * area, true, 0.0);
   } else if (kind == "shear") {
     double velocity = quality.velocity;
     bool pressed = false;
@@ -169,13 +156,13 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
       t.find("displacement", "a number, more than 0 m (or give duration)", true);
     if (velocity_known && velocity == 0.0 && stage.displacement)
       t.refuse("velocity", "not 0: the stage would never reach its displacement");
-    add_beam_controls(stage, bodies, pressure * area, pressed, velocity);
+    add_beam_controls(stage, scene, pressure * area, pressed, velocity);
   } else if (kind == "weight") {
     read_weight(t, stage, *scene.building);
   } else if (kind == "rest") {
     if (scene.building) read_weight(t, stage, *scene.building);
     if (!scene.building) t.number("pressure", pressure, kNotNegative, "Pa (downwards on the gross bed area)");
-    if (!scene.building) add_beam_controls(stage, bodies, pressure * area, true, 0.0);
+    if (!scene.building) add_beam_controls(stage, scene, pressure * area, true, 0.0);
     read_rest(t, stage);
   } else if (kind == "push") {
     read_push(t, stage, *scene.building);
@@ -192,7 +179,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
     read_cycles(t, stage);
     bool pressed = false;
     t.choice("vertical", pressed, {{"held", false}, {"pressure", true}});
-    add_beam_controls(stage, bodies, pressure * area, pressed, stage.cycles->velocity);
+    add_beam_controls(stage, scene, pressure * area, pressed, stage.cycles->velocity);
     if (top) stage.controls.back().in_cycles = 0;
   } else if (kind_known) {
     read_custom(t, stage, scene, bodies, pressure * area, folder);

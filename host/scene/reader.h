@@ -61,6 +61,7 @@ inline Range above_to(double lower, double upper) { return {lower, upper, true};
 inline constexpr Range kPlace{-1e6, 1e6};
 // Of an extent of units and walls, m: larger ones are taken for another unit of length.
 inline constexpr Range kExtent{0.0, 100.0, true};
+inline constexpr Range kDensity{0.0, 1e9, true};  // kg/m3; masses stay finite
 
 inline std::string text_of(const toml::node& node) { return node.is_table() ? "a table" : inline_toml(node); }
 
@@ -236,15 +237,20 @@ class Table {
   }
 
   // Reads a list of any length.
-  bool numbers(const std::string& key, std::vector<double>& value, const Range& range, const char* unit,
+  template <typename Element>
+  bool numbers(const std::string& key, std::vector<Element>& value, const Range& range, const char* unit,
                bool required = false) {
-    const std::string allowed = fmt::format("a list of numbers, each {}, {}", range.text(), unit);
+    constexpr bool whole = std::is_integral_v<Element>;
+    const std::string allowed =
+        fmt::format("a list of {}, each {}, {}", whole ? "integers" : "numbers", range.text(), unit);
     const toml::array* given = list(key, allowed, required);
     if (!given) return false;
     if (given->empty()) return wrong_type(key, allowed), false;
-    std::vector<double> read(given->size());
-    for (size_t i = 0; i < read.size(); ++i) {
-      if (!element(key, *given->get(i), read[i], range, allowed)) return false;
+    std::vector<Element> read;
+    for (const toml::node& node : *given) {
+      double number = 0.0;
+      if (!element(key, node, number, range, allowed, whole)) return false;
+      read.push_back(static_cast<Element>(number));
     }
     value = std::move(read);
     return true;

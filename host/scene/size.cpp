@@ -95,6 +95,17 @@ Counts divided(const Vec3& extent, double edge) {
 
 Counts as_counts(const std::array<int, 3>& n) { return {double(n[0]), double(n[1]), double(n[2])}; }
 
+// Adds blocks of one extent, rigid or zoned. given: their hexahedra; 0: by the edge of zones. points_of: contact
+// points.
+template <class Spec, class Points>
+void add_blocks(double count, const Spec& spec, const Vec3& extent, const Counts& given, double alone,
+                const OfRigid& rigid, const Points& points_of, SceneSize* size) {
+  if (spec.rigid)
+    return add_rigid(count, rigid.times * points_of(parts_of_rigid(extent, rigid.spacing)), kRigidInMotion, size);
+  const Counts n = given[0] > 0 ? given : divided(extent, spec.zone_edge);
+  add_zoned(count, n, points_of(n), kLargeMotion, alone, size);
+}
+
 void add_block(const BlockSpec& block, const OfRigid& rigid, SceneSize* size) {
   Vec3 low{}, extent{};
   if (block.box_size) {
@@ -108,11 +119,8 @@ void add_block(const BlockSpec& block, const OfRigid& rigid, SceneSize* size) {
   } else {
     return;
   }
-  if (block.rigid)
-    return add_rigid(1, rigid.times * points_all_round(parts_of_rigid(extent, rigid.spacing)), kRigidInMotion, size);
-  if (!block.tetrahedra.empty()) return add_tetrahedra(block, size);
-  const Counts n = block.divisions[0] > 0 ? as_counts(block.divisions) : divided(extent, block.zone_edge);
-  add_zoned(1, n, points_all_round(n), kLargeMotion, kAlone, size);
+  if (!block.rigid && !block.tetrahedra.empty()) return add_tetrahedra(block, size);
+  add_blocks(1, block, extent, as_counts(block.divisions), kAlone, rigid, points_all_round, size);
 }
 
 void add_dry_wall(const DryWallSpec& wall, const OfRigid& rigid, SceneSize* size) {
@@ -121,21 +129,14 @@ void add_dry_wall(const DryWallSpec& wall, const OfRigid& rigid, SceneSize* size
   const Vec3 extent{halves ? wall.unit[0] / 2 : wall.unit[0], wall.unit[1], wall.unit[2]};
   Counts hexahedra = as_counts(wall.zones);
   if (!halves) hexahedra[0] *= 2;
-  if (wall.rigid)
-    return add_rigid(count, rigid.times * points_in_a_wall(parts_of_rigid(extent, rigid.spacing), halves),
-                     kRigidInMotion, size);
-  const Counts n = wall.zones[0] > 0 ? hexahedra : divided(extent, wall.zone_edge);
-  add_zoned(count, n, points_in_a_wall(n, halves), kLargeMotion, 1.0, size);
+  const auto points_of = [&](const Counts& n) { return points_in_a_wall(n, halves); };
+  add_blocks(count, wall, extent, hexahedra, 1.0, rigid, points_of, size);
 }
 
 void add_arch(const ArchSpec& arch, const OfRigid& rigid, SceneSize* size) {
   const double turn = std::abs(arch.angles[1] - arch.angles[0]) * std::numbers::pi / 180;
   const Vec3 extent{(arch.radius + arch.thickness / 2) * turn / arch.voussoirs, arch.thickness, arch.depth};
-  if (arch.rigid)
-    return add_rigid(arch.voussoirs + 2, rigid.times * points_all_round(parts_of_rigid(extent, rigid.spacing)),
-                     kRigidInMotion, size);
-  const Counts n = divided(extent, arch.zone_edge);
-  add_zoned(arch.voussoirs, n, points_all_round(n), kLargeMotion, 1.0, size);
+  add_blocks(arch.voussoirs + (arch.rigid ? 2 : 0), arch, extent, {}, 1.0, rigid, points_all_round, size);
 }
 
 }  // namespace

@@ -233,6 +233,17 @@ std::string goes_on_in_ramp(const Scene& scene, std::size_t stage) {
   return "";
 }
 
+// A duration that ends the stage inside its ramp. Cycles have ramps of their own.
+std::string ends_in_ramp(const Stage& stage) {
+  if (!stage.duration || *stage.duration >= stage.ramp_time || stage.equilibrium_ratio || stage.displacement ||
+      stage.cycles)
+    return "";
+  return fmt::format(
+      "stage '{}' ends by its duration of {:g} s, inside its ramp_time of {:g} s: {:.2g} % of the change of its loads "
+      "and velocities has come by then; give a duration above ramp_time, or a shorter ramp_time",
+      stage.name, *stage.duration, stage.ramp_time, 100.0 * smooth_step(*stage.duration / stage.ramp_time));
+}
+
 // Whether a stage pushes or moves masonry along an axis.
 bool acts_along(const Stage& stage, std::size_t axis) {
   const auto has = [axis](const Vec3& v) { return v[axis] != 0.0; };
@@ -269,20 +280,15 @@ std::string few_zones_in_bending(const Scene& scene, std::size_t stage) {
 }  // namespace
 
 std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) {
-  std::vector<StageWarning> all = {{"damping", damped_ground(scene, stage)},
-                                   {"release", damped_release(scene, stage)},
-                                   {"drag", drag_of_rigid_blocks(scene, stage)},
-                                   {"collapse", damped_collapse(scene, stage)},
-                                   {"angle", damped_at_an_angle(scene, stage)},
-                                   {"ramp", goes_on_in_ramp(scene, stage)},
-                                   {"held_monitor", held_monitor(scene, stage)},
-                                   {"record", record_outside(scene.stages[stage])},
-                                   {"record", record_of_none(scene, stage)},
-                                   {"weight", weight_under_ground(scene, stage)},
-                                   {"inertia", raised_inertia(scene, stage)},
-                                   {"thickness", few_zones_in_bending(scene, stage)},
-                                   {"viscous", viscous_without_coefficients(scene, stage)},
-                                   {"soil", soil_stays_behind(scene, stage)}};
+  std::vector<StageWarning> all = {
+      {"damping", damped_ground(scene, stage)},          {"release", damped_release(scene, stage)},
+      {"drag", drag_of_rigid_blocks(scene, stage)},      {"collapse", damped_collapse(scene, stage)},
+      {"angle", damped_at_an_angle(scene, stage)},       {"ramp", goes_on_in_ramp(scene, stage)},
+      {"short_ramp", ends_in_ramp(scene.stages[stage])}, {"held_monitor", held_monitor(scene, stage)},
+      {"record", record_outside(scene.stages[stage])},   {"record", record_of_none(scene, stage)},
+      {"weight", weight_under_ground(scene, stage)},     {"inertia", raised_inertia(scene, stage)},
+      {"thickness", few_zones_in_bending(scene, stage)}, {"viscous", viscous_without_coefficients(scene, stage)},
+      {"soil", soil_stays_behind(scene, stage)}};
   std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
   return all;
 }

@@ -12,6 +12,7 @@
 
 #include "geometry/broad_phase.h"
 #include "scene/brick_overlap.h"
+#include "scene/driven.h"
 #include "scene/generate_blocks.h"
 
 namespace quoin::blocks {
@@ -193,7 +194,7 @@ class StageWriter {
     }
     for (const PointForce& force : given.forces) {
       const Brick& brick = rigid(force.block, given, "pushes");
-      BodyControl& control = control_of(force.block, &stage);
+      BodyControl& control = control_of(force.block, stage);
       // An arm along the force counts, too, as soon as the block turns.
       Vector arm = vector(force.point) - centre_of(brick);
       if (stays_) arm = cross(arm, normalized(vector(force.force)));
@@ -207,12 +208,12 @@ class StageWriter {
       for (size_t c = 1; c < 3; ++c) {
         if (std::abs(pressure.normal[c]) > std::abs(pressure.normal[axis])) axis = c;
       }
-      if (!stays_ && control_of(pressure.block, &stage).may_turn)
+      if (!stays_ && control_of(pressure.block, stage).may_turn)
         refuse(fmt::format("presses a face of '{}', which may turn", pressure.block));
       const double area = brick.size[(axis + 1) % 3] * brick.size[(axis + 2) % 3];
       Vector force;
       force[int(axis)] = (pressure.normal[axis] > 0.0 ? -1.0 : 1.0) * pressure.pressure * area;
-      add(force, &control_of(pressure.block, &stage));
+      add(force, &control_of(pressure.block, stage));
     }
     return stage;
   }
@@ -228,18 +229,6 @@ class StageWriter {
     if (!brick.rigid)
       unfit("stage '{}' {} '{}', a deformable block; on the lattice stages act on rigid ones", stage.name, does, name);
     return brick;
-  }
-
-  // Control of a block, by default free to move and to turn.
-  static BodyControl& control_of(const std::string& body, Stage* stage) {
-    for (BodyControl& control : stage->controls) {
-      if (control.body == body) return control;
-    }
-    BodyControl& control = stage->controls.emplace_back();
-    control.body = body;
-    control.kind.fill(DofKind::free);
-    control.may_turn = true;
-    return control;
   }
 
   // Adds a force. The support carries its components along directions that are held.

@@ -107,6 +107,9 @@ ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }
     EXPECT_GT(found["frequencies_Hz"][0], 1.0) << state;
     EXPECT_THAT(found["supports"].dump(), HasSubstr("bottom_beam")) << state;
   }
+  // The end of a run has supports of its own. The option had no effect, a name of no stage neither.
+  EXPECT_EQ(quoin({"modes", path, "--stage", "shake", "--state", "out/of_a_run"}), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("--stage shake"), HasSubstr("remove --stage")));
 }
 
 // A table of velocities replaces the fixity of a deformable block too. Held along all axes it is a fixed one; free

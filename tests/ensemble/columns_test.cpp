@@ -384,7 +384,11 @@ TEST(Columns, SayWhatIsWrong) {
   EXPECT_THAT(fault_of({tensile + "{distribution=\"uniform\",lower=1e4,upper=2.9e6}"}), HasSubstr("go together"));
   EXPECT_THAT(
       fault_of(kScattered + Settings{"joints.mortar.correlation=[[\"tensile_strength\",\"friction_angle\",0.5]]"}),
-      HasSubstr("friction_angle has one value"));
+      HasSubstr("'friction_angle' is none of them"));
+  // The second of two values for a pair decided alone, in silence.
+  EXPECT_THAT(fault_of(kScattered + Settings{"joints.mortar.correlation=[[\"tensile_strength\",\"cohesion\",0.8],"
+                                             "[\"cohesion\",\"tensile_strength\",-0.8]]"}),
+              HasSubstr("cohesion and tensile_strength are given twice"));
 }
 
 }  // namespace

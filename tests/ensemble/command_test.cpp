@@ -256,8 +256,8 @@ TEST_F(Ensemble, QuantitiesGoTogetherAsGiven) {
     products += (values[0] / 1e9 - 10.0) * (values[1] / 1e4 - 100.0) / 400;
   }
   EXPECT_NEAR(products, 0.6, 5 * std::sqrt(1.36 / 400)) << "variance of a product: 1 + 0.6^2";
-  for (const char* wrong :
-       {"[[\"E\", \"q\", 0.6]]", "[[\"q\", \"p\", 0.6]]", "[[\"E\", \"E\", 0.6]]", "[[\"E\", \"p\", 1.0]]"}) {
+  for (const char* wrong : {"[[\"E\", \"q\", 0.6]]", "[[\"q\", \"p\", 0.6]]", "[[\"E\", \"E\", 0.6]]",
+                            "[[\"E\", \"p\", 1.0]]", "[[\"E\", \"p\", 0.9], [\"p\", \"E\", -0.9]]"}) {
     write(wrong);
     EXPECT_THROW(quoin::ensemble::read_study(file.string()), quoin::Error) << wrong;
   }
@@ -317,6 +317,7 @@ TEST_F(Ensemble, SensitivityOneAtATimeIsTwoRunsAnInput) {
                           "--set", "stage.shear.displacement=0.00005"})),
             0)
       << error_;
+  EXPECT_THAT(error_, HasSubstr("correlation is left out")) << "it was so in silence";
   EXPECT_EQ(finished("s"), 2 * 3 + 1);
   EXPECT_THAT(out_, HasSubstr("joints.mortar.cohesion"));
   EXPECT_TRUE(fs::exists(folder_ / "s" / "sensitivity.csv"));

@@ -205,6 +205,7 @@ TEST(Masses, AreRefusedWhereTheyMeanNothing) {
   expect_refused(rider(stage, "rigid = false\ndivisions = [1, 1, 1]\n" +
                                   mass("block = \"rider\"\nmass = 1\npoint = [0.05, 0.2, 0.05]\n")),
                  "0.1 m outside of block 'rider'");
+  expect_refused(rider(stage, "fixed = true\n" + mass("block = \"rider\"\nmass = 1\n")), "the block is fixed");
 }
 
 // The moment about the base is that of the forces on it, whichever block of a pair has the plane of its points. A block

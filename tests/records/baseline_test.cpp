@@ -1,10 +1,12 @@
 #include "records/baseline.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "base/error.h"
 #include "records/record.h"
 
 namespace quoin {
@@ -72,6 +74,17 @@ TEST(Baseline, RefusesOrdersCornersAndUnequalSteps) {
   EXPECT_ANY_THROW(correct_baseline(even, {Kind::high_pass, 2, 0.0}));
   EXPECT_ANY_THROW(correct_baseline(even, {Kind::high_pass, 2, 2.6}));
   EXPECT_ANY_THROW(correct_baseline(uneven, {Kind::high_pass, 2, 0.1}));
+  // One sample was read beyond its end. A corner of 1e-12 Hz ended in "out of memory", one of 1e-300 in a cast that is
+  // not defined.
+  EXPECT_ANY_THROW(correct_baseline({{0.0}, {1.0}}, {Kind::high_pass, 2, 0.1}));
+  for (const double corner : {1e-12, 1e-300, 2.9e-6}) {
+    try {
+      correct_baseline(even, {Kind::high_pass, 2, corner});
+      ADD_FAILURE() << corner;
+    } catch (const Error& error) {  // 1.5 * 2 periods of 1/corner in 1e7 steps of 0.1 s
+      EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("baseline_corner"), testing::HasSubstr("3e-06 Hz")));
+    }
+  }
   EXPECT_EQ(correct_baseline(uneven, {}).value, uneven.value);
 }
 

@@ -1,4 +1,5 @@
 // Reader of scenes of blocks, and of their records of ground motion.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -152,6 +153,42 @@ TEST_F(ReadBlockScene, RecordsThatStateTheirUnitAreConvertedOnce) {
   for (const char* scale : {"9.81", "9.80665", "9.8"})
     EXPECT_THAT(fault(keys(scale)), AllOf(HasSubstr("ground_motion.scale"), HasSubstr("convert it twice")));
   EXPECT_NEAR(read({keys("9.0")}).stages[0].ground->components.at(0).acceleration.value.at(1), 0.9 * 9.80665, 1e-12);
+}
+
+// The scale of all supports is a second conversion too, alone or times that of a group.
+TEST_F(ReadBlockScene, RecordsOfSupportsAreConvertedOnce) {
+  write("stated.csv", "time (s), x (g)\n0, 0\n1, 0.1\n");
+  const auto keys = [](const std::string& whole, const std::string& group) {
+    return "stage.1.ground_motion={scale=" + whole +
+           ",support=[{blocks=['block'],direction=[1,0,0],file='stated.csv',scale=" + group + "}]}";
+  };
+  for (const auto& [whole, group] : {std::pair("9.81", "1"), {"1", "9.81"}, {"2", "4.905"}})
+    EXPECT_THAT(fault(keys(whole, group)), AllOf(HasSubstr("support.1.scale"), HasSubstr("convert it twice")));
+  EXPECT_NEAR(read({keys("2", "3")}).stages[0].ground->supports.at(0).components.at(0).acceleration.value.at(1),
+              0.6 * 9.80665, 1e-12);
+}
+
+// A record of 1e308 m/s2 over 1e308 s ended at inf m/s. A pulse that overflows named scale, which was not given.
+TEST_F(ReadBlockScene, GroundThatOverflowsNamesTheKeyThatDoesIt) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"direction=[1,0,0],time=[0,1e308],acceleration=[1e308,1e308]", "ground_motion.acceleration = [ 1e+308"},
+      {"direction=[1,0,0],pulse={shape='sine',amplitude=1e300,period=1e300}", "ground_motion.pulse = a table"},
+      {"direction=[1,0,0],synthetic={ground_acceleration=1e308}", "ground_motion.synthetic = a table"},
+      {"direction=[1,0,0],pulse={shape='sine',amplitude=1e300,period=1},scale=1e10", "ground_motion.scale = 1"},
+      {"direction=[1,0,0],time=[0,1,2],acceleration=[0,1,0],pga=1e308,scale=1e10", "ground_motion.scale = 1"},
+      {"direction=[1,0,0],time=[0,1,2],acceleration=[0,1e-10,0],pgv=1e308", "ground_motion.pgv = 1"},
+      {"scale=1e300,support=[{blocks=['block'],direction=[1,0,0],time=[0,1],acceleration=[1e10,1]}]",
+       "ground_motion.scale = 1"}};
+  for (const auto& [keys, named] : cases)
+    EXPECT_THAT(fault(fmt::format("stage.1.ground_motion={{{}}}", keys)),
+                AllOf(HasSubstr(named), Not(HasSubstr("= ?"))))
+        << keys;
+}
+
+// A key beside a missing one was "unknown".
+TEST_F(ReadBlockScene, KeysOfAFillAreReadWithoutItsFrictionAngle) {
+  EXPECT_THAT(fault("fill=[{block='block',surface=[0,1,0],unit_weight=1,stiffness=1,active=0.3,passive=2}]"),
+              AllOf(HasSubstr("fill.1.friction_angle: missing"), Not(HasSubstr("unknown key"))));
 }
 
 // A triangle of less than the rounding of times did not stop the ground, in silence.

@@ -195,6 +195,21 @@ TEST_F(ReadScene, NodalTimeStepOnlyWhereInertiaIsTrue) {
   EXPECT_THAT(message(kScene, {"solver.critical_time_step=eq3"}), HasSubstr("assembled"));
 }
 
+// Two steps of 10 s ended a stage of 0.02 s, and 1e300 gave NaN, in silence.
+TEST_F(ReadScene, SelectiveTimeStepsAreShorterThanTheirStages) {
+  const std::string step = "solver.selective_time_step=", duration = "stage.1.duration=0.02";
+  EXPECT_THAT(message(kScene, {step + "10"}), HasSubstr("a number, 0 to 1, s"));
+  EXPECT_THAT(message(kScene, {step + "1e300"}), HasSubstr("a number, 0 to 1, s"));
+  EXPECT_THAT(
+      message(kScene, {step + "3e-3", duration}),
+      AllOf(HasSubstr("stage.1: solver.selective_time_step = 0.003 s"), HasSubstr("a tenth"), HasSubstr("0.02 s")));
+  EXPECT_EQ(read(kScene, {step + "2e-3", duration}).solver.selective_time_step, 2e-3);
+}
+
+TEST_F(ReadScene, DensitiesOfBeamsEndWhereThoseOfMaterialsDo) {
+  EXPECT_THAT(message(kScene, {"wall.beam_density=1e10"}), HasSubstr("more than 0 and at most 1000000000"));
+}
+
 TEST_F(ReadScene, UnknownKey) {
   EXPECT_THAT(fault("courses = 2", "courses = 2\ncurses = 3"),
               AllOf(HasSubstr("s.toml:12: wall.curses = 3"), HasSubstr("unknown key"),
@@ -287,7 +302,8 @@ TEST(ReadBuilding, WallsAndFloorsHaveNamesOfTheirOwn) {
               HasSubstr("building.floor.1.course = -1: allowed: an integer, 0 to 39"));
   // Wall B has 28 half units.
   for (const char* list : {"[28]", "[-1]"})
-    EXPECT_THAT(fault(std::string("building.floor.1.half_units=") + list), HasSubstr("a list of integers, 0 to 27"));
+    EXPECT_THAT(fault(std::string("building.floor.1.half_units=") + list),
+                HasSubstr("a list of integers, each 0 to 27"));
   EXPECT_THAT(fault("building.floor.2.name=floor_1"),
               HasSubstr("building.floor.2.name = 'floor_1': allowed: a name that"));
 }
@@ -400,8 +416,10 @@ TEST(ReadBuilding, WhatIsLeftOutIsAsThePageSays) {
 TEST_F(ReadScene, CutsOfTheBeamAreInsideTheWallAndGrow) {
   const auto cuts = [&](const std::string& list) { return std::vector<std::string>{"wall.bottom_beam_cuts=" + list}; };
   EXPECT_EQ(read(kScene, cuts("[1, 2]")).wall->bottom_beam_cuts, (std::vector<int>{1, 2}));
-  for (const char* wrong : {"[1.5]", "[2, 1]", "[1, 1]", "[3]"})
-    EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("whole half units that grow, 1 to 2, where")) << wrong;
+  for (const char* wrong : {"[1.5]", "[0]"})
+    EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("a list of integers, each 1 to 20000, half units")) << wrong;
+  for (const char* wrong : {"[2, 1]", "[1, 1]", "[3]"})
+    EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("half units that grow, 1 to 2")) << wrong;
 }
 
 TEST_F(ReadScene, KeysOfBeamsWithoutABeamAreNamed) {

@@ -356,6 +356,27 @@ TEST(Viscous, DampingWithoutCoefficientsIsWarnedOf) {
   EXPECT_EQ(viscous({"solver.damping=none"}), "");
 }
 
+// A cube of 23544 N lay on its base with 6.1 N, as its stage ended in the ramp of gravity. A smooth ramp has
+// 10 t^3 - 15 t^4 + 6 t^5 at the share t of its time: 0.5 in the middle, and 10/64 - 15/256 + 6/1024 = 0.1035 at 1/4.
+TEST(Ramp, ThatTheDurationCutsShortIsWarnedOf) {
+  const auto cut = [](const std::vector<std::string>& settings, const std::string& more = "") {
+    return warning_about("short_ramp", read_scene_text(scene_text(kRigid, more), "scene.toml", settings),
+                         more.empty() ? 0 : 1);
+  };
+  const std::string weight = "stage.1.gravity=[0, -9.81, 0]";
+  EXPECT_THAT(cut({weight, "stage.1.ramp_time=0.4"}), AllOf(HasSubstr("10 % of"), HasSubstr("0.4 s")));
+  EXPECT_THAT(cut({"stage.1.ramp_time=0.2", "stage.1.velocity=[{block='block', velocity=[0.01, 0, 0]}]"}),
+              HasSubstr("50 % of"));
+  EXPECT_EQ(cut({weight, "stage.1.ramp_time=0.1"}), "");
+  EXPECT_EQ(cut({weight}), "");
+  EXPECT_EQ(cut({weight, "stage.1.ramp_time=0.4", "stage.1.equilibrium_ratio=1e-3"}), "");
+  EXPECT_EQ(cut({"stage.1.ramp_time=0.4", "stage.1.displacement=1e-3", "stage.1.monitor=block"}), "");
+  EXPECT_EQ(cut({},
+                "[[stage]]\nkind = \"cycles\"\nblock = \"block\"\ndirection = \"x\"\namplitudes = [1e-4]\n"
+                "cycle_velocity = 0.01\nramp_time = 0.5\n"),
+            "");
+}
+
 // A stage measures along what it drives: beside x it was not, so that a slow push along z counted as one without work.
 TEST(DefaultDirection, IsThatOfTheDrive) {
   const auto direction = [](const char* velocity, const std::vector<std::string>& settings) {

@@ -24,7 +24,7 @@ struct StageAction {
 QUOIN_REGISTRY(StageAction, kStageActions, kGroundMotion, kCollapseLoad, kMovingLoad, kPointForces, kFacePressures);
 
 // Throws Error(bad_input) for a load on a fixed block.
-void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& stage);
+void refuse_on_fixed(const blocks::Block& block, const char* load, const Source& source);
 // Throws where a load acts along components of the block whose velocity the stage prescribes, with its rotation held.
 void refuse_on_driven(const blocks::Block& block, const Vec3& along, const char* load, const Stage& stage);
 

@@ -25,11 +25,11 @@ void read_actions(reader::Table& t, Stage& stage, const std::string& folder, con
                                               grows));
 }
 
-void refuse_on_fixed(const blocks::Block& block, const char* load, const Stage& stage) {
+void refuse_on_fixed(const blocks::Block& block, const char* load, const Source& source) {
   if (!block.fixed) return;
   throw Error(Exit::bad_input, fmt::format("{0}: {1} on block '{2}': the block is fixed, so that the {1} would do "
                                            "nothing; remove it",
-                                           stage.source.text, load, block.name));
+                                           source.text, load, block.name));
 }
 
 void refuse_on_driven(const blocks::Block& block, const Vec3& along, const char* load, const Stage& stage) {

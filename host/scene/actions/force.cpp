@@ -34,7 +34,7 @@ void check_forces(const Stage& stage, const blocks::Assembly& assembly) {
     const geometry::Vector point = geometry::vector(force.point);
     const int nearest = blocks::block_at(assembly, force.block, point, stage.source.text);
     const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(nearest)];
-    refuse_on_fixed(block, "force", stage);
+    refuse_on_fixed(block, "force", stage.source);
     refuse_on_driven(block, force.force, "force", stage);
     const double distance = distance_from(assembly, block, point);
     if (block.rigid || distance <= kTolerance) continue;

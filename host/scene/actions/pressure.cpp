@@ -30,7 +30,7 @@ void check_pressures(const Stage& stage, const blocks::Assembly& assembly) {
     for (const blocks::BlockFace& face :
          blocks::outer_faces(assembly, pressure.block, geometry::vector(pressure.normal), stage.source.text)) {
       const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(face.block)];
-      refuse_on_fixed(block, "pressure", stage);
+      refuse_on_fixed(block, "pressure", stage.source);
       const geometry::Vector& normal =
           assembly.shapes[static_cast<std::size_t>(block.shape)].normals[static_cast<std::size_t>(face.face)];
       refuse_on_driven(block, geometry::array(matrix(block.orientation) * normal), "pressure", stage);
