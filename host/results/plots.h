@@ -40,6 +40,10 @@ Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene);
 std::optional<double> displacement_at_loss(const std::vector<HistoryRow>& rows, const Scene& scene, const Peak& peak,
                                            double kept);
 
+// -1 if displacements between these two are those of a push in the negative direction alone, which is drawn to the
+// right with positive forces; else 1.
+double sense_of_push(double lowest, double highest);
+
 // Draw a picture. Return a one-line notice without one (no gnuplot), otherwise an empty text. label: of warnings.h, or
 // empty.
 std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,

@@ -375,6 +375,31 @@ plots = false
   EXPECT_NEAR(force, 1e9 * displacement, 0.02 * 1e9 * displacement);
 }
 
+// A wall that is pushed towards -x has bands of positive forces, between those of its weakest and its strongest sample.
+// Forces had kept their sign, so that q05 was the strongest wall. In cycles the bands are of one side, whichever is
+// first.
+TEST_F(Ensemble, BandsOfAPushTowardsMinusXAreThoseOfItsForces) {
+  const std::string cycles =
+      "[{name='precompression',kind='pressure',pressure=0.3e6},{name='shear',kind='cycles',"
+      "velocity=-0.2,amplitudes=[0.05e-3,0.1e-3]}]";
+  for (const std::string& set : {std::string("stage.shear.velocity=-0.2"), "stage=" + cycles}) {
+    const std::string out = set.substr(0, 7);
+    ASSERT_EQ(ensemble(out, {"--samples", "3", "--jobs", "1", "--set", set}), 0) << error_;
+    const auto bands = lines_of(read_all(folder_ / out / "curve_bands.csv"));
+    ASSERT_EQ(bands.size(), 202u);
+    double u = 0.0, mean = 0.0, of_means = 0.0, q05 = 0.0, q95 = 0.0, most = 0.0;
+    for (std::size_t i = 1; i < bands.size(); ++i) {
+      ASSERT_EQ(std::sscanf(bands[i].c_str(), "%lf,%lf,%lf,%lf,%*f,%*f,%*f,%lf", &u, &mean, &of_means, &q05, &q95), 5);
+      EXPECT_TRUE(q05 <= mean && mean <= q95) << bands[i];
+      most = std::max(most, q95);
+    }
+    const auto summary = nlohmann::json::parse(read_all(folder_ / out / "summary.json"));
+    const double peak = summary["outputs"]["peak_force_N"]["mean"];
+    EXPECT_NEAR(most, peak, 0.3 * peak) << "of three samples the largest is near their mean";
+    EXPECT_GT(mean, 0.5 * peak);
+  }
+}
+
 // Joints of a wall along z have their places along z, and the picture is drawn along it.
 TEST_F(Ensemble, CracksOfAWallAlongZAreDrawnAlongIt) {
   std::ofstream(folder_ / "wall.toml") << dry_stone(30) << R"([[block]]
