@@ -10,6 +10,7 @@
 #include "base/any_error.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/upright_axis.h"
 #include "ensemble/no_number.h"
 #include "files/file.h"
 #include "model/world_results.h"
@@ -93,7 +94,9 @@ class CollapseWatch : public Observer {
       return;
     }
     run.time = row.time - begin_;
-    run.base_shear = std::max(run.base_shear, std::hypot(row.base_force[0], row.base_force[2]));
+    Vec3 shear = row.base_force;
+    shear[static_cast<std::size_t>(upright_axis(stage.gravity))] = 0.0;
+    run.base_shear = std::max(run.base_shear, norm_of(shear));
     run.residual = 0.0;
     const blocks::Model* const model = simulation_->large_motion();
     for (int block = 0; block < simulation_->block_count(); ++block) {
