@@ -206,13 +206,16 @@ void print_multiplier(const SceneLimit& limit, Multiplied multiplied) {
   print(*limit.without_dilation);
 }
 
+const std::vector<std::string> kFiles{"limit.json", "mechanism.csv", "mechanism.vtu", "forces.csv", "moving.csv"};
+
 // Removes the results of an earlier analysis, which would be taken for those of one that fails.
 void remove_results(const std::filesystem::path& folder) {
   refuse_folder_of_run(folder);
+  refuse_files_of_others(folder, kFiles);
   if (!exists(folder / "limit.json")) return;
   refuse_page_of_others(folder / "report.html");
-  for (const char* name : {"limit.json", "mechanism.csv", "mechanism.vtu", "forces.csv", "moving.csv", "report.html"})
-    remove(folder / name);
+  for (const std::string& name : kFiles) remove(folder / name);
+  remove(folder / "report.html");
 }
 
 void run(const Options& options) {
@@ -236,7 +239,7 @@ void run(const Options& options) {
                        scene.file, blocks.size(), blocks_text(limit, blocks)));
   if (!options.out.empty()) {
     const std::filesystem::path folder = options.out;
-    make_folder(folder);
+    list_own_files(folder, kFiles);
     write_json(folder / "limit.json", json_of(scene.file, limit, asked));
     if (limit.limit) write_mechanism(folder, simulation, limit), write_forces(folder / "forces.csv", limit);
     if (!limit.moving.empty()) write_moving(folder / "moving.csv", limit);

@@ -103,7 +103,8 @@ void write_page(const std::filesystem::path& shapes, const Scene& scene, const M
 }
 
 void run(const Options& options) {
-  if (!options.out.empty()) refuse_folder_of_run(options.out);
+  const std::vector<std::string> files{"modes.json", "modes.vtu"};
+  if (!options.out.empty()) refuse_folder_of_run(options.out), refuse_files_of_others(options.out, files);
   const bool undamaged = options.state == "undamaged";
   SceneOptions asked = options.scene;
   asked.runs = !undamaged;
@@ -123,7 +124,7 @@ void run(const Options& options) {
   print(v, modes);
   if (options.out.empty()) return;
   const std::filesystem::path folder = options.out;
-  make_folder(folder);
+  list_own_files(folder, files);
   write_json(folder / "modes.json", json_of(scene.file, v, modes));
   write_shapes(folder / "modes.vtu", v, modes);
   fmt::print("{}\n", (folder / "modes.json").string());

@@ -50,6 +50,19 @@ TEST_F(Spectrum, OfAStepIsThatOfTheClosedForm) {
   EXPECT_EQ(json["recorded_as"], "g");
 }
 
+// A user's own file of the name of a result was replaced without a word. Own results are replaced.
+TEST_F(Spectrum, AFileOfTheUserIsKept) {
+  const std::vector<std::string> command{"spectrum", step_record(), "--period", "1", "--out", out()};
+  fs::create_directories(out());
+  std::ofstream(fs::path(out()) / "spectrum.png") << "mine";
+  EXPECT_EQ(quoin(command), 3);
+  EXPECT_THAT(error_, HasSubstr("has spectrum.png, which would be replaced"));
+  EXPECT_EQ(read_all(fs::path(out()) / "spectrum.png"), "mine");
+  EXPECT_FALSE(fs::exists(fs::path(out()) / "spectrum.csv"));
+  fs::remove(fs::path(out()) / "spectrum.png");
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(quoin(command), 0) << error_;
+}
+
 TEST_F(Spectrum, BadInputIsNamedAndLeavesNothing) {
   EXPECT_EQ(quoin({"spectrum", (folder_ / "none.at2").string()}), 3);
   EXPECT_THAT(error_, HasSubstr("no such file"));

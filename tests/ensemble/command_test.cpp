@@ -144,6 +144,19 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
 }
 
+// A user's own samples.csv was replaced without a word. A folder that has study.json belongs to the study.
+TEST_F(Ensemble, AFileOfTheUserIsKept) {
+  fs::create_directories(folder_ / "a");
+  std::ofstream(folder_ / "a" / "samples.csv") << "mine";
+  EXPECT_EQ(ensemble("a"), 3);
+  EXPECT_THAT(error_, HasSubstr("has samples.csv, which would be replaced"));
+  EXPECT_EQ(table("a"), "mine");
+  fs::remove(folder_ / "a" / "samples.csv");
+  ASSERT_EQ(ensemble("a", {"--samples", "2"}), 0) << error_;
+  fs::remove(folder_ / "a" / ".quoin-files");  // as of a study of an earlier version
+  EXPECT_EQ(ensemble("a", {"--samples", "2"}), 0) << error_;
+}
+
 // Curves and cracks of the study come from tables of its samples. One that was cut or deleted made the bands of all
 // empty, or wrong, without a word.
 TEST_F(Ensemble, ATableThatIsNotWhatTheSampleWroteIsNamed) {
