@@ -50,6 +50,29 @@ TEST_F(Spectrum, OfAStepIsThatOfTheClosedForm) {
   EXPECT_EQ(json["recorded_as"], "g");
 }
 
+// Files of one component with one name, as of PEER, are told apart by the names of the files, or by their folders.
+TEST_F(Spectrum, ComponentsOfFilesWithOneNameHaveThatOfTheirFile) {
+  const std::string record = step_record(), other = (folder_ / "EAST.AT2").string(),
+                    again = (folder_ / "more/EAST.AT2").string();
+  fs::create_directories(folder_ / "more");
+  fs::copy_file(record, other), fs::copy_file(record, again);
+  const auto names = [&](const std::vector<std::string>& files) {
+    std::vector<std::string> words{"spectrum", "--period", "1", "--out", out()};
+    words.insert(words.begin() + 1, files.begin(), files.end());
+    EXPECT_EQ(quoin(words), 0) << error_;
+    std::istringstream csv(read_all(fs::path(out()) / "spectrum.csv"));
+    std::vector<std::string> found;
+    std::string line;
+    for (std::getline(csv, line); std::getline(csv, line);) found.push_back(line.substr(0, line.find(',')));
+    return found;
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(names({record}), ElementsAre("\"090\""));
+  EXPECT_THAT(names({record, other}), ElementsAre("\"RECORD 090\"", "\"EAST 090\""));
+  EXPECT_THAT(names({record, other, again}),
+              ElementsAre("\"RECORD 090\"", "\"" + other + " 090\"", "\"" + again + " 090\""));
+}
+
 // A user's own file of the name of a result was replaced without a word. Own results are replaced.
 TEST_F(Spectrum, AFileOfTheUserIsKept) {
   const std::vector<std::string> command{"spectrum", step_record(), "--period", "1", "--out", out()};
