@@ -50,7 +50,7 @@ TEST_F(Spectrum, OfAStepIsThatOfTheClosedForm) {
   EXPECT_EQ(json["recorded_as"], "g");
 }
 
-// Files of one component with one name, as of PEER, are told apart by the names of the files, or by their folders.
+// Files of one component with one name, as of PEER, have the name of the file in front, or its path.
 TEST_F(Spectrum, ComponentsOfFilesWithOneNameHaveThatOfTheirFile) {
   const std::string record = step_record(), other = (folder_ / "EAST.AT2").string(),
                     again = (folder_ / "more/EAST.AT2").string();
