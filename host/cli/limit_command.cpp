@@ -15,12 +15,12 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "cli/prepare.h"
+#include "cli/print_results.h"
 #include "files/csv_text.h"
 #include "files/file.h"
 #include "files/notice.h"
 #include "files/result_folder.h"
 #include "results/json_file.h"
-#include "results/report.h"
 #include "results/virtual_motion.h"
 #include "scene/stage_named.h"
 #include "step/results.h"
@@ -92,17 +92,10 @@ void write_moving(const std::filesystem::path& file, const SceneLimit& limit) {
   write_file(file, table);
 }
 
-// Writes the page if three.js is installed; else ParaView shows the mechanism.
 void write_page(const std::filesystem::path& mechanism, const Scene& scene, Multiplied multiplied, double multiplier) {
-  try {
-    const std::string of = scene.title.empty() ? scene.file : scene.title;
-    const std::string at = multiplied == Multiplied::motion ? fmt::format("a force of {:.6g} N", multiplier)
-                                                            : fmt::format("the multiplier {:.4f}", multiplier);
-    const ShownMotion motion{"velocity", "mechanism at " + at + ", associated flow"};
-    fmt::print("{}\n", write_motion_report(mechanism, "Mechanism: " + of, {motion}, true).string());
-  } catch (const Error& error) {
-    notice(fmt::format("quoin: no report.html: {}", error.what()));
-  }
+  const std::string at = multiplied == Multiplied::motion ? fmt::format("a force of {:.6g} N", multiplier)
+                                                          : fmt::format("the multiplier {:.4f}", multiplier);
+  print_motion_report(mechanism, "Mechanism", scene, {{"velocity", "mechanism at " + at + ", associated flow"}}, true);
 }
 
 const char* in_time(const LimitWithoutDilation& without) {
@@ -239,7 +232,9 @@ void run(const Options& options) {
                        scene.file, blocks.size(), blocks_text(limit, blocks)));
   if (!options.out.empty()) {
     const std::filesystem::path folder = options.out;
-    list_own_files(folder, kFiles);
+    std::vector<std::string> files(kFiles.begin(), kFiles.begin() + (limit.limit ? 4 : 1));
+    if (!limit.moving.empty()) files.push_back(kFiles.back());
+    list_own_files(folder, files);
     write_json(folder / "limit.json", json_of(scene.file, limit, asked));
     if (limit.limit) write_mechanism(folder, simulation, limit), write_forces(folder / "forces.csv", limit);
     if (!limit.moving.empty()) write_moving(folder / "moving.csv", limit);

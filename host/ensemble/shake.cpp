@@ -44,8 +44,7 @@ fs::path folder_of(const fs::path& folder, std::size_t run) { return folder / "r
 
 void write_run(const fs::path& folder, const ShakenRun& run) {
   Json json{{"status", run.status}, {"reason", run.reason}, {"factor", run.factor}};
-  for (std::size_t m = 0; m < kMeasures; ++m)
-    json[measure_column(static_cast<IntensityMeasure>(m))] = number_or_null(run.intensity[m]);
+  for (std::size_t m = 0; m < kMeasures; ++m) json[kMeasureNames[m].column] = number_or_null(run.intensity[m]);
   json["largest_displacement_m"] = number_or_null(run.largest);
   json["residual_displacement_m"] = number_or_null(run.residual);
   json["largest_base_shear_N"] = number_or_null(run.base_shear);
@@ -60,8 +59,7 @@ ShakenRun read_run(const fs::path& file) {
   ShakenRun run;
   run.status = json["status"].get<std::string>(), run.reason = json.value("reason", "");
   run.factor = number_in(json, "factor");
-  for (std::size_t m = 0; m < kMeasures; ++m)
-    run.intensity[m] = number_in(json, measure_column(static_cast<IntensityMeasure>(m)));
+  for (std::size_t m = 0; m < kMeasures; ++m) run.intensity[m] = number_in(json, kMeasureNames[m].column);
   run.largest = number_in(json, "largest_displacement_m"), run.residual = number_in(json, "residual_displacement_m");
   run.base_shear = number_in(json, "largest_base_shear_N"), run.time = number_in(json, "time_s");
   return run;
@@ -203,7 +201,7 @@ Json outputs_of(const RecordSuite& suite, const std::vector<ShakenRun>& runs) {
     for (std::size_t m = 0; m < kMeasures; ++m) {
       const auto measure = static_cast<IntensityMeasure>(m);
       const Bracket b = bracket_of(runs, measure, 0.0);
-      const std::string column = measure_column(measure);
+      const std::string column = names_of(measure).column;
       outputs["stands_" + column] = number_or_null(b.low);
       outputs["collapse_" + column] =
           b.low > 0.0 && std::isfinite(b.high) ? number_or_null(std::sqrt(b.low * b.high)) : Json(nullptr);
@@ -218,7 +216,7 @@ std::vector<std::string> suite_output_names(const RecordSuite& suite) {
   std::vector<std::string> names{"runs"};
   if (suite.method != RecordSuite::Method::incremental) return names;
   for (std::size_t m = 0; m < kMeasures; ++m) {
-    const std::string column = measure_column(static_cast<IntensityMeasure>(m));
+    const std::string column = kMeasureNames[m].column;
     names.push_back("stands_" + column), names.push_back("collapse_" + column);
   }
   return names;

@@ -64,7 +64,7 @@ Json json_of(const StudyQuantity& quantity) {
 Json json_of(const RecordSuite& suite) {
   Json json{{"method", static_cast<int>(suite.method)},
             {"stage", suite.stage},
-            {"intensity", measure_key(suite.measure)},
+            {"intensity", names_of(suite.measure).key},
             {"sa_period", suite.period},
             {"first", suite.first},
             {"growth", suite.growth},
