@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/limit_of_scene.h"
+#include "results/json_file.h"
 
 namespace quoin {
 namespace {
@@ -60,10 +61,6 @@ nlohmann::ordered_json json_of_joints(const SceneLimit& limit) {
                     {"sliding", m.sliding},
                     {"crushing", m.crushing}});
   return json;
-}
-
-nlohmann::ordered_json number_or_null(const std::optional<double>& number) {
-  return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json(nullptr);
 }
 
 std::optional<double> settled(const std::optional<LimitWithoutDilation>& without) {

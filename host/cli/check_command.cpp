@@ -102,7 +102,7 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
       seconds = stage.ramp_time + *growth;
     steps += seconds / time_step;
     fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),
-               seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / time_step) : "");
+               seconds > 0 ? fmt::format(", about {:.9g} steps", std::round(seconds / time_step)) : "");
     if (stage.ground) fmt::print("      ground motion, {}\n", ground_text(*stage.ground, stage.duration));
     if (!own.empty())
       fmt::print("      {}: time step {:.4g} s, {:.2f} of 2/omega_max{}\n", own, time_step,

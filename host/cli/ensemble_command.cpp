@@ -182,33 +182,25 @@ void compute_here(const EnsembleOptions& options, const StudyFolder& folder, con
                    is_finished});
 }
 
-// Prints how many samples failed, whose rows are left out. mean: whether sample 0, with all inputs at their means, is
-// one.
-void tell_of_failed(const StudyFolder& folder, std::uint64_t samples, bool mean) {
+// Throws if all samples from `first` on have failed. says: prints how many runs failed, whose rows are left out.
+// Sample 0 has all inputs at their means.
+void require_results(const StudyFolder& folder, std::uint64_t first, std::uint64_t last, bool says) {
   std::uint64_t failed = 0;
-  std::string first;
-  for (std::uint64_t i = mean ? 0 : 1; i <= samples; ++i) {
-    if (!is_finished(folder.sample(i))) continue;
-    const Sample sample = read_sample(folder.sample(i));
-    if (sample.status != "done" && ++failed == 1) first = fmt::format("sample {}: {}", i, sample.reason);
-  }
-  if (failed > 0)
-    notice(fmt::format("quoin: {} of {} runs failed, and what depends on them is left out; {}", failed,
-                       samples + (mean ? 1 : 0), first));
-}
-
-// Throws if all samples have failed.
-void require_results(const StudyFolder& folder, std::uint64_t samples) {
-  std::uint64_t failed = 0;
+  bool done = false;
   std::string reason;
-  for (std::uint64_t i = 1; i <= samples; ++i) {
+  for (std::uint64_t i = first; i <= last && (says || !done); ++i) {
     if (!is_finished(folder.sample(i))) continue;
     const Sample sample = read_sample(folder.sample(i));
-    if (sample.status == "done") return;
-    if (++failed == 1) reason = fmt::format("sample {}: {}", i, sample.reason);
+    if (sample.status == "done")
+      done = done || i > 0;
+    else if (++failed == 1)
+      reason = fmt::format("sample {}: {}", i, sample.reason);
   }
-  if (failed > 0)
-    throw Error(Exit::numerical, fmt::format("all samples failed, {} of {} until now; {}", failed, samples, reason));
+  const std::uint64_t runs = last + 1 - first;
+  if (says && failed > 0)
+    notice(fmt::format("quoin: {} of {} runs failed, and what depends on them is left out; {}", failed, runs, reason));
+  if (!done && failed > 0)
+    throw Error(Exit::numerical, fmt::format("all samples failed, {} of {} until now; {}", failed, runs, reason));
 }
 
 void run_ensemble(const EnsembleOptions& options) {
@@ -224,7 +216,7 @@ void run_ensemble(const EnsembleOptions& options) {
     if (options.worker) return;
   }
   const std::uint64_t finished = gather_and_report(folder, study, !options.no_pictures);
-  require_results(folder, samples);
+  require_results(folder, 1, samples, false);
   if (finished < samples && !options.gather)
     throw Error(Exit::numerical,
                 fmt::format("{} samples are missing, as their workers have ended: {}/slurm-*.log may say why; "
@@ -257,8 +249,7 @@ void run_sensitivity(const EnsembleOptions& options) {
     compute_here(options, folder, study);
     fmt::print("{}", write_sensitivity(folder, study, !options.no_pictures));
     fmt::print("results in {}\n", (folder.path() / "sensitivity.csv").string());
-    tell_of_failed(folder, study.samples, true);
-    return require_results(folder, study.samples);
+    return require_results(folder, 0, study.samples, true);
   }
   if (2 * inputs > random::kMostSobolDimensions)
     throw Error(Exit::bad_input, fmt::format("{}: {} inputs; --sobol takes at most {}; leave some at their means",
@@ -268,8 +259,7 @@ void run_sensitivity(const EnsembleOptions& options) {
   compute_here(options, folder, study);
   fmt::print("{}", write_sobol_table(folder, study, options.rows));
   fmt::print("results in {}\n", (folder.path() / "sobol.csv").string());
-  tell_of_failed(folder, study.samples, false);
-  require_results(folder, study.samples);
+  require_results(folder, 1, study.samples, true);
 }
 
 // Adds the options of both commands. Returns the option --jobs.

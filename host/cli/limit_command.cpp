@@ -15,12 +15,12 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "cli/prepare.h"
+#include "cli/print_results.h"
 #include "files/csv_text.h"
 #include "files/file.h"
 #include "files/notice.h"
 #include "files/result_folder.h"
 #include "results/json_file.h"
-#include "results/report.h"
 #include "results/virtual_motion.h"
 #include "scene/stage_named.h"
 #include "step/results.h"
@@ -92,17 +92,10 @@ void write_moving(const std::filesystem::path& file, const SceneLimit& limit) {
   write_file(file, table);
 }
 
-// Writes the page if three.js is installed; else ParaView shows the mechanism.
 void write_page(const std::filesystem::path& mechanism, const Scene& scene, Multiplied multiplied, double multiplier) {
-  try {
-    const std::string of = scene.title.empty() ? scene.file : scene.title;
-    const std::string at = multiplied == Multiplied::motion ? fmt::format("a force of {:.6g} N", multiplier)
-                                                            : fmt::format("the multiplier {:.4f}", multiplier);
-    const ShownMotion motion{"velocity", "mechanism at " + at + ", associated flow"};
-    fmt::print("{}\n", write_motion_report(mechanism, "Mechanism: " + of, {motion}, true).string());
-  } catch (const Error& error) {
-    notice(fmt::format("quoin: no report.html: {}", error.what()));
-  }
+  const std::string at = multiplied == Multiplied::motion ? fmt::format("a force of {:.6g} N", multiplier)
+                                                          : fmt::format("the multiplier {:.4f}", multiplier);
+  print_motion_report(mechanism, "Mechanism", scene, {{"velocity", "mechanism at " + at + ", associated flow"}}, true);
 }
 
 const char* in_time(const LimitWithoutDilation& without) {
@@ -206,13 +199,16 @@ void print_multiplier(const SceneLimit& limit, Multiplied multiplied) {
   print(*limit.without_dilation);
 }
 
+const std::vector<std::string> kFiles{"limit.json", "mechanism.csv", "mechanism.vtu", "forces.csv", "moving.csv"};
+
 // Removes the results of an earlier analysis, which would be taken for those of one that fails.
 void remove_results(const std::filesystem::path& folder) {
   refuse_folder_of_run(folder);
+  refuse_files_of_others(folder, kFiles);
   if (!exists(folder / "limit.json")) return;
   refuse_page_of_others(folder / "report.html");
-  for (const char* name : {"limit.json", "mechanism.csv", "mechanism.vtu", "forces.csv", "moving.csv", "report.html"})
-    remove(folder / name);
+  for (const std::string& name : kFiles) remove(folder / name);
+  remove(folder / "report.html");
 }
 
 void run(const Options& options) {
@@ -236,7 +232,9 @@ void run(const Options& options) {
                        scene.file, blocks.size(), blocks_text(limit, blocks)));
   if (!options.out.empty()) {
     const std::filesystem::path folder = options.out;
-    make_folder(folder);
+    std::vector<std::string> files(kFiles.begin(), kFiles.begin() + (limit.limit ? 4 : 1));
+    if (!limit.moving.empty()) files.push_back(kFiles.back());
+    list_own_files(folder, files);
     write_json(folder / "limit.json", json_of(scene.file, limit, asked));
     if (limit.limit) write_mechanism(folder, simulation, limit), write_forces(folder / "forces.csv", limit);
     if (!limit.moving.empty()) write_moving(folder / "moving.csv", limit);

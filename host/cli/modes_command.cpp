@@ -15,11 +15,11 @@
 #include "analysis/state_modes.h"
 #include "base/error.h"
 #include "cli/prepare.h"
+#include "cli/print_results.h"
 #include "files/file.h"
 #include "files/notice.h"
 #include "files/result_folder.h"
 #include "results/json_file.h"
-#include "results/report.h"
 #include "results/virtual_motion.h"
 #include "scene/stage_named.h"
 
@@ -82,7 +82,6 @@ void write_shapes(const std::filesystem::path& file, const Vibrating& v, const M
   write_motions(file, blocks, motions);
 }
 
-// Writes the page if three.js is installed; else ParaView shows the shapes.
 void write_page(const std::filesystem::path& shapes, const Scene& scene, const Modes& modes) {
   std::vector<ShownMotion> motions;
   for (std::size_t m = 0; m < modes.mode.size(); ++m) {
@@ -94,16 +93,12 @@ void write_page(const std::filesystem::path& shapes, const Scene& scene, const M
                       modes.free_mass[c] > 0.0 ? 100.0 * mode.effective_mass[c] / modes.free_mass[c] : 0.0, "xyz"[c]);
     motions.push_back({name_of_shape(modes, m), label});
   }
-  try {
-    const std::string of = scene.title.empty() ? scene.file : scene.title;
-    fmt::print("{}\n", write_motion_report(shapes, "Natural modes: " + of, motions, false).string());
-  } catch (const Error& error) {
-    notice(fmt::format("quoin: no report.html: {}", error.what()));
-  }
+  print_motion_report(shapes, "Natural modes", scene, motions, false);
 }
 
 void run(const Options& options) {
-  if (!options.out.empty()) refuse_folder_of_run(options.out);
+  const std::vector<std::string> files{"modes.json", "modes.vtu"};
+  if (!options.out.empty()) refuse_folder_of_run(options.out), refuse_files_of_others(options.out, files);
   const bool undamaged = options.state == "undamaged";
   SceneOptions asked = options.scene;
   asked.runs = !undamaged;
@@ -123,7 +118,7 @@ void run(const Options& options) {
   print(v, modes);
   if (options.out.empty()) return;
   const std::filesystem::path folder = options.out;
-  make_folder(folder);
+  list_own_files(folder, files);
   write_json(folder / "modes.json", json_of(scene.file, v, modes));
   write_shapes(folder / "modes.vtu", v, modes);
   fmt::print("{}\n", (folder / "modes.json").string());

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/error.h"
 #include "cli/progress.h"
+#include "files/notice.h"
 #include "law/law_process.h"
 #include "results/ground_response.h"
 #include "results/history.h"
@@ -90,6 +92,16 @@ void print_results(const std::filesystem::path& folder, const Simulation& simula
   fmt::print("{}\n", phases_text(phase_times(simulation), info.wall_clock_s));
   if (!rank_traffic(simulation).empty()) fmt::print("{}\n", ranks_text(rank_traffic(simulation)));
   print_isolation(simulation);
+}
+
+void print_motion_report(const std::filesystem::path& vtu, const std::string& what, const Scene& scene,
+                         const std::vector<ShownMotion>& motions, bool one_way) {
+  const std::string title = fmt::format("{}: {}", what, scene.title.empty() ? scene.file : scene.title);
+  try {
+    fmt::print("{}\n", write_motion_report(vtu, title, motions, one_way).string());
+  } catch (const Error& error) {
+    notice(fmt::format("quoin: no report.html: {}", error.what()));
+  }
 }
 
 }  // namespace quoin

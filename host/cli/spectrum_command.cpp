@@ -17,6 +17,7 @@
 #include "files/file.h"
 #include "files/gnuplot.h"
 #include "files/notice.h"
+#include "files/result_folder.h"
 #include "records/baseline.h"
 #include "records/read_record.h"
 #include "records/response_spectrum.h"
@@ -163,6 +164,9 @@ void run(Options options) {
     throw Error(Exit::usage, "spectrum: --baseline high-pass needs --corner, the corner frequency in Hz");
   for (const char* name : {"spectrum.csv", "spectrum.json"})
     if (!options.out.empty()) refuse_input_as_output(std::filesystem::path(options.out) / name, options.files);
+  std::vector<std::string> written{"spectrum.csv", "spectrum.json", "spectrum.png", "plots/spectrum.gp"};
+  if (options.svg) written.emplace_back("spectrum.svg");
+  if (!options.out.empty()) refuse_files_of_others(options.out, written);
   if (options.periods.empty()) options.periods = default_periods();
   std::sort(options.periods.begin(), options.periods.end());
   const GroundRecord record = read_record(options.files);
@@ -180,7 +184,7 @@ void run(Options options) {
   }
   if (options.out.empty()) return;
   const std::filesystem::path folder = options.out;
-  make_folder(folder);
+  list_own_files(folder, written);
   write_file(folder / "spectrum.csv", csv_of(spectra, options.dampings));
   write_json(folder / "spectrum.json", json_of(record, spectra, options));
   if (const std::string missing = draw_picture(folder, "spectrum", script_of(record, spectra, options.dampings));

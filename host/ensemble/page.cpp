@@ -23,6 +23,7 @@
 #include "files/notice.h"
 #include "random/distribution.h"
 #include "results/json_file.h"
+#include "results/plots.h"
 #include "scene/scatter_text.h"
 
 namespace quoin::ensemble {
@@ -75,7 +76,8 @@ std::optional<bool> has_vertical_peak(const fs::path& sample) {
   return has("peak_horizontal_force_N") ? std::optional(false) : std::nullopt;
 }
 
-// Curve of the last stage: largest displacement so far, and the force at it, of vertical tests its magnitude.
+// Curve of the last stage: largest displacement so far in the sense of the push, and the force at it, of vertical tests
+// its magnitude.
 Curve read_curve(const fs::path& sample, bool vertical) {
   const std::size_t at_displacement = vertical ? 3 : 2, at_force = vertical ? 5 : 4;
   std::ifstream stream(sample / "history.csv");
@@ -89,13 +91,17 @@ Curve read_curve(const fs::path& sample, bool vertical) {
     if (parse_number(std::string_view(line).substr(0, first), stage) &&
         parse_number(cell(line, quoted + 2, at_displacement), displacement) &&
         parse_number(cell(line, quoted + 2, at_force), force))
-      rows.push_back({stage, displacement, vertical ? std::abs(force) : force});
+      rows.push_back({stage, displacement, force});
   }
+  std::erase_if(rows, [last = rows.empty() ? 0.0 : rows.back()[0]](const auto& row) { return row[0] != last; });
+  double lowest = 0.0, highest = 0.0;
+  for (const auto& row : rows) lowest = std::min(lowest, row[1]), highest = std::max(highest, row[1]);
+  const double sense = sense_of_push(lowest, highest);
   Curve curve;
   for (const auto& [stage, displacement, force] : rows) {
-    const double u = std::abs(displacement);
-    if (stage != rows.back()[0] || (!curve.displacement.empty() && u <= curve.displacement.back())) continue;
-    curve.displacement.push_back(u), curve.force.push_back(force);
+    const double u = sense * displacement;
+    if (!curve.displacement.empty() && u <= curve.displacement.back()) continue;
+    curve.displacement.push_back(u), curve.force.push_back(vertical ? std::abs(force) : sense * force);
   }
   return curve;
 }

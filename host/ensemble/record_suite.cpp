@@ -129,30 +129,6 @@ void read_levels(Table& t, RecordSuite& suite) {
 
 }  // namespace
 
-const char* measure_key(IntensityMeasure measure) {
-  switch (measure) {
-    case IntensityMeasure::pga:
-      return "pga";
-    case IntensityMeasure::pgv:
-      return "pgv";
-    case IntensityMeasure::sa:
-      return "sa";
-  }
-  return "";
-}
-
-const char* measure_column(IntensityMeasure measure) {
-  switch (measure) {
-    case IntensityMeasure::pga:
-      return "pga_m_s2";
-    case IntensityMeasure::pgv:
-      return "pgv_m_s";
-    case IntensityMeasure::sa:
-      return "sa_m_s2";
-  }
-  return "";
-}
-
 RecordSuite read_record_suite(Table& study, const std::string& folder) {
   RecordSuite suite;
   const toml::table* table = study.table("shaking", "a table [shaking]", study.has("record"));

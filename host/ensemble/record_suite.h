@@ -20,8 +20,14 @@ enum class IntensityMeasure { pga, pgv, sa };
 inline constexpr std::size_t kMeasures = 3;
 // Measures of a record; sa is NaN without a period.
 using Intensities = std::array<double, kMeasures>;
-const char* measure_key(IntensityMeasure measure);     // "pga"
-const char* measure_column(IntensityMeasure measure);  // "pga_m_s2"
+struct MeasureNames {
+  const char *key, *column, *label;
+};
+inline constexpr std::array<MeasureNames, kMeasures> kMeasureNames{
+    {{"pga", "pga_m_s2", "PGA, m/s^2"}, {"pgv", "pgv_m_s", "PGV, m/s"}, {"sa", "sa_m_s2", "Sa, m/s^2"}}};
+inline const MeasureNames& names_of(IntensityMeasure measure) {
+  return kMeasureNames[static_cast<std::size_t>(measure)];
+}
 
 struct SuiteRecord {
   std::string name;

@@ -116,7 +116,7 @@ Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& r
   const Scene& scene = simulation.scene();
   const Peak peak = find_peak(rows, scene);
   const int last = static_cast<int>(scene.stages.size()) - 1;
-  double work = 0.0, lost = kNone, final_force = kNone;
+  double work = 0.0, final_force = kNone;
   const HistoryRow* before = nullptr;
   for (const HistoryRow& row : rows) {
     if (row.stage != last) continue;
@@ -127,8 +127,6 @@ Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& r
       work += 0.5 * (now.force + then.force) * (now.displacement - then.displacement);
     }
     before = &row;
-    const bool after_peak = peak.row >= 0 && &row - rows.data() > peak.row;
-    if (after_peak && std::isnan(lost) && std::abs(now.force) <= kLoss * peak.force) lost = std::abs(now.displacement);
   }
   const double height = scene.wall && !is_vertical(scene) ? scene.wall->courses * scene.wall->unit[1] : kNone;
   const auto multiplier = simulation.outcome().collapse_multiplier;
@@ -136,7 +134,7 @@ Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& r
                                    peak.row < 0 ? kNone : peak.displacement,
                                    peak.row < 0 ? kNone : peak.displacement / height,
                                    peak.row < 0 ? kNone : peak.vertical_force,
-                                   lost,
+                                   displacement_at_loss(rows, scene, peak, kLoss).value_or(kNone),
                                    work,
                                    final_force,
                                    multiplier ? *multiplier : kNone,

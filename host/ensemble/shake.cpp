@@ -10,6 +10,7 @@
 #include "base/any_error.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/upright_axis.h"
 #include "ensemble/no_number.h"
 #include "files/file.h"
 #include "model/world_results.h"
@@ -43,8 +44,7 @@ fs::path folder_of(const fs::path& folder, std::size_t run) { return folder / "r
 
 void write_run(const fs::path& folder, const ShakenRun& run) {
   Json json{{"status", run.status}, {"reason", run.reason}, {"factor", run.factor}};
-  for (std::size_t m = 0; m < kMeasures; ++m)
-    json[measure_column(static_cast<IntensityMeasure>(m))] = number_or_null(run.intensity[m]);
+  for (std::size_t m = 0; m < kMeasures; ++m) json[kMeasureNames[m].column] = number_or_null(run.intensity[m]);
   json["largest_displacement_m"] = number_or_null(run.largest);
   json["residual_displacement_m"] = number_or_null(run.residual);
   json["largest_base_shear_N"] = number_or_null(run.base_shear);
@@ -59,8 +59,7 @@ ShakenRun read_run(const fs::path& file) {
   ShakenRun run;
   run.status = json["status"].get<std::string>(), run.reason = json.value("reason", "");
   run.factor = number_in(json, "factor");
-  for (std::size_t m = 0; m < kMeasures; ++m)
-    run.intensity[m] = number_in(json, measure_column(static_cast<IntensityMeasure>(m)));
+  for (std::size_t m = 0; m < kMeasures; ++m) run.intensity[m] = number_in(json, kMeasureNames[m].column);
   run.largest = number_in(json, "largest_displacement_m"), run.residual = number_in(json, "residual_displacement_m");
   run.base_shear = number_in(json, "largest_base_shear_N"), run.time = number_in(json, "time_s");
   return run;
@@ -93,7 +92,9 @@ class CollapseWatch : public Observer {
       return;
     }
     run.time = row.time - begin_;
-    run.base_shear = std::max(run.base_shear, std::hypot(row.base_force[0], row.base_force[2]));
+    Vec3 shear = row.base_force;
+    shear[static_cast<std::size_t>(upright_axis(stage.gravity))] = 0.0;
+    run.base_shear = std::max(run.base_shear, norm_of(shear));
     run.residual = 0.0;
     const blocks::Model* const model = simulation_->large_motion();
     for (int block = 0; block < simulation_->block_count(); ++block) {
@@ -200,7 +201,7 @@ Json outputs_of(const RecordSuite& suite, const std::vector<ShakenRun>& runs) {
     for (std::size_t m = 0; m < kMeasures; ++m) {
       const auto measure = static_cast<IntensityMeasure>(m);
       const Bracket b = bracket_of(runs, measure, 0.0);
-      const std::string column = measure_column(measure);
+      const std::string column = names_of(measure).column;
       outputs["stands_" + column] = number_or_null(b.low);
       outputs["collapse_" + column] =
           b.low > 0.0 && std::isfinite(b.high) ? number_or_null(std::sqrt(b.low * b.high)) : Json(nullptr);
@@ -215,7 +216,7 @@ std::vector<std::string> suite_output_names(const RecordSuite& suite) {
   std::vector<std::string> names{"runs"};
   if (suite.method != RecordSuite::Method::incremental) return names;
   for (std::size_t m = 0; m < kMeasures; ++m) {
-    const std::string column = measure_column(static_cast<IntensityMeasure>(m));
+    const std::string column = kMeasureNames[m].column;
     names.push_back("stands_" + column), names.push_back("collapse_" + column);
   }
   return names;

@@ -30,6 +30,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+// Results of studies of any kind, whose files could be someone else's in a folder without a study.
+constexpr const char* kResults[] = {
+    "samples.csv",     "summary.json",  "index.html",        "curve_bands.csv",   "crack_probability.csv",
+    "runs.csv",        "fragility.csv", "sensitivity.csv",   "sobol.csv",         "fragility_curves.csv",
+    "bands.png",       "runs.png",      "convergence.png",   "fragility.png",     "crack_probability.png",
+    "influence.png",   "plots",         "fragility_pga.png", "fragility_pgv.png", "fragility_sa.png",
+    "sensitivity.png", "inputs"};
+
 std::string message(int code) { return std::error_code(code, std::generic_category()).message(); }
 
 std::string word_of(Trials trials) {
@@ -56,7 +64,7 @@ Json json_of(const StudyQuantity& quantity) {
 Json json_of(const RecordSuite& suite) {
   Json json{{"method", static_cast<int>(suite.method)},
             {"stage", suite.stage},
-            {"intensity", measure_key(suite.measure)},
+            {"intensity", names_of(suite.measure).key},
             {"sa_period", suite.period},
             {"first", suite.first},
             {"growth", suite.growth},
@@ -142,6 +150,8 @@ void Claim::sign() const {
 StudyFolder::StudyFolder(fs::path path, const Study& study, const Scene& scene, const StudyRequest& request)
     : path_(std::move(path)) {
   refuse_folder_of_run(path_);
+  // A folder with study.json is one of quoin. Names are listed before it is written, as processes may begin at once.
+  if (!fs::exists(path_ / "study.json")) list_own_files(path_, {std::begin(kResults), std::end(kResults)});
   make_folder(path_ / "samples");
   make_folder(path_ / "claims");
   const fs::path file = path_ / "study.json";

@@ -41,18 +41,6 @@ struct SuiteFragility {
   std::optional<FittedFragility> fit;
 };
 
-const char* label_of(IntensityMeasure measure) {
-  switch (measure) {
-    case IntensityMeasure::pga:
-      return "PGA, m/s^2";
-    case IntensityMeasure::pgv:
-      return "PGV, m/s";
-    case IntensityMeasure::sa:
-      return "Sa, m/s^2";
-  }
-  return "";
-}
-
 std::vector<ShakenWall> read_walls(const StudyFolder& folder, const Study& study) {
   std::vector<ShakenWall> walls;
   for (std::uint64_t task = study.first_task(); task <= study.tasks(); ++task) {
@@ -121,7 +109,7 @@ std::string fragility_text(const std::vector<SuiteFragility>& all) {
   std::string text =
       "limit,intensity,median,median_low_95,median_high_95,spread,spread_low_95,spread_high_95,observations,reached\n";
   for (const SuiteFragility& f : all) {
-    text += fmt::format("{},{}", csv_text(f.limit->name), measure_column(f.measure));
+    text += fmt::format("{},{}", csv_text(f.limit->name), names_of(f.measure).column);
     if (f.fit)
       for (const double value : {f.fit->median, f.fit->of_median.low, f.fit->of_median.high, f.fit->spread,
                                  f.fit->of_spread.low, f.fit->of_spread.high})
@@ -147,7 +135,7 @@ std::string curve_text(const std::vector<SuiteFragility>& all) {
     if (!f.fit) continue;
     for (const double x : grid_of(*f.fit)) {
       const Interval band = f.fit->probability_interval(x);
-      text += fmt::format("{},{},{},{},{},{}\n", csv_text(f.limit->name), measure_column(f.measure), csv_number(x),
+      text += fmt::format("{},{},{},{},{},{}\n", csv_text(f.limit->name), names_of(f.measure).column, csv_number(x),
                           csv_number(f.fit->probability(x)), csv_number(band.low), csv_number(band.high));
     }
   }
@@ -173,7 +161,7 @@ void draw_runs(const Study& study, const std::vector<ShakenWall>& walls, Picture
   if (collapses.empty()) collapses = "NaN NaN\n";
   const bool joined = study.suite.method == RecordSuite::Method::incremental;
   pictures.draw("runs", lines + "\n\n" + collapses, "largest displacement against the ground, mm",
-                label_of(study.suite.measure),
+                names_of(study.suite.measure).label,
                 fmt::format("set xrange [0:*]\nset yrange [0:*]\nplot 'runs.dat' index 0 using 1:2 with {} pointtype 7 "
                             "pointsize 0.8 linecolor rgb '#0072b2' title 'stands', '' index 1 using 1:2 with points "
                             "pointtype 2 linewidth 2 linecolor rgb '#d55e00' title 'collapsed'\n",
@@ -197,12 +185,12 @@ void draw_fragilities(const std::vector<SuiteFragility>& all, IntensityMeasure m
     plot += fmt::format(
         "{}'fragility_{}.dat' index {} using 1:3:4 with filledcurves linecolor rgb '{}' notitle, '' index {} using 1:2 "
         "with lines linewidth 2.4 linecolor rgb '{}' title {}",
-        plot.empty() ? "plot " : ", ", measure_key(measure), block, colour, block, colour,
+        plot.empty() ? "plot " : ", ", names_of(measure).key, block, colour, block, colour,
         gnuplot_text(fmt::format("{}: median {:.3g}, spread {:.2g}", f.limit->name, f.fit->median, f.fit->spread)));
     ++block;
   }
   if (plot.empty()) return;
-  pictures.draw(fmt::format("fragility_{}", measure_key(measure)), data, label_of(measure), "probability",
+  pictures.draw(fmt::format("fragility_{}", names_of(measure).key), data, names_of(measure).label, "probability",
                 "set yrange [0:1]\nset xrange [0:*]\n" + plot + "\n",
                 "Probability that a record of this intensity makes a wall reach a limit, with its band of 95 %.");
 }
@@ -223,7 +211,7 @@ std::string page_body(const Study& study, const std::vector<ShakenWall>& walls, 
                       const std::vector<SuiteFragility>& fragilities, const std::string& figures) {
   std::string rows, failures;
   for (const SuiteFragility& f : fragilities) {
-    rows += fmt::format("<tr><td>{}</td><td>{}</td>", escaped(f.limit->name), label_of(f.measure));
+    rows += fmt::format("<tr><td>{}</td><td>{}</td>", escaped(f.limit->name), names_of(f.measure).label);
     rows += f.fit ? fmt::format("<td>{:.4g}</td><td>{}</td><td>{}</td><td>{}</td>", f.fit->median,
                                 interval_text(f.fit->of_median, 4), spread_text(*f.fit),
                                 f.fit->spread_is_bound ? "" : interval_text(f.fit->of_spread, 3))
@@ -254,7 +242,7 @@ Json summary_of(const Study& study, const SuiteResults& results, const std::vect
             {"fragility", Json::array()}};
   for (const SuiteFragility& f : fragilities) {
     Json one{{"name", f.limit->name},
-             {"intensity", measure_column(f.measure)},
+             {"intensity", names_of(f.measure).column},
              {"observations", f.observations},
              {"reached", f.reached}};
     one["median"] = f.fit ? number_or_null(f.fit->median) : Json(nullptr);
@@ -282,7 +270,7 @@ SuiteResults gather_suite(const StudyFolder& folder, const Study& study, bool pi
   }
   const std::vector<SuiteFragility> fragilities = fragilities_of(study, walls);
   for (const SuiteFragility& f : fragilities) {
-    const std::string what = fmt::format("{}, {}: ", f.limit->name, label_of(f.measure));
+    const std::string what = fmt::format("{}, {}: ", f.limit->name, names_of(f.measure).label);
     if (!f.fit) {
       results.text += what + "no distribution fits: " + kNoFit + "\n";
       continue;

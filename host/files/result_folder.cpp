@@ -311,6 +311,49 @@ void refuse_folder_of_run(const fs::path& folder) {
                                            folder.string()));
 }
 
+namespace {
+
+constexpr const char* kOwnFiles = ".quoin-files";
+
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(file, error));
+}
+
+// Listed names of files that are still there: one that was removed may be someone else's when it comes back.
+std::set<std::string> own_files(const fs::path& folder) {
+  std::set<std::string> names;
+  std::ifstream stream(folder / kOwnFiles);
+  for (std::string line; std::getline(stream, line);) {
+    if (is_there(folder / line)) names.insert(line);
+  }
+  return names;
+}
+
+}  // namespace
+
+void refuse_files_of_others(const fs::path& folder, const std::vector<std::string>& names) {
+  const std::set<std::string> own = own_files(folder);
+  for (const std::string& name : names) {
+    if (!is_there(folder / name) || own.contains(name)) continue;
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{0}: has {1}, which would be replaced, and quoin has not written it ({2} lists what it wrote; "
+                    "versions before this one wrote no list); move {1} away or choose another folder with --out",
+                    folder.string(), name, kOwnFiles));
+  }
+}
+
+void list_own_files(const fs::path& folder, const std::vector<std::string>& names) {
+  refuse_files_of_others(folder, names);
+  make_folder(folder);
+  std::set<std::string> own = own_files(folder);
+  own.insert(names.begin(), names.end());
+  std::string text;
+  for (const std::string& name : own) text += name + '\n';
+  write_file(folder / kOwnFiles, text);
+}
+
 void refuse_page_of_others(const fs::path& page) {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(page, error)) ||

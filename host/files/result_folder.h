@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace quoin {
 
@@ -47,6 +48,13 @@ void note_results_of_rank(const std::filesystem::path& folder, int rank);
 
 // Throws Error(bad_input) where the folder has the results of a run, whose files would be overwritten.
 void refuse_folder_of_run(const std::filesystem::path& folder);
+
+// For commands that write files of fixed names into a folder that is no folder of a run. The names that they have
+// written are in FOLDER/.quoin-files. Throws Error(bad_input) where a file of these names is there that is not in the
+// list.
+void refuse_files_of_others(const std::filesystem::path& folder, const std::vector<std::string>& names);
+// The same; then makes the folder and adds the names to the list, before the files are written.
+void list_own_files(const std::filesystem::path& folder, const std::vector<std::string>& names);
 
 // Mark of the pages that quoin writes into result folders.
 inline constexpr const char* kPageMark = "<meta name=\"generator\" content=\"quoin\">";

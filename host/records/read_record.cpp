@@ -436,9 +436,27 @@ GroundRecord read_record(const std::string& file) {
   return record;
 }
 
+namespace {
+
+// Components of different files with one name get the name of their file in front, or its path where names of files are
+// equal, too. of: the file of each.
+void part_equal_names(std::vector<RecordComponent>& components, const std::vector<std::filesystem::path>& of) {
+  const std::vector<RecordComponent> given = components;
+  for (const bool whole : {false, true}) {
+    const std::vector<RecordComponent> now = components;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      if (std::ranges::count(now, now[i].name, &RecordComponent::name) > 1)
+        components[i].name = fmt::format("{} {}", (whole ? of[i] : of[i].stem()).string(), given[i].name);
+    }
+  }
+}
+
+}  // namespace
+
 GroundRecord read_record(const std::vector<std::string>& files) {
   if (files.empty()) throw Error(Exit::bad_input, "no file of a record is given");
   GroundRecord record = read_record(files[0]);
+  std::vector<std::filesystem::path> of(record.components.size(), files[0]);
   for (std::size_t i = 1; i < files.size(); ++i) {
     GroundRecord next = read_record(files[i]);
     if (next.kind != record.kind)
@@ -451,10 +469,12 @@ GroundRecord read_record(const std::vector<std::string>& files) {
       throw Error(Exit::bad_input,
                   fmt::format("{} has {} times up to {} s, {} has {} up to {} s; allowed: the same times", files[i],
                               next.time.size(), next.time.back(), files[0], record.time.size(), record.time.back()));
+    of.resize(of.size() + next.components.size(), files[i]);
     std::move(next.components.begin(), next.components.end(), std::back_inserter(record.components));
     std::move(next.assumptions.begin(), next.assumptions.end(), std::back_inserter(record.assumptions));
     record.source += ", " + files[i];
   }
+  part_equal_names(record.components, of);
   return record;
 }
 

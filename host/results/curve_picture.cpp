@@ -33,6 +33,15 @@ struct Curve {
   int peak = -1;                              // index of a point; -1: none
 };
 
+}  // namespace
+
+double sense_of_push(double lowest, double highest) {
+  // Noise about 0 must not select another quadrant.
+  return -lowest > highest && highest <= 0.01 * -lowest ? -1.0 : 1.0;
+}
+
+namespace {
+
 // Curve of the rows of stages_on_curve. A push in one direction is drawn to the right.
 Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::string& law) {
   const double area = bed_area(scene);
@@ -53,9 +62,7 @@ Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::st
     lowest = std::min(lowest, x), highest = std::max(highest, x);
   }
   const double largest = std::max(highest, -lowest);
-  // Noise about 0 must not select another quadrant.
-  const bool turns = std::min(highest, -lowest) > 0.01 * largest;
-  const double sign = !turns && -lowest > highest ? -1.0 : 1.0;
+  const double sign = sense_of_push(lowest, highest);
   const Stage& measured = stage_of_curve(scene);
   curve.x_label = fmt::format("{} displacement of the {}{} (mm)", axis, moved_part(scene, measured),
                               axis_of(measured) == 2  ? " along z"

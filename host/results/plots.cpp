@@ -91,6 +91,54 @@ Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
 
 namespace {
 
+// Whether the half cycle at `time` goes farther to a side than those before. Others repeat an amplitude, after which
+// the force is smaller although the envelope of the cycles has not fallen.
+bool goes_farther(const CyclicMotion& motion, double time, double side) {
+  double farthest = 0.0;
+  const int now = motion.half_cycle(time);
+  for (int half_cycle = 0; half_cycle < now; ++half_cycle)
+    farthest = std::max(farthest, side * motion.target(half_cycle));
+  return side * motion.target(now) > farthest;
+}
+
+}  // namespace
+
+std::optional<double> displacement_at_loss(const std::vector<HistoryRow>& rows, const Scene& scene, const Peak& peak,
+                                           double kept) {
+  if (!(peak.force > 0.0)) return std::nullopt;
+  const auto at_peak = static_cast<size_t>(peak.row);
+  const std::vector<bool> on_curve = stages_on_curve(scene);
+  const double side = std::copysign(1.0, shown(rows[at_peak], scene).force);
+  std::optional<CyclicMotion> cycles;  // of the stage
+  std::optional<double> lost;
+  double begin = 0.0, farthest = 0.0, largest = -HUGE_VAL;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const HistoryRow& row = rows[i];
+    if (i == 0 || row.stage != rows[i - 1].stage) {
+      const Stage& stage = scene.stages[static_cast<size_t>(row.stage)];
+      begin = row.time;
+      cycles = stage.cycles ? std::optional<CyclicMotion>(*stage.cycles) : std::nullopt;
+    }
+    if (!on_curve[static_cast<size_t>(row.stage)]) continue;
+    const Shown now = shown(row, scene);
+    const double displacement = side * now.displacement, force = side * now.force;
+    const bool is_farther = displacement > farthest && (!cycles || goes_farther(*cycles, row.time - begin, side));
+    farthest = std::max(farthest, displacement);
+    if (is_farther) {
+      // The force rises when the wall is loaded again, so that a loss counts from its largest value on.
+      if (force > largest) largest = force, lost.reset();
+      if (!lost && i > at_peak && force <= kept * peak.force) lost = displacement;
+    } else if (lost) {
+      break;
+    } else {
+      largest = -HUGE_VAL;
+    }
+  }
+  return lost;
+}
+
+namespace {
+
 using Run = ResultRun;
 
 constexpr long kMostBricks =

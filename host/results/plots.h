@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,15 @@ struct Peak {
   double force = 0.0, displacement = 0.0, vertical_force = 0.0;
 };
 Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene);
+// Displacement at which the resistance has fallen to `kept` times the peak, on the side of the peak; empty: never. Rows
+// count that go farther to this side than all before. When the wall is unloaded or pushed back, a smaller force is no
+// loss.
+std::optional<double> displacement_at_loss(const std::vector<HistoryRow>& rows, const Scene& scene, const Peak& peak,
+                                           double kept);
+
+// -1 if displacements between these two are those of a push in the negative direction alone, which is drawn to the
+// right with positive forces; else 1.
+double sense_of_push(double lowest, double highest);
 
 // Draw a picture. Return a one-line notice without one (no gnuplot), otherwise an empty text. label: of warnings.h, or
 // empty.

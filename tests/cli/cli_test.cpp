@@ -318,7 +318,8 @@ TEST(DurationText, HasAUnitOfItsSize) {
                                                                                  {7200.0, "2.0 h"},
                                                                                  {172799.0, "48.0 h"},
                                                                                  {172800.0, "2.0 days"},
-                                                                                 {30 * 86400.0, "30.0 days"}})
+                                                                                 {30 * 86400.0, "30.0 days"},
+                                                                                 {86400e300, "1e+300 days"}})
     EXPECT_EQ(quoin::duration_text(seconds), text);
 }
 
@@ -330,6 +331,14 @@ TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks"), HasSubstr("contact points"), HasSubstr("2/omega_max")));
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml"}), 0);  // a scene without bricks
   EXPECT_THAT(out_, AllOf(HasSubstr("memory of the model about 1 MB"), ContainsRegex("[0-9.]+ s, about [0-9]+ steps")));
+}
+
+// A stage that would never end: its steps and days were printed with 300 digits.
+TEST_F(Cli, CheckPrintsShortNumbersOfVeryLongStages) {
+  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml", "--set", "stage.weight.duration=1e300"}), 3);
+  for (const std::string& text : {out_, error_})
+    EXPECT_THAT(text, testing::Not(ContainsRegex("[0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9]")));
+  EXPECT_THAT(out_, ContainsRegex("until 1e.300 s, about [0-9.]+e.30[0-9] steps"));
 }
 
 // Numbers of the output for scenes that can be counted by hand.

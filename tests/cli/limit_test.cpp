@@ -48,6 +48,17 @@ TEST_F(Limit, FailureLeavesNoEarlierResults) {
     EXPECT_FALSE(fs::exists(fs::path(out()) / name)) << name;
 }
 
+// A user's own forces.csv was replaced without a word, and removed beside a limit.json of whomever.
+TEST_F(Limit, AFileOfTheUserIsKept) {
+  fs::create_directories(out());
+  for (const char* name : {"forces.csv", "limit.json"}) {
+    std::ofstream(fs::path(out()) / name) << "mine";
+    EXPECT_EQ(quoin({"limit", QUOIN_SCENES "/arch.toml", "--out", out(), "--associated"}), 3);
+    EXPECT_EQ(read_all(fs::path(out()) / "forces.csv"), "mine");
+  }
+  EXPECT_THAT(error_, HasSubstr("has limit.json, which would be replaced"));
+}
+
 // Multipliers with sliding without dilation. The arch falls by hinges only, so dilation has no effect. Four facets are
 // exact in a plane problem.
 TEST_F(Limit, MultipliersWithoutDilation) {

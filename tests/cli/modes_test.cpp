@@ -168,6 +168,18 @@ duration = 1e-3
   }
 }
 
+// A user's own file of the name of a result was replaced without a word. Own results are replaced.
+TEST_F(Modes, AFileOfTheUserIsKept) {
+  const std::vector<std::string> command{"modes", QUOIN_SCENES "/arch.toml", "--count", "1", "--out", out()};
+  fs::create_directories(out());
+  std::ofstream(fs::path(out()) / "modes.json") << "mine";
+  EXPECT_EQ(quoin(command), 3);
+  EXPECT_THAT(error_, HasSubstr("has modes.json, which would be replaced"));
+  EXPECT_EQ(read_all(fs::path(out()) / "modes.json"), "mine");
+  fs::remove(fs::path(out()) / "modes.json");
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(quoin(command), 0) << error_;
+}
+
 TEST_F(Modes, WhatIsWrongIsSaid) {
   const std::string arch = QUOIN_SCENES "/arch.toml";
   EXPECT_EQ(quoin({"modes", arch, "--stage", "nowhere"}), 3);

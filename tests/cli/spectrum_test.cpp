@@ -50,6 +50,42 @@ TEST_F(Spectrum, OfAStepIsThatOfTheClosedForm) {
   EXPECT_EQ(json["recorded_as"], "g");
 }
 
+// Files of one component with one name, as of PEER, have the name of the file in front, or its path.
+TEST_F(Spectrum, ComponentsOfFilesWithOneNameHaveThatOfTheirFile) {
+  const std::string record = step_record(), other = (folder_ / "EAST.AT2").string(),
+                    again = (folder_ / "more/EAST.AT2").string();
+  fs::create_directories(folder_ / "more");
+  fs::copy_file(record, other), fs::copy_file(record, again);
+  const auto names = [&](const std::vector<std::string>& files) {
+    std::vector<std::string> words{"spectrum", "--period", "1", "--out", out()};
+    words.insert(words.begin() + 1, files.begin(), files.end());
+    EXPECT_EQ(quoin(words), 0) << error_;
+    std::istringstream csv(read_all(fs::path(out()) / "spectrum.csv"));
+    std::vector<std::string> found;
+    std::string line;
+    for (std::getline(csv, line); std::getline(csv, line);) found.push_back(line.substr(0, line.find(',')));
+    return found;
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(names({record}), ElementsAre("\"090\""));
+  EXPECT_THAT(names({record, other}), ElementsAre("\"RECORD 090\"", "\"EAST 090\""));
+  EXPECT_THAT(names({record, other, again}),
+              ElementsAre("\"RECORD 090\"", "\"" + other + " 090\"", "\"" + again + " 090\""));
+}
+
+// A user's own file of the name of a result was replaced without a word. Own results are replaced.
+TEST_F(Spectrum, AFileOfTheUserIsKept) {
+  const std::vector<std::string> command{"spectrum", step_record(), "--period", "1", "--out", out()};
+  fs::create_directories(out());
+  std::ofstream(fs::path(out()) / "spectrum.png") << "mine";
+  EXPECT_EQ(quoin(command), 3);
+  EXPECT_THAT(error_, HasSubstr("has spectrum.png, which would be replaced"));
+  EXPECT_EQ(read_all(fs::path(out()) / "spectrum.png"), "mine");
+  EXPECT_FALSE(fs::exists(fs::path(out()) / "spectrum.csv"));
+  fs::remove(fs::path(out()) / "spectrum.png");
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(quoin(command), 0) << error_;
+}
+
 TEST_F(Spectrum, BadInputIsNamedAndLeavesNothing) {
   EXPECT_EQ(quoin({"spectrum", (folder_ / "none.at2").string()}), 3);
   EXPECT_THAT(error_, HasSubstr("no such file"));

@@ -144,6 +144,19 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
 }
 
+// A user's own samples.csv was replaced without a word. A folder that has study.json belongs to the study.
+TEST_F(Ensemble, AFileOfTheUserIsKept) {
+  fs::create_directories(folder_ / "a");
+  std::ofstream(folder_ / "a" / "samples.csv") << "mine";
+  EXPECT_EQ(ensemble("a"), 3);
+  EXPECT_THAT(error_, HasSubstr("has samples.csv, which would be replaced"));
+  EXPECT_EQ(table("a"), "mine");
+  fs::remove(folder_ / "a" / "samples.csv");
+  ASSERT_EQ(ensemble("a", {"--samples", "2"}), 0) << error_;
+  fs::remove(folder_ / "a" / ".quoin-files");  // as of a study of an earlier version
+  EXPECT_EQ(ensemble("a", {"--samples", "2"}), 0) << error_;
+}
+
 // Curves and cracks of the study come from tables of its samples. One that was cut or deleted made the bands of all
 // empty, or wrong, without a word.
 TEST_F(Ensemble, ATableThatIsNotWhatTheSampleWroteIsNamed) {
@@ -374,6 +387,31 @@ plots = false
   ASSERT_EQ(std::sscanf(bands.back().c_str(), "%lf,%lf", &displacement, &force), 2);
   EXPECT_GT(displacement, 1e-4);
   EXPECT_NEAR(force, 1e9 * displacement, 0.02 * 1e9 * displacement);
+}
+
+// A wall that is pushed towards -x has bands of positive forces, between those of its weakest and its strongest sample.
+// Forces had kept their sign, so that q05 was the strongest wall. In cycles the bands are of one side, whichever is
+// first.
+TEST_F(Ensemble, BandsOfAPushTowardsMinusXAreThoseOfItsForces) {
+  const std::string cycles =
+      "[{name='precompression',kind='pressure',pressure=0.3e6},{name='shear',kind='cycles',"
+      "velocity=-0.2,amplitudes=[0.05e-3,0.1e-3]}]";
+  for (const std::string& set : {std::string("stage.shear.velocity=-0.2"), "stage=" + cycles}) {
+    const std::string out = set.substr(0, 7);
+    ASSERT_EQ(ensemble(out, {"--samples", "3", "--jobs", "1", "--set", set}), 0) << error_;
+    const auto bands = lines_of(read_all(folder_ / out / "curve_bands.csv"));
+    ASSERT_EQ(bands.size(), 202u);
+    double u = 0.0, mean = 0.0, of_means = 0.0, q05 = 0.0, q95 = 0.0, most = 0.0;
+    for (std::size_t i = 1; i < bands.size(); ++i) {
+      ASSERT_EQ(std::sscanf(bands[i].c_str(), "%lf,%lf,%lf,%lf,%*f,%*f,%*f,%lf", &u, &mean, &of_means, &q05, &q95), 5);
+      EXPECT_TRUE(q05 <= mean && mean <= q95) << bands[i];
+      most = std::max(most, q95);
+    }
+    const auto summary = nlohmann::json::parse(read_all(folder_ / out / "summary.json"));
+    const double peak = summary["outputs"]["peak_force_N"]["mean"];
+    EXPECT_NEAR(most, peak, 0.3 * peak) << "of three samples the largest is near their mean";
+    EXPECT_GT(mean, 0.5 * peak);
+  }
 }
 
 // Joints of a wall along z have their places along z, and the picture is drawn along it.

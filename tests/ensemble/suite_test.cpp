@@ -217,6 +217,33 @@ TEST_F(Suite, KilledAndResumedItGivesTheSameTables) {
     EXPECT_EQ(read_all(folder_ / "cut" / table), read_all(folder_ / "whole" / table)) << table;
 }
 
+// The base shear of a block is the same whichever axis is up. Along z its weight W counted as shear. Less than W/2 is
+// friction of 0.3 W with the vertical swing of a sudden pulse. Tolerance: rounding in another order of axes.
+TEST_F(Suite, TheBaseShearOfABlockIsTheSameWhicheverAxisIsUp) {
+  const std::string upright = read_all(folder_ / "scene.toml");
+  std::string flat = upright;
+  for (const auto& [along_y, along_z] : std::map<std::string, std::string>{{"[0.0, -9.81, 0.0]", "[0.0, 0.0, -9.81]"},
+                                                                           {"[-3, -0.2, -1]", "[-3, -1, -0.2]"},
+                                                                           {"[3.5, 0.2, 2]", "[3.5, 2, 0.2]"},
+                                                                           {"[-0.2, 0, -0.2]", "[-0.2, -0.2, 0]"},
+                                                                           {"[0.4, 0.1, 0.4]", "[0.4, 0.4, 0.1]"}})
+    flat.replace(flat.find(along_y), along_y.size(), along_z);
+  const std::string stripes = "method = \"stripes\"\nlevels = [5.0]\nfree_time = 0.5\ncollapse_displacement = 1.0\n";
+  const double weight = 2000.0 * 0.4 * 0.1 * 0.4 * kGravity;
+  std::vector<double> shear;
+  for (const std::string out : {"y", "z"}) {
+    std::ofstream(folder_ / "scene.toml") << (out == "y" ? upright : flat);
+    ASSERT_EQ(ensemble(study(stripes, pulses_.substr(0, pulses_.find("[[record]]", 1))), out), 0) << error_;
+    const auto runs = rows(folder_ / out / "runs.csv");
+    ASSERT_EQ(runs.size(), 1u);
+    EXPECT_GT(std::stod(runs[0].at("largest_displacement_m")), 1e-3) << "it does not slide";
+    shear.push_back(std::stod(runs[0].at("largest_base_shear_N")));
+  }
+  EXPECT_GT(shear[0], kFriction * weight);
+  EXPECT_LT(shear[0], 0.5 * weight);
+  EXPECT_NEAR(shear[1], shear[0], 1e-6 * shear[0]);
+}
+
 // The ground ends at x = 0.5 m: a block that slides beyond falls. With a very large displacement limit the collapse is
 // detected by the loss of support.
 TEST_F(Suite, ABlockThatFallsHasLostItsSupport) {

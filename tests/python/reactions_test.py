@@ -1,4 +1,5 @@
 """Reactions, forces in joints, lines of thrust and frames of all stages, against statics, from the files of runs."""
+import os
 import unittest
 from xml.etree import ElementTree
 
@@ -196,6 +197,41 @@ class Reactions(Folder):
                     self.assertEqual(len(cells), int(grid.find("Topology").get("NumberOfElements")))
                     np.testing.assert_array_equal(np.concatenate(cells), arrays["connectivity"])
                     np.testing.assert_array_equal(np.cumsum([len(c) for c in cells]), arrays["offsets"])
+
+    def test_xdmf_takes_any_name_and_keeps_what_it_cannot_replace(self):
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("h5py is not installed (python3-h5py)")
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.output = dict(frames=1)
+        scene.stage[1].name = "drücken"
+        run = self.run_scene(scene)
+        run.save_xdmf(self.path("a & b.xdmf"))
+        with h5py.File(self.path("a & b.h5")) as file:
+            self.assertEqual(set(file["history/stage_name"].asstr()[:]), {"precompression", "drücken"})
+        places = [item.text for item in ElementTree.parse(self.path("a & b.xdmf")).iter("DataItem")]
+        self.assertTrue(places)
+        self.assertEqual({place.split(":")[0] for place in places}, {"a & b.h5"})
+        with open(self.path("a & b.h5"), "rb") as file:
+            whole = file.read()
+        os.remove(os.path.join(run.folder, "forces_0000.vtu"))
+        with self.assertRaisesRegex(quoin.BadInput, "forces_0000.vtu: No such file"):
+            quoin.open(run.folder).save_xdmf(self.path("a & b.xdmf"))
+        with open(self.path("a & b.h5"), "rb") as file:
+            self.assertEqual(file.read(), whole)
+        self.assertEqual([name for name in os.listdir(self.folder) if name.endswith(".part")], [])
+
+    def test_a_run_that_failed_in_its_first_step_is_opened(self):
+        """Its history has no row. The weight of a block of 1e300 m/s2 is beyond what numbers hold."""
+        scene = block_scene(output=dict(frames=1))
+        scene.stage = [quoin.Stage(name="fall", duration=1.0, gravity=[0, -1e300, 0], ramp_time=0.0)]
+        with self.assertRaises(quoin.NumericalFailure):
+            quoin.run(scene, out=self.path("failed"))
+        run = quoin.open(self.path("failed"))
+        self.assertEqual((len(run.history), [(f.stage, f.row) for f in run.frames]), (0, [(1, None)]))
+        self.assertEqual(run.peak, (None, None))
+        self.assertEqual(len(run.frames[0].blocks["position"]), 16)
 
 
 if __name__ == "__main__":

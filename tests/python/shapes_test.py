@@ -251,6 +251,14 @@ class Shapes(Folder):
         with self.assertRaisesRegex(quoin.BadInput, "reaches .* above it"):
             quoin.shapes.fill_load(blocks, 1.5, weight)
 
+    def test_a_box_without_a_lower_corner_begins_at_the_origin(self):
+        """As in scenes: the same parts, and the same load of a fill, as with lower = [0, 0, 0]."""
+        boxes = [quoin.Block(name="wall", material="stone", box=box)
+                 for box in (dict(size=[2, 1, 0.3]), dict(lower=[0, 0, 0], size=[2, 1, 0.3]))]
+        without, given = ([b.box for b in quoin.shapes.opening([block], 0.5, 1.0, 0.2, 0.8)] for block in boxes)
+        self.assertEqual(without, given)
+        self.assertEqual(*(quoin.shapes.fill_load([block], 1.5, 20e3) for block in boxes))
+
     def test_a_lintel_carries_what_is_over_an_opening(self):
         wall = quoin.shapes.wall("running", 7, 2.2, [0.44, 0.2, 0.22], **MASONRY)
         blocks = quoin.shapes.opening(wall, 0.66, 1.54, 0.2, 0.8, bearing=0.22, lintel_height=0.2, lintel_material="stone")

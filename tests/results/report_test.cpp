@@ -270,6 +270,71 @@ velocity = [0.01, "free", "free"]
   EXPECT_EQ(find_peak(rows, scene).force, 100);
 }
 
+// A toy wall in closed form. Its envelope rises to 100 N at 0.5 mm, and falls by 40 N/mm: it has 80 N at 1 mm. Below
+// the farthest displacement so far to a side, the force is on the line to the origin. A half cycle to an amplitude that
+// has been reached has 70 % of the force.
+struct ToyWall {
+  double side = 1.0;  // along which it is pushed first
+  std::array<double, 2> farthest{};
+  std::vector<HistoryRow> rows;
+  void move_to(int stage, double time, double u, bool again = false) {
+    const std::size_t s = u < 0.0 ? 1 : 0;
+    farthest[s] = std::max(farthest[s], std::abs(u));
+    const double x = 1e3 * farthest[s], envelope = x < 0.5 ? 200.0 * x : 100.0 - 40.0 * (x - 0.5);
+    HistoryRow& row = rows.emplace_back();
+    row.stage = stage, row.time = time;
+    row.monitor_displacement = {side * u, 0, 0};
+    row.joint_force = {x > 0.0 ? -side * envelope * u / farthest[s] * (again ? 0.7 : 1.0) : 0.0, 0, 0};
+  }
+};
+Scene wall_with(const std::string& stages) {
+  std::string text = read_all(QUOIN_TESTS "/cli/small_wall.toml");
+  const std::size_t at = text.find("[[stage]]\nname = \"shear\""), end = text.find("[output]");
+  return read_scene_text(text.replace(at, end - at, stages), "wall.toml", {});
+}
+constexpr double kRow = 5e-6;  // m, largest distance of two rows
+
+// Loss of strength counts on the envelope: unloading and repeated amplitudes had counted. Tolerance: two rows.
+TEST(Loss, InCyclesIsThatOfTheirEnvelope) {
+  for (const double side : {1.0, -1.0}) {
+    for (const bool beyond : {false, true}) {
+      const Scene scene = wall_with(
+          fmt::format("[[stage]]\nname = \"shear\"\nkind = \"cycles\"\nvelocity = {}\namplitudes = [0.4e-3, 0.8e-3{}]\n"
+                      "cycles = 2\n",
+                      0.01 * side, beyond ? ", 1.6e-3" : ""));
+      const Stage& stage = scene.stages.at(1);
+      const CyclicMotion motion(*stage.cycles);
+      ToyWall wall;
+      wall.side = side;
+      for (double t = 0.0; t < motion.duration(); t += kRow / 0.01)
+        wall.move_to(1, 7.0 + t, side * motion.position(t), motion.half_cycle(t) % 4 > 1);
+      const Peak peak = find_peak(wall.rows, scene);
+      EXPECT_NEAR(peak.force, 100.0, 0.5);
+      const auto lost = displacement_at_loss(wall.rows, scene, peak, 0.8);
+      EXPECT_EQ(lost.has_value(), beyond) << side;
+      EXPECT_NEAR(lost.value_or(1e-3), 1e-3, 2 * kRow) << side;
+    }
+  }
+}
+
+// Pushed to 0.8 mm, back to `back` and on to 1.2 mm: the loss is at 1 mm of the last stage, or on no side.
+TEST(Loss, IsNoneWhileTheWallIsPushedBack) {
+  std::string stages;
+  for (const char* name : {"out", "back", "on"})
+    stages += fmt::format("[[stage]]\nname = \"{}\"\nkind = \"shear\"\nvelocity = 0.01\ndisplacement = 0.001\n", name);
+  const Scene scene = wall_with(stages);
+  for (const double back : {0.0, -0.6e-3}) {
+    ToyWall wall;
+    for (double u = 0.0; u < 0.8e-3; u += kRow) wall.move_to(1, 0.0, u);
+    for (double u = 0.8e-3; u > back; u -= kRow) wall.move_to(2, 1.0, u);
+    EXPECT_FALSE(displacement_at_loss(wall.rows, scene, find_peak(wall.rows, scene), 0.8)) << back;
+    for (double u = back; u < 1.2e-3; u += kRow) wall.move_to(3, 2.0, u);
+    const auto lost = displacement_at_loss(wall.rows, scene, find_peak(wall.rows, scene), 0.8);
+    ASSERT_TRUE(lost) << back;
+    EXPECT_NEAR(*lost, 1e-3, 2 * kRow) << back;
+  }
+}
+
 // Without a monitor rows have no displacement and no force, and the summary has no peak; nothing stands for them as 0.
 TEST_F(Report, WithoutAMonitorNothingIsReportedAsMeasured) {
   std::string text = kStones;

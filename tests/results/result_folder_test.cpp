@@ -163,6 +163,34 @@ TEST_F(Folder, BelievesNoManifestBeyondTheNamesOfResults) {
   EXPECT_EQ(read_all(outside / "plots/curve.gp"), "theirs");
 }
 
+// Files of fixed names in a folder that is none of a run: those of a user are kept, own ones are replaced. A name that
+// was listed is the user's again when the file has been removed meanwhile.
+TEST_F(Folder, FilesOfOthersWithTheNameOfAResultAreRefused) {
+  const std::vector<std::string> names{"modes.json", "modes.vtu"};
+  const auto fault = [&] {
+    try {
+      refuse_files_of_others(folder_, names);
+      list_own_files(folder_, names);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  write("modes.vtu", "theirs");
+  EXPECT_THAT(fault(), AllOf(HasSubstr("has modes.vtu, which would be replaced"), HasSubstr("move modes.vtu away"),
+                             HasSubstr("--out")));
+  fs::remove(folder_ / "modes.vtu");
+  EXPECT_EQ(fault(), "");
+  for (const std::string& name : names) write_file(folder_ / name, "ours");
+  EXPECT_EQ(fault(), "");
+  fs::remove(folder_ / "modes.json");
+  list_own_files(folder_, {"spectrum.csv"});
+  write("modes.json", "theirs");
+  EXPECT_THAT(fault(), HasSubstr("has modes.json, which would be replaced"));
+  fs::remove_all(folder_);
+  EXPECT_EQ(fault(), "") << "of a folder that is not there yet";
+}
+
 // In a program without standard input the first open file has its descriptor, 0.
 TEST_F(Folder, DurableFilesNeedNoStandardInput) {
   const int input = dup(STDIN_FILENO);

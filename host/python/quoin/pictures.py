@@ -224,15 +224,12 @@ class Pictures:
     def _stages(self):
         return (self.summary.get("settings") or {}).get("stages") or [{}]
 
-    def _stage_of(self, row):
-        stages = self._stages()
-        return stages[min(int(self.history["stage"][row]) - 1, len(stages) - 1)]
-
     def _moment_text(self, moment):
-        stage = self._stage_of(moment.row)
+        stages = self._stages()
+        stage = stages[min(moment.stage, len(stages)) - 1]
         axes = _curve(stage, self.history)
         (name, factor, _) = axes[0] if axes else ("time_s", 1.0, "")
-        value = self.history[name][moment.row] * factor
+        value = 0.0 if moment.row is None else self.history[name][moment.row] * factor
         come = "" if name == "time_s" else f", {0.0 if abs(value) < 1e-6 else value:.4g} mm"
         return f"stage {moment.stage} {stage.get('name', '')}{come}, {moment.time:.3g} s"
 

@@ -68,7 +68,7 @@ class _Grid:
 
 
 class Moment:
-    """A frame of a run, read on first access. time, s; stage, from 1; row, of the history. blocks and joints: arrays by
+    """A frame of a run, read on first access. time, s; stage, from 1; row, of the history (None without rows). blocks and joints: arrays by
     name, as in the files for ParaView, with units at the end of their names: position, displacement_m, stress_Pa (xx yy
     zz xy yz zx), block ...; position, displacement_m, traction_Pa (normal, two shears, tension positive), opening_m,
     slip_m, damage_tension, area_m2, block_a, block_b ... forces: one row per pair of blocks with a present or former
@@ -180,6 +180,9 @@ class Results(Pictures):
         with open(collection, encoding="utf-8") as file:
             times = [float(t) for t in re.findall(r'timestep="([^"]*)"', file.read())]
         for k, time in enumerate(times):
+            if not len(self.history):  # the run failed in its first step
+                self.frames.append(Moment(self.folder, k, time, 1, None))
+                continue
             row = min(np.searchsorted(self.history["time_s"], time * (1 - 1e-8)), len(self.history) - 1)
             self.frames.append(Moment(self.folder, k, time, int(self.history["stage"][row]), int(row)))
 

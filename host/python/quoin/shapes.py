@@ -46,6 +46,11 @@ def _hull(name, points, keys):
     return Block(name=name, vertices=np.asarray(points, dtype=float).tolist(), **keys)
 
 
+def _lower(box):
+    """Lower corner of a box; the origin where it has none, as in scenes."""
+    return np.array(plain(box.lower) if "lower" in box else [0.0, 0.0, 0.0], dtype=float)
+
+
 def _box(name, lower, upper, keys):
     lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     return Block(name=name, box=dict(lower=lower.tolist(), size=(upper - lower).tolist()), **keys)
@@ -323,7 +328,7 @@ def arch_bridge(spans, span, rise, thickness, width, voussoirs, pier_width, pier
 
 def _outline(block):
     """Corners in the plane x, y, and the extent along z."""
-    points = np.array([np.add(block.box.lower, np.multiply(block.box.size, corner)) for corner in np.ndindex(2, 2, 2)]
+    points = np.array([np.add(_lower(block.box), np.multiply(block.box.size, corner)) for corner in np.ndindex(2, 2, 2)]
                       if "box" in block else plain(block.vertices))
     if "rotation" in block or "mesh" in block:
         raise ValueError(f"blocks: {_of(block, 'name')!r} is turned or a mesh; allowed: boxes and prisms along z")
@@ -390,7 +395,7 @@ def cut(blocks, lower, size, needed=True):
                 left.append(block)
                 continue
             raise ValueError(f"blocks: {_of(block, 'name')!r} may reach into what is cut; allowed: boxes, not turned or moved")
-        low = np.array(plain(block.box.lower) if "lower" in block.box else [0.0, 0.0, 0.0], dtype=float)
+        low = _lower(block.box)
         high = low + plain(block.box.size)
         tiny = 1e-6 * (high - low).min()
         if ((high <= lower + tiny) | (low >= upper - tiny)).any():
@@ -433,7 +438,7 @@ def opening(blocks, start, end, sill, head, bearing=0.0, lintel_height=0.0, lint
     boxes = [b.box for b in blocks if "box" in b and not _of(b, "fixed")]
     if not boxes:
         raise ValueError("blocks: there is no box among them that could be cut")
-    front, back = min(b.lower[2] for b in boxes), max(b.lower[2] + b.size[2] for b in boxes)
+    front, back = min(_lower(b)[2] for b in boxes), max(_lower(b)[2] + b.size[2] for b in boxes)
     left = cut(blocks, [start, sill, front], [end - start, head - sill, back - front])
     if bearing == 0:
         return left

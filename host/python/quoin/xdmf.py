@@ -1,12 +1,13 @@
 """A run in a pair of files for other programs: XDMF, with the names of arrays, and HDF5, with their values."""
 import os
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
 from .errors import BadInput, Error
 
 XDMF_OF_VTK = {1: (1, True), 7: (3, True), 9: (5, False), 10: (6, False), 12: (9, False)}  # number; whether corners are counted
+PART = ".part"  # of the names of files that are not whole yet
 GRID = ("position", "connectivity", "offsets", "types")
 
 
@@ -34,7 +35,7 @@ def _item(data, name, values):
     data.create_dataset(name, data=values, **packed)
     kind = "Int" if np.issubdtype(values.dtype, np.integer) else "Float"
     shape = " ".join(map(str, values.shape))
-    place = os.path.basename(data.file.filename) + ":" + data.name.rstrip("/") + "/" + name
+    place = escape(os.path.basename(data.file.filename).removesuffix(PART) + ":" + data.name.rstrip("/") + "/" + name)
     return f'<DataItem Format="HDF" NumberType="{kind}" Precision="{values.dtype.itemsize}" Dimensions="{shape}">{place}</DataItem>'
 
 
@@ -56,6 +57,22 @@ def _grid(data, moment, arrays):
     return "\n".join([*told, "</Grid>"])
 
 
+def _write_arrays(file, run, kinds, string_dtype):
+    """Writes frames and history; returns the parts of the .xdmf file."""
+    parts = []
+    for kind in kinds:
+        told = [_grid(file.create_group(f"{kind}/{moment.number:04}"), moment, getattr(moment, kind)) for moment in run.frames]
+        parts.append(f'<Grid Name="{kind}" GridType="Collection" CollectionType="Temporal">\n' + "\n".join(told) + "\n</Grid>")
+    history = file.create_group("history")
+    for name in run.history.dtype.names:
+        values = run.history[name]
+        if values.dtype.kind == "U":
+            values = np.char.encode(values, "utf-8")
+            values = values.astype(string_dtype("utf-8", values.dtype.itemsize))
+        history.create_dataset(name.replace("/", "_"), data=values)
+    return parts
+
+
 def save_xdmf(run, path, kinds=("blocks", "joints", "forces")):
     """Writes all frames of a run to PATH (.xdmf) and their arrays to a file .h5 next to it, for ParaView, VisIt and other
     readers of HDF5. Requires h5py."""
@@ -68,15 +85,16 @@ def save_xdmf(run, path, kinds=("blocks", "joints", "forces")):
         raise BadInput(f"{path}: the name of the file ends in .xdmf")
     if not run.frames:
         raise BadInput(f"{run.folder}: has no frames; run the scene with output.frames = 20")
-    arrays, parts = path[:-len("xdmf")] + "h5", []
-    with h5py.File(arrays, "w") as file:
-        for kind in kinds:
-            told = [_grid(file.create_group(f"{kind}/{moment.number:04}"), moment, getattr(moment, kind)) for moment in run.frames]
-            parts.append(f'<Grid Name="{kind}" GridType="Collection" CollectionType="Temporal">\n' + "\n".join(told) + "\n</Grid>")
-        history = file.create_group("history")
-        for name in run.history.dtype.names:
-            values = run.history[name]
-            history.create_dataset(name.replace("/", "_"), data=values.astype("S") if values.dtype.kind == "U" else values)
-    with open(path, "w", encoding="utf-8") as file:
-        file.write('<?xml version="1.0"?>\n<Xdmf Version="2.0"><Domain>\n' + "\n".join(parts) + "\n</Domain></Xdmf>\n")
+    arrays = path[:-len("xdmf")] + "h5"
+    try:
+        with h5py.File(arrays + PART, "w") as file:
+            parts = _write_arrays(file, run, kinds, h5py.string_dtype)
+        with open(path + PART, "w", encoding="utf-8") as file:
+            file.write('<?xml version="1.0"?>\n<Xdmf Version="2.0"><Domain>\n' + "\n".join(parts) + "\n</Domain></Xdmf>\n")
+        for name in (arrays, path):
+            os.replace(name + PART, name)
+    finally:
+        for name in (arrays, path):
+            if os.path.exists(name + PART):
+                os.remove(name + PART)
     return path
