@@ -91,7 +91,8 @@ std::string drag_of_rigid_blocks(const Scene& scene, std::size_t stage) {
       !moves_blocks(scene.stages[stage]) || !kinds_of_blocks(scene).rigid)
     return "";
   return fmt::format(
-      "stage '{}' moves rigid blocks under local damping (gamma {:g}), which turns the chatter of their contacts into "
+      "stage '{}' moves blocks, rigid ones among them, under local damping (gamma {:g}), which turns the chatter of "
+      "their contacts into "
       "drag: a pile on a table that tilts fell at 46 degrees in place of 27, and multipliers of collapse were up to 9 "
       "% too large; take damping = \"impact\" or \"viscous\" there",
       scene.stages[stage].name, damping.gamma);

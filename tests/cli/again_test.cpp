@@ -73,6 +73,27 @@ TEST_F(Again, RepeatedRunsHaveTheSameBits) {
   EXPECT_TRUE(fs::exists(folder_ / "third" / "history.csv"));
 }
 
+// Each file that a scene reads is held against itself, by name.
+TEST_F(Again, FilesOfTheSceneAreThoseOfThen) {
+  std::vector<std::string> records;
+  std::string stages;
+  for (const char* name : {"one", "two"}) {
+    records.push_back((folder_ / (std::string(name) + ".csv")).string());
+    std::ofstream(records.back()) << "time_s,ax_m_s2\n0,0\n0.001," << (name[0] == 'o' ? 1 : 2) << "\n0.002,0\n";
+    stages += "[[stage]]\nname = \"" + std::string(name) +
+              "\"\nduration = 0.002\nground_motion = { direction = [1, 0, 0], "
+              "file = \"" +
+              records.back() + "\" }\n";
+  }
+  std::ofstream(scene_, std::ios::app) << stages;
+  ASSERT_EQ(run(), 0) << error_;
+  ASSERT_EQ(again(), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("the bits agree"));
+  std::ofstream(records.back(), std::ios::app) << "0.003,1\n";
+  EXPECT_EQ(again({"--out", (folder_ / "third").string()}), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr(records.back()), HasSubstr("has changed since that run")));
+}
+
 // The history of the run itself is compared, not only its hash in the summary.
 TEST_F(Again, AChangedHistoryIsTold) {
   ASSERT_EQ(run(), 0) << error_;

@@ -55,6 +55,19 @@ TEST(FreeMotion, SymmetricTop) {
 // Pressure on a short side of a right-angled prism, whose centre is at a third of its sides from the corner:
 //   m a = p A, I alpha = p A (h/2 - h/3) with I = m (b^2 + h^2)/18.
 // The work is the kinetic energy of the block.
+// All components count, but for those that are held.
+TEST(FreeMotion, KineticEnergyIsThatOfAllFreeComponents) {
+  Scene scene(dry_joint(1e9, 1e9, 30));
+  const int rigid = scene.brick({0, 0, 0}, {1, 1, 1}), soft = scene.soft({3, 0, 0}, {1, 1, 1}, {2, 2, 2});
+  auto m = scene.model(undamped());
+  for (const int block : {rigid, soft}) {
+    m->set_velocity(block, {1, 2, 4});
+    check("kinetic energy", 0.5 * 2000 * 21, kinetic_energy_of(*m, block), 1e-12, "J");
+  }
+  m->prescribe(rigid, {1, 0, 0}, {}, 0x1);
+  check("the same, held along x", 0.5 * 2000 * 20, kinetic_energy_of(*m, rigid), 1e-12, "J");
+}
+
 TEST(FreeMotion, PressureMovesAndTurnsAPrism) {
   const double b = 0.3, h = 0.4, depth = 0.2, p = 100.0;
   Scene scene(elastic_joint(1e9, 1e9));
