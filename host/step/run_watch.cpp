@@ -172,9 +172,9 @@ std::string motion_left_to_ground(const Simulation::Impl& s) {
   const auto stages = std::span(s.scene.stages).first(s.progress.at_stage());
   const bool was_shaken = std::ranges::any_of(stages, [](const Stage& stage) { return stage.ground.has_value(); });
   const auto was_of_ground = [&](int block) {
+    if (!was_shaken || !is_fixed(s, block)) return false;
     const auto& controls = stages.back().controls;
-    return was_shaken && is_fixed(s, block) &&
-           std::ranges::find(controls, name_in_stages(s, block), &BodyControl::body) == controls.end();
+    return std::ranges::find(controls, name_in_stages(s, block), &BodyControl::body) == controls.end();
   };
   double goes_on = norm(s.actions.ground_left), held = 0.0;  // m/s
   for (const Drive& drive : s.actions.drives) {
