@@ -156,8 +156,8 @@ std::string Floor::uneven_weight() const {
   if (off <= kRounding * (grid_.size[0] + grid_.size[1])) return "";
   return fmt::format(
       "floor '{}': some lines along its span meet a wall at one end alone, which takes their whole weight: the weight "
-      "of "
-      "the floor acts {:.3g} m beside its middle, and its moment is wrong by as much; put both ends of each line into "
+      "of the floor acts {:.3g} m beside its middle, and its moment is wrong by as much; put both ends of each line "
+      "into "
       "blocks, or change span",
       name_, off);
 }

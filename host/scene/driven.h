@@ -27,6 +27,7 @@ inline unsigned prescribed_by(const BodyControl& control) {
   for (unsigned c = 0; c < 3; ++c) bits |= control.kind[c] == DofKind::velocity ? 1u << c : 0u;
   return bits;
 }
+inline constexpr unsigned kAllPrescribed = 0x3f;
 
 // Axes along which a stage drives bodies. only: those that count; empty: all.
 inline std::array<bool, 3> driven_along(const Stage& stage, const std::vector<std::string>& only = {}) {
@@ -38,10 +39,12 @@ inline std::array<bool, 3> driven_along(const Stage& stage, const std::vector<st
   return driven;
 }
 
+// Whether a control drives its bodies.
+inline bool moves_body(const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{} || c.in_cycles >= 0; }
+
 // Whether a stage moves blocks: driven ones, or all at a collapse or under a moving load.
 inline bool moves_blocks(const Stage& stage) {
-  const auto moves = [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{} || c.in_cycles >= 0; };
-  return stage.collapse || stage.moving_load || std::ranges::any_of(stage.controls, moves);
+  return stage.collapse || stage.moving_load || std::ranges::any_of(stage.controls, moves_body);
 }
 
 // gamma of eq. 1 in stages that move rigid blocks, where the scene has no damping of its own. In motion the sign of a

@@ -12,6 +12,7 @@
 #include "base/printable.h"
 #include "geometry/drawn_shape.h"
 #include "geometry/mesh_file.h"
+#include "scene/driven.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/masonry_place.h"
@@ -403,8 +404,7 @@ void mark_freed_blocks(const Scene& scene, Assembly* assembly) {
   std::set<std::string> freed;
   for (const Stage& stage : scene.stages) {
     for (const BodyControl& control : stage.controls) {
-      if (control.may_turn || std::ranges::find(control.kind, DofKind::free) != control.kind.end())
-        freed.insert(control.body);
+      if (prescribed_by(control) != kAllPrescribed) freed.insert(control.body);
     }
   }
   for (Block& block : assembly->blocks)

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "scene/block_kinds.h"
+#include "scene/driven.h"
 #include "scene/generate.h"
 #include "scene/members.h"
 #include "scene/quality.h"
@@ -102,8 +103,7 @@ void add_unused_of_beam(const BeamSpec& beam, const AddIf& add_if) {
 // Whether a support stays in its place in all stages.
 bool never_moves(const Scene& scene, const std::string& name) {
   const auto moves = [&](const BodyControl& c) {
-    const bool is_free = c.may_turn || std::ranges::find(c.kind, DofKind::free) != c.kind.end();
-    return c.body == name && (is_free || c.velocity != Vec3{} || c.omega != Vec3{} || c.in_cycles >= 0);
+    return c.body == name && (prescribed_by(c) != kAllPrescribed || moves_body(c));
   };
   const bool is_support =
       is_ground(scene, name) || (scene.blocks && std::ranges::any_of(scene.blocks->blocks, [&](const BlockSpec& b) {

@@ -35,9 +35,9 @@ void each_point_at(const Simulation::Impl& s, const std::vector<int>& blocks, co
   }
   if (!s.large_motion) return;
   for (const blocks::Contact& c : s.large_motion->contacts.list) {
+    if (c.count == 0) continue;  // a pair without points may have no family
+    const blocks::Family& f = s.large_motion->contacts.families[at(c.family)];
     for (const int block : {c.pair.a, c.pair.b}) {
-      if (c.count == 0) continue;  // a pair without points may have no family
-      const blocks::Family& f = s.large_motion->contacts.families[at(c.family)];
       for (std::size_t i = c.first; watched[at(block)] && i < c.first + c.count; ++i)
         visit(block, place_of(*s.large_motion, f.point[i]));
     }

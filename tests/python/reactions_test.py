@@ -166,13 +166,17 @@ class Reactions(Folder):
             of = np.sort(np.stack([joints["block_a"], joints["block_b"]], axis=1), axis=1) == (a, b)
             self.assertEqual(width, max(0.0, joints["opening_m"][of.all(axis=1)].max()))
 
-    def test_xdmf_has_the_arrays_of_the_frames(self):
+    def reader_and_scene_of_xdmf(self):
         try:
             import h5py
         except ImportError:
             self.skipTest("h5py is not installed (python3-h5py)")
         scene = quoin.Scene.load(SMALL_WALL)
         scene.output = dict(frames=1)
+        return h5py, scene
+
+    def test_xdmf_has_the_arrays_of_the_frames(self):
+        h5py, scene = self.reader_and_scene_of_xdmf()
         run = self.run_scene(scene)
         run.save_xdmf(self.path("wall.xdmf"))
         corners = {6: 4, 9: 8, 5: 4, 1: None, 3: None}  # by the cell types of XDMF; None: the next number has it
@@ -199,12 +203,7 @@ class Reactions(Folder):
                     np.testing.assert_array_equal(np.cumsum([len(c) for c in cells]), arrays["offsets"])
 
     def test_xdmf_takes_any_name_and_keeps_what_it_cannot_replace(self):
-        try:
-            import h5py
-        except ImportError:
-            self.skipTest("h5py is not installed (python3-h5py)")
-        scene = quoin.Scene.load(SMALL_WALL)
-        scene.output = dict(frames=1)
+        h5py, scene = self.reader_and_scene_of_xdmf()
         scene.stage[1].name = "drücken"
         run = self.run_scene(scene)
         run.save_xdmf(self.path("a & b.xdmf"))

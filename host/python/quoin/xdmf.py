@@ -42,9 +42,9 @@ def _item(data, name, values):
 def _grid(data, moment, arrays):
     topology, position = _topology(arrays), arrays["position"]
     points, cells = len(position), len(arrays["types"])
-    told = [f'<Grid Name="{moment.number}"><Time Value="{moment.time!r}"/>',
-            f'<Topology TopologyType="Mixed" NumberOfElements="{cells}">{_item(data, "topology", topology)}</Topology>',
-            f'<Geometry GeometryType="XYZ">{_item(data, "position", position)}</Geometry>']
+    lines = [f'<Grid Name="{moment.number}"><Time Value="{moment.time!r}"/>',
+             f'<Topology TopologyType="Mixed" NumberOfElements="{cells}">{_item(data, "topology", topology)}</Topology>',
+             f'<Geometry GeometryType="XYZ">{_item(data, "position", position)}</Geometry>']
     for name, values in arrays.items():
         if name in GRID:
             continue
@@ -52,17 +52,17 @@ def _grid(data, moment, arrays):
             raise BadInput(f"frame {moment.number}: {name} has {len(values)} rows, {points} points, {cells} cells; run the scene again")
         on_points = len(values) == points and not (len(values) == cells and name in ("stress_Pa", "block", "unit", "course"))
         rank = {1: "Scalar", 3: "Vector"}.get(1 if values.ndim == 1 else values.shape[1], "Matrix")
-        told.append(f'<Attribute Name={quoteattr(name)} AttributeType="{rank}" Center="{"Node" if on_points else "Cell"}">'
-                    f'{_item(data, name, values)}</Attribute>')
-    return "\n".join([*told, "</Grid>"])
+        lines.append(f'<Attribute Name={quoteattr(name)} AttributeType="{rank}" Center="{"Node" if on_points else "Cell"}">'
+                     f'{_item(data, name, values)}</Attribute>')
+    return "\n".join([*lines, "</Grid>"])
 
 
 def _write_arrays(file, run, kinds, string_dtype):
     """Writes frames and history; returns the parts of the .xdmf file."""
     parts = []
     for kind in kinds:
-        told = [_grid(file.create_group(f"{kind}/{moment.number:04}"), moment, getattr(moment, kind)) for moment in run.frames]
-        parts.append(f'<Grid Name="{kind}" GridType="Collection" CollectionType="Temporal">\n' + "\n".join(told) + "\n</Grid>")
+        grids = [_grid(file.create_group(f"{kind}/{moment.number:04}"), moment, getattr(moment, kind)) for moment in run.frames]
+        parts.append(f'<Grid Name="{kind}" GridType="Collection" CollectionType="Temporal">\n' + "\n".join(grids) + "\n</Grid>")
     history = file.create_group("history")
     for name in run.history.dtype.names:
         values = run.history[name]
