@@ -1,5 +1,8 @@
 #include "geometry/separation.h"
 
+#include <algorithm>
+#include <vector>
+
 namespace quoin::geometry {
 namespace {
 
@@ -16,19 +19,46 @@ double face_distance(const Placed& p, int face, const Placed& other) {
 struct Edge {
   Vector point, direction;
   Vector left, right;  // normals of its faces
+  Vector across;       // right x left
+  int index;
 };
 Edge edge(const Placed& p, int i) {
   const auto& e = p.shape->edges[i];
-  return {p.vertices[e.tail], p.vertices[e.head] - p.vertices[e.tail], p.normals[e.left], p.normals[e.right]};
+  const Vector left = p.normals[e.left], right = p.normals[e.right];
+  return {p.vertices[e.tail], p.vertices[e.head] - p.vertices[e.tail], left, right, cross(right, left), i};
 }
 
 // Whether the edges span a face of the Minkowski difference (arcs of their normals cross on the Gauss sphere). Only
 // such pairs can give the greatest separation.
 bool arcs_cross(const Edge& a, const Edge& b) {
-  const Vector c = -b.left, d = -b.right;
-  const Vector ba = cross(a.right, a.left), dc = cross(d, c);
-  const double cba = dot(c, ba), dba = dot(d, ba), adc = dot(a.left, dc), bdc = dot(a.right, dc);
-  return cba * dba < 0 && adc * bdc < 0 && cba * bdc > 0;
+  const double cba = -dot(b.left, a.across), dba = -dot(b.right, a.across);
+  if (!(cba * dba < 0)) return false;
+  const double adc = dot(a.left, b.across), bdc = dot(a.right, b.across);
+  return adc * bdc < 0 && cba * bdc > 0;
+}
+
+// Whether no axis on the arc of an edge, between the normals of its faces, separates it from the other body by more
+// than `distance`. One vertex of that body shows it: u and v in front of both faces, it is in front of the edge by
+// max(u, v) at most on the arc, or by its distance from the edge where the direction to it is on the arc.
+bool is_covered(const Edge& e, const Placed& other, double distance) {
+  const double cosine = dot(e.left, e.right);
+  const double square = distance > 0 ? distance * distance * (1 - cosine * cosine) : -1.0;
+  for (size_t i = 0; i < other.shape->vertices.size(); ++i) {
+    const Vector d = other.vertices[i] - e.point;
+    const double u = dot(e.left, d), v = dot(e.right, d);
+    const bool on_arc = u >= cosine * v && v >= cosine * u;
+    if (on_arc ? u * u + v * v - 2 * cosine * u * v <= square : std::max(u, v) <= distance) return true;
+  }
+  return false;
+}
+
+// Edges on whose arcs an axis may separate the bodies by more than `distance`.
+void list_open_edges(const Placed& p, const Placed& other, double distance, std::vector<Edge>& edges) {
+  edges.clear();
+  for (size_t i = 0; i < p.shape->edges.size(); ++i) {
+    const Edge e = edge(p, int(i));
+    if (!is_covered(e, other, distance)) edges.push_back(e);
+  }
 }
 
 bool edge_axis(const Placed& a, const Placed& b, const Edge& ea, const Edge& eb, Separation& s) {
@@ -94,14 +124,15 @@ Separation separate(const Placed& a, const Placed& b, double stop_beyond, double
   Separation crossing;
   crossing.distance = best.distance + preference;
   bool found = false;
-  for (size_t i = 0; i < a.shape->edges.size(); ++i) {
-    const Edge ea = edge(a, int(i));
-    for (size_t j = 0; j < b.shape->edges.size(); ++j) {
-      const Edge eb = edge(b, int(j));
+  thread_local std::vector<Edge> of_a, of_b;
+  list_open_edges(a, b, crossing.distance, of_a);
+  if (!of_a.empty()) list_open_edges(b, a, crossing.distance, of_b);
+  for (const Edge& ea : of_a) {
+    for (const Edge& eb : of_b) {
       if (!arcs_cross(ea, eb)) continue;
       Separation s;
       if (!edge_axis(a, b, ea, eb, s) || s.distance <= crossing.distance) continue;
-      s.index_a = int(i), s.index_b = int(j);
+      s.index_a = ea.index, s.index_b = eb.index;
       crossing = s;
       found = true;
       if (s.distance > stop_beyond) return s;
