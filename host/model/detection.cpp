@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "base/error.h"
@@ -222,17 +223,22 @@ void exchange_findings(World& w, Detection& found) {
 // Numbers all points in the order of the pairs, and facets in the order of points. Returns copies of the points that
 // are replaced or lost.
 PointsBefore number_points(World& w, Detection& found) {
-  PointsBefore before;
-  for (const Family& f : w.contacts.families) before.families.push_back(without_points(f));
+  std::vector<CopiedContact> aside;
+  std::vector<uint32_t> points(w.contacts.families.size(), 0), facets(w.contacts.families.size(), 0);
+  uint32_t facets_aside = 0;
+  const auto put_aside = [&](const Contact& c, uint32_t& first, uint32_t first_facet, uint32_t count) {
+    if (count == 0 || !w.part.owns(c.pair)) return;
+    const uint32_t of_contact = count * uint32_t(facets_a_point(w, c)), to = points[size_t(c.family)];
+    aside.push_back({c.family, {first, to, count}, {first_facet, facets_aside, of_contact}});
+    first = to, points[size_t(c.family)] += count, facets_aside += of_contact;
+  };
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     Finding& finding = found.findings[i];
-    if (finding.fresh && finding.count > 0 && w.part.owns(found.contacts[i].pair))
-      set_aside(w, found.contacts[i], finding.first, finding.first_facet, finding.count, before);
+    if (finding.fresh) put_aside(found.contacts[i], finding.first, finding.first_facet, finding.count);
   }
-  for (Contact& c : found.lost) {
-    if (w.part.owns(c.pair)) set_aside(w, c, c.first, c.first_facet, c.count, before);
-  }
-  std::vector<uint32_t> points(w.contacts.families.size(), 0), facets(w.contacts.families.size(), 0);
+  for (Contact& c : found.lost) put_aside(c, c.first, c.first_facet, c.count);
+  PointsBefore before = set_aside(w, aside);
+  points.assign(points.size(), 0);
   const auto each_contact = [&](const auto& visit) {
     for (size_t i = 0; i < found.contacts.size(); ++i) {
       if (found.contacts[i].family >= 0) visit(found.contacts[i], found.findings[i]);
@@ -276,44 +282,69 @@ PointsBefore number_points(World& w, Detection& found) {
   return before;
 }
 
-// Keeps or makes contact points. New points inherit the history of points nearby. With ranks: points of pairs with an
-// own block.
-void place_points(World& w, Detection& found) {
-  const PointsBefore before = number_points(w, found);
-  if (!found.at_start && w.start_joints.kept.empty())
-    w.start_joints.kept = LaneVector<double>(w.start_joints.point.size() * kept_width(w));
-  const auto keep_of = [&](const Contact& c, uint32_t first, uint32_t count) {
-    if (c.initial && count > 0 && w.part.owns(c.pair.a))
-      keep_of_joint(w, c, before.families[c.family], before.facets, first, count);
-  };
-
-  // Elastic energies of points that are removed (> 0) or placed (< 0), J, in a fixed order, and their pairs.
-  std::vector<double> freed;
-  std::vector<const Contact*> freed_by;
-  const auto free = [&](const Contact& c, double energy) {
-    if (w.books_energy) freed.push_back(energy), freed_by.push_back(&c);
-  };
-  for (const Contact& c : found.lost) {
-    keep_of(c, c.first, c.count);
-    free(c,
-         w.part.owns(c.pair) ? energy_of_points(w, before.families[c.family], before.facets, c.first, c.count) : 0.0);
+// Books the elastic energies of points that are removed (> 0) or placed (< 0), in a fixed order.
+void book_energies(World& w, PointsBefore& before, const Detection& found) {
+  if (!w.books_energy) return;
+  std::vector<std::vector<KeptItems>> fresh(w.contacts.families.size());
+  std::vector<uint32_t> count(w.contacts.families.size(), 0), first_fresh(found.contacts.size(), 0);
+  for (size_t i = 0; i < found.contacts.size(); ++i) {
+    const Contact& c = found.contacts[i];
+    if (c.count == 0 || !found.findings[i].fresh || !w.part.owns(c.pair)) continue;
+    first_fresh[i] = count[size_t(c.family)];
+    fresh[size_t(c.family)].push_back({c.first, first_fresh[i], c.count});
+    count[size_t(c.family)] += c.count;
   }
+  std::vector<std::vector<double>> removed, placed;
+  for (size_t k = 0; k < fresh.size(); ++k) {
+    removed.push_back(energies_of_points(w, before.families[k], before.facets));
+    Family copies = copied_points(w.contacts.families[k], fresh[k]);
+    placed.push_back(energies_of_points(w, copies, w.contacts.facets));
+  }
+  std::vector<double> freed;  // J
+  std::vector<Pair> freed_by;
+  const auto free = [&](const Contact& c, const auto& energies, uint32_t first, uint32_t items, double sign) {
+    double sum = 0.0;
+    for (uint32_t i = first; i < first + items && w.part.owns(c.pair); ++i) sum += energies[size_t(c.family)][i];
+    freed.push_back(sign * sum), freed_by.push_back(c.pair);
+  };
+  for (const Contact& c : found.lost) free(c, removed, c.first, c.count, 1.0);
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     const Contact& c = found.contacts[i];
     const Finding& finding = found.findings[i];
     if (c.family < 0 || !finding.fresh) continue;
-    const bool own = w.part.owns(c.pair);
-    if (!found.at_start) keep_of(c, finding.first, finding.count);
-    free(c, own ? energy_of_points(w, before.families[c.family], before.facets, finding.first, finding.count) : 0.0);
-    if (own) hand_over(w, before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
-    // At the start set_solver follows, with all joints at hand.
-    if (own && c.count > 0 && !found.at_start) w.contacts.place[i].viscosity = viscosity_of_pair(w, c);
-    free(c, own ? -energy_of_points(w, w.contacts.families[c.family], w.contacts.facets, c.first, c.count) : 0.0);
+    free(c, removed, finding.first, finding.count, 1.0);
+    free(c, placed, first_fresh[i], c.count, -1.0);
   }
-  all_gather(w.part.ranks, std::span(freed), [&](size_t i) { return w.part.rank_of(freed_by[i]->pair); });
-  double sum = 0.0;
-  for (const double energy : freed) sum += energy;
-  if (w.books_energy) w.step_sums.later.detection += sum;
+  all_gather(w.part.ranks, std::span(freed), [&](size_t i) { return w.part.rank_of(freed_by[i]); });
+  w.step_sums.later.detection += std::accumulate(freed.begin(), freed.end(), 0.0);
+}
+
+// Keeps or makes contact points. New points inherit the history of points nearby. With ranks: points of pairs with an
+// own block.
+void place_points(World& w, Detection& found) {
+  PointsBefore before = number_points(w, found);
+  if (!found.at_start && w.start_joints.kept.empty())
+    w.start_joints.kept = LaneVector<double>(w.start_joints.point.size() * kept_width(w));
+  const auto keep_of = [&](const Contact& c, uint32_t first, uint32_t count) {
+    if (found.at_start || !c.initial || count == 0 || !w.part.owns(c.pair.a)) return;
+    keep_of_joint(w, c, before.families[size_t(c.family)],
+                  std::span(before.location[size_t(c.family)]).subspan(first, count), first);
+  };
+  each_part(w.pool, found.lost.size(), kPairsAPart, [&](size_t begin, size_t end) {
+    for (const Contact& c : std::span(found.lost).subspan(begin, end - begin)) keep_of(c, c.first, c.count);
+  });
+  each_part(w.pool, found.contacts.size(), kPairsAPart, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Contact& c = found.contacts[i];
+      const Finding& finding = found.findings[i];
+      if (c.family < 0 || !finding.fresh || !w.part.owns(c.pair)) continue;
+      keep_of(c, finding.first, finding.count);
+      hand_over(w, before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
+      // At the start set_solver follows, with all joints at hand.
+      if (c.count > 0 && !found.at_start) w.contacts.place[i].viscosity = viscosity_of_pair(w, c);
+    }
+  });
+  book_energies(w, before, found);
   w.contacts.list = std::move(found.contacts);
   if (found.at_start) note_start_joints(w);
   divide_work(w);

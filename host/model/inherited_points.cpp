@@ -15,6 +15,16 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
+void move_facets(Point& p, uint32_t now, uint32_t before) {
+  for (int32_t* facet : {&p.facet_a, &p.facet_b}) {
+    if (*facet >= 0) *facet += int32_t(now) - int32_t(before);
+  }
+}
+
+namespace {
+
+constexpr size_t kPointsAPart = 512;  // of the work of one thread at a time
+
 Family without_points(const Family& f) {
   Family without;
   without.material = f.material, without.initial = f.initial, without.dry = f.dry, without.kn = f.kn, without.ks = f.ks;
@@ -23,26 +33,58 @@ Family without_points(const Family& f) {
   return without;
 }
 
-void move_facets(Point& p, uint32_t now, uint32_t before) {
-  for (int32_t* facet : {&p.facet_a, &p.facet_b}) {
-    if (*facet >= 0) *facet += int32_t(now) - int32_t(before);
-  }
+template <class Array>
+void copy_items(const Array& from, std::span<const KeptItems> items, Array& to) {
+  for (const KeptItems& k : items) std::copy_n(from.begin() + k.from, k.count, to.begin() + k.to);
 }
 
-void set_aside(const World& w, const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count,
-               PointsBefore& before) {
-  Family& aside = before.families[size_t(c.family)];
-  const auto put = [](const auto& from, uint32_t at, uint32_t items, auto& to) {
-    const uint32_t end = uint32_t(to.size());
-    if (!from.empty()) to.insert(to.end(), from.begin() + at, from.begin() + at + items);
-    return end;
-  };
-  const uint32_t now = uint32_t(aside.point.size());
-  WorldFields::of_points([&](const Field&, const auto& from, auto& to) { put(from, first, count, to); },
-                         w.contacts.families[size_t(c.family)], aside);
-  const uint32_t facet_now = put(w.contacts.facets, first_facet, count * uint32_t(facets_a_point(w, c)), before.facets);
-  for (uint32_t i = now; i < now + count; ++i) move_facets(aside.point[i], facet_now, first_facet);
-  first = now, first_facet = facet_now;
+// Plastic closure of a closed point by crushing or dilation since it was placed, m: the law's sigma = kn (d_n +
+// closure).
+double normal_stiffness(const Family& f, size_t i) { return stiffness_bounds_at(*f.material, f.columns, i).normal; }
+
+double plastic_closure(const Family& f, size_t i) {
+  return f.traction[0][i] < 0 ? f.traction[0][i] / normal_stiffness(f, i) - f.normal_jump[i]
+                              : std::max(0.0, -f.normal_jump[i]);
+}
+
+}  // namespace
+
+Family copied_points(const Family& f, std::span<const KeptItems> points) {
+  Family copies = without_points(f);
+  const size_t count = points.empty() ? 0 : points.back().to + points.back().count;
+  WorldFields::of_points(
+      [&](const Field&, const auto& from, auto& to) {
+        if (from.empty()) return;
+        to.resize(count);
+        copy_items(from, points, to);
+      },
+      f, copies);
+  return copies;
+}
+
+PointsBefore set_aside(const World& w, std::span<const CopiedContact> contacts) {
+  PointsBefore before;
+  std::vector<std::vector<KeptItems>> points(w.contacts.families.size());
+  std::vector<KeptItems> facets;
+  for (const CopiedContact& c : contacts) points[size_t(c.family)].push_back(c.points), facets.push_back(c.facets);
+  if (!facets.empty()) before.facets.resize(facets.back().to + facets.back().count);
+  copy_items(w.contacts.facets, facets, before.facets);
+  for (size_t k = 0; k < points.size(); ++k)
+    before.families.push_back(copied_points(w.contacts.families[k], points[k]));
+  for (const CopiedContact& c : contacts) {
+    LaneVector<Point>& copies = before.families[size_t(c.family)].point;
+    for (uint32_t i = c.points.to; i < c.points.to + c.points.count; ++i)
+      move_facets(copies[i], c.facets.to, c.facets.from);
+  }
+  for (const Family& f : before.families) {
+    std::vector<Location>& location = before.location.emplace_back(f.size());
+    std::vector<double>& closure = before.closure.emplace_back(f.size());
+    each_part(w.pool, f.size(), kPointsAPart, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i)
+        location[i] = locate(w, f.point[i], before.facets), closure[i] = plastic_closure(f, i);
+    });
+  }
+  return before;
 }
 
 namespace {
@@ -59,8 +101,7 @@ template <class Array>
 void keep_items(const World& w, Array& items, std::span<const KeptItems> kept, size_t count) {
   if (!w.part.ranks && !items.empty() && count > 0) return keep_in_place(items, kept, count);
   const Array before = std::exchange(items, Array(count));
-  if (before.empty() || count == 0) return;
-  for (const KeptItems& k : kept) std::copy_n(before.begin() + k.from, k.count, items.begin() + k.to);
+  if (!before.empty() && count > 0) copy_items(before, kept, items);
 }
 
 }  // namespace
@@ -87,8 +128,9 @@ namespace {
 // overlap.
 constexpr double kSlightlyApart = 1e-9;
 
-// History of a new point from its nearest old point.
+// History of a new point from its nearest old point, and its jump, m.
 struct Heir {
+  double jump = 0.0;
   double closure = 0.0;           // plastic, m
   double opening = std::nan("");  // change since the last step, m; not a number for a point without history
 };
@@ -117,23 +159,14 @@ void inherit(const World& w, const Family& old, size_t from, const Contact& c, F
   turn_joint_vectors(old, f, turn);
 }
 
-double normal_stiffness(const Family& f, size_t i) { return stiffness_bounds_at(*f.material, f.columns, i).normal; }
-
-// Plastic closure of a closed point by crushing or dilation since it was placed, m: the law's sigma = kn (d_n +
-// closure).
-double plastic_closure(const Family& f, size_t i) {
-  return f.traction[0][i] < 0 ? f.traction[0][i] / normal_stiffness(f, i) - f.normal_jump[i]
-                              : std::max(0.0, -f.normal_jump[i]);
-}
-
 // Plastic closure at a place between old points, m: linear in the smallest triangle of near ones around it. Where there
 // is none, as beyond all points, that of the nearest point.
-double closure_at(const Vector& place, std::span<const Vector> points, std::span<const double> closure,
+double closure_at(const Vector& place, std::span<const Location> points, std::span<const double> closure,
                   size_t nearest) {
   constexpr size_t kNear = 8;      // points that may be corners
   constexpr double kBeside = 0.1;  // share of a corner, < 0, up to which a place beside a triangle is taken to its edge
   constexpr double kFlat = 1e-6;   // squared sine of an angle below which a triangle is a line
-  const auto squared = [&](size_t i) { return dot(points[i] - place, points[i] - place); };
+  const auto squared = [&](size_t i) { return dot(points[i].at - place, points[i].at - place); };
   std::vector<size_t> near(points.size());
   std::iota(near.begin(), near.end(), size_t(0));
   std::ranges::stable_sort(near, {}, squared);
@@ -141,9 +174,9 @@ double closure_at(const Vector& place, std::span<const Vector> points, std::span
   double found = closure[nearest], least = HUGE_VAL;
   const auto take = [&](size_t i, size_t j, size_t k) {
     const double size = squared(i) + squared(j) + squared(k);
-    const Vector y = points[j] - points[i], z = points[k] - points[i], m = cross(y, z);
+    const Vector y = points[j].at - points[i].at, z = points[k].at - points[i].at, m = cross(y, z);
     if (size >= least || dot(m, m) <= kFlat * dot(y, y) * dot(z, z)) return;
-    auto share = corner_shares(y, z, place - points[i]);
+    auto share = corner_shares(y, z, place - points[i].at);
     if (std::ranges::min(share) < -kBeside) return;
     for (double& of : share) of = std::max(0.0, of);
     found = (share[0] * closure[i] + share[1] * closure[j] + share[2] * closure[k]) / (share[0] + share[1] + share[2]);
@@ -190,9 +223,8 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
   const Family& old = before.families[c.family];
   Sums then, now;
   for (uint32_t i = finding.first; i < finding.first + finding.count; ++i)
-    then.add(old, i, locate(w, old.point[i], before.facets).jump + plastic_closure(old, i));
-  for (uint32_t k = 0; k < c.count; ++k)
-    now.add(f, c.first + k, locate(w, f.point[c.first + k], w.contacts.facets).jump + heirs[k].closure);
+    then.add(old, i, before.location[size_t(c.family)][i].jump + before.closure[size_t(c.family)][i]);
+  for (uint32_t k = 0; k < c.count; ++k) now.add(f, c.first + k, heirs[k].jump + heirs[k].closure);
   const auto scale = [&](double sum_then, double sum_now, double most_then, double most_now) {
     if (sum_now == 0) return 1.0;
     const double most = std::max(1.0, then.area / now.area) * most_then / most_now;
@@ -200,20 +232,22 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
   };
   const double deeper = scale(then.normal, now.normal, then.deepest, now.deepest);
   const double stronger = scale(then.shear, now.shear, then.largest, now.largest);
-  const double friction = friction_of(f);
+  std::optional<double> friction;
   constexpr double kSlightly = 1e-9;  // relative; far above the rounding of a traction at its strength
   for (uint32_t k = 0; k < c.count; ++k) {
     const uint32_t i = c.first + k;
     Point& p = f.point[i];
-    const double overlap = locate(w, p, w.contacts.facets).jump + heirs[k].closure;
+    double jump = heirs[k].jump;
+    const double overlap = jump + heirs[k].closure;
     if (overlap < 0) {
       p.reference += (1 - deeper) * overlap;
       if (p.facet_a < 0) p.offset += (1 - deeper) * overlap;
+      jump = locate(w, p, w.contacts.facets).jump;
     }
     if (std::isnan(heirs[k].opening)) continue;
     const double pressed = f.traction[0][i];
     // Opening that the point would have had a step ago, so that stiffness damping depends on motion alone.
-    f.normal_jump[i] = locate(w, p, w.contacts.facets).jump - heirs[k].opening;
+    f.normal_jump[i] = jump - heirs[k].opening;
     if (f.traction[0][i] <= 0)
       f.traction[0][i] = std::min(0.0, normal_stiffness(f, i) * (f.normal_jump[i] + heirs[k].closure));
     if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
@@ -222,8 +256,10 @@ void keep_energy(World& w, const PointsBefore& before, const Finding& finding, c
     // proportion.
     const double shear = std::hypot(f.traction[1][i], f.traction[2][i]), lost = f.traction[0][i] - pressed;
     double most = pressed < 0.0 ? f.traction[0][i] / pressed : 1.0;
-    const bool exceeds_friction = shear > (1.0 + kSlightly) * friction * -pressed;
-    if (pressed < 0.0 && lost > 0.0 && exceeds_friction) most = 1.0 - friction * lost / shear;
+    if (pressed < 0.0 && lost > 0.0) {
+      if (!friction) friction = friction_of(f);
+      if (shear > (1.0 + kSlightly) * *friction * -pressed) most = 1.0 - *friction * lost / shear;
+    }
     const double share = std::min(stronger, most);
     f.traction[1][i] *= share, f.traction[2][i] *= share;
   }
@@ -242,16 +278,15 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) old_area += old.point[j].area;
   const double radius2 =
       finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * w.detection.size * w.detection.size) : 0.0;
-  std::vector<Vector> then;             // current positions of the old points
-  std::vector<double> closure, of_gap;  // plastic, m: since the points were placed, and against their gaps
-  for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) {
-    then.push_back(locate(w, old.point[j], before.facets).at);
-    closure.push_back(plastic_closure(old, j));
-    of_gap.push_back(closure.back() - old.point[j].reference);
-  }
+  const auto then = std::span(before.location[size_t(c.family)]).subspan(finding.first, finding.count);
+  const auto closure = std::span(before.closure[size_t(c.family)]).subspan(finding.first, finding.count);
+  thread_local std::vector<double> of_gap;  // plastic closure against the gaps of the points, m
+  of_gap.clear();
+  for (size_t j = 0; j < closure.size(); ++j) of_gap.push_back(closure[j] - old.point[finding.first + j].reference);
   const auto [least, most] = std::ranges::minmax_element(of_gap);
   const bool varies = !of_gap.empty() && *most - *least > kSlightlyApart * w.detection.size;
-  std::vector<Heir> heirs(points.size());
+  thread_local std::vector<Heir> heirs;
+  heirs.assign(points.size(), {});
   uint32_t next_facet = c.first_facet;
   const auto put = [&](const Facet& facet) {
     w.contacts.facets[next_facet] = facet;
@@ -267,7 +302,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
     long nearest = -1;
     double best = radius2;
     for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) {
-      const Vector d = then[j - finding.first] - p.at;
+      const Vector d = then[j - finding.first].at - p.at;
       if (dot(d, d) < best) best = dot(d, d), nearest = long(j);
     }
     if (nearest >= 0) {
@@ -285,13 +320,13 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
     // the law has not integrated yet.
     if (p.facet_a < 0) p.offset += p.reference;
     const Location now = locate(w, p, w.contacts.facets);
-    p.at = now.at;
+    p.at = now.at, heirs[k].jump = now.jump;
     // A point that has made no step has not slipped: results may be written before the next one.
     for (int axis = 0; axis < 2; ++axis) f.slid[axis][to] = now.slid[axis], f.slip[axis][to] = 0.0;
     if (nearest >= 0) {
       const Point& q = old.point[nearest];
-      const Location moved = locate(w, q, before.facets);
-      heirs[k] = {closure[size_t(nearest) - finding.first], moved.jump - old.normal_jump[nearest]};
+      const Location& moved = then[size_t(nearest) - finding.first];
+      heirs[k] = {now.jump, closure[size_t(nearest) - finding.first], moved.jump - old.normal_jump[nearest]};
       const Vector pending = in_space(
           w, q,
           (moved.slid[0] - old.slid[0][size_t(nearest)]) * q.s + (moved.slid[1] - old.slid[1][size_t(nearest)]) * q.t);
@@ -303,39 +338,28 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
   if (!at_start) keep_energy(w, before, finding, c, heirs);
 }
 
-// Energy of these points, J: stored at their current positions, plus dissipated since the last step.
-double energy_of_points(const World& w, const Family& f, const LaneVector<Facet>& facets, uint32_t first,
-                        uint32_t count) {
-  if (!w.books_energy || count == 0) return 0.0;
-  Family trial;
-  trial.material = f.material;
-  const auto part = [&](const auto& column) {
-    return std::decay_t<decltype(column)>(column.begin() + first, column.begin() + first + count);
-  };
-  trial.point = part(f.point);
-  for (const auto& column : f.state) trial.state.push_back(part(column));
-  for (const PropertyColumn& c : f.columns)
-    trial.columns.push_back({c.id, c.is_drawn, c.usual, c.most, part(c.values)});
-  for (int k = 0; k < 3; ++k) trial.traction[k] = part(f.traction[k]);
-  for (auto* column : {&trial.normal_jump, &trial.slip[0], &trial.slip[1], &trial.stored}) column->resize(count);
-  for (auto& column : trial.dissipated) column.resize(count);
-  for (uint32_t i = 0; i < count; ++i) {
-    const Point& p = trial.point[i];
-    const Location now = locate(w, p, facets);
-    trial.normal_jump[i] = now.jump;
-    for (int k = 0; k < 2; ++k) trial.slip[k][i] = now.slid[k] - f.slid[k][first + i];
-  }
-  Chunk all;
-  all.count = count;
-  bind(w, trial, all);
-  all.call.evaluate(*trial.material);
-  double sum = 0.0;
-  for (uint32_t i = 0; i < count; ++i) {
-    double density = trial.stored[i];
-    for (const auto& d : trial.dissipated) density += d[i];
-    sum += density * trial.point[i].area;
-  }
-  return sum;
+std::vector<double> energies_of_points(const World& w, Family& f, const LaneVector<Facet>& facets) {
+  std::vector<double> energies(f.size());
+  for (auto* column : {&f.normal_jump, &f.slip[0], &f.slip[1]}) column->resize(f.size());
+  f.stored.assign(f.size(), 0.0);
+  for (auto& column : f.dissipated) column.assign(f.size(), 0.0);
+  each_part(w.pool, f.size(), kChunk, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Location now = locate(w, f.point[i], facets);
+      f.normal_jump[i] = now.jump;
+      for (int k = 0; k < 2; ++k) f.slip[k][i] = now.slid[k] - f.slid[k][i];
+    }
+    Chunk part;
+    part.first = uint32_t(begin), part.count = uint32_t(end - begin);
+    bind(w, f, part);
+    part.call.evaluate(*f.material);
+    for (size_t i = begin; i < end; ++i) {
+      double density = f.stored[i];
+      for (const auto& d : f.dissipated) density += d[i];
+      energies[i] = density * f.point[i].area;
+    }
+  });
+  return energies;
 }
 
 }  // namespace quoin::blocks

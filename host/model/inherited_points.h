@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "model/contact_frames.h"
 #include "model/kept_items.h"
 #include "model/new_points.h"
 
@@ -22,26 +23,36 @@ struct Finding {
   uint32_t first_facet = 0;
 };
 
-// Contact points that are replaced or lost, with their facets, before detection: families without their laws.
+// Contact points that are replaced or lost, with their facets, before detection. They have moved along with their
+// blocks: `location` is the current one, and `closure` the plastic one since they were placed, m, by family and point.
 struct PointsBefore {
   std::vector<Family> families;
   LaneVector<Facet> facets;
+  std::vector<std::vector<Location>> location;
+  std::vector<std::vector<double>> closure;
 };
 
-Family without_points(const Family& f);  // an empty family with the same law
+// Points of a contact and their facets: numbers of the originals (from) and of their copies (to).
+struct CopiedContact {
+  int family;
+  KeptItems points, facets;
+};
+
 // Changes the indices of a contact point's facets from `before` to `now`.
 void move_facets(Point& p, uint32_t now, uint32_t before);
-// Copies points [first, first + count) of a contact, and their facets. Sets first and first_facet to those of the
-// copies.
-void set_aside(const World& w, const Contact& c, uint32_t& first, uint32_t& first_facet, uint32_t count,
-               PointsBefore& before);
+// Copies contact points and their facets. Copies are numbered in the order of the list.
+PointsBefore set_aside(const World& w, std::span<const CopiedContact> contacts);
+// A family of copies of points, in the order of the list; their facets are those of the originals.
+Family copied_points(const Family& f, std::span<const KeptItems> points);
 // Resizes columns of a family, facets, or data of pairs to `count` items; the kept ones move to their new indices.
 void keep_points(const World& w, Family& f, std::span<const KeptItems> kept, size_t count);
 void keep_facets(World& w, std::span<const KeptItems> kept, size_t count);
 void keep_pairs(World& w, std::span<const KeptItems> kept, size_t count);
+// Threads may call it for several contacts at a time.
 void hand_over(World& w, const PointsBefore& before, const Finding& finding, const Contact& c,
                std::span<const NewPoint> points, bool at_start);
-double energy_of_points(const World& w, const Family& f, const LaneVector<Facet>& facets, uint32_t first,
-                        uint32_t count);
+// Energy of each point of a family, J: stored at its current location, plus dissipated since the last step. This calls
+// the law, so that `f` has the states and tractions after it.
+std::vector<double> energies_of_points(const World& w, Family& f, const LaneVector<Facet>& facets);
 
 }  // namespace quoin::blocks

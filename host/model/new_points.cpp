@@ -39,10 +39,9 @@ bool meet_along_rim(const World& w, const Pair& pair, const Vector& normal) {
     for (size_t f = 0; f < owner.shape->faces.size(); ++f) {
       const Vector& m = owner.normals[f];
       if (std::abs(dot(m, normal)) > kAcross) continue;
-      double depth = -1e300;
-      for (size_t i = 0; i < other.shape->vertices.size(); ++i)
-        depth = std::max(depth, dot(m, owner.vertices[owner.shape->faces[f][0]] - other.vertices[i]));
-      if (depth <= rim) return true;
+      const double least = dot(m, owner.vertices[owner.shape->faces[f][0]]) - rim;
+      const std::span corners(other.vertices, other.shape->vertices.size());
+      if (std::ranges::all_of(corners, [&](const Vector& x) { return dot(m, x) >= least; })) return true;
     }
     return false;
   };
@@ -177,6 +176,7 @@ std::vector<Patch> patches_of(const World& w, int block, const Placed& p, int fa
   std::vector<Patch> patches;
   if (w.blocks[block].body >= 0) {
     Polygon polygon;
+    polygon.reserve(p.shape->faces[face].size());
     for (int k : p.shape->faces[face]) polygon.push_back(plane.flat(p.vertices[k]));
     patches.emplace_back(std::move(polygon), reverse);
     return patches;
@@ -191,10 +191,10 @@ std::vector<Patch> patches_of(const World& w, int block, const Placed& p, int fa
 
 // Points of the rule on the overlaps of patches. Linear jumps and shape functions are continuous across borders of
 // patches, so points at one place are merged.
-std::vector<QuadraturePoint> points_on(const World& w, std::span<const Patch> of_a, std::span<const Patch> of_b,
-                                       bool rigid, RigidPoints rule, double tolerance) {
-  std::vector<QuadraturePoint> points, local;
-  Polygon overlap, scratch;
+void points_on(const World& w, std::span<const Patch> of_a, std::span<const Patch> of_b, bool rigid, RigidPoints rule,
+               double tolerance, std::vector<QuadraturePoint>& points) {
+  thread_local std::vector<QuadraturePoint> local;
+  thread_local Polygon overlap, scratch;
   for (const Patch& p : of_a) {
     for (const Patch& q : of_b) {
       if (p.is_apart(q)) continue;
@@ -210,7 +210,6 @@ std::vector<QuadraturePoint> points_on(const World& w, std::span<const Patch> of
       for (const QuadraturePoint& l : local) add_merged(points, 0, l, 10 * tolerance);
     }
   }
-  return points;
 }
 
 // The deepest corner below the plane, if it lies on the face; -1: there is none.
@@ -251,11 +250,12 @@ void face_points(const World& w, int owner, int owner_face, int carrier, bool at
   const Vector nb = b.normals[facing_face];
   const double cosine = -dot(plane.n, nb),
                tolerance = merge_fraction * std::min(w.blocks[owner].least_extent, w.blocks[carrier].least_extent);
-  std::vector<QuadraturePoint> points;
+  thread_local std::vector<QuadraturePoint> points;
+  points.clear();
   if (cosine > least_overlap_cosine) {
     const bool rigid = w.blocks[owner].body >= 0 && w.blocks[carrier].body >= 0;
-    points = points_on(w, patches_of(w, owner, a, owner_face, false, plane),
-                       patches_of(w, carrier, b, facing_face, true, plane), rigid, rule, tolerance);
+    points_on(w, patches_of(w, owner, a, owner_face, false, plane), patches_of(w, carrier, b, facing_face, true, plane),
+              rigid, rule, tolerance, points);
   }
   double total = 0.0;
   for (const QuadraturePoint& q : points) total += q.area;

@@ -68,11 +68,11 @@ struct Nearest {
   size_t index = 0;
   double squared = HUGE_VAL;  // square of the distance, m2
 };
-Nearest nearest_of(const std::vector<Vector>& places, const Vector& side_a, const Vector& side_b) {
+Nearest nearest_of(std::span<const Location> locations, const Vector& side_a, const Vector& side_b) {
   Nearest nearest;
-  for (size_t i = 0; i < places.size(); ++i) {
+  for (size_t i = 0; i < locations.size(); ++i) {
     for (const Vector& side : {side_a, side_b}) {
-      const Vector d = places[i] - side;
+      const Vector d = locations[i].at - side;
       if (dot(d, d) < nearest.squared) nearest = {i, dot(d, d)};
     }
   }
@@ -94,19 +94,16 @@ size_t kept_width(const World& w) {
   return kHead + most;
 }
 
-void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
-                   uint32_t count) {
+void keep_of_joint(World& w, const Contact& c, const Family& old, std::span<const Location> locations, uint32_t first) {
   const auto joint = std::ranges::lower_bound(w.start_joints.joint, c.pair, {}, &StartJoint::pair);
   const auto points = std::span(w.start_joints.point).subspan(joint->first, joint->count);
   const Motion a{w.poses.start[size_t(c.pair.a)], pose(w, c.pair.a)};
   const Motion b{w.poses.start[size_t(c.pair.b)], pose(w, c.pair.b)};
-  std::vector<Vector> places;
-  for (uint32_t i = first; i < first + count; ++i) places.push_back(locate(w, old.point[i], facets).at);
   const double reach = squared_reach(points);
   const size_t width = kept_width(w);
   for (size_t k = 0; k < points.size(); ++k) {
     double* const row = &w.start_joints.kept[(joint->first + k) * width];
-    const Nearest nearest = nearest_of(places, a.place(points[k].at), b.place(points[k].at));
+    const Nearest nearest = nearest_of(locations, a.place(points[k].at), b.place(points[k].at));
     if (nearest.squared > reach && head_of(row).owner != 0.0) continue;  // it keeps the values of an earlier point
     const size_t i = first + nearest.index;
     const Point& p = old.point[i];
@@ -125,11 +122,11 @@ void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVect
 
 namespace {
 
-std::vector<Vector> places_of(const World& w, const Contact& c) {
-  std::vector<Vector> places;
+std::vector<Location> locations_of(const World& w, const Contact& c) {
+  std::vector<Location> locations;
   for (uint32_t i = c.first; i < c.first + c.count; ++i)
-    places.push_back(place_of(w, w.contacts.families[size_t(c.family)].point[i]));
-  return places;
+    locations.push_back(locate(w, w.contacts.families[size_t(c.family)].point[i], w.contacts.facets));
+  return locations;
 }
 
 }  // namespace
@@ -144,7 +141,7 @@ std::vector<PartedPoint> parted_points(const World& w, int first_block, int end_
     if (head_of(&w.start_joints.kept[joint->first * width]).owner == 0.0) continue;
     const auto contact = std::ranges::lower_bound(w.contacts.list, joint->pair, {}, &Contact::pair);
     const bool touches = contact != w.contacts.list.end() && contact->pair == joint->pair && contact->count > 0;
-    const std::vector<Vector> places = touches ? places_of(w, *contact) : std::vector<Vector>{};
+    const std::vector<Location> locations = touches ? locations_of(w, *contact) : std::vector<Location>{};
     const auto points = std::span(w.start_joints.point).subspan(joint->first, joint->count);
     const double reach = squared_reach(points);
     const Motion a{w.poses.start[size_t(joint->pair.a)], pose(w, joint->pair.a)};
@@ -152,7 +149,7 @@ std::vector<PartedPoint> parted_points(const World& w, int first_block, int end_
     const Family& f = w.contacts.families[size_t(joint->family)];
     for (size_t k = 0; k < points.size(); ++k) {
       const Vector on_a = a.place(points[k].at), on_b = b.place(points[k].at);
-      if (nearest_of(places, on_a, on_b).squared <= reach) continue;
+      if (nearest_of(locations, on_a, on_b).squared <= reach) continue;
       const double* const row = &w.start_joints.kept[(joint->first + k) * width];
       const Head head = head_of(row);
       const bool from_a = head.owner == 1.0;

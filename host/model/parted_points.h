@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/broad_phase.h"
 #include "geometry/vector.h"
+#include "model/contact_frames.h"
 #include "model/contacts.h"
 #include "model/lanes.h"
 
@@ -52,9 +54,9 @@ struct StartJoints {
 // exchange_parted_blocks().
 std::vector<PartedPoint> parted_points(const World& w, int first_block, int end_block);
 void note_start_joints(World& w);
-// Stores the points of a joint before they are lost or replaced: `count` points of `old` from `first` on.
-void keep_of_joint(World& w, const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
-                   uint32_t count);
+// Stores the points of a joint before they are lost or replaced: points of `old` from `first` on, by location. Threads
+// may call it for several joints at a time.
+void keep_of_joint(World& w, const Contact& c, const Family& old, std::span<const Location> locations, uint32_t first);
 size_t kept_width(const World& w);  // numbers per row of StartJoints::kept
 void keep_states_by_id(World& w, int family, const quoin_law& old, size_t old_width);
 
