@@ -73,11 +73,12 @@ bool damage_has_grown(Simulation::Impl& s, bool stage_ends, std::vector<Warning>
   damage.now = 1.0 - sound / damage.sound_at_start;
   if (!is_first && !(damage.now - damage.at_frame >= s.scene.output.frames_at_damage)) return false;
   if (damage.frames == kMostFramesAtDamage) {
-    warn_once(s, fmt::format("frames_at_damage_{}", s.progress.stage + 1).c_str(),
-              fmt::format("stage '{}' has {} frames where damage grows, the most of a stage, and no more: "
-                          "joint_damage is {:.3g}; give output.frames_at_damage more than {:g}",
-                          current_stage(s).name, kMostFramesAtDamage, damage.now, s.scene.output.frames_at_damage),
-              warnings);
+    warn_once(
+        s, fmt::format("frames_at_damage_{}", s.progress.stage + 1).c_str(),
+        fmt::format("stage '{}' has {} frames where damage grows, the most of a stage, and later ones are left out "
+                    "(joint_damage {:.3g} so far); give output.frames_at_damage more than {:g}",
+                    current_stage(s).name, kMostFramesAtDamage, damage.now, s.scene.output.frames_at_damage),
+        warnings);
     return false;
   }
   ++damage.frames, damage.at_frame = damage.now;
