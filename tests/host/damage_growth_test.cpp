@@ -13,11 +13,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kFt = 0.2e6, kG = 15.0, kKn = 82e9, kXi = 0.4;            // Pa, J/m2, Pa/m; damage of the lower joint
-constexpr double kU0 = kFt / kKn, kLt = (kG - kFt * kU0 / 2) / (kFt / 2);  // m; of LAW.md
-constexpr double kEnd = (1 - kXi) / (2 - kXi);                             // of two joints of equal area
-constexpr double kSlow = 0.000125;  // m/s: some 300 passes while the joint softens
-constexpr double kWay = 3e-4;       // m, of the beam
+constexpr double kFt = 0.2e6, kG = 15.0, kKn = 82e9, kXi = 0.4;  // Pa, J/m2, Pa/m; damage of the lower joint
+constexpr double kU0 = kFt / kKn,
+                 kLt = (kG - kFt * kU0 / 2) / (kFt / 2);  // m; of contact_models/fracture_energy/LAW.md
+constexpr double kEnd = (1 - kXi) / (2 - kXi);            // of two joints of equal area
+constexpr double kSlow = 0.000125;                        // m/s: some 300 passes while the joint softens
+constexpr double kWay = 3e-4;                             // m, of the beam
 
 // A unit between two beams. The upper one is drawn up slowly, and the lower joint, which is damaged, opens.
 Scene drawn(const std::string& solver, double growth, double velocity = 0.005, const std::string& state = "bonded") {
