@@ -216,7 +216,8 @@ def keys_of_pages():
 
 def columns():
     names = re.findall(r'(?:columns\{\s*|add\(|\n\s+)\{?"([a-z_A-Z0-9]+)"', read("host/results/history.cpp"))
-    return [n for n in dict.fromkeys(names)] + reaction_columns() + member_columns()
+    of_damage = re.findall(r'\{"(\w+)"\}', read("host/step/columns/damage.cpp"))
+    return [n for n in dict.fromkeys(names)] + of_damage + reaction_columns() + member_columns()
 
 
 def reaction_columns():

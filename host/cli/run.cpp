@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -27,6 +28,7 @@
 #include "law/law_trial.h"
 #include "ranks/join.h"
 #include "results/monitors.h"
+#include "step/damage_growth.h"
 #include "step/findings.h"
 #include "step/kernels.h"
 #include "step/large_motion.h"
@@ -93,10 +95,16 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
 // Checks free space before the run, as far as the size of results can be estimated.
 void require_room(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces) {
   const Scene& scene = simulation.scene();
-  double frames = 2.0;
-  for (std::size_t i = 0; i < scene.stages.size(); ++i) frames += scene.frames_in(i);
+  const double growth = scene.output.frames_at_damage;
+  double frames = 2.0, at_damage = 0.0;
+  for (std::size_t i = 0; i < scene.stages.size(); ++i) {
+    frames += scene.frames_in(i);
+    if (scene.frames_follow_damage_in(i)) at_damage += kMostFramesAtDamage;
+  }
+  if (growth > 0.0) frames += std::min(at_damage, 1.0 / growth);  // damage is 1 at most
   require_space(folder, 1e6 + frames * (scene.has_frames() ? frame_bytes(simulation, surfaces) : 0.0),
-                fmt::format("the results with output.frames = {}", scene.output.frames));
+                fmt::format("the results with output.frames = {}{}", scene.output.frames,
+                            growth > 0.0 ? fmt::format(", frames_at_damage = {:g}", growth) : ""));
 }
 
 // The folder of results, and the earlier run in it.

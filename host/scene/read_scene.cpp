@@ -116,6 +116,7 @@ const Quality* read_solver_table(Table solver, const Quality* quality, bool of_b
 void read_output(Table& o, bool of_blocks, OutputSettings* output) {
   o.integer("frames", output->frames, 0, 100000);
   o.choice("frames_of", output->all_stages, {{"all", true}, {"last", false}});
+  o.number("frames_at_damage", output->frames_at_damage, between(0, 1), "");
   o.boolean("plots", output->plots);
   o.boolean("picture", output->plots);
   o.boolean("energy", output->energy);

@@ -435,8 +435,9 @@ struct Damage {
 };
 
 struct OutputSettings {
-  int frames = 20;         // VTU frames over a stage; 0: none
-  bool all_stages = true;  // whether all stages have frames; else only the last one
+  int frames = 20;                // VTU frames over a stage; 0: none
+  bool all_stages = true;         // whether all stages have frames; else only the last one
+  double frames_at_damage = 0.0;  // growth of joint_damage from which on another frame is due; 0: none for that
   bool plots = true;
   bool energy = false;           // energies by mode in history.csv
   std::string monitor;           // block of the history; empty: the stages' own monitors
@@ -470,9 +471,14 @@ struct Scene {
     if (stages[stage].frames) return *stages[stage].frames;
     return output.all_stages || stage + 1 == stages.size() ? output.frames : 0;
   }
+  // Whether a stage has frames where damage grows, in addition.
+  bool frames_follow_damage_in(std::size_t stage) const {
+    const bool usual = output.all_stages || stage + 1 == stages.size();
+    return output.frames_at_damage > 0.0 && stages[stage].frames.value_or(usual) > 0;
+  }
   bool has_frames() const {
     for (std::size_t i = 0; i < stages.size(); ++i)
-      if (frames_in(i) > 0) return true;
+      if (frames_in(i) > 0 || frames_follow_damage_in(i)) return true;
     return false;
   }
   std::string title, file;

@@ -9,7 +9,7 @@
 
 namespace quoin {
 
-inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '3'};
+inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '4'};
 
 template <class Archive, class Impl>
 void transfer_state(Archive& archive, Impl& s) {
@@ -44,6 +44,7 @@ void transfer_state(Archive& archive, Impl& s) {
   archive.value(s.small_motion.seen);
   archive.value(s.small_motion.next_check);
   archive.value(s.watch);
+  archive.value(s.damage);
   archive.list(s.outcome.warnings, [](auto& a, auto& warning) {
     a.array(warning.about);
     a.array(warning.text);

@@ -162,8 +162,8 @@ struct Observer {
   // A pause at which save() gives a checkpoint: all rows and frames before it are reported. last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
-  // A frame of the stage; Scene::frames_in is their number. With ranks and OutputSettings::pieces a rank then holds its
-  // own blocks alone, and the joints that touch them.
+  // A frame of the stage; Scene::frames_in is their number, without those where damage grows. With ranks and
+  // OutputSettings::pieces a rank then holds its own blocks alone, and the joints that touch them.
   virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {}
   virtual void on_stage_end(const Simulation&, int /*stage*/, const HistoryRow& /*last*/) {}
 };

@@ -7,6 +7,7 @@
 
 #include "step/actions/collapse.h"
 #include "step/actions/ground.h"
+#include "step/damage_growth.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/measure.h"
@@ -36,7 +37,8 @@ StageRun::StageRun(Simulation& simulation, Simulation::Impl& impl, Observer& obs
       observer_(observer),
       index_(stage),
       settings_(impl.scene.stages[static_cast<std::size_t>(stage)]),
-      frames_(impl.scene.frames_in(static_cast<std::size_t>(stage))) {
+      frames_(impl.scene.frames_in(static_cast<std::size_t>(stage))),
+      frames_follow_damage_(impl.scene.frames_follow_damage_in(static_cast<std::size_t>(stage))) {
   begin(impl.progress.in_stage);
   reported_at_ = Clock::now();
   reported_steps_ = s_.progress.stage_step;
@@ -80,10 +82,12 @@ bool StageRun::advance() {
   // Pauses before a row that only the stop requests: the history of a resumed run has none there.
   const bool stop_between_rows = due.stop && !due.planned && !done;
   if (stop_between_rows) follow_motion(done), show_frame(), pause(true);
+  if (frames_follow_damage_ && (due.planned || done))
+    write([&] { damage_due_ = damage_has_grown(s_, done, &warnings_); });
   if ((due.row && !gone_over_) || done) write_row(done);
   if (!stop_between_rows) follow_motion(done);
   if (due.check || due.row || done) find_falling_block(s_, &warnings_), warn();
-  show_frame();
+  if (!done) show_frame();  // else end() shows it
   if (due.stop && due.planned && !done) pause(true);
   if (due.stop)
     throw Error(Exit::interrupted,
@@ -128,10 +132,12 @@ void StageRun::follow_motion(bool done) {
 }
 
 void StageRun::show_frame() {
-  if (!frame_due_) return;
+  if (!frame_due_ && !damage_due_) return;
   fetch_for_frame(s_);
-  write([&] { observer_.on_frame(simulation_, index_, s_.progress.next_frame++); });
-  frame_due_ = false;
+  const int frame = s_.progress.next_frame;
+  if (frame_due_) ++s_.progress.next_frame;
+  write([&] { observer_.on_frame(simulation_, index_, frame); });
+  frame_due_ = damage_due_ = false;
 }
 
 void StageRun::write_row(bool done) {
@@ -206,7 +212,7 @@ void StageRun::report_progress() {
 void StageRun::end() {
   if (!s_.parts.divided) gather(s_, Part::all);
   // The last frame shows the end, in place of frames that are still due.
-  frame_due_ = frames_ > 0 && s_.progress.next_frame <= frames_;
+  frame_due_ |= frames_ > 0 && s_.progress.next_frame <= frames_;
   show_frame();
   gather(s_, Part::row);
   s_.progress.in_stage = false;

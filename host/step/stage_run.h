@@ -51,9 +51,10 @@ class StageRun {
   int index_;
   const Stage& settings_;
   int frames_;
-  std::vector<Warning> warnings_;  // found, not yet reported
-  bool gone_over_ = false;         // whether the run was promoted to large motion in this step
-  bool frame_due_ = false;
+  bool frames_follow_damage_;
+  std::vector<Warning> warnings_;                // found, not yet reported
+  bool gone_over_ = false;                       // whether the run was promoted to large motion in this step
+  bool frame_due_ = false, damage_due_ = false;  // by the way of the stage; as damage has grown
   // At the last report of progress:
   Clock::time_point reported_at_;
   long reported_steps_ = 0;

@@ -118,6 +118,7 @@ void begin_stage(Simulation::Impl& s, int index) {
   // The last frame of the stage before shows the beginning of this one.
   s.progress.next_frame = index > 0 && s.scene.frames_in(static_cast<std::size_t>(index) - 1) > 0 ? 1 : 0;
   s.progress.next_row = 0;
+  s.damage.frames = 0;
   s.small_motion.next_check = s.progress.step;  // controls of blocks are new
   s.progress.force_loss = {};
   s.watch.pending = false;  // sudden changes by a stage are no part of the energy balance of two steps

@@ -12,6 +12,7 @@
 #include "step/simulation.h"
 #include "step/state/actions.h"
 #include "step/state/controls.h"
+#include "step/state/damage_growth.h"
 #include "step/state/energy_book.h"
 #include "step/state/lattice_contacts.h"
 #include "step/state/lattice_inertia.h"
@@ -63,6 +64,7 @@ struct Simulation::Impl {
   EnergyBook energy;
   SmallMotion small_motion;
   Watch watch;
+  DamageGrowth damage;
   Outcome outcome;
 
   // Division of work among threads and ranks, and its costs.

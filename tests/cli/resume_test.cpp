@@ -102,7 +102,8 @@ class Resume : public Cli {
 };
 
 TEST_F(Resume, KilledWallsEndAsIfLeftAlone) {
-  expect_same_after_kills({small_, "--set", "stage.shear.velocity=0.01"});  // long enough to be killed during the run
+  // Long enough to be killed during the run. Frames follow damage too.
+  expect_same_after_kills({small_, "--set", "stage.shear.velocity=0.01", "--set", "output.frames_at_damage=0.02"});
 }
 
 TEST_F(Resume, KilledBuildingsEndAsIfLeftAlone) {

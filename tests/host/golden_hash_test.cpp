@@ -323,11 +323,12 @@ void add_to_hash(std::span<const double> numbers, std::uint64_t* hash) {
 struct GoldenBits {
   std::uint64_t state = 0, rows = kHashStart;
   long steps = 0, not_elastic = 0;
+  std::vector<long> frames = {};  // their steps
   bool operator==(const GoldenBits&) const = default;
 };
 std::string PrintToString(const GoldenBits& b) {
-  return fmt::format("0x{:016x}u, 0x{:016x}u ({} steps, {} points not elastic)", b.state, b.rows, b.steps,
-                     b.not_elastic);
+  return fmt::format("0x{:016x}u, 0x{:016x}u ({} steps, {} points not elastic, {} frames)", b.state, b.rows, b.steps,
+                     b.not_elastic, b.frames.size());
 }
 void PrintTo(const GoldenBits& bits, std::ostream* out) { *out << PrintToString(bits); }
 
@@ -335,7 +336,8 @@ void PrintTo(const GoldenBits& bits, std::ostream* out) { *out << PrintToString(
 struct Golden : Observer {
   std::uint64_t rows = kHashStart, rows_then = kHashStart;
   std::vector<std::uint8_t> saved;
-  long save_after = -1;  // steps
+  std::vector<long> frames, frames_then;  // steps of frames
+  long save_after = -1;                   // steps
   int swaps = 0, promotions = 0;
   const Simulation* watched = nullptr;
   int fewest_units = std::numeric_limits<int>::max(), most_units = 0;    // number of units whose halves are connected
@@ -343,8 +345,9 @@ struct Golden : Observer {
   bool wants_pause(bool) override { return save_after >= 0; }
   void on_pause(const Simulation& simulation, bool) override {
     if (save_after < 0 || simulation.step() < save_after || !saved.empty()) return;
-    saved = simulation.save(), rows_then = rows;
+    saved = simulation.save(), rows_then = rows, frames_then = frames;
   }
+  void on_frame(const Simulation& simulation, int, int) override { frames.push_back(simulation.step()); }
   void on_law_swap(const LawSwap&) override { ++swaps; }
   void on_promotion(const Simulation&) override { ++promotions; }
   void on_row(const HistoryRow& row) override {
@@ -368,13 +371,14 @@ class GoldenKinds : public ::testing::TestWithParam<GoldenKind> {
   static Scene scene() {
     Scene scene = read_scene(GetParam().scene, with(GetParam().overrides, {"output.energy=true"}));
     scene.output.frames = 0;
+    scene.output.frames_at_damage = 1e-5;  // the records are of runs without
     scene.solver.motion_bound.stop = false;
     return scene;
   }
   static GoldenBits bits_of(const Simulation& simulation, const Golden& golden) {
     const auto counts = condition_counts(simulation);
     return {simulation.hash(), golden.rows, simulation.step(),
-            simulation.point_count() - counts[static_cast<std::size_t>(Condition::elastic)]};
+            simulation.point_count() - counts[static_cast<std::size_t>(Condition::elastic)], golden.frames};
   }
   static GoldenBits alone(int threads) {
     Simulation simulation(scene(), threads);
@@ -423,7 +427,7 @@ TEST_P(GoldenKinds, ThreadsRanksResumedRunsAndInstructionSetsAgreeWithTheRecord)
   Simulation(scene(), 1).run(to_save);
   Simulation again(scene(), 1);
   again.restore(to_save.saved);
-  resumed.rows = to_save.rows_then;
+  resumed.rows = to_save.rows_then, resumed.frames = to_save.frames_then;
   again.run(resumed);
   EXPECT_EQ(bits_of(again, resumed), bits) << "resumed";
 
@@ -433,7 +437,7 @@ TEST_P(GoldenKinds, ThreadsRanksResumedRunsAndInstructionSetsAgreeWithTheRecord)
     const OnTarget avx2(HWY_AVX2);
     EXPECT_EQ(alone(1), bits) << "AVX2";
   }
-  EXPECT_EQ(bits, (GoldenBits{kind.state, kind.rows, bits.steps, bits.not_elastic}))
+  EXPECT_EQ(bits, (GoldenBits{kind.state, kind.rows, bits.steps, bits.not_elastic, bits.frames}))
       << "If results were meant to change, put the hashes printed above into golden_hash_test.cpp and say why in the "
          "commit";
 }

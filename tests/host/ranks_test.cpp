@@ -30,6 +30,13 @@ struct Case {
   enum { nothing, promotion, detection, parting, added_mass } has = nothing;
 };
 
+// Its frames follow damage, which all ranks find together.
+Scene scene_of(const Case& of) {
+  Scene scene = read_scene(of.scene, of.overrides);
+  scene.output.frames_at_damage = 1e-4;
+  return scene;
+}
+
 // Results that are compared bit by bit.
 struct Found {
   std::vector<std::uint64_t> rows;
@@ -89,7 +96,7 @@ Found found_in(const Simulation& simulation, const Rows& rows, std::uint64_t sta
 }
 
 Found alone(const Case& of) {
-  Simulation simulation(read_scene(of.scene, of.overrides));
+  Simulation simulation(scene_of(of));
   Rows rows;
   rows.simulation = &simulation;
   const std::uint64_t start = simulation.hash();
@@ -115,7 +122,7 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
     Found first;
     std::atomic<int> have_blocks = 0;
     const long messages = on_ranks(count, [&](Ranks& ranks) {
-      Simulation simulation(read_scene(of.scene, of.overrides), 1, &ranks);
+      Simulation simulation(scene_of(of), 1, &ranks);
       bool owns = false;
       for (int b = 0; b < simulation.block_count(); ++b) owns |= owns_block(simulation, b);
       have_blocks += owns ? 1 : 0;
@@ -264,7 +271,7 @@ TEST(Ranks, DividedAnewKeepWhatPointsHave) {
   std::atomic<int> changed_hands = 0;
   Found first;
   on_ranks(3, [&](Ranks& ranks) {
-    Simulation simulation(read_scene(of.scene, of.overrides), 1, &ranks);
+    Simulation simulation(scene_of(of), 1, &ranks);
     const auto owned = [&] {
       std::vector<bool> blocks;
       for (int b = 0; b < simulation.block_count(); ++b) blocks.push_back(owns_block(simulation, b));

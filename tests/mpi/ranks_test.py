@@ -555,7 +555,7 @@ def pieces():
     assert not list((folder / "wall_3").glob("*_r*.vtu")) and not list((folder / "wall_3").glob("*.pvtu"))
     same_frames(folder / "wall", folder / "wall_3", "wall, one process, pieces asked for")
     # A rank is killed between frames: the run resumes on fewer ranks, without old pieces.
-    frames = [*long_scene, "--set", "output.frames=12"]
+    frames = [*long_scene, "--set", "output.frames=12", "--set", "output.frames_at_damage=0.02"]
     run(1, [*frames, "--out", folder / "long"])
     out = folder / "long_3"
     process = start(3, [*frames, *in_pieces, "--out", out, "--checkpoint-every", "0.1"])

@@ -236,6 +236,10 @@ TEST_F(ReadScene, OutOfRange) {
   EXPECT_THAT(fault("= 1.5", "= 1.3"), HasSubstr("multiple of 0.5"));
   EXPECT_THAT(message(kScene, {"solver.time_step_fraction=1.5"}),
               AllOf(HasSubstr("--set: solver.time_step_fraction = 1.5"), HasSubstr("more than 0 and at most 1")));
+  for (const char* value : {"-0.01", "1.01", "nan"})
+    EXPECT_THAT(
+        message(kScene, {std::string("output.frames_at_damage=") + value}),
+        AllOf(HasSubstr(std::string("--set: output.frames_at_damage = ") + value), HasSubstr("a number, 0 to 1")));
 }
 
 // 2^53 + 1 is halfway between two doubles and rounds to the even one, 2^53, as in strtod.
@@ -390,6 +394,7 @@ TEST_F(ReadScene, WhatIsLeftOutIsAsThePageSays) {
   EXPECT_EQ(shear.name, "shear");
 
   EXPECT_EQ(s.output.frames, 20);
+  EXPECT_EQ(s.output.frames_at_damage, 0.0);
   EXPECT_TRUE(s.output.plots);
   EXPECT_FALSE(s.output.energy || s.output.end_state);
   EXPECT_EQ(s.start, "");

@@ -5,7 +5,7 @@
 
 namespace quoin {
 
-QUOIN_REGISTRY(ColumnGroup, kColumnGroups, kMemberColumns);
+QUOIN_REGISTRY(ColumnGroup, kColumnGroups, kMemberColumns, kDamageColumns);
 
 std::vector<std::string> added_columns(const Scene& scene) {
   std::vector<std::string> all;
