@@ -33,7 +33,7 @@ HWY_INLINE Lanes3 weighted(const Lanes3& weight, const Lanes3 (&corner)[3]) {
   return plus_scaled(plus_scaled(scaled(weight.x, corner[0]), weight.y, corner[1]), weight.z, corner[2]);
 }
 
-void FacetJumps(std::span<FacetLanes> all, FacetFrames* frames, const Vector* node_x, const FacetColumns& c,
+void FacetJumps(std::span<FacetLanes> all, FacetFrames* frames, const Vector* node_x, const PointColumns& c,
                 bool fixed) {
   const D d;
   const V one = hn::Set(d, 1.0);
@@ -78,7 +78,7 @@ void FacetJumps(std::span<FacetLanes> all, FacetFrames* frames, const Vector* no
   }
 }
 
-void FacetForces(std::span<const FacetLanes> all, const FacetFrames* frames, const FacetColumns& c, FacetRow* rows) {
+void FacetForces(std::span<const FacetLanes> all, const FacetFrames* frames, const PointColumns& c, FacetRow* rows) {
   const D d;
   for (const FacetLanes& lanes : all) {
     const FacetFrames& frame = *frames++;
@@ -167,12 +167,12 @@ HWY_EXPORT(FacetJumps);
 HWY_EXPORT(FacetForces);
 HWY_EXPORT(AddFacetRows);
 
-void facet_jumps(std::span<FacetLanes> lanes, FacetFrames* frames, const Vector* node_x, const FacetColumns& columns,
+void facet_jumps(std::span<FacetLanes> lanes, FacetFrames* frames, const Vector* node_x, const PointColumns& columns,
                  bool fixed) {
   HWY_DYNAMIC_DISPATCH(FacetJumps)(lanes, frames, node_x, columns, fixed);
 }
 
-void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, const FacetColumns& columns,
+void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, const PointColumns& columns,
                   FacetRow* rows) {
   HWY_DYNAMIC_DISPATCH(FacetForces)(lanes, frames, columns, rows);
 }

@@ -9,22 +9,17 @@
 #include <span>
 
 #include "model/sides.h"
+#include "step/point_kernels.h"
 
 namespace quoin::blocks {
 
-// Columns of a family, beginning at its first point.
-struct FacetColumns {
-  const double *traction[3], *viscous[3];   // Pa; viscous[0] null: none
-  double *slid[2], *normal_jump, *slip[2];  // position along s, t on the plane; opening; slip increment, m
-};
-
-// Computes openings and slip increments of the step, and the frames of these triangles. fixed: frames and feet stay as
-// at the start (small displacements).
-void facet_jumps(std::span<FacetLanes> lanes, FacetFrames* frames, const Vector* node_x, const FacetColumns& columns,
+// Columns are those of a family, beginning at its first point. Computes openings and slip increments of the step, and
+// the frames of these triangles. fixed: frames and feet stay as at the start (small displacements).
+void facet_jumps(std::span<FacetLanes> lanes, FacetFrames* frames, const Vector* node_x, const PointColumns& columns,
                  bool fixed);
 
 // Writes the forces of points on gridpoints into their rows, from the tractions and frames of facet_jumps.
-void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, const FacetColumns& columns,
+void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, const PointColumns& columns,
                   FacetRow* rows);
 
 // Sides of contact points on one block.

@@ -61,7 +61,7 @@ void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const 
         at_b = places_of(x, c.node_b + (i - c.first), part);
       }
       const Lanes3 apart = difference_of(at_b, places_of(x, c.node_a + (i - c.first), part));
-      part.store(hn::Sub(dot_of(n, apart), part.load(c.reference + i)), c.normal_jump + i);
+      part.store(hn::Sub(dot_of(n, apart), part.load(c.offset + i)), c.normal_jump + i);
       const V place[2] = {dot_of(s, apart), dot_of(t, apart)};
       for (int k = 0; k < 2; ++k) {
         part.store(hn::Sub(place[k], part.load(c.slid[k] + i)), c.slip[k] + i);
@@ -127,7 +127,7 @@ HWY_INLINE void forces_of(const GridpointPair& pair, const PairAxes& axes, const
       torque.add(p, cross_of(times(turn, arm), force));
     }
     if constexpr (kTurns) {
-      const Lanes3 apart{hn::Add(part.load(c.normal_jump + i), part.load(c.reference + i)), part.load(c.slid[0] + i),
+      const Lanes3 apart{hn::Add(part.load(c.normal_jump + i), part.load(c.offset + i)), part.load(c.slid[0] + i),
                          part.load(c.slid[1] + i)};
       moment.add(p, cross_of(apart, {f[0], f[1], f[2]}));  // along n, s, t
     }

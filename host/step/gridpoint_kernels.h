@@ -14,15 +14,13 @@
 #include "model/block_frames.h"
 #include "model/chunks.h"
 #include "model/rigid_bodies.h"
+#include "step/point_kernels.h"
 
 namespace quoin::blocks {
 
 // Columns of a family, beginning at its first point, and the gridpoints of a chunk.
-struct GridpointColumns {
-  const double *traction[3], *viscous[3];   // Pa; viscous[0] null: none
-  const double *reference, *area, *arm[3];  // m, m2, m; arm: on a rigid block b
-  double *slid[2], *normal_jump, *slip[2];  // position along s, t; opening; slip increment, m
-  const std::int32_t *node_a, *node_b;      // gridpoints of the points from `first` on
+struct GridpointColumns : PointColumns {
+  const std::int32_t *node_a, *node_b;  // gridpoints of the points from `first` on
   std::uint32_t first;
 };
 

@@ -17,10 +17,10 @@ namespace quoin {
 
 namespace {
 
-void damp_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump) {
+void damp_chunk(Simulation::Impl& s, int index, ChunkJumps& jump) {
   const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
   const auto first = static_cast<std::size_t>(chunk.first_point);
-  blocks::DampingColumns c{};
+  blocks::PointColumns c{};
   for (std::size_t k = 0; k < 3; ++k) {
     c.traction[k] = s.lattice.traction[k].data() + first, c.old_traction[k] = jump.old_traction[k];
     c.viscous[k] = s.lattice.viscous[k].data() + first;

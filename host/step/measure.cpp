@@ -89,7 +89,7 @@ double largest_displacement(const Simulation::Impl& s, std::span<const std::uint
   };
   double largest = 0.0;
   for (int i = 0; i < block_count(s); ++i)
-    if (!is_fixed(s, i) || held[at(i)] != kAllHeld) largest = larger(largest, norm(way_of(i)));
+    if (!is_fixed(s, i) || held[at(i)] != kAllPrescribed) largest = larger(largest, norm(way_of(i)));
   return largest;
 }
 

@@ -70,7 +70,7 @@ HWY_INLINE V Relax(const MaxwellColumns& m, int component, V change, Mask holds,
 
 // kMaxwell needs kImpacts.
 template <bool kImpacts, bool kMaxwell>
-HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
+HWY_INLINE double Damp(const PointColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
                        const OfPoints& along) {
   const D d;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5);
@@ -131,10 +131,10 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
   return work.total();
 }
 
-double DampPoints(const DampingColumns& c, std::size_t count, double rate) {
+double DampPoints(const PointColumns& c, std::size_t count, double rate) {
   return Damp<false, false>(c, {}, count, {rate}, {rate});
 }
-double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
+double DampImpacts(const PointColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
                    const OfPoints& along) {
   return m.traction[0] ? Damp<true, true>(c, m, count, normal, along) : Damp<true, false>(c, m, count, normal, along);
 }
@@ -168,11 +168,24 @@ HWY_EXPORT(DampPoints);
 HWY_EXPORT(DampImpacts);
 HWY_EXPORT(SumEnergies);
 
-double damp_points(const DampingColumns& columns, std::size_t count, double rate) {
+PointColumns columns_of(Family& f, std::size_t first) {
+  PointColumns c{};
+  for (int k = 0; k < 3; ++k) {
+    c.arm[k] = f.arm[k].data() + first, c.traction[k] = f.traction[k].data() + first;
+    if (!f.viscous[0].empty()) c.viscous[k] = f.viscous[k].data() + first;
+    if (!f.old_traction[0].empty()) c.old_traction[k] = f.old_traction[k].data() + first;
+  }
+  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data() + first, c.slip[k] = f.slip[k].data() + first;
+  c.offset = f.offset.data() + first, c.area = f.area.data() + first, c.normal_jump = f.normal_jump.data() + first;
+  if (!f.old_jump.empty()) c.old_jump = f.old_jump.data() + first;
+  return c;
+}
+
+double damp_points(const PointColumns& columns, std::size_t count, double rate) {
   return HWY_DYNAMIC_DISPATCH(DampPoints)(columns, count, rate);
 }
 
-double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
+double damp_impacts(const PointColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
                     const OfPoints& normal, const OfPoints& along) {
   return HWY_DYNAMIC_DISPATCH(DampImpacts)(columns, maxwell, count, normal, along);
 }

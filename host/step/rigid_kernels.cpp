@@ -70,7 +70,7 @@ HWY_INLINE void pose_of(RigidPair& pair, const Body* bodies, double (&pose)[3][k
   }
 }
 
-void RigidJumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& c) {
+void RigidJumps(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& c) {
   const Four d;
   for (RigidPair& pair : pairs) {
     double pose[3][kFour];
@@ -103,7 +103,7 @@ void RigidJumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColum
   }
 }
 
-void RigidForces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& c) {
+void RigidForces(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& c) {
   const Four d;
   for (RigidPair& pair : pairs) {
     F force[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, moment[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
@@ -469,11 +469,11 @@ HWY_EXPORT(RigidJumps);
 HWY_EXPORT(RigidForces);
 HWY_EXPORT(AdvanceRigid);
 
-void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns) {
+void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& columns) {
   HWY_DYNAMIC_DISPATCH(RigidJumps)(pairs, bodies, columns);
 }
 
-void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns) {
+void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& columns) {
   HWY_DYNAMIC_DISPATCH(RigidForces)(pairs, bodies, columns);
 }
 

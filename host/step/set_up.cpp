@@ -157,7 +157,7 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   s.inertia.bind_body_groups(s.model, s.time_step.time_step);
   s.inertia.share(s.model, s.time_step.time_step);
   for (int block = 0; block < block_count(s); ++block)
-    if (is_fixed(s, block)) prescribe(s, block, {}, {}, kAllHeld);
+    if (is_fixed(s, block)) prescribe(s, block, {}, {}, kAllPrescribed);
   begin_states(s);
   begin_damping(s);
 }

@@ -99,7 +99,7 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
     if (drive == s.actions.drives.end()) {
       Drive added;
       added.block = block;
-      if (is_fixed(s, block)) added.held = kAllHeld;
+      if (is_fixed(s, block)) added.held = kAllPrescribed;
       drive = s.actions.drives.insert(drive, added);
     }
     for (std::size_t k = 0; k < 3; ++k) {

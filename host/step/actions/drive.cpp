@@ -31,7 +31,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
     drive.omega_from = spin_of(s, block);
     const auto found = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
     Drive old;
-    if (is_fixed(s, block)) old.held = kAllHeld;
+    if (is_fixed(s, block)) old.held = kAllPrescribed;
     if (found != before.end()) old = *found;
     const Vector record = record_since_half_step(s, previous, old.motion);
     for (int c = 0; c < 3; ++c) {
@@ -73,7 +73,7 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
     const bool stays = is_fixed(s, old.block);
     Drive released = start(old.block, !stays);
     if (stays) {
-      released.held = kAllHeld;
+      released.held = kAllPrescribed;
       released.force_from = {};
       released.of_ground = old.of_ground, released.motion = old.motion;
     }

@@ -166,7 +166,7 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
     if (index < 0) {
       Drive drive;
       drive.block = block;
-      drive.held = kAllHeld;
+      drive.held = kAllPrescribed;
       drive.velocity_from = velocity_of(s, block);
       index = static_cast<std::int32_t>(s.actions.drives.size());
       s.actions.drives.push_back(drive);

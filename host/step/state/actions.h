@@ -8,11 +8,10 @@
 
 #include "geometry/broad_phase.h"
 #include "geometry/vector.h"
-#include "scene/scene.h"
+#include "scene/driven.h"
 
 namespace quoin {
 
-constexpr std::uint8_t kAllHeld = 0x3f;   // Drive::held of a block that is held along all axes
 constexpr std::uint16_t kOfGround = 0xf;  // Drive::of_ground of a block that moves as the ground along all axes
 
 // Rank of a block or body as the one that stands for the ground. 0: it is none of the ground, or a support with a
