@@ -26,8 +26,9 @@ std::array<double, 2> landing_squares(const LandingBlock& landing, double kn, do
 // frequencies, 1/s2.
 std::array<double, 2> impact_viscosity(const std::array<double, 2>& squares, double impact_damping);
 
-// Lowers the viscosity over stiffness of zones, s, to that of a block: 1 % of critical damping at the first vibration
-// of a free bar of its length, m. Its omega = pi c/L, with the speed of sound c. least: 0 before the first block.
+// Lowers the viscosity over stiffness of zones, s, to that of a block; least: 0 before the first one. It is 1 % of
+// critical damping at the first vibration of a free bar of the block's length, m. Its omega = pi c/L, with the speed of
+// sound c.
 void lower_zone_viscosity(double& least, double length, const BlockMaterial& material, double mass_scaling);
 
 // Stable step for stiffness K and viscosity C, whose forces are those of the velocities half a step ago. Central

@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/smooth_step.h"
 #include "step/actions/actions.h"
-#include "step/actions/whiffletree.h"
 #include "step/block_motion.h"
 #include "step/driven_block.h"
 #include "step/monitor.h"

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "base/archive.h"
-#include "step/actions/whiffletree.h"
+#include "step/actions/actions.h"
 #include "step/controls.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_swap.h"

@@ -17,53 +17,26 @@ void transfer_blocks(Archive& archive, Self& m) {
   archive.array(m.start_joints.kept);
 
   archive.list(m.actions.loads, [](auto& a, auto& load) {
-    a.value(load.block);
-    a.value(load.point);
-    a.value(load.force);
-    a.list(load.share, [](auto& inner, auto& share) {
-      inner.value(share.first);
-      inner.value(share.second);
-    });
-    a.value(load.arm);
-    a.value(load.scale);
+    a.values(load.block, load.point, load.force);
+    a.list(load.share, [](auto& inner, auto& share) { inner.values(share.first, share.second); });
+    a.values(load.arm, load.scale);
   });
   archive.list(m.actions.pressures, [](auto& a, auto& pressure) {
-    a.value(pressure.block);
-    a.value(pressure.face);
-    a.value(pressure.value);
+    a.values(pressure.block, pressure.face, pressure.value);
     a.array(pressure.triangles);
-    a.value(pressure.arm);
-    a.value(pressure.push);
-    a.value(pressure.scale);
+    a.values(pressure.arm, pressure.push, pressure.scale);
   });
   archive.array(m.actions.loaded);
   archive.array(m.actions.applied);
-  archive.value(m.actions.gravity);
-  archive.value(m.actions.of_collapse);
+  archive.values(m.actions.gravity, m.actions.of_collapse);
 
-  archive.value(m.is_small);
-  archive.value(m.is_settling);
-  archive.value(m.stepping.time);
-  archive.value(m.stepping.dt);
-  archive.value(m.stepping.critical_dt);
-  archive.value(m.stepping.omega);
-  archive.value(m.stepping.springs);
+  archive.values(m.is_small, m.is_settling, m.stepping.time, m.stepping.dt, m.stepping.critical_dt, m.stepping.omega,
+                 m.stepping.springs);
   archive.array(m.impacts.landing);
-  archive.value(m.impacts.zone_beta);
-  archive.value(m.impacts.stable_dt);
-  archive.value(m.impacts.share);
-  archive.value(m.impacts.maxwell);
-  archive.value(m.stepping.stiffness_bound);
-  archive.value(m.stepping.count);
-  archive.value(m.checks.next);
-  archive.value(m.checks.dt);
-  archive.value(m.detection.count);
-  archive.value(m.detection.narrow_calls);
-  archive.value(m.step_sums.unbalanced);
-  archive.value(m.step_sums.net);
-  archive.value(m.step_sums.energies);
-  archive.value(m.step_sums.later);
-  archive.value(m.held_by.work);
+  archive.values(m.impacts.zone_beta, m.impacts.stable_dt, m.impacts.share, m.impacts.maxwell,
+                 m.stepping.stiffness_bound, m.stepping.count, m.checks.next, m.checks.dt, m.detection.count,
+                 m.detection.narrow_calls, m.step_sums.unbalanced, m.step_sums.net, m.step_sums.energies,
+                 m.step_sums.later, m.held_by.work);
   if (m.held_by.members) members::Members::transfer(archive, *m.held_by.members);
 }
 

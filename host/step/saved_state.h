@@ -20,36 +20,16 @@ void transfer_state(Archive& archive, Impl& s) {
     else
       archive.array(array);
   });
-  archive.value(s.controls.gravity_from);
-  archive.value(s.controls.gravity_to);
-  archive.value(s.controls.jack);
-  archive.value(s.data.gravity);
-  archive.value(s.progress.step);
-  archive.value(s.progress.clock_start);
-  archive.value(s.progress.clock_start_step);
-  archive.value(s.progress.stage_step);
-  archive.value(s.progress.stage_start);
-  archive.value(s.monitor.start);
-  archive.value(s.energy.dissipated);
-  archive.value(s.energy.damping);
-  archive.value(s.energy.external);
-  archive.value(s.energy.lost_at_changes);
-  archive.value(s.progress.unbalanced_ratio);
-  archive.value(s.energy.kinetic);
-  archive.value(s.progress.calm_checks);
-  archive.value(s.progress.next_frame);
-  archive.value(s.progress.next_row);
-  archive.value(s.progress.row_interval);
-  archive.value(s.progress.in_stage);
-  archive.value(s.small_motion.seen);
-  archive.value(s.small_motion.next_check);
-  archive.value(s.watch);
+  archive.values(s.controls.gravity_from, s.controls.gravity_to, s.controls.jack, s.data.gravity, s.progress.step,
+                 s.progress.clock_start, s.progress.clock_start_step, s.progress.stage_step, s.progress.stage_start,
+                 s.monitor.start, s.energy.dissipated, s.energy.damping, s.energy.external, s.energy.lost_at_changes,
+                 s.progress.unbalanced_ratio, s.energy.kinetic, s.progress.calm_checks, s.progress.next_frame,
+                 s.progress.next_row, s.progress.row_interval, s.progress.in_stage, s.small_motion.seen,
+                 s.small_motion.next_check, s.watch);
   archive.list(s.outcome.warnings, [](auto& a, auto& warning) {
     a.array(warning.about);
     a.array(warning.text);
-    a.value(warning.stage);
-    a.value(warning.step);
-    a.value(warning.time);
+    a.values(warning.stage, warning.step, warning.time);
   });
   archive.value(s.progress.force_loss);
   archive.array(s.outcome.force_losses);
@@ -67,11 +47,7 @@ void transfer_state(Archive& archive, Impl& s) {
 template <class Archive, class Promotion>
 void transfer_promotion(Archive& archive, Promotion& p) {
   archive.array(p.why);
-  archive.value(p.stage);
-  archive.value(p.step);
-  archive.value(p.time);
-  archive.value(p.strain_energy);
-  archive.value(p.energy_jump);
+  archive.values(p.stage, p.step, p.time, p.strain_energy, p.energy_jump);
 }
 
 }  // namespace quoin

@@ -9,6 +9,7 @@
 #include "model/time_step.h"
 #include "step/actions/ground.h"
 #include "step/driven_block.h"
+#include "step/existing_damage.h"
 #include "step/large_motion_run.h"
 #include "step/rank_agreement.h"
 #include "step/rank_part.h"
@@ -18,7 +19,6 @@
 #include "step/state.h"
 #include "step/state_hash.h"
 #include "step/supports.h"
-#include "step/take_damage.h"
 #include "step/work_division.h"
 
 namespace quoin {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "step/actions/collapse.h"
+#include "step/actions/actions.h"
 #include "step/actions/ground.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"

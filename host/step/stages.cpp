@@ -8,10 +8,10 @@
 
 #include "base/error.h"
 #include "model/motion.h"
+#include "scene/actions/actions.h"
 #include "scene/collapse_load.h"
 #include "scene/driven.h"
-#include "scene/leaves_lattice.h"
-#include "step/actions/whiffletree.h"
+#include "step/actions/actions.h"
 #include "step/block_motion.h"
 #include "step/borders.h"
 #include "step/controls.h"

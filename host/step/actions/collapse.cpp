@@ -1,5 +1,3 @@
-#include "step/actions/collapse.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "scene/collapse_load.h"
 #include "scene/weight_axis.h"
 #include "step/actions/action.h"
+#include "step/actions/actions.h"
 #include "step/actions/ground.h"
 #include "step/gather.h"
 #include "step/rank_agreement.h"

@@ -1,9 +1,8 @@
-#include "step/actions/drive.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "step/actions/action.h"
+#include "step/actions/actions.h"
 #include "step/actions/ground.h"
 #include "step/block_motion.h"
 #include "step/controls.h"
