@@ -42,6 +42,23 @@ HWY_INLINE hn::Vec<Tag> gather(Tag d, const double* base, const std::int32_t* in
   return hn::GatherIndex(d, base, hn::PromoteTo(wide, hn::LoadU(narrow, index)));
 }
 
+// visit(i, load, store) for numbers i, i + 1, ... of columns, from `first` on, a vector at a time. Lanes from `end` on
+// are loaded as 0 and not stored.
+template <class Tag, class Visit>
+HWY_INLINE void for_each_vector(Tag d, std::size_t first, std::size_t end, const Visit& visit) {
+  std::size_t i = first;
+  for (; i + hn::MaxLanes(Tag()) <= end; i += hn::MaxLanes(Tag())) {
+    visit(
+        i, [&](const double* from) HWY_ATTR { return hn::LoadU(d, from + i); },
+        [&](hn::Vec<Tag> x, double* to) HWY_ATTR { hn::StoreU(x, d, to + i); });
+  }
+  if (i >= end) return;
+  const auto rest = hn::FirstN(d, end - i);
+  visit(
+      i, [&](const double* from) HWY_ATTR { return hn::MaskedLoad(rest, d, from + i); },
+      [&](hn::Vec<Tag> x, double* to) HWY_ATTR { hn::BlendedStore(x, rest, d, to + i); });
+}
+
 // Four consecutive numbers.
 constexpr int kFour = 4;
 using Four = hn::CappedTag<double, kFour>;

@@ -8,6 +8,7 @@
 #include "step/lattice_fields.h"
 #include "step/lattice_motion.h"
 #include "step/monitor.h"
+#include "step/rank_agreement.h"
 #include "step/rank_part.h"
 #include "step/reactions.h"
 #include "step/state.h"
@@ -83,9 +84,7 @@ void fetch_for_frame(Simulation::Impl& s) {
     exchange_parted_blocks(*s.large_motion);
   else
     receive_whole_borders(s);
-  const double seconds = seconds_since(before);
-  s.rank_load.traffic.waiting_seconds += seconds;
-  s.timing.phases[Phase::ranks] += seconds;
+  note_waiting(s, before);
 }
 
 void each_memory_of_item(Simulation::Impl& s, Part part, int item, const VisitMemory& visit) {

@@ -28,24 +28,6 @@ struct LaneSum {
   }
 };
 
-// visit(i, part of the sums, load, store), a vector of points at a time. Lanes beyond the last point are loaded as 0
-// and not stored.
-template <class Visit>
-HWY_INLINE void for_each_vector(std::size_t count, const Visit& visit) {
-  const D d;
-  constexpr auto kStep = static_cast<std::size_t>(kWidth);
-  std::size_t i = 0;
-  for (; i + kStep <= count; i += kStep) {
-    visit(
-        i, [&](const double* from) HWY_ATTR { return hn::LoadU(d, from + i); },
-        [&](V v, double* to) HWY_ATTR { hn::StoreU(v, d, to + i); });
-  }
-  if (i == count) return;
-  const auto rest = hn::FirstN(d, count - i);
-  visit(
-      i, [&](const double* from) HWY_ATTR { return hn::MaskedLoad(rest, d, from + i); },
-      [&](V v, double* to) HWY_ATTR { hn::BlendedStore(v, rest, d, to + i); });
-}
 HWY_INLINE std::size_t part_of_sum(std::size_t i) { return i / static_cast<std::size_t>(kWidth) % kParts; }
 
 // A joint slides or softens where its secant stiffness is below the share kLettingGo of its elastic stiffness. Changes
@@ -75,7 +57,7 @@ HWY_INLINE double Damp(const PointColumns& c, const MaxwellColumns& m, std::size
   const D d;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5);
   LaneSum work;
-  for_each_vector(count, [&](std::size_t i, auto load, auto store) HWY_ATTR {
+  for_each_vector(D(), 0, count, [&](std::size_t i, auto load, auto store) HWY_ATTR {
     const V then = load(c.old_jump), now = load(c.normal_jump);
     const auto known = hn::Eq(then, then);  // NaN: a new point, without a rate
     const V way[3] = {hn::IfThenElseZero(known, hn::Sub(now, then)), load(c.slip[0]), load(c.slip[1])};
@@ -143,7 +125,7 @@ void SumEnergies(const double* area, BoundCall& call) {
   call.stored = 0.0, call.dissipated = {};
   if (!call.batch.energy_stored.data) return;
   LaneSum stored, dissipated[QUOIN_DISSIPATED_COUNT];
-  for_each_vector(call.batch.count, [&](std::size_t i, auto load, auto) HWY_ATTR {
+  for_each_vector(D(), 0, call.batch.count, [&](std::size_t i, auto load, auto) HWY_ATTR {
     const V of_points = load(area);
     const auto add = [&](const double* density, LaneSum& sum) HWY_ATTR {
       V& part = sum.part[part_of_sum(i)];

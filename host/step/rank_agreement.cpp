@@ -61,6 +61,12 @@ void agree_on_model(const Simulation::Impl& s) {
   }
 }
 
+void note_waiting(Simulation::Impl& s, Clock::time_point since) {
+  const double seconds = seconds_since(since);
+  s.rank_load.traffic.waiting_seconds += seconds;
+  s.timing.phases[Phase::ranks] += seconds;
+}
+
 bool ranks_together(const Simulation::Impl& s) { return s.agreed.together; }
 
 bool agree(Simulation::Impl& s, bool trouble, bool* deviates, bool* leaves_frame) {
@@ -68,9 +74,7 @@ bool agree(Simulation::Impl& s, bool trouble, bool* deviates, bool* leaves_frame
   double wanted[] = {trouble ? 1.0 : 0.0, s.agreed.stop_wanted ? 1.0 : 0.0, deviates && *deviates ? 1.0 : 0.0,
                      leaves_frame && *leaves_frame ? 1.0 : 0.0};
   s.ranks->largest(wanted);
-  const double seconds = seconds_since(before);
-  s.rank_load.traffic.waiting_seconds += seconds;
-  s.timing.phases[Phase::ranks] += seconds;
+  note_waiting(s, before);
   s.agreed.stop = s.agreed.stop || wanted[1] > 0.0;
   if (deviates) *deviates = wanted[2] > 0.0;
   if (leaves_frame) *leaves_frame = wanted[3] > 0.0;
@@ -80,9 +84,7 @@ bool agree(Simulation::Impl& s, bool trouble, bool* deviates, bool* leaves_frame
 
 bool any_rank(Simulation::Impl& s, bool here) {
   if (!s.ranks) return here;
-  double wanted[] = {here ? 1.0 : 0.0};
-  s.ranks->largest(wanted);
-  return wanted[0] > 0.0;
+  return largest_of_ranks(s, here ? 1.0 : 0.0) > 0.0;
 }
 
 double largest_of_ranks(const Simulation::Impl& s, double here) {

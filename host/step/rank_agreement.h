@@ -17,6 +17,7 @@ void agree_on_model(const Simulation::Impl& s);
 // detection that is due, and on blocks that leave their frames.
 bool agree(Simulation::Impl& s, bool trouble, bool* deviates = nullptr, bool* leaves_frame = nullptr);
 bool any_rank(Simulation::Impl& s, bool here);
+void note_waiting(Simulation::Impl& s, Clock::time_point since);  // adds to the times of this rank
 double largest_of_ranks(const Simulation::Impl& s, double here);
 
 }  // namespace quoin

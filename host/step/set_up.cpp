@@ -42,6 +42,17 @@ void begin_damping(Simulation::Impl& s) {
         shares(std::vector<double>(static_cast<std::size_t>(s.contacts.implicit.pieces()), 1.0), s.pool.thread_count());
 }
 
+void choose_time_step(Simulation::Impl& s) {
+  const std::unique_ptr<SharedModel> shared = s.parts.divided ? share_of_model(s) : nullptr;
+  s.time_step =
+      choose_time_step(s.model, solver_in_use(s), &s.inertia.in_use, Limits::critical, s.scene.stages, shared.get());
+}
+
+void bind_inertia(Simulation::Impl& s) {
+  s.inertia.bind_body_groups(s.model, s.time_step.time_step);
+  s.inertia.share(s.model, s.time_step.time_step);
+}
+
 // Sets the initial states of the contact points that this rank holds.
 void begin_states(Simulation::Impl& s) {
   std::vector<std::vector<double>> initial;  // by family and column
@@ -133,19 +144,14 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   for (std::size_t i = 0; i < s.model.lone_bodies.size(); ++i)
     s.lattice.place[static_cast<std::size_t>(s.model.lone_bodies[i])] = {
         static_cast<int>(s.model.body_groups.size() + i), 0};
-  std::unique_ptr<SharedModel> shared;
   if (s.parts.divided) {
     agree_on_model(s);
     divide_work(s);
     hold_first_part(s);
-    shared = share_of_model(s);
   }
   s.inertia.in_use = {};
   s.time_step = {};
-  if (!s.model.assembly.bricks.empty())
-    s.time_step =
-        choose_time_step(s.model, solver_in_use(s), &s.inertia.in_use, Limits::critical, s.scene.stages, shared.get());
-  shared.reset();
+  if (!s.model.assembly.bricks.empty()) choose_time_step(s);
   const auto doubles = static_cast<std::size_t>(s.model.line_count) * kLine;
   const auto points = static_cast<std::size_t>(s.model.point_count);
   s.lattice.displacement.assign(doubles, 0.0);
@@ -154,8 +160,7 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   for (auto& column : s.contacts.force) column.assign(points + kLanes, 0.0);
   s.lattice.flags.assign(points, 0);
   for (auto& column : s.contacts.energy_columns) column.assign(s.energy.wanted ? points : 0, 0.0);
-  s.inertia.bind_body_groups(s.model, s.time_step.time_step);
-  s.inertia.share(s.model, s.time_step.time_step);
+  bind_inertia(s);
   for (int block = 0; block < block_count(s); ++block)
     if (is_fixed(s, block)) prescribe(s, block, {}, {}, kAllPrescribed);
   begin_states(s);
@@ -166,13 +171,8 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
 // old step before.
 void follow_solver(Simulation::Impl& s) {
   s.progress.clock_start = time_now(s), s.progress.clock_start_step = s.progress.step;
-  std::unique_ptr<SharedModel> shared;
-  if (s.parts.divided) shared = share_of_model(s);
-  s.time_step =
-      choose_time_step(s.model, solver_in_use(s), &s.inertia.in_use, Limits::critical, s.scene.stages, shared.get());
-  shared.reset();
-  s.inertia.bind_body_groups(s.model, s.time_step.time_step);
-  s.inertia.share(s.model, s.time_step.time_step);
+  choose_time_step(s);
+  bind_inertia(s);
   begin_damping(s);
   bind_step(s);
 }

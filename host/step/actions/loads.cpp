@@ -1,4 +1,4 @@
-// Forces at points and pressures on faces of blocks: those that act at the end of the stage before fade while those of
+// Forces at points and pressures on faces of blocks. Those that act at the end of the stage before fade while those of
 // this one grow. A moving load is a force at each of its positions: neighbouring positions share it by linear
 // interpolation.
 #include <algorithm>

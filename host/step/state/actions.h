@@ -2,6 +2,7 @@
 // and update them before each step. All of them are saved.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -31,9 +32,10 @@ struct Drive {
   std::uint16_t of_ground = 0;
   std::int32_t motion = 0;  // index of the motion: 0: that of the ground; k: of the k-th group of supports
   std::int32_t unused = 0;  // see base/archive.h
-  geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
-  geometry::Vector force_from, force_to, force_now;  // N, along free components; force_now: in this step
-  geometry::Vector moment_from, moment_now;  // N m, on free rotations: what has held them, which fades over the ramp
+  geometry::Vector velocity_from{}, velocity_to{}, omega_from{}, omega_to{};  // m/s, rad/s
+  geometry::Vector force_from{}, force_to{}, force_now{};  // N, along free components; force_now: in this step
+  geometry::Vector moment_from{},
+      moment_now{};  // N m, on free rotations: what has held them, which fades over the ramp
 };
 
 // Whether a structure stands under the first multiplier of a collapse stage. After the ramp its blocks must stay at
@@ -61,6 +63,10 @@ struct Actions {
   geometry::Vector collapse_left;  // body force by mass at the end of a collapse stage, which fades in the next, m/s2
   geometry::Vector ground_left;    // velocity that records have left to ground below springs that no block follows, m/s
 
+  Drive* drive_of(int block) {  // null: it has none
+    const auto found = std::ranges::find(drives, block, &Drive::block);
+    return found == drives.end() ? nullptr : &*found;
+  }
   const Drive* ground_drive() const;  // drive of a block that moves with the ground; null: none
 };
 
