@@ -9,7 +9,6 @@
 #include "base/smooth_step.h"
 #include "step/actions/actions.h"
 #include "step/block_motion.h"
-#include "step/driven_block.h"
 #include "step/monitor.h"
 #include "step/reactions.h"
 #include "step/stages.h"

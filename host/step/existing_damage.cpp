@@ -15,7 +15,7 @@
 #include "law/at_rest.h"
 #include "law/bound_call.h"
 #include "model/contact_frames.h"
-#include "model/placed_points.h"
+#include "model/point_finder.h"
 #include "model/property_columns.h"
 #include "model/world_results.h"
 #include "step/law_swap.h"
@@ -379,7 +379,7 @@ void take_damage(Simulation::Impl& s) {
       if (!fault) fault = error;
     }
   }
-  throw_together(s, fault);
+  throw_together(s.ranks, fault);
   if (s.ranks && !s.large_motion) {
     s.ranks->largest(hit);
     if (any_rank(s, !s.lattice.normal_shift.empty())) s.lattice.normal_shift.resize(at(s.model.point_count));

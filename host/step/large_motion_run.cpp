@@ -13,7 +13,6 @@
 #include "step/actions/actions.h"
 #include "step/actions/ground.h"
 #include "step/block_motion.h"
-#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/law_swap.h"
 #include "step/monitor.h"

@@ -15,7 +15,6 @@
 #include "step/actions/ground.h"
 #include "step/block_motion.h"
 #include "step/columns/columns.h"
-#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"

@@ -14,27 +14,6 @@
 
 namespace quoin {
 
-void throw_together(Simulation::Impl& s, const std::optional<Error>& fault) {
-  if (!s.ranks) {
-    if (fault) throw *fault;
-    return;
-  }
-  const int count = s.ranks->count();
-  const std::string text = fault ? fault->what() : "";
-  // The lowest rank with a fault, its exit code, and the length of its message.
-  const double first = count - largest_of_ranks(s, fault ? count - s.ranks->rank() : 0.0);
-  if (first == count) return;
-  const bool here = s.ranks->rank() == static_cast<int>(first);
-  double shared[] = {here ? static_cast<double>(fault->exit_code) : 0.0, here ? static_cast<double>(text.size()) : 0.0};
-  s.ranks->largest(shared);
-  std::vector<std::size_t> sizes(at(count));
-  sizes[static_cast<std::size_t>(first)] = static_cast<std::size_t>(shared[1]);
-  std::string of_first(static_cast<std::size_t>(shared[1]), ' ');
-  s.ranks->gather(std::as_bytes(std::span(here ? text : std::string())), sizes,
-                  std::as_writable_bytes(std::span(of_first)));
-  throw Error(static_cast<Exit>(static_cast<int>(shared[0])), of_first);
-}
-
 void begin_with_ranks(Simulation::Impl& s) {
   sparse_memory_wanted = true;
   if (const char* costly = std::getenv("QUOIN_DEAR_BLOCKS")) {

@@ -1,15 +1,10 @@
 // Agreement of all ranks: whether they continue, what has failed, and that they have the same model.
 #pragma once
 
-#include <optional>
-
-#include "base/error.h"
 #include "step/state.h"
 
 namespace quoin {
 
-// Throws the fault of the lowest rank that has one, on all ranks.
-void throw_together(Simulation::Impl& s, const std::optional<Error>& fault);
 void begin_with_ranks(Simulation::Impl& s);
 // Throws Error(bad_input): the ranks have different models. To be called before exchanges that need equal models.
 void agree_on_model(const Simulation::Impl& s);

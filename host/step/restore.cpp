@@ -12,7 +12,6 @@
 #include "step/actions/actions.h"
 #include "step/controls.h"
 #include "step/large_motion_run.h"
-#include "step/lattice_swap.h"
 #include "step/law_swap.h"
 #include "step/monitor.h"
 #include "step/promotion.h"

@@ -8,7 +8,7 @@
 #include "model/shared_model.h"
 #include "model/time_step.h"
 #include "step/actions/ground.h"
-#include "step/driven_block.h"
+#include "step/block_motion.h"
 #include "step/existing_damage.h"
 #include "step/large_motion_run.h"
 #include "step/rank_agreement.h"

@@ -17,7 +17,6 @@
 #include "step/controls.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
-#include "step/lattice_swap.h"
 #include "step/law_swap.h"
 #include "step/measure.h"
 #include "step/promotion.h"

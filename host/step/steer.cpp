@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "step/block_motion.h"
 #include "step/controls.h"
-#include "step/driven_block.h"
 #include "step/results.h"
 #include "step/stages.h"
 #include "step/state.h"

@@ -6,7 +6,6 @@
 #include "step/actions/ground.h"
 #include "step/block_motion.h"
 #include "step/controls.h"
-#include "step/driven_block.h"
 #include "step/stages.h"
 #include "step/state.h"
 

@@ -18,7 +18,6 @@
 #include "scene/weight_axis.h"
 #include "step/actions/action.h"
 #include "step/block_motion.h"
-#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/reactions.h"
 #include "step/small_motion.h"

@@ -34,8 +34,7 @@ struct Drive {
   std::int32_t unused = 0;  // see base/archive.h
   geometry::Vector velocity_from{}, velocity_to{}, omega_from{}, omega_to{};  // m/s, rad/s
   geometry::Vector force_from{}, force_to{}, force_now{};  // N, along free components; force_now: in this step
-  geometry::Vector moment_from{},
-      moment_now{};  // N m, on free rotations: what has held them, which fades over the ramp
+  geometry::Vector moment_from{}, moment_now{};  // N m, on free rotations: what held them, which fades over the ramp
 };
 
 // Whether a structure stands under the first multiplier of a collapse stage. After the ramp its blocks must stay at
