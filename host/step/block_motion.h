@@ -1,4 +1,4 @@
-// Blocks by number, as bricks on the lattice or in large motion: their motion, what rows and stages watch of it, and
+// Blocks by number, as bricks on the lattice or in large motion: their motion, and what rows and stages watch of it. And
 // how stages hold, drive and load them. Stages hold and drive rigid bricks alone; deformable ones they load.
 #pragma once
 

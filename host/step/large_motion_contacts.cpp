@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "model/contact_frames.h"
-#include "step/facet_kernels.h"
-#include "step/gridpoint_kernels.h"
+#include "step/contact_kernels.h"
 #include "step/large_motion.h"
 #include "step/point_kernels.h"
 #include "step/rigid_kernels.h"
