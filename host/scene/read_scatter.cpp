@@ -7,19 +7,21 @@ namespace quoin::reader {
 
 namespace {
 
-Named<random::Shape> shapes() {
-  Named<random::Shape> named;
-  for (const auto shape :
-       {random::Shape::normal, random::Shape::lognormal, random::Shape::weibull, random::Shape::uniform})
-    named.emplace_back(random::shape_name(shape), shape);
-  return named;
-}
+const Named<random::Shape> kShapes = {{"normal", random::Shape::normal},
+                                      {"lognormal", random::Shape::lognormal},
+                                      {"weibull", random::Shape::weibull},
+                                      {"uniform", random::Shape::uniform}};
+const Named<ScatterLevel> kLevels = {{"point", ScatterLevel::point},
+                                     {"joint", ScatterLevel::joint},
+                                     {"unit", ScatterLevel::unit},
+                                     {"course", ScatterLevel::course},
+                                     {"wall", ScatterLevel::wall}};
 
 }  // namespace
 
 random::Distribution read_distribution(Table& t) {
   random::Distribution d;
-  if (!t.choice("distribution", d.shape, shapes(), true)) {
+  if (!t.choice("distribution", d.shape, kShapes, true)) {
     for (const char* key : {"mean", "cov", "sd", "lower", "upper"}) t.accept(key);
     return d;
   }
@@ -49,7 +51,7 @@ random::Distribution read_distribution(Table& t) {
 Scatter read_scatter(Table t) {
   Scatter s;
   s.distribution = read_distribution(t);
-  t.choice("level", s.level, scatter_levels());
+  t.choice("level", s.level, kLevels);
   const bool along = s.level == ScatterLevel::point || s.level == ScatterLevel::joint || s.level == ScatterLevel::unit;
   if (t.number("correlation_length", s.correlation_length, kNotNegative, "m along the wall (0: independent)") &&
       !along && s.correlation_length > 0.0)

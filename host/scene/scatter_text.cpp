@@ -6,13 +6,20 @@
 
 namespace quoin {
 
-const std::vector<std::pair<std::string, ScatterLevel>>& scatter_levels() {
-  static const std::vector<std::pair<std::string, ScatterLevel>> levels{{"point", ScatterLevel::point},
-                                                                        {"joint", ScatterLevel::joint},
-                                                                        {"unit", ScatterLevel::unit},
-                                                                        {"course", ScatterLevel::course},
-                                                                        {"wall", ScatterLevel::wall}};
-  return levels;
+const char* level_name(ScatterLevel level) {
+  switch (level) {
+    case ScatterLevel::point:
+      return "point";
+    case ScatterLevel::joint:
+      return "joint";
+    case ScatterLevel::unit:
+      return "unit";
+    case ScatterLevel::course:
+      return "course";
+    case ScatterLevel::wall:
+      return "wall";
+  }
+  return "?";
 }
 
 std::string text_of(const random::Distribution& d) {
@@ -26,8 +33,7 @@ std::string text_of(const random::Distribution& d) {
 }
 
 std::string text_of(const Scatter& s) {
-  std::string text =
-      fmt::format("{}, by {}", text_of(s.distribution), scatter_levels()[static_cast<std::size_t>(s.level)].first);
+  std::string text = fmt::format("{}, by {}", text_of(s.distribution), level_name(s.level));
   if (s.of_joint_mean) text += " (of the mean over a joint)";
   if (s.correlation_length > 0.0) text += fmt::format(", correlated over {:g} m", s.correlation_length);
   return text;

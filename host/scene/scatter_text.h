@@ -2,15 +2,13 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "scene/scene.h"
 
 namespace quoin {
 
-const std::vector<std::pair<std::string, ScatterLevel>>& scatter_levels();  // by name, in the order of ScatterLevel
-std::string text_of(const random::Distribution& distribution);              // "lognormal, mean 200000, cov 0.3"
-std::string text_of(const Scatter& scatter);                                // "..., by joint, correlated over 0.5 m"
+const char* level_name(ScatterLevel level);
+std::string text_of(const random::Distribution& distribution);  // "lognormal, mean 200000, cov 0.3"
+std::string text_of(const Scatter& scatter);                    // "..., by joint, correlated over 0.5 m"
 
 }  // namespace quoin
