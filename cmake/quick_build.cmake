@@ -19,7 +19,7 @@ set(batches
     quoin_host_path:3
     quoin_members:6
     quoin_model:14:undamaged_kernels.cpp,zone_kernels.cpp
-    quoin_step:14:body_kernels.cpp,deformable_kernels.cpp,facet_kernels.cpp,gridpoint_kernels.cpp,implicit_contacts.cpp,kernels.cpp,point_kernels.cpp,rigid_kernels.cpp,rigid_motion_kernels.cpp,step.cpp
+    quoin_step:14:body_kernels.cpp,deformable_kernels.cpp,contact_kernels.cpp,implicit_contacts.cpp,kernels.cpp,point_kernels.cpp,rigid_kernels.cpp,rigid_motion_kernels.cpp,step.cpp
     quoin_analysis:5
     quoin_modes:3:modes.cpp
     quoin_results:10:report.cpp,vtk.cpp,vtk_file.cpp

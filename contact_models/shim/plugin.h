@@ -158,13 +158,15 @@ class Plugin {
     return guarded(text, [&]() -> quoin_status {
       Report report;
       const PropertyValues properties(L::properties, {values, static_cast<std::size_t>(count)}, report);
+      const auto refused = [&] {
+        write_text(text, Report::join(report.faults));
+        return QUOIN_ERROR_PROPERTY;
+      };
+      if (report.lacks_value) return refused();
       // The law's own conditions are checked even when single values are out of bounds, so that one message has all
       // faults.
       typename L::Material material = L::make(properties, report);
-      if (!report.faults.empty()) {
-        write_text(text, Report::join(report.faults));
-        return QUOIN_ERROR_PROPERTY;
-      }
+      if (!report.faults.empty()) return refused();
       write_text(text, Report::join(report.warnings));
       if (out != nullptr) {
         *out = reinterpret_cast<quoin_material*>(new Handle{std::move(material), properties.numbers()});

@@ -94,6 +94,7 @@ PropertyValues::PropertyValues(std::span<const quoin_property_info* const> metad
       tables_.try_emplace(info->id);
     } else if (!numbers_.contains(info->id)) {
       if ((info->flags & QUOIN_PROPERTY_REQUIRED) != 0 && !given_.contains(info->id)) {
+        report.lacks_value = true;
         report.faults.push_back(std::string(info->id) + ": required and not given; allowed range " +
                                 allowed_range(*info));
       }

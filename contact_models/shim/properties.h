@@ -15,6 +15,7 @@ namespace quoin::shim {
 struct Report {
   std::vector<std::string> faults;
   std::vector<std::string> warnings;
+  bool lacks_value = false;  // a required one, without which the conditions between values say nothing
   static std::string join(const std::vector<std::string>& lines);
 };
 

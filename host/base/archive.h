@@ -27,6 +27,10 @@ struct ArchiveWriter {
     static_assert(std::is_trivially_copyable_v<T>);
     append(&x, sizeof x);
   }
+  template <class... T>
+  void values(const T&... x) {
+    (value(x), ...);
+  }
   template <class T>
   void optional(const std::optional<T>& x) {
     value(x.has_value());
@@ -91,6 +95,10 @@ struct ArchiveReader {
     } else {
       take(&x, sizeof x);
     }
+  }
+  template <class... T>
+  void values(T&... x) {
+    (value(x), ...);
   }
   template <class T>
   void optional(std::optional<T>& x) {

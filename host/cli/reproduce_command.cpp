@@ -72,6 +72,8 @@ void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
   }
   if (specs.empty() && !options.overrides.empty())
     throw Error(Exit::usage, "--set: without effect, as these studies run no scene; leave it out");
+  refuse_folder_of_run(settings.root);
+  list_own_files(settings.root, {"index.html", "verdict.json", "beyond.json"});
   const FolderLock lock(settings.root);
   const int code = cache.compute(specs);
 

@@ -47,7 +47,8 @@ void validate_walls(const ValidateOptions& options, int& exit_code) {
   settings.out = options.out, settings.cyclic = options.cyclic, settings.overrides = options.overrides;
   settings.samples = options.samples;
   settings.jobs = options.jobs > 0 ? options.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  make_folder(settings.out);
+  refuse_folder_of_run(settings.out);
+  list_own_files(settings.out, {"validation.csv", "bands.csv", "index.html"});
   const FolderLock lock(settings.out);
   const Campaign campaign = run_campaign(table, settings);
   for (std::size_t i = table.faults.size(); i < campaign.faults.size(); ++i) notice("quoin: " + campaign.faults[i]);

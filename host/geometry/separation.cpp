@@ -37,10 +37,10 @@ bool arcs_cross(const Edge& a, const Edge& b) {
   return adc * bdc < 0 && cba * bdc > 0;
 }
 
-// Whether no axis on the arc of an edge, between the normals of its faces, separates it from the other body by more
-// than `distance`. One vertex of that body shows it: u and v in front of both faces, it is in front of the edge by
-// max(u, v) at most on the arc, or by its distance from the edge where the direction to it is on the arc.
-bool is_covered(const Edge& e, const Placed& other, double distance) {
+// Whether no axis on the arc between the normals of an edge's faces separates the bodies by more than `distance`.
+// One vertex of the other body shows it, d from the edge, by the largest n . d on the arc. That is |d| across the edge
+// where d points into the arc. Else it is the larger of u and v, at the ends of the arc.
+bool cannot_separate(const Edge& e, const Placed& other, double distance) {
   const double cosine = dot(e.left, e.right);
   const double square = distance > 0 ? distance * distance * (1 - cosine * cosine) : -1.0;
   for (size_t i = 0; i < other.shape->vertices.size(); ++i) {
@@ -52,12 +52,14 @@ bool is_covered(const Edge& e, const Placed& other, double distance) {
   return false;
 }
 
-// Edges on whose arcs an axis may separate the bodies by more than `distance`.
-void list_open_edges(const Placed& p, const Placed& other, double distance, std::vector<Edge>& edges) {
+// Edges that may separate the bodies by more than `distance`. With bent faces the normal of two edges lies beside the
+// arcs, so all of them may.
+void list_edges(const Placed& p, const Placed& other, double distance, std::vector<Edge>& edges) {
+  const bool all = p.is_bent || other.is_bent;
   edges.clear();
   for (size_t i = 0; i < p.shape->edges.size(); ++i) {
     const Edge e = edge(p, int(i));
-    if (!is_covered(e, other, distance)) edges.push_back(e);
+    if (all || !cannot_separate(e, other, distance)) edges.push_back(e);
   }
 }
 
@@ -125,8 +127,8 @@ Separation separate(const Placed& a, const Placed& b, double stop_beyond, double
   crossing.distance = best.distance + preference;
   bool found = false;
   thread_local std::vector<Edge> of_a, of_b;
-  list_open_edges(a, b, crossing.distance, of_a);
-  if (!of_a.empty()) list_open_edges(b, a, crossing.distance, of_b);
+  list_edges(a, b, crossing.distance, of_a);
+  if (!of_a.empty()) list_edges(b, a, crossing.distance, of_b);
   for (const Edge& ea : of_a) {
     for (const Edge& eb : of_b) {
       if (!arcs_cross(ea, eb)) continue;

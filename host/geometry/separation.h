@@ -16,6 +16,7 @@ struct Placed {
   const Vector* vertices;  // m
   const Vector* normals;   // outward
   Vector centre;           // any inner point, m
+  bool is_bent = false;    // whether its faces may be bent under load, as those of deformable blocks
 };
 inline Placed placed(const ConvexPolyhedron& s, const Vector& centre) {
   return {&s, s.vertices.data(), s.normals.data(), centre};

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "geometry/vector.h"
-#include "model/congruent_blocks.h"
 #include "model/lanes.h"
 #include "model/model_block.h"
+#include "model/stiffness.h"
 #include "scene/blocks.h"
 
 namespace quoin::blocks {
@@ -35,6 +35,21 @@ struct ZoneLanes {
   int count;
   Zone zone(int lane) const;
 };
+
+// Data that deformable blocks of one shape, zoning and material share, in the frame of their shape.
+struct CongruentBlocks {
+  Stiffness stiffness;         // K of the undeformed shape
+  std::vector<Vector> place;   // X of gridpoints about the mass centre, m
+  std::vector<Vector> anchor;  // b = m S^-1 X, S = sum m X X^T, 1/m, of corners: sum X b^T = 1, sum b = 0
+};
+
+// b of corners, from their positions and masses.
+std::vector<Vector> anchors_of(std::span<const Vector> node, std::span<const double> mass);
+
+// node, mass: positions and masses of gridpoints, m and kg, the corners first. zones: those of one block, with node
+// indices from 0.
+CongruentBlocks make_congruent_blocks(std::span<const Vector> node, std::span<const double> mass, size_t corner_count,
+                                      std::span<const quoin::Zone> zones, double lambda, double shear_modulus);
 
 // Zones of all blocks in their orientation at the start. Blocks of one shape, material, zoning and orientation share
 // their zones.

@@ -164,7 +164,7 @@ void keep_contacts(World& w, const std::vector<Pair>& pairs, Detection& found) {
       if (w.part.owns(pair)) keep_on(kept, uint32_t(then), uint32_t(found.contacts.size()), 1);
       c = old[then++];
     }
-    finding.first = c.first, finding.count = c.count, finding.first_facet = c.first_facet;
+    if (c.count > 0) finding.first = c.first, finding.count = c.count, finding.first_facet = c.first_facet;
     found.contacts.push_back(c), found.findings.push_back(finding);
   }
   while (then < old.size()) lose();
@@ -282,7 +282,8 @@ PointsBefore number_points(World& w, Detection& found) {
   return before;
 }
 
-// Books the elastic energies of points that are removed (> 0) or placed (< 0), in a fixed order.
+// Books the elastic energies of points that are removed (> 0) or placed (< 0), in a fixed order. The law is called for
+// the points in `before`, so they are not those of before any more.
 void book_energies(World& w, PointsBefore& before, const Detection& found) {
   if (!w.books_energy) return;
   std::vector<std::vector<KeptItems>> fresh(w.contacts.families.size());
@@ -302,18 +303,19 @@ void book_energies(World& w, PointsBefore& before, const Detection& found) {
   }
   std::vector<double> freed;  // J
   std::vector<Pair> freed_by;
-  const auto free = [&](const Contact& c, const auto& energies, uint32_t first, uint32_t items, double sign) {
+  const auto book = [&](const Contact& c, const auto& energies, uint32_t first, uint32_t items, double sign) {
+    const uint32_t end = w.part.owns(c.pair) ? first + items : first;
     double sum = 0.0;
-    for (uint32_t i = first; i < first + items && w.part.owns(c.pair); ++i) sum += energies[size_t(c.family)][i];
+    for (uint32_t i = first; i < end; ++i) sum += energies[size_t(c.family)][i];
     freed.push_back(sign * sum), freed_by.push_back(c.pair);
   };
-  for (const Contact& c : found.lost) free(c, removed, c.first, c.count, 1.0);
+  for (const Contact& c : found.lost) book(c, removed, c.first, c.count, 1.0);
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     const Contact& c = found.contacts[i];
     const Finding& finding = found.findings[i];
     if (c.family < 0 || !finding.fresh) continue;
-    free(c, removed, finding.first, finding.count, 1.0);
-    free(c, placed, first_fresh[i], c.count, -1.0);
+    book(c, removed, finding.first, finding.count, 1.0);
+    book(c, placed, first_fresh[i], c.count, -1.0);
   }
   all_gather(w.part.ranks, std::span(freed), [&](size_t i) { return w.part.rank_of(freed_by[i]); });
   w.step_sums.later.detection += std::accumulate(freed.begin(), freed.end(), 0.0);

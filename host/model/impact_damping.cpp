@@ -25,7 +25,11 @@ std::array<double, 2> impact_viscosity(const std::array<double, 2>& squares, dou
           along > 0.0 ? 2.0 * kAlong * impact_damping / along : 0.0};
 }
 
-double zone_viscosity(double length, double speed) { return 2.0 * kZoneDamping * length / (std::numbers::pi * speed); }
+void lower_zone_viscosity(double& least, double length, const BlockMaterial& material, double mass_scaling) {
+  const double speed = std::sqrt(material.young_modulus / (material.density * mass_scaling));
+  const double of_block = 2.0 * kZoneDamping * length / (std::numbers::pi * speed);
+  least = least > 0.0 ? std::min(least, of_block) : of_block;
+}
 
 ImpactStep step_under_impacts(double critical, double rate, const std::function<double(double, double)>& eigenvalue) {
   const double z = 0.5 * rate * critical;

@@ -6,6 +6,8 @@
 #include <functional>
 #include <vector>
 
+#include "scene/scene.h"
+
 namespace quoin {
 
 // A block that lands on an edge of one of its faces. Inertia is with its scaling.
@@ -24,9 +26,10 @@ std::array<double, 2> landing_squares(const LandingBlock& landing, double kn, do
 // frequencies, 1/s2.
 std::array<double, 2> impact_viscosity(const std::array<double, 2>& squares, double impact_damping);
 
-// Viscosity over stiffness of zones, s: 1 % of critical damping at the first vibration of a free bar of this length, m.
-// Its omega = pi c/L, with the speed of sound c, m/s.
-double zone_viscosity(double length, double speed);
+// Lowers the viscosity over stiffness of zones, s, to that of a block; least: 0 before the first one. It is 1 % of
+// critical damping at the first vibration of a free bar of the block's length, m. Its omega = pi c/L, with the speed of
+// sound c.
+void lower_zone_viscosity(double& least, double length, const BlockMaterial& material, double mass_scaling);
 
 // Stable step for stiffness K and viscosity C, whose forces are those of the velocities half a step ago. Central
 // differences are stable where 4 M - dt^2 K - 2 dt C is positive. Thus dt <= 2/omega(dt), where omega^2 is the largest

@@ -53,15 +53,15 @@ void raise(Landing& highest, const Landing& squares) {
 
 bool joins_halves(const World& w, const Contact& c) { return w.units.other_half[size_t(c.pair.a)] == c.pair.b; }
 
-// Mean stiffness of a pair's points by area, normal to the joint and along it, Pa/m.
-std::array<double, 2> mean_stiffness(const Family& f, const Contact& c) {
-  if (f.columns.empty()) return {f.kn, f.ks};
+// Area of a pair's points, m2, and their mean stiffness by area, normal to the joint and along it, Pa/m.
+std::array<double, 3> mean_stiffness(const Family& f, const Contact& c) {
   double area = 0.0, normal = 0.0, shear = 0.0;
   for (uint32_t i = c.first; i < c.first + c.count; ++i) {
     const auto [kn, ks] = stiffness_of_point(f, i);
     area += f.point[i].area, normal += f.point[i].area * kn, shear += f.point[i].area * ks;
   }
-  return area > 0.0 ? std::array{normal / area, shear / area} : std::array{f.kn, f.ks};
+  if (f.columns.empty() || !(area > 0.0)) return {area, f.kn, f.ks};
+  return {area, normal / area, shear / area};
 }
 
 // Squared frequencies of blocks at their joints of a family, 1/s2: the highest, so that a block has one viscosity at
@@ -75,9 +75,7 @@ std::vector<Landing> landing_of_blocks(const World& w, size_t family) {
   for (const uint32_t i : w.contacts.of_family[family]) {
     const Contact& c = w.contacts.list[i];
     if (c.count == 0 || !w.part.owns(c.pair) || joins_halves(w, c)) continue;
-    const auto [kn, ks] = mean_stiffness(f, c);
-    double area = 0.0;
-    for (uint32_t p = c.first; p < c.first + c.count; ++p) area += f.point[p].area;
+    const auto [area, kn, ks] = mean_stiffness(f, c);
     for (const int block : {c.pair.a, c.pair.b}) {
       joined[size_t(block)] = 1;
       if (w.assembly.blocks[size_t(block)].is_support()) continue;
@@ -109,7 +107,7 @@ std::array<double, 2> stiffness_of_point(const Family& f, size_t point) {
 // the start, and nothing lands there. With the stiffness of units they would reduce the step far too much.
 std::array<double, 2> viscosity_of_pair(const World& w, const Contact& c) {
   if (!w.damping.impacts || joins_halves(w, c)) return {};
-  const auto [kn, ks] = mean_stiffness(w.contacts.families[size_t(c.family)], c);
+  const auto [area, kn, ks] = mean_stiffness(w.contacts.families[size_t(c.family)], c);
   Landing highest{};
   for (const int block : {c.pair.a, c.pair.b}) {
     if (w.assembly.blocks[size_t(block)].is_support()) continue;
@@ -135,10 +133,8 @@ void choose_impact_damping(World& w) {
   for (int i = 0; i < w.block_count(); ++i) {
     const Block& input = w.assembly.blocks[size_t(i)];
     if (input.rigid) continue;
-    const BlockMaterial& m = w.assembly.materials[size_t(input.material)];
-    const double speed = std::sqrt(m.young_modulus / (m.density * w.solver.mass_scaling));
-    const double beta = zone_viscosity(2.0 * w.blocks[size_t(i)].radius, speed);
-    w.impacts.zone_beta = w.impacts.zone_beta > 0.0 ? std::min(w.impacts.zone_beta, beta) : beta;
+    lower_zone_viscosity(w.impacts.zone_beta, 2.0 * w.blocks[size_t(i)].radius,
+                         w.assembly.materials[size_t(input.material)], w.solver.mass_scaling);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include "law/property_text.h"
@@ -38,10 +39,10 @@ void copy_items(const Array& from, std::span<const KeptItems> items, Array& to) 
   for (const KeptItems& k : items) std::copy_n(from.begin() + k.from, k.count, to.begin() + k.to);
 }
 
-// Plastic closure of a closed point by crushing or dilation since it was placed, m: the law's sigma = kn (d_n +
-// closure).
 double normal_stiffness(const Family& f, size_t i) { return stiffness_bounds_at(*f.material, f.columns, i).normal; }
 
+// Plastic closure of a closed point by crushing or dilation since it was placed, m: the law's sigma = kn (d_n +
+// closure).
 double plastic_closure(const Family& f, size_t i) {
   return f.traction[0][i] < 0 ? f.traction[0][i] / normal_stiffness(f, i) - f.normal_jump[i]
                               : std::max(0.0, -f.normal_jump[i]);
@@ -340,6 +341,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
 
 std::vector<double> energies_of_points(const World& w, Family& f, const LaneVector<Facet>& facets) {
   std::vector<double> energies(f.size());
+  if (!(f.material->api().capabilities & QUOIN_CAN_ENERGY)) return energies;
   for (auto* column : {&f.normal_jump, &f.slip[0], &f.slip[1]}) column->resize(f.size());
   f.stored.assign(f.size(), 0.0);
   for (auto& column : f.dissipated) column.assign(f.size(), 0.0);

@@ -23,8 +23,9 @@ struct Finding {
   uint32_t first_facet = 0;
 };
 
-// Contact points that are replaced or lost, with their facets, before detection. They have moved along with their
-// blocks: `location` is the current one, and `closure` the plastic one since they were placed, m, by family and point.
+// Contact points that are replaced or lost, with their facets, before detection. By family and point: `location` is the
+// current one, as they have moved along with their blocks. `closure` is the plastic closure since the point was placed,
+// m.
 struct PointsBefore {
   std::vector<Family> families;
   LaneVector<Facet> facets;
@@ -32,7 +33,8 @@ struct PointsBefore {
   std::vector<std::vector<double>> closure;
 };
 
-// Points of a contact and their facets: numbers of the originals (from) and of their copies (to).
+// Points of a contact and their facets: numbers of the originals (from) and of their copies (to). Copies are numbered
+// from 0 without gaps, in the order of the list.
 struct CopiedContact {
   int family;
   KeptItems points, facets;
@@ -40,9 +42,9 @@ struct CopiedContact {
 
 // Changes the indices of a contact point's facets from `before` to `now`.
 void move_facets(Point& p, uint32_t now, uint32_t before);
-// Copies contact points and their facets. Copies are numbered in the order of the list.
+// Copies contact points and their facets.
 PointsBefore set_aside(const World& w, std::span<const CopiedContact> contacts);
-// A family of copies of points, in the order of the list; their facets are those of the originals.
+// A family of copies of points, numbered likewise; their facets are those of the originals.
 Family copied_points(const Family& f, std::span<const KeptItems> points);
 // Resizes columns of a family, facets, or data of pairs to `count` items; the kept ones move to their new indices.
 void keep_points(const World& w, Family& f, std::span<const KeptItems> kept, size_t count);

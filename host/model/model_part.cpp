@@ -3,31 +3,32 @@
 #include <cstddef>
 #include <string>
 
-namespace quoin::blocks {
+namespace quoin {
 
-double ModelPart::largest(double here) const {
-  if (ranks) ranks->largest({&here, 1});
-  return here;
-}
-
-// Throws the error of the first rank that has one.
-void ModelPart::fail_together(const std::optional<Error>& here) const {
+void throw_together(Ranks* ranks, const std::optional<Error>& fault) {
   if (!ranks) {
-    if (here) throw *here;
+    if (fault) throw *fault;
     return;
   }
-  const double first = -largest(here ? -double(ranks->rank()) : -double(ranks->count()));
-  const int rank = int(first);
-  if (rank == ranks->count()) return;
-  const bool mine = rank == ranks->rank();
-  const std::string text = mine ? here->what() : "";
-  const auto length = size_t(largest(double(text.size())));
-  const int code = int(largest(mine ? double(here->exit_code) : 0.0));
-  std::vector<size_t> sizes(size_t(ranks->count()), 0);
-  sizes[size_t(rank)] = length;
-  std::string received(length, ' ');
+  const auto largest = [ranks](double here) {
+    ranks->largest({&here, 1});
+    return here;
+  };
+  const int count = ranks->count(), first = count - int(largest(fault ? count - ranks->rank() : 0));
+  if (first == count) return;
+  const bool mine = first == ranks->rank();
+  const std::string text = mine ? fault->what() : "";
+  const int code = int(largest(mine ? int(fault->exit_code) : 0));
+  std::vector<size_t> sizes(size_t(count), 0);
+  sizes[size_t(first)] = size_t(largest(double(text.size())));
+  std::string received(sizes[size_t(first)], ' ');
   ranks->gather(std::as_bytes(std::span(text)), sizes, std::as_writable_bytes(std::span(received)));
   throw Error(Exit(code), received);
 }
 
-}  // namespace quoin::blocks
+double blocks::ModelPart::largest(double here) const {
+  if (ranks) ranks->largest({&here, 1});
+  return here;
+}
+
+}  // namespace quoin

@@ -13,6 +13,13 @@
 #include "geometry/vector.h"
 #include "model/halo.h"
 
+namespace quoin {
+
+// Throws the fault of the lowest rank that has one, on all ranks. ranks: null: one process.
+void throw_together(Ranks* ranks, const std::optional<Error>& fault);
+
+}  // namespace quoin
+
 namespace quoin::blocks {
 
 using geometry::Vector;
@@ -40,7 +47,7 @@ struct ModelPart {
   }
   bool any(bool here) const { return largest(here ? 1.0 : 0.0) > 0.0; }
   double largest(double here) const;
-  void fail_together(const std::optional<Error>& here) const;  // throws on all ranks where one has failed
+  void fail_together(const std::optional<Error>& here) const { throw_together(ranks, here); }
 };
 
 }  // namespace quoin::blocks

@@ -13,7 +13,6 @@
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
-#include "scene/leaves_lattice.h"
 #include "scene/members.h"
 #include "scene/read_masses.h"
 #include "scene/to_bricks.h"

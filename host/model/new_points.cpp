@@ -39,9 +39,9 @@ bool meet_along_rim(const World& w, const Pair& pair, const Vector& normal) {
     for (size_t f = 0; f < owner.shape->faces.size(); ++f) {
       const Vector& m = owner.normals[f];
       if (std::abs(dot(m, normal)) > kAcross) continue;
-      const double least = dot(m, owner.vertices[owner.shape->faces[f][0]]) - rim;
+      const Vector& on_face = owner.vertices[owner.shape->faces[f][0]];
       const std::span corners(other.vertices, other.shape->vertices.size());
-      if (std::ranges::all_of(corners, [&](const Vector& x) { return dot(m, x) >= least; })) return true;
+      if (std::ranges::all_of(corners, [&](const Vector& x) { return dot(m, on_face - x) <= rim; })) return true;
     }
     return false;
   };

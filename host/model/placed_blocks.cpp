@@ -12,7 +12,7 @@ Placed placed(const World& w, int block) {
   Vector centre;
   const size_t n = b.shape->vertices.size();
   for (size_t i = 0; i < n; ++i) centre += v[i];
-  return {b.shape, v, w.shapes.placed_normal.data() + b.first_normal, centre / double(n)};
+  return {b.shape, v, w.shapes.placed_normal.data() + b.first_normal, centre / double(n), b.body < 0};
 }
 
 namespace {

@@ -222,10 +222,6 @@ std::vector<const PropertySetting*> scattered_in(const JointFamily& family) {
   return scattered;
 }
 
-}  // namespace
-
-namespace {
-
 // Columns of the properties that are drawn, without values.
 std::vector<PropertyColumn> empty_columns(std::span<const PropertySetting* const> scattered, const Material& material) {
   std::vector<PropertyColumn> columns;

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "base/index.h"
-#include "model/placed_points.h"
+#include "model/point_finder.h"
 
 namespace quoin {
 

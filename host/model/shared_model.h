@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/ranks.h"
 #include "model/lanes.h"
 
 namespace quoin {
@@ -49,6 +50,22 @@ class SharedVectors {
   virtual std::span<const VectorRow> rows() const = 0;  // rows that this process computes, in order
   // Sum over the rows of all ranks in order, passed from rank to rank: the bits of a single process.
   virtual double sum(const Add& add) = 0;
+};
+
+// Sums in the order of a single process. All ranks gather all terms, a few megabytes at a time, and each adds up all of
+// them. So the number of messages does not depend on how often consecutive numbers change rank. step/rank_sums.h passes
+// the sum from rank to rank instead.
+class GatheredSums : public SharedVectors {
+ public:
+  explicit GatheredSums(Ranks& ranks) : ranks_(ranks), runs_{ranks.rank()} {}
+
+  void append(int rank, std::size_t numbers);  // appends the next numbers of the vector, which `rank` computes
+  std::span<const VectorRow> rows() const override { return runs_.own; }
+  double sum(const Add& add) override;
+
+ private:
+  Ranks& ranks_;
+  RankRuns runs_;
 };
 
 class SharedModel : public SharedVectors {

@@ -515,7 +515,7 @@ std::vector<std::array<double, 2>> impact_viscosities(const Model& model, const 
     if (unit < 0 || unit != assembly.bricks[at(joint.block_b)].unit) lands[f] = 1;
     for (const int block : {joint.block_a, joint.block_b}) {
       const Brick& brick = assembly.bricks[at(block)];
-      if (brick.fixed && !brick.freed) continue;
+      if (brick.is_support()) continue;
       const std::size_t n = at(joint.face_a / 2), s = (n + 1) % 3, t = (n + 2) % 3;
       const Vec3& size = brick.size;
       const double mass =
@@ -536,24 +536,21 @@ std::vector<std::array<double, 2>> impact_viscosities(const Model& model, const 
   return viscosities;
 }
 
-double least_zone_viscosity(const Model& model, const SolverSettings& settings) {
-  double least = 0.0;
+// Impact damping of the settings.
+ImpactDamping all_damping(const Model& model, const SolverSettings& settings) {
+  ImpactDamping damping{impact_viscosities(model, settings), 0.0, damping_of(settings).impacts->share};
   for (const Brick& brick : model.assembly.bricks) {
-    if (brick.rigid) continue;
-    const BlockMaterial& m = model.assembly.materials[at(brick.material)];
-    const double diagonal = std::hypot(brick.size[0], brick.size[1], brick.size[2]);
-    const double of_block = zone_viscosity(diagonal, std::sqrt(m.young_modulus / (m.density * settings.mass_scaling)));
-    least = least > 0.0 ? std::min(least, of_block) : of_block;
+    if (!brick.rigid)
+      lower_zone_viscosity(damping.of_zones, std::hypot(brick.size[0], brick.size[1], brick.size[2]),
+                           model.assembly.materials[at(brick.material)], settings.mass_scaling);
   }
-  return least;
+  return damping;
 }
 
 // tree: as in limits.
 ImpactStep damp_impacts(const Model& model, const SolverSettings& settings, const Inertia& inertia, double tree,
                         SharedModel* shared, TimeStepReport* report) {
-  ImpactDamping& damping = report->impacts;
-  damping.viscosity = impact_viscosities(model, settings);
-  damping.of_zones = least_zone_viscosity(model, settings);
+  ImpactDamping& damping = report->impacts = all_damping(model, settings);
   const std::vector<int> chunks = chunks_here(model, shared);
   // Largest eigenvalue of of_stiffness K + of_viscosity C over the inertia.
   const auto eigenvalue = [&](double of_stiffness, double of_viscosity) {
@@ -570,7 +567,7 @@ ImpactStep damp_impacts(const Model& model, const SolverSettings& settings, cons
                          [&](double share, double dt) { return tree + eigenvalue(1.0, 2.0 * share / dt); });
   for (auto& of_family : damping.viscosity) of_family = {step.share * of_family[0], step.share * of_family[1]};
   damping.of_zones *= step.share;
-  damping.in_use = step.share * damping_of(settings).impacts->share;
+  damping.in_use *= step.share;
   return step;
 }
 
@@ -586,20 +583,17 @@ double step_of_zones(const Model& model, const SolverSettings& settings, const I
     refuse("true inertia, not deformation_inertia, unit_inertia or selective_time_step");
   for (const RigidBody& body : model.bodies) {
     const Brick& brick = model.assembly.bricks[at(body.block)];
-    if (brick.fixed && !brick.freed) continue;
+    if (brick.is_support()) continue;
     refuse(fmt::format("no rigid block that moves freely, and block {}{} is one", body.block,
                        body.name.empty() ? "" : " '" + body.name + "'"));
   }
   if (model.unit_groups.empty()) refuse("deformable blocks");
-  ImpactDamping& damping = report->impacts;
-  damping.viscosity = impact_viscosities(model, settings);
-  damping.of_zones = least_zone_viscosity(model, settings);
-  damping.in_use = damping_of(settings).impacts->share;
+  const double of_zones = (report->impacts = all_damping(model, settings)).of_zones;
   Springs zones{std::vector<std::array<double, 2>>(model.families.size()), 1.0};
   const UndamagedSystem system(model, chunks_here(model, shared), std::move(zones));
   const double squared = tree + largest_eigenvalue(model, system, inertia, false, shared).value;
   report->critical = {2.0 / std::sqrt(squared), {}, ""};
-  return std::sqrt(damping.of_zones * damping.of_zones + 4.0 / squared) - damping.of_zones;
+  return std::sqrt(of_zones * of_zones + 4.0 / squared) - of_zones;
 }
 
 // Mass in use over all ranks, kg; a body counts in the row where its six numbers begin.

@@ -12,56 +12,40 @@ namespace quoin {
 namespace HWY_NAMESPACE {
 namespace {
 
-struct V3 {
-  V x, y, z;
-};
-
-HWY_INLINE V3 set(double x, double y, double z) {
-  const D d;
-  return {hn::Set(d, x), hn::Set(d, y), hn::Set(d, z)};
+HWY_INLINE Lanes3 times(const Lanes3& a, const Lanes3& b) {
+  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
 }
-HWY_INLINE V3 load(const double* p) {
-  const D d;
-  return {hn::LoadU(d, p), hn::LoadU(d, p + kLanes), hn::LoadU(d, p + 2 * kLanes)};
-}
-HWY_INLINE void store(const V3& v, double* p) {
-  const D d;
-  hn::StoreU(v.x, d, p);
-  hn::StoreU(v.y, d, p + kLanes);
-  hn::StoreU(v.z, d, p + 2 * kLanes);
-}
-HWY_INLINE V3 add(const V3& a, const V3& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)}; }
-HWY_INLINE V3 times(const V3& a, const V3& b) { return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)}; }
-HWY_INLINE V3 times(V s, const V3& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
-// Cross product with an arm that all lanes share.
-HWY_INLINE V3 cross(const V3& a, const V3& b) {
+// Cross product, without fused operations.
+HWY_INLINE Lanes3 cross(const Lanes3& a, const Lanes3& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
 struct Rotor {  // velocity v(r) = linear + angular x r; for sums, force and torque
-  V3 linear, angular;
+  Lanes3 linear, angular;
 };
 
-HWY_INLINE void add_force(const V3& force, const V3& arm, Rotor* sums) {
-  sums->linear = add(sums->linear, force);
-  sums->angular = add(sums->angular, cross(arm, force));
+HWY_INLINE void add_force(const Lanes3& force, const Lanes3& arm, Rotor* sums) {
+  sums->linear = sum_of(sums->linear, force);
+  sums->angular = sum_of(sums->angular, cross(arm, force));
 }
 
-HWY_INLINE V row_times(const double* row, const V3& v) {
+HWY_INLINE V row_times(const double* row, const Lanes3& v) {
   const D d;
   return hn::Add(hn::Add(hn::Mul(hn::Set(d, row[0]), v.x), hn::Mul(hn::Set(d, row[1]), v.y)),
                  hn::Mul(hn::Set(d, row[2]), v.z));
 }
 
 HWY_INLINE void make_velocity(const RigidMotion& motion, Rotor* sums) {
-  sums->linear = times(set(motion.inverse_mass[0], motion.inverse_mass[1], motion.inverse_mass[2]), sums->linear);
+  sums->linear = times(broadcast(motion.inverse_mass.data()), sums->linear);
   const double* j = motion.inverse_inertia.data();
-  const V3 torque = sums->angular;
+  const Lanes3 torque = sums->angular;
   sums->angular = {row_times(j, torque), row_times(j + 3, torque), row_times(j + 6, torque)};
 }
 
-HWY_INLINE V3 velocity(const Rotor& motion, const V3& arm) { return add(motion.linear, cross(motion.angular, arm)); }
+HWY_INLINE Lanes3 velocity(const Rotor& motion, const Lanes3& arm) {
+  return sum_of(motion.linear, cross(motion.angular, arm));
+}
 
 struct UnitView {
   const BlockGroup* group;
@@ -80,7 +64,7 @@ struct UnitView {
   }
 
   // Arms of gridpoint n of block b from the centre of its unit and of its block.
-  HWY_INLINE void arms(int b, int n, V3* of_unit, V3* of_block) const {
+  HWY_INLINE void arms(int b, int n, Lanes3* of_unit, Lanes3* of_block) const {
     const Vec3& node = shape[b]->node[static_cast<std::size_t>(n)];
     const Vec3& offset = group[b].offset;
     double u[3], v[3];
@@ -89,8 +73,8 @@ struct UnitView {
       u[c] = place - whole->centre[c];
       v[c] = place - (block[b]->centre[c] + offset[c]);
     }
-    *of_unit = set(u[0], u[1], u[2]);
-    *of_block = set(v[0], v[1], v[2]);
+    *of_unit = broadcast(u);
+    *of_block = broadcast(v);
   }
 };
 
@@ -99,15 +83,15 @@ struct UnitView {
 template <class Get, class Put>
 HWY_INLINE void scale_lanes(const UnitView& unit, const MotionScaling& scaling, int lane, Get get, Put put) {
   const D d;
-  const V3 zero = set(0.0, 0.0, 0.0);
+  const Lanes3 zero = zeros();
   Rotor whole{zero, zero}, part[kUnitBlocks] = {{zero, zero}, {zero, zero}};
   for (int b = 0; b < unit.count; ++b) {
     for (int n = 0; n < unit.shape[b]->node_count; ++n) {
       const int line = unit.group[b].first_line + n;
-      V3 of_unit, of_block;
+      Lanes3 of_unit, of_block;
       unit.arms(b, n, &of_unit, &of_block);
       const V root = hn::LoadU(d, scaling.node_root_mass + line * kLanes + lane);
-      const V3 force = times(root, get(line * kLine + lane));
+      const Lanes3 force = scaled(root, get(line * kLine + lane));
       add_force(force, of_unit, &whole);
       add_force(force, of_block, &part[b]);
     }
@@ -119,12 +103,12 @@ HWY_INLINE void scale_lanes(const UnitView& unit, const MotionScaling& scaling, 
   for (int b = 0; b < unit.count; ++b) {
     for (int n = 0; n < unit.shape[b]->node_count; ++n) {
       const int line = unit.group[b].first_line + n;
-      V3 of_unit, of_block;
+      Lanes3 of_unit, of_block;
       unit.arms(b, n, &of_unit, &of_block);
       const V root = hn::LoadU(d, scaling.node_root_mass + line * kLanes + lane);
-      const V3 block = times(root, velocity(part[b], of_block)), rigid = times(root, velocity(whole, of_unit));
+      const Lanes3 block = scaled(root, velocity(part[b], of_block)), rigid = scaled(root, velocity(whole, of_unit));
       const int i = line * kLine + lane;
-      put(i, add(add(times(of_deformation, get(i)), times(of_part, block)), times(of_whole, rigid)));
+      put(i, sum_of(sum_of(scaled(of_deformation, get(i)), scaled(of_part, block)), scaled(of_whole, rigid)));
     }
   }
 }
@@ -132,8 +116,8 @@ HWY_INLINE void scale_lanes(const UnitView& unit, const MotionScaling& scaling, 
 void ScaleMotionThen(const Model& model, const UnitGroup& unit_group, const MotionScaling& scaling,
                      const double* HWY_RESTRICT diagonal, const double* HWY_RESTRICT x, double* HWY_RESTRICT y) {
   const UnitView unit(model, unit_group, scaling);
-  const auto get = [&](int i) HWY_ATTR { return load(x + i); };
-  const auto put = [&](int i, const V3& v) HWY_ATTR { store(times(v, load(diagonal + i)), y + i); };
+  const auto get = [&](int i) HWY_ATTR { return load_line(x + i); };
+  const auto put = [&](int i, const Lanes3& v) HWY_ATTR { store_line(times(v, load_line(diagonal + i)), y + i); };
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     if (scaling.rigid) {
       scale_lanes(unit, scaling, lane, get, put);
@@ -152,8 +136,8 @@ double ScaleMotionAfter(const Model& model, const UnitGroup& unit_group, const M
                         const double* HWY_RESTRICT diagonal, double sum, const double* HWY_RESTRICT x,
                         double* HWY_RESTRICT y) {
   const UnitView unit(model, unit_group, scaling);
-  const auto get = [&](int i) HWY_ATTR { return times(load(y + i), load(diagonal + i)); };
-  const auto put = [&](int i, const V3& v) HWY_ATTR { store(v, y + i); };
+  const auto get = [&](int i) HWY_ATTR { return times(load_line(y + i), load_line(diagonal + i)); };
+  const auto put = [&](int i, const Lanes3& v) HWY_ATTR { store_line(v, y + i); };
   for (int lane = 0; scaling.rigid && lane < kLanes; lane += kWidth) scale_lanes(unit, scaling, lane, get, put);
   for (int b = 0; b < unit.count; ++b) {
     for (int n = 0; n < unit.shape[b]->node_count; ++n) {

@@ -70,10 +70,6 @@ void each_memory_of_block(World& w, int block, const VisitBytes& visit) {
           (joints.end - joints.first) * width * sizeof w.start_joints.kept[0]);
 }
 
-}  // namespace
-
-namespace {
-
 void each_memory_of_points(World& w, int family, size_t first, size_t end, const VisitBytes& visit) {
   WorldFields::of_points(
       [&](const Field& field, auto& column) {

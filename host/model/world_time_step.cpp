@@ -5,7 +5,6 @@
 #include "members/members.h"
 #include "model/block_layout.h"
 #include "model/contact_frames.h"
-#include "model/gathered_sums.h"
 #include "model/halo.h"
 #include "model/impact_damping.h"
 #include "model/lanczos.h"

@@ -22,6 +22,7 @@ struct Brick {
   std::optional<double> load_height{};  // rigid: y of its centre of mass, where loads act too; none: the middle, m
   bool fixed = false;                   // a support that follows the ground: from a fixed block, or the base of a wall
   bool freed = false;                   // fixed, and some stage leaves components of it free
+  bool is_support() const { return fixed && !freed; }
   std::string body;    // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. A
                        // deformable brick of this name can be loaded and monitored, but not held
   std::string name{};  // name of the block in the scene, for messages; empty: none

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,7 @@ inline unsigned prescribed_by(const BodyControl& control) {
   for (unsigned c = 0; c < 3; ++c) bits |= control.kind[c] == DofKind::velocity ? 1u << c : 0u;
   return bits;
 }
-inline constexpr unsigned kAllPrescribed = 0x3f;
+inline constexpr std::uint8_t kAllPrescribed = 0x3f;
 
 // Axes along which a stage drives bodies. only: those that count; empty: all.
 inline std::array<bool, 3> driven_along(const Stage& stage, const std::vector<std::string>& only = {}) {

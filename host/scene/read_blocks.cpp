@@ -1,11 +1,9 @@
-#include "scene/read_blocks.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "scene/actions/actions.h"
 #include "scene/driven.h"
-#include "scene/read_cycles.h"
+#include "scene/read_tables.h"
 
 namespace quoin {
 

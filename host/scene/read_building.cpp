@@ -1,9 +1,7 @@
 // The tables of a building and of its stages; host/scenes/README.md lists the keys.
-#include "scene/read_building.h"
-
 #include "scene/driven.h"
 #include "scene/openings.h"
-#include "scene/read_opening.h"
+#include "scene/read_tables.h"
 
 namespace quoin {
 

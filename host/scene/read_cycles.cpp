@@ -1,4 +1,4 @@
-#include "scene/read_cycles.h"
+#include "scene/read_tables.h"
 
 namespace quoin {
 

@@ -1,6 +1,8 @@
-#include "scene/read_damage.h"
+#include "scene/read_tables.h"
 
-namespace quoin::reader {
+namespace quoin {
+
+using namespace reader;
 
 namespace {
 
@@ -69,4 +71,4 @@ Damage read_damage(Table& t, const Scene& scene) {
   return damage;
 }
 
-}  // namespace quoin::reader
+}  // namespace quoin

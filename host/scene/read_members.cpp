@@ -1,5 +1,3 @@
-#include "scene/read_members.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include "geometry/vector.h"
 #include "scene/read_ground.h"
+#include "scene/read_tables.h"
 
 namespace quoin {
 

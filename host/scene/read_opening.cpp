@@ -1,7 +1,6 @@
-#include "scene/read_opening.h"
-
 #include "scene/generate.h"
 #include "scene/openings.h"
+#include "scene/read_tables.h"
 
 namespace quoin {
 

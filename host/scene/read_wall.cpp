@@ -1,10 +1,8 @@
-#include "scene/read_wall.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "scene/read_opening.h"
+#include "scene/read_tables.h"
 
 namespace quoin {
 

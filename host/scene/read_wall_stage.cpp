@@ -1,13 +1,10 @@
-#include "scene/read_wall_stage.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "scene/actions/actions.h"
 #include "scene/driven.h"
 #include "scene/generate.h"
-#include "scene/read_building.h"
-#include "scene/read_cycles.h"
+#include "scene/read_tables.h"
 
 namespace quoin {
 

@@ -164,9 +164,7 @@ void receive_motion(Simulation::Impl& s, bool measure_step) {
   s.rank_load.window.estimated.resize(s.division.share.cost_of_rank.size(), 0.0);
   for (std::size_t r = 0; r < s.division.share.cost_of_rank.size(); ++r)
     s.rank_load.window.estimated[r] += s.division.share.cost_of_rank[r];
-  const double seconds = seconds_since(before);
-  s.rank_load.traffic.waiting_seconds += seconds;
-  s.timing.phases[Phase::ranks] += seconds;
+  note_waiting(s, before);
   bool deviates = s.large_motion && s.large_motion->has_deviating(s.division.share.items),
        leaves = s.large_motion && s.large_motion->leaves_frame(s.division.share.items);
   if (s.large_motion)

@@ -10,8 +10,8 @@
 #include "base/rank_rows.h"
 #include "base/ranks.h"
 #include "step/gather.h"
-#include "step/large_motion_results.h"
 #include "step/rank_agreement.h"
+#include "step/results.h"
 #include "step/state.h"
 #include "step/work_division.h"
 
@@ -146,8 +146,11 @@ double sum_brought(const Simulation::Impl& s, double brought) {
 
 void each_own_point(const Simulation::Impl& s, const std::function<void(std::int32_t)>& visit) {
   if (s.large_motion)
-    return each_point_in_large_motion(s, [&](std::int32_t point, int block_a) {
-      if (owns_block(s, block_a)) visit(point);
+    return each_chunk_in(s, all_points(s), [&](int index, const PointRange& of_chunk) {
+      const blocks::Chunk& chunk = s.large_motion->chunks.all[at(index)];
+      const blocks::Point* const point = &s.large_motion->contacts.families[at(chunk.family)].point[chunk.first];
+      for (std::int32_t i = of_chunk.first; i < of_chunk.end; ++i)
+        if (owns_block(s, point[i - of_chunk.first].a)) visit(i);
     });
   for (std::int32_t point = 0; point < s.model.point_count; ++point) {
     if (owns_block(s, s.model.sides_of(point).a)) visit(point);

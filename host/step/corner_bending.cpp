@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/world_results.h"
-#include "step/driven_block.h"
+#include "step/block_motion.h"
 #include "step/rank_agreement.h"
 #include "step/results.h"
 #include "step/run_watch.h"

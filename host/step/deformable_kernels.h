@@ -44,7 +44,7 @@ struct LaneColumns {
   double *x, *v;                             // m, m/s
   double *force, *viscous_force;             // N
   double *u, *weighted, *product, *elastic;  // scratch of congruent_forces and distinct_forces
-  double* moment;                            // one line: of contact forces on the frames (gridpoint_kernels.h), N m
+  double* moment;                            // one line: of contact forces on the frames (contact_kernels.h), N m
   double* rows;                              // scratch of distinct_forces, for one block
   // FixedColumns; place and anchor for distinct_forces; arm is null where frames follow their blocks.
   const double *mass, *over_mass, *place, *anchor, *held_v, *arm;

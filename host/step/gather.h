@@ -17,5 +17,8 @@ void fetch_for_frame(Simulation::Impl& s);
 void each_memory_of_item(Simulation::Impl& s, Part part, int item, const VisitMemory& visit);
 void each_memory_of_chunk(Simulation::Impl& s, Part part, int chunk, const VisitMemory& visit);
 void prepare_row(Simulation::Impl& s);  // computes the numbers of a row for the blocks of this rank
+// Transfers an array, whose parts ranks hold, to rank 0, some megabytes at a time. whole: its size, bytes. take: called
+// on rank 0 with pieces of the array, in order.
+void give_array(Simulation::Impl& s, const void* array, std::size_t whole, const Simulation::TakeBytes& take);
 
 }  // namespace quoin

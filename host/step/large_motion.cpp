@@ -148,11 +148,7 @@ std::optional<WrongAnswer> Model::wrong_law(std::span<const int> own_chunks) con
   for (const int c : own_chunks) {
     const Chunk& chunk = chunks.all[size_t(c)];
     const Family& f = contacts.families[size_t(chunk.family)];
-    Answers answers;
-    answers.count = chunk.count;
-    for (int k = 0; k < 3; ++k) answers.traction[k] = f.traction[k].data() + chunk.first;
-    for (const auto& column : f.state) answers.state.push_back(column.empty() ? nullptr : column.data() + chunk.first);
-    auto wrong = wrong_answer(f.material->api(), answers);
+    auto wrong = wrong_answer(f.material->api(), answers_of(chunk.call));
     if (!wrong) continue;
     const Point& p = f.point[chunk.first + wrong->point];
     wrong->text += fmt::format(": joint family '{}', blocks {} and {}, contact point at {}",

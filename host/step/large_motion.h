@@ -41,7 +41,7 @@ struct Model : World {
   ImpactDamping impact_damping() const;
   void find_contacts();
 
-  // From all data that change during a run (saved_blocks.h), in families with the laws of the saved state. Throws
+  // From all data that change during a run (saved_state.h), in families with the laws of the saved state. Throws
   // Error(bad_input) when the bytes are of another model, and leaves this one unusable. A restored run is bitwise
   // identical for any number of threads.
   void restore(ArchiveReader& reader);

@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "model/contact_frames.h"
-#include "step/facet_kernels.h"
-#include "step/gridpoint_kernels.h"
+#include "step/contact_kernels.h"
 #include "step/large_motion.h"
 #include "step/point_kernels.h"
 #include "step/rigid_kernels.h"
@@ -20,33 +19,8 @@ struct Axes {  // axes of the points of a chunk
   PairAxes* pairs;
 };
 
-RigidColumns rigid_columns(Family& f) {
-  RigidColumns c{};
-  for (int k = 0; k < 3; ++k) c.arm[k] = f.arm[k].data(), c.traction[k] = f.traction[k].data();
-  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
-  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
-  c.offset = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
-  return c;
-}
-
-FacetColumns facet_columns(Family& f) {
-  FacetColumns c{};
-  for (int k = 0; k < 3; ++k) c.traction[k] = f.traction[k].data();
-  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
-  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
-  c.normal_jump = f.normal_jump.data();
-  return c;
-}
-
 GridpointColumns gridpoint_columns(Family& f, const Chunk& chunk) {
-  GridpointColumns c{};
-  for (int k = 0; k < 3; ++k) c.traction[k] = f.traction[k].data();
-  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
-  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
-  c.reference = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
-  for (int k = 0; k < 3; ++k) c.arm[k] = f.arm[k].data();
-  c.node_a = chunk.node_a.data(), c.node_b = chunk.node_b.data(), c.first = chunk.first;
-  return c;
+  return {columns_of(f), chunk.node_a.data(), chunk.node_b.data(), chunk.first};
 }
 
 BlockPlaces places_of_blocks(const Model& m) {
@@ -54,9 +28,9 @@ BlockPlaces places_of_blocks(const Model& m) {
 }
 
 void contact_kinematics(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
-  rigid_jumps(chunk.pairs, m.bodies.data(), rigid_columns(f));
+  rigid_jumps(chunk.pairs, m.bodies.data(), columns_of(f));
   gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, places_of_blocks(m), gridpoint_columns(f, chunk));
-  facet_jumps(chunk.facets, axes.triangles, m.nodes.x.data(), facet_columns(f), m.is_small);
+  facet_jumps(chunk.facets, axes.triangles, m.nodes.x.data(), columns_of(f), m.is_small);
   for (OtherPoint& other : chunk.others) {
     const uint32_t i = other.index;
     Point& p = f.point[i];
@@ -88,15 +62,8 @@ void contact_law(Model& m, Family& f, Chunk& chunk) {
 
 // Computes tractions of stiffness-proportional or impact damping.
 void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
-  DampingColumns c{};
   const size_t first = chunk.first;
-  for (int k = 0; k < 3; ++k) {
-    c.traction[k] = f.traction[k].data() + first, c.old_traction[k] = f.old_traction[k].data() + first;
-    c.viscous[k] = f.viscous[k].data() + first;
-  }
-  for (int k = 0; k < 2; ++k) c.slip[k] = f.slip[k].data() + first;
-  c.normal_jump = f.normal_jump.data() + first, c.old_jump = f.old_jump.data() + first;
-  c.area = f.area.data() + first;
+  const PointColumns c = columns_of(f, first);
   MaxwellColumns maxwell{};
   const auto stiffness = [&](const char* id, double of_material) {
     const PropertyColumn* const drawn = find_column(f.columns, id);
@@ -123,10 +90,10 @@ void viscous_tractions(Model& m, Family& f, Chunk& chunk) {
 void contact_forces(Model& m, Family& f, Chunk& chunk, const Axes& axes) {
   chunk.call.damping = 0.0;
   if (m.damping.of_contacts()) viscous_tractions(m, f, chunk);
-  rigid_forces(chunk.pairs, m.bodies.data(), rigid_columns(f));
+  rigid_forces(chunk.pairs, m.bodies.data(), columns_of(f));
   gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, places_of_blocks(m), gridpoint_columns(f, chunk),
                    m.chunks.rows.data());
-  facet_forces(chunk.facets, axes.triangles, facet_columns(f), m.chunks.rows.data());
+  facet_forces(chunk.facets, axes.triangles, columns_of(f), m.chunks.rows.data());
   for (OtherPoint& other : chunk.others) {
     const uint32_t i = other.index;
     const Point& p = f.point[i];

@@ -1,4 +1,5 @@
 // Blocks of any shape that several processes advance: the data that these exchange.
+#include <algorithm>
 #include <cmath>
 
 #include "model/fields.h"
@@ -10,27 +11,28 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
+namespace {
+
+template <class Holds>
+bool any_block(const Model& m, std::span<const int> own_pieces, const Holds& holds) {
+  return std::ranges::any_of(own_pieces,
+                             [&](int piece) { return std::ranges::any_of(m.pieces.blocks_of(piece), holds); });
+}
+
+}  // namespace
+
 bool Model::in_trouble(std::span<const int> own_chunks, std::span<const int> own_pieces) const {
-  for (const int c : own_chunks) {
-    if (chunks.all[size_t(c)].call.failed) return true;
-  }
-  for (const int p : own_pieces) {
-    const Piece& piece = pieces.all[size_t(p)];
-    for (const int32_t b : pieces.blocks_of(piece)) {
-      if (!std::isfinite(step_sums.of_block[size_t(b)].positions)) return true;
-    }
-  }
-  return false;
+  return std::ranges::any_of(own_chunks, [&](int c) { return chunks.all[size_t(c)].call.failed; }) ||
+         any_block(*this, own_pieces, [&](int b) { return !std::isfinite(step_sums.of_block[size_t(b)].positions); });
 }
 
 bool Model::leaves_frame(std::span<const int> own_pieces) const {
-  for (const int p : own_pieces) {
-    const Piece& piece = pieces.all[size_t(p)];
-    for (const int32_t b : pieces.blocks_of(piece)) {
-      if (piece.in_frame() && has_deformed_too_much(*this, b)) return true;
-    }
-  }
-  return false;
+  return any_block(*this, own_pieces,
+                   [&](int b) { return pieces.in_frame[size_t(b)] && has_deformed_too_much(*this, b); });
+}
+
+bool Model::has_deviating(std::span<const int> own_pieces) const {
+  return any_block(*this, own_pieces, [&](int b) { return step_sums.of_block[size_t(b)].deviates; });
 }
 
 void Model::scan_for_row(std::span<const int> own_chunks, std::span<const int> own_pieces) {
@@ -45,15 +47,6 @@ void Model::scan_for_row(std::span<const int> own_chunks, std::span<const int> o
       sums.moved = moved_by_now(*this, b), sums.turned = turned_by_now(*this, b);
     }
   }
-}
-
-bool Model::has_deviating(std::span<const int> own_pieces) const {
-  for (const int p : own_pieces) {
-    for (const int32_t b : pieces.blocks_of(pieces.all[size_t(p)])) {
-      if (step_sums.of_block[size_t(b)].deviates) return true;
-    }
-  }
-  return false;
 }
 
 void Model::each_memory_of_piece(Part wanted, int piece, const VisitMemory& visit) {

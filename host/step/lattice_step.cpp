@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "step/findings.h"
-#include "step/implicit_step.h"
 #include "step/lattice_motion.h"
 #include "step/point_kernels.h"
 #include "step/results.h"
@@ -17,10 +16,10 @@ namespace quoin {
 
 namespace {
 
-void damp_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump) {
+void damp_chunk(Simulation::Impl& s, int index, ChunkJumps& jump) {
   const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
   const auto first = static_cast<std::size_t>(chunk.first_point);
-  blocks::DampingColumns c{};
+  blocks::PointColumns c{};
   for (std::size_t k = 0; k < 3; ++k) {
     c.traction[k] = s.lattice.traction[k].data() + first, c.old_traction[k] = jump.old_traction[k];
     c.viscous[k] = s.lattice.viscous[k].data() + first;
@@ -36,6 +35,24 @@ void damp_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump) {
   }
   const auto [normal, along] = s.time_step.impacts.viscosity[static_cast<std::size_t>(chunk.family)];
   taken = damp_impacts(c, {}, count, {normal / s.data.time_step}, {along / s.data.time_step});
+}
+
+// Joints that act by the mean of the step (implicit_contacts.h).
+void weigh_chunk(Simulation::Impl& s, int index, const ChunkJumps& jump, const double* normal_way) {
+  const ContactChunk& chunk = s.model.chunks[static_cast<std::size_t>(index)];
+  const ContactFamily& family = s.model.families[static_cast<std::size_t>(chunk.family)];
+  const auto first = static_cast<std::size_t>(chunk.first_point);
+  ImplicitContacts::Chunk c{};
+  c.viscosity = s.time_step.impacts.viscosity[static_cast<std::size_t>(chunk.family)];
+  for (std::size_t k = 0; k < 3; ++k) {
+    c.traction[k] = s.lattice.traction[k].data() + first, c.old_traction[k] = jump.old_traction[k];
+    if (c.viscosity[0] > 0.0) c.viscous[k] = s.lattice.viscous[k].data() + first;
+  }
+  c.way[0] = normal_way, c.way[1] = jump.slip_s, c.way[2] = jump.slip_t;
+  c.area = s.model.area.data() + first;
+  c.normal_stiffness = family.normal_stiffness, c.shear_stiffness = family.shear_stiffness;
+  s.contacts.implicit.weigh(chunk, c, s.data.time_step);
+  if (c.viscosity[0] == 0.0) std::copy_n(jump.normal, chunk.point_count, s.lattice.old_jump.data() + first);
 }
 
 // Sums of a chunk in a measured step.
@@ -112,6 +129,18 @@ void advance_lattice_item(Simulation::Impl& s, int thread, int item, bool measur
   const auto b = static_cast<std::size_t>(s.model.lone_bodies[i - s.model.body_groups.size()]);
   advance_body(s.model.bodies[b], s.inertia.in_use.body_mass[b], s.inertia.in_use.body_inertia[b], s.data,
                &s.lattice.bodies[i], record);
+}
+
+// Completes the velocities of the gridpoints of prescribed bodies: a step writes only those across joints.
+void settle_contacts(Simulation::Impl& s) {
+  for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
+    const Vec3 moves = s.lattice.of_body(static_cast<int>(b), &BodyLanes::velocity);
+    for (const std::int32_t slave : s.model.bodies[b].slave) {
+      for (std::size_t c = 0; c < 3; ++c) s.lattice.velocity[static_cast<std::size_t>(slave) + c * kLanes] = moves[c];
+    }
+  }
+  auto settle = [&](int, int piece) { s.contacts.implicit.settle(piece, s.data); };
+  s.pool.for_each(s.contacts.implicit_end, settle);
 }
 
 void report_failed_points(Simulation::Impl& s) {

@@ -12,6 +12,7 @@ namespace quoin {
 void advance_lattice_contacts(Simulation::Impl& s, int thread, int chunk, bool measure_step, bool report,
                               PhaseClock* clock);
 void evaluate_law(Simulation::Impl& s, int chunk, const ChunkJumps& jump, bool measure_step, bool report);
+void settle_contacts(Simulation::Impl& s);  // joints that act by the mean of the step (implicit_contacts.h)
 void advance_lattice_item(Simulation::Impl& s, int thread, int item, bool measure_step);
 [[noreturn]] void report_failed_points(Simulation::Impl& s);
 

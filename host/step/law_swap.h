@@ -8,7 +8,7 @@
 #include "law/at_rest.h"
 #include "law/law_library.h"
 #include "scene/scene.h"
-#include "step/simulation.h"
+#include "step/state.h"
 
 namespace quoin {
 
@@ -45,5 +45,11 @@ std::shared_ptr<const Material> successor(const JointFamily& family, const std::
 // number of points that it refuses; nothing has changed then.
 MigratedFamily migrate(const JointFamily& family, const Material& from, const Material& to,
                        const FamilyColumns& points);
+
+// On the lattice, where each rank swaps its own contact points: a law evaluates each point independently.
+// Takes the bounds of the law's stiffness for a joint family where they are larger than those so far, which choose the
+// time step. Returns whether one is.
+bool take_stiffness(Simulation::Impl& s, std::size_t f, const Material& material);
+void swap_lattice_law(Simulation::Impl& s, std::size_t f, std::shared_ptr<const Material> material);
 
 }  // namespace quoin

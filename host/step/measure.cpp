@@ -15,7 +15,6 @@
 #include "step/actions/ground.h"
 #include "step/block_motion.h"
 #include "step/columns/columns.h"
-#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -89,7 +88,7 @@ double largest_displacement(const Simulation::Impl& s, std::span<const std::uint
   };
   double largest = 0.0;
   for (int i = 0; i < block_count(s); ++i)
-    if (!is_fixed(s, i) || held[at(i)] != kAllHeld) largest = larger(largest, norm(way_of(i)));
+    if (!is_fixed(s, i) || held[at(i)] != kAllPrescribed) largest = larger(largest, norm(way_of(i)));
   return largest;
 }
 

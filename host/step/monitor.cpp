@@ -9,7 +9,6 @@
 #include "model/world_results.h"
 #include "scene/weight_axis.h"
 #include "step/block_motion.h"
-#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/lattice_motion.h"
 

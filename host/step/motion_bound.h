@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -43,6 +44,11 @@ struct WholeMotion {
 
 // Displacement at an arm from the centre, m.
 Vec3 at_arm(const WholeMotion& motion, const Vec3& arm);
+
+// Time, s, in which a block moves by `way`, m, from this speed, m/s, at this acceleration, m/s2.
+inline double time_for(double way, double speed, double acceleration) {
+  return 2.0 * way / (speed + std::sqrt(speed * speed + 2.0 * acceleration * way));
+}
 
 // False where the value is within the bound; true for NaN.
 inline bool exceeds(double value, double bound) { return !(value <= bound); }

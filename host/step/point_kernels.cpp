@@ -28,24 +28,6 @@ struct LaneSum {
   }
 };
 
-// visit(i, part of the sums, load, store), a vector of points at a time. Lanes beyond the last point are loaded as 0
-// and not stored.
-template <class Visit>
-HWY_INLINE void for_each_vector(std::size_t count, const Visit& visit) {
-  const D d;
-  constexpr auto kStep = static_cast<std::size_t>(kWidth);
-  std::size_t i = 0;
-  for (; i + kStep <= count; i += kStep) {
-    visit(
-        i, [&](const double* from) HWY_ATTR { return hn::LoadU(d, from + i); },
-        [&](V v, double* to) HWY_ATTR { hn::StoreU(v, d, to + i); });
-  }
-  if (i == count) return;
-  const auto rest = hn::FirstN(d, count - i);
-  visit(
-      i, [&](const double* from) HWY_ATTR { return hn::MaskedLoad(rest, d, from + i); },
-      [&](V v, double* to) HWY_ATTR { hn::BlendedStore(v, rest, d, to + i); });
-}
 HWY_INLINE std::size_t part_of_sum(std::size_t i) { return i / static_cast<std::size_t>(kWidth) % kParts; }
 
 // A joint slides or softens where its secant stiffness is below the share kLettingGo of its elastic stiffness. Changes
@@ -70,12 +52,12 @@ HWY_INLINE V Relax(const MaxwellColumns& m, int component, V change, Mask holds,
 
 // kMaxwell needs kImpacts.
 template <bool kImpacts, bool kMaxwell>
-HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
+HWY_INLINE double Damp(const PointColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
                        const OfPoints& along) {
   const D d;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5);
   LaneSum work;
-  for_each_vector(count, [&](std::size_t i, auto load, auto store) HWY_ATTR {
+  for_each_vector(D(), 0, count, [&](std::size_t i, auto load, auto store) HWY_ATTR {
     const V then = load(c.old_jump), now = load(c.normal_jump);
     const auto known = hn::Eq(then, then);  // NaN: a new point, without a rate
     const V way[3] = {hn::IfThenElseZero(known, hn::Sub(now, then)), load(c.slip[0]), load(c.slip[1])};
@@ -131,10 +113,10 @@ HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::si
   return work.total();
 }
 
-double DampPoints(const DampingColumns& c, std::size_t count, double rate) {
+double DampPoints(const PointColumns& c, std::size_t count, double rate) {
   return Damp<false, false>(c, {}, count, {rate}, {rate});
 }
-double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
+double DampImpacts(const PointColumns& c, const MaxwellColumns& m, std::size_t count, const OfPoints& normal,
                    const OfPoints& along) {
   return m.traction[0] ? Damp<true, true>(c, m, count, normal, along) : Damp<true, false>(c, m, count, normal, along);
 }
@@ -143,7 +125,7 @@ void SumEnergies(const double* area, BoundCall& call) {
   call.stored = 0.0, call.dissipated = {};
   if (!call.batch.energy_stored.data) return;
   LaneSum stored, dissipated[QUOIN_DISSIPATED_COUNT];
-  for_each_vector(call.batch.count, [&](std::size_t i, auto load, auto) HWY_ATTR {
+  for_each_vector(D(), 0, call.batch.count, [&](std::size_t i, auto load, auto) HWY_ATTR {
     const V of_points = load(area);
     const auto add = [&](const double* density, LaneSum& sum) HWY_ATTR {
       V& part = sum.part[part_of_sum(i)];
@@ -168,11 +150,24 @@ HWY_EXPORT(DampPoints);
 HWY_EXPORT(DampImpacts);
 HWY_EXPORT(SumEnergies);
 
-double damp_points(const DampingColumns& columns, std::size_t count, double rate) {
+PointColumns columns_of(Family& f, std::size_t first) {
+  PointColumns c{};
+  for (int k = 0; k < 3; ++k) {
+    c.arm[k] = f.arm[k].data() + first, c.traction[k] = f.traction[k].data() + first;
+    if (!f.viscous[0].empty()) c.viscous[k] = f.viscous[k].data() + first;
+    if (!f.old_traction[0].empty()) c.old_traction[k] = f.old_traction[k].data() + first;
+  }
+  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data() + first, c.slip[k] = f.slip[k].data() + first;
+  c.offset = f.offset.data() + first, c.area = f.area.data() + first, c.normal_jump = f.normal_jump.data() + first;
+  if (!f.old_jump.empty()) c.old_jump = f.old_jump.data() + first;
+  return c;
+}
+
+double damp_points(const PointColumns& columns, std::size_t count, double rate) {
   return HWY_DYNAMIC_DISPATCH(DampPoints)(columns, count, rate);
 }
 
-double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
+double damp_impacts(const PointColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
                     const OfPoints& normal, const OfPoints& along) {
   return HWY_DYNAMIC_DISPATCH(DampImpacts)(columns, maxwell, count, normal, along);
 }

@@ -5,16 +5,19 @@
 #include <cstddef>
 
 #include "law/bound_call.h"
+#include "model/contact_points.h"
 #include "model/maxwell.h"
 
 namespace quoin::blocks {
 
-// Columns of some consecutive points, beginning at the first.
-struct DampingColumns {
+// Columns of some consecutive points, beginning at the first. Those that a kernel does not take may be null.
+struct PointColumns {
+  const double *arm[3], *offset, *area;         // m, m, m2
   const double *traction[3], *old_traction[3];  // Pa
-  const double *normal_jump, *slip[2], *area;   // m, m, m2
-  double *viscous[3], *old_jump;                // Pa; opening of the last step, m, NaN: a new point
+  double *viscous[3], *old_jump;                // Pa, null: none; opening of the last step, m, NaN: a new point
+  double *slid[2], *normal_jump, *slip[2];      // position along s, t; opening; slip increment, m
 };
+PointColumns columns_of(Family& f, std::size_t first = 0);
 
 // A number of each point: `all`, times its column where that is given.
 struct OfPoints {
@@ -25,7 +28,7 @@ struct OfPoints {
 // Computes tractions of stiffness-proportional damping from the rate of the law's traction: slip and open joints are
 // not damped. They may reduce the compression of a closed contact to zero, but cause no tension. rate: beta / dt.
 // Returns the work of damping, J.
-double damp_points(const DampingColumns& columns, std::size_t count, double rate);
+double damp_points(const PointColumns& columns, std::size_t count, double rate);
 
 // Maxwell elements in parallel with the springs of these points (model/maxwell.h).
 struct MaxwellColumns {
@@ -37,7 +40,7 @@ struct MaxwellColumns {
 
 // The same for closed contacts alone, where blocks impact: separate rates normal to the joint and along it. Maxwell
 // elements act on all points in contact. They lose their traction where a joint opens, slides or softens.
-double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
+double damp_impacts(const PointColumns& columns, const MaxwellColumns& maxwell, std::size_t count,
                     const OfPoints& normal, const OfPoints& along);
 
 // Sums the energies of the call's points from their densities, into the results of the call. area: of its points, m2.

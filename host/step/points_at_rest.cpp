@@ -8,7 +8,6 @@
 #include "base/ranks.h"
 #include "law/at_rest.h"
 #include "step/gather.h"
-#include "step/large_motion_results.h"
 #include "step/lattice_motion.h"
 #include "step/results.h"
 #include "step/state.h"
@@ -27,6 +26,34 @@ std::array<long, kConditionCount> own_conditions(Simulation::Impl& s) {
     for (int i = points.first; i < points.end; ++i) ++counts[static_cast<std::size_t>(condition_of(now[at(i)]))];
   }
   return counts;
+}
+
+void evaluate_large_motion_at_rest(const Simulation::Impl& s, std::uint64_t capability, const PointRange& range,
+                                   const PointOutputs& outputs) {
+  each_chunk_in(s, range, [&](int index, const PointRange& of_chunk) {
+    const blocks::Chunk& chunk = s.large_motion->chunks.all[at(index)];
+    const blocks::Family& f = s.large_motion->contacts.families[at(chunk.family)];
+    if (!(f.material->api().capabilities & capability)) return;
+    const std::size_t first = chunk.first;
+    RestingPoints points{
+        chunk.count, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
+    for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data() + first;
+    for (const auto& column : f.state) points.state.push_back(column.data() + first);
+    quoin_out_u32 flags{};
+    evaluate_at_rest(*f.material, points, [&](quoin_batch& batch) {
+      outputs(batch, at(of_chunk.first));
+      flags = batch.flags;
+    });
+    if (!flags.data) return;
+    // Nothing slips at rest: that is asked with the slip of the last step, which steps keep.
+    std::vector<std::uint32_t> in_motion(chunk.count, 0);
+    evaluate_at_rest(*f.material, points, [&](quoin_batch& batch) {
+      for (std::size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {f.slip[k].data() + first, 1};
+      batch.flags = {in_motion.data(), 1};
+    });
+    for (std::size_t i = 0; i < in_motion.size(); ++i)
+      flags.data[static_cast<std::ptrdiff_t>(i) * flags.stride] |= in_motion[i] & QUOIN_FLAG_SLIPPING;
+  });
 }
 
 }  // namespace

@@ -14,27 +14,6 @@
 
 namespace quoin {
 
-void throw_together(Simulation::Impl& s, const std::optional<Error>& fault) {
-  if (!s.ranks) {
-    if (fault) throw *fault;
-    return;
-  }
-  const int count = s.ranks->count();
-  const std::string text = fault ? fault->what() : "";
-  // The lowest rank with a fault, its exit code, and the length of its message.
-  const double first = count - largest_of_ranks(s, fault ? count - s.ranks->rank() : 0.0);
-  if (first == count) return;
-  const bool here = s.ranks->rank() == static_cast<int>(first);
-  double shared[] = {here ? static_cast<double>(fault->exit_code) : 0.0, here ? static_cast<double>(text.size()) : 0.0};
-  s.ranks->largest(shared);
-  std::vector<std::size_t> sizes(at(count));
-  sizes[static_cast<std::size_t>(first)] = static_cast<std::size_t>(shared[1]);
-  std::string of_first(static_cast<std::size_t>(shared[1]), ' ');
-  s.ranks->gather(std::as_bytes(std::span(here ? text : std::string())), sizes,
-                  std::as_writable_bytes(std::span(of_first)));
-  throw Error(static_cast<Exit>(static_cast<int>(shared[0])), of_first);
-}
-
 void begin_with_ranks(Simulation::Impl& s) {
   sparse_memory_wanted = true;
   if (const char* costly = std::getenv("QUOIN_DEAR_BLOCKS")) {
@@ -61,6 +40,12 @@ void agree_on_model(const Simulation::Impl& s) {
   }
 }
 
+void note_waiting(Simulation::Impl& s, Clock::time_point since) {
+  const double seconds = seconds_since(since);
+  s.rank_load.traffic.waiting_seconds += seconds;
+  s.timing.phases[Phase::ranks] += seconds;
+}
+
 bool ranks_together(const Simulation::Impl& s) { return s.agreed.together; }
 
 bool agree(Simulation::Impl& s, bool trouble, bool* deviates, bool* leaves_frame) {
@@ -68,9 +53,7 @@ bool agree(Simulation::Impl& s, bool trouble, bool* deviates, bool* leaves_frame
   double wanted[] = {trouble ? 1.0 : 0.0, s.agreed.stop_wanted ? 1.0 : 0.0, deviates && *deviates ? 1.0 : 0.0,
                      leaves_frame && *leaves_frame ? 1.0 : 0.0};
   s.ranks->largest(wanted);
-  const double seconds = seconds_since(before);
-  s.rank_load.traffic.waiting_seconds += seconds;
-  s.timing.phases[Phase::ranks] += seconds;
+  note_waiting(s, before);
   s.agreed.stop = s.agreed.stop || wanted[1] > 0.0;
   if (deviates) *deviates = wanted[2] > 0.0;
   if (leaves_frame) *leaves_frame = wanted[3] > 0.0;
@@ -80,9 +63,7 @@ bool agree(Simulation::Impl& s, bool trouble, bool* deviates, bool* leaves_frame
 
 bool any_rank(Simulation::Impl& s, bool here) {
   if (!s.ranks) return here;
-  double wanted[] = {here ? 1.0 : 0.0};
-  s.ranks->largest(wanted);
-  return wanted[0] > 0.0;
+  return largest_of_ranks(s, here ? 1.0 : 0.0) > 0.0;
 }
 
 double largest_of_ranks(const Simulation::Impl& s, double here) {

@@ -7,6 +7,7 @@
 #include "base/rank_rows.h"
 #include "step/findings.h"
 #include "step/gather.h"
+#include "step/rank_agreement.h"
 #include "step/state.h"
 #include "step/work_division.h"
 
@@ -36,9 +37,8 @@ void repartition(Simulation::Impl& s) {
     if (s.rank_load.traffic.repartitions == 0.0) s.rank_load.traffic.uneven_before = s.rank_load.traffic.uneven;
     s.rank_load.traffic.repartitions += 1.0;
   }
-  double took[] = {seconds_since(before)};
-  s.ranks->largest(took);
-  s.rank_load.balance.divided(s.rank_load.costly_blocks ? 0.0 : took[0]);
+  const double took = largest_of_ranks(s, seconds_since(before));
+  s.rank_load.balance.divided(s.rank_load.costly_blocks ? 0.0 : took);
 }
 
 // Work of this rank in the window by costly_blocks, any unit.

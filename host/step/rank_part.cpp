@@ -131,7 +131,7 @@ void hold_first_part(Simulation::Impl& s) {
   } catch (const Error& error) {
     fault = error;
   }
-  throw_together(s, fault);
+  throw_together(s.ranks, fault);
   std::vector<double> most;
   for (const ContactFamily& family : s.model.families) {
     for (const PropertyColumn& column : family.columns) most.push_back(column.most);

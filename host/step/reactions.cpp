@@ -7,7 +7,6 @@
 #include "model/world_results.h"
 #include "step/actions/ground.h"
 #include "step/block_motion.h"
-#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_motion.h"
@@ -19,7 +18,8 @@ using geometry::Vector;
 
 std::vector<std::uint8_t> held_now(const Simulation::Impl& s) {
   std::vector<std::uint8_t> held;
-  for (int block = 0; block < block_count(s); ++block) held.push_back(is_fixed(s, block) ? kAllHeld : std::uint8_t{0});
+  for (int block = 0; block < block_count(s); ++block)
+    held.push_back(is_fixed(s, block) ? kAllPrescribed : std::uint8_t{0});
   for (const Drive& drive : s.actions.drives) held[at(drive.block)] = drive.held;
   return held;
 }

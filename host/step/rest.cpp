@@ -14,8 +14,8 @@
 
 #include "model/world_results.h"
 #include "sparse/sparse_cholesky.h"
+#include "step/block_motion.h"
 #include "step/controls.h"
-#include "step/driven_block.h"
 #include "step/findings.h"
 #include "step/lattice_step.h"
 #include "step/measure.h"

@@ -5,13 +5,16 @@
 #include <array>
 #include <limits>
 
+#include "model/world_results.h"
 #include "step/collect.h"
-#include "step/large_motion_results.h"
 #include "step/lattice_motion.h"
 #include "step/points_at_rest.h"
 #include "step/state.h"
+#include "step/work_division.h"
 
 namespace quoin {
+
+using geometry::Vector;
 
 namespace {
 
@@ -39,7 +42,106 @@ std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneV
   return result;
 }
 
+// ---- Blocks in large motion ----------------------------------------------------------------------------------------
+
+BlockMesh mesh_in_large_motion(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->blocks[block];
+  const blocks::Block& input = s.large_motion->assembly.blocks[at(block)];
+  BlockMesh mesh;
+  mesh.unit = input.unit, mesh.course = input.course, mesh.fixed = input.fixed;
+  mesh.face = b.shape->faces;  // the first gridpoints of deformable blocks are the vertices of their shapes
+  if (b.body >= 0) {
+    const geometry::Matrix turned = matrix(input.orientation);
+    for (const Vector& p : b.shape->vertices) mesh.gridpoint.push_back(geometry::array(input.position + turned * p));
+    return mesh;
+  }
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
+    mesh.gridpoint.push_back(geometry::array(s.large_motion->nodes.reference[at(i)]));
+  for (int z = 0; z < b.zone_count; ++z)
+    std::ranges::copy(zone_of(*s.large_motion, block, z).node, mesh.zone.emplace_back().begin());
+  return mesh;
+}
+
+BlockSize size_in_large_motion(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->blocks[block];
+  BlockSize size;
+  size.gridpoints = b.body >= 0 ? b.shape->vertices.size() : static_cast<std::uint64_t>(b.node_count);
+  size.zones = static_cast<std::uint64_t>(b.zone_count);
+  size.faces = b.shape->faces.size();
+  for (const auto& face : b.shape->faces) size.face_corners += face.size();
+  return size;
+}
+
+std::vector<Vec3> gridpoint_displacements(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->blocks[block];
+  std::vector<Vec3> result;
+  const BlockMesh mesh = mesh_in_large_motion(s, block);
+  for (std::size_t i = 0; i < mesh.gridpoint.size(); ++i) {
+    const Vector now = b.body >= 0 ? corner_of(*s.large_motion, block, static_cast<int>(i))
+                                   : s.large_motion->nodes.x[at(b.first_node) + i];
+    result.push_back(geometry::array(now - geometry::vector(mesh.gridpoint[i])));
+  }
+  return result;
+}
+
+std::vector<Vec3> gridpoint_velocities(const Simulation::Impl& s, int block) {
+  const blocks::ModelBlock& b = s.large_motion->blocks[block];
+  std::vector<Vec3> result;
+  for (int i = 0; b.body < 0 && i < b.node_count; ++i)
+    result.push_back(geometry::array(gridpoint_velocity(*s.large_motion, block, i)));
+  for (std::size_t i = 0; b.body >= 0 && i < b.shape->vertices.size(); ++i)
+    result.push_back(
+        geometry::array(velocity_of(*s.large_motion, block) +
+                        cross(spin_of(*s.large_motion, block), corner_of(*s.large_motion, block, static_cast<int>(i)) -
+                                                                   position_of(*s.large_motion, block))));
+  return result;
+}
+
+std::vector<std::array<double, 6>> zone_stresses(const Simulation::Impl& s, int block) {
+  std::vector<std::array<double, 6>> result;
+  for (int z = 0; z < s.large_motion->blocks[block].zone_count; ++z) {
+    const geometry::Matrix stress = zone_stress(*s.large_motion, block, z);
+    result.push_back(
+        {stress.row[0].x, stress.row[1].y, stress.row[2].z, stress.row[0].y, stress.row[1].z, stress.row[2].x});
+  }
+  return result;
+}
+
+std::vector<ContactPoint> points_in_large_motion(const Simulation::Impl& s, const PointRange& range,
+                                                 const std::function<bool(int block)>& wanted) {
+  const std::vector<std::uint32_t> flags_there = current_flags(s, range);
+  std::vector<ContactPoint> points;
+  each_chunk_in(s, range, [&](int index, const PointRange& of_chunk) {
+    const blocks::Chunk& chunk = s.large_motion->chunks.all[at(index)];
+    const blocks::Family& f = s.large_motion->contacts.families[at(chunk.family)];
+    for (std::size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+      const blocks::Point& p = f.point[i];
+      if (!wanted(p.a)) continue;
+      const geometry::Matrix r = frame_of(*s.large_motion, p);
+      ContactPoint point{};
+      point.index = of_chunk.first + static_cast<std::int32_t>(i - chunk.first);
+      point.position = geometry::array(place_of(*s.large_motion, p));
+      point.normal = geometry::array(r.row[0]);
+      point.s = geometry::array(r.row[1]);
+      point.t = geometry::array(r.row[2]);
+      point.area = p.area;
+      point.joint = -1;
+      point.family = chunk.family;
+      point.block_a = p.a;
+      point.block_b = p.b;
+      point.jump = {f.normal_jump[i], 0.0, 0.0};  // total slip is a state of laws alone: detection moves points
+      point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
+      point.flags = flags_there[at(point.index - range.first)];
+      point.condition = condition_of(point.flags);
+      points.push_back(point);
+    }
+  });
+  return points;
+}
+
 }  // namespace
+
+// ---- Both kinds of motion ------------------------------------------------------------------------------------------
 
 long Simulation::block_count() const { return quoin::block_count(*impl_); }
 

@@ -8,7 +8,6 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "model/lanes3-inl.h"
 #include "model/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -70,65 +69,45 @@ HWY_INLINE void pose_of(RigidPair& pair, const Body* bodies, double (&pose)[3][k
   }
 }
 
-void RigidJumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& c) {
+void RigidJumps(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& c) {
   const Four d;
   for (RigidPair& pair : pairs) {
     double pose[3][kFour];
     pose_of(pair, bodies, pose);
-    const auto points = [&](std::size_t i, auto load, auto store) HWY_ATTR {
-      const F x = load(c.arm[0] + i), y = load(c.arm[1] + i), z = load(c.arm[2] + i);
+    for_each_vector(d, pair.first, pair.first + pair.count, [&](std::size_t, auto load, auto store) HWY_ATTR {
+      const F x = load(c.arm[0]), y = load(c.arm[1]), z = load(c.arm[2]);
       const auto place = [&](const double(&row)[kFour]) HWY_ATTR {
         return hn::MulAdd(hn::Set(d, row[0]), x,
                           hn::MulAdd(hn::Set(d, row[1]), y, hn::MulAdd(hn::Set(d, row[2]), z, hn::Set(d, row[3]))));
       };
-      store(hn::Sub(place(pose[0]), load(c.offset + i)), c.normal_jump + i);
+      store(hn::Sub(place(pose[0]), load(c.offset)), c.normal_jump);
       for (int k = 0; k < 2; ++k) {
         const F now = place(pose[k + 1]);
-        store(hn::Sub(now, load(c.slid[k] + i)), c.slip[k] + i);
-        store(now, c.slid[k] + i);
+        store(hn::Sub(now, load(c.slid[k])), c.slip[k]);
+        store(now, c.slid[k]);
       }
-    };
-    const std::size_t end = pair.first + pair.count;
-    std::size_t i = pair.first;
-    for (; i + kPart <= end; i += kPart) {
-      points(
-          i, [&](const double* from) HWY_ATTR { return hn::LoadU(d, from); },
-          [&](F v, double* to) HWY_ATTR { hn::StoreU(v, d, to); });
-    }
-    if (i == end) continue;
-    const auto rest = hn::FirstN(d, end - i);
-    points(
-        i, [&](const double* from) HWY_ATTR { return hn::MaskedLoad(rest, d, from); },
-        [&](F v, double* to) HWY_ATTR { hn::BlendedStore(v, rest, d, to); });
+    });
   }
 }
 
-void RigidForces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& c) {
+void RigidForces(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& c) {
   const Four d;
   for (RigidPair& pair : pairs) {
     F force[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, moment[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    const auto points = [&](std::size_t i, auto load) HWY_ATTR {
-      const F area = load(c.area + i);
+    for_each_vector(d, pair.first, pair.first + pair.count, [&](std::size_t, auto load, auto) HWY_ATTR {
+      const F area = load(c.area);
       F f[3];
       for (int k = 0; k < 3; ++k) {
-        F t = load(c.traction[k] + i);
-        if (c.viscous[0]) t = hn::Add(t, load(c.viscous[k] + i));
+        F t = load(c.traction[k]);
+        if (c.viscous[0]) t = hn::Add(t, load(c.viscous[k]));
         f[k] = hn::Mul(area, t);
         force[k] = hn::Add(force[k], f[k]);
       }
-      const F n = hn::Add(load(c.normal_jump + i), load(c.offset + i)), s = load(c.slid[0] + i),
-              t = load(c.slid[1] + i);
+      const F n = hn::Add(load(c.normal_jump), load(c.offset)), s = load(c.slid[0]), t = load(c.slid[1]);
       moment[0] = hn::NegMulAdd(t, f[1], hn::MulAdd(s, f[2], moment[0]));
       moment[1] = hn::NegMulAdd(n, f[2], hn::MulAdd(t, f[0], moment[1]));
       moment[2] = hn::NegMulAdd(s, f[0], hn::MulAdd(n, f[1], moment[2]));
-    };
-    const std::size_t end = pair.first + pair.count;
-    std::size_t i = pair.first;
-    for (; i + kPart <= end; i += kPart) points(i, [&](const double* from) HWY_ATTR { return hn::LoadU(d, from); });
-    if (i < end) {
-      const auto rest = hn::FirstN(d, end - i);
-      points(i, [&](const double* from) HWY_ATTR { return hn::MaskedLoad(rest, d, from); });
-    }
+    });
     const Body &a = bodies[pair.a], &b = bodies[pair.b];
     const auto in_space = [&](const F(&of)[3]) HWY_ATTR {
       Row row = zero_row();
@@ -469,11 +448,11 @@ HWY_EXPORT(RigidJumps);
 HWY_EXPORT(RigidForces);
 HWY_EXPORT(AdvanceRigid);
 
-void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns) {
+void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& columns) {
   HWY_DYNAMIC_DISPATCH(RigidJumps)(pairs, bodies, columns);
 }
 
-void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns) {
+void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& columns) {
   HWY_DYNAMIC_DISPATCH(RigidForces)(pairs, bodies, columns);
 }
 

@@ -15,21 +15,16 @@
 #include "model/pieces.h"
 #include "model/rigid_bodies.h"
 #include "model/step_sums.h"
+#include "step/point_kernels.h"
 
 namespace quoin::blocks {
 
-// Columns of a family, beginning at its first point.
-struct RigidColumns {
-  const double *arm[3], *offset, *area;     // m, m, m2
-  const double *traction[3], *viscous[3];   // Pa; viscous[0] null: none
-  double *slid[2], *normal_jump, *slip[2];  // position along s, t; opening; slip increment, m
-};
-
-// Computes openings and slip increments of the step, and positions along s and t for the next one.
-void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns);
+// Columns are those of a family, beginning at its first point. Computes openings and slip increments of the step, and
+// positions along s and t for the next one.
+void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& columns);
 
 // Computes forces and moments of each pair from the tractions, at the positions of rigid_jumps.
-void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns);
+void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const PointColumns& columns);
 
 // Parameters of the motion of bodies in a step.
 struct BodyStep {

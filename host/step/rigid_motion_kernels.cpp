@@ -9,7 +9,6 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "model/lanes3-inl.h"
 #include "model/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();

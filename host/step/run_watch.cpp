@@ -20,7 +20,6 @@
 #include "step/block_motion.h"
 #include "step/borders.h"
 #include "step/corner_bending.h"
-#include "step/driven_block.h"
 #include "step/findings.h"
 #include "step/gather.h"
 #include "step/points_at_rest.h"

@@ -3,8 +3,6 @@
 
 #include "model/contact_frames.h"
 #include "step/gather.h"
-#include "step/rank_arrays.h"
-#include "step/saved_blocks.h"
 #include "step/saved_state.h"
 
 namespace quoin {

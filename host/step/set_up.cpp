@@ -8,7 +8,8 @@
 #include "model/shared_model.h"
 #include "model/time_step.h"
 #include "step/actions/ground.h"
-#include "step/driven_block.h"
+#include "step/block_motion.h"
+#include "step/existing_damage.h"
 #include "step/large_motion_run.h"
 #include "step/rank_agreement.h"
 #include "step/rank_part.h"
@@ -18,7 +19,6 @@
 #include "step/state.h"
 #include "step/state_hash.h"
 #include "step/supports.h"
-#include "step/take_damage.h"
 #include "step/work_division.h"
 
 namespace quoin {
@@ -40,6 +40,17 @@ void begin_damping(Simulation::Impl& s) {
   if (implicit)
     s.contacts.implicit_end =
         shares(std::vector<double>(static_cast<std::size_t>(s.contacts.implicit.pieces()), 1.0), s.pool.thread_count());
+}
+
+void choose_time_step(Simulation::Impl& s) {
+  const std::unique_ptr<SharedModel> shared = s.parts.divided ? share_of_model(s) : nullptr;
+  s.time_step =
+      choose_time_step(s.model, solver_in_use(s), &s.inertia.in_use, Limits::critical, s.scene.stages, shared.get());
+}
+
+void bind_inertia(Simulation::Impl& s) {
+  s.inertia.bind_body_groups(s.model, s.time_step.time_step);
+  s.inertia.share(s.model, s.time_step.time_step);
 }
 
 // Sets the initial states of the contact points that this rank holds.
@@ -133,19 +144,14 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   for (std::size_t i = 0; i < s.model.lone_bodies.size(); ++i)
     s.lattice.place[static_cast<std::size_t>(s.model.lone_bodies[i])] = {
         static_cast<int>(s.model.body_groups.size() + i), 0};
-  std::unique_ptr<SharedModel> shared;
   if (s.parts.divided) {
     agree_on_model(s);
     divide_work(s);
     hold_first_part(s);
-    shared = share_of_model(s);
   }
   s.inertia.in_use = {};
   s.time_step = {};
-  if (!s.model.assembly.bricks.empty())
-    s.time_step =
-        choose_time_step(s.model, solver_in_use(s), &s.inertia.in_use, Limits::critical, s.scene.stages, shared.get());
-  shared.reset();
+  if (!s.model.assembly.bricks.empty()) choose_time_step(s);
   const auto doubles = static_cast<std::size_t>(s.model.line_count) * kLine;
   const auto points = static_cast<std::size_t>(s.model.point_count);
   s.lattice.displacement.assign(doubles, 0.0);
@@ -154,10 +160,9 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
   for (auto& column : s.contacts.force) column.assign(points + kLanes, 0.0);
   s.lattice.flags.assign(points, 0);
   for (auto& column : s.contacts.energy_columns) column.assign(s.energy.wanted ? points : 0, 0.0);
-  s.inertia.bind_body_groups(s.model, s.time_step.time_step);
-  s.inertia.share(s.model, s.time_step.time_step);
+  bind_inertia(s);
   for (int block = 0; block < block_count(s); ++block)
-    if (is_fixed(s, block)) prescribe(s, block, {}, {}, kAllHeld);
+    if (is_fixed(s, block)) prescribe(s, block, {}, {}, kAllPrescribed);
   begin_states(s);
   begin_damping(s);
 }
@@ -166,13 +171,8 @@ void take_bricks(Simulation::Impl& s, Assembly assembly,
 // old step before.
 void follow_solver(Simulation::Impl& s) {
   s.progress.clock_start = time_now(s), s.progress.clock_start_step = s.progress.step;
-  std::unique_ptr<SharedModel> shared;
-  if (s.parts.divided) shared = share_of_model(s);
-  s.time_step =
-      choose_time_step(s.model, solver_in_use(s), &s.inertia.in_use, Limits::critical, s.scene.stages, shared.get());
-  shared.reset();
-  s.inertia.bind_body_groups(s.model, s.time_step.time_step);
-  s.inertia.share(s.model, s.time_step.time_step);
+  choose_time_step(s);
+  bind_inertia(s);
   begin_damping(s);
   bind_step(s);
 }

@@ -15,10 +15,10 @@
 #include "step/findings.h"
 #include "step/gather.h"
 #include "step/lattice_motion.h"
+#include "step/motion_bound.h"
 #include "step/promotion.h"
 #include "step/stages.h"
 #include "step/state.h"
-#include "step/time_for.h"
 
 namespace quoin {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "step/actions/collapse.h"
+#include "step/actions/actions.h"
 #include "step/actions/ground.h"
 #include "step/damage_growth.h"
 #include "step/gather.h"

@@ -9,7 +9,6 @@
 #include "step/gather.h"
 #include "step/lattice_fields.h"
 #include "step/points_at_rest.h"
-#include "step/rank_arrays.h"
 #include "step/state.h"
 
 namespace quoin {

@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "step/block_motion.h"
 #include "step/controls.h"
-#include "step/driven_block.h"
 #include "step/results.h"
 #include "step/stages.h"
 #include "step/state.h"
@@ -81,27 +80,18 @@ void steer_drives(Simulation::Impl& s, const char* what, const std::string& name
   const std::vector<int> steered = blocks_named(s, name, "body");
   if (steered.empty()) throw no_such_body(name, names_of(s.model));
   std::vector<blocks::Pressure*> replaced;
-  const auto drive_of = [&](int block) {
-    return std::find_if(s.actions.drives.begin(), s.actions.drives.end(),
-                        [&](const Drive& d) { return d.block == block; });
-  };
   for (const int block : steered) {
-    const auto drive = drive_of(block);
-    const bool fixed = drive == s.actions.drives.end() && is_fixed(s, block);
+    const Drive* const drive = s.actions.drive_of(block);
+    const bool fixed = !drive && is_fixed(s, block);
     std::array<bool, 3> prescribed{};
-    for (std::size_t c = 0; c < 3; ++c)
-      prescribed[c] = drive == s.actions.drives.end() ? fixed : (drive->held >> c & 1) != 0;
+    for (std::size_t c = 0; c < 3; ++c) prescribed[c] = drive ? (drive->held >> c & 1) != 0 : fixed;
     require_kind(what, name, value, velocities, prescribed);
     if (!velocities && s.large_motion) add_replaced(s, name, block, value, &replaced);
   }
   for (const int block : steered) {
-    auto drive = drive_of(block);
-    if (drive == s.actions.drives.end()) {
-      Drive added;
-      added.block = block;
-      if (is_fixed(s, block)) added.held = kAllHeld;
-      drive = s.actions.drives.insert(drive, added);
-    }
+    Drive* drive = s.actions.drive_of(block);
+    if (!drive)
+      drive = &s.actions.drives.emplace_back(Drive{block, is_fixed(s, block) ? kAllPrescribed : std::uint8_t{0}});
     for (std::size_t k = 0; k < 3; ++k) {
       const int c = static_cast<int>(k);
       if (std::isnan(value[k])) continue;

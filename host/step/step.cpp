@@ -4,7 +4,6 @@
 
 #include "step/borders.h"
 #include "step/controls.h"
-#include "step/implicit_step.h"
 #include "step/large_motion_run.h"
 #include "step/lattice_step.h"
 #include "step/measure.h"

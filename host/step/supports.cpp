@@ -13,7 +13,6 @@
 #include "scene/driven.h"
 #include "step/actions/ground.h"
 #include "step/block_motion.h"
-#include "step/driven_block.h"
 #include "step/findings.h"
 #include "step/small_motion.h"
 #include "step/stages.h"

@@ -6,7 +6,7 @@
 
 #include "base/index.h"
 #include "scene/brick_overlap.h"
-#include "step/time_for.h"
+#include "step/motion_bound.h"
 
 namespace quoin {
 

@@ -241,15 +241,9 @@ void each_side(const Simulation::Impl& s, int chunk, const std::function<void(in
 }
 
 void each_item_of_chunk(const Simulation::Impl& s, int chunk, const std::function<void(int)>& visit) {
-  if (s.large_motion) {
-    each_block_of_chunk(*s.large_motion, chunk, [&](int block) { visit(s.division.item_by_block[at(block)]); });
-    return;
-  }
-  const ContactChunk& c = s.model.chunks[at(chunk)];
-  for (int i = c.first_point; i < c.first_point + c.point_count; ++i) {
-    const Model::Sides sides = s.model.sides_of(i);
-    visit(item_of_block(s, sides.a)), visit(item_of_block(s, sides.b));
-  }
+  if (s.large_motion)
+    return each_block_of_chunk(*s.large_motion, chunk, [&](int block) { visit(s.division.item_by_block[at(block)]); });
+  each_side(s, chunk, [&](int item, std::int64_t) { visit(item); });
 }
 
 std::vector<int> chunks_here(const Simulation::Impl& s) {

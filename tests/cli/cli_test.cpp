@@ -66,6 +66,20 @@ TEST_F(Cli, SettingsWithoutAValueAreUsageErrors) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+// No other source than the promise: a file that quoin has not written stays as it is.
+TEST_F(Cli, StudiesReplaceNoFileOfSomeoneElse) {
+  fs::create_directories(out());
+  std::ofstream(fs::path(out()) / "index.html") << "mine";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"reproduce", "law", "--out", out()}, {"validate", "--short", "--out", out()}}) {
+    EXPECT_EQ(quoin(words), 3) << words[0];
+    EXPECT_THAT(error_, HasSubstr("has index.html, which would be replaced")) << words[0];
+    EXPECT_EQ(read_all(fs::path(out()) / "index.html"), "mine") << words[0];
+  }
+  fs::remove(fs::path(out()) / "index.html");
+  for (int again = 0; again < 2; ++again) EXPECT_EQ(quoin({"reproduce", "law", "--out", out()}), 0) << error_;
+}
+
 TEST_F(Cli, BadScenes) {
   EXPECT_EQ(quoin({"run", "/nowhere/none.toml"}), 3);
   EXPECT_THAT(error_, HasSubstr("/nowhere/none.toml: cannot read"));

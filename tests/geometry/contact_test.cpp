@@ -126,8 +126,8 @@ TEST(Separation, RandomPairsAgreeWithScanOfDirections) {
   }
 }
 
-// Largest separation of two bodies over the normals of their faces, and over all axes across two edges that are the
-// support of their bodies in that direction.
+// Largest separation of two bodies over the normals of their faces, and over all axes across two edges. Along such an
+// axis both edges are the farthest of their bodies.
 double largest_over_all_axes(const ConvexPolyhedron& a, const ConvexPolyhedron& b) {
   constexpr double kTie = 1e-10;  // m, of corners that are equally far along an axis
   const auto along = [](const ConvexPolyhedron& p, const Vector& n) {
@@ -161,7 +161,7 @@ Vector mean_of(const ConvexPolyhedron& p) {
 }
 
 // Most edges are skipped, as no axis across them can win. Bodies: units that rock on each other by up to a tenth of a
-// radian, some with a rim in common; and hulls of random points, from deep overlap to apart. Tolerance: rounding.
+// radian, some with a rim in common. Hulls of random points, from deep overlap to apart. Tolerance: rounding.
 TEST(Separation, SkippedEdgesAreThoseThatCannotWin) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

@@ -593,6 +593,23 @@ TEST(Statement6, AllFaultsInOneMessage) {
   }
 }
 
+// Conditions between values would hold or fail by the 0 that stands for the missing one.
+TEST(Statement6, AMissingValueIsTheOnlyFault) {
+  const Case c = mortar();
+  for (const char* id : {"normal_stiffness", "shear_stiffness"}) {
+    auto settings = c.settings();
+    std::erase_if(settings, [&](const PropertySetting& s) { return s.id == id; });
+    try {
+      Material(c.material()->law(), settings);
+      ADD_FAILURE() << id << ": accepted without it";
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find(std::string(id) + ": required and not given"), std::string::npos) << message;
+      EXPECT_EQ(message.find("snap back"), std::string::npos) << message;
+    }
+  }
+}
+
 // Values just above the bound are accepted, at it and below refused. The bounds are computed here by the inequalities
 // of the statement.
 TEST(Statement6, BoundsOfTheFractureEnergies) {

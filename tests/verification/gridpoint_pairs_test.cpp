@@ -1,5 +1,5 @@
 // Contact points between gridpoints of both blocks, or of block a and a rigid block b. Their axes rotate with the
-// co-rotational frame of block a (host/step/gridpoint_kernels.h).
+// co-rotational frame of block a (host/step/contact_kernels.h).
 #include <algorithm>
 
 #include "../momentum.h"

@@ -14,15 +14,14 @@ gravity = [3.4, -9.81, 5.9]
 duration = 0.3
 )";
 
-quoin::Scene collapse() {
+quoin::Scene collapse(int courses = 8, int units_per_course = 5) {
   return scene_of(stone_and_ground(5e8) + R"(
 [[dry_wall]]
 name = "wall"
 material = "stone"
-courses = 8
-units_per_course = 5
 unit = [0.4, 0.2, 0.2]
-)" + pushed);
+)" + "courses = " +
+                  std::to_string(courses) + "\nunits_per_course = " + std::to_string(units_per_course) + pushed);
 }
 
 quoin::Scene deformable() {
@@ -62,10 +61,20 @@ void same_at_any_number_of_threads(const quoin::Scene& scene, bool detects) {
     shared.run(nobody);
     EXPECT_EQ(shared.step(), alone.step()) << threads;
     EXPECT_EQ(shared.hash(), alone.hash()) << threads;
+    if (!scene.output.energy) continue;
+    EXPECT_NE(alone.measure().energies->detection, 0.0);
+    EXPECT_EQ(shared.measure().energies->detection, alone.measure().energies->detection) << threads;
   }
 }
 
 TEST(BlockThreads, CollapseWithDetection) { same_at_any_number_of_threads(collapse(), true); }
+// So many pairs that threads share each part of a detection: 512 pairs or contact points and more.
+TEST(BlockThreads, DetectionOfManyPairs) {
+  quoin::Scene scene = collapse(14, 14);
+  scene.output.energy = true;
+  EXPECT_GT(Simulation(scene).large_motion()->contacts.list.size(), 512);
+  same_at_any_number_of_threads(scene, true);
+}
 TEST(BlockThreads, DeformableBlocks) {
   const quoin::Scene scene = deformable();
   EXPECT_GT(Simulation(scene).zone_count(), 0);

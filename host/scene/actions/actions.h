@@ -19,4 +19,7 @@ void read_actions(reader::Table& t, Stage& stage, const std::string& folder, con
 // Throws Error(bad_input) where velocities or actions of a stage would do nothing, or not what they say.
 void check_stages(const Scene& scene, const blocks::Assembly& blocks);
 
+// Reason for which a run on the lattice leaves it at the begin of a stage, as messages have it; empty: none.
+std::string leaves_lattice(const Scene& scene, std::size_t stage);
+
 }  // namespace quoin

@@ -42,7 +42,7 @@ struct Action {
   // Applies the action before a step. ramp: share of the stage's ramp that is done, 0 to 1.
   void (*apply)(Simulation::Impl& s, const Stage& stage, double ramp) = nullptr;
   SavedState saved{};
-  bool on_lattice = false;  // whether bricks on the lattice have it; others end the lattice (leaves_lattice.h)
+  bool on_lattice = false;  // whether bricks on the lattice have it; others end the lattice (scene/actions/actions.h)
 };
 
 }  // namespace quoin

@@ -1,5 +1,3 @@
-#include "step/actions/collapse.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "scene/collapse_load.h"
 #include "scene/weight_axis.h"
 #include "step/actions/action.h"
+#include "step/actions/actions.h"
 #include "step/actions/ground.h"
 #include "step/gather.h"
 #include "step/rank_agreement.h"
@@ -87,7 +86,7 @@ double moved_in_stage(const Simulation::Impl& s) {
   const std::vector<std::uint8_t> held = held_now(s);
   double largest = 0.0;
   for (std::size_t i = 0; i < s.actions.collapse_from.size(); ++i) {
-    const bool is_ground = s.large_motion->assembly.blocks[i].fixed && held[i] == kAllHeld;
+    const bool is_ground = s.large_motion->assembly.blocks[i].fixed && held[i] == kAllPrescribed;
     if (is_ground || (s.ranks && rank[i] != s.ranks->rank())) continue;
     largest = larger(largest, norm(displacement_in_stage(s, ground, static_cast<int>(i))));
   }

@@ -1,13 +1,11 @@
-#include "step/actions/drive.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "step/actions/action.h"
+#include "step/actions/actions.h"
 #include "step/actions/ground.h"
 #include "step/block_motion.h"
 #include "step/controls.h"
-#include "step/driven_block.h"
 #include "step/stages.h"
 #include "step/state.h"
 
@@ -25,13 +23,12 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
   s.actions.drives.clear();
   // let_turn: whether the drive leaves its rotation free.
   const auto start = [&](int block, bool let_turn) {
-    Drive drive;
-    drive.block = block;
+    Drive drive{block};
     drive.velocity_from = velocity_of(s, block);
     drive.omega_from = spin_of(s, block);
-    const auto found = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
+    const auto found = std::ranges::find(before, block, &Drive::block);
     Drive old;
-    if (is_fixed(s, block)) old.held = kAllHeld;
+    if (is_fixed(s, block)) old.held = kAllPrescribed;
     if (found != before.end()) old = *found;
     const Vector record = record_since_half_step(s, previous, old.motion);
     for (int c = 0; c < 3; ++c) {
@@ -67,13 +64,11 @@ void bind_drives(Simulation::Impl& s, const Stage& settings, const Stage* previo
     }
   }
   for (const Drive& old : before) {
-    if (std::any_of(s.actions.drives.begin(), s.actions.drives.end(),
-                    [&](const Drive& d) { return d.block == old.block; }))
-      continue;
+    if (s.actions.drive_of(old.block)) continue;
     const bool stays = is_fixed(s, old.block);
     Drive released = start(old.block, !stays);
     if (stays) {
-      released.held = kAllHeld;
+      released.held = kAllPrescribed;
       released.force_from = {};
       released.of_ground = old.of_ground, released.motion = old.motion;
     }
@@ -107,14 +102,10 @@ void drive_blocks(Simulation::Impl& s, const Stage& settings, double ramp) {
 
 // The force stays in the drive, from which the next stage takes it over its ramp.
 void pull_block(Simulation::Impl& s, int block, double pull) {
-  auto drive = std::ranges::find_if(s.actions.drives, [block](const Drive& d) { return d.block == block; });
-  if (drive == s.actions.drives.end()) {
-    Drive free;
-    free.block = block;
-    drive = s.actions.drives.insert(drive, free);
-  }
-  drive->force_now.x = pull;
-  apply_force(s, block, drive->force_now);
+  Drive* const known = s.actions.drive_of(block);
+  Drive& drive = known ? *known : s.actions.drives.emplace_back(Drive{block});
+  drive.force_now.x = pull;
+  apply_force(s, block, drive.force_now);
 }
 
 extern const Action kDrive{.names =

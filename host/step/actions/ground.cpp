@@ -18,7 +18,6 @@
 #include "scene/weight_axis.h"
 #include "step/actions/action.h"
 #include "step/block_motion.h"
-#include "step/driven_block.h"
 #include "step/gather.h"
 #include "step/reactions.h"
 #include "step/small_motion.h"
@@ -164,12 +163,8 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
     std::int32_t& index = drive_of[static_cast<std::size_t>(block)];
     if (index < 0 && !settings.ground) continue;
     if (index < 0) {
-      Drive drive;
-      drive.block = block;
-      drive.held = kAllHeld;
-      drive.velocity_from = velocity_of(s, block);
       index = static_cast<std::int32_t>(s.actions.drives.size());
-      s.actions.drives.push_back(drive);
+      s.actions.drives.emplace_back(Drive{block, kAllPrescribed}).velocity_from = velocity_of(s, block);
     }
     Drive& drive = s.actions.drives[static_cast<std::size_t>(index)];
     if (!settings.ground && !drive.of_ground) continue;  // was driven by a table before, and comes to rest

@@ -1,10 +1,10 @@
-#include "step/actions/members.h"
+#include "members/members.h"
 
 #include <span>
 
 #include "base/rank_rows.h"
-#include "members/members.h"
 #include "step/actions/action.h"
+#include "step/actions/actions.h"
 #include "step/state.h"
 
 namespace quoin {

@@ -1,5 +1,3 @@
-#include "step/actions/whiffletree.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,7 +5,7 @@
 #include "base/error.h"
 #include "base/smooth_step.h"
 #include "step/actions/action.h"
-#include "step/actions/drive.h"
+#include "step/actions/actions.h"
 #include "step/block_motion.h"
 #include "step/stages.h"
 #include "step/state.h"

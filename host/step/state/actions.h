@@ -2,17 +2,17 @@
 // and update them before each step. All of them are saved.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "geometry/broad_phase.h"
 #include "geometry/vector.h"
-#include "scene/scene.h"
+#include "scene/driven.h"
 
 namespace quoin {
 
-constexpr std::uint8_t kAllHeld = 0x3f;   // Drive::held of a block that is held along all axes
 constexpr std::uint16_t kOfGround = 0xf;  // Drive::of_ground of a block that moves as the ground along all axes
 
 // Rank of a block or body as the one that stands for the ground. 0: it is none of the ground, or a support with a
@@ -32,9 +32,9 @@ struct Drive {
   std::uint16_t of_ground = 0;
   std::int32_t motion = 0;  // index of the motion: 0: that of the ground; k: of the k-th group of supports
   std::int32_t unused = 0;  // see base/archive.h
-  geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
-  geometry::Vector force_from, force_to, force_now;  // N, along free components; force_now: in this step
-  geometry::Vector moment_from, moment_now;  // N m, on free rotations: what has held them, which fades over the ramp
+  geometry::Vector velocity_from{}, velocity_to{}, omega_from{}, omega_to{};  // m/s, rad/s
+  geometry::Vector force_from{}, force_to{}, force_now{};  // N, along free components; force_now: in this step
+  geometry::Vector moment_from{}, moment_now{};  // N m, on free rotations: what held them, which fades over the ramp
 };
 
 // Whether a structure stands under the first multiplier of a collapse stage. After the ramp its blocks must stay at
@@ -62,6 +62,10 @@ struct Actions {
   geometry::Vector collapse_left;  // body force by mass at the end of a collapse stage, which fades in the next, m/s2
   geometry::Vector ground_left;    // velocity that records have left to ground below springs that no block follows, m/s
 
+  Drive* drive_of(int block) {  // null: it has none
+    const auto found = std::ranges::find(drives, block, &Drive::block);
+    return found == drives.end() ? nullptr : &*found;
+  }
   const Drive* ground_drive() const;  // drive of a block that moves with the ground; null: none
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/index.h"
 #include "model/model.h"
 #include "step/rigid_bodies.h"
 
@@ -24,10 +25,11 @@ struct LatticeState {
   long flags_step = -1;                    // step of `flags`; -1: none
 
   bool damps_joints() const { return !old_jump.empty(); }
-  BodyLanes& lanes_of(int body) {
-    return bodies[static_cast<std::size_t>(place[static_cast<std::size_t>(body)].first)];
+  Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const {
+    const auto [index, lane] = place[at(body)];
+    const BodyLanes::Quantity& value = bodies[at(index)].*quantity;
+    return {value[0][lane], value[1][lane], value[2][lane]};
   }
-  Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
 };
 
 }  // namespace quoin

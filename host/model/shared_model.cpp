@@ -1,4 +1,4 @@
-#include "model/gathered_sums.h"
+#include "model/shared_model.h"
 
 #include <algorithm>
 
