@@ -37,6 +37,26 @@ TEST(Rule, CrushingEnergyIsThatOfTableThree) {
   EXPECT_NEAR(properties_of(t).inside_units.compression_energy, 20640.0, 1e-6);
 }
 
+// EN 1996-1-1, 3.6.1.2 and table 3.3, units of group 1 and hollow clay of group 2; the mean is 1.2 times the
+// characteristic strength (EN 1052-1). With fb = fm = 10 MPa the powers 0.7 and 0.3 give 10.
+TEST(Rule, StrengthOfMasonryIsThatOfEurocode6) {
+  struct Row {
+    UnitKind kind;
+    double mortar, thin, power;
+  };
+  for (const Row& row : {Row{UnitKind::clay, 0.55, 0.75, 0.85}, Row{UnitKind::hollow_clay, 0.45, 0.70, 0.7},
+                         Row{UnitKind::calcium_silicate, 0.55, 0.80, 0.85}, Row{UnitKind::concrete, 0.55, 0.80, 0.85},
+                         Row{UnitKind::aerated_concrete, 0.55, 0.80, 0.85}, Row{UnitKind::stone, 0.45, 0.75, 0.85}}) {
+    TestedMasonry t;
+    t.block_height = 0.2, t.unit = row.kind;
+    t.unit_strength = 10e6, t.mortar_strength = 10e6;
+    EXPECT_NEAR(properties_of(t).masonry_strength, 1.2 * row.mortar * 10e6, 1.0) << int(row.kind);
+    t.bed = JointKind::thin;
+    EXPECT_NEAR(properties_of(t).masonry_strength, 1.2 * row.thin * std::pow(10.0, row.power) * 1e6, 1.0)
+        << int(row.kind);
+  }
+}
+
 TEST(Rule, UnitAndJointInSeriesAreTheMasonry) {
   TestedMasonry t = eindhoven();
   for (const double height : {0.05, 0.0625, 0.25}) {
