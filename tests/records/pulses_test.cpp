@@ -29,7 +29,9 @@ TEST(Pulses, CosineComesBackInDisplacement) {
 // v = A (t - 1.5 T) exp(-x^2): extremes at x = 1/sqrt(2), A T/(pi sqrt(2)) exp(-1/2). exp(-(1.5 pi)^2) = 2e-10 is cut
 // off.
 TEST(Pulses, RickerEndsAtRest) {
-  const RecordMeasures m = measure_record(ricker_pulse(3.0, 0.7, 0.0007));
+  const TimeSeries pulse = ricker_pulse(3.0, 0.7, 0.0007);
+  EXPECT_NEAR(pulse.time.back(), 3 * 0.7, 0.0007);
+  const RecordMeasures m = measure_record(pulse);
   EXPECT_NEAR(m.end_velocity, 0.0, 1e-8);
   EXPECT_NEAR(m.end_displacement, 0.0, 1e-8);
   EXPECT_NEAR(m.pgv, 3.0 * 0.7 / (pi * std::sqrt(2.0)) * std::exp(-0.5), 1e-5);
