@@ -297,9 +297,9 @@ void book_energies(World& w, PointsBefore& before, const Detection& found) {
   }
   std::vector<std::vector<double>> removed, placed;
   for (size_t k = 0; k < fresh.size(); ++k) {
-    removed.push_back(energies_of_points(w, before.families[k], before.facets));
+    removed.push_back(energies_of_points(w, before.families[k], before.location[k]));
     Family copies = copied_points(w.contacts.families[k], fresh[k]);
-    placed.push_back(energies_of_points(w, copies, w.contacts.facets));
+    placed.push_back(energies_of_points(w, copies, locations_of(w, copies, w.contacts.facets)));
   }
   std::vector<double> freed;  // J
   std::vector<Pair> freed_by;

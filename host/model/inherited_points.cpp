@@ -63,6 +63,14 @@ Family copied_points(const Family& f, std::span<const KeptItems> points) {
   return copies;
 }
 
+std::vector<Location> locations_of(const World& w, const Family& f, const LaneVector<Facet>& facets) {
+  std::vector<Location> locations(f.size());
+  each_part(w.pool, f.size(), kPointsAPart, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) locations[i] = locate(w, f.point[i], facets);
+  });
+  return locations;
+}
+
 PointsBefore set_aside(const World& w, std::span<const CopiedContact> contacts) {
   PointsBefore before;
   std::vector<std::vector<KeptItems>> points(w.contacts.families.size());
@@ -78,11 +86,10 @@ PointsBefore set_aside(const World& w, std::span<const CopiedContact> contacts) 
       move_facets(copies[i], c.facets.to, c.facets.from);
   }
   for (const Family& f : before.families) {
-    std::vector<Location>& location = before.location.emplace_back(f.size());
+    before.location.push_back(locations_of(w, f, before.facets));
     std::vector<double>& closure = before.closure.emplace_back(f.size());
     each_part(w.pool, f.size(), kPointsAPart, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i)
-        location[i] = locate(w, f.point[i], before.facets), closure[i] = plastic_closure(f, i);
+      for (size_t i = begin; i < end; ++i) closure[i] = plastic_closure(f, i);
     });
   }
   return before;
@@ -339,7 +346,7 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
   if (!at_start) keep_energy(w, before, finding, c, heirs);
 }
 
-std::vector<double> energies_of_points(const World& w, Family& f, const LaneVector<Facet>& facets) {
+std::vector<double> energies_of_points(const World& w, Family& f, std::span<const Location> locations) {
   std::vector<double> energies(f.size());
   if (!(f.material->api().capabilities & QUOIN_CAN_ENERGY)) return energies;
   for (auto* column : {&f.normal_jump, &f.slip[0], &f.slip[1]}) column->resize(f.size());
@@ -347,9 +354,8 @@ std::vector<double> energies_of_points(const World& w, Family& f, const LaneVect
   for (auto& column : f.dissipated) column.assign(f.size(), 0.0);
   each_part(w.pool, f.size(), kChunk, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const Location now = locate(w, f.point[i], facets);
-      f.normal_jump[i] = now.jump;
-      for (int k = 0; k < 2; ++k) f.slip[k][i] = now.slid[k] - f.slid[k][i];
+      f.normal_jump[i] = locations[i].jump;
+      for (int k = 0; k < 2; ++k) f.slip[k][i] = locations[i].slid[k] - f.slid[k][i];
     }
     Chunk part;
     part.first = uint32_t(begin), part.count = uint32_t(end - begin);

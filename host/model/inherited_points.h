@@ -46,6 +46,7 @@ void move_facets(Point& p, uint32_t now, uint32_t before);
 PointsBefore set_aside(const World& w, std::span<const CopiedContact> contacts);
 // A family of copies of points, numbered likewise; their facets are those of the originals.
 Family copied_points(const Family& f, std::span<const KeptItems> points);
+std::vector<Location> locations_of(const World& w, const Family& f, const LaneVector<Facet>& facets);
 // Resizes columns of a family, facets, or data of pairs to `count` items; the kept ones move to their new indices.
 void keep_points(const World& w, Family& f, std::span<const KeptItems> kept, size_t count);
 void keep_facets(World& w, std::span<const KeptItems> kept, size_t count);
@@ -55,6 +56,6 @@ void hand_over(World& w, const PointsBefore& before, const Finding& finding, con
                std::span<const NewPoint> points, bool at_start);
 // Energy of each point of a family, J: stored at its current location, plus dissipated since the last step. This calls
 // the law, so that `f` has the states and tractions after it.
-std::vector<double> energies_of_points(const World& w, Family& f, const LaneVector<Facet>& facets);
+std::vector<double> energies_of_points(const World& w, Family& f, std::span<const Location> locations);
 
 }  // namespace quoin::blocks
