@@ -584,27 +584,63 @@ HWY_INLINE void each_component(const Visit& visit) {
   visit(std::integral_constant<int, 2>());
 }
 
+// GridpointSums of the blocks in one vector.
+struct MotionSums {
+  V unbalanced, positions, kinetic;  // square of the force; m; twice the energy
+  V damping[2], external[2];         // J, in each half of a step
+  Lanes3 net;                        // N
+
+  HWY_INLINE MotionSums() {
+    unbalanced = positions = kinetic = hn::Zero(D());
+    for (int i = 0; i < 2; ++i) damping[i] = external[i] = hn::Zero(D());
+    net = zeros();
+  }
+
+  // Adds work of a component in both halves of a step, with the velocities before and after it.
+  HWY_INLINE void add_work(V damped, V given, V v, V next, V dt) {
+    const V half_dt = hn::Mul(hn::Set(D(), 0.5), dt), way[2] = {hn::Mul(half_dt, v), hn::Mul(half_dt, next)};
+    for (int i = 0; i < 2; ++i) {
+      damping[i] = hn::MulAdd(damped, way[i], damping[i]);
+      external[i] = hn::MulAdd(given, way[i], external[i]);
+    }
+  }
+
+  HWY_INLINE void store(V inertia_factor, int first, GridpointSums* sums) const {
+    const D d;
+    hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
+    store_by_lane(net, sums->net, first);
+    hn::Store(positions, d, sums->positions + first);
+    hn::Store(hn::Mul(hn::Mul(hn::Set(d, 0.5), inertia_factor), kinetic), d, sums->kinetic + first);
+    for (int i = 0; i < 2; ++i) {
+      hn::Store(damping[i], d, sums->damping[i] + first);
+      hn::Store(external[i], d, sums->external[i] + first);
+    }
+  }
+};
+
+HWY_INLINE void load_gains(const RigidGains& gains, int first, Lanes3& centre, Lanes3& linear, Lanes33& turning) {
+  for (int k = 0; k < 3; ++k) {
+    centre[k] = hn::Load(D(), gains.centre[k].of + first);
+    linear[k] = hn::Load(D(), gains.linear[k].of + first);
+    for (int j = 0; j < 3; ++j) turning.row[k][j] = hn::Load(D(), gains.turning[k][j].of + first);
+  }
+}
+
 template <Needs kNeeds, class Frame>
 HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
                                const RigidGains* gains, const GridpointStep& step, const Frame& frame,
                                GridpointSums* sums) {
   constexpr bool kFrame = !std::is_same_v<Frame, NoFrame>;
   const D d;
-  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step);
-  const V gamma = hn::Set(d, step.gamma), alpha = hn::Set(d, step.alpha);
+  const V dt = hn::Set(d, step.time_step), gamma = hn::Set(d, step.gamma), alpha = hn::Set(d, step.alpha);
   const double a = 0.5 * step.alpha * step.time_step;  // v' = -alpha v, with the mean of both velocities
   const V keep = hn::Set(d, 1.0 - a), over = hn::Set(d, 1.0 / (1.0 + a));
   const V factor = hn::Set(d, step.inertia_factor), over_factor = hn::Set(d, 1.0 / step.inertia_factor);
   Lanes3 centre, linear;
   Lanes33 turning;
-  for (int k = 0; gains && k < 3; ++k) {
-    centre[k] = hn::Load(d, gains->centre[k].of + first);
-    linear[k] = hn::Load(d, gains->linear[k].of + first);
-    for (int j = 0; j < 3; ++j) turning.row[k][j] = hn::Load(d, gains->turning[k][j].of + first);
-  }
-  V unbalanced = zero, positions = zero, kinetic = zero;  // `unbalanced` is a square
-  V damping[2] = {zero, zero}, external[2] = {zero, zero};
-  Lanes3 net = zeros(), origin = zeros();
+  if (gains) load_gains(*gains, first, centre, linear, turning);
+  MotionSums sum;
+  Lanes3 origin = zeros();
   Lanes33 f = zero_matrix();
   int anchors = 0;
   if constexpr (kFrame) anchors = frame.anchor_count(columns);
@@ -625,9 +661,9 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     }
     Lanes3 next, held_v;
     if constexpr (kNeeds.held) held_v = load_line(held_velocities + at);
-    V free = zero;
+    V free = hn::Zero(d);
     each_component([&](auto k) HWY_ATTR {
-      V change = driven[k], brake = zero;
+      V change = driven[k], brake = hn::Zero(d);
       auto hold = hn::FirstN(d, 0);
       if constexpr (kNeeds.held) hold = hn::Eq(held_v[k], held_v[k]);  // not NaN
       if constexpr (kNeeds.brakes) {
@@ -642,28 +678,25 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
         next[k] = hn::Add(v[k], change);
       }
       if constexpr (kNeeds.held) next[k] = hn::IfThenElse(hold, held_v[k], next[k]);
-      if constexpr (!kNeeds.measured) return;
-      const auto unless_held = [&](V y) HWY_ATTR { return kNeeds.held ? hn::IfThenZeroElse(hold, y) : y; };
-      const V free_force = unless_held(force[k]);
-      free = hn::MulAdd(free_force, free_force, free);
-      net[k] = hn::Add(net[k], free_force);
-      kinetic = hn::MulAdd(unless_held(hn::Mul(mass, v[k])), next[k], kinetic);
-      if constexpr (!kNeeds.energies) return;
-      const V mean = hn::Mul(half, hn::Add(v[k], next[k]));
-      const V viscous = hn::Mul(factor, hn::Mul(alpha, hn::Mul(mass, hn::Sub(mean, hn::Set(d, step.ground[k])))));
-      V damped = unless_held(hn::Sub(viscous, brake));
-      if (columns.viscous) damped = hn::Sub(damped, hn::Load(d, columns.viscous_force + at + k * kLanes));
-      const V weight = hn::Mul(mass, hn::Set(d, step.weight_per_mass * step.gravity[k]));
-      const V given = hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight);
-      const V half_dt = hn::Mul(half, dt), way[2] = {hn::Mul(half_dt, v[k]), hn::Mul(half_dt, next[k])};
-      for (int i = 0; i < 2; ++i) {
-        damping[i] = hn::MulAdd(damped, way[i], damping[i]);
-        external[i] = hn::MulAdd(given, way[i], external[i]);
+      if constexpr (kNeeds.measured) {
+        const auto unless_held = [&](V y) HWY_ATTR { return kNeeds.held ? hn::IfThenZeroElse(hold, y) : y; };
+        const V free_force = unless_held(force[k]);
+        free = hn::MulAdd(free_force, free_force, free);
+        sum.net[k] = hn::Add(sum.net[k], free_force);
+        sum.kinetic = hn::MulAdd(unless_held(hn::Mul(mass, v[k])), next[k], sum.kinetic);
+        if constexpr (kNeeds.energies) {
+          const V mean = hn::Mul(hn::Set(d, 0.5), hn::Add(v[k], next[k]));
+          const V viscous = hn::Mul(factor, hn::Mul(alpha, hn::Mul(mass, hn::Sub(mean, hn::Set(d, step.ground[k])))));
+          V damped = unless_held(hn::Sub(viscous, brake));
+          if (columns.viscous) damped = hn::Sub(damped, hn::Load(d, columns.viscous_force + at + k * kLanes));
+          const V weight = hn::Mul(mass, hn::Set(d, step.weight_per_mass * step.gravity[k]));
+          sum.add_work(damped, hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), v[k], next[k], dt);
+        }
       }
     });
-    if constexpr (kNeeds.measured) unbalanced = larger_of(unbalanced, free);
+    if constexpr (kNeeds.measured) sum.unbalanced = larger_of(sum.unbalanced, free);
     const Lanes3 place = plus_scaled(x, dt, next);
-    positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
+    sum.positions = hn::Add(sum.positions, hn::Add(place.x, hn::Add(place.y, place.z)));
     store_line(place, all_x + at);
     store_line(next, all_v + at);
     if constexpr (kFrame) {
@@ -674,14 +707,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   store_vectors(columns.x, blocks, &LaneBlock::x, first, columns);
   if (step.velocities) store_vectors(columns.v, blocks, &LaneBlock::v, first, columns);
   if constexpr (kFrame) store_frames(blocks, first, f);
-  hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
-  store_by_lane(net, sums->net, first);
-  hn::Store(positions, d, sums->positions + first);
-  hn::Store(hn::Mul(hn::Mul(half, factor), kinetic), d, sums->kinetic + first);
-  for (int i = 0; i < 2; ++i) {
-    hn::Store(damping[i], d, sums->damping[i] + first);
-    hn::Store(external[i], d, sums->external[i] + first);
-  }
+  sum.store(factor, first, sums);
 }
 
 template <class Frame>
