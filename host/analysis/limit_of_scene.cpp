@@ -279,7 +279,8 @@ void add_ties(const members::Members& members, SceneLimit* limit) {
   for (const members::Tie& tie : members.ties()) {
     LimitForce force{{}, tie.law.compression ? -tie.law.yield : 0.0, tie.law.yield, tie.law.pretension};
     for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
-      const Vector along = normalized(members.start_of(tie.stops[i + 1]) - members.start_of(tie.stops[i]));
+      const Vector along =
+          normalized(start_of(members.nodes(), tie.stops[i + 1]) - start_of(members.nodes(), tie.stops[i]));
       const auto pull = [&](const members::Tie::Stop& stop, double sign) {
         for (const auto& [index, share] : stop) {
           const members::Node& node = members.nodes()[static_cast<std::size_t>(index)];
@@ -464,15 +465,17 @@ void add_dowels(const members::Members& members, SceneLimit* limit) {
 
 // Fills: weight and active pressure are constant; the wall's resistance grows up to the passive pressure.
 void add_fills(const members::Members& members, SceneLimit* limit) {
-  for (const members::FillPoint& p : members.fill_points()) {
-    const members::Node& node = members.nodes()[static_cast<std::size_t>(p.node)];
-    const Vector force =
-        -p.law.upright * p.law.vertical * p.law.up - p.law.level * p.law.active * p.law.vertical * p.law.out;
-    limit->loads.push_back({node.block, node.start, force});
-    limit->problem.forces.push_back({{{node.block, node.start, -1.0 * p.law.out, {}}},
-                                     0.0,
-                                     p.law.level * (p.law.passive - p.law.active) * p.law.vertical,
-                                     0.0});
+  for (const members::Fill& fill : members.fills()) {
+    for (const members::FillPoint& p : fill.points) {
+      const members::Node& node = members.nodes()[static_cast<std::size_t>(p.node)];
+      const Vector force =
+          -p.law.upright * p.law.vertical * p.law.up - p.law.level * p.law.active * p.law.vertical * p.law.out;
+      limit->loads.push_back({node.block, node.start, force});
+      limit->problem.forces.push_back({{{node.block, node.start, -1.0 * p.law.out, {}}},
+                                       0.0,
+                                       p.law.level * (p.law.passive - p.law.active) * p.law.vertical,
+                                       0.0});
+    }
   }
 }
 
@@ -605,7 +608,7 @@ void assemble(const Simulation& simulation, const LimitOptions& options, const S
   }
   if (shapes) limit->edge_count = leave_rims_out(*shapes, &limit->problem.points);
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
-  if (shapes && shapes->held_by.members.get()) add_members(*shapes->held_by.members.get(), scene.file, limit);
+  if (shapes && shapes->held_by.members) add_members(*shapes->held_by.members.get(), scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
   for (const JointFamily& family : assembly.families) limit->families.push_back(family.name);
   if (loaded.collapse || options.stage || options.multiplied != Multiplied::weight)

@@ -239,15 +239,14 @@ void World::add_node(const members::Node& node, double sign, const Vibrating& v,
 
 // Stiffness of members. Ties without slack are taut, springs of beddings are closed.
 void World::add_members(const Vibrating& v, StiffnessEntries* entries) const {
-  if (!held_by.members.get()) return;
+  if (!held_by.members) return;
   std::vector<UnknownShare> shares;
-  const auto& riders = held_by.members.get()->nodes();
-  for (const members::Tie& tie : held_by.members.get()->ties()) {
+  const auto& riders = held_by.members->nodes();
+  for (const members::Tie& tie : held_by.members->ties()) {
     if (tie.law.slack > 0.0) continue;
     shares.clear();  // shares of its elongation along the axis
     for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
-      const Vector along =
-          normalized(held_by.members.get()->start_of(tie.stops[i + 1]) - held_by.members.get()->start_of(tie.stops[i]));
+      const Vector along = normalized(start_of(riders, tie.stops[i + 1]) - start_of(riders, tie.stops[i]));
       const auto add_stop = [&](const members::Tie::Stop& stop, double sign) {
         for (const auto& [node, share] : stop) {
           const std::size_t first = shares.size();
@@ -259,21 +258,23 @@ void World::add_members(const Vibrating& v, StiffnessEntries* entries) const {
     }
     add_spring(shares, {1, 0, 0}, tie.law.stiffness, 0.0, entries);
   }
-  for (const members::Dowel& dowel : held_by.members.get()->dowels()) {
+  for (const members::Dowel& dowel : held_by.members->dowels()) {
     shares.clear();
     add_node(riders[at(dowel.first)], -1.0, v, &shares), add_node(riders[at(dowel.second)], 1.0, v, &shares);
     add_spring(shares, dowel.along, dowel.law.axial, dowel.law.shear, entries);
   }
-  for (const members::FillPoint& p : held_by.members.get()->fill_points()) {
-    if (p.law.level == 0.0) continue;
+  const auto add_to_ground = [&](int node, const Vector& normal, double stiffness, double shear) {
     shares.clear();
-    add_node(riders[at(p.node)], 1.0, v, &shares);
-    add_spring(shares, p.law.out, p.law.level * p.law.stiffness, 0.0, entries);
+    add_node(riders[at(node)], 1.0, v, &shares);
+    add_spring(shares, normal, stiffness, shear, entries);
+  };
+  for (const members::Fill& fill : held_by.members->fills()) {
+    for (const members::FillPoint& p : fill.points) {
+      if (p.law.level != 0.0) add_to_ground(p.node, p.law.out, p.law.level * p.law.stiffness, 0.0);
+    }
   }
-  for (const members::SpringPoint& p : held_by.members.get()->spring_points()) {
-    shares.clear();
-    add_node(riders[at(p.node)], 1.0, v, &shares);
-    add_spring(shares, p.out, p.law.normal, p.law.shear, entries);
+  for (const members::Bed& bed : held_by.members->beds()) {
+    for (const members::SpringPoint& p : bed.points) add_to_ground(p.node, p.out, p.law.normal, p.law.shear);
   }
 }
 
@@ -311,7 +312,7 @@ void World::add_deformations(const Vibrating& v, StiffnessEntries* entries) cons
         continue;
       }
       shares.clear();
-      add_node(held_by.members.get()->nodes()[at(share.node)], 1.0, v, &shares);
+      add_node(held_by.members->nodes()[at(share.node)], 1.0, v, &shares);
       for (const UnknownShare& s : shares) row.emplace_back(s.unknown, dot(share.way, s.moves));
     }
     return row;
@@ -341,7 +342,7 @@ void World::add_deformations(const Vibrating& v, StiffnessEntries* entries) cons
 void World::fill(const std::string& file, Vibrating* v) {
   number(v);
   draw(v);
-  if (held_by.members.get()) own_ = members::linear_of(*held_by.members.get(), file), number_members(v);
+  if (held_by.members) own_ = members::linear_of(*held_by.members.get(), file), number_members(v);
   const auto count = static_cast<Eigen::Index>(v->unknown.size());
   v->stiffness.resize(count, count);
   StiffnessEntries entries;

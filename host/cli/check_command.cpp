@@ -306,7 +306,7 @@ void print_members(const members::Members& members, const blocks::Assembly& asse
                tie.law.stiffness, tie.law.pretension, tie.law.yield);
   }
   for (const members::Bed& bed : members.beds())
-    fmt::print("  spring {:<9} {:.4g} m2 on the ground, {} points\n", bed.name, bed.area, bed.end - bed.first);
+    fmt::print("  spring {:<9} {:.4g} m2 on the ground, {} points\n", bed.name, bed.area, bed.points.size());
   for (const members::Strip& strip : members.strips())
     fmt::print("  strip {:<10} {} nodes\n", strip.name(), strip.places().size());
   for (const members::Floor& floor : members.floors()) {
@@ -324,7 +324,7 @@ void print_members(const members::Members& members, const blocks::Assembly& asse
                blocks::label(assembly, members.nodes()[static_cast<std::size_t>(dowel.second)].block),
                dowel.law.yield_force, dowel.law.yield_shear);
   for (const members::Fill& fill : members.fills())
-    fmt::print("  fill {:<11} {:.4g} m2 of faces, {} points\n", fill.name, fill.area, fill.end - fill.first);
+    fmt::print("  fill {:<11} {:.4g} m2 of faces, {} points\n", fill.name, fill.area, fill.points.size());
 }
 
 // How many blocks move in which way.

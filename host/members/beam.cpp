@@ -283,4 +283,15 @@ double Beam::largest_hinge() const {
   return largest;
 }
 
+std::vector<Line> Beam::lines(const std::vector<Node>& /*nodes*/) const {
+  std::vector<Line> lines;
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    const Piece& p = pieces_[k];
+    const double largest = std::max(
+        {std::abs(p.moment[0][0]), std::abs(p.moment[0][1]), std::abs(p.moment[1][0]), std::abs(p.moment[1][1])});
+    lines.push_back({kBeam, 0, x_[k], x_[k + 1], p.force, p.plastic, largest, false});
+  }
+  return lines;
+}
+
 }  // namespace quoin::members

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "members/node.h"
+#include "members/member.h"
 #include "members/spring.h"
 
 namespace quoin::members {
@@ -72,9 +72,9 @@ class Beam {
     std::array<std::array<double, 2>, 2> moment{};  // N m, in the order of `hinge`
   };
   const std::vector<Piece>& pieces() const { return pieces_; }
-  double stored() const { return stored_; }
-  double dissipated() const { return dissipated_; }
-  double outside() const { return outside_; }
+  Work work() const { return {stored_, dissipated_, outside_}; }
+  std::vector<double> columns() const { return {largest_force(), largest_moment(), largest_hinge()}; }
+  std::vector<Line> lines(const std::vector<Node>& nodes) const;
   double unbalanced() const { return unbalanced_; }  // largest force on a node in the last step, N
   double largest_force() const;                      // largest magnitude, N
   double largest_moment() const;                     // N m
@@ -82,6 +82,14 @@ class Beam {
   // Sine of the largest rotation of an end of a piece from its chord, at any time since the start or resume.
   double largest_turn() const { return largest_turn_; }
 
+  template <class Visit>
+  void each_joint(const Visit& visit) const {
+    for (const Support& s : supports_) visit(supports_.front().node, s.node);
+  }
+  template <class Visit>
+  void each_spring(const Visit& visit) const {
+    for (const Support& s : supports_) visit(s.node, kGround, 2.0 * std::max(s.law.normal, s.law.shear));
+  }
   template <class Visit>
   void each_number(const Visit& visit) const {
     for (const Vector& x : x_) visit(x.x), visit(x.y), visit(x.z);
@@ -129,5 +137,8 @@ class Beam {
   double unbalanced_ = 0.0;  // N
   double largest_turn_ = 0.0;
 };
+
+Beam placed(const BeamSpec& spec, Placing& placing);
+std::vector<std::string> column_names(const BeamSpec& spec);
 
 }  // namespace quoin::members

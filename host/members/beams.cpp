@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "members/members.h"
+#include "members/beam.h"
 #include "scene/generate_blocks.h"
 
 namespace quoin::members {
@@ -120,34 +120,29 @@ std::vector<Vector> grips(const blocks::Assembly& assembly, int block, const Vec
   return at;
 }
 
-}  // namespace
-
-void Members::hold(Beam& beam, int place, int block, const BeamSpec& spec, const std::string& how,
-                   const blocks::Assembly& assembly) {
+void hold(Beam& beam, int place, int block, const BeamSpec& spec, const std::string& how, Placing& placing) {
   const Vector at = beam.nodes()[static_cast<std::size_t>(place)];
-  const std::vector<Vector> points = how == "built_in" ? grips(assembly, block, at) : std::vector<Vector>{at};
+  const std::vector<Vector> points = how == "built_in" ? grips(placing.assembly, block, at) : std::vector<Vector>{at};
   const double whole =
       spec.support_stiffness > 0.0 ? spec.support_stiffness : beam.section().axial / beam.piece_at(place);
   for (const Vector& point : points) {
     Beam::Support support;
-    support.place = place, support.node = static_cast<int>(nodes_.size());
+    support.place = place, support.node = placing.add(block, point);
     const Beam::Piece& piece = beam.pieces()[std::min(static_cast<std::size_t>(place), beam.pieces().size() - 1)];
-    const Face face = nearest_face(assembly, block, at, piece);
+    const Face face = nearest_face(placing.assembly, block, at, piece);
     support.arm = point - at, support.out = face.normal;
     support.rests = how == "resting";
     support.law.normal = support.law.shear = whole / static_cast<double>(points.size());
     support.law.tension = !support.rests;
     if (support.rests) support.law.friction = spec.friction;
-    Node node;
-    node.block = block;
-    node.start = node.x = point;
-    nodes_.push_back(node);
     if (support.rests) beam.seats().push_back({beam.supports().size(), ways_to_edges(face, at)});
     beam.supports().push_back(support);
   }
 }
 
-void Members::add_beam(const BeamSpec& spec, const blocks::Assembly& assembly) {
+}  // namespace
+
+Beam placed(const BeamSpec& spec, Placing& placing) {
   Beam beam(spec.name, places_along(spec), geometry::vector(spec.up), section_of(spec));
   std::vector<bool> held(beam.nodes().size());
   for (const BeamSupportSpec& support : spec.supports) {
@@ -155,16 +150,14 @@ void Members::add_beam(const BeamSpec& spec, const blocks::Assembly& assembly) {
     const auto closer = [&](const Vector& a, const Vector& b) { return norm(a - point) < norm(b - point); };
     const auto place =
         static_cast<int>(std::min_element(beam.nodes().begin(), beam.nodes().end(), closer) - beam.nodes().begin());
-    const int node = node_at({support.block, support.point, {}, support.source}, assembly);
-    const int block = nodes_[static_cast<std::size_t>(node)].block;
-    nodes_.pop_back();
-    hold(beam, place, block, spec, support.hold, assembly);
+    const int block = placing.block_of({support.block, support.point, {}, support.source});
+    hold(beam, place, block, spec, support.hold, placing);
     held[static_cast<std::size_t>(place)] = true;
   }
   for (std::size_t k = 0; spec.bedding != "none" && k < held.size(); ++k) {
     double off = 0.0;
-    const int block = held[k] ? -1 : block_at(beam.nodes()[k], assembly, &off);
-    if (block >= 0) hold(beam, static_cast<int>(k), block, spec, spec.bedding, assembly);
+    const int block = held[k] ? -1 : placing.block_at(beam.nodes()[k], &off);
+    if (block >= 0) hold(beam, static_cast<int>(k), block, spec, spec.bedding, placing);
   }
   if (beam.supports().empty())
     throw Error(
@@ -173,7 +166,12 @@ void Members::add_beam(const BeamSpec& spec, const blocks::Assembly& assembly) {
                     "nodes in or on blocks",
                     spec.source.text, spec.name, geometry::place(beam.nodes().front()),
                     geometry::place(beam.nodes().back())));
-  beams_.push_back(std::move(beam));
+  return beam;
+}
+
+std::vector<std::string> column_names(const BeamSpec& spec) {
+  return {fmt::format("beam_{}_N", spec.name), fmt::format("beam_{}_Nm", spec.name),
+          fmt::format("beam_{}_hinge_rad", spec.name)};
 }
 
 }  // namespace quoin::members

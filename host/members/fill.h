@@ -1,11 +1,13 @@
-// Soil on a face: its force at one point. Equations: README.md.
+// Soil on faces: its force at each of their points. Equations: README.md.
 #pragma once
 
-#include "geometry/vector.h"
+#include <string>
+#include <vector>
+
+#include "members/member.h"
+#include "members/placing.h"
 
 namespace quoin::members {
-
-using geometry::Vector;
 
 struct FillLaw {
   Vector up, out;                                     // unit: upwards in the soil; level part of the face's normal
@@ -27,5 +29,40 @@ struct FillState {
   // Updates the state. share: share of the soil's weight that acts; now: displacement of the point since the start, m.
   void follow(const FillLaw& law, double share, const Vector& now);
 };
+
+// One point of a face under or beside soil.
+struct FillPoint {
+  int node = 0;
+  FillLaw law;
+  FillState state;
+};
+
+// A [[fill]]: the points of its faces.
+struct Fill {
+  std::string name;
+  std::vector<FillPoint> points;
+  double area = 0.0;  // m2
+
+  void pull(std::vector<Node>& nodes, const Surroundings& step);
+  Work work() const;
+  Vector force() const;  // force on its blocks, N
+  std::vector<double> columns() const;
+
+  template <class Visit>
+  void each_spring(const Visit& visit) const {
+    for (const FillPoint& p : points) visit(p.node, kGround, p.law.level * p.law.stiffness);
+  }
+  template <class Visit>
+  void each_number(const Visit& visit) const {
+    for (const FillPoint& p : points) visit(p.state.pressure), visit(p.state.slid);
+  }
+  template <class Archive, class Self>
+  static void transfer(Archive& archive, Self& s) {
+    for (auto& p : s.points) archive.value(p.state);
+  }
+};
+
+Fill placed(const FillSpec& spec, Placing& placing);
+std::vector<std::string> column_names(const FillSpec& spec);
 
 }  // namespace quoin::members

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "geometry/broad_phase.h"
-#include "members/members.h"
+#include "members/fill.h"
 #include "scene/generate_blocks.h"
 #include "scene/load_place.h"
 
@@ -71,12 +71,9 @@ std::vector<int> blocks_of(const FillSpec& spec, const blocks::Assembly& assembl
   return found.empty() ? blocks::find_blocks(assembly, spec.block, spec.source.text) : found;
 }
 
-}  // namespace
-
-void Members::add_fill_point(const FillSpec& spec, const Vector& at, double area, const Vector& out, int block) {
+FillLaw law_of(const FillSpec& spec, const Vector& at, double area, const Vector& out) {
   const Vector up = normalized(geometry::vector(spec.up));
-  FillPoint point;
-  FillLaw& law = point.law;
+  FillLaw law;
   const double lift = dot(out, up);
   const Vector level = out - lift * up;
   law.up = up, law.upright = area * lift, law.level = area * norm(level);
@@ -84,17 +81,17 @@ void Members::add_fill_point(const FillSpec& spec, const Vector& at, double area
   law.vertical = spec.surcharge + spec.unit_weight * std::max(0.0, dot(geometry::vector(spec.surface) - at, up));
   law.at_rest = spec.at_rest, law.active = spec.active, law.passive = spec.passive;
   law.stiffness = spec.stiffness;
-  point.node = static_cast<int>(nodes_.size());
-  Node& node = nodes_.emplace_back();
-  node.block = block;
-  node.start = node.x = at;
-  fill_points_.push_back(point);
+  return law;
 }
 
-void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
+}  // namespace
+
+Fill placed(const FillSpec& spec, Placing& placing) {
+  const blocks::Assembly& assembly = placing.assembly;
   // Least cosine between a face's normal and `towards`; it excludes fronts and intrados of vaults.
   constexpr double kTowards = 0.05;
-  Fill fill{spec.name, fill_points_.size(), 0, 0.0};
+  Fill fill;
+  fill.name = spec.name;
   const Vector towards = normalized(geometry::vector(spec.towards)), up = normalized(geometry::vector(spec.up));
   const std::vector<std::vector<int>> near = neighbours_of(assembly);
   for (const int index : blocks_of(spec, assembly)) {
@@ -108,7 +105,7 @@ void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
         const Vector middle = (1.0 / 3.0) * (below[0] + below[1] + below[2]);
         each_point(below, spec.divisions, [&](const Vector& at, double area) {
           if (!(area > 0.0) || is_covered(assembly, in_front(assembly, own), near[own], at, middle, out)) return;
-          add_fill_point(spec, at, area, out, index);
+          fill.points.push_back({placing.add(index, at), law_of(spec, at, area, out), {}});
           fill.area += area;
         });
       };
@@ -117,28 +114,44 @@ void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
       });
     }
   }
-  fill.end = fill_points_.size();
-  if (fill.first == fill.end)
+  if (fill.points.empty())
     throw Error(Exit::bad_input,
                 fmt::format("{}: fill '{}' reaches no free face of '{}' towards ({:g}, {:g}, {:g}) below {}; give "
                             "towards, or a surface above them",
                             spec.source.text, spec.name, spec.block, towards.x, towards.y, towards.z,
                             geometry::place(geometry::vector(spec.surface))));
-  fills_.push_back(fill);
+  return fill;
 }
 
-void Members::pull_fills() {
-  for (FillPoint& p : fill_points_) {
-    Node& node = nodes_[static_cast<std::size_t>(p.node)];
-    p.state.follow(p.law, jack_, node.x - node.start);
+std::vector<std::string> column_names(const FillSpec& spec) {
+  std::vector<std::string> names;
+  for (const char* axis : {"x", "y", "z"}) names.push_back(fmt::format("fill_{}_{}_N", spec.name, axis));
+  return names;
+}
+
+void Fill::pull(std::vector<Node>& nodes, const Surroundings& step) {
+  for (FillPoint& p : points) {
+    Node& node = nodes[static_cast<std::size_t>(p.node)];
+    p.state.follow(p.law, step.jack, node.x - node.start);
     node.force += p.state.force;
   }
 }
 
-Vector Members::force_of(const Fill& fill) const {
-  Vector sum;
-  for (std::size_t i = fill.first; i < fill.end; ++i) sum += fill_points_[i].state.force;
+Work Fill::work() const {
+  Work sum;
+  for (const FillPoint& p : points) sum += {p.state.stored, p.state.dissipated, p.state.outside};
   return sum;
+}
+
+Vector Fill::force() const {
+  Vector sum;
+  for (const FillPoint& p : points) sum += p.state.force;
+  return sum;
+}
+
+std::vector<double> Fill::columns() const {
+  const Vector sum = force();
+  return {sum.x, sum.y, sum.z};
 }
 
 }  // namespace quoin::members

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "members/node.h"
+#include "members/member.h"
+#include "members/placing.h"
 
 namespace quoin::members {
 
@@ -79,9 +80,8 @@ class Floor {
   double stiffness_of(const Connector& c) const;
   double own_eigenvalue(double mass_scaling) const;
 
-  double stored() const { return stored_; }  // energy stored in panels, connectors and motion of nodes, J
-  double dissipated() const { return dissipated_; }
-  double outside() const { return outside_; }
+  Work work() const { return {stored_, dissipated_, outside_}; }  // stored in panels, connectors and motion of nodes
+  std::vector<double> columns() const { return {largest_shear(), largest_anchor(), pulled_out_length()}; }
   double unbalanced() const { return unbalanced_; }  // largest force on a node in the last step, N
   double largest_shear() const;                      // N/m
   double largest_anchor() const;                     // N/m
@@ -99,6 +99,14 @@ class Floor {
   std::vector<Panel> panels() const;
   Vector place_now(int place) const;  // m
 
+  template <class Visit>
+  void each_joint(const Visit& visit) const {
+    for (const Connector& c : connectors_) visit(connectors_.front().node, c.node);
+  }
+  template <class Visit>
+  void each_spring(const Visit& visit) const {
+    for (const Connector& c : connectors_) visit(c.node, kGround, 2.0 * stiffness_of(c));
+  }
   template <class Visit>
   void each_number(const Visit& visit) const {
     for (const InPlane& u : moved_) visit(u.along), visit(u.across);
@@ -141,5 +149,8 @@ class Floor {
   double cosine_ = 1.0, sine_ = 0.0;
   std::vector<InPlane> local_, force_;
 };
+
+Floor placed(const FloorSpec& spec, Placing& placing);
+std::vector<std::string> column_names(const FloorSpec& spec);
 
 }  // namespace quoin::members

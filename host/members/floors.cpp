@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "members/members.h"
+#include "members/floor.h"
+#include "scene/generate_blocks.h"
 #include "scene/load_place.h"
 
 namespace quoin::members {
@@ -51,7 +52,8 @@ struct Piece {
 // Of the blocks that hold the node, or most of the piece, the one nearest to the middle of the piece; -1: none. Of
 // those equally near, as where two walls or courses meet at the node: the one nearest to both ends, then the lowest. So
 // the order of blocks is without effect.
-int wall_at(const Piece& piece, const Floor::Grid& grid, const blocks::Assembly& assembly) {
+int wall_at(const Piece& piece, const Floor::Grid& grid, const Placing& placing) {
+  const blocks::Assembly& assembly = placing.assembly;
   constexpr double kSame = 1e-9;  // m
   const Vector normal = cross(grid.along, grid.across), middle = 0.5 * (piece.from + piece.to);
   const bool points_up = std::max({normal.x, normal.y, normal.z}) > -std::min({normal.x, normal.y, normal.z});
@@ -62,7 +64,7 @@ int wall_at(const Piece& piece, const Floor::Grid& grid, const blocks::Assembly&
     const auto off = [&](const Vector& at) {
       return distance_from(assembly, assembly.blocks[static_cast<std::size_t>(block)], at);
     };
-    const auto holds = [&](const Vector& at) { return off(at) <= allowed_off(assembly, block); };
+    const auto holds = [&](const Vector& at) { return off(at) <= placing.allowed_off(block); };
     if (!holds(piece.node) && !(holds(middle) && holds(piece.to))) continue;
     const Vector centre = blocks::centre_of(assembly, block);
     const std::array ranks{off(middle), off(piece.from) + off(piece.to), dot(up, centre), dot(grid.along, centre),
@@ -74,26 +76,13 @@ int wall_at(const Piece& piece, const Floor::Grid& grid, const blocks::Assembly&
   return wall;
 }
 
-}  // namespace
-
-// The block at a point, or -1; off: distance of the nearest block, m.
-int Members::block_at(const Vector& point, const blocks::Assembly& assembly, double* off) const {
-  int nearest = -1;
-  *off = 1e300;
-  for (std::size_t b = 0; b < assembly.blocks.size(); ++b) {
-    const double outside = distance_from(assembly, assembly.blocks[b], point);
-    if (outside < *off - 1e-9) *off = outside, nearest = static_cast<int>(b);
-  }
-  return nearest >= 0 && *off <= allowed_off(assembly, nearest) ? nearest : -1;
-}
-
-void Members::connect(Floor& floor, const blocks::Assembly& assembly) {
-  const auto& [n, m] = floor.grid().pieces;
+void connect(Floor& floor, Placing& placing) {
+  const int n = floor.grid().pieces[0], m = floor.grid().pieces[1];
   const double a = floor.grid().size[0] / n, b = floor.grid().size[1] / m;
   const auto start_at = [&](int i, int j) { return floor.start_of(floor.place_at(i, j)); };
   const auto block_of = [&](const Vector& at) {
     double off = 0.0;
-    return block_at(at, assembly, &off);
+    return placing.block_at(at, &off);
   };
   // A corner belongs to an edge that runs along a wall there, not to one that ends at a wall. The end piece of such an
   // edge, which may be its only one, has its middle and its other end in the wall.
@@ -103,13 +92,10 @@ void Members::connect(Floor& floor, const blocks::Assembly& assembly) {
     const int inner = k == 0 ? 1 : last - 1;
     const Vector at = start_at(i, j), next = start_at(along ? inner : i, along ? j : inner), half = 0.5 * (next - at);
     if (block_of(at) < 0 || (corner && (block_of(next) < 0 || block_of(at + half) < 0))) return;
-    Node node;
-    node.block = wall_at({at, corner ? at : at - half, at + half}, floor.grid(), assembly);
+    const int wall = wall_at({at, corner ? at : at - half, at + half}, floor.grid(), placing);
     Floor::Connector connector;
-    connector.place = floor.place_at(i, j), connector.node = static_cast<int>(nodes_.size());
-    node.start = node.x = at;
+    connector.place = floor.place_at(i, j), connector.node = placing.add(wall, at);
     connector.out = out, connector.length = (along ? a : b) * (corner ? 0.5 : 1.0);
-    nodes_.push_back(node);
     floor.connectors().push_back(connector);
   };
   for (int i = 0; i <= n; ++i) add(i, 0, true, {0, -1}), add(i, m, true, {0, 1});
@@ -117,8 +103,8 @@ void Members::connect(Floor& floor, const blocks::Assembly& assembly) {
 }
 
 // Distributes the floor's weight to the edges on which its joists end.
-void Members::carry_weight(const FloorSpec& spec, Floor& floor) const {
-  const auto& [n, m] = floor.grid().pieces;
+void carry_weight(const FloorSpec& spec, Floor& floor) {
+  const int n = floor.grid().pieces[0], m = floor.grid().pieces[1];
   std::vector<double> carried(floor.connectors().size());
   const double share = spec.span == "both" ? 0.5 : 1.0;
   for (const bool across : {false, true}) {
@@ -146,7 +132,9 @@ void Members::carry_weight(const FloorSpec& spec, Floor& floor) const {
   for (std::size_t c = 0; c < carried.size(); ++c) floor.connectors()[c].carried = carried[c];
 }
 
-void Members::add_floor(const FloorSpec& spec, const blocks::Assembly& assembly) {
+}  // namespace
+
+Floor placed(const FloorSpec& spec, Placing& placing) {
   Membrane membrane;
   membrane.along = spec.stiffness_along, membrane.across = spec.stiffness_across;
   membrane.shear = spec.shear_stiffness, membrane.shear_yield = spec.shear_yield;
@@ -156,14 +144,14 @@ void Members::add_floor(const FloorSpec& spec, const blocks::Assembly& assembly)
                          spec.friction,        spec.pull_out,
                          spec.bearing};
   Floor floor(spec.name, grid_of(spec), membrane, law);
-  connect(floor, assembly);
+  connect(floor, placing);
   if (floor.connectors().empty()) {
     std::string places;
-    const auto& [n, m] = floor.grid().pieces;
+    const int n = floor.grid().pieces[0], m = floor.grid().pieces[1];
     for (const auto& [i, j] : {std::pair{0, 0}, std::pair{n, 0}, std::pair{n, m}, std::pair{0, m}}) {
       const Vector corner = floor.start_of(floor.place_at(i, j));
       double off = 0.0;
-      block_at(corner, assembly, &off);
+      placing.block_at(corner, &off);
       places += fmt::format("{}{} ({:.3g} m off the nearest block)", places.empty() ? "" : ", ",
                             geometry::place(corner), off);
     }
@@ -173,7 +161,12 @@ void Members::add_floor(const FloorSpec& spec, const blocks::Assembly& assembly)
                             spec.source.text, spec.name, places));
   }
   carry_weight(spec, floor);
-  floors_.push_back(std::move(floor));
+  return floor;
+}
+
+std::vector<std::string> column_names(const FloorSpec& spec) {
+  return {fmt::format("floor_{}_shear_N_per_m", spec.name), fmt::format("floor_{}_anchor_N_per_m", spec.name),
+          fmt::format("floor_{}_pulled_out_m", spec.name)};
 }
 
 }  // namespace quoin::members

@@ -35,6 +35,8 @@ struct Surroundings {
   double mass_scaling = 1.0;   // inertia over mass
   double mass_damping = 0.0;   // 1/s
   double local_damping = 0.0;  // coefficient of eq. 1
+  Vector ground;               // displacement of the ground since the start, m
+  double jack = 0.0;           // share of pretensions, and of the weight of soil, that acts
 };
 
 // Advances one component of a node's velocity by a step; returns the work of damping, J. inertia: kg; force: N.

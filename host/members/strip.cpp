@@ -124,8 +124,8 @@ void Strip::advance(const std::vector<Vector>& force, double dt) {
   }
 }
 
-void Strip::pull(std::vector<Node>& nodes, double dt) {
-  find_masses(dt);
+void Strip::pull(std::vector<Node>& nodes, const Surroundings& step) {
+  find_masses(step.dt);
   const auto node_at = [&](std::size_t i) -> Node& { return nodes[static_cast<std::size_t>(places_[i].node)]; };
   for (std::size_t i = 0; i < places_.size(); ++i) x_[i] = node_at(i).x + node_at(i).turn * off_[i];
   find_jumps();
@@ -146,7 +146,7 @@ void Strip::pull(std::vector<Node>& nodes, double dt) {
     stored_ += p.area * energy_[0][i];
     for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) dissipated_ += p.area * energy_[1 + k][i];
   }
-  advance(force, dt);
+  advance(force, step.dt);
 }
 
 double Strip::largest_force() const {
@@ -161,6 +161,13 @@ double Strip::debonded_length() const {
     if (flags_[i] & QUOIN_FLAG_SHEAR_COMPLETE) length += piece;
   }
   return length;
+}
+
+std::vector<Line> Strip::lines(const std::vector<Node>& /*nodes*/) const {
+  std::vector<Line> lines;
+  for (std::size_t k = 0; k < force_.size(); ++k)
+    lines.push_back({kStrip, 0, x_[k], x_[k + 1], force_[k], 0.0, 0.0, broken_[k] != 0});
+  return lines;
 }
 
 }  // namespace quoin::members

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "law/law_library.h"
-#include "members/node.h"
+#include "members/member.h"
+#include "members/placing.h"
 
 namespace quoin::members {
 
@@ -29,21 +30,30 @@ class Strip {
 
   const std::string& name() const { return name_; }
   const std::vector<Place>& places() const { return places_; }
-  double bar_stiffness(std::size_t bar) const { return fibres_.stiffness / length_[bar]; }  // N/m
-  // Adds forces to the blocks' nodes and advances the strip's nodes by a step dt, s. Throws Error(numerical) where the
+  // Adds forces to the blocks' nodes and advances the strip's nodes by a step. Throws Error(numerical) where the
   // law fails.
-  void pull(std::vector<Node>& nodes, double dt);
+  void pull(std::vector<Node>& nodes, const Surroundings& step);
 
-  double stored() const { return stored_; }
-  double dissipated() const { return dissipated_; }
+  Work work() const { return {stored_, dissipated_, 0.0}; }
+  std::vector<double> columns() const { return {largest_force(), debonded_length()}; }
+  std::vector<Line> lines(const std::vector<Node>& nodes) const;
   double largest_force() const;    // force of its bars of largest magnitude, N
   double debonded_length() const;  // m
   // Largest force on a block that its bond does not carry in the last step, N: inertia and damping of nodes. 0 at rest.
   double unbalanced() const { return unbalanced_; }
   const std::vector<Vector>& nodes() const { return x_; }
   const std::vector<double>& forces() const { return force_; }  // forces of bars, N
-  bool is_broken(std::size_t bar) const { return broken_[bar] != 0; }
 
+  template <class Visit>
+  void each_joint(const Visit& visit) const {
+    for (const Place& place : places_) visit(places_.front().node, place.node);
+  }
+  // Bars act on blocks twice, as nodes of the strip move too.
+  template <class Visit>
+  void each_spring(const Visit& visit) const {
+    for (std::size_t i = 0; i + 1 < places_.size(); ++i)
+      visit(places_[i].node, places_[i + 1].node, 2.0 * bar_stiffness(i));
+  }
   template <class Visit>
   void each_number(const Visit& visit) const {
     for (const Vector& x : x_) visit(x.x), visit(x.y), visit(x.z);
@@ -63,6 +73,7 @@ class Strip {
   }
 
  private:
+  double bar_stiffness(std::size_t bar) const { return fibres_.stiffness / length_[bar]; }  // N/m
   void bind();
   void find_masses(double dt);
   void find_jumps();
@@ -93,5 +104,8 @@ class Strip {
   std::vector<quoin_in> state_old_;
   std::vector<quoin_out> state_new_;
 };
+
+Strip placed(const StripSpec& spec, Placing& placing);
+std::vector<std::string> column_names(const StripSpec& spec);
 
 }  // namespace quoin::members

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "members/members.h"
+#include "members/strip.h"
+#include "scene/generate_blocks.h"
 
 namespace quoin::members {
 
@@ -53,7 +54,8 @@ OnFace face_at(const blocks::Assembly& assembly, const Vector& point, const Vect
 
 }  // namespace
 
-void Members::add_strip(const StripSpec& spec, const blocks::Assembly& assembly) {
+Strip placed(const StripSpec& spec, Placing& placing) {
+  const blocks::Assembly& assembly = placing.assembly;
   const auto family = std::find_if(assembly.families.begin(), assembly.families.end(),
                                    [&](const JointFamily& f) { return f.name == spec.joint; });
   std::vector<Strip::Place> places;
@@ -74,11 +76,7 @@ void Members::add_strip(const StripSpec& spec, const blocks::Assembly& assembly)
       place.normal = on.normal;
       place.along = normalized((to - from) - dot(to - from, on.normal) * on.normal);
       place.area = spec.width * length / pieces;
-      Node node;
-      node.block = on.block, node.turns = true;
-      node.start = node.x = place.at;
-      place.node = static_cast<int>(nodes_.size());
-      nodes_.push_back(node);
+      place.node = placing.add(on.block, place.at, true);
       places.push_back(place);
     }
   }
@@ -87,9 +85,13 @@ void Members::add_strip(const StripSpec& spec, const blocks::Assembly& assembly)
                                              "length",
                                              spec.source.text, spec.name));
   const double area = spec.width * spec.thickness;
-  strips_.emplace_back(
-      spec.name, std::move(places), Strip::Fibres{spec.young_modulus * area, spec.strength * area, spec.compression},
-      std::make_shared<const Material>(Law::find(family->law), family->properties), family->initial_state);
+  return Strip(spec.name, std::move(places),
+               Strip::Fibres{spec.young_modulus * area, spec.strength * area, spec.compression},
+               std::make_shared<const Material>(Law::find(family->law), family->properties), family->initial_state);
+}
+
+std::vector<std::string> column_names(const StripSpec& spec) {
+  return {fmt::format("strip_{}_N", spec.name), fmt::format("strip_{}_debonded_m", spec.name)};
 }
 
 }  // namespace quoin::members

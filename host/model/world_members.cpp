@@ -74,8 +74,13 @@ void follow_members(World& w) {
     if (node.turns) node.turn = orientation_of(w, node.block);
   }
   if (w.held_by.exchange) w.held_by.exchange(w.held_by.members->nodes());
-  w.held_by.members->pull({w.stepping.dt, w.stepping.dt * w.actions.ground_then, braking_ground(w), w.actions.gravity,
-                           w.actions.of_collapse, w.solver.mass_scaling, w.damping.alpha, w.damping.gamma});
+  members::Surroundings step;
+  step.dt = w.stepping.dt;
+  step.ground_way = w.stepping.dt * w.actions.ground_then, step.ground_velocity = braking_ground(w);
+  step.gravity = w.actions.gravity, step.of_collapse = w.actions.of_collapse;
+  step.mass_scaling = w.solver.mass_scaling;
+  step.mass_damping = w.damping.alpha, step.local_damping = w.damping.gamma;
+  w.held_by.members->pull(step);
 }
 
 // Adds springs of the same stiffness in all directions, an upper bound for members in any orientation.

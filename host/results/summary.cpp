@@ -221,8 +221,7 @@ Json of_dowels(const members::Members& members) {
 Json of_fills(const members::Members& members) {
   Json fills = Json::array();
   for (const members::Fill& fill : members.fills())
-    fills.push_back(
-        {{"name", fill.name}, {"area_m2", fill.area}, {"force_N", geometry::array(members.force_of(fill))}});
+    fills.push_back({{"name", fill.name}, {"area_m2", fill.area}, {"force_N", geometry::array(fill.force())}});
   return fills;
 }
 
@@ -245,10 +244,9 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["largest_displacement_m"] = largest_displacement(rows);
   json["small_displacement"] = m.is_small;
   json["contact_detections"] = m.detection.count;
-  if (m.held_by.members.get())
-    json["ties"] = of_ties(*m.held_by.members.get(), rows), json["floors"] = of_floors(*m.held_by.members.get()),
-    json["beams"] = of_beams(*m.held_by.members.get()), json["strips"] = of_strips(*m.held_by.members.get()),
-    json["dowels"] = of_dowels(*m.held_by.members.get()), json["fills"] = of_fills(*m.held_by.members.get());
+  if (const members::Members* const held = m.held_by.members.get())
+    json["ties"] = of_ties(*held, rows), json["floors"] = of_floors(*held), json["beams"] = of_beams(*held),
+    json["strips"] = of_strips(*held), json["dowels"] = of_dowels(*held), json["fills"] = of_fills(*held);
   return json;
 }
 

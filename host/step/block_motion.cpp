@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "members/members.h"
 #include "model/world_results.h"
 #include "scene/generate_blocks.h"
 #include "step/gather.h"
@@ -36,6 +37,11 @@ std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name
 
 const members::Members* members_of(const Simulation::Impl& s) {
   return s.large_motion ? s.large_motion->held_by.members.get() : nullptr;
+}
+
+std::span<const members::Bed> beds_of(const Simulation::Impl& s) {
+  const members::Members* const members = members_of(s);
+  return members ? std::span(members->beds()) : std::span<const members::Bed>();
 }
 
 const std::vector<int>& shown_blocks(const Simulation::Impl& s) {

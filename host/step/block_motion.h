@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,10 +11,15 @@
 
 namespace quoin {
 
+namespace members {
+struct Bed;
+}
+
 // Blocks of a name. Of bricks rigid ones, then deformable ones, or none. Else Error(bad_input) if no block has it.
 // where: place that gives it.
 std::vector<int> blocks_named(const Simulation::Impl& s, const std::string& name, const std::string& where);
-const members::Members* members_of(const Simulation::Impl& s);  // null: none, or on the lattice
+const members::Members* members_of(const Simulation::Impl& s);     // null: none, or on the lattice
+std::span<const members::Bed> beds_of(const Simulation::Impl& s);  // faces on springs
 // Blocks whose displacement rows have and stages end by: the roof, else the monitor.
 const std::vector<int>& shown_blocks(const Simulation::Impl& s);
 // Displacement of the centre of mass since the start, m; of deformable bricks the mean by mass. Its velocity half a

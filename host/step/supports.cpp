@@ -57,9 +57,10 @@ std::vector<int> loose_blocks(const Simulation::Impl& s, const Stage& settings) 
   for (unsigned c = 0; c < 3; ++c) along |= settings.gravity[c] != 0.0 ? 1u << c : 0u;
   std::map<int, unsigned> imposed;
   for (std::size_t i = 0; i < held.size(); ++i) imposed[group[i]] |= held[i];
-  const members::Members* const members = members_of(s);
-  for (std::size_t i = 0; members && i < members->spring_points().size(); ++i)
-    imposed[group[at(members->nodes()[at(members->spring_points()[i].node)].block)]] |= along;
+  for (const members::Bed& bed : beds_of(s)) {
+    for (const members::SpringPoint& p : bed.points)
+      imposed[group[at(members_of(s)->nodes()[at(p.node)].block)]] |= along;
+  }
   std::vector<int> loose;
   for (std::size_t i = 0; i < held.size(); ++i) {
     if ((imposed[group[i]] & along) != along) loose.push_back(static_cast<int>(i));
@@ -77,7 +78,7 @@ constexpr std::size_t kNamed = 5;  // most blocks that a message names
 }  // namespace
 
 void require_moving_ground(const Simulation::Impl& s) {
-  if (s.large_motion && s.large_motion->held_by.members && !s.large_motion->held_by.members->beds().empty()) return;
+  if (!beds_of(s).empty()) return;
   std::vector<std::size_t> fixed;
   for (int block = 0; block < block_count(s); ++block)
     if (is_fixed(s, block)) fixed.push_back(at(block));
@@ -129,8 +130,7 @@ void find_falling_block(Simulation::Impl& s, std::vector<Warning>* warnings) {
     return norm(way);
   };
   // Springs to the ground are supports that have moved with it.
-  const members::Members* const members = members_of(s);
-  double of_supports = members && !members->beds().empty() ? norm(members->ground()) : 0.0, farthest = 0.0;
+  double of_supports = beds_of(s).empty() ? 0.0 : norm(members_of(s)->ground()), farthest = 0.0;
   int falling = -1;
   for (std::size_t i = 0; i < s.small_motion.held_blocks.size(); ++i) {
     const bool supports = s.small_motion.held_blocks[i] == 7;  // a beam that is held along the wall may fall, too

@@ -117,7 +117,7 @@ TEST(Ties, LoopThatSlidesThroughABlockPullsAlikeOnBothSides) {
       "2e11\nyield_stress = 1e9\n[[stage]]\ngravity = [0.5, -9.81, 0]\nramp_time = 0.5\nduration = 2.0\n"
       "[[stage]]\ngravity = [0, -9.81, 0]\nramp_time = 0.5\nduration = 8.0\n");
   const members::Tie& tie = members_of(*simulation).ties().front();
-  const geometry::Vector at = members_of(*simulation).place_of(tie.stops[1]);
+  const geometry::Vector at = place_of(members_of(*simulation).nodes(), tie.stops[1]);
   EXPECT_NEAR(at.x, 0.0, 0.01);
   const double slope = (2.5 - at.y) / std::hypot(2.0, 2.5 - at.y);
   const double weight = 2000.0 * 0.216 * kGravity;

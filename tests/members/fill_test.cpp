@@ -46,12 +46,12 @@ TEST(Fills, PressureIsAtRestActiveAndPassive) {
   for (const auto& [way, coefficient] : cases) {
     const auto simulation = moved(way, fmt::format("towards = [1, 0, 0]\nsurface = [0, {}, 0]", kHeight));
     const members::Members& m = *simulation->large_motion()->held_by.members.get();
-    const geometry::Vector force = m.force_of(m.fills().front());
+    const geometry::Vector force = m.fills().front().force();
     const double expected = -0.5 * coefficient * kUnitWeight * kHeight * kHeight * kDepth;
     EXPECT_NEAR(force.x / expected, 1.0, 1e-9) << way;
     EXPECT_NEAR(force.y, 0.0, 1e-6);
     double moment = 0.0;
-    for (const members::FillPoint& p : m.fill_points())
+    for (const members::FillPoint& p : m.fills().front().points)
       moment += p.state.force.x * m.nodes()[static_cast<std::size_t>(p.node)].start.y;
     EXPECT_NEAR(moment / force.x, kHeight / 3.0, 1e-9) << way;
     const Energies& e = simulation->large_motion()->step_sums.energies;
@@ -69,11 +69,11 @@ TEST(Fills, SurchargeActsUpToTheSurface) {
         moved(0.0, fmt::format("towards = [1, 0, 0]\nsurface = [0, {}, 0]\nsurcharge = {}", surface, kSurcharge));
     const members::Members& m = *simulation->large_motion()->held_by.members.get();
     double moment = 0.0;
-    for (const members::FillPoint& p : m.fill_points())
+    for (const members::FillPoint& p : m.fills().front().points)
       moment += p.state.force.x * m.nodes()[static_cast<std::size_t>(p.node)].start.y;
     const double of_surcharge = -kAtRest * kDepth * kSurcharge * surface;
     const double of_soil = -0.5 * kAtRest * kDepth * kUnitWeight * surface * surface;
-    EXPECT_NEAR(m.force_of(m.fills().front()).x / (of_surcharge + of_soil), 1.0, 1e-9) << surface;
+    EXPECT_NEAR(m.fills().front().force().x / (of_surcharge + of_soil), 1.0, 1e-9) << surface;
     EXPECT_NEAR(moment / (of_surcharge * surface / 2 + of_soil * surface / 3), 1.0, 1e-9) << surface;
     EXPECT_NEAR(m.fills().front().area, kDepth * surface, 1e-9);
   }
@@ -83,7 +83,7 @@ TEST(Fills, SurchargeActsUpToTheSurface) {
 TEST(Fills, WeighsOnWhatIsBelow) {
   const auto simulation = moved(0.0, fmt::format("surface = [0, {}, 0]\nsurcharge = 5e3", kHeight + 0.5));
   const members::Members& m = *simulation->large_motion()->held_by.members.get();
-  EXPECT_NEAR(m.force_of(m.fills().front()).y, -(0.5 * kUnitWeight + 5e3) * 1.0 * kDepth, 1e-6);
+  EXPECT_NEAR(m.fills().front().force().y, -(0.5 * kUnitWeight + 5e3) * 1.0 * kDepth, 1e-6);
   EXPECT_NEAR(m.fills().front().area, 1.0 * kDepth, 1e-9);
 }
 
@@ -110,13 +110,13 @@ TEST(Fills, LiesOnAnExtrados) {
   }
   const members::Members& m = *simulation.large_motion()->held_by.members.get();
   double upright = 0.0, level = 0.0;
-  for (const members::FillPoint& p : m.fill_points()) {
+  for (const members::FillPoint& p : m.fills().front().points) {
     upright += p.law.upright * p.law.vertical;
     level += p.law.level * p.law.vertical * p.law.out.x;
   }
   EXPECT_NEAR(upright / (kUnitWeight * area * depth), 1.0, 1e-6);
   EXPECT_NEAR(level / upright, 0.0, 1e-9);
-  EXPECT_NEAR(m.force_of(m.fills().front()).y / -upright, 1.0, 1e-9);
+  EXPECT_NEAR(m.fills().front().force().y / -upright, 1.0, 1e-9);
 }
 
 // A lining of 20 mm covers a face of any size, here its lower half. On a block of 12 m the soil pressed on both.

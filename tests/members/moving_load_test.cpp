@@ -36,7 +36,7 @@ TEST(MovingLoad, DividesByTheLever) {
     Observer nobody;
     simulation.run(nobody);
     const members::Members& m = *simulation.large_motion()->held_by.members.get();
-    const double left = m.force_of(m.beds()[0]).y, right = m.force_of(m.beds()[1]).y;
+    const double left = m.beds()[0].force().y, right = m.beds()[1].force().y;
     const double feet_weigh = 2 * 2000.0 * 0.02 * 9.81;
     EXPECT_NEAR(left + right, load + weight + feet_weigh, 0.005 * load) << x;
     EXPECT_NEAR(right, 0.5 * (weight + feet_weigh) + load * x / span, 0.02 * load) << x;

@@ -70,8 +70,7 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
 // springs, m.
 Vector ground_displacement(const Simulation::Impl& s) {
   if (const int ground = ground_block(s); ground >= 0) return moved_by_now(*s.large_motion, ground);
-  const members::Members* const members = s.large_motion->held_by.members.get();
-  return members && !members->beds().empty() ? members->ground() : Vector{};
+  return beds_of(s).empty() ? Vector{} : members_of(s)->ground();
 }
 
 // Displacement of a block against the ground since the stage began, m.
@@ -212,10 +211,10 @@ void find_blocks_on_base(Simulation::Impl& s) {
     all_gather(s.ranks, std::span(s.reactions.on_base), [&](std::size_t block) { return rank[block]; });
     all_gather(s.ranks, std::span(beds), [&](std::size_t i) { return rank[at(contacts[i].pair.a)]; });
   }
-  if (const members::Members* const members = s.large_motion->held_by.members.get()) {
-    for (const members::SpringPoint& p : members->spring_points()) {
+  for (const members::Bed& bed : beds_of(s)) {
+    for (const members::SpringPoint& p : bed.points) {
       if (std::abs(p.out[upright_axis(s.scene)]) >= kBed)
-        beds.push_back({p.area, p.area * members->nodes()[at(p.node)].start});
+        beds.push_back({p.area, p.area * members_of(s)->nodes()[at(p.node)].start});
     }
   }
   Bed all;

@@ -119,11 +119,6 @@ int ground_block(const Simulation::Impl& s) {
 
 namespace {
 
-bool is_on_springs(const Simulation::Impl& s) {
-  const members::Members* const members = members_of(s);
-  return members && !members->beds().empty();
-}
-
 // Velocity that earlier records have left, at a time. It changes from the one to the other over the ramp of the stage
 // that runs; when a stage begins, of the one before.
 Vector left_over_at(const Simulation::Impl& s, const Vector& from, const Vector& to, double time) {
@@ -139,7 +134,7 @@ Vector velocity_below_springs(const Simulation::Impl& s, const Stage& stage, dou
 
 // That at the end of the stage before, with which this one begins.
 Vector left_below_springs(const Simulation::Impl& s, const Stage* previous) {
-  if (s.actions.ground_drive() || !is_on_springs(s) || !previous) return {};
+  if (s.actions.ground_drive() || beds_of(s).empty() || !previous) return {};
   const Vector left = velocity_below_springs(s, *previous, time_now(s));
   return norm(left) <= kGroundAtRest ? Vector{} : left;
 }
@@ -181,7 +176,7 @@ void bind_ground(Simulation::Impl& s, const Stage& settings, const Stage* previo
 void follow_ground(Simulation::Impl& s, const Stage& settings, double) {
   const Drive* const ground = s.actions.ground_drive();
   const auto velocity = [&](double time) {
-    if (!ground) return is_on_springs(s) ? velocity_below_springs(s, settings, time) : Vector{};
+    if (!ground) return beds_of(s).empty() ? Vector{} : velocity_below_springs(s, settings, time);
     return left_over_at(s, ground->velocity_from, ground->velocity_to, time) +
            followed(ground->of_ground, record_velocity(s, settings, time, ground->motion));
   };
@@ -204,13 +199,12 @@ void warn_of_no_monitor(Simulation::Impl& s, std::vector<Warning>* warnings) {
 
 void measure_base(const Simulation::Impl& s, std::span<const JointWrench> supports, std::span<const std::uint8_t> held,
                   HistoryRow& row) {
-  const members::Members* const members = members_of(s);
   Vec3 moved{};  // displacement of the ground when the contact points of the wrenches were where they count
   if (const int ground = ground_block(s); ground >= 0) {
     row.ground_displacement = displacement_at_forces(s, {ground});
     moved = s.large_motion ? displacement_now(s, {ground}) : row.ground_displacement;
-  } else if (members && !members->beds().empty()) {
-    moved = row.ground_displacement = geometry::array(members->ground());
+  } else if (!beds_of(s).empty()) {
+    moved = row.ground_displacement = geometry::array(members_of(s)->ground());
   }
   const Vector centre = s.reactions.base_centre + geometry::vector(moved);
   Vector force, moment;
@@ -223,9 +217,10 @@ void measure_base(const Simulation::Impl& s, std::span<const JointWrench> suppor
     force += on_block;
     moment += geometry::vector(supports[i].moment) + cross(geometry::vector(supports[i].centre) - centre, on_block);
   }
-  for (const members::SpringPoint& p : members ? members->spring_points() : std::vector<members::SpringPoint>()) {
-    force -= p.state.force;
-    moment -= cross(members->nodes()[at(p.node)].x - centre, p.state.force);
+  for (const members::Bed& bed : beds_of(s)) {
+    force -= bed.force();
+    for (const members::SpringPoint& p : bed.points)
+      moment -= cross(members_of(s)->nodes()[at(p.node)].x - centre, p.state.force);
   }
   row.base_force = force_on_whole(s, geometry::array(force));
   if (is_held) row.overturning_moment = moment_on_whole(s, geometry::array(moment));
