@@ -237,11 +237,13 @@ class Pool {
     }
     const std::unique_ptr<Claim> claim = Claim::take(folder_.claim(sample));
     if (!claim || actions_.is_finished(place)) return left_.push_back(sample);
-    std::string reason = said.empty() ? last_line(place / "log.txt") : said;
-    if (reason.empty() || killed)
-      reason = WIFSIGNALED(status)
-                   ? fmt::format("its process ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
-                   : fmt::format("its process ended with code {}", WEXITSTATUS(status));
+    const std::string end = WIFSIGNALED(status) ? fmt::format("its process ended by signal {} ({})", WTERMSIG(status),
+                                                              strsignal(WTERMSIG(status)))
+                                                : fmt::format("its process ended with code {}", WEXITSTATUS(status));
+    const std::string last = last_line(place / "log.txt");
+    const std::string reason = !said.empty() && !killed ? said
+                               : last.empty() || killed ? end
+                                                        : end + "; its log ends with: " + last;
     actions_.fail(sample, place, reason);
     ++done_;
     print_progress();

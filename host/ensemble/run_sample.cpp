@@ -51,6 +51,8 @@ Values values_of(const Json& json) {
 // Tables of a sample from which curves and cracks of the study are read.
 constexpr const char* kTables[] = {"history.csv", "cracks.csv"};
 
+}  // namespace
+
 void write_sample(const fs::path& folder, const Sample& sample) {
   Json bytes = Json::object();
   for (const char* table : kTables) {
@@ -63,14 +65,33 @@ void write_sample(const fs::path& folder, const Sample& sample) {
                                       {"bytes", bytes}});
 }
 
-// Values of the study's quantities. Random properties of joints follow them.
-Values inputs_of(const Study& study, std::uint64_t number) {
+Values inputs_of(const Study& study, std::uint64_t task) {
+  const bool shaken = study.suite.any();
+  const std::uint64_t sample = shaken ? study.wall_of(task) : task;
   Values inputs;
-  const std::vector<double> drawn = study.values(number);
+  if (shaken) {
+    inputs.emplace_back("record", static_cast<double>(study.record_of(task) + 1));
+    inputs.emplace_back("wall", static_cast<double>(sample));
+  }
+  const std::vector<double> drawn = study.values(sample);
   const std::vector<StudyQuantity> known = study.inputs();
   for (std::size_t i = 0; i < drawn.size(); ++i) inputs.emplace_back(known[i].name, drawn[i]);
   return inputs;
 }
+
+void write_run_summary(const fs::path& folder, const Simulation& simulation, const std::vector<HistoryRow>& rows,
+                       const std::string& status, const std::string& message,
+                       const std::vector<std::string>& overrides) {
+  RunInfo info;
+  info.provenance.request.overrides = overrides;
+  info.status = status, info.message = message;
+  info.quasi_static = check_quasi_static(rows, simulation.scene());
+  info.crushed_out = find_crushed_out(simulation);
+  info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
+  write_summary(folder / "summary.json", simulation, rows, info);
+}
+
+namespace {
 
 class Recorder : public Observer {
  public:
@@ -242,21 +263,15 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
       if (sample.status == "done" && warning.about == "collapse_multiplier") fail(warning.text);
     recorder.history().finish();
     const auto& rows = recorder.history().rows();
-    RunInfo info;
-    info.provenance.request.overrides = study.overrides_of(number);
-    info.status = sample.status, info.message = sample.reason;
-    info.quasi_static = check_quasi_static(rows, simulation->scene());
-    info.crushed_out = find_crushed_out(*simulation);
-    info.warnings = warnings_of(*simulation, info.quasi_static, info.crushed_out);
-    write_summary(folder / "summary.json", *simulation, rows, info);
+    write_run_summary(folder, *simulation, rows, sample.status, sample.reason, study.overrides_of(number));
     write_joints(*simulation, folder / "cracks.csv");
     sample.outputs = outputs_of(*simulation, rows);
   }
   write_sample(folder, sample);
 }
 
-void write_failed(const Study& study, std::uint64_t number, const fs::path& folder, const std::string& reason) {
-  write_sample(folder, {"failed", without_path(reason, study.scene), inputs_of(study, number), {}});
+void write_failed(const Study& study, std::uint64_t task, const fs::path& folder, const std::string& reason) {
+  write_sample(folder, {"failed", without_path(reason, study.scene), inputs_of(study, task), {}});
 }
 
 bool is_finished(const fs::path& folder) {

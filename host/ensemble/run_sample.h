@@ -10,6 +10,7 @@
 
 #include "ensemble/study.h"
 #include "scene/scene.h"
+#include "step/simulation.h"
 
 namespace quoin::ensemble {
 
@@ -22,6 +23,15 @@ struct Sample {
   Values inputs, outputs;
 };
 
+// Values of the study's quantities in a task; with records, before them the numbers of its record and wall, from 1.
+Values inputs_of(const Study& study, std::uint64_t task);
+// Writes FOLDER/sample.json, which marks a task as finished.
+void write_sample(const std::filesystem::path& folder, const Sample& sample);
+// Writes FOLDER/summary.json. status: done or failed, with its message.
+void write_run_summary(const std::filesystem::path& folder, const Simulation& simulation,
+                       const std::vector<HistoryRow>& rows, const std::string& status, const std::string& message,
+                       const std::vector<std::string>& overrides);
+
 // Names of the outputs of every sample.
 std::vector<std::string> output_names();
 // Names of the inputs for a random property of a joint family: its mean by area, and its least value.
@@ -33,8 +43,8 @@ std::array<std::string, 2> drawn_columns(const std::string& family, const std::s
 void run_sample(const Study& study, std::uint64_t number, const std::function<Scene()>& make_scene,
                 const std::filesystem::path& folder);
 
-// Records a failed sample whose process ended without a record.
-void write_failed(const Study& study, std::uint64_t number, const std::filesystem::path& folder,
+// Records a failed task whose process ended without a record.
+void write_failed(const Study& study, std::uint64_t task, const std::filesystem::path& folder,
                   const std::string& reason);
 
 // sample.json of a finished sample. Throws Error(bad_input) for a file that is not valid.

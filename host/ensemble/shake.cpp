@@ -18,9 +18,6 @@
 #include "results/history.h"
 #include "results/json_file.h"
 #include "results/plots.h"
-#include "results/provenance.h"
-#include "results/summary.h"
-#include "results/warnings.h"
 #include "step/findings.h"
 #include "step/large_motion.h"
 #include "step/results.h"
@@ -153,17 +150,6 @@ class CollapseWatch : public Observer {
   double begin_;         // s, when it began
 };
 
-void write_run_summary(const fs::path& folder, const Simulation& simulation, CollapseWatch& watch,
-                       const std::vector<std::string>& overrides) {
-  const auto& rows = watch.history().rows();
-  RunInfo info;
-  info.provenance.request.overrides = overrides;
-  info.status = watch.run.failed() ? "failed" : "done", info.message = watch.run.reason;
-  info.quasi_static = check_quasi_static(rows, simulation.scene());
-  info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
-  write_summary(folder / "summary.json", simulation, rows, info);
-}
-
 // Computes one run. Errors of the scene or of the law make it a failed run.
 ShakenRun shake(const Study& study, const std::function<Scene(const std::vector<std::string>&)>& make_scene,
                 const std::vector<std::string>& overrides, const fs::path& folder) {
@@ -190,22 +176,21 @@ ShakenRun shake(const Study& study, const std::function<Scene(const std::vector<
     watch.run.status = "failed", watch.run.reason = any_error(error).what();
   }
   watch.history().finish();
-  write_run_summary(folder, *simulation, watch, overrides);
+  write_run_summary(folder, *simulation, watch.history().rows(), watch.run.failed() ? "failed" : "done",
+                    watch.run.reason, overrides);
   return watch.run;
 }
 
-Json outputs_of(const RecordSuite& suite, const std::vector<ShakenRun>& runs) {
-  Json outputs = Json::object();
-  outputs["runs"] = runs.size();
-  if (suite.method == RecordSuite::Method::incremental) {
-    for (std::size_t m = 0; m < kMeasures; ++m) {
-      const auto measure = static_cast<IntensityMeasure>(m);
-      const Bracket b = bracket_of(runs, measure, 0.0);
-      const std::string column = names_of(measure).column;
-      outputs["stands_" + column] = number_or_null(b.low);
-      outputs["collapse_" + column] =
-          b.low > 0.0 && std::isfinite(b.high) ? number_or_null(std::sqrt(b.low * b.high)) : Json(nullptr);
-    }
+Values outputs_of(const RecordSuite& suite, const std::vector<ShakenRun>& runs) {
+  Values outputs{{"runs", static_cast<double>(runs.size())}};
+  if (suite.method != RecordSuite::Method::incremental) return outputs;
+  for (std::size_t m = 0; m < kMeasures; ++m) {
+    const auto measure = static_cast<IntensityMeasure>(m);
+    const Bracket b = bracket_of(runs, measure, 0.0);
+    const std::string column = names_of(measure).column;
+    outputs.emplace_back("stands_" + column, b.low);
+    outputs.emplace_back("collapse_" + column,
+                         b.low > 0.0 && std::isfinite(b.high) ? std::sqrt(b.low * b.high) : kNone);
   }
   return outputs;
 }
@@ -276,18 +261,12 @@ void shake_sample(const Study& study, std::uint64_t task,
     write_run(place, run);
     runs.push_back(run);
   }
-  Json inputs{{"record", record + 1}, {"wall", study.wall_of(task)}};
-  const std::vector<double> drawn = study.values(study.wall_of(task));
-  const std::vector<StudyQuantity> known = study.inputs();
-  for (std::size_t i = 0; i < drawn.size(); ++i) inputs[known[i].name] = drawn[i];
   const bool failed = !runs.empty() && runs.back().failed();
-  write_json(folder / "sample.json",
-             {{"status", failed ? "failed" : "done"},
-              {"reason", failed ? fmt::format("run {} with {} times the record: {}", runs.size(), runs.back().factor,
-                                              runs.back().reason)
-                                : ""},
-              {"inputs", inputs},
-              {"outputs", outputs_of(study.suite, runs)}});
+  write_sample(folder, {failed ? "failed" : "done",
+                        failed ? fmt::format("run {} with {} times the record: {}", runs.size(), runs.back().factor,
+                                             runs.back().reason)
+                               : "",
+                        inputs_of(study, task), outputs_of(study.suite, runs)});
 }
 
 std::vector<ShakenRun> read_runs(const fs::path& folder) {

@@ -299,6 +299,26 @@ TEST_F(Suite, TimesCountFromTheBeginOfTheShake) {
   EXPECT_NEAR(std::stod(runs[0].at("time_s")), 0.2 + 0.1, 0.01);
 }
 
+// The values of a task are those of its wall, also where its process crashed. They were drawn by the number of the
+// task, past the end of a design by Latin hypercubes.
+TEST_F(Suite, ATaskThatCrashedHasTheInputsOfItsWall) {
+  const std::string more =
+      "[[quantity]]\nname = \"angle\"\nkey = \"joints.dry.friction_angle\"\ndistribution = \"uniform\"\nlower = 10\n"
+      "upper = 20\n";
+  auto of_file = quoin::ensemble::read_study(study(hunt_, pulses_ + more));
+  of_file.samples = 2, of_file.method = quoin::random::Method::latin_hypercube;
+  for (std::uint64_t task = 1; task <= 6; ++task) {
+    quoin::ensemble::write_failed(of_file, task, folder_, "its process ended by signal 11");
+    const quoin::ensemble::Sample sample = quoin::ensemble::read_sample(folder_);
+    EXPECT_EQ(sample.status, "failed");
+    const std::uint64_t wall = (task - 1) / 3 + 1, record = (task - 1) % 3 + 1;
+    const quoin::ensemble::Values expected{
+        {"record", double(record)}, {"wall", double(wall)}, {"angle", of_file.values(wall)[0]}};
+    EXPECT_EQ(sample.inputs, expected) << task;
+  }
+  EXPECT_NE(of_file.values(1), of_file.values(2));
+}
+
 // A cloud analysis uses unscaled records, in combination with random walls.
 TEST_F(Suite, ACloudCrossesWallsAndRecords) {
   const std::string more =
