@@ -107,11 +107,12 @@ class Rule {
       n_.masonry_strength = note("masonry: compressive strength", *t_.masonry_strength, "Pa", "given", 0.15);
       return;
     }
-    const double normalised = t_.unit_strength_normalised.value_or(unit_) / kMPa;
     const bool thin = t_.bed == JointKind::thin || t_.bed == JointKind::dry;
-    const double characteristic =
-        thin ? kind_.k_thin * std::pow(normalised, kind_.thin_power)
-             : kind_.k_mortar * std::pow(normalised, 0.7) * std::pow(std::min(mortar_ / kMPa, 20.0), 0.3);
+    // Bounds of EN 1996-1-1, 3.6.1.2: fb up to 50 MPa in thin joints, else 75; fm up to 20 MPa and to 2 fb.
+    const double fb = std::min(t_.unit_strength_normalised.value_or(unit_) / kMPa, thin ? 50.0 : 75.0);
+    const double fm = std::min({mortar_ / kMPa, 20.0, 2.0 * fb});
+    const double characteristic = thin ? kind_.k_thin * std::pow(fb, kind_.thin_power)
+                                       : kind_.k_mortar * std::pow(fb, 0.7) * std::pow(fm, 0.3);
     n_.masonry_strength =
         note("masonry: compressive strength", kMeanOverCharacteristic * characteristic * kMPa, "Pa",
              thin ? fmt::format("1.2 x {} fb^{} (EN 1996-1-1, 3.6.1.2; EN 1052-1)", kind_.k_thin, kind_.thin_power)

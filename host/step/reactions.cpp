@@ -140,10 +140,8 @@ std::vector<JointWrench> wrenches_of_supports(const Simulation::Impl& s) {
   std::vector<JointWrench> wrenches;
   for (const int b : blocks) wrenches.push_back(s.large_motion ? s.reactions.wrench[at(b)] : joint_wrench(s, b));
   if (s.large_motion) return wrenches;
-  // Joints lie where the ground has carried them, against the centre at the start.
-  const int ground = ground_block(s);
-  const Vec3 moved = ground < 0 ? Vec3{} : displacement_at_forces(s, {ground});
-  for (JointWrench& of : wrenches) of.moment += cross(moved, of.force);
+  // Joints lie where their support has carried them, against its centre at the start.
+  for (JointWrench& of : wrenches) of.moment += cross(of.displacement, of.force);
   return wrenches;
 }
 

@@ -263,6 +263,20 @@ TEST(LatticeOnGround, GroupsOfSupportsMoveByThemselves) {
   EXPECT_GT(kCracks(lattice.back()), 0.0);
 }
 
+// Moments of supports are those of their places now, also where supports move by themselves and no ground does. The
+// whole base goes 8 mm to the side, under 5.5 kN: 44 N m, which the lattice missed
+// (1.8 and 1.2 % of the moments). Half a percent remains, as joints break.
+TEST(LatticeOnGround, SupportsThatMoveCarryTheirMomentsWithThem) {
+  const Overrides aside{"wall.bottom_beam_cuts=[3]", "output.record_interval=0.0002",
+                        "stage.shake.ground_motion={support=[{blocks=['bottom_beam_1','bottom_beam_2'],"
+                        "direction=[1,0,0],time=[0,0.01,0.02],displacement=[0,0.004,0.008]}]}"};
+  const auto lattice = shaken(aside), general = shaken(with(aside, {"solver.kernels=general"}), false);
+  EXPECT_LT(apart(lattice, general, kBase), 0.02);
+  EXPECT_LT(apart(lattice, general, kMoment), 0.008);
+  const auto of_supports = [](const HistoryRow& row) { return geometry::vector(row.reaction_sum.moment); };
+  EXPECT_LT(apart(lattice, general, of_supports), 0.008);
+}
+
 // The frequency of the assembled system and the share of damping agree, and so does the viscosity of the pair with the
 // highest frequency. In the general kernels the Lanczos iteration ends after 80 steps, here with an error of 2e-4.
 TEST(LatticeOnGround, HasTheTimeStepAndTheDampingOfTheGeneralKernels) {
