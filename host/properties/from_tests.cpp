@@ -111,8 +111,8 @@ class Rule {
     // Bounds of EN 1996-1-1, 3.6.1.2: fb up to 50 MPa in thin joints, else 75; fm up to 20 MPa and to 2 fb.
     const double fb = std::min(t_.unit_strength_normalised.value_or(unit_) / kMPa, thin ? 50.0 : 75.0);
     const double fm = std::min({mortar_ / kMPa, 20.0, 2.0 * fb});
-    const double characteristic = thin ? kind_.k_thin * std::pow(fb, kind_.thin_power)
-                                       : kind_.k_mortar * std::pow(fb, 0.7) * std::pow(fm, 0.3);
+    const double characteristic =
+        thin ? kind_.k_thin * std::pow(fb, kind_.thin_power) : kind_.k_mortar * std::pow(fb, 0.7) * std::pow(fm, 0.3);
     n_.masonry_strength =
         note("masonry: compressive strength", kMeanOverCharacteristic * characteristic * kMPa, "Pa",
              thin ? fmt::format("1.2 x {} fb^{} (EN 1996-1-1, 3.6.1.2; EN 1052-1)", kind_.k_thin, kind_.thin_power)
@@ -143,7 +143,9 @@ class Rule {
     const double softer = 1.0 / n_.masonry_modulus - 1.0 / n_.young_modulus;
     const double stiffness = softer > 0.0 ? 1.0 / (t_.block_height * softer) : kStiffestBed;
     return note("bed joint: normal stiffness", std::min(stiffness, kStiffestBed), "Pa/m",
-                "unit and joint in series: 1/(h (1/E masonry - 1/E unit))", 0.3);
+                softer > 0.0 ? "unit and joint in series: 1/(h (1/E masonry - 1/E unit))"
+                             : "the stiffest joint, as E masonry is not below E unit, which bounds it [assumed]",
+                0.3);
   }
 
   // Fracture energies are at least twice the elastic energy at the strength, so that no joint snaps back.

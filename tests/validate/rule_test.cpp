@@ -57,6 +57,32 @@ TEST(Rule, StrengthOfMasonryIsThatOfEurocode6) {
   }
 }
 
+// Bounds there: fm up to 20 MPa and to 2 fb; fb up to 75 MPa, 50 MPa in thin joints.
+TEST(Rule, StrengthOfMasonryHasTheBoundsOfEurocode6) {
+  const auto strength = [](double unit, double mortar, JointKind bed) {
+    TestedMasonry t;
+    t.block_height = 0.2, t.unit = UnitKind::clay, t.bed = bed;
+    t.unit_strength = unit, t.mortar_strength = mortar;
+    return properties_of(t).masonry_strength / 1.2e6;
+  };
+  const JointKind mortar = TestedMasonry{}.bed;
+  EXPECT_NEAR(strength(4e6, 20e6, mortar), 0.55 * std::pow(4.0, 0.7) * std::pow(8.0, 0.3), 1e-9);
+  EXPECT_NEAR(strength(40e6, 30e6, mortar), 0.55 * std::pow(40.0, 0.7) * std::pow(20.0, 0.3), 1e-9);
+  EXPECT_NEAR(strength(100e6, 5e6, mortar), 0.55 * std::pow(75.0, 0.7) * std::pow(5.0, 0.3), 1e-9);
+  EXPECT_NEAR(strength(60e6, 5e6, JointKind::thin), 0.75 * std::pow(50.0, 0.85), 1e-9);
+}
+
+// Masonry that is given stiffer than its units cannot be: the joint is the stiffest one, and the derivation says so.
+TEST(Rule, MasonryIsNotStifferThanItsUnits) {
+  TestedMasonry t = eindhoven();
+  t.masonry_modulus = 9e9, t.unit_modulus = 2e9;
+  std::string from;
+  for (const auto& row : properties_of(t).derivation) {
+    if (row.name == "bed joint: normal stiffness") from = row.from;
+  }
+  EXPECT_NE(from.find("not below E unit"), std::string::npos) << from;
+}
+
 TEST(Rule, UnitAndJointInSeriesAreTheMasonry) {
   TestedMasonry t = eindhoven();
   for (const double height : {0.05, 0.0625, 0.25}) {
