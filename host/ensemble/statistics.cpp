@@ -103,17 +103,21 @@ double quantile_of(std::vector<double> values, double probability) {
   return v[below] + (place - static_cast<double>(below)) * (v[above] - v[below]);
 }
 
-// The number of samples below the quantile has a binomial distribution.
+// The numbers of samples below and above the quantile have binomial distributions.
 Interval quantile_interval(std::vector<double> values, double probability) {
   std::vector<double> v = finite(values);
   if (v.empty()) return {kNone, kNone};
   std::sort(v.begin(), v.end());
   const bm::binomial count(static_cast<double>(v.size()), probability);
-  const double low = std::floor(bm::quantile(count, kTail)),
-               high = std::ceil(bm::quantile(bm::complement(count, kTail)));
+  // The k-th of the sorted samples lies above the quantile where less than k of them lie below it.
+  const auto passes = [&](const bm::binomial& number) {
+    std::size_t k = 0;
+    while (k < v.size() && bm::cdf(number, static_cast<double>(k)) <= kTail) ++k;
+    return k;
+  };
+  const std::size_t low = passes(count), high = passes(bm::binomial(static_cast<double>(v.size()), 1.0 - probability));
   // Too few samples: no bound on that side.
-  return {low >= 1 ? v[static_cast<std::size_t>(low) - 1] : kNone,
-          high < static_cast<double>(v.size()) ? v[static_cast<std::size_t>(high)] : kNone};
+  return {low > 0 ? v[low - 1] : kNone, high > 0 ? v[v.size() - high] : kNone};
 }
 
 std::optional<Dependence> dependence_of(const std::vector<double>& input, const std::vector<double>& output) {

@@ -100,7 +100,12 @@ ResponseAxis response_axis(const Stage& stage) {
   const auto strongest =
       std::ranges::max_element(components, {}, [upright](const Component* c) { return strength_of(c, upright); });
   if (strongest == components.end()) return {};
-  const Vec3 d = (*strongest)->direction / norm_of((*strongest)->direction);
+  // Horizontal, unless the ground moves along the vertical alone: a force along it has the weight.
+  Vec3 d = (*strongest)->direction;
+  Vec3 level = d;
+  level[static_cast<std::size_t>(upright)] = 0.0;
+  if (norm_of(level) > 0.0) d = level;
+  d = d / norm_of(d);
   for (std::size_t c = 0; c < 3; ++c) {
     if (std::abs(d[c]) < 1.0) continue;
     ResponseAxis axis{{}, std::string(1, "xyz"[c])};

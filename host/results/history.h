@@ -29,8 +29,8 @@ struct ResponseAxis {
   Vec3 direction{1.0, 0.0, 0.0};
   std::string name = "x";  // y, z, or as "(0.6, 0, 0.8)"
 };
-// Axis z where the stage is measured along it, else that of the strongest horizontal motion; without one of the
-// vertical.
+// Axis z where the stage is measured along it, else the horizontal part of the strongest horizontal motion; without one
+// that of the vertical.
 ResponseAxis response_axis(const Stage& stage);
 // Axis or direction of the curve of a stage: that of the response to ground motion, or of axis_of.
 std::string axis_name(const Stage& stage);

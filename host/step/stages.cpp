@@ -95,7 +95,7 @@ void begin_stage(Simulation::Impl& s, int index) {
   // With the body force of a collapse, which fades over the ramp.
   s.controls.gravity_from =
       previous && previous->collapse ? geometry::array(s.large_motion->actions.gravity) : s.data.gravity;
-  s.actions.collapse_left = previous && previous->collapse ? s.large_motion->actions.of_collapse : geometry::Vector{};
+  s.actions.collapse_left = s.large_motion ? s.large_motion->actions.of_collapse : geometry::Vector{};
   s.controls.gravity_to = settings.gravity;
   s.controls.settled = false;
   s.progress.stage = index;

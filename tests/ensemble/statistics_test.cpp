@@ -55,6 +55,22 @@ TEST(Statistics, QuantilesAreHazens) {
   EXPECT_TRUE(std::isnan(quantile_interval({1, 2, 3}, 0.05).low));  // too few values
 }
 
+// Tables of confidence intervals of a median at 95 %: samples 1 and 6 of 6, 2 and 9 of 10, 40 and 61 of 100. Quantiles
+// p and 1 - p have mirrored bounds. The lower bounds were one sample too low.
+TEST(Statistics, BoundsOfQuantilesAreTheNarrowestThatHold) {
+  const auto ranks = [](std::size_t count, double probability) {
+    std::vector<double> v;
+    for (std::size_t i = 1; i <= count; ++i) v.push_back(double(i));
+    const Interval i = quantile_interval(v, probability);
+    return std::pair(i.low, i.high);
+  };
+  EXPECT_EQ(ranks(6, 0.5), std::pair(1.0, 6.0));
+  EXPECT_EQ(ranks(10, 0.5), std::pair(2.0, 9.0));
+  EXPECT_EQ(ranks(100, 0.5), std::pair(40.0, 61.0));
+  EXPECT_EQ(ranks(100, 0.05).first, 1.0);
+  EXPECT_EQ(ranks(100, 0.95).second, 100.0);
+}
+
 // y = 2 a + b: a explains 4/5 of the variance, b 1/5, c none.
 TEST(Statistics, CorrelationRatiosAreTheFirstIndices) {
   std::vector<double> a, b, c, y;

@@ -238,7 +238,8 @@ TEST(ReleasedSupport, ReactionHasTheBodyForceOfACollapse) {
       "[[stage]]\nname = \"weight\"\ngravity = [0, -9.81, 0]\nramp_time = 0.2\nduration = 0.3\n" + held +
       "[[stage]]\nname = \"push\"\nramp_time = 0.2\n"
       "collapse = { direction = [1, 0, 0], start = 0.3, rate = 0.05, displacement = 0.1, limit = 0.305 }\n" +
-      held + "[[stage]]\nname = \"free\"\nramp_time = 0.3\nduration = 0.2\n";
+      held + "[[stage]]\nname = \"free\"\nramp_time = 0.3\nduration = 0.2\n" +
+      "[[stage]]\nname = \"on\"\nramp_time = 0.1\nduration = 0.2\n";
   Simulation simulation(read_scene_text(text, "held.toml"));
   run_stages(simulation, 2);
   const double before = moved(simulation, 1)[0];
@@ -249,6 +250,13 @@ TEST(ReleasedSupport, ReactionHasTheBodyForceOfACollapse) {
     largest = std::max(largest, std::abs(moved(simulation, 1)[0] - before));
   }
   EXPECT_LT(largest, 1e-5);
+  // That stage ends inside its ramp. What is left of the body force fades in the next one; it ended at once.
+  const double left = simulation.large_motion()->actions.of_collapse.x;
+  EXPECT_GT(left, 0.1);
+  simulation.run_stage(nobody, 1);
+  EXPECT_NEAR(simulation.large_motion()->actions.of_collapse.x, left, 0.01 * left);
+  simulation.run_stage(nobody);
+  EXPECT_EQ(simulation.large_motion()->actions.of_collapse.x, 0.0);
 }
 
 // A force of 500 N fades while a stage holds its block; the next stage releases it. Both kernels give it the same

@@ -414,6 +414,11 @@ TEST(ResponseAxis, IsThatOfTheStrongestHorizontalMotion) {
   stage.gravity = {0, -9.81, 0};
   stage.ground->components.erase(stage.ground->components.begin() + 1);
   EXPECT_EQ(response_axis(stage).name, "x");
+  // A force along an axis with a vertical part would have the weight: 7639 N of base shear were 1917 N.
+  stage.ground->components = {moved_by({4, 2, 3}, 1.0)};
+  EXPECT_EQ(response_axis(stage).name, "(0.8, 0, 0.6)");
+  stage.ground->components = {moved_by({0, -2, 0}, 1.0)};
+  EXPECT_EQ(response_axis(stage).name, "y");
 }
 
 // The page has the colours of cracks.png: blue for sliding and warm colours for opening.
