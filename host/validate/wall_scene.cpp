@@ -56,15 +56,17 @@ struct Layout {
 
 // Layout with blocks k courses high and k half units long where the wall has too many units.
 Layout layout_of(const WallRow& row) {
-  const JointKind bed = joint_of(row.bed_joints, JointKind::mortar);
-  const double joint = bed == JointKind::dry ? 0.0 : bed == JointKind::thin ? kThinJoint : kMortarJoint;
+  const JointKind bed = joint_of(row.bed_joints, JointKind::mortar), head = joint_of(row.head_joints, bed);
+  const auto width = [](JointKind kind) {
+    return kind == JointKind::mortar ? kMortarJoint : kind == JointKind::thin ? kThinJoint : 0.0;
+  };
   // Bonded over the thickness: alternate courses of stretchers and headers, whose mean length is that of the steps of
   // cracks.
   const double stretcher = row.unit_length.value_or(250.0),
                header = std::min(row.unit_width.value_or(stretcher), stretcher);
   const bool bonded = 1e3 * row.thickness > kBondedThickness * header;
-  const double length = (bonded ? (stretcher + header) / 2 : stretcher) + (row.head_joints == "U" ? 0.0 : joint);
-  const double height = row.unit_height.value_or(65.0) + joint;
+  const double length = (bonded ? (stretcher + header) / 2 : stretcher) + width(head);
+  const double height = row.unit_height.value_or(65.0) + width(bed);
   const double courses = row.courses.value_or(std::max(1.0, std::round(1e3 * row.height / height)));
   Layout l;
   for (int merged = 1;; ++merged) {

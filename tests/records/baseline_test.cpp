@@ -26,6 +26,21 @@ TEST(Baseline, PolynomialThatWasAddedIsRemoved) {
   for (const double value : left.value) EXPECT_NEAR(value, 0.0, 1e-12);
 }
 
+// Order 0 takes the mean away. As many coefficients as samples leave nothing.
+TEST(Baseline, LowestAndHighestOrder) {
+  using Kind = BaselineCorrection::Kind;
+  TimeSeries two{{0.0, 1.0}, {1.0, 4.0}};
+  const TimeSeries level = correct_baseline(two, {Kind::polynomial, 0, 0.0});
+  EXPECT_NEAR(level.value[0], -1.5, 1e-12);
+  EXPECT_NEAR(level.value[1], 1.5, 1e-12);
+  for (const double left : correct_baseline(two, {Kind::polynomial, 1, 0.0}).value) EXPECT_NEAR(left, 0.0, 1e-12);
+  EXPECT_ANY_THROW(correct_baseline(two, {Kind::polynomial, -1, 0.0}));
+  for (int i = 2; i <= 10; ++i) two.time.push_back(i), two.value.push_back(i % 3);
+  for (const double left : correct_baseline(two, {Kind::polynomial, 10, 0.0}).value) EXPECT_NEAR(left, 0.0, 1e-9);
+  EXPECT_EQ(correct_baseline(two, {Kind::high_pass, 8, 0.2}).value.size(), two.value.size());
+  EXPECT_ANY_THROW(correct_baseline(two, {Kind::high_pass, 9, 0.2}));
+}
+
 // Two passes of a Butterworth filter of order n: gain 1/(1 + (fc/f)^(2n)), no phase shift. In the middle of a long
 // sine.
 TEST(Baseline, HighPassHasItsGainAndNoShiftOfPhase) {

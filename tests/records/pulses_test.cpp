@@ -48,6 +48,13 @@ TEST(Pulses, MavroeidisHasItsVelocity) {
   }
 }
 
+// The step is the longest one allowed; whole numbers of it fit. A jump takes a thousandth of the pulse.
+TEST(Pulses, StepsAreEqualAndNoLongerThanGiven) {
+  EXPECT_EQ(sine_pulse(1.0, 1.0, 0.3).time, (std::vector{0.0, 0.25, 0.5, 0.75, 1.0}));
+  EXPECT_EQ(cosine_pulse(1.0, 0.7, 0.1).time.size(), 8u);
+  EXPECT_EQ(rectangular_pulse(2.0, 0.5).time, (std::vector{0.0, 0.0005, 0.5, 0.5005}));
+}
+
 TEST(Pulses, RefuseWhatHasNoMeaning) {
   EXPECT_ANY_THROW(rectangular_pulse(1.0, 0.0));
   EXPECT_ANY_THROW(sine_pulse(1.0, 1.0, 0.0));

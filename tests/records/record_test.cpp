@@ -33,6 +33,7 @@ TEST(Record, VelocityTurnsBetweenSamples) {
   EXPECT_DOUBLE_EQ(m.pgv, 0.5);
   EXPECT_DOUBLE_EQ(m.end_velocity, 0.0);
   EXPECT_DOUBLE_EQ(m.end_displacement, 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(m.arias, pi / (2.0 * kStandardGravity) * 2.0 / 3.0);  // of (1 - t)^2
 }
 
 // Constant acceleration: the intensity grows linearly, so 90 % of it takes 90 % of the time.
@@ -40,6 +41,24 @@ TEST(Record, SignificantDurationOfConstantAcceleration) {
   TimeSeries a;
   for (int i = 0; i <= 100; ++i) a.time.push_back(0.1 * i), a.value.push_back(-2.0);
   EXPECT_NEAR(measure_record(a).significant_duration, 9.0, 1e-9);
+  EXPECT_NEAR(measure_record({{0.0, 10.0}, {-2.0, -2.0}}).significant_duration, 9.0, 1e-12);  // within a step
+}
+
+// Parabolas of the velocity, and a cubic of the displacement that is at rest at both ends, are exact at unequal steps.
+TEST(Record, UnequalStepsAreExactForPolynomials) {
+  GroundRecord velocity{"", MotionKind::velocity, {0.0, 0.1, 0.4, 0.5, 1.0}, {{"v", {}}}, {}}, displacement = velocity;
+  displacement.kind = MotionKind::displacement;
+  for (const double t : velocity.time) {
+    velocity.components[0].value.push_back(1.0 + 2.0 * t - 3.0 * t * t);
+    displacement.components[0].value.push_back(t * t * (3.0 - 2.0 * t));
+  }
+  const TimeSeries from_v = acceleration_of(velocity, 0), from_u = acceleration_of(displacement, 0);
+  for (std::size_t i = 0; i < velocity.time.size(); ++i) {
+    EXPECT_NEAR(from_v.value[i], 2.0 - 6.0 * velocity.time[i], 1e-12) << i;
+    EXPECT_NEAR(from_u.value[i], 6.0 - 12.0 * velocity.time[i], 1e-12) << i;
+  }
+  const GroundRecord two{"", MotionKind::velocity, {0.0, 0.5}, {{"v", {1.0, 3.0}}}, {}};
+  EXPECT_EQ(acceleration_of(two, 0).value, (std::vector{4.0, 4.0}));
 }
 
 // v = w cos(w t), a = -w^2 sin(w t): differences have errors of (w h)^2/6. u = 1 - cos(w t), at rest at both ends:

@@ -127,6 +127,18 @@ TEST(ResponseSpectrum, LimitsArePeakAccelerationAndPeakDisplacement) {
   EXPECT_NEAR(ordinates(pulse, 0.0, 200.0).displacement, 2.0 * 0.36 / (2.0 * pi * pi), 2e-4);
 }
 
+// The displacement is multiplied by w and by w^2. Default periods: 0.02 to 5 s, in equal ratios.
+TEST(ResponseSpectrum, PseudoOrdinatesAndDefaultPeriods) {
+  const SpectralOrdinates o = ordinates(ricker_pulse(2.0, 0.6, 0.001), 0.05, 0.4);
+  const double w = 2.0 * pi / 0.4;
+  EXPECT_NEAR(o.pseudo_velocity, w * o.displacement, 1e-12);
+  EXPECT_NEAR(o.pseudo_acceleration, w * w * o.displacement, 1e-12);
+  const std::vector<double> periods = default_periods(3);
+  EXPECT_NEAR(periods[0], 0.02, 1e-12);
+  EXPECT_NEAR(periods[1], std::sqrt(0.02 * 5.0), 1e-12);
+  EXPECT_NEAR(periods[2], 5.0, 1e-12);
+}
+
 TEST(ResponseSpectrum, RefusesWhatHasNoMeaning) {
   const TimeSeries a{{0.0, 1.0}, {1.0, 1.0}};
   EXPECT_ANY_THROW(ordinates(a, 1.0, 1.0));

@@ -23,6 +23,33 @@ TEST(DesignSpectrum, HasTheValuesOfTheCode) {
   EXPECT_ANY_THROW((DesignSpectrum{1.0, 'F'}.acceleration(0.2)));
 }
 
+// EN 1998-1:2004, tables 3.2 and 3.3: S, T_B, T_C, T_D of grounds A to E. Damping 2 %: eta = sqrt(10/7).
+TEST(DesignSpectrum, GroundsHaveTheirCorners) {
+  const double table[2][5][4] = {{{1.0, 0.15, 0.4, 2.0},
+                                  {1.2, 0.15, 0.5, 2.0},
+                                  {1.15, 0.2, 0.6, 2.0},
+                                  {1.35, 0.2, 0.8, 2.0},
+                                  {1.4, 0.15, 0.5, 2.0}},
+                                 {{1.0, 0.05, 0.25, 1.2},
+                                  {1.35, 0.05, 0.25, 1.2},
+                                  {1.5, 0.1, 0.25, 1.2},
+                                  {1.8, 0.1, 0.3, 1.2},
+                                  {1.6, 0.05, 0.25, 1.2}}};
+  const double eta = std::sqrt(10.0 / 7.0);
+  for (const int type : {1, 2}) {
+    for (int i = 0; i < 5; ++i) {
+      const DesignSpectrum ground{3.0, static_cast<char>('A' + i), type, 0.02};
+      const auto& [soil, b, c, d] = table[type - 1][i];
+      const double rigid = 3.0 * soil, plateau = rigid * 2.5 * eta;
+      EXPECT_NEAR(ground.acceleration(0.5 * b), 0.5 * (rigid + plateau), 1e-12) << type << ground.ground_type;
+      EXPECT_NEAR(ground.acceleration(b), plateau, 1e-12) << type << ground.ground_type;
+      EXPECT_NEAR(ground.acceleration(0.999 * c), plateau, 1e-12) << type << ground.ground_type;
+      EXPECT_NEAR(ground.acceleration(1.01 * c), plateau / 1.01, 1e-12) << type << ground.ground_type;
+      EXPECT_NEAR(ground.acceleration(2.0 * d), plateau * c / d / 4.0, 1e-12) << type << ground.ground_type;
+    }
+  }
+}
+
 // EN 1998-1, 3.2.3.1.2(4): no value below 90 % of the target. Rest at both ends. Computed independently of the
 // generator.
 TEST(SyntheticRecord, FollowsItsSpectrumAndRestsAtTheEnd) {

@@ -139,6 +139,9 @@ TEST(Statistics, AreThoseOfHand) {
   EXPECT_NEAR(s.mean, 1.0, 1e-12);
   EXPECT_NEAR(s.median, 1.0, 1e-12);
   EXPECT_NEAR(s.variation, 0.2, 1e-12);
+  EXPECT_NEAR(quoin::validate::statistics_of({2.0, 0.8, 1.2, 1.0}).median, 1.1, 1e-12);
+  EXPECT_EQ(quoin::validate::statistics_of({0.7}).median, 0.7);
+  EXPECT_EQ(quoin::validate::statistics_of({0.7}).variation, 0.0);
 }
 
 }  // namespace

@@ -83,6 +83,82 @@ TEST(Rule, MasonryIsNotStifferThanItsUnits) {
   EXPECT_NE(from.find("not below E unit"), std::string::npos) << from;
 }
 
+// The table of host/validate/README.md, for fc 5 MPa, fb 40 MPa, c 0.3 MPa and courses of 62.5 mm.
+TEST(Rule, EveryNumberIsThatOfItsTable) {
+  const MasonryNumbers n = properties_of(eindhoven());
+  EXPECT_EQ(n.poisson_ratio, 0.2);
+  EXPECT_NEAR(n.masonry_modulus, 550 * 5e6, 1.0);
+  EXPECT_NEAR(n.young_modulus, 300 * 40e6, 1.0);
+  EXPECT_NEAR(n.bed.shear_stiffness, n.bed.normal_stiffness / 2.4, 1.0);
+  EXPECT_NEAR(n.bed.shear_energy, 0.2e-3 * 0.3e6, 1e-9);
+  EXPECT_EQ(n.bed.compressive_strength, 5e6);
+  EXPECT_NEAR(n.inside_units.normal_stiffness, 6 * n.bed.normal_stiffness, 1.0);
+  EXPECT_NEAR(n.inside_units.shear_stiffness, 6 * n.bed.normal_stiffness / 2.4, 1.0);
+  EXPECT_EQ(n.inside_units.friction_angle, 35.0);
+  EXPECT_NEAR(n.inside_units.tension_energy, 25.0 * std::pow(4.0, 0.7), 1e-9);
+  EXPECT_NEAR(n.inside_units.shear_energy, 0.1e-3 * n.inside_units.cohesion, 1e-9);
+  EXPECT_EQ(n.inside_units.compressive_strength, 40e6);
+
+  // Energy of tension: 0.075 mm ft from 5 to 20 J/m2, ft 2/3 c. Crushing: the Model Code ends at 80 MPa.
+  for (const auto& [cohesion, energy] : {std::pair(0.06e6, 5.0), {0.2e6, 10.0}, {0.6e6, 20.0}}) {
+    TestedMasonry t = eindhoven();
+    t.cohesion = cohesion;
+    EXPECT_NEAR(properties_of(t).bed.tension_energy, energy, 1e-9) << cohesion;
+  }
+  for (const auto& [strength, energy] : {std::pair(11.9e6, 1.6e-3 * 11.9e6), {12.1e6, 19675.924}, {90e6, 26360.0}}) {
+    TestedMasonry t = eindhoven();
+    t.unit_strength = strength;
+    EXPECT_NEAR(properties_of(t).inside_units.compression_energy, energy, 1e-6) << strength;
+  }
+
+  // Units that are hardly stiffer than their masonry have twice its modulus; of dry walls 300 fb.
+  TestedMasonry soft = eindhoven();
+  soft.unit_strength = 15e6;
+  EXPECT_NEAR(properties_of(soft).young_modulus, 2 * 550 * 5e6, 1.0);
+  soft.bed = JointKind::dry, soft.axial_stress = 0.02e6;  // counts as 0.05 MPa
+  const MasonryNumbers dry = properties_of(soft);
+  EXPECT_NEAR(dry.young_modulus, 300 * 15e6, 1.0);
+  EXPECT_NEAR(dry.bed.normal_stiffness, 8e9 * std::sqrt(0.1), 1.0);
+  EXPECT_NEAR(dry.inside_units.normal_stiffness, 6 * dry.young_modulus / 0.0625, 1.0);
+  TestedMasonry unfilled = eindhoven();
+  unfilled.head = JointKind::unfilled;
+  const MasonryNumbers tenth = properties_of(unfilled);
+  EXPECT_NEAR(tenth.head.normal_stiffness, 0.1 * n.bed.normal_stiffness, 1.0);
+  EXPECT_NEAR(tenth.head.shear_stiffness, 0.1 * n.bed.shear_stiffness, 1.0);
+  EXPECT_FALSE(tenth.head.compressive_strength);
+}
+
+// Strength and density of units of which nothing is known, mortar M5, friction 0.7. EN 1996-1-1, table 3.4: initial
+// shear strength in mortar M10 and more, M2.5 to M9, M1 to M2, and thin layers, MPa; means are 1/0.8 of it.
+TEST(Rule, UnknownMasonryIsThatOfItsKind) {
+  struct Row {
+    UnitKind kind;
+    double strength, density, m10, m2_5, m1, thin;
+  };
+  for (const Row& row : {Row{UnitKind::clay, 20e6, 1800, 0.30, 0.20, 0.10, 0.30},
+                         Row{UnitKind::hollow_clay, 12e6, 1000, 0.30, 0.20, 0.10, 0.30},
+                         Row{UnitKind::calcium_silicate, 20e6, 1900, 0.20, 0.15, 0.10, 0.40},
+                         Row{UnitKind::concrete, 10e6, 2000, 0.20, 0.15, 0.10, 0.30},
+                         Row{UnitKind::aerated_concrete, 4e6, 600, 0.20, 0.15, 0.10, 0.30},
+                         Row{UnitKind::stone, 60e6, 2500, 0.20, 0.15, 0.10, 0.30}}) {
+    TestedMasonry t;
+    t.block_height = 0.2, t.unit = row.kind;
+    const MasonryNumbers n = properties_of(t);
+    EXPECT_EQ(n.inside_units.compressive_strength, row.strength) << int(row.kind);
+    EXPECT_EQ(n.density, row.density) << int(row.kind);
+    EXPECT_NEAR(n.bed.friction_angle, 34.992, 1e-3);  // atan 0.7
+    t.mortar_strength = 5e6;
+    EXPECT_EQ(properties_of(t).masonry_strength, n.masonry_strength) << int(row.kind);
+    for (const auto& [mortar, shear] :
+         {std::pair(10e6, row.m10), {9.9e6, row.m2_5}, {2.5e6, row.m2_5}, {2e6, row.m1}}) {
+      t.mortar_strength = mortar;
+      EXPECT_NEAR(properties_of(t).bed.cohesion, shear * 1e6 / 0.8, 1e-3) << int(row.kind) << " in " << mortar;
+    }
+    t.bed = JointKind::thin;
+    EXPECT_NEAR(properties_of(t).bed.cohesion, row.thin * 1e6 / 0.8, 1e-3) << int(row.kind);
+  }
+}
+
 TEST(Rule, UnitAndJointInSeriesAreTheMasonry) {
   TestedMasonry t = eindhoven();
   for (const double height : {0.05, 0.0625, 0.25}) {

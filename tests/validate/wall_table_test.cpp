@@ -82,6 +82,80 @@ TEST_F(WallTables, UnknownKindsOfJointsAndUnitsAreNamed) {
   }
 }
 
+// Every number at the end of its range, and beyond it.
+TEST_F(WallTables, NumbersHaveTheirRanges) {
+  struct Column {
+    const char* name;
+    double least, most;
+    bool positive;
+  };
+  for (const Column& c : {Column{"courses", 0, 1000, true},
+                          Column{"unit_length_mm", 0, 5000, true},
+                          Column{"unit_width_mm", 0, 5000, true},
+                          Column{"unit_height_mm", 0, 5000, true},
+                          Column{"unit_strength_MPa", 0, 500, true},
+                          Column{"unit_strength_normalised_MPa", 0, 500, true},
+                          Column{"mortar_strength_MPa", 0, 500, true},
+                          Column{"masonry_compressive_strength_MPa", 0, 500, true},
+                          Column{"masonry_diagonal_tensile_strength_MPa", 0, 50, false},
+                          Column{"mortar_modulus_MPa", 0, 1e6, true},
+                          Column{"initial_shear_strength_MPa", 0, 20, false},
+                          Column{"friction_coefficient", 0, 2, true},
+                          Column{"shear_span_over_height", 0.05, 10, false},
+                          Column{"peak_positive_kN", -1e5, 1e5, false},
+                          Column{"peak_negative_kN", -1e5, 1e5, false},
+                          Column{"height_m", 0, 100, true},
+                          Column{"length_m", 0, 100, true},
+                          Column{"thickness_m", 0, 10, true},
+                          Column{"axial_stress_MPa", 0, 100, false},
+                          Column{"drift_at_peak_positive_percent", -100, 100, false},
+                          Column{"ultimate_drift_negative_percent", -100, 100, false}}) {
+    std::vector<std::map<std::string, std::string>> rows;
+    for (const double value : {c.most, c.most + 0.01, c.least, c.least - 0.01}) {
+      rows.push_back(dry_wall());
+      rows.back()["number"] = std::to_string(rows.size());
+      rows.back()[c.name] = std::to_string(value);
+    }
+    const WallTable table = read(rows);
+    EXPECT_EQ(table.rows.size(), c.positive ? 1u : 2u) << c.name;
+    ASSERT_EQ(table.faults.size(), c.positive ? 3u : 2u) << c.name;
+    EXPECT_THAT(table.faults[0], AllOf(HasSubstr(":3: " + std::string(c.name)), HasSubstr("out of range")));
+  }
+}
+
+TEST_F(WallTables, CellsMayBeQuotedAndDriftsAreMeans) {
+  auto wall = dry_wall(), negative = dry_wall();
+  wall["campaign"] = "\"a, \"\"b\"\"\"", wall["specimen"] = " W 1/2 ";
+  wall["drift_at_peak_positive_percent"] = "0.2", wall["drift_at_peak_negative_percent"] = "-0.4";
+  wall["ultimate_drift_positive_percent"] = "0.8";
+  negative["number"] = "2", negative["ultimate_drift_negative_percent"] = "-0.9";
+  const WallTable table = read({wall, negative});
+  ASSERT_EQ(table.rows.size(), 2u) << table.faults.front();
+  EXPECT_EQ(table.rows[0].campaign, "a, \"b\"");
+  EXPECT_EQ(table.rows[0].folder_name(), "1_a_b__W_1_2");
+  EXPECT_EQ(table.rows[0].line, 2);
+  EXPECT_NEAR(*table.rows[0].drift_at_peak, 0.3, 1e-12);
+  EXPECT_EQ(*table.rows[0].ultimate_drift, 0.8);
+  EXPECT_FALSE(table.rows[1].drift_at_peak);
+  EXPECT_EQ(*table.rows[1].ultimate_drift, 0.9);
+}
+
+TEST_F(WallTables, EnvelopesLieBesideTheTable) {
+  const fs::path folder = fs::temp_directory_path() / ("quoin_envelopes_" + std::to_string(getpid()));
+  fs::create_directories(folder / "envelopes");
+  const auto points = [&](const char* text) {
+    std::ofstream(folder / "envelopes" / "dry.csv") << text;
+    write_walls(folder / "walls.csv", {dry_wall()});
+    return read_wall_table((folder / "walls.csv").string()).rows.at(0).envelope;
+  };
+  const std::vector<std::array<double, 2>> expected{{-2.0, -15.0}, {0.0, 0.0}, {3.0, 16.0}};
+  EXPECT_EQ(points("top_displacement_mm,horizontal_force_kN\n-2,-15\n0,0\n3,16\n"), expected);
+  EXPECT_EQ(points("horizontal_force_kN,top_displacement_mm\n-15,-2\n0,0\n16,3\n"), expected);
+  EXPECT_THROW(points("x,horizontal_force_kN\n-2,-15\n"), quoin::Error);
+  EXPECT_THROW(points("top_displacement_mm,y\n-2,-15\n"), quoin::Error);
+  fs::remove_all(folder);
+}
+
 TEST_F(WallTables, OneSignIsThePeakAndSignsDoNotMatter) {
   auto one = dry_wall(), both = dry_wall();
   one["peak_positive_kN"] = "", one["peak_negative_kN"] = "-18";
@@ -107,6 +181,18 @@ TEST(Modes, AreToldFromWhatMoves) {
   const double top = 0.01;
   EXPECT_EQ(mode_of({0.0, 0.0, 0.0, top}), "F");
   EXPECT_EQ(mode_of({0.5 * top, 0.0, 0.0, top, 0.5}), "S");
+  // Just above and below each bound of the table in host/validate/README.md.
+  EXPECT_EQ(mode_of({0.251 * top, 0.0, 0.0, top, 0.79}), "S");
+  EXPECT_EQ(mode_of({0.249 * top, 0.0, 0.0, top, 0.79}), "H-FS");
+  EXPECT_EQ(mode_of({0.251 * top, 0.0, 0.0, top, 0.81}), "H-FS");
+  EXPECT_EQ(mode_of({0.251 * top, 0.21 * top, 0.0, top, 0.79}), "H-SSL");
+  EXPECT_EQ(mode_of({0.081 * top, 0.21 * top, 0.0, top}), "H-FSSL");
+  EXPECT_EQ(mode_of({0.081 * top, 0.19 * top, 0.0, top}), "H-FS");
+  EXPECT_EQ(mode_of({0.079 * top, 0.19 * top, 0.0, top}), "F");
+  EXPECT_EQ(mode_of({0.079 * top, 0.49 * top, 0.0, top}), "H-FSL");
+  EXPECT_EQ(mode_of({0.251 * top, 0.51 * top, 0.0, top}), "H-SLS");
+  EXPECT_EQ(mode_of({0.249 * top, 0.51 * top, 0.0, top}), "SL");
+  EXPECT_EQ(mode_of({1.0, 1.0, 0.0, 0.0}), "F");
   EXPECT_EQ(mode_of({0.5 * top, 0.0, 0.0, top, 0.95}), "H-FS");  // joints open, but the force does not decrease
   EXPECT_EQ(mode_of({0.0, 0.9 * top, 0.0, top}), "SL");
   EXPECT_EQ(mode_of({0.15 * top, 0.0, 0.0, top}), "H-FS");
