@@ -168,6 +168,29 @@ TEST(LimitOfScene, OneBlockNeedsTheFrictionOfItsPush) {
   }
 }
 
+// A law may have no strength in compression; a block on such joints does not stand. The message said "a strength below
+// 0".
+TEST(LimitOfScene, JointsWithoutCompressiveStrengthAreNamed) {
+  const std::string text = R"([materials.stone]
+density = 2000
+[joints.soft]
+law = "fracture_energy"
+normal_stiffness = 1e9
+shear_stiffness = 4e8
+friction_angle = 30
+compressive_strength = 0.0
+)" + block("base", "box = { lower = [-5, -0.2, -5], size = [12, 0.2, 12] }", true) +
+                           block("b", "box = { lower = [0, 0, 0], size = [1, 0.5, 1] }");
+  try {
+    limit_of_text(text, {1, 0, 0});
+    ADD_FAILURE() << "taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::bad_input);
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("joints.soft: compressive_strength = 0 Pa"),
+                                             testing::HasSubstr("leave it out")));
+  }
+}
+
 // A pressure acts on the top beam, a mass at a point beside it. Overturning of both about the right edge, by hand:
 // (50000 0.5 + 9810 0.5 + 3850.4 0.5 + 3850.4 0.2)/(9810 0.5 + 2 3850.4 1.05) = 2.510, up to the corner of the joint.
 // The pressure had moved to the common centre of mass: 1.932.

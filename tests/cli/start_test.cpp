@@ -245,6 +245,10 @@ TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   const auto refused = [&](const std::vector<std::string>& more, const std::string& reason) {
     EXPECT_EQ(run(second_, "other", more), 3) << reason;
     EXPECT_THAT(error_, HasSubstr(reason));
+    std::vector<std::string> check{"check", second_};
+    check.insert(check.end(), more.begin(), more.end());
+    EXPECT_EQ(quoin(check), 3) << reason;
+    EXPECT_THAT(error_, HasSubstr(reason));
   };
   refused({"--set", "joints.mortar.tensile_strength=0.1e6"}, "set of materials, joints");
   refused({"--set", "materials.brick.density=1800"}, "set of materials, joints");
@@ -260,6 +264,7 @@ TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   refused({"--set", "output.energy=true"}, "another output.energy (false; here true)");
   refused({"--set", "start=\"nowhere\""}, "does not exist");
   refused({"--law", "coulomb_slip"}, "other laws");
+  EXPECT_EQ(quoin({"check", second_}), 0) << error_;
   // Start from the output folder of the run itself, whose results would be removed before they are read.
   const std::string state = file("first", "end_state.bin");
   EXPECT_EQ(run(second_, "first"), 3);
