@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "scene/driven.h"
 #include "scene/quality.h"
+#include "scene/stage_warnings.h"
 #include "scene/unused_settings.h"
 
 namespace quoin {
@@ -627,6 +628,28 @@ TEST_F(ReadScene, CustomStages) {
   EXPECT_THAT(message(std::string(kScene) + "[[stage]]\nkind = \"custom\"\nduration = 0.1\n[[stage.control]]\nbody = "
                                             "\"roof\"\nforce = [1, 0, 0]\n"),
               AllOf(HasSubstr("stage.3.control.1.body = 'roof'"), HasSubstr("top_beam"), HasSubstr("control.1.force")));
+}
+
+// A stage of controls alone ends the pressure of the stage before, with a warning. There is none where the beam is
+// named, or where the stage goes on with the pressure.
+TEST_F(ReadScene, LoadsThatAStageEndsAreWarnedOf) {
+  const auto warned = [&](const std::string& control) {
+    const Scene s = read(std::string(kScene) + "[[stage]]\nkind = \"custom\"\nduration = 0.1\n" + control);
+    Scene pressed = s;
+    pressed.stages = {s.stages[0], s.stages[2]};
+    for (const StageWarning& warning : stage_warnings(pressed, 1))
+      if (std::string("loads") == warning.about) return warning.text;
+    return std::string();
+  };
+  const Scene s = read(kScene);
+  const auto top = std::ranges::find(s.stages[0].controls, "top_beam", &BodyControl::body);
+  ASSERT_NE(top, s.stages[0].controls.end());
+  ASSERT_LT(top->force[1], 0.0);
+  EXPECT_THAT(
+      warned("[[stage.control]]\nbody = \"bottom_beam\"\n"),
+      AllOf(HasSubstr("top_beam: "), HasSubstr(fmt::format("{:g}", top->force[1])), HasSubstr("force = [0, -")));
+  EXPECT_EQ(warned("[[stage.control]]\nbody = \"top_beam\"\n"), "");
+  EXPECT_EQ(warned(""), "");
 }
 
 // Rigid units need no elastic moduli, and stages can move their outer courses.
