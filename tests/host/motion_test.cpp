@@ -321,23 +321,6 @@ TEST(Supports, AWayThatAStageImposesIsNoFall) {
   }
 }
 
-// Corners of a box under a rotation w, a translation and a stretch along each axis: the mean of the corners, and w.
-TEST(WholeMotion, IsThatOfTheCornersWithoutTheirDeformation) {
-  const Vec3 size{0.4, 0.2, 0.3}, translation{1e-3, -2e-3, 3e-3}, rotation{2e-3, -1e-3, 5e-4};
-  std::array<Vec3, 8> corners;
-  for (std::size_t i = 0; i < 8; ++i) {
-    Vec3 arm;
-    for (std::size_t c = 0; c < 3; ++c) arm[c] = (i >> c & 1 ? 0.5 : -0.5) * size[c];
-    const Vec3 deformed{1e-3 * arm[0] + 2e-3 * arm[1], 2e-3 * arm[0] - 2e-3 * arm[1], 3e-3 * arm[2]};
-    corners[i] = translation + cross(rotation, arm) + deformed;
-  }
-  const WholeMotion motion = whole_motion(size, corners);
-  for (std::size_t c = 0; c < 3; ++c) {
-    EXPECT_NEAR(motion.translation[c], translation[c], 1e-15);
-    EXPECT_NEAR(motion.rotation[c], rotation[c], 1e-15);
-  }
-}
-
 // A block of 0.4 x 0.2 x 0.3 m lies on a fixed one of 1 x 0.2 x 1 m. A third one beside it stands on the last 0.2 m.
 // Joints are given from either side.
 TEST(JointSliding, IsMeasuredOverTheSidesOfTheJoint) {
