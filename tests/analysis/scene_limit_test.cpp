@@ -285,6 +285,26 @@ TEST(LimitOfScene, AForceMovesABlockAtTheLesserOfSlidingAndToppling) {
   }
 }
 
+// A force F lifts a block of weight W at W/F. At an edge it needs W/(2F), and the other edge is a hinge.
+TEST(LimitOfScene, AJointThatOpensAllOverHasNoHinge) {
+  const double weight = 2000.0 * 2.0 * 9.81;
+  for (const bool at_edge : {false, true}) {
+    const SceneLimit limit =
+        limit_of_loads(head(30.0) + kBase + block("b", "box = { lower = [0, 0, 0], size = [1, 2, 1] }") + kPushed +
+                           fmt::format("[[stage.force]]\nblock = \"b\"\npoint = [{}, 2, 0.5]\nforce = [0, 1000, 0]\n",
+                                       at_edge ? 1.0 : 0.5),
+                       Multiplied::forces);
+    ASSERT_TRUE(limit.limit);
+    EXPECT_NEAR(limit.limit->multiplier, weight / 1000.0 * (at_edge ? 0.5 : 1.0), 1e-3) << at_edge;
+    const std::vector<JointMotion> joints = joint_motions(limit);
+    ASSERT_EQ(joints.size(), 1u);
+    EXPECT_EQ(joints[0].hinges, at_edge);
+    EXPECT_NEAR(joints[0].opening, 1.0, 1e-6);
+    EXPECT_EQ(joints[0].sliding, 0.0);
+    EXPECT_EQ(joints[0].crushing, 0.0);
+  }
+}
+
 // A wall of height H and thickness b has a constant force P on top. A lateral pressure p turns it over: p H^2/2 =
 // W b/2 + P b/2. Where P grows with p from P0 and p0: p (H^2/2 - P0/p0 b/2) = W b/2.
 TEST(LimitOfScene, APressureTurnsAWallOver) {

@@ -1,5 +1,6 @@
 // Runs that start from the end of other runs are bitwise identical to one run of all stages, also if they are killed
 // and repeated. Scenes that cannot start there are refused with the reason.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -221,6 +222,26 @@ TEST_F(Start, AnotherGroundOfTheFirstStagesIsRefused) {
   EXPECT_EQ(run(second_, "second"), 3);
   EXPECT_THAT(error_, HasSubstr("version of stage 'free'"));
   EXPECT_THAT(error_, HasSubstr("no ground held"));
+}
+
+// A stage that ends at a displacement ends elsewhere where another body or axis is monitored.
+TEST_F(Start, AnotherMonitorOfTheFirstStagesIsRefused) {
+  const std::string text = read_all(small_), before = text.substr(0, text.find("[[stage]]"));
+  const auto stage = [](const char* monitor) {
+    return fmt::format(
+        "[[stage]]\nname = \"move\"\nkind = \"custom\"\ndisplacement = 1e-6\nmonitor = \"top_beam\"\ndirection = "
+        "\"{}\"\ncontrol = [{{ body = \"bottom_beam\", velocity = [0, 0, 0] }}, {{ body = \"top_beam\", velocity = "
+        "[0.01, 0.01, 0] }}]\n",
+        monitor);
+  };
+  std::ofstream(first_) << before << stage("x");
+  ASSERT_EQ(run(first_, "first", {"--set", "output.end_state=true"}), 0) << error_;
+  const std::string more = "[[stage]]\nname = \"next\"\nkind = \"custom\"\nduration = 1e-4\n";
+  std::ofstream(second_) << "start = \"first\"\n" << before << stage("x") << more;
+  EXPECT_EQ(run(second_, "second"), 0) << error_;
+  std::ofstream(second_) << "start = \"first\"\n" << before << stage("y") << more;
+  EXPECT_EQ(run(second_, "other"), 3);
+  EXPECT_THAT(error_, HasSubstr("monitor top_beam along y"));
 }
 
 // Another correlation draws other properties. It was taken.

@@ -288,5 +288,42 @@ TEST(Formula, Arithmetic) {
   EXPECT_THROW(value("z"), std::invalid_argument);
 }
 
+// Values to 1e-15: each is that of the C++ library, or exact.
+TEST(Formula, EachFunctionIsThatOfItsName) {
+  const Variables variables{{"a", 0.7}, {"b", -1.3}};
+  const std::pair<const char*, double> cases[] = {
+      {"a / b", 0.7 / -1.3},
+      {"a^3", 0.343},
+      {"a < b", 0.0},
+      {"b < a", 1.0},
+      {"a < a", 0.0},
+      {"a > b", 1.0},
+      {"a > a", 0.0},
+      {"a <= a", 1.0},
+      {"a <= b", 0.0},
+      {"a >= a", 1.0},
+      {"b >= a", 0.0},
+      {"if(a < b, 2, 3)", 3.0},
+      {"if(-1, 2, 3)", 2.0},
+      {"sqrt(a)", std::sqrt(0.7)},
+      {"exp(b)", std::exp(-1.3)},
+      {"log(a)", std::log(0.7)},
+      {"sin(b)", std::sin(-1.3)},
+      {"cos(b)", std::cos(-1.3)},
+      {"tan(b)", std::tan(-1.3)},
+      {"atan(b)", std::atan(-1.3)},
+      {"atan2(b, a)", std::atan2(-1.3, 0.7)},
+      {"abs(b)", 1.3},
+      {"min(a, b)", -1.3},
+      {"max(b, a)", 0.7},
+      {"hypot(3, 4)", 5.0},
+      {"deg(180)", 3.14159265358979324},
+      {"pi + .5e-1", 3.19159265358979324},
+  };
+  for (const auto& [text, expected] : cases) EXPECT_NEAR(Formula(text)(variables), expected, 1e-15) << text;
+  EXPECT_TRUE(Formula("1 + min(a, 2*b)").uses("b"));
+  EXPECT_FALSE(Formula("1 + min(a, 2*b)").uses("c"));
+}
+
 }  // namespace
 }  // namespace quoin
