@@ -58,9 +58,19 @@ inline int only_axis(const std::array<bool, 3>& axes) {
   return axes == std::array{false, true, false} ? 1 : axes == std::array{false, false, true} ? 2 : 0;
 }
 
-// Stage::direction where the scene gives none: the only axis along which bodies are driven, else x. In a stage that
-// ends by a displacement those count alone whose displacement that is.
+// Axes along which the forces of a stage act, where they are its only action.
+inline std::array<bool, 3> forced_along(const Stage& stage) {
+  std::array<bool, 3> forced{};
+  if (stage.ground || stage.collapse || stage.moving_load || !stage.pressures.empty()) return forced;
+  for (const PointForce& f : stage.forces)
+    for (std::size_t c = 0; c < 3; ++c) forced[c] = forced[c] || f.force[c] != 0.0;
+  return forced;
+}
+
+// Stage::direction where the scene gives none: the only axis along which bodies are driven, else that of forces, else
+// x. In a stage that ends by a displacement those count alone whose displacement that is.
 inline int default_direction(const Stage& stage, const Scene& scene) {
+  if (driven_along(stage) == std::array{false, false, false}) return only_axis(forced_along(stage));
   if (!stage.displacement) return only_axis(driven_along(stage));
   const std::string& monitor = stage.monitor.empty() ? scene.output.monitor : stage.monitor;
   return only_axis(driven_along(

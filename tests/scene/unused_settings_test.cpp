@@ -467,6 +467,18 @@ TEST(DefaultDirection, IsThatOfTheDrive) {
   EXPECT_EQ(direction("[0, 0, 0.01]", {"stage.1.displacement=0.001", "output.monitor=block"}), 2);
 }
 
+// The peak of a push by a force along z was that of what it does along x: 0.13 kN for 12.29.
+TEST(DefaultDirection, IsThatOfForcesWhereTheseActAlone) {
+  const auto direction = [](const char* force, const std::string& more) {
+    const std::string stage = fmt::format("[[stage.force]]\nblock = \"block\"\npoint = [0, 1, 0]\nforce = {}\n", force);
+    return read_scene_text(scene_text(kRigid, stage + more), "scene.toml").stages[0].direction;
+  };
+  EXPECT_EQ(direction("[0, 0, 5]", ""), 2);
+  EXPECT_EQ(direction("[0, -5, 0]", ""), 1);
+  EXPECT_EQ(direction("[5, 0, 5]", ""), 0);
+  EXPECT_EQ(direction("[0, 0, 5]", driven("[0.01, 0, 0]")), 0);
+}
+
 // The displacement of a stage is that of its monitor, of buildings that of the last floor.
 TEST(DefaultDirection, IsThatOfTheMonitorWhereItEndsTheStage) {
   const std::string other =
