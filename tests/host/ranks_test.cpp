@@ -159,6 +159,10 @@ INSTANTIATE_TEST_SUITE_P(
              {"stage.push.displacement=0.00005", "stage.push.record_interval=100"}},
         Case{"LeavesFixedFrames", kTests + "host/tilting_boxes.toml", {}},
         Case{"RigidUnits", kScenes + "cube_wall_10.toml", {"stage.1.displacement=0.00005"}},
+        // A body of its own beside those in lanes.
+        Case{"RigidUnitsUnderABeam",
+             kScenes + "cube_wall_10.toml",
+             {"wall.top_beam=true", "wall.beam_joint=mortar", "stage.1.displacement=0.00001"}},
         Case{
             "LawSwaps",
             kTests + "cli/small_wall.toml",

@@ -174,6 +174,50 @@ TEST(Beams, LintelRestsOnBlocks) {
   EXPECT_NEAR(right, -kWeight, 0.01 * kWeight);
 }
 
+// Stiffness of supports: E A over the shorter piece beside a node, or as given, in equal parts for the eight grips.
+// Those are half as far from the node as the corners of the block from their mean.
+TEST(Beams, SupportsHaveTheirGripsStiffnessAndEdges) {
+  const auto with = [](const std::string& more) {
+    return Simulation(
+        read_scene_text(
+            head(30.0) + box("left", "[-1, 0, -0.5]", "[1.2, 1, 0.8]") + box("right", "[1.5, 0, -0.5]", "[1, 1, 1]") +
+                beam("[[0, 1, 0], [0.4, 1, 0], [2, 1, 0]]", 2.0,
+                     bending() + "friction = 0.4\n" + more + support("left", "[0, 1, 0]") +
+                         support("left", "[0, 1, 0]", "pinned") + support("right", "[2, 1, 0]", "resting")) +
+                "[[stage]]\nduration = 0.1\n",
+            "beam.toml"),
+        1);
+  };
+  for (const bool given : {false, true}) {
+    const Simulation simulation = with(given ? "support_stiffness = 800\n" : "");
+    members::Beam held = beam_of(simulation);
+    ASSERT_EQ(held.supports().size(), 8u + 1u + 1u);
+    for (std::size_t i = 0; i < 8; ++i) {
+      const members::Beam::Support& grip = held.supports()[i];
+      EXPECT_NEAR(grip.law.normal, given ? 100.0 : kModulus * kArea / 0.4 / 8, 1e-6);
+      EXPECT_EQ(grip.law.shear, grip.law.normal);
+      EXPECT_EQ(grip.law.tension, 1u);
+      EXPECT_NEAR(std::abs(grip.arm.x), 0.3, 1e-12);
+      EXPECT_NEAR(std::abs(grip.arm.y), 0.25, 1e-12);
+      EXPECT_NEAR(std::abs(grip.arm.z), 0.2, 1e-12);
+    }
+    const members::Beam::Support &pin = held.supports()[8], &rest = held.supports()[9];
+    EXPECT_NEAR(pin.law.normal, given ? 800.0 : kModulus * kArea / 0.4, 1e-6);
+    EXPECT_EQ(norm(pin.arm), 0.0);
+    EXPECT_NEAR(rest.law.normal, given ? 800.0 : kModulus * kArea / 1.6, 1e-6);
+    EXPECT_EQ(rest.law.tension, 0u);
+    EXPECT_EQ(rest.law.friction, 0.4);
+    EXPECT_NEAR(norm(rest.out - geometry::Vector{0, 1, 0}), 0.0, 1e-12);
+    ASSERT_EQ(held.seats().size(), 1u);
+    EXPECT_EQ(held.seats()[0].support, 9u);
+    for (const members::Beam::ToEdge& edge : held.seats()[0].edges)
+      EXPECT_NEAR(edge.distance, 0.5, 1e-12) << "the middle of a square";
+    EXPECT_EQ(held.seats()[0].edges.size(), 4u);
+    EXPECT_NEAR(held.length(), 2.0, 1e-12);
+    EXPECT_NEAR(held.piece_at(1), 0.4, 1e-12);
+  }
+}
+
 // A ring beam that is built into a block vibrates with it as a mass would, on a joint after a pulse of the ground. Its
 // rotary inertia, which the time step requires, is that against the block. T was 0.173 s, by hand it is 0.1068 s. The
 // tolerance of the deformable block is wider, as the beam makes it stiffer.

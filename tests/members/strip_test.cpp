@@ -64,6 +64,35 @@ Pull pulled(const Scene& scene, int every = 20) {
   return result;
 }
 
+// A strip over the edge of a cube has pieces of at most 0.25 m, with nodes in their middles.
+TEST(Strips, NodesAreInTheMiddlesOfPiecesOnTheFacesBelow) {
+  const Simulation simulation(
+      read_scene_text(head(30.0) + kBond + "[[joint_rule]]\nfamily = \"dry\"\n" +
+                          box("cube", "[0, 0, 0]", "[1, 1, 1]") +
+                          "[[strip]]\nname = \"s\"\njoint = \"bond\"\npoints = [[0.2, 1, 0.5], [1, 1, 0.5], [1, 0.4, "
+                          "0.5]]\nwidth = 0.1\nthickness = 1e-3\nyoung_modulus = 1e11\nspacing = 0.25\n"
+                          "[[stage]]\nduration = 0.1\n",
+                      "strip.toml"),
+      1);
+  const members::Members& m = *simulation.large_motion()->held_by.members.get();
+  const auto& places = m.strips().front().places();
+  const geometry::Vector x{1, 0, 0}, y{0, 1, 0};
+  ASSERT_EQ(places.size(), 4u + 3u);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const bool on_top = i < 4;
+    const double along = 0.2 * static_cast<double>(on_top ? i : i - 4) + 0.1;
+    const geometry::Vector expected =
+        on_top ? geometry::Vector{0.2 + along, 1, 0.5} : geometry::Vector{1, 1 - along, 0.5};
+    EXPECT_NEAR(norm(places[i].at - expected), 0.0, 1e-12) << i;
+    EXPECT_NEAR(norm(places[i].normal - (on_top ? y : x)), 0.0, 1e-12) << i;
+    EXPECT_NEAR(norm(places[i].along - (on_top ? x : -y)), 0.0, 1e-12) << i;
+    EXPECT_NEAR(places[i].area, 0.02, 1e-12) << i;
+    const members::Node& node = m.nodes()[static_cast<std::size_t>(places[i].node)];
+    EXPECT_NEAR(norm(node.start - expected), 0.0, 1e-12);
+    EXPECT_TRUE(node.turns);
+  }
+}
+
 // A long strip debonds at P = b sqrt(2 E t G_f), to 2 %; energies balance. A bonded length of pi/(2 w2) + 2/w1 has more
 // than 97 % of it. At five times the velocity the results are equal, since nodes move with their faces.
 TEST(Strips, LongStripDebondsAtTheRootOfItsFractureEnergy) {
