@@ -7,7 +7,9 @@
 
 #include "base/error.h"
 #include "one_block.h"
+#include "scene/damping_text.h"
 #include "scene/driven.h"
+#include "scene/read_ground.h"
 #include "scene/read_scene.h"
 #include "scene/stage_warnings.h"
 
@@ -415,6 +417,25 @@ TEST(GroundMotion, IsWarnedOfWithWhatFalsifiesIt) {
   EXPECT_THAT(warning_of_last("soil", scene_text(kRigid, fill + shaken(""))), HasSubstr("[[fill]] 'loam'"));
   EXPECT_EQ(warning_of_last("soil", scene_text(kRigid, fill + still)), "");
   EXPECT_EQ(warning_of_last("soil", scene_text(kRigid, shaken(""))), "");
+}
+
+// 2 m/s2 from 0.2 to 0.6 s give 0.8 m/s, and 0.6 m/s by 0.5 s.
+TEST(GroundMotion, TextOfARecordHasItsTimesAndVelocities) {
+  const Scene scene = read_scene_text(
+      scene_text(kRigid, "ground_motion = { direction = [1, 0, 0], time = [0.2, 0.6], acceleration = [2, 2] }\n"),
+      "scene.toml", {});
+  const GroundMotion& ground = *scene.stages[0].ground;
+  const std::string text = "record of 0.4 s along (1, 0, 0), which ends at 0.8 m/s and begins at 0.2 s";
+  EXPECT_EQ(ground_text(ground, std::nullopt), text);
+  EXPECT_EQ(ground_text(ground, 0.6), text);
+  EXPECT_EQ(ground_text(ground, 0.5), text + ", cut at the end of the stage, after 0.5 s, at 0.6 m/s");
+  EXPECT_EQ(ground_text(ground, 0.2), text + ", after the end of the stage");
+  for (const auto& [factor, converts] : {std::pair{9.81, true},
+                                         {9.8, true},
+                                         {1.0029 * 9.80665, true},
+                                         {1.0031 * 9.80665, false},
+                                         {0.9969 * 9.80665, false}})
+    EXPECT_EQ(converts_from_g(factor), converts) << factor;
 }
 
 // Any load that changes at once leaves vibrations, which damping in space brakes.
