@@ -480,9 +480,9 @@ TEST(Drag, OfBlocksThatMoveIsWarnedOf) {
   EXPECT_THAT(of("angle", kDeformable, driven("[0, 0.01, -0.00051]"), kAtLimit), HasSubstr("'block' at an angle"));
 }
 
-// A smooth ramp s = 10 t^3 - 15 t^4 + 6 t^5 takes a velocity v to 0 over v T/2, and to -v over v T (1/2 - 2 S(1/2)) =
-// 11/32 v T at its middle, with S(1/2) = 5/64 the integral of s. That is warned of above 5 % of the smaller
-// displacement.
+// A smooth ramp s = 10 t^3 - 15 t^4 + 6 t^5 takes a velocity v to 0 over v T/2. On its way to -v it is farthest at
+// T/2, at v T (1/2 - 2 S) = 11/32 v T. S = 5/64 is the integral of s up to 1/2. A way above 5 % of the smaller
+// displacement is warned of.
 TEST(Ramp, ThatABodyGoesOnInIsWarnedOf) {
   const auto on = [](const char* velocity, const char* ramp, double asked_before, double asked) {
     const std::string ends = "monitor = \"block\"\ndisplacement = ";
