@@ -228,7 +228,7 @@ TEST(DrivenAtAnAngle, IsWarnedOfUnderLocalDamping) {
 // A parapet of default zones falls at 0.672 of its weight along z, for 0.444 by hand: 1 + 2/n^2 is 1.5 for n = 2. With
 // four zones through the thickness it falls at 0.499. Nothing was said of it.
 TEST(OutOfPlane, IsWarnedOfWithFewZonesThroughTheThickness) {
-  const auto warns = [](const std::string& keys, const char* direction) {
+  const auto warning = [](const std::string& keys, const char* direction) {
     const Scene scene = read_scene_text(R"(
 [materials.m]
 young_modulus = 5e9
@@ -259,12 +259,16 @@ ramp_time = 0.5
 gravity = [0, -9.81, 0]
 collapse = { direction = )" + direction + ", start = 0.2, rate = 0.2 }\n",
                                         "scene.toml", {});
-    return !warning_about("thickness", scene, 0).empty();
+    return warning_about("thickness", scene, 0);
   };
-  EXPECT_TRUE(warns("", "[0, 0, 1]"));
-  EXPECT_FALSE(warns("", "[1, 0, 0]"));
-  EXPECT_FALSE(warns("zones = [2, 1, 4]", "[0, 0, 1]"));
-  EXPECT_FALSE(warns("rigid_units = true", "[0, 0, 1]"));
+  EXPECT_THAT(warning("", "[0, 0, 1]"), AllOf(HasSubstr("have 2 zones"), HasSubstr("are 1.5 times too stiff")));
+  EXPECT_THAT(warning("zones = [2, 1, 1]", "[0, 0, 1]"),
+              AllOf(HasSubstr("have 1 zone through"), HasSubstr("are 3 times")));
+  EXPECT_THAT(warning("zones = [2, 1, 3]", "[0, 0, 1]"), HasSubstr("are 1.22 times"));
+  EXPECT_EQ(warning("half_thickness = true", "[0, 0, 1]"), "") << "4 zones";
+  EXPECT_EQ(warning("", "[1, 0, 0]"), "");
+  EXPECT_EQ(warning("zones = [2, 1, 4]", "[0, 0, 1]"), "");
+  EXPECT_EQ(warning("rigid_units = true", "[0, 0, 1]"), "");
 }
 
 // Walls of a building bend out of plane where a stage acts across one of them.
