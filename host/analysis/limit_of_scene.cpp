@@ -208,16 +208,17 @@ struct Strength {
 class Strengths {
  public:
   Strengths(const JointFamily& family, const std::vector<PropertyColumn>& columns, const std::string& file)
-      : material_(Law::find(family.law), family.properties),
+      : joints_(fmt::format("{}: joints.{}", file, family.name)),
+        material_(Law::find(family.law), family.properties),
         dry_(family.initial_state == "dry"),
         columns_(columns),
         of_all_(at(std::nullopt)) {
     if (!has("friction_angle"))
       throw Error(Exit::bad_input,
-                  fmt::format("{}: joints.{}: law '{}' has no friction_angle, so its joints have no limit; "
+                  fmt::format("{}: law '{}' has no friction_angle, so its joints have no limit; "
                               "choose coulomb_slip, fracture_energy or cyclic_joint (--law), for glue inside a unit "
                               "coulomb_slip with a cohesion and tensile_strength of 1e9",
-                              file, family.name, family.law));
+                              joints_, family.law));
   }
   // point: index within the family
   Strength of(std::size_t point) const { return columns_.empty() ? of_all_ : at(point); }
@@ -241,9 +242,16 @@ class Strengths {
     if (!dry_) find("tensile_strength", s.tension);
     find(dry_ ? "cohesion_residual" : "cohesion", s.cohesion);
     find("compressive_strength", s.crushing);
+    if (!(s.crushing > 0.0))
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: compressive_strength = {:g} Pa: such joints carry no pressure, so nothing stands on "
+                              "them; limit analysis takes values above 0. Give the strength, or leave it out for "
+                              "joints that do not crush",
+                              joints_, s.crushing));
     return s;
   }
 
+  std::string joints_;  // for messages
   Material material_;
   bool dry_;
   const std::vector<PropertyColumn>& columns_;

@@ -16,14 +16,18 @@ constexpr double kMostCarried = 2.0;
 constexpr double kExact = 1e-3, kMostFriction = 64.0;
 
 bool carried_with(LimitProblem problem, const LimitSettings& settings, double factor) {
-  for (LimitPoint& p : problem.points) p.friction *= factor;
+  for (LimitPoint& p : problem.points) {
+    // Cohesion over friction limits tension. Less friction must not raise that limit.
+    if (p.friction > 0.0) p.tension = std::min(p.tension, p.cohesion / p.friction);
+    p.friction *= factor;
+  }
   const LimitResult result = carried_share(problem, in_phase(settings, fmt::format("friction times {:.4g}", factor)));
   if (result.status == LimitStatus::late) require_answer(result);
   return result.status == LimitStatus::solved && result.multiplier >= kAll;
 }
 
 // Bisection, as an assembly that stands with some friction stands with more. A wider cone contains the narrower one,
-// except for tension, which cohesion over friction limits.
+// except under tension, where cohesion is left.
 std::optional<double> smallest_friction(const LimitProblem& problem, const LimitSettings& settings, bool stands) {
   double holds = stands ? 1.0 : kMostFriction, falls = stands ? 0.0 : 1.0;
   if (!stands && !carried_with(problem, settings, holds)) return std::nullopt;
@@ -56,8 +60,7 @@ Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool f
     return !b.fixed && norm(b.dead.force) + norm(b.dead.moment) > 0.0;
   });
   if (!loaded) return {true, 1.0, 0.0, {}};
-  // A single programme suffices for joints that only press. Not with cohesion, since cohesion over friction limits
-  // tension.
+  // A single programme suffices for joints that only press. Not with cohesion, of which tension takes friction's share.
   const bool cohesive =
       std::any_of(problem.points.begin(), problem.points.end(), [](const LimitPoint& p) { return p.cohesion > 0.0; });
   if (!cohesive && carried_with(problem, settings, 0.0)) return {true, 1.0, 0.0, {}};

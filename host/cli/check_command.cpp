@@ -20,6 +20,7 @@
 #include "members/members.h"
 #include "model/motion.h"
 #include "model/time_step.h"
+#include "results/checkpoint_file.h"
 #include "results/monitors.h"
 #include "results/surface.h"
 #include "scene/collapse_load.h"
@@ -31,6 +32,7 @@
 #include "scene/weight_axis.h"
 #include "step/findings.h"
 #include "step/large_motion.h"
+#include "step/rest.h"
 #include "step/results.h"
 #include "step/simulation.h"
 
@@ -380,8 +382,22 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   print_time(simulation, scene, print_stages(scene, step), options.force);
 }
 
+// Throws where a run refuses the start of the scene. Limit analysis before a run may set numbers of its stages, on
+// which the start depends too: then only the file is required.
+void check_start(const Scene& scene) {
+  require_start(scene);
+  const bool is_complete = std::none_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) {
+    return s.collapse && (!s.collapse->start || !s.collapse->limit);
+  });
+  if (scene.start.empty() || !is_complete) return;
+  Simulation simulation(scene, 0);
+  take_start(&simulation);
+  require_coming_stages(simulation);
+}
+
 void check(const SceneOptions& options) {
   const Scene scene = prepare_scene(options);
+  check_start(scene);
   for (const Derivation& d : scene.derivation)
     fmt::print("  from tests: {} {:.4g} {}: {}\n", d.name, d.value, d.unit, d.from);
   const SceneSize scene_size = size_of(scene);

@@ -42,6 +42,14 @@ void run(const Options& options) {
     fmt::print("{:<30} {:>6} {:>13.6g}   {:>13.6g} {:>13.6g} {}\n", p.id, p.symbol, p.value, p.low, p.high, p.unit);
     toml += fmt::format("{} = {:.9g}  # {}, {:.6g} to {:.6g}\n", p.id, p.value, p.unit, p.low, p.high);
   }
+  if (result.no_cohesion) {
+    fmt::print("cohesion: 0, as the curves show none beyond their noise\n");
+    toml += "cohesion = 0  # Pa, the curves show none beyond their noise\n";
+  }
+  for (const std::string& note : result.notes) {
+    fmt::print("{}\n", note);
+    toml += fmt::format("# {}\n", note);
+  }
   for (std::size_t k = 0; k < curves.size(); ++k) {
     fmt::print("{}: {} rows, standard deviation {:.4g} Pa\n", curves[k].file, curves[k].jump.size(), result.noise[k]);
   }

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace quoin {
 
@@ -71,7 +71,7 @@ void send_all(int connection, const std::string& text, const std::atomic<bool>& 
 
 // Whether the request names this machine. Otherwise a page of another site could read this one by a name of its own.
 bool names_this_machine(std::string request, int port) {
-  std::ranges::transform(request, request.begin(), [](unsigned char c) { return std::tolower(c); });
+  request = lower(std::move(request));
   for (const char* host : {"127.0.0.1", "localhost"}) {
     if (request.find(fmt::format("\r\nhost: {}:{}\r\n", host, port)) != std::string::npos) return true;
   }

@@ -75,6 +75,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Results: history.csv, summary.json, curve.png, cracks.png, blocks.pvd, joints.pvd and forces.pvd (for "
       "ParaView).\n"
+      "Ctrl-C stops a run and keeps its results; a second one leaves out pictures, a third one ends at once.\n"
       "Examples:\n"
       "  quoin run host/scenes/solid_wall_030.toml\n"
       "  quoin run host/scenes/solid_wall_030.toml --live        in a browser while it goes on\n"

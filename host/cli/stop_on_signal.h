@@ -9,8 +9,9 @@
 namespace quoin {
 
 // Stops the simulation at Ctrl-C, at the closing of the terminal or of the output pipe, and at SIGUSR1. The program
-// mpirun forwards SIGUSR1, while it follows SIGTERM by SIGKILL within a second. A second signal ends the program at
-// once, except that of a closed pipe, which later output repeats.
+// mpirun forwards SIGUSR1, while it follows SIGTERM by SIGKILL within a second. The results are then written. A second
+// signal ends the drawing of pictures alone. A third one, later than two seconds after the first, ends the program at
+// once. That of a closed pipe does not count, as later output repeats it.
 class StopOnSignal {
  public:
   explicit StopOnSignal(Simulation& simulation);  // must outlive this object

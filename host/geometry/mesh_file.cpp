@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/number_text.h"
+#include "base/text.h"
 #include "geometry/compas_file.h"
 #include "geometry/drawn_shape.h"
 
@@ -293,8 +294,7 @@ NamedShape block_of(const RawShape& shape, const std::vector<RawShape>& all) {
 
 std::vector<NamedShape> read_mesh_file(const std::string& path, double scale,
                                        const std::function<bool(const std::string& name)>& fixed) {
-  std::string ending = path.substr(std::min(path.size(), path.rfind('.')));
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string ending = lower(path.substr(std::min(path.size(), path.rfind('.'))));
   std::vector<RawShape> (*read)(const std::string&, const std::string&) = nullptr;
   if (ending == ".off") {
     read = read_off;

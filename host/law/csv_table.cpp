@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/number_text.h"
+#include "base/text.h"
 
 namespace quoin {
 
@@ -17,10 +18,7 @@ std::vector<std::string> cells(const std::string& line) {
   std::vector<std::string> result;
   for (std::size_t begin = 0; begin <= line.size();) {
     const std::size_t end = std::min(line.find(',', begin), line.size());
-    std::string cell = line.substr(begin, end - begin);
-    const auto first = cell.find_first_not_of(" \t\r\"");
-    cell = first == std::string::npos ? "" : cell.substr(first, cell.find_last_not_of(" \t\r\"") - first + 1);
-    result.push_back(std::move(cell));
+    result.push_back(unquoted(std::string_view(line).substr(begin, end - begin)));
     begin = end + 1;
   }
   return result;

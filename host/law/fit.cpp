@@ -8,12 +8,14 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <optional>
 
 #include "base/error.h"
 #include "files/gnuplot.h"
 #include "law/material_point.h"
+#include "law/property_text.h"
 
 namespace quoin {
 
@@ -46,12 +48,11 @@ class Fit {
       : law_(law), curves_(curves), given_(given) {
     weights_.assign(curves.size(), 1.0);
     guess();
-    if (ids_.empty()) {
-      throw Error(Exit::bad_input, "fit: nothing to find: every property that the curves determine is given");
-    }
   }
+  bool empty() const { return ids_.empty(); }
 
-  FitResult run() {
+  // None where the cohesion vanishes: the curves show friction alone.
+  std::optional<FitResult> run() {
     int rows = 0;
     for (const MeasuredCurve& curve : curves_) rows += static_cast<int>(curve.jump.size());
     const int unknowns = static_cast<int>(ids_.size());
@@ -59,15 +60,15 @@ class Fit {
 
     // Weights assume equal relative noise first, then the noise of each curve's own residuals.
     for (std::size_t k = 0; k < curves_.size(); ++k) weights_[k] = 1.0 / peak(curves_[k]);
-    minimise();
+    if (!minimise()) return std::nullopt;
     noise();
     for (std::size_t k = 0; k < curves_.size(); ++k) {
       // The bound keeps a curve without residuals from outweighing all others.
       weights_[k] = 1.0 / std::max(noise_[k], 1e-6 * peak(curves_[k]));
     }
-    minimise();
+    if (!minimise()) return std::nullopt;
     noise();
-    return report(rows - unknowns);
+    return report();
   }
 
  private:
@@ -87,7 +88,7 @@ class Fit {
     return value;
   }
   void unknown(const std::string& id, double start) {
-    if (is_given(id)) return;
+    if (is_given(id) || find_property(*law_.law, id) == nullptr) return;
     if (!(start > 0.0)) {
       throw Error(Exit::bad_input,
                   fmt::format("fit: no start value for {}: the curves do not show it; give it by --set", id));
@@ -165,7 +166,12 @@ class Fit {
       }
       unknown("cohesion", c0);
       unknown("friction_angle", mu);
-      unknown("fracture_energy_shear", std::max(G2, 2.0 * c0 * c0 / ks));
+      if (c0 > cr) {
+        unknown("fracture_energy_shear", std::max(G2, 2.0 * c0 * c0 / ks));
+      } else if (!is_given("fracture_energy_shear") && find_property(*law_.law, "fracture_energy_shear") != nullptr) {
+        notes_.push_back("fracture_energy_shear: left out; curves whose cohesion does not soften do not determine it");
+      }
+      least_cohesion_ = cr > 0.0 ? 0.0 : 1e-6 * mean_t;
     }
     if (nc > 0.0) {
       const double strength = fc / nc;
@@ -248,8 +254,33 @@ class Fit {
     return result;
   }
 
-  // Levenberg-Marquardt with Marquardt's scaling.
-  void minimise() {
+  std::optional<Eigen::Index> fitted_cohesion() const {
+    const auto found = std::find(ids_.begin(), ids_.end(), "cohesion");
+    if (found == ids_.end() || least_cohesion_ == 0.0) return std::nullopt;
+    return found - ids_.begin();
+  }
+
+  // Half of the 95 % interval of each logarithm; infinite where the curves do not show the property.
+  Eigen::VectorXd half_widths(const Eigen::VectorXd& here) const {
+    const auto freedom = static_cast<double>(here.size() - logs_.size());
+    const Eigen::MatrixXd normal = jacobian_.transpose() * jacobian_;
+    const Eigen::MatrixXd inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(logs_.size(), logs_.size()));
+    const double spread = student(freedom) * here.norm() / std::sqrt(freedom);
+    // The inverse of a singular matrix is not positive.
+    return inverse.diagonal().unaryExpr(
+        [&](double v) { return v > 0.0 ? spread * std::sqrt(v) : std::numeric_limits<double>::infinity(); });
+  }
+
+  // True where the interval about the cohesion itself, c (1 -+ half), holds 0.
+  bool cohesion_may_be_none(const Eigen::VectorXd& half) const {
+    const auto cohesion = fitted_cohesion();
+    return cohesion && half[*cohesion] >= 1.0;
+  }
+
+  // Levenberg-Marquardt with Marquardt's scaling. False where the cohesion vanishes.
+  bool minimise() {
+    if (empty()) return true;
+    const auto cohesion = fitted_cohesion();
     Residuals here = residuals(logs_);
     if (!here) {
       model(logs_);  // throws the law's own message
@@ -257,6 +288,8 @@ class Fit {
     }
     double damping = 1e-3, cost = here->squaredNorm();
     for (int iteration = 0; iteration < 200; ++iteration) {
+      // A logarithm has no zero: below a millionth of the peaks there is none.
+      if (cohesion && std::exp(logs_[*cohesion]) < least_cohesion_) return false;
       ++iterations_;
       jacobian_ = jacobian(logs_, *here);
       const Eigen::MatrixXd normal = jacobian_.transpose() * jacobian_;
@@ -284,10 +317,12 @@ class Fit {
       }
       if (!better || small) {
         jacobian_ = jacobian(logs_, *here);
-        return;
+        return true;
       }
       damping = std::min(damping, 1e3);
     }
+    jacobian_ = jacobian(logs_, *here);
+    if (cohesion_may_be_none(half_widths(*here))) return false;
     throw Error(Exit::numerical, "fit: no convergence in 200 iterations; check signs and units of the curves");
   }
 
@@ -301,26 +336,20 @@ class Fit {
     }
   }
 
-  FitResult report(int freedom) const {
-    const Residuals here = residuals(logs_);
-    const double variance = here->squaredNorm() / freedom;
-    const Eigen::MatrixXd normal = jacobian_.transpose() * jacobian_;
-    const Eigen::MatrixXd covariance =
-        variance * normal.ldlt().solve(Eigen::MatrixXd::Identity(logs_.size(), logs_.size()));
+  std::optional<FitResult> report() const {
+    const Eigen::VectorXd half = half_widths(*residuals(logs_));
+    if (cohesion_may_be_none(half)) return std::nullopt;
     FitResult result;
     for (std::size_t i = 0; i < ids_.size(); ++i) {
       const auto j = static_cast<Eigen::Index>(i);
       FittedProperty property;
       property.id = ids_[i];
-      for (uint64_t k = 0; k < law_.law->property_count; ++k) {
-        const quoin_property_info& info = *law_.law->properties[k];
-        if (property.id == info.id) property.symbol = law_text(info.symbol), property.unit = law_text(info.unit);
-      }
-      const double half = student(freedom) * std::sqrt(std::max(0.0, covariance(j, j)));
+      const quoin_property_info& info = *find_property(*law_.law, property.id);
+      property.symbol = law_text(info.symbol), property.unit = law_text(info.unit);
       property.value = value_of(ids_[i], logs_[j]);
-      property.low = value_of(ids_[i], logs_[j] - half);
-      property.high = value_of(ids_[i], logs_[j] + half);
-      if (!std::isfinite(half) || half > 5.0) {
+      property.low = value_of(ids_[i], logs_[j] - half[j]);
+      property.high = value_of(ids_[i], logs_[j] + half[j]);
+      if (!(half[j] <= 5.0)) {
         throw Error(Exit::numerical,
                     fmt::format("fit: the curves do not determine {} (found {:.4g} {}); give it by --set", property.id,
                                 property.value, property.unit));
@@ -330,6 +359,7 @@ class Fit {
     result.model = fitted_;
     result.noise = noise_;
     result.iterations = iterations_;
+    result.notes = notes_;
     result.settings = settings(logs_);
     return result;
   }
@@ -342,6 +372,8 @@ class Fit {
   std::vector<double> weights_, noise_;
   Eigen::MatrixXd jacobian_;
   std::vector<std::vector<double>> fitted_;
+  std::vector<std::string> notes_;
+  double least_cohesion_ = 0.0;  // Pa; 0 where cohesion has a residual, or triplets are none
   int iterations_ = 0;
 };
 
@@ -385,7 +417,19 @@ FitResult fit_properties(const Law& law, const std::vector<MeasuredCurve>& curve
                          const std::vector<PropertySetting>& given) {
   if (curves.empty()) throw Error(Exit::bad_input, "fit: no curve was given");
   // Modes without a curve have no strength drop, unless given: they need no fracture energy.
-  return Fit(law, curves, given).run();
+  Fit fit(law, curves, given);
+  if (fit.empty()) {
+    throw Error(
+        Exit::bad_input,
+        fmt::format("fit: nothing to find: law '{}' has no property that the curves determine, beside those given",
+                    law.law->id));
+  }
+  if (const auto result = fit.run()) return *result;
+  std::vector<PropertySetting> dry = given;
+  dry.push_back({"cohesion", {0.0}, {}, {"without cohesion"}});
+  FitResult result = *Fit(law, curves, dry).run();
+  result.no_cohesion = true;
+  return result;
 }
 
 std::string plot_fit(const std::vector<MeasuredCurve>& curves, const FitResult& result, const std::string& folder) {

@@ -39,12 +39,15 @@ struct FitResult {
   std::vector<double> noise;               // standard deviation of the residuals, by curve, Pa
   int iterations = 0;
   std::vector<PropertySetting> settings;  // given and fitted properties, as settings of a material
+  bool no_cohesion = false;               // the curves show friction alone; settings has a cohesion of 0
+  std::vector<std::string> notes;         // what the curves do not determine
 };
 
 // Fits the properties that the curves determine. Couplets give tensile_strength and fracture_energy_tension, prisms
 // compressive_strength and fracture_energy_compression. Triplets give cohesion and fracture_energy_shear. They give
-// friction_angle with at least two confinements, or with curves that reach their residual stress. given: values of all
-// other properties, at least the stiffnesses; given properties are not fitted. The method is Levenberg-Marquardt in the
+// friction_angle with at least two confinements, or with curves that reach their residual stress. What the law does not
+// have is left out. A cohesion whose interval holds 0 is 0, without a fracture energy. given: values of all other
+// properties, at least the stiffnesses; given properties are not fitted. The method is Levenberg-Marquardt in the
 // logarithm of each property (of tan for the angle), with curves weighted by their own noise. Throws Error(bad_input)
 // for curves that determine nothing, Error(numerical) without convergence.
 FitResult fit_properties(const Law& law, const std::vector<MeasuredCurve>& curves,

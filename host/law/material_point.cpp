@@ -16,6 +16,7 @@ namespace {
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 // Tolerance of normal stress control, as a fraction of the stress. It also ends when d_n cannot be any finer.
 constexpr double kStressTolerance = 1e-10;
+constexpr int kMostHalvings = 10;  // of an increment under a given stress
 
 }  // namespace
 
@@ -109,6 +110,35 @@ std::array<double, 2> MaterialPoint::trial(double dn, double ds_step, double dt_
 }
 
 const PointResult& MaterialPoint::press_to(double sigma, double ds, double dt) {
+  if (press_in_parts(sigma, ds, dt, kMostHalvings)) return now_;
+  throw Error(
+      Exit::numerical,
+      fmt::format(
+          "no normal jump near d_n = {:.9g} m gives sigma = {:.9g} Pa (from {:.9g} Pa, tau = {:.9g}, {:.9g} Pa): "
+          "the joint cannot carry it (softened or crushed); prescribe dn there",
+          now_.jump[0], sigma, now_.traction[0], now_.traction[1], now_.traction[2]));
+}
+
+// A joint dilates in a step only if it is closed before its slip, d_n <= v: then -sigma >= kn tan(psi) slip. So a step
+// that slips further than -sigma/(kn tan(psi)) finds no d_n, and the increment is halved.
+bool MaterialPoint::press_in_parts(double sigma, double ds, double dt, int halvings) {
+  if (press_at_once(sigma, ds, dt)) return true;
+  if (halvings == 0) return false;
+  const PointResult before = now_;
+  if (press_in_parts(0.5 * (before.traction[0] + sigma), 0.5 * (before.jump[1] + ds), 0.5 * (before.jump[2] + dt),
+                     halvings - 1)) {
+    const PointResult middle = now_;
+    if (press_in_parts(sigma, ds, dt, halvings - 1)) {
+      for (int i = 0; i < 4; ++i) now_.dissipated_now[i] += middle.dissipated_now[i];
+      now_.status = std::max(now_.status, middle.status);
+      return true;
+    }
+  }
+  now_ = before;
+  return false;
+}
+
+bool MaterialPoint::press_at_once(double sigma, double ds, double dt) {
   const double ds_step = ds - now_.jump[1];
   const double dt_step = dt - now_.jump[2];
   const double stiffness = material_->stiffness_bounds().normal;
@@ -123,7 +153,7 @@ const PointResult& MaterialPoint::press_to(double sigma, double ds, double dt) {
   // Newton's method first: it converges in a step or two where the law is piecewise smooth, on the branch of the old
   // point.
   for (int i = 0; i < 20; ++i) {
-    if (std::abs(stress - sigma) <= tolerance) return accept(dn, ds, dt);
+    if (std::abs(stress - sigma) <= tolerance) return accept(dn, ds, dt), true;
     if (!(std::abs(slope) > 1e-12 * stiffness)) slope = stiffness;
     const double next = dn + (sigma - stress) / slope;
     if (next == dn || !std::isfinite(next)) break;
@@ -132,7 +162,7 @@ const PointResult& MaterialPoint::press_to(double sigma, double ds, double dt) {
     stress = answer[0];
     slope = answer[1];
   }
-  if (std::abs(stress - sigma) <= tolerance) return accept(dn, ds, dt);
+  if (std::abs(stress - sigma) <= tolerance) return accept(dn, ds, dt), true;
 
   // Bracket from the old point outwards along the rising branch, then bisection with secants.
   dn = low;
@@ -157,17 +187,12 @@ const PointResult& MaterialPoint::press_to(double sigma, double ds, double dt) {
     if (std::abs(stress - sigma) <= tolerance || middle == low || middle == high) {
       // d_n cannot be finer: the stress is then within kn times one unit in the last place of d_n.
       if (std::abs(stress - sigma) > tolerance + 4.0 * stiffness * std::abs(middle) * 2.3e-16) break;
-      return accept(middle, ds, dt);
+      return accept(middle, ds, dt), true;
     }
     (stress < sigma ? low : high) = middle;
     (stress < sigma ? low_stress : high_stress) = stress;
   }
-  throw Error(
-      Exit::numerical,
-      fmt::format(
-          "no normal jump near d_n = {:.9g} m gives sigma = {:.9g} Pa (from {:.9g} Pa, tau = {:.9g}, {:.9g} Pa): "
-          "the joint cannot carry it (softened or crushed); prescribe dn there",
-          now_.jump[0], sigma, now_.traction[0], now_.traction[1], now_.traction[2]));
+  return false;
 }
 
 }  // namespace quoin

@@ -34,14 +34,16 @@ class MaterialPoint {
   const PointResult& move_to(double dn, double ds, double dt);            // totals
   const PointResult& move_by(double dn, double ds_step, double dt_step);  // total d_n, slip increments
   // Finds the d_n that gives this normal stress together with the slip increment, to 1e-10 of the stress. It applies
-  // Newton's method with the law's tangent, inside a bracket. Throws Error(numerical) when no d_n near the old one
-  // gives the stress.
+  // Newton's method with the law's tangent, inside a bracket. Where no d_n near the old one gives the stress, it halves
+  // the increment, in 1024 parts at most. Throws Error(numerical) when that does not help, with the point as before.
   const PointResult& press_to(double sigma, double ds, double dt);
 
   const PointResult& now() const { return now_; }
   const Material& material() const { return *material_; }
 
  private:
+  bool press_in_parts(double sigma, double ds, double dt, int halvings);
+  bool press_at_once(double sigma, double ds, double dt);
   const PointResult& accept(double dn, double ds, double dt);
   // Returns sigma and d sigma / d d_n (or not a number) at the end of a trial increment that is not accepted.
   std::array<double, 2> trial(double dn, double ds_step, double dt_step);

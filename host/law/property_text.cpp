@@ -5,19 +5,10 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "law/law_library.h"
 
 namespace quoin {
-
-namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-}
-
-}  // namespace
 
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id) {
   for (uint64_t i = 0; i < law.property_count; ++i) {
@@ -35,7 +26,7 @@ PropertySetting parse_setting(const quoin_law& law, const std::string& assignmen
   PropertySetting setting;
   setting.id = trimmed(std::string_view(assignment).substr(0, equals));
   setting.source.text = fmt::format("{} {}", source.text, setting.id);
-  const std::string value(trimmed(std::string_view(assignment).substr(equals + 1)));
+  const std::string value = trimmed(std::string_view(assignment).substr(equals + 1));
   const quoin_property_info* info = find_property(law, setting.id);
 
   if (info == nullptr) {

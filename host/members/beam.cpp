@@ -53,7 +53,7 @@ void Beam::find_clamps(const std::vector<Node>& nodes) {
       of_one = of_one && (clamp.supports.empty() || block_of(i) == block_of(clamp.supports.front()));
       clamp.supports.push_back(i), clamp.off.push_back(supports_[i].arm);
     }
-    if (!of_one || clamp.supports.size() < 3) continue;
+    if (!of_one || clamp.supports.empty()) continue;
     Vector mean;
     for (const Vector& arm : clamp.off) mean += (1.0 / static_cast<double>(clamp.off.size())) * arm;
     Matrix sum = Matrix::zero();

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -12,6 +11,7 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/number_text.h"
+#include "base/text.h"
 
 namespace quoin {
 namespace {
@@ -34,16 +34,6 @@ constexpr Unit kUnits[] = {
     {"cm/sec", MotionKind::velocity, 1e-2},      {"mm/s", MotionKind::velocity, 1e-3},
     {"m", MotionKind::displacement, 1.0},        {"cm", MotionKind::displacement, 1e-2},
     {"mm", MotionKind::displacement, 1e-3}};
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r\"");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
-}
 
 // Unit of a name, also as names of columns have it: "cm_s2", "m s^2", "cm_s_s".
 const Unit* unit_named(const std::string& name) {
@@ -150,7 +140,7 @@ bool is_peer(const Lines& lines) {
 
 GroundRecord read_peer(const Lines& lines) {
   const std::string units = lower(lines[2]);
-  const std::string name = trimmed(units.substr(units.find("units of") + 8));
+  const std::string name = unquoted(units.substr(units.find("units of") + 8));
   std::string word = name.substr(0, name.find_first_of(" \t,;"));
   if (word.ends_with('.')) word.pop_back();
   const Unit* const unit = unit_named(word);
@@ -158,17 +148,16 @@ GroundRecord read_peer(const Lines& lines) {
   for (const auto& [quantity, kind] : {std::pair("acceleration", MotionKind::acceleration),
                                        {"velocity", MotionKind::velocity},
                                        {"displacement", MotionKind::displacement}}) {
-    if (trimmed(units).starts_with(quantity) && kind != unit->kind)
+    if (unquoted(units).starts_with(quantity) && kind != unit->kind)
       lines.refuse(2, fmt::format("its unit, {}, is none of {}; correct the header", unit->name, quantity));
   }
-  std::string sizes = lines[3];
-  for (char& c : sizes) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  std::string sizes = upper(lines[3]);
   for (auto at = sizes.find(" ="); at != std::string::npos; at = sizes.find(" =")) sizes.erase(at, 1);
   const auto count = beside(sizes, "NPTS", 0), step = beside(sizes, "DT", 1);
   if (!count || !step) lines.refuse(3, "NPTS and DT are missing; allowed: NPTS= 5366, DT= .0050 SEC");
-  const std::string station = trimmed(lines[1]);
+  const std::string station = unquoted(lines[1]);
   const auto comma = station.find_last_of(',');
-  return even_record(lines, comma == std::string::npos ? "component" : trimmed(station.substr(comma + 1)), *unit,
+  return even_record(lines, comma == std::string::npos ? "component" : unquoted(station.substr(comma + 1)), *unit,
                      lines.positive(3, *step, "DT"), lines.positive(3, *count, "NPTS"),
                      lines.numbers_from(4, unit->factor));
 }
@@ -189,7 +178,7 @@ GroundRecord read_esm(const Lines& lines) {
   for (std::size_t i = 0; i < kEsmHeaderLines; ++i) {
     const auto colon = lines[i].find(':');
     if (colon == std::string::npos) lines.refuse(i, "allowed in the header: KEY: value");
-    const std::string key = lines[i].substr(0, colon), value = trimmed(lines[i].substr(colon + 1));
+    const std::string key = lines[i].substr(0, colon), value = unquoted(lines[i].substr(colon + 1));
     if (key == "SAMPLING_INTERVAL_S") step = lines.positive(i, value, "SAMPLING_INTERVAL_S");
     if (key == "NDATA") count = lines.positive(i, value, "NDATA");
     if (key == "STREAM" && !value.empty()) stream = value;
@@ -218,8 +207,8 @@ std::vector<std::string> cells_of(std::string line, char separator) {
     for (std::string cell; stream >> cell;) cells.push_back(cell);
     return cells;
   }
-  if (trimmed(line).empty()) return cells;
-  for (std::string cell; std::getline(stream, cell, separator);) cells.push_back(trimmed(cell));
+  if (unquoted(line).empty()) return cells;
+  for (std::string cell; std::getline(stream, cell, separator);) cells.push_back(unquoted(cell));
   return cells;
 }
 
@@ -236,7 +225,7 @@ std::pair<std::string, std::string> name_and_unit(const std::string& cell) {
   if (open != std::string::npos && open > 0) {
     const auto close = cell.find_first_of(")]", open);
     if (close != std::string::npos)
-      return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, close - open - 1))};
+      return {unquoted(cell.substr(0, open)), unquoted(cell.substr(open + 1, close - open - 1))};
   }
   for (auto at = cell.find('_'); at != std::string::npos; at = cell.find('_', at + 1)) {
     if (at > 0 && unit_named(cell.substr(at + 1))) return {cell.substr(0, at), cell.substr(at + 1)};

@@ -467,18 +467,33 @@ void keep_start(const Scene& scene, const std::filesystem::path& folder) {
                           scene.file, scene.start));
 }
 
-void take_start(Simulation* simulation) {
-  const Scene& scene = simulation->scene();
-  if (scene.start.empty()) return;
-  const std::filesystem::path path = std::filesystem::path(scene.start) / "end_state.bin";
-  const Fault fault = [&](const std::string& reason) {
+namespace {
+
+std::filesystem::path start_file(const Scene& scene) { return std::filesystem::path(scene.start) / "end_state.bin"; }
+
+Fault start_fault(const Scene& scene) {
+  return [&scene](const std::string& reason) {
     return Error(Exit::bad_input,
                  fmt::format("{}: start: {} {}; it must be the end of a run of this program with output.end_state = "
                              "true, whose masonry, laws, settings and first stages are those of this scene",
-                             scene.file, path.string(), reason));
+                             scene.file, start_file(scene).string(), reason));
   };
+}
+
+}  // namespace
+
+void require_start(const Scene& scene) {
   std::error_code unknown;
-  if (!std::filesystem::exists(path, unknown)) throw fault("does not exist");
+  if (!scene.start.empty() && !std::filesystem::exists(start_file(scene), unknown))
+    throw start_fault(scene)("does not exist");
+}
+
+void take_start(Simulation* simulation) {
+  const Scene& scene = simulation->scene();
+  if (scene.start.empty()) return;
+  require_start(scene);
+  const std::filesystem::path path = start_file(scene);
+  const Fault fault = start_fault(scene);
   Stored stored = read_stored(path, fault);
   for (Identity::Part& part : stored.identity.parts) {
     if (part.what == kEnergy && !scene.output.energy) part.value = "false";  // more columns than this scene requests

@@ -69,6 +69,9 @@ void restore_from(const std::filesystem::path& path, const StoredState& state, S
 // Writes FOLDER/end_state.bin, from which scenes with start = FOLDER begin. Throws as write_checkpoint.
 void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance);
 
+// Throws Error(bad_input) when the scene starts from a run that has no end state.
+void require_start(const Scene& scene);
+
 // Sets the initial state of a simulation: at rest, or the end state of another run. The first stages of its scene must
 // be those of that run. Throws Error(bad_input) with the reason, as read_checkpoint.
 void take_start(Simulation* simulation);

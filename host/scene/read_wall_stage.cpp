@@ -71,10 +71,18 @@ void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodie
 
 bool has_top_beam(const Scene& scene) { return scene.wall && scene.wall->top_beam; }
 
+// Holds what stands for the ground and has no control in a stage.
+void hold_ground(Stage& stage, const Scene& scene) {
+  for (const std::string& body : body_names(scene)) {
+    if (is_ground(scene, body) && !std::ranges::count(stage.controls, body, &BodyControl::body))
+      stage.controls.emplace_back().body = body;
+  }
+}
+
 // Adds the controls of the short kinds of stage: the bottom beam held, the top beam, if any, pressed or moved.
 void add_beam_controls(Stage& stage, const Scene& scene, double top_force, bool top_free, double top_velocity) {
   if (!scene.wall) return;
-  for (const std::string& body : scene.wall->bottom_beams()) stage.controls.emplace_back().body = body;
+  hold_ground(stage, scene);
   if (!has_top_beam(scene)) return;
   BodyControl& top = stage.controls.emplace_back();
   top.body = "top_beam";
@@ -106,7 +114,10 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   read_stage_solver(t, stage, scene);
   if (scene.building && !t.has("monitor")) watch_building(stage, *scene.building);
   read_monitor(t, stage, acts ? &bodies : &held);
-  if (acts || stage.has_no_control) add_loads_of_before(stage, scene, top_force);
+  if (acts || stage.has_no_control)
+    add_loads_of_before(stage, scene, top_force);
+  else
+    hold_ground(stage, scene);
   require_end(t, stage);
   const bool on_ground = scene.building && stage.roof.empty() && !t.has("monitor");
   if (stage.displacement && (stage.monitor.empty() || on_ground))
@@ -167,6 +178,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
     read_cycles(t, stage);
     read_controls(t, stage, bodies, scene);
     read_cycled_body(t, "body", &bodies, stage);
+    hold_ground(stage, scene);
     if (scene.building) add_floor_loads(stage, *scene.building);
   } else if (kind == "cycles" && scene.building) {
     read_cycles(t, stage);

@@ -245,6 +245,27 @@ std::string ends_in_ramp(const Stage& stage) {
       stage.name, *stage.duration, stage.ramp_time, 100.0 * smooth_step(*stage.duration / stage.ramp_time));
 }
 
+// Forces of the stage before on bodies that no control of this one names: they end with it.
+std::string loads_that_end(const Scene& scene, std::size_t stage) {
+  if (stage == 0 || !(scene.wall || scene.building)) return "";
+  const Stage& now = scene.stages[stage];
+  Vec3 sum{};
+  const BodyControl* first = nullptr;
+  std::vector<std::string> bodies;
+  for (const BodyControl& c : scene.stages[stage - 1].controls) {
+    if (c.force == Vec3{} || std::ranges::count(now.controls, c.body, &BodyControl::body)) continue;
+    if (!first) first = &c;
+    bodies.push_back(c.body);
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += c.force[i];
+  }
+  if (!first) return "";
+  return fmt::format(
+      "stage '{}' ends the loads of the stage before on {}: ({:g}) N in all. A stage with [[stage.control]] alone has "
+      "the loads that these state; where they are to stay, give each body its own, as body = \"{}\", velocity = "
+      "[\"free\", \"free\", \"free\"], rotation_held = false, force = [{:g}]",
+      now.name, fmt::join(bodies, ", "), fmt::join(sum, ", "), first->body, fmt::join(first->force, ", "));
+}
+
 // Whether a stage pushes or moves masonry along an axis.
 bool acts_along(const Stage& stage, std::size_t axis) {
   const auto has = [axis](const Vec3& v) { return v[axis] != 0.0; };
@@ -289,7 +310,7 @@ std::vector<StageWarning> stage_warnings(const Scene& scene, std::size_t stage) 
       {"record", record_outside(scene.stages[stage])},   {"record", record_of_none(scene, stage)},
       {"weight", weight_under_ground(scene, stage)},     {"inertia", raised_inertia(scene, stage)},
       {"thickness", few_zones_in_bending(scene, stage)}, {"viscous", viscous_without_coefficients(scene, stage)},
-      {"soil", soil_stays_behind(scene, stage)}};
+      {"soil", soil_stays_behind(scene, stage)},         {"loads", loads_that_end(scene, stage)}};
   std::erase_if(all, [](const StageWarning& warning) { return warning.text.empty(); });
   return all;
 }

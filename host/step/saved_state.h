@@ -11,7 +11,7 @@
 
 namespace quoin {
 
-inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '5'};
+inline constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '2', '6'};
 
 template <class Archive, class Impl>
 void transfer_state(Archive& archive, Impl& s) {

@@ -121,6 +121,7 @@ StageRun::Due StageRun::look_ahead() {
 bool StageRun::has_ended(const Due& due) {
   bool ended = due.check && equilibrium_reached(s_, settings_);
   ended |= force_lost(s_);
+  ended |= push_lost(s_, &warnings_);
   ended |= stage_fraction(s_) >= 1.0;
   if (s_.large_motion && s_.progress.stage_step % kCollapseInterval == 0) ended |= collapse_ended(s_, &warnings_);
   return ended;

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "base/printable.h"
+#include "base/text.h"
 
 namespace quoin::validate {
 
@@ -23,11 +23,6 @@ constexpr double kCyclicVelocity = 0.01;                    // m/s
 constexpr double kBeamHeight = 0.1, kBeamDensity = 7850.0;  // m, kg/m3
 // H0/H of a wall whose top cannot rotate, also the default of rows without it.
 constexpr double kHeldSpan = 0.5;
-
-std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
-}
 
 UnitKind unit_of(const WallRow& row) {
   const std::string type = upper(row.unit_type);

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -17,6 +16,7 @@
 #include "base/input_file.h"
 #include "base/number_text.h"
 #include "base/printable.h"
+#include "base/text.h"
 #include "law/csv_table.h"
 
 namespace quoin::validate {
@@ -24,11 +24,6 @@ namespace quoin::validate {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 // Cells of a line. Quoted cells may contain commas and doubled quotes.
 std::vector<std::string> cells_of(const std::string& line) {
@@ -48,11 +43,6 @@ std::vector<std::string> cells_of(const std::string& line) {
   }
   for (std::string& cell : cells) cell = trimmed(cell);
   return cells;
-}
-
-std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
 }
 
 // Text of letters, digits and '-' alone, with '_' for other characters.

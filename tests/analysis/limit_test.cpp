@@ -658,6 +658,20 @@ TEST(Stands, ABondCarriesItsShare) {
   EXPECT_NEAR(found.carried, 0.4, 1e-9);
 }
 
+// A tensile strength of twice the weight, without cohesion: Coulomb's line ends at sigma = c/mu = 0, so that the block
+// falls. Without friction the line has no end, and that strength held it.
+TEST(Stands, WithoutCohesionNoTensileStrengthHolds) {
+  Boxes one;
+  one.add({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {});
+  one.add({-2.0, 1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
+  one.join(0.5);
+  for (LimitPoint& p : one.problem.points) p.tension = 0.5;
+  const Stands hung = stands(one.problem);
+  EXPECT_FALSE(hung.stands);
+  EXPECT_NEAR(hung.carried, 0.0, 1e-6);
+  EXPECT_FALSE(hung.friction.has_value());
+}
+
 // Without live loads the friction needed without dilation is not below that needed with dilation.
 TEST(Stands, WithoutDilationNoLessFrictionIsNeeded) {
   LimitProblem ring = arch(16, 0.15, 0.7, 0.0, pi);

@@ -169,6 +169,29 @@ TEST(LimitOfScene, OneBlockNeedsTheFrictionOfItsPush) {
   }
 }
 
+// A law may have no strength in compression; a block on such joints does not stand. The message said "a strength below
+// 0".
+TEST(LimitOfScene, JointsWithoutCompressiveStrengthAreNamed) {
+  const std::string text = R"([materials.stone]
+density = 2000
+[joints.soft]
+law = "fracture_energy"
+normal_stiffness = 1e9
+shear_stiffness = 4e8
+friction_angle = 30
+compressive_strength = 0.0
+)" + block("base", "box = { lower = [-5, -0.2, -5], size = [12, 0.2, 12] }", true) +
+                           block("b", "box = { lower = [0, 0, 0], size = [1, 0.5, 1] }");
+  try {
+    limit_of_text(text, {1, 0, 0});
+    ADD_FAILURE() << "taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::bad_input);
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("joints.soft: compressive_strength = 0 Pa"),
+                                             testing::HasSubstr("leave it out")));
+  }
+}
+
 // A pressure acts on the top beam, a mass at a point beside it. Overturning of both about the right edge, by hand:
 // (50000 0.5 + 9810 0.5 + 3850.4 0.5 + 3850.4 0.2)/(9810 0.5 + 2 3850.4 1.05) = 2.510, up to the corner of the joint.
 // The pressure had moved to the common centre of mass: 1.932.
@@ -260,6 +283,26 @@ TEST(LimitOfScene, AForceMovesABlockAtTheLesserOfSlidingAndToppling) {
     EXPECT_EQ(joints[0].hinges, !slides) << h;
     EXPECT_NEAR(slides ? joints[0].sliding : joints[0].opening, 1.0, 1e-6) << h;
     EXPECT_EQ(slides ? joints[0].opening : joints[0].sliding, 0.0) << h << ": below 1e-3";
+  }
+}
+
+// A force F lifts a block of weight W at W/F. At an edge it needs W/(2F), and the other edge is a hinge.
+TEST(LimitOfScene, AJointThatOpensAllOverHasNoHinge) {
+  const double weight = 2000.0 * 2.0 * 9.81;
+  for (const bool at_edge : {false, true}) {
+    const SceneLimit limit =
+        limit_of_loads(head(30.0) + kBase + block("b", "box = { lower = [0, 0, 0], size = [1, 2, 1] }") + kPushed +
+                           fmt::format("[[stage.force]]\nblock = \"b\"\npoint = [{}, 2, 0.5]\nforce = [0, 1000, 0]\n",
+                                       at_edge ? 1.0 : 0.5),
+                       Multiplied::forces);
+    ASSERT_TRUE(limit.limit);
+    EXPECT_NEAR(limit.limit->multiplier, weight / 1000.0 * (at_edge ? 0.5 : 1.0), 1e-3) << at_edge;
+    const std::vector<JointMotion> joints = joint_motions(limit);
+    ASSERT_EQ(joints.size(), 1u);
+    EXPECT_EQ(joints[0].hinges, at_edge);
+    EXPECT_NEAR(joints[0].opening, 1.0, 1e-6);
+    EXPECT_EQ(joints[0].sliding, 0.0);
+    EXPECT_EQ(joints[0].crushing, 0.0);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "program.h"
+#include "results/provenance.h"
 
 namespace {
 
@@ -231,6 +232,21 @@ TEST_F(Watched, PicturesSayWhatTheRunHasLeft) {
   for (const char* picture : {"curve", "cracks"})
     EXPECT_THAT(read_all(out() + "/plots/" + picture + ".gp"),
                 HasSubstr("Warnings, see summary.json: interpenetration"));
+}
+
+TEST(Provenance, EachDifferenceIsNamedWithBothValues) {
+  quoin::Provenance here;
+  here.program = "1", here.program_sha256 = "0123456789abcdef", here.compiler = "c";
+  here.laws = {{"elastic", "", "aa"}, {"mine", "", "bb"}}, here.inputs = {{"wall.obj", "", "cc"}};
+  here.instruction_set = "AVX2";
+  EXPECT_TRUE(quoin::differences(here, here).empty());
+  quoin::Provenance there = here;
+  there.compiler = "d", there.laws = {{"elastic", "", "ab"}}, there.inputs.front().name = "other.obj";
+  there.instruction_set = "";
+  EXPECT_THAT(quoin::differences(here, there),
+              ::testing::ElementsAre("program: 1 (sha256 0123456789ab, c), there 1 (sha256 0123456789ab, d)",
+                                     "law elastic: sha256 aa, there sha256 ab", "law mine: sha256 bb, there none",
+                                     "file wall.obj: sha256 cc, there none", "instruction set: AVX2, there none"));
 }
 
 }  // namespace

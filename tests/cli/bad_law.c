@@ -20,7 +20,12 @@ static void crash(void) {
   *nowhere = 1;
 }
 
+static void wait_for_ever(void) {
+  for (;;) pause();
+}
+
 static void misbehave(void) {
+  if (is("wait")) wait_for_ever();
   if (is("crash")) crash();
   if (is("exit")) exit(0);
   if (is("throw")) throw_int();
@@ -70,8 +75,7 @@ static quoin_library changed_library;
 const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text) {
   if (is("crash at load")) crash();
   if (is("exit at load")) exit(0);
-  if (is("wait at load"))
-    for (;;) pause();
+  if (is("wait at load")) wait_for_ever();
   if (template_library_v1(host, text) == NULL) return NULL;
   changed_library = library;
   changed_law = law;

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "base/duration_text.h"
+#include "cli/process_seconds.h"
 #include "cli/progress.h"
 #include "program.h"
 
@@ -284,6 +285,16 @@ TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
 }
 
 // Without a terminal: the remaining hours and minutes, or no time if it is not known or too long.
+// The first call is not the start; ticks of the system are 10 ms.
+TEST(ProcessSeconds, CountFromTheStartOfTheProcess) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  const double first = quoin::process_seconds();
+  EXPECT_GT(first, 0.045);
+  EXPECT_LT(first, 3600.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_GE(quoin::process_seconds(), first + 0.005);
+}
+
 TEST(ProgressLine, TellsATimeThatIsKnown) {
   quoin::ProgressLine line;
   quoin::Progress progress;

@@ -334,6 +334,82 @@ TEST_F(Fire, SignalsOfTheTerminalKeepWhatWasComputed) {
   EXPECT_EQ(finish(child), 130);
 }
 
+// Two signals at once, or while files are written, end no program: a shell and mpirun repeat those of a terminal.
+TEST_F(Fire, ASecondSignalLeavesResultsAndACheckpoint) {
+  for (const auto& [second, gap] : {std::pair{SIGINT, 0}, {SIGTERM, 5}, {SIGINT, 20}}) {
+    SCOPED_TRACE(fmt::format("signal {} after {} ms", second, gap));
+    fs::remove_all(out());
+    const pid_t child = start_long();
+    kill(child, SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(gap));
+    kill(child, second);
+    kill(child, second);
+    ASSERT_EQ(finish(child), 130) << error_;
+    EXPECT_THAT(error_, HasSubstr("what was computed is kept"));
+    EXPECT_TRUE(summary()["interrupted"]);
+    EXPECT_THAT(parts(), IsEmpty());
+    const std::string history = read_all(out() + "/history.csv");
+    EXPECT_GT(history.size(), 200u);
+    ASSERT_TRUE(fs::exists(out() + "/checkpoint.bin"));
+    const pid_t again = start({QUOIN_PROGRAM, "run", "--resume", out(), "--threads", "1"}, -1, [] { in_time(120); });
+    while (read_all(folder_ / "stderr").find("resumed at step") == std::string::npos &&
+           waitpid(again, nullptr, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    kill(again, SIGINT);
+    ASSERT_EQ(finish(again), 130) << error_;
+    const std::string but_the_end = history.substr(0, history.rfind('\n', history.size() - 2) + 1);
+    EXPECT_TRUE(read_all(out() + "/history.csv").starts_with(but_the_end)) << "it goes on where it was";
+  }
+}
+
+// The second signal comes while the pictures are drawn, which takes long: they are left out.
+TEST_F(Fire, ASecondSignalEndsPicturesAlone) {
+  const fs::path tools = folder_ / "tools", draws = tools / "draws";
+  fs::create_directories(tools);
+  std::ofstream(tools / "gnuplot") << "#!/bin/sh\ntouch '" << draws.string() << "'\nexec sleep 1000\n";
+  fs::permissions(tools / "gnuplot", fs::perms::owner_all);
+  const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
+                             "stage.shear.velocity=1e-6", "--set", "output.frames=0"},
+                            -1, [&] {
+                              in_time(120);
+                              setenv("PATH", (tools.string() + ":/usr/bin:/bin").c_str(), 1);
+                            });
+  while (read_all(folder_ / "stderr").find("2/2 shear") == std::string::npos && waitpid(child, nullptr, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  kill(child, SIGINT);
+  while (!fs::exists(draws) && waitpid(child, nullptr, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  kill(child, SIGINT);
+  EXPECT_EQ(finish(child), 130);
+  EXPECT_TRUE(summary()["interrupted"]);
+  EXPECT_TRUE(fs::exists(out() + "/history.csv") && fs::exists(out() + "/checkpoint.bin"));
+  EXPECT_THAT(parts(), IsEmpty());
+}
+
+// A law that does not return keeps a run from stopping. The third signal ends it, two seconds after the first.
+TEST_F(Fire, AThirdSignalTwoSecondsLaterEndsTheProgram) {
+  std::vector<std::string> words = short_run(small_, {"--law", QUOIN_BAD_LAW_LIBRARY});
+  words.insert(words.begin(), QUOIN_PROGRAM);
+  const pid_t child = start(words, -1, [] {
+    in_time(60);
+    setenv("QUOIN_BAD_LAW", "wait", 1);
+  });
+  while (read_all(folder_ / "stderr").find("1/2 precompression") == std::string::npos &&
+         waitpid(child, nullptr, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  for (const int milliseconds : {100, 100, 2100}) {
+    EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "it runs on";
+    kill(child, SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+  }
+  EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "it runs on";
+  kill(child, SIGINT);
+  EXPECT_EQ(finish(child), 130);
+  EXPECT_FALSE(fs::exists(out() + "/summary.json"));
+}
+
 // Output into a pipe whose reader has ended.
 TEST_F(Fire, AReaderThatLeavesStopsTheRunAsCtrlCDoes) {
   int ends[2];

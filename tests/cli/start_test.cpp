@@ -1,5 +1,6 @@
 // Runs that start from the end of other runs are bitwise identical to one run of all stages, also if they are killed
 // and repeated. Scenes that cannot start there are refused with the reason.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -223,6 +224,26 @@ TEST_F(Start, AnotherGroundOfTheFirstStagesIsRefused) {
   EXPECT_THAT(error_, HasSubstr("no ground held"));
 }
 
+// A stage that ends at a displacement ends elsewhere where another body or axis is monitored.
+TEST_F(Start, AnotherMonitorOfTheFirstStagesIsRefused) {
+  const std::string text = read_all(small_), before = text.substr(0, text.find("[[stage]]"));
+  const auto stage = [](const char* monitor) {
+    return fmt::format(
+        "[[stage]]\nname = \"move\"\nkind = \"custom\"\ndisplacement = 1e-6\nmonitor = \"top_beam\"\ndirection = "
+        "\"{}\"\ncontrol = [{{ body = \"bottom_beam\", velocity = [0, 0, 0] }}, {{ body = \"top_beam\", velocity = "
+        "[0.01, 0.01, 0] }}]\n",
+        monitor);
+  };
+  std::ofstream(first_) << before << stage("x");
+  ASSERT_EQ(run(first_, "first", {"--set", "output.end_state=true"}), 0) << error_;
+  const std::string more = "[[stage]]\nname = \"next\"\nkind = \"custom\"\nduration = 1e-4\n";
+  std::ofstream(second_) << "start = \"first\"\n" << before << stage("x") << more;
+  EXPECT_EQ(run(second_, "second"), 0) << error_;
+  std::ofstream(second_) << "start = \"first\"\n" << before << stage("y") << more;
+  EXPECT_EQ(run(second_, "other"), 3);
+  EXPECT_THAT(error_, HasSubstr("monitor top_beam along y"));
+}
+
 // Another correlation draws other properties. It was taken.
 TEST_F(Start, AnotherCorrelationOfJointsIsRefused) {
   const auto with = [](const std::string& value) {
@@ -245,6 +266,10 @@ TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   const auto refused = [&](const std::vector<std::string>& more, const std::string& reason) {
     EXPECT_EQ(run(second_, "other", more), 3) << reason;
     EXPECT_THAT(error_, HasSubstr(reason));
+    std::vector<std::string> check{"check", second_};
+    check.insert(check.end(), more.begin(), more.end());
+    EXPECT_EQ(quoin(check), 3) << reason;
+    EXPECT_THAT(error_, HasSubstr(reason));
   };
   refused({"--set", "joints.mortar.tensile_strength=0.1e6"}, "set of materials, joints");
   refused({"--set", "materials.brick.density=1800"}, "set of materials, joints");
@@ -260,6 +285,7 @@ TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
   refused({"--set", "output.energy=true"}, "another output.energy (false; here true)");
   refused({"--set", "start=\"nowhere\""}, "does not exist");
   refused({"--law", "coulomb_slip"}, "other laws");
+  EXPECT_EQ(quoin({"check", second_}), 0) << error_;
   // Start from the output folder of the run itself, whose results would be removed before they are read.
   const std::string state = file("first", "end_state.bin");
   EXPECT_EQ(run(second_, "first"), 3);

@@ -334,6 +334,13 @@ TEST_F(Ensemble, SensitivityOneAtATimeIsTwoRunsAnInput) {
   EXPECT_EQ(finished("s"), 2 * 3 + 1);
   EXPECT_THAT(out_, HasSubstr("joints.mortar.cohesion"));
   EXPECT_TRUE(fs::exists(folder_ / "s" / "sensitivity.csv"));
+  // The pressure, uniform from 0.2 to 0.4 MPa, is at its 16 % and 84 % quantiles once, else at its mean.
+  std::map<long, int> pressures;  // in N/m2, number of runs
+  for (const auto& file : fs::recursive_directory_iterator(folder_ / "s")) {
+    if (file.path().filename() != "sample.json") continue;
+    ++pressures[std::lround(nlohmann::json::parse(read_all(file))["inputs"]["pressure"].get<double>())];
+  }
+  EXPECT_EQ(pressures, (std::map<long, int>{{231731, 1}, {300000, 5}, {368269, 1}}));
 }
 
 // Properties that scatter in the scene itself are inputs, as those below [set]. They were left out.

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "model/motion.h"
 #include "model/world_results.h"
 #include "scene/quality.h"
@@ -14,6 +15,7 @@
 #include "step/large_motion.h"
 #include "step/results.h"
 #include "support.h"
+#include "thread_ranks.h"
 
 namespace quoin {
 namespace {
@@ -419,6 +421,61 @@ double brake_on_the_door_wall(const std::vector<std::string>& overrides) {
   Simulation simulation(std::move(scene), assembly, 1);
   simulation.run(mean);
   return mean.sum / static_cast<double>(mean.count) - mean.weight;
+}
+
+// Two floors; the beam of the first lies on top of the wall and slides off it at the force of its bed, about 5 kN. The
+// roof carries 100 kN, whose friction stops it at 0.2 mm of 1 mm. Without an end of its own the stage has no last step.
+Scene building_with_a_loose_floor(const std::string& large_motion) {
+  std::string text = read_input_file(QUOIN_HOST_TESTS "/small_building.toml");
+  text.insert(text.find("[[building.floor]]"),
+              "[[building.floor]]\nname = \"loose\"\nwall = \"B\"\ncourse = 7\nhalf_units = [3]\nload = 1e3\n");
+  return read_scene_text(
+      text, "loose.toml",
+      {"solver.large_motion=" + large_motion, "building.floor.2.load=1e5", "joints.mortar.tensile_strength=1e3",
+       "joints.mortar.cohesion=2e3", "stage.push.displacement=1e-3", "stage.push.velocity=0.05",
+       "stage.push.max_steps=6000", "stage.push.record_interval=50"});
+}
+
+// u = mean of the floors + F/K: the end comes where u has gone 5 (displacement + largest F/K), within one step of it.
+// large_motion = "automatic" goes over on the way.
+TEST(Building, APushEndsWhereFloorsGoOnWithoutTheRoof) {
+  for (const std::string motion : {"automatic", "always"}) {
+    const Scene scene = building_with_a_loose_floor(motion);
+    Simulation whole(scene), first(scene), second(scene);
+    struct : Last {
+      double begin = 0.0;
+      void on_stage_begin(const Simulation& s, int) override { begin = s.time(); }
+    } last;
+    whole.run(last);
+    EXPECT_TRUE(whole.large_motion());
+    EXPECT_LT(last.last.displacement, 0.3e-3);
+    const auto& warnings = whole.outcome().warnings;
+    EXPECT_EQ(std::ranges::count(warnings, "push_lost", &Warning::about), 1);
+    // Head at time t after a ramp of 5 ms: 0.05 m/s (t - 2.5 ms). Peak of F/K below 0.1 mm.
+    const double head = 0.05 * (whole.time() - last.begin - 2.5e-3);
+    EXPECT_GT(head, 5e-3);
+    EXPECT_LT(head, 5.5e-3);
+
+    Observer nobody;
+    first.run_stage(nobody);
+    first.run_stage(nobody, 1300);  // after the peak
+    second.restore(first.save());
+    second.run(nobody);
+    EXPECT_EQ(second.step(), whole.step());
+    EXPECT_EQ(second.hash(), whole.hash());
+
+    long steps = 0;
+    std::uint64_t hash = 0;
+    on_ranks(2, [&](Ranks& ranks) {
+      Simulation part(scene, 1, &ranks);
+      Observer of_rank;
+      part.run(of_rank);
+      const std::uint64_t all = part.hash();
+      if (ranks.rank() == 0) steps = part.step(), hash = all;
+    });
+    EXPECT_EQ(steps, whole.step());
+    EXPECT_EQ(hash, whole.hash());
+  }
 }
 
 // With a step of 0.87 of 2/omega_max uneven springs (benchmarks/ACCURACY.md) transfer the drift of a building to

@@ -10,6 +10,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <tuple>
 
 #include "base/error.h"
 #include "results/checkpoint_file.h"
@@ -165,6 +166,55 @@ TEST_P(Damaged, SlipUnderDilationOpensTheJoint) {
       EXPECT_NEAR(upper * (g_s[i] * p.s[0] + g_t[i] * p.t[0]), slip, 2e-3 * slip);
     }
   }
+}
+
+// Joints of a wall of three courses whose units are 0.22 m long, by the middle of their points and whether they are
+// damaged.
+std::map<std::pair<int, int>, std::tuple<double, double, bool>> joints_of(const Simulation& simulation) {
+  std::map<std::pair<int, int>, std::array<double, 4>> sums;  // area, area times x and y; area of damaged points
+  const std::vector<double> xi = law_state(simulation, "xi_t");
+  for (const ContactPoint& p : contact_points(simulation)) {
+    auto& [area, x, y, damaged] = sums[std::minmax(p.block_a, p.block_b)];
+    area += p.area, x += p.area * p.position[0], y += p.area * p.position[1];
+    damaged += xi[static_cast<std::size_t>(p.index)] == 1.0 ? p.area : 0.0;
+  }
+  std::map<std::pair<int, int>, std::tuple<double, double, bool>> joints;
+  for (const auto& [pair, sum] : sums) {
+    EXPECT_TRUE(sum[3] == 0.0 || std::abs(sum[3] - sum[0]) < 1e-12) << "a joint in part";
+    joints[pair] = {sum[1] / sum[0], sum[2] / sum[0], sum[3] > 0.0};
+  }
+  return joints;
+}
+
+// Which joints a straight crack follows: those between whose middle and a unit's centre it passes. Courses are 0.0625 m
+// high; head joints are at 0.22 m in the first and third, at 0.11 and 0.33 m in the second.
+TEST_P(Damaged, ACrackTakesTheJointsBesideTheCentresThatItPasses) {
+  const auto cracked = [&](const char* crack, const auto& expected) {
+    Simulation simulation(
+        read(wall_text(3, 2, fmt::format("[[damage]]\ncrack = {}\n", crack), moved(0.005, 1e-5)), GetParam()), 1);
+    const auto joints = joints_of(simulation);
+    EXPECT_EQ(joints.size(), 2u + 4u + 4u + 2u + 1u + 2u + 1u) << "beds from below, then head joints";
+    for (const auto& [pair, joint] : joints) {
+      const auto [x, y, damaged] = joint;
+      EXPECT_EQ(damaged, expected(x, y)) << crack << " at " << x << " " << y;
+    }
+  };
+  const auto is = [](double a, double b) { return std::abs(a - b) < 1e-9; };
+  // 0.16 m is between the centre at 0.11 m and the head joint at 0.22 m; the bed between them has its middle at 0.165
+  // m.
+  const auto upright = [&](double x, double y) {
+    const bool head_of_second = is(y, 0.09375);
+    return is(x, 0.165) || (head_of_second ? is(x, 0.11) : is(x, 0.22) && !is(y, 0.0) && !is(y, 0.1875));
+  };
+  cracked("[[0.16, -0.1], [0.16, 1]]", upright);
+  cracked("[[0.16, 0.09], [0.16, 1], [0.5, 1], [0.5, -1], [0.16, -1], [0.16, 0.09]]", upright);
+  // Below the centres of the second course, above those of the first: the bed between them.
+  cracked("[[-0.1, 0.09], [1, 0.09]]", [&](double, double y) { return is(y, 0.0625); });
+  cracked("[[-0.1, 0.04], [1, 0.04]]", [&](double, double y) { return is(y, 0.0625); });
+  cracked("[[-0.1, 0.01], [1, 0.01]]", [&](double, double y) { return is(y, 0.0); });
+  cracked("[[-0.1, 0.18], [1, 0.18]]", [&](double, double y) { return is(y, 0.1875); });
+  // One that ends at 0.2 m: of the bed, the parts with middles at 0.055 and 0.165 m.
+  cracked("[[-0.1, 0.04], [0.2, 0.04]]", [&](double x, double y) { return is(y, 0.0625) && x < 0.2; });
 }
 
 // Returns true if all blocks are connected by joints with at least one point that is not fully softened.

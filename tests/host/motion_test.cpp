@@ -12,6 +12,7 @@
 #include "step/findings.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
+#include "step/unjoined_blocks.h"
 
 namespace quoin {
 namespace {
@@ -300,6 +301,141 @@ TEST(Supports, AModelThatNothingHoldsSaysSo) {
     EXPECT_EQ(supports_in(held, 0).held, std::vector<std::string>{"base: x y z"});
     EXPECT_EQ(supports_in(held, 0).loose, std::vector<int>{2});
   }
+}
+
+// A block that a stage moves by 5 m along x is free across; it has not left its supports. Of a fall along y it is
+// warned.
+TEST(Supports, AWayThatAStageImposesIsNoFall) {
+  for (const auto& [velocity, warned] : {std::pair{"[10, \"free\", \"free\"]", false}, {"[\"free\", 10, 0]", false}}) {
+    for (const char* kernels : {"automatic", "general"}) {
+      Simulation simulation(
+          scene_of(stones(block("a", 0.0), fmt::format("[[stage]]\nname = \"move\"\nduration = 0.5\n[[stage.velocity]]"
+                                                       "\nblock = \"a\"\nvelocity = {}\n",
+                                                       velocity)),
+                   {std::string("solver.kernels=") + kernels}),
+          1);
+      Seen seen;
+      simulation.run(seen);
+      EXPECT_EQ(seen.warnings.contains("free_fall"), warned) << velocity << kernels;
+    }
+  }
+}
+
+// A block of 0.4 x 0.2 x 0.3 m lies on a fixed one of 1 x 0.2 x 1 m. A third one beside it stands on the last 0.2 m.
+// Joints are given from either side.
+TEST(JointSliding, IsMeasuredOverTheSidesOfTheJoint) {
+  Assembly assembly;
+  assembly.bricks.resize(3);
+  assembly.bricks[0].size = {1.0, 0.2, 1.0}, assembly.bricks[0].fixed = true;
+  assembly.bricks[1].origin = {0.1, 0.2, 0.1}, assembly.bricks[1].size = {0.4, 0.2, 0.3};
+  assembly.bricks[2].origin = {0.8, 0.2, 0.1}, assembly.bricks[2].size = {0.5, 0.4, 0.3};
+  assembly.joints = {{0, 1, 3, 0}, {2, 0, 2, 0}};  // upwards from the first; downwards from the third
+  const auto look = [&](const WholeMotion& of_second, const WholeMotion& of_third, int upright = 1) {
+    MotionSeen kept, recomputed;
+    JointSliding(assembly).look({{}, of_second, of_third}, &kept, upright);
+    JointSliding(assembly, JointSliding::Places::recomputed).look({{}, of_second, of_third}, &recomputed, upright);
+    EXPECT_EQ(kept.sliding, recomputed.sliding);
+    EXPECT_EQ(kept.opening, recomputed.opening);
+    return kept;
+  };
+  const double diagonal = std::sqrt(1.3 * 1.3 + 0.6 * 0.6 + 1.0);
+  MotionSeen seen = look({{4e-3, 0, 0}, {}}, {});
+  EXPECT_NEAR(seen.sliding, 4e-3 / 0.4, 1e-15);
+  EXPECT_EQ(seen.slid_joint, 0);
+  EXPECT_NEAR(seen.translation, 4e-3 / diagonal, 1e-15);
+  EXPECT_EQ(seen.moved_block, 1);
+  EXPECT_NEAR(seen.sway, 4e-3 / 1.2, 1e-15) << "over both free blocks, from 0.1 to 1.3 m";
+  EXPECT_EQ(seen.swaying_block, 1);
+  EXPECT_EQ(seen.opening, 0.0);
+  // Across, of the third: over 0.3 m along z, 0.2 m along x.
+  seen = look({}, {{-1e-3, 2e-3, 3e-3}, {}});
+  EXPECT_NEAR(seen.sliding, 3e-3 / 0.3, 1e-15);
+  EXPECT_EQ(seen.slid_joint, 1);
+  EXPECT_NEAR(seen.opening, 2e-3 / 0.2, 1e-15) << "over the shorter side";
+  EXPECT_EQ(seen.opened_joint, 1);
+  EXPECT_NEAR(seen.sway, 3e-3 / 0.3, 1e-15);
+  EXPECT_EQ(seen.swaying_block, 2);
+  EXPECT_NEAR(look({}, {{0, 0, -1e-3}, {}}).sway, 1e-3 / 0.3, 1e-15);
+  EXPECT_NEAR(look({}, {{0, 2e-3, 0}, {}}, 2).sway, 2e-3 / 0.4, 1e-15) << "with the weight along z";
+  EXPECT_EQ(look({}, {{0, 2e-3, 0}, {}}).sway, 0.0);
+  // A rotation about z moves the foot of the second, 0.1 m below its centre, by 0.1 w along x.
+  seen = look({{}, {0, 0, 4e-3}}, {});
+  EXPECT_NEAR(seen.sliding, 4e-4 / 0.4, 1e-15);
+  EXPECT_EQ(seen.rotation, 4e-3);
+  EXPECT_EQ(seen.turned_block, 1);
+  // The joint of the third is 0.15 m from its centre along x: about z it rises by 0.15 w and moves by 0.2 w.
+  seen = look({}, {{}, {0, 0, -4e-3}});
+  EXPECT_NEAR(seen.opening, 0.15 * 4e-3 / 0.2, 1e-15);
+  EXPECT_NEAR(seen.sliding, 0.2 * 4e-3 / 0.2, 1e-15);
+  EXPECT_NEAR(JointSliding(assembly).centre(1)[0], 0.9, 1e-15);
+  EXPECT_NEAR(JointSliding(assembly).centre(1)[1], 0.2, 1e-15);
+  EXPECT_NEAR(JointSliding(assembly).centre(1)[2], 0.25, 1e-15);
+}
+
+// Cubes of 0.2 m: h = 0.1 m. Two at 0.07 m may approach to 0.035 m. All numbers follow from the rule in the header.
+class Unjoined : public ::testing::Test {
+ protected:
+  static constexpr double kSize = 0.2, kSlides = 0.03;
+  double look(const Vec3& from, const WholeMotion& of_second, bool have_contact = true, double acceleration = 0.0) {
+    Assembly assembly;
+    assembly.bricks.resize(2);
+    for (Brick& brick : assembly.bricks) brick.size = {kSize, kSize, kSize};
+    assembly.bricks[1].origin = from;
+    UnjoinedBlocks blocks(assembly);
+    seen_ = {}, axis_ = -1;
+    const auto ask = [&](int, int, int axis) { return axis_ = axis, have_contact; };
+    const WholeMotion still{{}, {}, 0.3};
+    for (const WholeMotion& motion : {WholeMotion{}, of_second})
+      time_ = blocks.look({still, motion}, kSlides, acceleration, ask, &seen_);
+    return time_;
+  }
+  MotionSeen seen_;
+  double time_ = 0.0;
+  int axis_ = -1;
+};
+
+TEST_F(Unjoined, BlocksMayApproachToHalfOfTheirDistance) {
+  look({0, 0.27, 0}, {{0, -0.034, 0}, {}, 0.3});
+  EXPECT_NEAR(seen_.gap, 0.036, 1e-12);
+  EXPECT_NEAR(seen_.nearness, 0.035 / 0.036, 1e-12);
+  EXPECT_EQ(seen_.near_block[0], 0);
+  EXPECT_EQ(seen_.near_block[1], 1);
+  EXPECT_NEAR(time_, (0.036 - 0.0175) / 0.6, 1e-12) << "to half of 0.035 m";
+  // With an acceleration a: v t + a t^2/2 = way.
+  const double t = look({0, 0.27, 0}, {{0, -0.034, 0}, {}, 0.3}, true, 2.0);
+  EXPECT_NEAR(0.6 * t + t * t, 0.036 - 0.0175, 1e-12);
+  // Corners come nearer under a rotation, by half of the diagonal of the faces.
+  look({0, 0.27, 0}, {{0, -0.02, 0}, {0, 0.01, 0}, 0.3});
+  EXPECT_NEAR(seen_.gap, 0.05 - 0.5 * 0.2 * std::sqrt(2.0) * 0.01, 1e-12);
+  // About x the middle of the gap, 0.135 m below the centre of the upper block, moves along z alone.
+  look({0, 0.27, 0}, {{0, -0.02, 0}, {0.01, 0, 0}, 0.3});
+  EXPECT_NEAR(seen_.gap, 0.05 - 0.5 * 0.2 * std::sqrt(2.0) * 0.01, 1e-12);
+  // Pairs that are not near yet: a quarter of h at twice the largest speed.
+  EXPECT_NEAR(look({0, 0.5, 0}, {{}, {}, 0.5}), 0.025 / 1.0, 1e-12);
+  EXPECT_EQ(seen_.nearness, 0.0);
+}
+
+TEST_F(Unjoined, BlocksThatAreNearLaterAreFound) {
+  look({0, 0.4, 0}, {{0, -0.12, 0}, {}, 0.3});
+  EXPECT_NEAR(seen_.gap, 0.08, 1e-12);
+  EXPECT_NEAR(seen_.nearness, 0.05 / 0.08, 1e-12) << "half of h at most";
+}
+
+TEST_F(Unjoined, OnlyPairsWithContactCount) {
+  look({0.27, 0, 0}, {{-0.04, 0, 0}, {}, 0.3}, false);
+  EXPECT_EQ(axis_, 0);
+  EXPECT_NEAR(seen_.nearness, 0.035 / 0.07, 1e-12) << "that of the start stays";
+  look({0.27, 0, 0}, {{-0.04, 0, 0}, {}, 0.3}, true);
+  EXPECT_NEAR(seen_.nearness, 0.035 / 0.03, 1e-12);
+}
+
+// Blocks that touch at an edge may overlap by 0.03 of 0.2 m.
+TEST_F(Unjoined, BlocksAtAnEdgeMayOverlapByTheSlidingBound) {
+  look({0.2, 0.2, 0}, {{-0.01, -0.003, 0}, {}, 0.3});
+  EXPECT_NEAR(seen_.gap, -0.003, 1e-12);
+  EXPECT_NEAR(seen_.nearness, 0.003 / 0.006, 1e-12);
+  look({0.2, 0.2, 0}, {{-0.01, 0.003, 0}, {}, 0.3});
+  EXPECT_EQ(seen_.nearness, 0.0) << "apart";
 }
 
 // A wall of which a stage controls the top beam alone: the bottom beam is not held then.

@@ -42,6 +42,64 @@ void run_stages(Simulation& simulation, int count) {
 
 Vec3 moved(const Simulation& simulation, int block) { return block_displacement(simulation, block)[0]; }
 
+// ---- Forces and pressures ------------------------------------------------------------------------------------------
+
+// The first stage ends in the middle of its ramp, where half of its loads act: these fade while those of the second
+// grow. A moving load is shared by two of five positions, so that its place is that of the load between its ends.
+TEST(Loads, FadeFromWhatActsWhileThoseOfTheNextStageGrow) {
+  Simulation simulation(
+      read_scene_text(dry_stone(35.0) + "[solver]\ndamping = \"viscous\"\nmass_damping = 50.0\n" +
+                          block("slab", "lower = [-1, -0.2, 0], size = [5, 0.2, 1]", true) +
+                          block("a", "lower = [0, 0, 0], size = [0.5, 0.5, 1]") + general_from_start() +
+                          "[[stage]]\nname = \"one\"\ngravity = [0, -9.81, 0]\nramp_time = 0.04\nduration = 0.02\n"
+                          "[[stage.force]]\nblock = \"a\"\npoint = [0, 0.25, 0.5]\nforce = [100, 0, 0]\n"
+                          "[[stage.pressure]]\nblock = \"a\"\nnormal = [0, 1, 0]\npressure = 1000\n"
+                          "[[stage]]\nname = \"two\"\nramp_time = 0.04\nduration = 0.12\n"
+                          "[[stage.force]]\nblock = \"a\"\npoint = [0, 0.25, 0.5]\nforce = [0, 0, 40]\n"
+                          "[stage.moving_load]\nfrom = [0.05, 2, 0.5]\nto = [0.45, 2, 0.5]\nforce = [0, -10, 0]\n"
+                          "positions = 5\n",
+                      "loads.toml"),
+      1);
+  struct Acting {
+    geometry::Vector force;
+    double moment = 0.0, pressure = 0.0;
+  };
+  const auto acting = [&] {
+    Acting sum;
+    for (const blocks::Load& load : simulation.large_motion()->actions.loads) {
+      sum.force += load.scale * load.force;
+      sum.moment += load.scale * load.force.y * load.point.x;
+    }
+    for (const blocks::Pressure& pressure : simulation.large_motion()->actions.pressures)
+      sum.pressure += pressure.scale * pressure.value;
+    return sum;
+  };
+  run_stages(simulation, 1);
+  const Acting first = acting();
+  EXPECT_NEAR(first.force.x, 50.0, 3.0) << "to a step of 0.8 ms";
+  EXPECT_NEAR(first.pressure, 10.0 * first.force.x, 1e-9);
+  const double begin = simulation.time();
+  Observer nobody;
+  simulation.run_stage(nobody, 1);
+  EXPECT_NEAR(acting().force.x, first.force.x, 0.1) << "without a jump";
+  double before = -1.0;
+  while (simulation.time() < begin + 0.11) {
+    simulation.run_stage(nobody, 10);
+    const Acting now = acting();
+    const double ramp = now.force.z / 40.0;
+    EXPECT_GE(ramp, before);
+    EXPECT_NEAR(now.force.x, first.force.x * (1.0 - ramp), 1e-9);
+    EXPECT_NEAR(now.pressure, first.pressure * (1.0 - ramp), 1e-9);
+    EXPECT_NEAR(now.force.y, -10.0 * ramp, 1e-9) << "all of the moving load";
+    const double way = std::clamp((simulation.time() - begin - 0.04) / 0.08, 0.0, 1.0);
+    if (ramp > 0.0) {
+      EXPECT_NEAR(now.moment / now.force.y, 0.05 + 0.4 * way, 0.4 * 2e-3 / 0.08) << "to the way in a step";
+    }
+    before = ramp;
+  }
+  EXPECT_EQ(before, 1.0);
+}
+
 // ---- Fixed blocks that a stage frees -------------------------------------------------------------------------------
 
 const std::string kSlab = block("slab", "lower = [-1, -0.2, 0], size = [5, 0.2, 1]", true);

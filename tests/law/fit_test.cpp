@@ -183,6 +183,77 @@ TEST(Fit, StartsWithCohesionWhereTheLineOfPeaksHasNone) {
     EXPECT_NEAR(p.value, truth(p.id.c_str()), 0.1 * truth(p.id.c_str())) << p.id << ": one row of 240";
 }
 
+// Triplets of a dry joint, tau = min(ks ds, p tan 33 deg): as a sliding test measures.
+std::vector<MeasuredCurve> dry_triplets(unsigned seed, double noise) {
+  Random random(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::vector<MeasuredCurve> curves;
+  for (const double p : {0.1e6, 0.4e6, 0.9e6}) {
+    MeasuredCurve& curve = curves.emplace_back();
+    curve.kind = TestKind::triplet;
+    curve.file = fmt::format("dry {}", curves.size());
+    for (int i = 1; i <= 100; ++i) {
+      curve.jump.push_back(4e-6 * i);
+      curve.stress.push_back(std::min(kKs * curve.jump.back(), p * std::tan(33 * std::numbers::pi / 180)) +
+                             noise * p * normal(random));
+      curve.normal.push_back(-p);
+    }
+  }
+  return curves;
+}
+
+// Friction alone: exact curves give the angle to the accuracy of the trials, 1e-6; cohesion has no logarithm.
+TEST(Fit, DryTripletsGiveFrictionAlone) {
+  for (const char* name : {"fracture_energy", "cyclic_joint", "coulomb_slip"}) {
+    const Law law = Law::find(name);
+    for (const bool zero_given : {false, true}) {
+      std::vector<PropertySetting> given{{"normal_stiffness", {kKn}, {}, {}}, {"shear_stiffness", {kKs}, {}, {}}};
+      if (zero_given) given.push_back({"cohesion", {0.0}, {}, {}});
+      const FitResult result = fit_properties(law, dry_triplets(1, 0.0), given);
+      ASSERT_EQ(result.properties.size(), 1u) << name;
+      EXPECT_EQ(result.properties[0].id, "friction_angle");
+      EXPECT_NEAR(result.properties[0].value, 33.0, 1e-6) << name;
+      EXPECT_EQ(result.no_cohesion, !zero_given) << name;
+      EXPECT_EQ(result.notes.size(), name == std::string("coulomb_slip") ? 0u : 1u) << "fracture_energy_shear";
+    }
+  }
+}
+
+// 3 % noise: in 95 % of trials the cohesion's interval holds 0; it is then 0. In the others a trace of it is found, or
+// its fracture energy is asked for. 20 trials: at most 4 others (binomial, probability 0.003 of more).
+TEST(Fit, NoiseOfDryTripletsIsNoCohesion) {
+  const Law law = Law::find(law_under_test());
+  std::vector<PropertySetting> given = known();
+  given.pop_back();
+  int none = 0;
+  for (unsigned trial = 0; trial < 20; ++trial) {
+    try {
+      const FitResult result = fit_properties(law, dry_triplets(200 + trial, 0.03), given);
+      if (!result.no_cohesion) continue;
+      ++none;
+      ASSERT_EQ(result.properties.size(), 1u);
+      EXPECT_NEAR(result.properties[0].value, 33.0, 0.5) << "3 % of 300 rows";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("fracture_energy_shear"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_GE(none, 16);
+}
+
+TEST(Fit, LawsLeaveOutWhatTheyDoNotHave) {
+  std::vector<PropertySetting> given{{"normal_stiffness", {kKn}, {}, {}}, {"shear_stiffness", {kKs}, {}, {}}};
+  try {
+    fit_properties(Law::find("elastic"), dry_triplets(1, 0.0), given);
+    ADD_FAILURE() << "elastic has no strength to find";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::bad_input);
+    EXPECT_NE(std::string(error.what()).find("law 'elastic' has no property"), std::string::npos) << error.what();
+  }
+  given.push_back({"friction_angle", {33.0}, {}, {}});
+  const FitResult result = fit_properties(Law::find("coulomb_slip"), dry_triplets(1, 0.0), given);
+  EXPECT_TRUE(result.properties.empty() && result.no_cohesion) << "friction given: no cohesion is the result";
+}
+
 TEST(Fit, CommandReadsFilesAndRefusesBadOnes) {
   const auto folder = std::filesystem::temp_directory_path() / "quoin_fit_test";
   std::filesystem::create_directories(folder);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "base/error.h"
 #include "scenes.h"
@@ -51,6 +52,21 @@ TEST(DowelLaw, YieldsAlongAndAcross) {
   EXPECT_NEAR(state.dissipated, 2e4 * 1e-4 + 5e3 * 5e-4, 1e-9);
   state.follow(law, along, {0, 0, 0});
   EXPECT_NEAR(state.force, -1e4, 1e-6);
+}
+
+TEST(Dowels, ForcesTurnWithTheFirstBlock) {
+  members::Dowel bar{"d", 0, 1, {0, 0, 1}, 0.2, {1000.0, 500.0, 1e9, 1e9}, {}};
+  std::vector<members::Node> nodes(2);
+  nodes[0].turn = matrix(geometry::rotation({0, std::numbers::pi / 2, 0}));  // z becomes x
+  nodes[1].x = {0.001, 0.004, 0.002};
+  bar.pull(nodes, {});
+  EXPECT_NEAR(norm(nodes[0].force - geometry::Vector{1.0, 2.0, 1.0}), 0.0, 1e-12);
+  EXPECT_NEAR(norm(nodes[1].force + geometry::Vector{1.0, 2.0, 1.0}), 0.0, 1e-12);
+  EXPECT_NEAR(bar.columns()[0], 1.0, 1e-12) << "opens by 1 mm";
+  EXPECT_NEAR(bar.columns()[1], std::sqrt(5.0), 1e-12);
+  const auto line = bar.lines(nodes).front();
+  EXPECT_NEAR(norm(line.from - geometry::Vector{-0.1, 0, 0}), 0.0, 1e-12);
+  EXPECT_NEAR(norm(line.to - nodes[1].x - geometry::Vector{0.1, 0, 0}), 0.0, 1e-12);
 }
 
 // A block under a force along its bed: the joint carries mu W, the dowel the rest. Above mu W + V the block slides.

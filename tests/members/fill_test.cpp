@@ -39,6 +39,30 @@ std::unique_ptr<Simulation> moved(double way, const std::string& keys) {
   return simulation;
 }
 
+// A point of 2 m2 seen from the side and 3 m2 from above, under 10 Pa: K0 = 0.5, Ka = 0.2, Kp = 4, 100 Pa/m. By hand.
+TEST(FillLaw, PressuresAndEnergiesAreThoseOfASpringBetweenTwoLimits) {
+  members::FillLaw law{{0, 1, 0}, {1, 0, 0}, 3.0, 2.0, 10.0, 0.5, 0.2, 4.0, 100.0};
+  members::FillState s;
+  const auto expect = [&](double pressure, double stored, double dissipated, double outside) {
+    EXPECT_NEAR(s.pressure, pressure, 1e-12);
+    EXPECT_NEAR(s.stored, stored, 1e-12);
+    EXPECT_NEAR(s.dissipated, dissipated, 1e-12);
+    EXPECT_NEAR(s.outside, outside, 1e-12);
+    EXPECT_NEAR(s.force.x, -2.0 * pressure, 1e-12);
+  };
+  s.follow(law, 0.5, {});  // half of the weight: 2.5 Pa at rest; its work is that of the spring
+  expect(2.5, 2.0 * 0.5 * 2.5 * 0.025, 0.0, 0.0625);
+  EXPECT_NEAR(s.force.y, -3.0 * 5.0, 1e-12);
+  s.follow(law, 1.0, {});
+  expect(5.0, 2.0 * 0.5 * 5.0 * 0.05, 0.0, 0.25);
+  s.follow(law, 1.0, {0.02, 0.01, 0});  // 2 Pa more; it lifts 30 N by 1 cm
+  expect(7.0, 2.0 * 0.5 * 7.0 * 0.07, 0.0, 0.25 - 0.3);
+  s.follow(law, 1.0, {0.45, 0.01, 0});  // 50 Pa would be; 40 Pa flow by 0.1 m
+  expect(40.0, 2.0 * 0.5 * 40.0 * 0.4, 2.0 * 40.0 * 0.1, -0.05);
+  s.follow(law, 1.0, {0.0, 0.01, 0});  // -5 Pa would be; 2 Pa follow by 0.07 m with the soil's weight
+  expect(2.0, 2.0 * 0.5 * 2.0 * 0.02, 8.0, -0.05 + 2.0 * 2.0 * 0.07);
+}
+
 // A wall at rest, moving away from the soil and into it: K gamma H^2/2 over its depth, at a third of its height. Both
 // integrals are exact, 1e-9. phi = 30 deg: Ka = 1/3, K0 = 1/2, Kp = 3.
 TEST(Fills, PressureIsAtRestActiveAndPassive) {

@@ -62,6 +62,43 @@ double rested(const std::string& scene, Simulation** kept = nullptr) {
   return sag(*simulation);
 }
 
+// A connector of 0.5 m that carries 1 m2 of 10 kg/m2, by hand. Anchors have 50 N/m up to 1.5 N. Shear has 25 N/m up to
+// 0.5 N and half of the weight of 98.1 N. Its block moves by -x away from the floor.
+TEST(Floors, AConnectorAnchorsBearsSlidesAndIsPulledOut) {
+  members::Floor floor("f", {{}, {1, 0, 0}, {0, 0, 1}, {2.0, 1.0}, {1, 1}}, {300.0, 600.0, 90.0, 1e9, 10.0, 0.0},
+                       {100.0, 50.0, 3.0, 1.0, 0.5, 0.5, true});
+  members::Floor::Connector connector;
+  connector.out = {-1, 0}, connector.length = 0.5, connector.carried = 1.0;
+  floor.connectors() = {connector};
+  members::Surroundings step{};
+  step.gravity = {0, -9.81, 0};
+  std::vector<members::Node> nodes(1);
+  const auto pull = [&](const geometry::Vector& moved) {
+    nodes[0].x = moved, nodes[0].force = {};
+    floor.pull(nodes, step);
+    return nodes[0].force;
+  };
+  const auto near = [](const geometry::Vector& a, const geometry::Vector& b) {
+    EXPECT_NEAR(norm(a - b), 0.0, 1e-9) << a.x << " " << a.y << " " << a.z;
+  };
+  near(pull({-0.02, 0, 0.3}), {1.0, -98.1, -7.5});
+  EXPECT_NEAR(floor.work().stored, 0.5 * 1.0 * 0.02 + 0.5 * 7.5 * 0.3, 1e-12);
+  EXPECT_NEAR(floor.work().dissipated, 0.0, 1e-12);
+  EXPECT_NEAR(floor.largest_anchor(), 2.0, 1e-12) << "N/m";
+  near(pull({-0.05, -0.01, 0.3}), {1.5, -98.1, -7.5});  // anchors draw by 0.02 m; the weight sinks by 0.01 m
+  EXPECT_NEAR(floor.largest_drawn(), 0.02, 1e-12);
+  EXPECT_NEAR(floor.work().stored, 0.5 * 1.5 * 0.03 + 0.5 * 7.5 * 0.3, 1e-12);
+  EXPECT_NEAR(floor.work().dissipated, 1.25 * 0.03 - (0.0225 - 0.01), 1e-12);
+  EXPECT_NEAR(floor.work().outside, 98.1 * 0.01, 1e-12);
+  near(pull({0.01, -0.01, 0.3}), {-0.5, -98.1, -7.5});  // bears
+  EXPECT_EQ(floor.largest_anchor(), 0.0);
+  near(pull({0.01, -0.01, 3.0}), {-0.5, -98.1, -49.55});
+  EXPECT_NEAR(floor.largest_slid(), 3.0 - 49.55 / 25.0, 1e-9);
+  near(pull({-0.6, -0.01, 3.0}), {0.0, -98.1, -49.05});  // friction is left
+  EXPECT_EQ(floor.pulled_out_length(), 0.5);
+  near(pull({-0.04, -0.01, 0.1}), {0.0, -98.1, 25.0 * 2.9 - 49.05});
+}
+
 // Shear beam under its inertia force: q L^2/(8 G B) at midspan, plus the deformation of connectors along the walls,
 // q L/(2 ks B). Tolerance 1 %, for remaining motion and for bending, a share of 1e-3.
 TEST(Floors, DiaphragmIsAShearBeam) {

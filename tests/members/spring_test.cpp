@@ -51,6 +51,67 @@ Rest rest_of(const Scene& scene) {
           m.held_by.members.get()->columns()};
 }
 
+// A point of stiffness 100 and 50 N/m, friction 0.5 and dashpots of 4 and 2 N s/m, in steps of 0.1 s, numbers by hand.
+TEST(SpringLaw, SlipsAndDampsAndForgetsShearWhereItOpens) {
+  members::SpringLaw law;
+  law.normal = 100.0, law.shear = 50.0, law.friction = 0.5;
+  const geometry::Vector down{0, -1, 0};
+  members::SpringState s;
+  const auto expect = [&](const geometry::Vector& force, double stored, double dissipated) {
+    EXPECT_NEAR(norm(s.force - force), 0.0, 1e-12) << s.force.x << " " << s.force.y << " " << s.force.z;
+    EXPECT_NEAR(s.stored, stored, 1e-12);
+    EXPECT_NEAR(s.dissipated, dissipated, 1e-12);
+  };
+  s.follow(law, down, {0.01, -0.02, 0}, 0.1);  // pressed by 2 N, sheared by 0.5 N of 1 N
+  expect({-0.5, 2.0, 0}, 0.5 * 2.0 * 0.02 + 0.5 * 0.5 * 0.01, 0.0);
+  s.follow(law, down, {0.03, -0.02, 0.04}, 0.1);  // 2.5 N of shear slips to 1 N, along (3, 0, 4)
+  expect({-0.6, 2.0, -0.8}, 0.02 + 0.5 * 1.0 / 50.0, 1.0 * 1.5 / 50.0);
+  EXPECT_NEAR(norm(s.slid), 1.5 / 50.0, 1e-12);
+  s.follow(law, down, {0.03, 0.01, 0.04}, 0.1);  // opens: the shear energy is lost
+  expect({}, 0.0, 0.03 + 0.01);
+  s.follow(law, down, {0.05, -0.02, 0.04}, 0.1);  // touches again: shear from where it was
+  expect({-1.0, 2.0, 0}, 0.02 + 0.01, 0.04);
+  law.normal_dashpot = 4.0, law.shear_dashpot = 2.0;
+  s.follow(law, down, {0.05, -0.03, 0.045}, 0.1);  // 0.1 and 0.05 m/s
+  expect({-1.0, 3.0 + 0.4, -0.25 - 0.1}, 0.5 * 3.0 * 0.03 + 0.5 * (1.0 + 0.25 * 0.25) / 50.0,
+         0.04 + 0.4 * 0.01 + 0.1 * 0.005);
+  s.follow(law, down, {0.05, -0.001, 0.045}, 0.1);  // leaves at 0.29 m/s: its dashpot does not pull
+  EXPECT_EQ(s.force.y, 0.0);
+  law.tension = 1, law.friction = std::numeric_limits<double>::infinity(), law.normal_dashpot = 0.0;
+  s.follow(law, down, {0.05, 0.02, 0.045}, 0.1);
+  EXPECT_NEAR(s.force.y, -2.0, 1e-12) << "with tension it pulls";
+}
+
+// Points of a face integrate areas and second moments exactly. The face has the outward normal +x here.
+TEST(Springs, PointsOfAFaceHaveItsAreaAndMoments) {
+  Simulation simulation(
+      on_springs("normal = [1, 0, 0]\nnormal_stiffness = 4e7\nshear_stiffness = 2e7\nnormal_dashpot = 3e4\n"
+                 "shear_dashpot = 2e4\nfriction_angle = 45\ndivisions = 3\n",
+                 "duration = 0.1\n", kCalm),
+      1);
+  const members::Members& m = *simulation.large_motion()->held_by.members.get();
+  const members::Bed& bed = m.beds().front();
+  double area = 0.0, y = 0.0, yy = 0.0, zz = 0.0, yz = 0.0;
+  for (const members::SpringPoint& p : bed.points) {
+    const geometry::Vector at = m.nodes()[static_cast<std::size_t>(p.node)].start;
+    EXPECT_NEAR(at.x, 0.5, 1e-12);
+    EXPECT_NEAR(norm(p.out - geometry::Vector{1, 0, 0}), 0.0, 1e-12);
+    area += p.area, y += p.area * at.y, yy += p.area * at.y * at.y, zz += p.area * at.z * at.z;
+    yz += p.area * at.y * at.z;
+    EXPECT_NEAR(p.law.normal, 4e7 * p.area, 1e-6);
+    EXPECT_NEAR(p.law.shear, 2e7 * p.area, 1e-6);
+    EXPECT_NEAR(p.law.normal_dashpot, 3e4 * p.area, 1e-9);
+    EXPECT_NEAR(p.law.shear_dashpot, 2e4 * p.area, 1e-9);
+    EXPECT_NEAR(p.law.friction, 1.0, 1e-12);
+  }
+  EXPECT_NEAR(area, kHeight * kDepth, 1e-12);
+  EXPECT_NEAR(bed.area, kHeight * kDepth, 1e-12);
+  EXPECT_NEAR(y, area * kHeight / 2, 1e-12);
+  EXPECT_NEAR(yy, area * kHeight * kHeight / 3, 1e-12);
+  EXPECT_NEAR(zz, area * kDepth * kDepth / 3, 1e-12);
+  EXPECT_NEAR(yz, area * kHeight * kDepth / 4, 1e-12);
+}
+
 // u = W/(kn A); theta = F h/(kn I - W h/2), including the moment of the weight. The points are exact for linear
 // pressures.
 TEST(Springs, BlockSettlesAndTiltsAsItsFaceSays) {

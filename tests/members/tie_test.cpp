@@ -88,6 +88,66 @@ TEST(TieLaw, HasSlackBeforeItBears) {
   EXPECT_DOUBLE_EQ(tie.force, 1e7 * 1e-3);
 }
 
+// A plate of 0.6 x 0.3 m at one end, a point that it slides through, and a point at the other: 3 and 2 m apart. Means
+// of squares are those of six equal parts, a^2/12 (1 - 1/36).
+TEST(Ties, PlacesAndLawFollowFromTheirKeys) {
+  const Simulation simulation(
+      read_scene_text(
+          head(35.0) + box("left", "[0, 0, 0]", "[1, 2, 1]") + box("middle", "[3, 0, 0]", "[1, 2, 1]") +
+              box("right", "[3, 0, 3]", "[1, 2, 1]") +
+              "[[tie]]\nname = \"t\"\nfrom = { block = \"left\", point = [0, 1, 0.5], plate = [0.6, 0.3] }\n"
+              "through = [{ block = \"middle\", point = [3, 1, 0.5] }]\n"
+              "to = { block = \"right\", point = [3, 1, 3] }\narea = 2e-5\nyoung_modulus = 2e11\n"
+              "yield_stress = 3e8\nhardening = 0.2\nrupture_strain = 0.01\nslack = 1e-3\n"
+              "[[stage]]\nduration = 0.1\n",
+          "tie.toml"),
+      1);
+  const members::Members& m = *simulation.large_motion()->held_by.members.get();
+  const members::Tie& tie = m.ties().front();
+  EXPECT_NEAR(tie.length, 3.0 + 2.5, 1e-12);
+  const double stiffness = 2e11 * 2e-5 / 5.5;
+  EXPECT_NEAR(tie.law.stiffness, stiffness, 1e-6);
+  EXPECT_NEAR(tie.law.yield, 6e3, 1e-9);
+  EXPECT_NEAR(tie.law.hardening * stiffness / (tie.law.hardening + stiffness), 0.2 * stiffness, 1e-6) << "tangent";
+  EXPECT_NEAR(tie.law.rupture, 0.055, 1e-12);
+  EXPECT_EQ(tie.law.slack, 1e-3);
+  ASSERT_EQ(tie.stops.size(), 3u);
+  double shares = 0.0, yy = 0.0, zz = 0.0;
+  for (const auto& [node, share] : tie.stops[0]) {
+    const geometry::Vector at = m.nodes()[std::size_t(node)].start - geometry::Vector{0, 1, 0.5};
+    EXPECT_NEAR(at.x, 0.0, 1e-12);
+    shares += share, yy += share * at.y * at.y, zz += share * at.z * at.z;
+  }
+  EXPECT_NEAR(shares, 1.0, 1e-12);
+  EXPECT_NEAR(norm(start_of(m.nodes(), tie.stops[0]) - geometry::Vector{0, 1, 0.5}), 0.0, 1e-12);
+  EXPECT_NEAR(zz, 0.36 / 12 * (1 - 1.0 / 36), 1e-12) << "its first side is level";
+  EXPECT_NEAR(yy, 0.09 / 12 * (1 - 1.0 / 36), 1e-12);
+  EXPECT_EQ(tie.stops[1].size(), 1u);
+  // To the ground: k |g_i| sum |g_j|, with |g| the share at ends, at most twice at the stop between them.
+  double at_plate = 0.0, at_middle = 0.0, at_end = 0.0;
+  tie.each_spring([&](int node, int other, double k) {
+    EXPECT_EQ(other, members::kGround);
+    (node == tie.stops[1][0].first ? at_middle : node == tie.stops[2][0].first ? at_end : at_plate) += k;
+  });
+  EXPECT_NEAR(at_end, 4.0 * stiffness, 1e-6);
+  EXPECT_NEAR(at_plate, 4.0 * stiffness, 1e-6);
+  EXPECT_NEAR(at_middle, 8.0 * stiffness, 1e-6);
+}
+
+// Forces of a stretched tie over a corner: its force along each piece, on both pieces at the corner.
+TEST(Ties, ForcesAreAlongEachPiece) {
+  members::Tie tie{"t", {{{0, 1.0}}, {{1, 1.0}}, {{2, 0.25}, {3, 0.75}}}, 7.0, {}, {}};
+  tie.law.stiffness = 10.0, tie.law.yield = 1e9;
+  std::vector<members::Node> nodes(4);
+  nodes[1].x = {3.1, 0, 0}, nodes[2].x = nodes[3].x = {3.1, 4.2, 0};
+  members::Surroundings step{};
+  tie.pull(nodes, step);
+  const double force = 10.0 * 0.3;
+  EXPECT_NEAR(tie.columns()[0], force, 1e-12);
+  const geometry::Vector expected[] = {{force, 0, 0}, {-force, force, 0}, {0, -0.25 * force, 0}, {0, -0.75 * force, 0}};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(norm(nodes[i].force - expected[i]), 0.0, 1e-12) << i;
+}
+
 // A slender block on its toe, with a long tie at the top corner above the toe. The horizontal body force is lambda
 // times the weight. In equilibrium
 //   lambda(theta) = [W R sin(alpha - theta) + (T0 + 2 k h sin theta) 2 h cos theta]/[W R cos(alpha - theta)].

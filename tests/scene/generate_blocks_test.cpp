@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include "../scene_of_text.h"
@@ -162,8 +163,120 @@ TEST(DryWall, StandsInItsDirectionFromXTowardsZ) {
   EXPECT_LT(norm(high - Vector{kUnits * kLength, 0.7, kThickness}), 1e-12);
 }
 
+// Returns the parts beside dry walls: blocks and arches of stone, with further joints.
+Assembly assembled(const std::string& keys) {
+  return assemble(scene_of_text(R"(default_joint = "dry"
+[materials.stone]
+density = 2000
+young_modulus = 1e10
+poisson_ratio = 0.2
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+[joints.mortar]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+[joints.weak]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+)" + keys));
+}
+
+std::string cube(const std::string& name, double x, double y, const std::string& more = "") {
+  return "[[block]]\nname = \"" + name + "\"\nmaterial = \"stone\"\nbox = { lower = [" + std::to_string(x) + ", " +
+         std::to_string(y) + ", 0], size = [1, 1, 1] }\n" + more;
+}
+
+// Three voussoirs from 30 to 120 degrees: each spans 30, between radii of 1.8 and 2.2 m and depths of 0 and 0.5 m.
+TEST(Arches, VoussoirsAreOnTheirCircleBetweenFixedOnes) {
+  const Assembly arch = assembled(
+      "[[arch]]\nname = \"a\"\nmaterial = \"stone\"\ncentre = [1, 2, 3]\nradius = 2\nthickness = 0.4\ndepth = 0.5\n"
+      "voussoirs = 3\nangles = [30, 120]\nrigid = false\nzone_edge = 0.2\n[[stage]]\nduration = 0.1\n");
+  ASSERT_EQ(arch.blocks.size(), 5u);
+  for (int i = 0; i < 5; ++i) {
+    const Block& block = arch.blocks[size_t(i)];
+    EXPECT_EQ(block.name, "a/" + std::to_string(i - 1));
+    EXPECT_EQ(block.fixed, i == 0 || i == 4);
+    EXPECT_EQ(block.rigid, block.fixed) << "abutments are rigid";
+    ASSERT_EQ(corners(arch, block).size(), 8u);
+    for (const Vector& p : corners(arch, block)) {
+      const Vector q = p - Vector{1, 2, 3};
+      EXPECT_NEAR(std::abs(std::hypot(q.x, q.y) - 2.0), 0.2, 1e-12);
+      EXPECT_NEAR(std::abs(q.z - 0.25), 0.25, 1e-12);
+      EXPECT_NEAR(std::abs(std::atan2(q.y, q.x) * 180 / std::numbers::pi - (30.0 * i + 15.0)), 15.0, 1e-9);
+    }
+  }
+}
+
+// The first rule that fits: beds of a and b in either order, then joints inside units, then upright ones of any blocks.
+TEST(JointRules, TheFirstThatFitsGivesTheFamily) {
+  const Assembly blocks =
+      assembled(cube("a/1", 0, 0, "unit = \"u\"\n") + cube("a/2", 1, 0, "unit = \"u\"\n") + cube("b/1", 0, 1) +
+                cube("c", 1, 1) + cube("c2", 2, 0) +
+                "[[joint_rule]]\nfamily = \"mortar\"\nnormal = \"vertical\"\nbetween = [\"a\", \"b\"]\n"
+                "[[joint_rule]]\nfamily = \"weak\"\ninside_units = true\n"
+                "[[joint_rule]]\nfamily = \"none\"\nnormal = \"horizontal\"\n"
+                "[[stage]]\nduration = 0.1\n");
+  const auto family = [&](int a, int b, const Vector& normal) {
+    const int found = blocks.family_of({a, b, normal});
+    return found < 0 ? "none" : blocks.families[size_t(found)].name;
+  };
+  const Vector up{0, 1, 0}, along{1, 0, 0};
+  EXPECT_EQ(family(0, 2, up), "mortar");
+  EXPECT_EQ(family(2, 0, -up), "mortar");
+  EXPECT_EQ(family(0, 2, along), "none") << "the first rule is for beds";
+  EXPECT_EQ(family(2, 3, up), "dry") << "b and c";
+  EXPECT_EQ(family(0, 1, along), "weak") << "of one unit";
+  EXPECT_EQ(family(0, 1, up), "weak");
+  EXPECT_EQ(family(1, 4, along), "none");
+  EXPECT_EQ(family(2, 3, normalized(Vector{1, 1.01, 0})), "dry") << "steeper than 45 degrees is a bed";
+  EXPECT_EQ(family(2, 3, normalized(Vector{1.01, 1, 0})), "none");
+}
+
+// The pattern of a box differs where an odd number of hexahedra lies between it and the first one.
+// Halves of 0.15 m have `along` of them, courses `up`.
+TEST(DryWall, ZonesAlternateOverTheWholeWall) {
+  for (const auto& [zones, along, up] : {std::tuple{"[1, 1, 1]", 1, 1}, {"[3, 2, 1]", 3, 2}}) {
+    const Assembly wall = wall_with(std::string("rigid = false\nzones = ") + zones + "\n");
+    for (const Block& block : wall.blocks) {
+      double left = 1e9, right = -1e9;
+      for (const Vector& p : corners(wall, block)) left = std::min(left, p.x), right = std::max(right, p.x);
+      EXPECT_EQ(block.divisions[0], std::lround(along * (right - left) / 0.15)) << block.name;
+      EXPECT_EQ(block.divisions[1], up);
+      EXPECT_EQ(block.parity, (wall.blocks[0].parity + std::lround(along * left / 0.15) + block.course * up) % 2)
+          << block.name;
+    }
+  }
+}
+
+TEST(Blocks, AFixedOneIsFreedWhereAStageLeavesAComponentOfItFree) {
+  const auto freed = [](const char* velocity) {
+    const Assembly blocks =
+        assembled(cube("base", 0, 0, "fixed = true\n") + cube("held", 1, 0, "fixed = true\n") + cube("top", 0, 1) +
+                  "[[stage]]\nduration = 0.1\n[[stage.velocity]]\nblock = \"base\"\nvelocity = " + velocity +
+                  "\n[[stage.velocity]]\nblock = \"top\"\nvelocity = [0, \"free\", 0]\n");
+    EXPECT_FALSE(blocks.blocks[1].freed || blocks.blocks[2].freed);
+    return blocks.blocks[0].freed;
+  };
+  EXPECT_TRUE(freed("[0, \"free\", 0]"));
+  EXPECT_FALSE(freed("[0, 0.1, 0]"));
+}
+
+// 1e-4 of the least extent of any block: 0.2 m.
+TEST(Blocks, TheirJointToleranceIsAShareOfTheThinnest) {
+  const std::string thin =
+      "[[block]]\nname = \"t\"\nmaterial = \"stone\"\nbox = { lower = [3, 0, 0], size = [1, 0.2, 3] }\n";
+  EXPECT_NEAR(joint_tolerance_of(assembled(cube("a", 0, 0) + thin + "[[stage]]\nduration = 0.1\n")), 2e-5, 1e-15);
+  EXPECT_EQ(joint_tolerance_of(assembled(cube("a", 0, 0) + "[contact]\njoint_tolerance = 0.003\n[[stage]]\nduration = "
+                                                           "0.1\n")),
+            0.003);
+}
+
 // Boxes `low`, 2 x 1 x 1 m, and `high` above it; `tilted`, a cube of 1 m that is turned by 30 degrees about z.
-Assembly three_blocks(const std::string& more = "") {
+Assembly three_blocks() {
   return assemble(scene_of_text(R"([materials.stone]
 density = 2000
 [joints.dry]
@@ -184,7 +297,9 @@ material = "stone"
 position = [3.5, 2, 0.5]
 rotation = [0, 0, 30]
 box = { lower = [-0.5, -0.5, -0.5], size = [1, 1, 1] }
-)" + more + "[[stage]]\nduration = 0.1\n"));
+[[stage]]
+duration = 0.1
+)"));
 }
 
 // A load meets the first face along its force. Above the middle of the tilted cube its upper face is at 0.5/cos 30; 0.5

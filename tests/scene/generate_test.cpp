@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
 #include <vector>
 
+#include "scene/brick_overlap.h"
 #include "scene/masonry_place.h"
 #include "scene/read_scene.h"
 
@@ -338,6 +340,65 @@ TEST(GenerateBuilding, UnitsAreTwoHalvesInEveryOtherCourse) {
     const auto together = [&](int of) { return units[of].begin()->second == std::next(units[of].begin())->second; };
     EXPECT_NE(together(course), together(course + 1)) << course;
   }
+}
+
+// All faces that meet have one joint, of the family of its place, and no others have. The zones on both sides
+// alternate.
+void expect_joints_where_faces_meet(const Scene& scene, const std::array<std::string, 4>& beam_bed_unit_head) {
+  const Assembly a = assemble(scene);
+  std::map<std::pair<int, int>, const Joint*> joints;
+  for (const Joint& j : a.joints)
+    EXPECT_TRUE(joints.emplace(std::minmax(j.block_a, j.block_b), &j).second) << "two joints of a pair";
+  std::size_t meetings = 0;
+  for (int i = 0; i < static_cast<int>(a.bricks.size()); ++i) {
+    for (int k = 0; k < i; ++k) {
+      const Brick &one = a.bricks[size_t(k)], &other = a.bricks[size_t(i)];
+      const Overlap shared = overlap_of(one, other);
+      size_t touching = 3, beside = 0;
+      for (size_t c = 0; c < 3; ++c) {
+        if (std::abs(shared.gap(c)) < 1e-9) touching = c;
+        if (shared.gap(c) < -1e-9) ++beside;
+      }
+      if (touching == 3 || beside < 2) continue;
+      const auto found = joints.find({k, i});
+      const bool cut = one.beam && other.beam;  // parts of a beam
+      ASSERT_EQ(found == joints.end(), cut) << k << " " << i;
+      if (cut) continue;
+      ++meetings;
+      const Joint& joint = *found->second;
+      EXPECT_EQ(joint.face_a, static_cast<int>(2 * touching + 1));
+      const Brick &lower = a.bricks[size_t(joint.block_a)], &upper = a.bricks[size_t(joint.block_b)];
+      EXPECT_NEAR(lower.origin[touching] + lower.size[touching], upper.origin[touching], 1e-9);
+      const bool at_beam = lower.course < 0 || upper.course < 0;
+      EXPECT_EQ(a.families[size_t(joint.family)].name, beam_bed_unit_head[at_beam                    ? 0
+                                                                          : touching == 1            ? 1
+                                                                          : lower.unit == upper.unit ? 2
+                                                                                                     : 3]);
+      if (lower.rigid || upper.rigid) continue;
+      long squares = lower.zones[touching];
+      for (size_t c = 0; c < 3; ++c)
+        if (c != touching) squares += std::lround((upper.origin[c] - lower.origin[c]) * upper.zones[c] / upper.size[c]);
+      EXPECT_EQ(upper.parity, (lower.parity + std::abs(squares)) % 2) << k << " " << i;
+    }
+  }
+  EXPECT_EQ(meetings, joints.size());
+}
+
+TEST(GenerateWall, JointsAreWhereFacesMeet) {
+  expect_joints_where_faces_meet(solid_wall({kLintel, "wall.bottom_beam_cuts=[3, 5]",
+                                             "joints.bed={law=\"elastic\",normal_stiffness=1e9,"
+                                             "shear_stiffness=1e9}",
+                                             "joints.beam={law=\"elastic\",normal_stiffness=1e9,shear_stiffness=1e9}",
+                                             "wall.bed_joint=\"bed\"", "wall.beam_joint=\"beam\""}),
+                                 {"beam", "bed", "unit", "mortar"});
+}
+
+TEST(GenerateBuilding, JointsAreWhereFacesMeet) {
+  expect_joints_where_faces_meet(read_scene(QUOIN_SCENES "/pavia_window.toml",
+                                            {"joints.bed={law=\"elastic\",normal_stiffness=1e9,shear_stiffness=1e9}",
+                                             "joints.beam={law=\"elastic\",normal_stiffness=1e9,shear_stiffness=1e9}",
+                                             "building.bed_joint=\"bed\"", "building.beam_joint=\"beam\""}),
+                                 {"beam", "bed", "unit", "mortar"});
 }
 
 }  // namespace

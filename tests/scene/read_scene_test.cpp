@@ -13,7 +13,9 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "scene/driven.h"
 #include "scene/quality.h"
+#include "scene/stage_warnings.h"
 #include "scene/unused_settings.h"
 
 namespace quoin {
@@ -620,9 +622,34 @@ TEST_F(ReadScene, CustomStages) {
            "[0, \"free\", 0]\nforce = [0, -5, 0]\n");
   EXPECT_EQ(s.stages[2].controls.at(0).kind[1], DofKind::free);
   EXPECT_EQ(s.stages[2].controls[0].force[1], -5);
+  ASSERT_EQ(s.stages[2].controls.size(), 2u);
+  EXPECT_EQ(s.stages[2].controls[1].body, "bottom_beam");
+  EXPECT_EQ(prescribed_by(s.stages[2].controls[1]), kAllPrescribed);
   EXPECT_THAT(message(std::string(kScene) + "[[stage]]\nkind = \"custom\"\nduration = 0.1\n[[stage.control]]\nbody = "
                                             "\"roof\"\nforce = [1, 0, 0]\n"),
               AllOf(HasSubstr("stage.3.control.1.body = 'roof'"), HasSubstr("top_beam"), HasSubstr("control.1.force")));
+}
+
+// A stage of controls alone ends the pressure of the stage before, with a warning. There is none where the beam is
+// named, or where the stage goes on with the pressure.
+TEST_F(ReadScene, LoadsThatAStageEndsAreWarnedOf) {
+  const auto warned = [&](const std::string& control) {
+    const Scene s = read(std::string(kScene) + "[[stage]]\nkind = \"custom\"\nduration = 0.1\n" + control);
+    Scene pressed = s;
+    pressed.stages = {s.stages[0], s.stages[2]};
+    for (const StageWarning& warning : stage_warnings(pressed, 1))
+      if (std::string("loads") == warning.about) return warning.text;
+    return std::string();
+  };
+  const Scene s = read(kScene);
+  const auto top = std::ranges::find(s.stages[0].controls, "top_beam", &BodyControl::body);
+  ASSERT_NE(top, s.stages[0].controls.end());
+  ASSERT_LT(top->force[1], 0.0);
+  EXPECT_THAT(
+      warned("[[stage.control]]\nbody = \"bottom_beam\"\n"),
+      AllOf(HasSubstr("top_beam: "), HasSubstr(fmt::format("{:g}", top->force[1])), HasSubstr("force = [0, -")));
+  EXPECT_EQ(warned("[[stage.control]]\nbody = \"top_beam\"\n"), "");
+  EXPECT_EQ(warned(""), "");
 }
 
 // Rigid units need no elastic moduli, and stages can move their outer courses.
@@ -634,6 +661,11 @@ TEST_F(ReadScene, RigidUnits) {
   const Scene s = read(moved, {"wall.rigid_units=true"});
   EXPECT_TRUE(s.wall->rigid_units);
   EXPECT_EQ(s.stages[2].monitor, "bottom_course");
+  const Scene cycles =
+      read(text + "[[stage]]\nkind = \"cycles\"\nbody = \"top_course\"\namplitudes = [1e-3]\nvelocity = 0.1\n",
+           {"wall.rigid_units=true", "wall.bottom_beam=false"});
+  EXPECT_EQ(cycles.stages[2].controls.at(1).body, "bottom_course");
+  EXPECT_EQ(prescribed_by(cycles.stages[2].controls[1]), kAllPrescribed);
   EXPECT_THAT(message(moved, {"wall.rigid_units=true", "wall.zones=[1,1,1]"}),
               AllOf(HasSubstr("wall.zones"), HasSubstr("only with deformable units")));
 }

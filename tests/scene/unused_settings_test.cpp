@@ -65,6 +65,82 @@ shear_stiffness = 5e8
               ElementsAre(StartsWith("materials.other"), StartsWith("joints.other")));
 }
 
+// Each place that takes a material or a joint: units of a wall, lintels, changed units, dry walls, arches, rules.
+TEST(UnusedSettings, MaterialsAndJointsOfEveryPlaceAreUsed) {
+  const auto table = [](const char* head, const char* name, const char* keys) {
+    return fmt::format("[{}.{}]\n{}", head, name, keys);
+  };
+  const auto materials = [&](std::initializer_list<const char*> names) {
+    std::string text;
+    for (const char* name : names)
+      text += table("materials", name, "density = 2000\nyoung_modulus = 1e10\npoisson_ratio = 0.2\n");
+    return text;
+  };
+  const auto joints = [&](std::initializer_list<const char*> names) {
+    std::string text;
+    for (const char* name : names)
+      text += table("joints", name, "law = \"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 5e8\n");
+    return text;
+  };
+  EXPECT_THAT(unused(materials({"of_unit", "of_lintel", "of_change"}) + joints({"bed", "head", "unit", "beam"}) +
+                     R"([wall]
+courses = 4
+units_per_course = 3
+unit = [0.2, 0.1, 0.2]
+unit_material = "of_unit"
+bed_joint = "bed"
+head_joint = "head"
+unit_joint = "unit"
+beam_joint = "beam"
+[[wall.opening]]
+first_half_unit = 2
+half_units = 2
+first_course = 1
+courses = 1
+bearing = 0.1
+lintel_material = "of_lintel"
+[[wall.changed]]
+course = 0
+half_unit = 0
+material = "of_change"
+[[stage]]
+kind = "pressure"
+name = "press"
+pressure = 1e5
+)"),
+              IsEmpty());
+  EXPECT_THAT(unused("default_joint = \"of_default\"\n" + materials({"of_block", "of_wall", "of_arch"}) +
+                     joints({"of_default", "of_rule", "of_strip"}) + R"([[block]]
+name = "block"
+material = "of_block"
+box = { lower = [9, 0, 0], size = [1, 1, 1] }
+[[dry_wall]]
+material = "of_wall"
+courses = 1
+units_per_course = 2
+unit = [0.3, 0.1, 0.2]
+[[arch]]
+material = "of_arch"
+centre = [20, 0, 0]
+radius = 2
+thickness = 0.4
+depth = 0.5
+voussoirs = 3
+[[joint_rule]]
+family = "of_rule"
+[[strip]]
+joint = "of_strip"
+points = [[9, 1, 0.5], [10, 1, 0.5]]
+width = 0.1
+thickness = 1e-3
+young_modulus = 1e11
+spacing = 0.1
+[[stage]]
+duration = 0.1
+)"),
+              IsEmpty());
+}
+
 TEST(UnusedSettings, OfDeformationWhereAllIsRigid) {
   for (const char* setting : {"deformation_inertia=2.0", "unit_inertia=2.0", "internal_forces=zones"}) {
     const std::string key = std::string("solver.") + setting;

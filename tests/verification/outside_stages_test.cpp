@@ -43,6 +43,37 @@ vertical = "pressure"
   EXPECT_FALSE(std::ranges::count(back("displacement = 0.00005\nramp_time = 0.0001\n").warned_of, "ramp"));
 }
 
+// What stands for the ground is held where no control names it, whatever later stages have. It slid along with the
+// beam on top, without force, and was held where a later stage had a force. 1e-6: the time step may differ by that.
+TEST(OutsideStages, ControlsOfTheTopAloneLeaveTheBottomBeamHeld) {
+  const auto resistance = [](const std::string& motion, const std::string& bottom, const std::string& later) {
+    const Rows rows = rows_of(kPressed + R"(
+[[stage]]
+kind = "custom"
+ramp_time = 0.001
+displacement = 0.0003
+[[stage.control]]
+body = "top_beam"
+velocity = [0.02, "free", 0]
+force = [0, -4000, 0]
+)" + bottom + later + "[solver]\nlarge_motion = \"" +
+                              motion + "\"\n");
+    return rows.of_stage(1).back().resistance;
+  };
+  const std::string held = "[[stage.control]]\nbody = \"bottom_beam\"\n",
+                    let_go = held + "velocity = [\"free\", \"free\", \"free\"]\nrotation_held = false\n",
+                    later =
+                        "[[stage]]\nduration = 1e-4\n[[stage.force]]\nblock = \"top_beam\"\npoint = [0.2, 0.35, "
+                        "0.05]\nforce = [1, 0, 0]\n";
+  for (const char* motion : {"automatic", "always"}) {
+    const double by_hand = resistance(motion, held, "");
+    EXPECT_GT(by_hand, 500.0) << motion;
+    EXPECT_NEAR(resistance(motion, "", ""), by_hand, 1e-6 * by_hand) << motion;
+    EXPECT_NEAR(resistance(motion, "", later), by_hand, 1e-6 * by_hand) << motion;
+    EXPECT_LT(resistance(motion, let_go, ""), 0.5 * by_hand) << motion;
+  }
+}
+
 // A stage without controls holds the bottom beam whatever other stages do. In a scene without actions nothing was held,
 // and the wall flew off under the pressure of its top beam.
 TEST(OutsideStages, AStageWithoutControlsHoldsTheBottomBeam) {

@@ -22,6 +22,8 @@ void bind_floors(Simulation::Impl& s);  // bodies and blocks of the stage's floo
 // Places the head of the jack where a stage begins. The force goes on from the stage before.
 void begin_pull(Simulation::Impl& s, const Stage* previous);
 void pull_whiffletree(Simulation::Impl& s);
+// Whether the head of a push has gone so far that its displacement will not be reached.
+bool push_lost(Simulation::Impl& s, std::vector<Warning>* warnings);
 // Finds the blocks that rest on fixed ones, and the centre of their joints.
 void find_blocks_on_base(Simulation::Impl& s);
 // Whether the collapse stage has ended, after a check of displacements and loads. All ranks call it.

@@ -21,7 +21,9 @@ struct LoadedBlock {
 struct JackHead {
   double from = 0.0;           // position when the stage began, m
   double velocity_from = 0.0;  // velocity before the stage, m/s
-  double force = 0.0;          // on all floors together, in the last step, N
+  double force = 0.0;          // on each floor, in the last step, N
+  double travel = 0.0;         // in the stage, m
+  double peak = 0.0;           // largest magnitude of the force in the stage, N
 };
 
 struct Controls {
