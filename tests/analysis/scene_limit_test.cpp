@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "../scene_of_text.h"
@@ -303,6 +304,48 @@ TEST(LimitOfScene, AJointThatOpensAllOverHasNoHinge) {
     EXPECT_EQ(joints[0].sliding, 0.0);
     EXPECT_EQ(joints[0].crushing, 0.0);
   }
+}
+
+// Joints of blocks 1 to 5 on block 0, of friction 0.5, with points 1 m apart. Rates are over the largest, of 1 m/s.
+// Block 1 turns about its left point, 2 slides up its dilation, 3 slides and is pressed in. 4 and 5 lift by about 1e-3.
+TEST(LimitOfScene, RatesOfJointsAreOverTheLargest) {
+  using geometry::Vector;
+  const Vector velocities[] = {
+      {}, {-0.4, 0.4, 0}, {1, 0.5, 0}, {0.2, -0.3, 0}, {0, 0.9e-3, 0}, {0, 1.1e-3, 0}, {0, 0.9e-4, 0}};
+  SceneLimit limit;
+  limit.limit.emplace();
+  limit.families = {"dry"};
+  for (int b = 0; b < 7; ++b) {
+    limit.problem.blocks.push_back({{0.5, 0.5, 0}, b == 0, {}, {}});
+    limit.limit->velocity.push_back({velocities[b], {0, 0, b == 1 ? 0.8 : 0.0}});
+    limit.names.push_back(""), limit.labels.push_back("");
+    for (int end = 0; end < 2 && b > 0 && b < 6; ++end)
+      limit.problem.points.push_back({0, b, {double(end), 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0.5});
+  }
+  for (LimitPoint& p : limit.problem.points) p.family = 0;
+  limit.point_count = limit.problem.points.size();
+  const struct {
+    int block;
+    double opening, sliding, crushing;
+    const char* text;
+  } expected[] = {{2, 0, 1, 0, "slides"},
+                  {1, 0.8, 0, 0, "hinges"},
+                  {3, 0, 0.2, 0.3, "slides and crushes"},
+                  {5, 1.1e-3, 0, 0, "opens"}};
+  const std::vector<JointMotion> joints = joint_motions(limit);
+  const auto json = json_of("", limit, {})["moving_joints"];
+  ASSERT_EQ(joints.size(), std::size(expected));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    EXPECT_EQ(joints[i].b, expected[i].block);
+    EXPECT_NEAR(joints[i].opening, expected[i].opening, 1e-15) << i;
+    EXPECT_NEAR(joints[i].sliding, expected[i].sliding, 1e-15) << i;
+    EXPECT_NEAR(joints[i].crushing, expected[i].crushing, 1e-15) << i;
+    EXPECT_EQ(json[i]["motion"], expected[i].text);
+  }
+  limit.margin = -0.9e-6;
+  EXPECT_EQ(moving_without_load(limit), (std::vector{1, 2, 3, 4, 5}));
+  limit.margin = 1.1e-6;
+  EXPECT_TRUE(moving_without_load(limit).empty());
 }
 
 // A wall of height H and thickness b has a constant force P on top. A lateral pressure p turns it over: p H^2/2 =

@@ -424,6 +424,33 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
   EXPECT_EQ(pressed.scene.stages[0].controls[0].force, (Vec3{3.0, -5.0, 4.0}));
 }
 
+// Up to 12 bodies with controls keep their names. Of more, those with equal controls share one.
+TEST(KernelsChoice, BodiesWithEqualControlsShareAName) {
+  const auto names = [](int count, const std::string& more) {
+    std::string text = fmt::format(
+        "[materials.stone]\ndensity = 2000\n[joints.dry]\nlaw = \"elastic\"\nnormal_stiffness = 1e9\n"
+        "shear_stiffness = 5e8\n[[block]]\nname = \"slab\"\nmaterial = \"stone\"\n"
+        "box = {{ lower = [0, 0, 0], size = [{}, 1, 1] }}\n",
+        count);
+    for (int i = 0; i < count; ++i)
+      text += fmt::format(
+          "[[block]]\nname = \"p{}\"\nmaterial = \"stone\"\nfixed = true\nbox = {{ lower = [{}, -1, 0], size = [1, 1, "
+          "1] }}\n",
+          i, i);
+    const Motion motion = choose_motion(scene_of_text(text + "[[stage]]\nduration = 0.1\n" + more));
+    std::set<std::string> of_controls, of_bricks;
+    for (const BodyControl& control : motion.scene.stages[0].controls) of_controls.insert(control.body);
+    for (const Brick& brick : motion.bricks.bricks) of_bricks.insert(brick.body);
+    of_controls.insert("");  // the slab
+    EXPECT_EQ(of_controls, of_bricks);
+    return of_controls;
+  };
+  EXPECT_EQ(names(12, "").size(), 13u);
+  EXPECT_EQ(names(13, ""), (std::set<std::string>{"", "p0 and 12 more"}));
+  EXPECT_EQ(names(13, "[[stage.velocity]]\nblock = \"p4\"\nvelocity = [0, 0.1, 0]\n"),
+            (std::set<std::string>{"", "p4", "p0 and 11 more"}));
+}
+
 // A stone of 1 x 0.5 x 1 m of 2000 kg/m3 and a soft one on elastic joints of 1e9 Pa/m, with both kinds of kernels. The
 // ground carries only their weight, 2 x 9.81 kN.
 TEST(KernelsChoice, BothKernelsCarryTheWeight) {

@@ -11,6 +11,9 @@
 #include <vector>
 
 #include "../scene_of_text.h"
+#include "base/error.h"
+#include "scene/load_place.h"
+#include "scene/read_masses.h"
 #include "scene/size.h"
 
 namespace quoin::blocks {
@@ -270,6 +273,122 @@ TEST(Blocks, TheirJointToleranceIsAShareOfTheThinnest) {
   EXPECT_EQ(joint_tolerance_of(assembled(cube("a", 0, 0) + "[contact]\njoint_tolerance = 0.003\n[[stage]]\nduration = "
                                                            "0.1\n")),
             0.003);
+}
+
+// Boxes `low`, 2 x 1 x 1 m, and `high` above it; `tilted`, a cube of 1 m that is turned by 30 degrees about z.
+Assembly three_blocks() {
+  return assemble(scene_of_text(R"([materials.stone]
+density = 2000
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+[[block]]
+name = "low"
+material = "stone"
+box = { lower = [0, 0, 0], size = [2, 1, 1] }
+[[block]]
+name = "high"
+material = "stone"
+box = { lower = [0, 3, 0], size = [0.6, 0.5, 1] }
+[[block]]
+name = "tilted"
+material = "stone"
+position = [3.5, 2, 0.5]
+rotation = [0, 0, 30]
+box = { lower = [-0.5, -0.5, -0.5], size = [1, 1, 1] }
+[[stage]]
+duration = 0.1
+)"));
+}
+
+// A load meets the first face along its force. Above the middle of the tilted cube its upper face is at 0.5/cos 30; 0.5
+// m beside it the face to the right is at (0.5 - 0.5 cos 30)/sin 30.
+TEST(LoadPlace, IsTheFirstFaceAlongTheForce) {
+  const Assembly assembly = three_blocks();
+  const double c = std::cos(std::numbers::pi / 6);
+  const struct {
+    Vec3 from, to, force;
+    std::vector<std::pair<int, Vector>> places;
+  } loads[] = {{{0.5, 5, 0.5}, {1.5, 5, 0.5}, {0, -7, 0}, {{1, {0.5, 3.5, 0.5}}, {0, {1, 1, 0.5}}, {0, {1.5, 1, 0.5}}}},
+               {{3.5, 5, 0.5}, {4, 5, 0.5}, {0, -7, 0}, {{2, {3.5, 2 + 0.5 / c, 0.5}}, {2, {4, 3 - c, 0.5}}}},
+               {{0.5, 2, 0.5}, {9, 9, 9}, {0, 3, 0}, {{1, {0.5, 3, 0.5}}}},
+               {{0.5, 0.25, 0.5}, {9, 9, 9}, {0, 3, 0}, {{0, {0.5, 0.25, 0.5}}}},
+               {{-1, 0, 0.5}, {9, 9, 9}, {2, 1, 0}, {{0, {0, 0.5, 0.5}}}}};
+  for (const auto& load : loads) {
+    const auto found = places_of({load.from, load.to, load.force, int(load.places.size())}, assembly, "here");
+    ASSERT_EQ(found.size(), load.places.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].block, load.places[i].first);
+      EXPECT_LT(norm(found[i].at - load.places[i].second), 1e-12);
+    }
+  }
+  EXPECT_THROW(places_of({{2.1, 5, 0.5}, {9, 9, 9}, {0, -1, 0}, 1}, assembly, "here"), Error);
+  EXPECT_NEAR(distance_from(assembly, assembly.blocks[2], Vector{3.5, 2, 0.5} + 0.75 * Vector{c, 0.5, 0}), 0.25, 1e-12);
+}
+
+// A pressure acts on the blocks of a name that reach furthest, and on their faces that look that way.
+TEST(LoadPlace, OuterFacesAreThoseOfTheBlocksThatReachFurthest) {
+  Assembly assembly = three_blocks();
+  assembly.shared_names = true;
+  for (Block& block : assembly.blocks) block.name = "pier";
+  const auto outer = [&](const Vector& towards) {
+    std::vector<std::pair<int, Vector>> found;
+    for (const BlockFace& f : outer_faces(assembly, "pier", towards, "here")) {
+      const Block& b = assembly.blocks[size_t(f.block)];
+      found.push_back({f.block, matrix(b.orientation) * assembly.shapes[size_t(b.shape)].normals[size_t(f.face)]});
+    }
+    return found;
+  };
+  const double c = std::cos(std::numbers::pi / 6);
+  const struct {
+    Vector towards;
+    std::vector<std::pair<int, Vector>> faces;
+  } cases[] = {{{0, 3, 0}, {{1, {0, 1, 0}}}},
+               {{0, -1, 0}, {{0, {0, -1, 0}}}},
+               {{2, 0.1, 0}, {{2, {c, 0.5, 0}}}},
+               {{-1, 0, 0}, {{0, {-1, 0, 0}}, {1, {-1, 0, 0}}}}};
+  for (const auto& [towards, faces] : cases) {
+    const auto found = outer(towards);
+    ASSERT_EQ(found.size(), faces.size()) << towards.x << " " << towards.y;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].first, faces[i].first);
+      EXPECT_LT(norm(found[i].second - faces[i].second), 1e-12);
+    }
+  }
+  EXPECT_EQ(block_at(assembly, "pier", {1.9, 1.1, 0.5}, "here"), 0);
+  EXPECT_EQ(block_at(assembly, "pier", {3.0, 2.0, 0.5}, "here"), 2);
+}
+
+// Blocks of one name share a mass; a mass with a place is of one block. Each body of a floor has its part of the mass.
+TEST(Masses, AreSharedByTheBlocksOfTheirName) {
+  Assembly assembly = three_blocks();
+  Scene scene;
+  scene.masses = {{"high", 5.0, std::nullopt, {}}, {"tilted", 7.0, Vec3{4, 2, 0.5}, {}}};
+  add_masses(scene, &assembly);
+  EXPECT_EQ(assembly.blocks[1].spread_mass, 5.0);
+  ASSERT_EQ(assembly.blocks[2].masses.size(), 1u);
+  EXPECT_EQ(assembly.blocks[2].masses[0].mass, 7.0);
+  EXPECT_EQ(assembly.blocks[2].masses[0].at.x, 4.0);
+  EXPECT_EQ(assembly.blocks[2].spread_mass, 0.0);
+  assembly.shared_names = true;
+  for (Block& block : assembly.blocks) block.name = "pier";
+  scene.masses = {{"pier", 30.0, std::nullopt, {}}};
+  add_masses(scene, &assembly);
+  EXPECT_EQ(assembly.blocks[0].spread_mass, 10.0);
+  EXPECT_EQ(assembly.blocks[1].spread_mass, 15.0);
+  scene.masses[0].point = Vec3{1, 0.5, 0.5};
+  EXPECT_THAT([&] { add_masses(scene, &assembly); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("3 blocks are called 'pier'")));
+
+  BuildingSpec building;
+  building.floors.resize(2);
+  building.floors[0].half_units = {0, 1}, building.floors[0].name = "loft";
+  building.floors[1].half_units = {0, 1, 4, 5}, building.floors[1].mass = 100.0, building.floors[1].name = "roof";
+  const std::vector<AddedMass> of_floors = masses_of_floors(building);
+  ASSERT_EQ(of_floors.size(), 4u);
+  for (const AddedMass& added : of_floors) EXPECT_EQ(added.mass, 25.0);
+  EXPECT_EQ(of_floors[3].block, "roof_4");
 }
 
 }  // namespace

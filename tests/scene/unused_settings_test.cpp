@@ -7,7 +7,9 @@
 
 #include "base/error.h"
 #include "one_block.h"
+#include "scene/damping_text.h"
 #include "scene/driven.h"
+#include "scene/read_ground.h"
 #include "scene/read_scene.h"
 #include "scene/stage_warnings.h"
 
@@ -302,7 +304,7 @@ TEST(DrivenAtAnAngle, IsWarnedOfUnderLocalDamping) {
 // A parapet of default zones falls at 0.672 of its weight along z, for 0.444 by hand: 1 + 2/n^2 is 1.5 for n = 2. With
 // four zones through the thickness it falls at 0.499. Nothing was said of it.
 TEST(OutOfPlane, IsWarnedOfWithFewZonesThroughTheThickness) {
-  const auto warns = [](const std::string& keys, const char* direction) {
+  const auto warning = [](const std::string& keys, const char* direction) {
     const Scene scene = read_scene_text(R"(
 [materials.m]
 young_modulus = 5e9
@@ -333,12 +335,16 @@ ramp_time = 0.5
 gravity = [0, -9.81, 0]
 collapse = { direction = )" + direction + ", start = 0.2, rate = 0.2 }\n",
                                         "scene.toml", {});
-    return !warning_about("thickness", scene, 0).empty();
+    return warning_about("thickness", scene, 0);
   };
-  EXPECT_TRUE(warns("", "[0, 0, 1]"));
-  EXPECT_FALSE(warns("", "[1, 0, 0]"));
-  EXPECT_FALSE(warns("zones = [2, 1, 4]", "[0, 0, 1]"));
-  EXPECT_FALSE(warns("rigid_units = true", "[0, 0, 1]"));
+  EXPECT_THAT(warning("", "[0, 0, 1]"), AllOf(HasSubstr("have 2 zones"), HasSubstr("are 1.5 times too stiff")));
+  EXPECT_THAT(warning("zones = [2, 1, 1]", "[0, 0, 1]"),
+              AllOf(HasSubstr("have 1 zone through"), HasSubstr("are 3 times")));
+  EXPECT_THAT(warning("zones = [2, 1, 3]", "[0, 0, 1]"), HasSubstr("are 1.22 times"));
+  EXPECT_EQ(warning("half_thickness = true", "[0, 0, 1]"), "") << "4 zones";
+  EXPECT_EQ(warning("", "[1, 0, 0]"), "");
+  EXPECT_EQ(warning("zones = [2, 1, 4]", "[0, 0, 1]"), "");
+  EXPECT_EQ(warning("rigid_units = true", "[0, 0, 1]"), "");
 }
 
 // Walls of a building bend out of plane where a stage acts across one of them.
@@ -451,6 +457,128 @@ TEST(Ramp, ThatTheDurationCutsShortIsWarnedOf) {
                 "[[stage]]\nkind = \"cycles\"\nblock = \"block\"\ndirection = \"x\"\namplitudes = [1e-4]\n"
                 "cycle_velocity = 0.01\nramp_time = 0.5\n"),
             "");
+}
+
+// A stage that shakes the ground for 0.1 s, after one at rest.
+std::string shaken(const std::string& keys) {
+  return "[[stage]]\nname = \"shake\"\nduration = 0.1\ngravity = [0, -9.81, 0]\nramp_time = 0.1\n" + keys +
+         "ground_motion = { direction = [1, 0, 0], time = [0, 0.1], acceleration = [0, 2] }\n";
+}
+
+std::string warning_of_last(const std::string& about, const std::string& text,
+                            const std::vector<std::string>& settings = {}) {
+  const Scene scene = read_scene_text(text, "scene.toml", settings);
+  return warning_about(about, scene, scene.stages.size() - 1);
+}
+
+// Damping in space, raised inertia and soil under ground motion, by the names and values of what the scene has.
+TEST(GroundMotion, IsWarnedOfWithWhatFalsifiesIt) {
+  const std::string fill =
+      "[[fill]]\nname = \"loam\"\nblock = \"block\"\nunit_weight = 18e3\nfriction_angle = 30\nstiffness = 1e7\n"
+      "towards = [1, 0, 0]\nsurface = [0, 1, 0]\n";
+  const std::string still = "[[stage]]\nduration = 0.1\ngravity = [0, -9.81, 0]\n";
+  const struct {
+    const char *about, *solver, *text;
+  } cases[] = {{"damping", "{damping='local'}", "local damping (gamma 0.8)"},
+               {"damping", "{damping='block'}", "damping by block (gamma 0.8)"},
+               {"damping", "{damping='viscous', stiffness_damping=1e-6}", ""},
+               {"damping", "{damping='viscous', mass_damping=3}", "mass damping (3 1/s)"},
+               {"damping", "{damping='none'}", ""},
+               {"inertia", "{mass_scaling=1}", ""},
+               {"inertia", "{mass_scaling=2.5}", "mass_scaling = 2.5 raises"},
+               {"inertia", "{selective_time_step=2e-5}", "selective_time_step = 2e-05 s raises"}};
+  for (const auto& [about, solver, text] : cases) {
+    // Only what the stage repeats is taken where the ground moves.
+    const std::vector<std::string> settings{std::string("solver=") + solver, std::string("stage.2.solver=") + solver};
+    const std::string found = warning_of_last(about, scene_text(kRigid, shaken("")), settings);
+    EXPECT_THAT(found, *text ? HasSubstr(text) : testing::Matcher<std::string>(IsEmpty())) << solver;
+    EXPECT_EQ(warning_of_last(about, scene_text(kRigid, still), {settings[0]}), "") << solver;
+  }
+  EXPECT_THAT(warning_of_last("soil", scene_text(kRigid, fill + shaken(""))), HasSubstr("[[fill]] 'loam'"));
+  EXPECT_EQ(warning_of_last("soil", scene_text(kRigid, fill + still)), "");
+  EXPECT_EQ(warning_of_last("soil", scene_text(kRigid, shaken(""))), "");
+}
+
+// 2 m/s2 from 0.2 to 0.6 s give 0.8 m/s, and 0.6 m/s by 0.5 s.
+TEST(GroundMotion, TextOfARecordHasItsTimesAndVelocities) {
+  const Scene scene = read_scene_text(
+      scene_text(kRigid, "ground_motion = { direction = [1, 0, 0], time = [0.2, 0.6], acceleration = [2, 2] }\n"),
+      "scene.toml", {});
+  const GroundMotion& ground = *scene.stages[0].ground;
+  const std::string text = "record of 0.4 s along (1, 0, 0), which ends at 0.8 m/s and begins at 0.2 s";
+  EXPECT_EQ(ground_text(ground, std::nullopt), text);
+  EXPECT_EQ(ground_text(ground, 0.6), text);
+  EXPECT_EQ(ground_text(ground, 0.5), text + ", cut at the end of the stage, after 0.5 s, at 0.6 m/s");
+  EXPECT_EQ(ground_text(ground, 0.2), text + ", after the end of the stage");
+  for (const auto& [factor, converts] : {std::pair{9.81, true},
+                                         {9.8, true},
+                                         {1.0029 * 9.80665, true},
+                                         {1.0031 * 9.80665, false},
+                                         {0.9969 * 9.80665, false}})
+    EXPECT_EQ(converts_from_g(factor), converts) << factor;
+}
+
+// Any load that changes at once leaves vibrations, which damping in space brakes.
+TEST(Release, OfLoadsAtOnceIsWarnedOf) {
+  const auto released = [](const std::string& keys, const std::vector<std::string>& settings = {}) {
+    return warning_of_last("release", scene_text(kDeformable, "[[stage]]\nname = \"now\"\nduration = 0.1\n" + keys),
+                           settings);
+  };
+  const std::string weight = "gravity = [0, -9.81, 0]\n",
+                    force = "[[stage.force]]\nblock = \"block\"\npoint = [0.5, 1, 0.5]\nforce = [1, 0, 0]\n";
+  for (const std::string& load : {weight, force,
+                                  std::string("[[stage.pressure]]\nblock = \"block\"\nnormal = [1, 0, 0]\npressure = "
+                                              "1\n"),
+                                  std::string("[[stage.velocity]]\nblock = \"block\"\nvelocity = [0, \"free\", 0]\n")})
+    EXPECT_THAT(released(load), AllOf(HasSubstr("stage 'now'"), HasSubstr("local damping (gamma 0.8)"))) << load;
+  EXPECT_EQ(released(""), "");
+  EXPECT_EQ(released("ramp_time = 0.05\n" + weight), "");
+  EXPECT_EQ(released("equilibrium_ratio = 1e-3\n" + weight), "");
+  EXPECT_EQ(released(weight, {"solver.damping=none"}), "");
+  EXPECT_EQ(warning_of_last("release", scene_text(kDeformable, weight)), "") << "the first stage settles";
+}
+
+// Eq. 1 at gridpoints drags rigid blocks that move where gamma is above 0.1, and carries collapses of deformable ones.
+TEST(Drag, OfBlocksThatMoveIsWarnedOf) {
+  const auto of = [](const char* about, const char* block, const std::string& stage, const char* solver) {
+    return warning_of_last(about, scene_text(block, stage), {std::string("solver=") + solver});
+  };
+  const std::string drives = driven("[0.01, 0, 0]"), collapse = "collapse = { direction = [1, 0, 0] }\n";
+  const char *const kAtLimit = "{local_damping=0.1}", *const kAbove = "{local_damping=0.11}";
+  EXPECT_THAT(of("drag", kRigid, drives, kAbove), HasSubstr("(gamma 0.11)"));
+  EXPECT_THAT(of("drag", kRigid, collapse, kAbove), HasSubstr("(gamma 0.11)"));
+  EXPECT_EQ(of("drag", kRigid, drives, kAtLimit), "");
+  EXPECT_EQ(of("drag", kRigid, "", kAbove), "");
+  EXPECT_EQ(of("drag", kRigid, drives, "{damping='block', local_damping=0.8}"), "");
+  EXPECT_EQ(of("drag", kDeformable, drives, kAbove), "");
+  EXPECT_THAT(of("collapse", kDeformable, collapse, kAtLimit), HasSubstr("(gamma 0.1)"));
+  EXPECT_EQ(of("collapse", kDeformable, collapse, "{damping='block'}"), "");
+  EXPECT_EQ(of("collapse", kDeformable, drives, kAtLimit), "");
+  EXPECT_EQ(of("collapse", kRigid, collapse, kAtLimit), "");
+  // Motion counts as along an axis up to 5 % across it.
+  EXPECT_EQ(of("angle", kDeformable, driven("[0, 0.01, -0.00049]"), kAtLimit), "");
+  EXPECT_THAT(of("angle", kDeformable, driven("[0, 0.01, -0.00051]"), kAtLimit), HasSubstr("'block' at an angle"));
+}
+
+// A smooth ramp s = 10 t^3 - 15 t^4 + 6 t^5 takes a velocity v to 0 over v T/2. On its way to -v it is farthest at
+// T/2, at v T (1/2 - 2 S) = 11/32 v T. S = 5/64 is the integral of s up to 1/2. A way above 5 % of the smaller
+// displacement is warned of.
+TEST(Ramp, ThatABodyGoesOnInIsWarnedOf) {
+  const auto on = [](const char* velocity, const char* ramp, double asked_before, double asked) {
+    const std::string ends = "monitor = \"block\"\ndisplacement = ";
+    return warning_of_last(
+        "ramp",
+        scene_text(kRigid, fmt::format("{}{}\n{}[[stage]]\nname = \"back\"\n{}{}\nramp_time = {}\n{}", ends,
+                                       asked_before, driven("[0, 0, 0.01]"), ends, asked, ramp, driven(velocity))));
+  };
+  EXPECT_THAT(on("[0, 0, 0]", "0.2", 0.0199, 1.0), HasSubstr("from 0.01 to 0 m/s along z over its ramp_time of 0.2 s, "
+                                                             "in which it goes on by 1 mm before it stands still"));
+  EXPECT_THAT(on("[0, 0, -0.01]", "0.32", 1.0, 0.0219), HasSubstr("goes on by 1.1 mm before it turns back"));
+  EXPECT_EQ(on("[0, 0, 0]", "0.2", 0.0201, 1.0), "");
+  EXPECT_EQ(on("[0, 0, -0.01]", "0.32", 1.0, 0.0221), "");
+  EXPECT_EQ(on("[0, 0, 0.02]", "0.2", 0.001, 0.001), "") << "the same way";
+  EXPECT_EQ(on("[0, 0, \"free\"]", "0.2", 0.001, 0.001), "");
+  EXPECT_EQ(on("[0, 0, 0]", "0.0", 0.001, 0.001), "");
 }
 
 // A stage measures along what it drives: beside x it was not, so that a slow push along z counted as one without work.
