@@ -226,12 +226,13 @@ def reaction_columns():
 
 
 def member_columns():
-    code = read("host/members/members.cpp")
-    body = code[code.index("column_names(const"):code.index("return names")]
-    names = ["tie_NAME_N"]
-    for form in re.findall(r'"([a-z]+_\{\}_[^"]*)"', body):
-        name = form.replace("{}", "NAME", 1)
-        names += [name.replace("{}", axis) for axis in "xyz"] if "{}" in name else [name]
+    names = []
+    for kind in ("ties", "beds", "strips", "floors", "beams", "dowels", "fills"):  # as kKinds of members/members.h
+        code = read(f"host/members/{kind}.cpp")
+        body = code[code.index("column_names(const"):]
+        for form in re.findall(r'"([a-z]+_\{\}_[^"]*)"', body[:body.index("\n}\n")]):
+            name = form.replace("{}", "NAME", 1)
+            names += [name.replace("{}", axis) for axis in "xyz"] if "{}" in name else [name]
     return names
 
 
