@@ -20,7 +20,6 @@
 #include "files/file_bytes.h"
 #include "scene/actions/actions.h"
 #include "scene/damping_text.h"
-#include "scene/generate.h"
 #include "scene/scatter_text.h"
 #include "step/large_motion.h"
 
@@ -311,9 +310,6 @@ std::string text_of(const Scene& scene, std::size_t index) {
     add(fmt::format("{} at {} m/s, {}", text_of(*s.cycles), s.cycles->velocity,
                     s.cycles->stop_at_force_loss.value_or(0.0)));
   if (s.whiffletree) add(fmt::format("whiffletree {} N/m, {} m/s", s.whiffletree->stiffness, s.whiffletree->velocity));
-  const bool holds_ground =
-      std::ranges::any_of(s.controls, [&](const BodyControl& c) { return is_ground(scene, c.body); });
-  if ((scene.wall || scene.building) && !holds_ground) add(stands_on_ground(scene) ? "ground held" : "no ground held");
   for (const std::string& action : action_texts(s)) add(action);
   for (const auto& [family, law] : s.law_swaps) add(fmt::format("law of {}: {}", family, law));
   return text;

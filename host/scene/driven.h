@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/upright_axis.h"
 #include "scene/scene.h"
 
 namespace quoin {
@@ -58,17 +59,18 @@ inline int only_axis(const std::array<bool, 3>& axes) {
   return axes == std::array{false, true, false} ? 1 : axes == std::array{false, false, true} ? 2 : 0;
 }
 
-// Axes along which the forces of a stage act, where they are its only action.
+// Level axes along which the forces of a stage act, where they are its only action. Loads along the vertical press.
 inline std::array<bool, 3> forced_along(const Stage& stage) {
   std::array<bool, 3> forced{};
   if (stage.ground || stage.collapse || stage.moving_load || !stage.pressures.empty()) return forced;
   for (const PointForce& f : stage.forces)
     for (std::size_t c = 0; c < 3; ++c) forced[c] = forced[c] || f.force[c] != 0.0;
+  forced[static_cast<std::size_t>(upright_axis(stage.gravity))] = false;
   return forced;
 }
 
-// Stage::direction where the scene gives none: the only axis along which bodies are driven, else that of forces, else
-// x. In a stage that ends by a displacement those count alone whose displacement that is.
+// Stage::direction where the scene gives none: the only axis along which bodies are driven, else a level one of forces,
+// else x. In a stage that ends by a displacement those count alone whose displacement that is.
 inline int default_direction(const Stage& stage, const Scene& scene) {
   if (driven_along(stage) == std::array{false, false, false}) return only_axis(forced_along(stage));
   if (!stage.displacement) return only_axis(driven_along(stage));

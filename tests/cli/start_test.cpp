@@ -205,25 +205,6 @@ duration = 0.1
   }
 }
 
-// A stage with controls of other bodies alone holds the bottom beam where a later stage shakes, and does not where none
-// does.
-TEST_F(Start, AnotherGroundOfTheFirstStagesIsRefused) {
-  const std::string text = read_all(small_), before = text.substr(0, text.find("[[stage]]"));
-  const std::string free =
-      "[[stage]]\nname = \"free\"\nkind = \"custom\"\nduration = 0.001\n"
-      "control = [{ body = \"top_beam\" }]\n";
-  const std::string shake =
-      "[[stage]]\nname = \"shake\"\nduration = 0.001\nmonitor = \"top_beam\"\n"
-      "ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [0, 1] }\n";
-  const std::string output = text.find("[output]") < text.find("[[stage]]") ? "" : text.substr(text.find("[output]"));
-  std::ofstream(first_) << before << free << output;
-  std::ofstream(second_) << "start = \"first\"\n" << before << free << shake << output;
-  ASSERT_EQ(run(first_, "first", {"--set", "output.end_state=true"}), 0) << error_;
-  EXPECT_EQ(run(second_, "second"), 3);
-  EXPECT_THAT(error_, HasSubstr("version of stage 'free'"));
-  EXPECT_THAT(error_, HasSubstr("no ground held"));
-}
-
 // A stage that ends at a displacement ends elsewhere where another body or axis is monitored.
 TEST_F(Start, AnotherMonitorOfTheFirstStagesIsRefused) {
   const std::string text = read_all(small_), before = text.substr(0, text.find("[[stage]]"));

@@ -438,7 +438,7 @@ TEST_F(Unjoined, BlocksAtAnEdgeMayOverlapByTheSlidingBound) {
   EXPECT_EQ(seen_.nearness, 0.0) << "apart";
 }
 
-// A wall of which a stage controls the top beam alone: the bottom beam is not held then.
+// A wall whose bottom beam a stage lets go.
 TEST(Supports, AWallWithoutABottomBeamThatIsHeldSaysSo) {
   const std::string wall =
       "[materials.brick]\nyoung_modulus = 16.7e9\npoisson_ratio = 0.15\ndensity = 1900.0\n"
@@ -448,7 +448,9 @@ TEST(Supports, AWallWithoutABottomBeamThatIsHeldSaysSo) {
       "beam_joint = \"mortar\"\n[output]\nframes = 0\n"
       "[[stage]]\nname = \"own\"\nkind = \"custom\"\ngravity = [0, -9.81, 0]\nduration = 0.0005\n";
   const std::string held = "[[stage.control]]\nbody = \"bottom_beam\"\nvelocity = [0, 0, 0]\n",
-                    free = "[[stage.control]]\nbody = \"top_beam\"\nvelocity = [\"free\", \"free\", \"free\"]\n";
+                    free =
+                        "[[stage.control]]\nbody = \"bottom_beam\"\nvelocity = [\"free\", \"free\", "
+                        "\"free\"]\nrotation_held = false\n";
   for (const bool with : {false, true}) {
     for (const char* kernels : {"lattice", "general"}) {
       Simulation simulation(

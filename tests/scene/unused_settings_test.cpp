@@ -602,7 +602,8 @@ TEST(DefaultDirection, IsThatOfForcesWhereTheseActAlone) {
     return read_scene_text(scene_text(kRigid, stage + more), "scene.toml").stages[0].direction;
   };
   EXPECT_EQ(direction("[0, 0, 5]", ""), 2);
-  EXPECT_EQ(direction("[0, -5, 0]", ""), 1);
+  EXPECT_EQ(direction("[0, -5, 0]", ""), 0) << "a load";
+  EXPECT_EQ(direction("[0, -5, 5]", ""), 2);
   EXPECT_EQ(direction("[5, 0, 5]", ""), 0);
   EXPECT_EQ(direction("[0, 0, 5]", driven("[0.01, 0, 0]")), 0);
 }
