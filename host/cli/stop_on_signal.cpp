@@ -47,8 +47,9 @@ StopOnSignal::StopOnSignal(Simulation& simulation) {
 }
 
 StopOnSignal::~StopOnSignal() {
-  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
   running = nullptr;
+  if (count > 0) return;  // the program ends now: a repeated signal must not change its exit code
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
 }
 
 }  // namespace quoin
