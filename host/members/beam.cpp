@@ -134,7 +134,7 @@ void Beam::bend(Piece& piece, int plane, const std::array<double, 2>& rotation) 
   if (ei == 0.0) return;
   const double phi = std::isfinite(section_.shear_area[p]) ? 12.0 * ei / (section_.shear_area[p] * l * l) : 0.0;
   const double same = ei / l * (4.0 + phi) / (1.0 + phi), other = ei / l * (2.0 - phi) / (1.0 + phi);
-  auto& [first, second] = piece.hinge[p];
+  double &first = piece.hinge[p][0], &second = piece.hinge[p][1];
   const auto moments = [&] {
     const double a = rotation[0] - first, b = rotation[1] - second;
     return std::array{same * a + other * b, other * a + same * b};

@@ -14,6 +14,7 @@
 #include "step/actions/action.h"
 #include "step/actions/actions.h"
 #include "step/actions/ground.h"
+#include "step/block_motion.h"
 #include "step/gather.h"
 #include "step/rank_agreement.h"
 #include "step/reactions.h"
