@@ -616,7 +616,7 @@ void assemble(const Simulation& simulation, const LimitOptions& options, const S
   }
   if (shapes) limit->edge_count = leave_rims_out(*shapes, &limit->problem.points);
   limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
-  if (shapes && shapes->held_by.members) add_members(*shapes->held_by.members.get(), scene.file, limit);
+  if (shapes && shapes->held_by.members) add_members(*shapes->held_by.members, scene.file, limit);
   if (limit->halved) keep_on_plane(limit);
   for (const JointFamily& family : assembly.families) limit->families.push_back(family.name);
   if (loaded.collapse || options.stage || options.multiplied != Multiplied::weight)

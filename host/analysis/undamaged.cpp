@@ -342,7 +342,7 @@ void World::add_deformations(const Vibrating& v, StiffnessEntries* entries) cons
 void World::fill(const std::string& file, Vibrating* v) {
   number(v);
   draw(v);
-  if (held_by.members) own_ = members::linear_of(*held_by.members.get(), file), number_members(v);
+  if (held_by.members) own_ = members::linear_of(*held_by.members, file), number_members(v);
   const auto count = static_cast<Eigen::Index>(v->unknown.size());
   v->stiffness.resize(count, count);
   StiffnessEntries entries;

@@ -240,10 +240,9 @@ class Pool {
     const std::string end = WIFSIGNALED(status) ? fmt::format("its process ended by signal {} ({})", WTERMSIG(status),
                                                               strsignal(WTERMSIG(status)))
                                                 : fmt::format("its process ended with code {}", WEXITSTATUS(status));
-    const std::string last = last_line(place / "log.txt");
-    const std::string reason = !said.empty() && !killed ? said
-                               : last.empty() || killed ? end
-                                                        : end + "; its log ends with: " + last;
+    std::string reason = said.empty() || killed ? end : said;
+    const std::string last = said.empty() && !killed ? last_line(place / "log.txt") : "";
+    if (!last.empty()) reason += "; its log ends with: " + last;
     actions_.fail(sample, place, reason);
     ++done_;
     print_progress();

@@ -49,24 +49,20 @@ std::vector<std::string> column_names(const SpringSpec& spec) {
 }
 
 void Bed::pull(std::vector<Node>& nodes, const Surroundings& step) {
-  const Vector before = force();
+  Vector before, after;
   for (SpringPoint& p : points) {
     Node& node = nodes[static_cast<std::size_t>(p.node)];
+    before += p.state.force;
     p.state.follow(p.law, p.out, node.x - node.start - step.ground, step.dt);
+    after += p.state.force;
     node.force += p.state.force;
   }
-  ground_work += 0.5 * dot(before + force(), step.ground_way);
+  ground_work += 0.5 * dot(before + after, step.ground_way);
 }
 
 Work Bed::work() const {
   Work sum{0.0, 0.0, ground_work};
   for (const SpringPoint& p : points) sum += {p.state.stored, p.state.dissipated, 0.0};
-  return sum;
-}
-
-Vector Bed::force() const {
-  Vector sum;
-  for (const SpringPoint& p : points) sum += p.state.force;
   return sum;
 }
 

@@ -45,7 +45,7 @@ struct Fill {
 
   void pull(std::vector<Node>& nodes, const Surroundings& step);
   Work work() const;
-  Vector force() const;  // force on its blocks, N
+  Vector force() const { return force_of(points); }  // force on its blocks, N
   std::vector<double> columns() const;
 
   template <class Visit>

@@ -143,12 +143,6 @@ Work Fill::work() const {
   return sum;
 }
 
-Vector Fill::force() const {
-  Vector sum;
-  for (const FillPoint& p : points) sum += p.state.force;
-  return sum;
-}
-
 std::vector<double> Fill::columns() const {
   const Vector sum = force();
   return {sum.x, sum.y, sum.z};

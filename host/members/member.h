@@ -1,7 +1,7 @@
 // What members of all kinds have in common.
 #pragma once
 
-#include <string>
+#include <concepts>
 #include <vector>
 
 #include "members/node.h"
@@ -32,6 +32,14 @@ struct Line {
   double moment = 0.0;       // larger one of its ends, N m
   bool broken = false;
 };
+
+// Sum of the forces of points on their blocks, N; for members that are points of faces.
+template <class Point>
+Vector force_of(const std::vector<Point>& points) {
+  Vector sum;
+  for (const Point& p : points) sum += p.state.force;
+  return sum;
+}
 
 // A kind of member. Beside these functions it has
 //   each_joint(visit)          pairs of nodes that it connects: visit(node, node)

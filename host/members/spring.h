@@ -51,7 +51,7 @@ struct Bed {
 
   void pull(std::vector<Node>& nodes, const Surroundings& step);
   Work work() const;
-  Vector force() const;  // force on its blocks, N
+  Vector force() const { return force_of(points); }  // force on its blocks, N
   std::vector<double> columns() const;
   bool has_dashpots() const;
 

@@ -5,7 +5,6 @@
 
 #include "members/members.h"
 #include "model/world_results.h"
-#include "step/actions/ground.h"
 #include "step/block_motion.h"
 #include "step/gather.h"
 #include "step/large_motion_run.h"

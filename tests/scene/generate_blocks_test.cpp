@@ -12,6 +12,7 @@
 
 #include "../scene_of_text.h"
 #include "base/error.h"
+#include "one_block.h"
 #include "scene/load_place.h"
 #include "scene/read_masses.h"
 #include "scene/size.h"
@@ -23,15 +24,7 @@ constexpr double kLength = 0.3, kThickness = 0.2;
 constexpr int kCourses = 7, kUnits = 4;
 
 Scene scene_with(const std::string& keys) {
-  return scene_of_text(R"([materials.stone]
-density = 2000
-young_modulus = 1e10
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e9
-shear_stiffness = 5e8
-[[dry_wall]]
+  return scene_of_text(kStone + R"([[dry_wall]]
 material = "stone"
 courses = 7
 units_per_course = 4
@@ -165,16 +158,7 @@ TEST(DryWall, StandsInItsDirectionFromXTowardsZ) {
 
 // Returns the parts beside dry walls: blocks and arches of stone, with further joints.
 Assembly assembled(const std::string& keys) {
-  return assemble(scene_of_text(R"(default_joint = "dry"
-[materials.stone]
-density = 2000
-young_modulus = 1e10
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e9
-shear_stiffness = 5e8
-[joints.mortar]
+  return assemble(scene_of_text("default_joint = \"dry\"\n" + kStone + R"([joints.mortar]
 law = "elastic"
 normal_stiffness = 1e9
 shear_stiffness = 5e8

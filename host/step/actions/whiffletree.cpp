@@ -75,7 +75,7 @@ bool push_lost(Simulation::Impl& s, std::vector<Warning>* warnings) {
   if (!settings.whiffletree || settings.cycles || !settings.displacement) return false;
   const Whiffletree& tree = *settings.whiffletree;
   const JackHead& jack = s.controls.jack;
-  const double way = std::copysign(jack.travel, jack.travel * tree.velocity);
+  const double way = std::copysign(1.0, tree.velocity) * jack.travel;
   if (way <= kLostTravel * (*settings.displacement + jack.peak / tree.stiffness)) return false;
   std::string floors;
   for (std::size_t f = 0; f < tree.floors.size(); ++f)
